@@ -5,7 +5,8 @@
 
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Event, Host, Kept, Plan, Point, Points, Program, Results};
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -14,6 +15,8 @@ use crate::fingerprint::fingerprint;
 
 /// Groups whose code is kept though nobody uses it.
 const KEPT: usize = 256;
+/// Threads that make code at once: the others wait, for scenes may have thousands of groups.
+const THREADS: usize = 4;
 
 type Slot = Arc<OnceLock<Result<Compiled, NoCode>>>;
 
@@ -21,7 +24,19 @@ type Slot = Arc<OnceLock<Result<Compiled, NoCode>>>;
 #[derive(Default)]
 pub struct Cache {
     slots: Mutex<HashMap<(u128, Level), Slot>>,
+    queue: Arc<Mutex<Queue>>,
 }
+
+/// Groups that wait for their code.
+#[derive(Default)]
+struct Queue {
+    waiting: VecDeque<(Arc<Plan>, Level, Slot)>,
+    /// Threads that make some.
+    threads: usize,
+}
+
+/// Whether somebody has been told why no group has code here.
+static IS_TOLD: AtomicBool = AtomicBool::new(false);
 
 /// A group that runs, by code as soon as there is some.
 pub struct Job {
@@ -37,6 +52,25 @@ impl std::fmt::Debug for Cache {
     }
 }
 
+/// Makes code; a mistake of ours leaves the group to the interpreter.
+fn made(plan: Arc<Plan>, level: Level) -> Result<Compiled, NoCode> {
+    let work = AssertUnwindSafe(|| Compiled::new(plan, level));
+    catch_unwind(work).unwrap_or_else(|_| Err(NoCode::OfGroup("the compiler made a mistake".into())))
+}
+
+/// Makes code as long as somebody waits for some.
+fn work(queue: &Mutex<Queue>) {
+    loop {
+        let next = queue.lock().ok().and_then(|mut queue| {
+            let next = queue.waiting.pop_front();
+            queue.threads -= usize::from(next.is_none());
+            next
+        });
+        let Some((plan, level, slot)) = next else { return };
+        let _ = slot.set(made(plan, level));
+    }
+}
+
 impl Cache {
     /// How many groups it has code of, or has it made now.
     #[must_use]
@@ -44,7 +78,7 @@ impl Cache {
         self.slots.lock().map_or(0, |slots| slots.len())
     }
 
-    /// The code of a group: found, or made by a thread of its own from now on.
+    /// The code of a group: found, or made by a thread from now on. Few threads make all code, one group after the other.
     #[must_use]
     pub fn start(&self, plan: Arc<Plan>, level: Level) -> Job {
         let key = (fingerprint(&plan), level);
@@ -61,16 +95,47 @@ impl Cache {
                 });
                 slot.clone()
             }
-            Err(_) => Slot::default(),
+            Err(_) => {
+                let lost = Slot::default();
+                let _ = lost.set(Err(NoCode::Here("the list of code is lost".into())));
+                lost
+            }
         };
         if let Some(slot) = new {
-            let (plan, failed) = (plan.clone(), slot.clone());
-            let work = move || drop(slot.set(Compiled::new(plan, level)));
-            if let Err(why) = std::thread::Builder::new().name("shader code".into()).spawn(work) {
-                let _ = failed.set(Err(NoCode::Here(format!("no thread to compile in: {why}"))));
-            }
+            self.make(plan.clone(), level, slot, key);
         }
         Job { plan, slot, is_told: AtomicBool::new(false) }
+    }
+
+    fn make(&self, plan: Arc<Plan>, level: Level, slot: Slot, key: (u128, Level)) {
+        let Ok(mut queue) = self.queue.lock() else {
+            let _ = slot.set(Err(NoCode::Here("the list of what waits for code is lost".into())));
+            return;
+        };
+        queue.waiting.push_back((plan, level, slot));
+        if queue.threads >= THREADS {
+            return;
+        }
+        queue.threads += 1;
+        drop(queue);
+        let all = self.queue.clone();
+        let Err(why) = std::thread::Builder::new().name("shader code".into()).spawn(move || work(&all))
+        else {
+            return;
+        };
+        // Other threads go on with what waits; where there is none, it is said, and tried anew for who asks next.
+        let Ok(mut queue) = self.queue.lock() else { return };
+        queue.threads -= 1;
+        if queue.threads == 0 {
+            let left = std::mem::take(&mut queue.waiting);
+            drop(queue);
+            for (.., slot) in left {
+                let _ = slot.set(Err(NoCode::Here(format!("no thread to compile in: {why}"))));
+            }
+            if let Ok(mut slots) = self.slots.lock() {
+                slots.remove(&key);
+            }
+        }
     }
 }
 
@@ -97,8 +162,10 @@ impl Program for Job {
             Some(Ok(code)) => code.run_for(&self.plan, host, points, out),
             code => {
                 self.plan.run(host, points, out);
-                if let Some(Err(NoCode::OfGroup(why))) = code
+                if let Some(Err(why)) = code
                     && !self.is_told.swap(true, Ordering::Relaxed)
+                    // What is so for all groups is told for one.
+                    && !(matches!(why, NoCode::Here(_)) && IS_TOLD.swap(true, Ordering::Relaxed))
                 {
                     let text = format!("it is interpreted, which is slow, for it has no machine code: {why}");
                     out.events.push((0, Event::Warning(text)));

@@ -167,9 +167,9 @@ impl Compiled {
         self.layout.lanes
     }
 
-    /// Turns of loops that a batch may take.
+    /// Turns of loops that a batch may take: as many as its points have together, for each may take its own while the others wait.
     pub(crate) fn fuel(&self) -> u32 {
-        self.plan.turns.min(i32::MAX as u64) as u32
+        self.plan.turns.saturating_mul(self.lanes() as u64).min(i32::MAX as u64) as u32
     }
 
     /// Bytes of machine code.

@@ -388,7 +388,7 @@ impl Calls for Batch<'_, '_> {
             Call::Stopped { layer, at } => {
                 for lane in lanes {
                     work.turn(points, lane);
-                    work.machine.say_stopped(*layer, *at, code.fuel().into());
+                    work.machine.say_stopped(*layer, *at, code.plan.turns);
                     work.stopped += 1;
                     work.hear(lane);
                 }

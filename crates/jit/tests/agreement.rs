@@ -226,3 +226,10 @@ fn endless_loops_are_stopped() {
     let (_, first) = lanes.output(0, Some(0), "f").expect("an output");
     assert_eq!(first, gnurt_sl::hir::Data::Float(vec![2.0]), "the others go on");
 }
+
+/// Values that parameters are given are known when code is made: kinds of noise, indices.
+#[test]
+fn parameters_are_constants() {
+    let text = "shader test(string kind = \"perlin\", int k = 1, float w[3] = {1, 2, 3}, color c = color (1, 2, 3), output float f = 0, output color o = 0) { f = noise (kind, P) + w[k] + c[k] + u; o[k] = f * c[2]; float s = 0; for (int i = 0; i < k; ++i) s += w[2]; f += s; }";
+    assert_eq!(compare(&alone(text), text), 0, "operations that are left to the interpreter");
+}

@@ -145,3 +145,114 @@ fn groups_beyond_a_limit_say_once_that_they_are_interpreted() {
         assert_eq!(said(&job), [], "{limit}: once");
     }
 }
+
+/// What both give for points that are run one batch after the other in the same memory; what code says of itself.
+fn agree(text: &str, turns: u64) -> Result<(), NoCode> {
+    let level = Level::best();
+    let outputs = vec!["f".into()];
+    let options = PlanOptions { outputs, turns, ..PlanOptions::default() };
+    let plan = || Arc::new(Plan::new(&alone(text), &options).expect("a plan"));
+    let (cache, world, interpreted) = (Cache::default(), World::default(), plan());
+    let job = cache.start(plan(), level);
+    job.wait()?;
+    let (mut wanted, mut found) = (Results::default(), Results::default());
+    for turn in 0..3 {
+        let batch = rows(&points(16));
+        interpreted.run(&world, &batch, &mut wanted);
+        job.run(&world, &batch, &mut found);
+        assert_eq!(found.rows, wanted.rows, "batch {turn}: {text}");
+        assert_eq!(found.events, wanted.events, "batch {turn}: what is said: {text}");
+    }
+    Ok(())
+}
+
+/// Whether there is code to test.
+fn has_code() -> bool {
+    let has = Compiled::can(Level::best());
+    if !has {
+        eprintln!("SKIPPED: there is no machine code for {}", Level::best());
+    }
+    has
+}
+
+#[test]
+fn arrays_that_get_shorter_ones_keep_nothing_of_the_batch_before() {
+    let text = "shader test (output float f = 0) { float a[4]; float b[2] = {u, v}; a = b; printf (\"\"); f = a[3]; a[3] = 7; printf (\"\"); }";
+    if has_code() {
+        agree(text, 1000).expect("code");
+    }
+}
+
+/// Each turn of the outer loop, one point goes on alone.
+#[test]
+fn points_have_turns_of_their_own() {
+    let text = "shader test (output float f = 0) { for (int k = 0; k < 16; ++k) if ((int) (u * 13 + 0.5) == k) for (int i = 0; i < 200; ++i) f += 1; }";
+    if has_code() {
+        agree(text, 500).expect("code");
+    }
+}
+
+#[test]
+fn loops_in_loops_take_no_time_to_look_at() {
+    let head: String = (0..40).map(|i| format!("for (int i{i} = 0; i{i} < 1; ++i{i}) ")).collect();
+    let inner = "{ if (u > 0.5 && f > 3) break; f += u; }";
+    let start = std::time::Instant::now();
+    if has_code() {
+        agree(&format!("shader test (output float f = 0) {{ {head} {inner} }}"), 1000).expect("code");
+    }
+    assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
+}
+
+/// What varies is found one variable a pass.
+#[test]
+fn long_ways_around_loops_mean_the_same() {
+    let count = 150;
+    let names: Vec<String> = (0..=count).map(|i| format!("a{i}")).collect();
+    let moves: String = names.windows(2).map(|pair| format!("{} = {}; ", pair[0], pair[1])).collect();
+    let text = format!(
+        "shader test (output float f = 0) {{ float {} = 0; for (int i = 0; i < 160; ++i) {{ {moves} a{count} = i + u; }} if (a0 > 3) f = a0; }}",
+        names.join(" = 0, ")
+    );
+    if has_code() {
+        agree(&text, 1000).expect("code");
+    }
+}
+
+#[test]
+fn code_has_an_end() {
+    let lines: String = (0..3500).map(|i| format!("f += Dx (noise (P * {i}, u)); ")).collect();
+    let text = &format!("shader test (output float f = 0) {{ {lines} }}");
+    if has_code() {
+        let why = agree(text, 1000).expect_err("too large");
+        assert!(matches!(&why, NoCode::OfGroup(why) if why.contains("operations")), "{why}");
+    }
+}
+
+/// How many threads of this process make code.
+#[cfg(target_os = "linux")]
+fn threads() -> usize {
+    let list = std::fs::read_dir("/proc/self/task").expect("this process").flatten();
+    let names = list.filter_map(|task| std::fs::read_to_string(task.path().join("comm")).ok());
+    names.filter(|name| name.trim() == "shader code").count()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn many_groups_take_few_threads() {
+    if !has_code() {
+        return;
+    }
+    let cache = Cache::default();
+    let before = threads();
+    let jobs: Vec<_> = (0..64)
+        .map(|i| {
+            let lines: String = (0..12).map(|k| format!("f += noise (P * {i}, {k}); ")).collect();
+            let text = format!("shader test (output float f = 0) {{ {lines} }}");
+            let plan = Plan::new(&alone(&text), &PlanOptions::default()).expect("a plan");
+            cache.start(Arc::new(plan), Level::best())
+        })
+        .collect();
+    // Those of tests beside this one are counted, too.
+    assert!(threads() <= before + 24, "{} threads", threads());
+    assert!(jobs.iter().all(|job| job.wait().is_ok()), "code of all");
+}

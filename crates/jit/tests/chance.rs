@@ -137,7 +137,12 @@ impl Maker {
                 self.text += &line;
             }
             4 => {
-                let line = match self.dice.roll(3) {
+                let line = match self.dice.roll(5) {
+                    3 => format!("{} = b;\n", self.dice.of(&["a", "w"])),
+                    4 => {
+                        let at = self.int(1);
+                        format!("f = w[{at}]; w[{}] = {};\n", self.dice.roll(4), self.float(1))
+                    }
                     0 => format!("{}[{}] = {};\n", self.dice.of(COLORS), self.dice.roll(3), self.float(0)),
                     1 => format!("a[{}] = {};\n", self.int(1), self.float(0)),
                     _ => format!("f = call({}, {});\n", self.float(1), self.dice.of(INTS)),
@@ -205,7 +210,7 @@ fn program(seed: u64) -> String {
     maker.statements(0);
     let function = "float call(float y, output int n) { float x = y; n = n + 1; if (x < 0) return -x; for (int q = 0; q < 3; ++q) { if (x < q) return q; x *= 0.5; } return x; }";
     format!(
-        "{function}\nshader test(output color o = P, output float f = u, output int k = 1, output float z = 0) {{\nint i = 0, j = (int) (v * 5); float g = v, h = 2; color c = I, d = 1; float a[3] = {{u, 1, 2}};\n{}\nz = Dx(f) + g + h + i + j + a[0] + a[1] + a[2] + c[0] + d[1]; }}",
+        "{function}\nshader test(output color o = P, output float f = u, output int k = 1, output float z = 0) {{\nint i = 0, j = (int) (v * 5); float g = v, h = 2; color c = I, d = 1; float a[3] = {{u, 1, 2}}; float b[2] = {{v, u}}; float w[4];\n{}\nz = Dx(f) + g + h + i + j + a[0] + a[1] + a[2] + c[0] + d[1]; }}",
         maker.text
     )
 }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use crate::common::*;
 use glam::Vec3;
 use gnurt_render::{CommitOptions, Integrator, RenderOptions, ShaderTable, Silent, World, render};
+use gnurt_scene::animation::Exposure;
 use gnurt_scene::material::{Color, NormalMap, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{
@@ -313,6 +314,35 @@ fn meshes_tell_their_area_where_they_stand() {
         let camera = camera([0.1, 0.05, 3.0], [0.1, 0.05, 0.0], 0.01);
         let frame = render(&world, &camera, &options(1, 1, 1), &pool(1), &Silent).expect("sound options");
         assert_close(f64::from(frame.picture.color[0][0]), area, 1e-4 * area, "area in the world");
+    }
+}
+
+#[test]
+fn surfaces_know_the_moment() {
+    let mut scene = floor(0.5, 1.0);
+    scene.edit_material(MaterialId(0)).surface = Surface::Shader(0);
+    let want = |name: &str, components: u32| AttributeRequest {
+        name: name.into(),
+        components,
+        default: vec![0.0; components as usize],
+    };
+    let requests = vec![want(AttributeRequest::TIME, 1), want("none", 2), want("none", 1)];
+    let table = ShaderTable { surfaces: vec![Arc::new(Show(requests))], ..ShaderTable::default() };
+    let shown = |world: &World| {
+        let camera = camera([0.1, 0.05, 3.0], [0.1, 0.05, 0.0], 0.01);
+        let frame = render(world, &camera, &options(1, 1, 1), &pool(1), &Silent).expect("sound options");
+        f64::from(frame.picture.color[0][0])
+    };
+    let mut world = World::new();
+    world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
+    assert_eq!(shown(&world), 0.0, "nothing moves");
+    let places = vec![Affine::IDENTITY, Affine::translation([0.2, 0.0, 0.0])];
+    let exposure = Exposure { instances: vec![(InstanceId(0), places)], ..Exposure::default() };
+    world
+        .commit_exposed(&scene, &exposure, &table, &CommitOptions::default(), &pool(1))
+        .expect("the scene is sound");
+    for time in [0.25, 0.75] {
+        assert_close(shown(&world.at(time, &pool(1))), f64::from(time), 1e-6, "the moment of all rays");
     }
 }
 

@@ -27,6 +27,10 @@ impl AttributeRequest {
 
     /// The name under which meshes have their area where they stand, world units squared: one float. As they are when the shutter opens.
     pub const SURFACE_AREA: &'static str = "gnurt:surface_area";
+
+    /// The name under which points have the moment at which their ray sees them, from 0 to 1 while the shutter is open: one float. 0 where
+    /// nothing moves.
+    pub const TIME: &'static str = "gnurt:time";
 }
 
 /// A surface: what its points do to light.

@@ -125,3 +125,14 @@ proptest! {
         let _ = dictionaries.find("<a><b c='1'/><b/></a>", &query, |_| None);
     }
 }
+
+/// Ends of entities are not looked for in all of the text.
+#[test]
+fn texts_of_signs_alone_are_read_once() {
+    let text = format!("<set><a b='{}'/></set>", "&".repeat(1 << 20));
+    let start = std::time::Instant::now();
+    let mut dictionaries = Dictionaries::default();
+    let node = dictionaries.find(&text, "//a", |_| None).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(dictionaries.value(node, "b").map(str::len), Some(1 << 20), "they stay");
+    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+}

@@ -161,6 +161,18 @@ impl Tree {
     }
 }
 
+/// What is compared and copied counts, not steps alone.
+#[test]
+fn long_groups_are_not_compared_for_ever() {
+    let subject = "a".repeat(1 << 20);
+    let start = std::time::Instant::now();
+    for pattern in ["(a*)\\1b", "((a*)\\2)*c", "(a*)(?=\\1c)b"] {
+        let regex = Regex::new(pattern).expect("a pattern");
+        assert!(regex.find(&subject, false).is_err(), "{pattern} is given up");
+    }
+    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+}
+
 fn tree() -> impl Strategy<Value = Tree> {
     let leaf = prop::char::range('a', 'c').prop_map(Tree::Letter);
     leaf.prop_recursive(4, 12, 2, |inner| {

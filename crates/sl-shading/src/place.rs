@@ -18,6 +18,8 @@ pub(crate) struct Needs {
     pub(crate) frame: bool,
     /// Areas of meshes, which are this attribute.
     pub(crate) area: Option<usize>,
+    /// Moments, which are this one.
+    pub(crate) time: Option<usize>,
 }
 
 impl Needs {
@@ -90,6 +92,10 @@ fn points_at(
     out.surface_area = [1.0; LANES];
     if let Some(areas) = needs.area.and_then(|number| hits.attributes.get(number)) {
         out.surface_area.iter_mut().zip(&areas[first..]).for_each(|(to, &area)| *to = area);
+    }
+    out.time = [0.0; LANES];
+    if let Some(times) = needs.time.and_then(|number| hits.attributes.get(number)) {
+        out.time.iter_mut().zip(&times[first..]).for_each(|(to, &time)| *to = time);
     }
     let copy = |row: &mut Row, from: &[f32]| match from[first..].first_chunk() {
         Some(all) => *row = *all,
@@ -248,7 +254,7 @@ mod tests {
 
     #[test]
     fn rows_are_what_points_are_at_every_level() {
-        let (mut hits, needs) = (hits(), Needs { area: None, ..Needs::default() }.with_all());
+        let (mut hits, needs) = (hits(), Needs::default().with_all());
         for without_coordinates in [false, true] {
             if without_coordinates {
                 (hits.dp_du, hits.dp_dv) = (Vec3s::default(), Vec3s::default());

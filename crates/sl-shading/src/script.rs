@@ -16,7 +16,7 @@ use gnurt_sl::diagnostics::{Diagnostic, Severity, Style};
 use gnurt_sl::exec::{Plan, PlanOptions, Program, unknown_operation};
 use gnurt_sl::group::{Group, Hint, read_group};
 use gnurt_sl::hir::Data;
-use gnurt_sl::ir::{Op, Shader, SymbolKind, ops, read as read_oso};
+use gnurt_sl::ir::{Op, Shader, Symbol, SymbolKind, ops, read as read_oso};
 use gnurt_sl::source::Sources;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl::{Options, compile};
@@ -453,7 +453,8 @@ impl Script {
     fn common_of(&self, group: &Group, plan: &Plan, program: Arc<dyn Program>) -> Result<Common, String> {
         let colors = colors()?;
         let requests = self.requests(group);
-        let area = requests.iter().position(|request| request.name == AttributeRequest::SURFACE_AREA);
+        let place = |name: &str| requests.iter().position(|request| request.name == name);
+        let (area, time) = (place(AttributeRequest::SURFACE_AREA), place(AttributeRequest::TIME));
         Ok(Common {
             name: self.name.clone(),
             program,
@@ -463,7 +464,7 @@ impl Script {
             facts: Facts::of(plan, &colors),
             colors,
             live: self.live.clone(),
-            needs: Needs { area, ..Needs::of(plan) },
+            needs: Needs { area, time, ..Needs::of(plan) },
             scratch: Mutex::default(),
         })
     }
@@ -516,6 +517,11 @@ impl Script {
                     _ => {}
                 }
             });
+        }
+        let is_time = |symbol: &Symbol| symbol.kind == SymbolKind::Global && &*symbol.name == "time";
+        let time = group.layers.iter().flat_map(|layer| &layer.shader.symbols).any(is_time);
+        if time && self.kind == Kind::Surface {
+            ask(AttributeRequest::TIME, 1);
         }
         if area && self.kind == Kind::Surface {
             ask(AttributeRequest::SURFACE_AREA, 1);

@@ -3,7 +3,7 @@
 //! Source: original; wrap modes and options are OSL's. Colours of pictures of whole numbers are decoded to linear light, as everywhere in
 //! GNU RT, but where a shader says that they are linear, or no colours (`"colorspace"`). Where a
 //! point stands for more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as materials of files do.
-//! Proof: `tests/scripts/kinds.rs`.
+//! Proof: `tests/scripts/{kinds,relief}.rs`.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -133,18 +133,18 @@ impl Textures {
         color_at_place(&volume, file, at, options)
     }
 
-    /// Four channels at `s` and `t`, t downwards.
+    /// Four channels at `s` and `t`, t downwards, and how they change if that is asked for.
     pub(crate) fn sample(
         &self,
         file: &str,
         at: [Dual<f32>; 2],
         options: &TextureOptions,
-    ) -> Result<[f32; 4], String> {
+    ) -> Result<[Dual<f32>; 4], String> {
         let sampler = self.find(file, &options.color_space).map_err(|why| why.to_string())?;
         Ok(Way::of(&sampler, options).read(at))
     }
 
-    /// The same for many points, to the values of `out`; false if there is no such picture.
+    /// The same for many points; false if there is no such picture.
     pub(crate) fn sample_each(
         &self,
         file: &str,
@@ -159,7 +159,7 @@ impl Textures {
             // Written out: mapping arrays becomes calls.
             let texel = way.read([s.get(i), t.get(i)]);
             for (row, x) in out.iter_mut().zip(texel) {
-                row.value[i] = x;
+                row.set(i, x);
             }
         }
         true
@@ -204,16 +204,51 @@ impl<'a> Way<'a> {
         Self { sampler, options, is_bordered: [is_black(0), is_black(1)] }
     }
 
-    fn read(&self, [s, t]: [Dual<f32>; 2]) -> [f32; 4] {
-        let Self { sampler, options, is_bordered } = self;
+    /// What is there, and its changes from pixel to pixel by the picture's slopes.
+    fn read(&self, [s, t]: [Dual<f32>; 2]) -> [Dual<f32>; 4] {
+        let Self { options, is_bordered, .. } = self;
         let outside = |k: usize, x: f32| is_bordered[k] && !(0.0..=1.0).contains(&x);
         if outside(0, s.value) || outside(1, t.value) {
-            return [0.0; 4];
+            return [0.0; 4].map(Dual::from);
         }
         let uv = [s.value, 1.0 - t.value];
         let [across, along] = options.width;
         let axes = [[s.dx * across, -t.dx * along], [s.dy * across, -t.dy * along]];
-        let texel = sampler.sample_over(uv, blurred(axes, options.blur));
+        let axes = blurred(axes, options.blur);
+        let texel = self.channels(uv, axes);
+        let is_still = [s, t].iter().all(|x| x.dx == 0.0 && x.dy == 0.0);
+        // Nearest texels are flat.
+        if !options.derivs || is_still || &*options.interpolation == "closest" {
+            return texel.map(Dual::from);
+        }
+        let [by_s, by_t] = self.slopes(uv, axes);
+        std::array::from_fn(|k| {
+            let change = |ds: f32, dt: f32| by_s[k] * ds + by_t[k] * dt;
+            Dual::new(texel[k], change(s.dx, t.dx), change(s.dy, t.dy))
+        })
+    }
+
+    /// How channels change with s and t around a place: over a texel, or over what is read where that is more, so that slopes do not leap
+    /// at texels' borders. Bump maps of materials do the same.
+    fn slopes(&self, [u, v]: [f32; 2], axes: [[f32; 2]; 2]) -> [[f32; 4]; 2] {
+        let [[ux, vx], [uy, vy]] = axes;
+        let stands_for = (ux * vy - uy * vx).abs().sqrt();
+        let texels = &self.sampler.texels;
+        // Over all of it there is no slope.
+        let [du, dv] =
+            [texels.width, texels.height].map(|count| (1.0 / count as f32).max(stands_for).min(1.0));
+        let between = |a: [f32; 4], b: [f32; 4], step: f32| std::array::from_fn(|k| (b[k] - a[k]) / step);
+        let at = |u: f32, v: f32| self.channels([u, v], axes);
+        let by_s = between(at(u - 0.5 * du, v), at(u + 0.5 * du, v), du);
+        // t goes downwards.
+        let by_t = between(at(u, v + 0.5 * dv), at(u, v - 0.5 * dv), dv);
+        [by_s, by_t]
+    }
+
+    /// The channels that are asked for, over an ellipse.
+    fn channels(&self, uv: [f32; 2], axes: [[f32; 2]; 2]) -> [f32; 4] {
+        let Self { sampler, options, .. } = self;
+        let texel = sampler.sample_over(uv, axes);
         let first = options.first_channel;
         if first == 0 {
             return texel;

@@ -15,7 +15,7 @@ use gnurt_shading::{
 };
 use gnurt_sl::exec::{
     Arriving, ClosureDecl, DualRow, Given, Host, LANES, Point, Points, Program, Results, TextureOptions,
-    TraceOptions, lanes_of,
+    TraceOptions, lanes_of, longitude_latitude,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
@@ -411,8 +411,20 @@ impl Host for World<'_> {
         options: &TextureOptions,
         _: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
-        let found = self.common.textures.sample(file, at, options);
-        self.told(found, options).map(|texel| texel.map(Dual::from))
+        self.told(self.common.textures.sample(file, at, options), options)
+    }
+
+    fn environment(
+        &self,
+        file: &str,
+        way: [Dual<f32>; 3],
+        options: &TextureOptions,
+        point: &Point,
+    ) -> Result<[Dual<f32>; 4], String> {
+        // Its left and right border meet; beyond the poles there is nothing.
+        let wrap = ["periodic".into(), "clamp".into(), "clamp".into()];
+        let around = TextureOptions { wrap, ..options.clone() };
+        self.texture(file, longitude_latitude(way), &around, point)
     }
 
     fn texture3d(
@@ -441,14 +453,19 @@ impl Host for World<'_> {
         file: &str,
         _: Option<[f32; 2]>,
         name: &str,
-        _: Type,
+        ty: Type,
     ) -> Result<Option<Data>, String> {
         let found = self.common.textures.find(file, "").ok();
         let size = found.as_ref().map(|found| [found.texels.width as i32, found.texels.height as i32]);
         Ok(match name {
             "exists" => Some(Data::Int(vec![i32::from(size.is_some())])),
             "resolution" => size.map(|size| Data::Int(size.to_vec())),
+            "channels" if ty == Type::FLOAT => size.map(|_| Data::Float(vec![4.0])),
             "channels" => size.map(|_| Data::Int(vec![4])),
+            "datawindow" | "displaywindow" => size.map(|[w, h]| Data::Int(vec![0, 0, w - 1, h - 1])),
+            "texturetype" | "textureformat" if ty == Type::STRING => {
+                size.map(|_| Data::Str(vec!["Plain Texture".into()]))
+            }
             _ => None,
         })
     }

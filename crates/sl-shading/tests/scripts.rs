@@ -13,6 +13,8 @@ mod lanes;
 mod live;
 #[path = "scripts/pixels.rs"]
 mod pixels;
+#[path = "scripts/relief.rs"]
+mod relief;
 #[path = "scripts/stored.rs"]
 mod stored;
 #[path = "scripts/volumes.rs"]

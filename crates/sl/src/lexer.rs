@@ -163,7 +163,7 @@ impl Lexer {
     }
 
     fn string(&mut self) -> Tok {
-        let (start, line) = (self.at, self.line);
+        let start = self.at;
         let mut at = self.at + 1;
         loop {
             match self.text.as_bytes().get(at) {
@@ -173,9 +173,9 @@ impl Lexer {
                     self.line += 1;
                 }
                 Some(b'\\') if self.text.as_bytes().get(at + 1).is_some() => at += 2,
+                // The rest of the line belongs to it: another quote there would look for its end as far again.
                 Some(b'\n') | None => {
-                    self.at += 1;
-                    self.line = line;
+                    self.at = at;
                     return Tok::Other('"');
                 }
                 Some(_) => at += 1,

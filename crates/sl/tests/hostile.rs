@@ -2,9 +2,13 @@
 //! Texts that mean harm: nothing panics, hangs or takes memory that a text does not account for.
 
 use crate::common::{Empty, body, compiled};
-use gnurt_sl::exec::{Machine, Plan, PlanOptions, Point, unknown_operation};
+use gnurt_sl::exec::{
+    ClosureDecl, ClosureParam, Event, Host, Machine, Plan, PlanOptions, Point, unknown_operation,
+};
 use gnurt_sl::group::{Group, read_group, write_group};
 use gnurt_sl::ir::{SymbolKind, read, write};
+use gnurt_sl::types::Type;
+use gnurt_sl_lib::color::ColorSystem;
 use std::sync::Arc;
 
 const SHADER: &str = r#"
@@ -245,4 +249,303 @@ fn constants_are_not_written() {
     let wrong: Vec<_> = made.diagnostics.list.iter().map(|d| d.message.clone()).collect();
     let shader = made.shader.unwrap_or_else(|| panic!("{wrong:?}"));
     assert!(write(&shader, "").contains("shader test"), "it is written");
+}
+
+/// Runs something on a thread with the stack that threads of renderers have.
+fn on_a_small_stack<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> T {
+    let thread = std::thread::Builder::new().stack_size(2 << 20).spawn(work).expect("a thread");
+    thread.join().expect("it ends")
+}
+
+/// Blocks in blocks times functions in functions.
+#[test]
+fn inlined_blocks_have_an_end() {
+    for (blocks, functions) in [(390, 40), (390, 2), (100, 60), (12, 55), (1, 500)] {
+        let open = "if (u > 0) ".repeat(blocks);
+        let function = |i: usize| match i {
+            0 => format!("void f0 (output float k) {{ {open} k += 1; }}\n"),
+            i => format!("void f{i} (output float k) {{ {open} f{} (k); }}\n", i - 1),
+        };
+        let functions_text: String = (0..functions).map(function).collect();
+        let text = format!("{functions_text} shader t (output float k = 0) {{ f{} (k); }}", functions - 1);
+        let said = on_a_small_stack(move || {
+            let made = compiled(&text);
+            let said: Vec<String> = made.diagnostics.list.iter().map(|d| d.message.clone()).collect();
+            if let Some(shader) = made.shader {
+                given(shader);
+            }
+            said.join("; ")
+        });
+        match (blocks + 2) * functions > 800 {
+            true => {
+                assert!(said.contains("deep once functions are in place"), "{blocks} {functions}: {said}")
+            }
+            false => assert_eq!(said, "", "{blocks} {functions}"),
+        }
+    }
+}
+
+/// Deep expressions in deep blocks in functions.
+#[test]
+fn inlined_expressions_have_an_end() {
+    let open = "if (u > 0) ".repeat(300);
+    let terms = "u + ".repeat(390);
+    let function = |i: usize| match i {
+        0 => "float f0 () { return u; }\n".to_owned(),
+        i => format!("float f{i} () {{ float k = 0; {open} k = f{} () + {terms} 1; return k; }}\n", i - 1),
+    };
+    let functions: String = (0..60).map(function).collect();
+    let text = format!("{functions} shader t (output float k = 0) {{ k = f59 (); }}");
+    let said = on_a_small_stack(move || compiled(&text).diagnostics.list.first().map(|d| d.message.clone()));
+    assert!(said.as_ref().is_some_and(|said| said.contains("deep once functions are in place")), "{said:?}");
+}
+
+/// A chain of layers each of which reads the one before below so many blocks.
+fn chain(layers: usize, blocks: usize) -> Group {
+    let open = "if (u > -1) ".repeat(blocks);
+    let text = format!("shader t (float a = 0, output float b = 0) {{ {open} b = a + 1; }}");
+    let shader = Arc::new(compiled(&text).shader.expect("a shader"));
+    let last = compiled("shader t (float a = 0) { printf (\"%g\", a); }").shader.expect("a shader");
+    let mut group = Group::default();
+    for i in 0..layers {
+        let name = format!("l{i}");
+        group.add(shader.clone(), Some(&name), &[], &mut Vec::new());
+        if i > 0 {
+            group.connect(&format!("l{}", i - 1), "b", &name, "a").expect("they fit");
+        }
+    }
+    group.add(Arc::new(last), Some("last"), &[], &mut Vec::new());
+    group.connect(&format!("l{}", layers - 1), "b", "last", "a").expect("they fit");
+    group
+}
+
+#[test]
+fn long_chains_of_layers_run() {
+    for (layers, blocks) in [(5000, 0), (300, 300), (3, 390)] {
+        let said = on_a_small_stack(move || super::common::said(&chain(layers, blocks)));
+        assert_eq!(said, [Event::Print(layers.to_string())], "{layers} layers, {blocks} blocks");
+    }
+}
+
+/// A layer that is started by itself finds nothing done before it.
+#[test]
+fn long_chains_of_layers_started_at_their_end_are_stopped() {
+    let said = on_a_small_stack(|| {
+        let options = PlanOptions { entries: vec![5000], ..PlanOptions::default() };
+        let plan = Plan::new(&chain(5000, 0), &options).expect("a plan");
+        let world = Empty::default();
+        let mut machine = Machine::new(&plan, &world);
+        machine.begin(&Point::default());
+        machine.run_layer(5000);
+        std::mem::take(&mut machine.events)
+    });
+    let text = format!("{said:?}");
+    assert!(text.contains("layers wait for each other") && said.len() <= 2, "{text}");
+}
+
+/// A world with closures that take closures.
+struct Coats(Empty, Vec<ClosureDecl>);
+
+impl Default for Coats {
+    fn default() -> Self {
+        let param = |ty: Type| ClosureParam { ty, key: None };
+        let decl = |name: &str, params: Vec<ClosureParam>| ClosureDecl { name: name.into(), params };
+        let layer = decl("layer", vec![param(Type::CLOSURE), param(Type::CLOSURE)]);
+        Self(Empty::default(), vec![decl("diffuse", vec![param(Type::NORMAL)]), layer])
+    }
+}
+
+impl Host for Coats {
+    fn color_system(&self) -> &ColorSystem {
+        self.0.color_system()
+    }
+
+    fn closures(&self) -> &[ClosureDecl] {
+        &self.1
+    }
+}
+
+#[test]
+fn closures_as_texts_have_an_end() {
+    for (grow, turns) in [
+        ("layer (c, diffuse (N))", 100_000),
+        ("layer (c, c)", 40),
+        ("c + c", 40),
+        ("c + diffuse (N)", 100_000),
+    ] {
+        let text = format!(
+            "shader t () {{ closure color c = diffuse (N); for (int i = 0; i < {turns}; ++i) c = {grow}; string s = format (\"%s\", c); printf (\"%d\", strlen (s)); Ci = c; }}"
+        );
+        let shader = compiled(&text).shader.expect("a shader");
+        let (said, parts) = on_a_small_stack(move || {
+            let mut group = Group::default();
+            group.add(Arc::new(shader), None, &[], &mut Vec::new());
+            let plan = Plan::new(&group, &PlanOptions::default()).expect("a plan");
+            let world = Coats::default();
+            let mut machine = Machine::new(&plan, &world);
+            machine.run(&Point::default());
+            let parts = machine.components(machine.ci()).len();
+            (std::mem::take(&mut machine.events), parts)
+        });
+        let [Event::Print(length)] = &said[..] else { panic!("{grow}: {said:?}") };
+        let length: usize = length.parse().expect("a number");
+        assert!((100..2 << 20).contains(&length), "{grow}: a text of {length} bytes");
+        assert!(parts <= 100_000, "{grow}: {parts} components");
+    }
+}
+
+/// A closure's number that no closure has yet: a connection that should not be, or a file that was made by hand.
+#[test]
+fn closures_do_not_name_themselves() {
+    let file = "OpenShadingLanguage 1.00\nsurface t\nlocal closure color c\nlocal int k\nconst int one 1\nconst float half 0.5\nglobal closure color Ci\ncode ___main___\nassign k one %argrw{\"wr\"}\nassign c k %argrw{\"wr\"}\nmul Ci half c %argrw{\"wrr\"}\nend\n";
+    let shader = read(file).expect("it is read");
+    let mut group = Group::default();
+    group.add(Arc::new(shader), None, &[], &mut Vec::new());
+    let plan = Plan::new(&group, &PlanOptions::default()).expect("a plan");
+    let world = Coats::default();
+    let mut machine = Machine::new(&plan, &world);
+    machine.run(&Point::default());
+    assert_eq!(machine.closure_text(machine.ci()), "", "nothing");
+}
+
+#[test]
+fn structs_are_connected_by_their_types() {
+    let from = "struct A { float a; string b; }; shader t (output A s = { 0.5, \"x\" }) { }";
+    let to = |fields: &str| {
+        format!(
+            "struct B {{ {fields} }}; shader t (B s = {{ {} }}) {{ }}",
+            if fields.starts_with("float") { "0, \"\"" } else { "\"\", 0" }
+        )
+    };
+    for (fields, fits) in [("float c; string d;", true), ("string a; float b;", false)] {
+        let mut group = Group::default();
+        group.add(Arc::new(compiled(from).shader.expect("a shader")), Some("a"), &[], &mut Vec::new());
+        let second = compiled(&to(fields)).shader.expect("a shader");
+        group.add(Arc::new(second), Some("b"), &[], &mut Vec::new());
+        let made = group.connect("a", "s", "b", "s");
+        assert_eq!(made.is_ok(), fits, "{fields} {made:?}");
+    }
+}
+
+/// Files say what they like of their symbols' types: nothing is read or written beside them.
+#[test]
+fn operations_of_wrong_types_stay_within_their_symbols() {
+    let file = "OpenShadingLanguage 1.00\nsurface t\nglobal normal N\nlocal float y\nlocal float x\ncode ___main___\nOPERATION\nend\n";
+    for operation in [
+        "cross x N N %argrw{\"wrr\"}",
+        "cross y N N %argrw{\"wrr\"}",
+        "normalize x N %argrw{\"wr\"}",
+        "color x y y y %argrw{\"wrrr\"}",
+        "compassign x y y %argrw{\"wrr\"}",
+        "getmatrix x y y %argrw{\"wrr\"}",
+        "transpose x x %argrw{\"wr\"}",
+        "mxcompassign x y y y %argrw{\"wrrr\"}",
+        "mxcompref x x y y %argrw{\"wrrr\"}",
+        "dot x x x %argrw{\"wrr\"}",
+        "dict_value y x x x %argrw{\"wrrw\"}",
+        "pointcloud_search y x x x x x x x %argrw{\"wrrrrrrw\"}",
+        "spline x x x x x %argrw{\"wrrrr\"}",
+        "gettextureinfo y x x x %argrw{\"wrrw\"}",
+        "texture x x x x %argrw{\"wrrr\"}",
+        "regex_search y x x x %argrw{\"wrrw\"}",
+        "split y x x x x %argrw{\"wrrrr\"}",
+        "sincos x x N %argrw{\"rww\"}",
+        "setmessage x x %argrw{\"rr\"}",
+        "getmessage y x x %argrw{\"wrw\"}",
+        "noise x N N N N %argrw{\"wrrrr\"}",
+    ] {
+        let Ok(shader) = read(&file.replace("OPERATION", operation)) else { continue };
+        given(shader);
+    }
+}
+
+/// Seconds that this thread has worked, or that have passed where nobody counts.
+fn worked(start: std::time::Instant) -> f64 {
+    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = told.as_deref().and_then(|told| told.split(' ').next()?.parse::<f64>().ok());
+    nanoseconds.map_or(start.elapsed().as_secs_f64(), |ns| ns * 1e-9)
+}
+
+/// Fails if something takes as long as texts do whose time grows with the square of their length.
+fn soon<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let start = std::time::Instant::now();
+    let before = worked(start);
+    let made = work();
+    let took = worked(start) - before;
+    assert!(took < 1.5, "{what}: {took} seconds");
+    made
+}
+
+#[test]
+fn quotes_without_an_end_are_read_once() {
+    let text = format!("shader t () {{ string s = \"{}", "\\\"".repeat(300_000));
+    soon("quotes", || assert!(compiled(&text).shader.is_none(), "no end"));
+}
+
+#[test]
+fn headers_that_include_themselves_have_an_end() {
+    let bomb = format!("#include \"bomb.h\"\n#include \"bomb.h\"\n{}", "// nothing\n".repeat(20_000));
+    let load = |_: &std::path::Path| Some(bomb.clone());
+    let made = soon("includes", || {
+        gnurt_sl::compile(
+            "t.osl",
+            "#include \"bomb.h\"\nshader t () {}",
+            &gnurt_sl::Options::default(),
+            &load,
+        )
+    });
+    let said: Vec<_> = made.diagnostics.list.iter().map(|d| &*d.message).collect();
+    assert!(said.iter().any(|said| said.contains("as often as it is included")), "{said:?}");
+    let bytes: usize = made.sources.files().iter().map(|file| file.text.len()).sum();
+    assert!(bytes < 64 << 20, "{bytes} bytes are kept");
+}
+
+#[test]
+fn wrong_names_are_not_all_compared() {
+    let known: String = (0..10_000).map(|i| format!("float known_name_{i} = 0;\n")).collect();
+    let wrong: String = (0..10_000).map(|i| format!("unknown_name_{i};\n")).collect();
+    soon("names", || assert!(compiled(&format!("shader t () {{ {known}{wrong} }}")).shader.is_none()));
+}
+
+#[test]
+fn functions_of_one_name_are_looked_at_once() {
+    let structs: String = (0..1200)
+        .map(|i| format!("struct S{i} {{ float x; }}; float f (S{i} s) {{ return {i}; }}\n"))
+        .collect();
+    let calls: String = (0..1200).map(|i| format!("S{i} s{i}; s{i}.x = u; k += f (s{i});\n")).collect();
+    let text = format!("{structs} shader t (output float k = 0) {{ {calls} }}");
+    soon("overloads", || assert!(compiled(&text).shader.is_some()));
+}
+
+/// A chain that ends in nothing is left out as a whole.
+#[test]
+fn dead_chains_go_at_once() {
+    let chain: String = (1..20_000).map(|i| format!("float a{i} = a{} * 2 + 1;\n", i - 1)).collect();
+    let shader =
+        compiled(&format!("shader t (output float k = 0) {{ float a0 = u; {chain} k = u; }}")).shader;
+    let mut group = Group::default();
+    group.add(Arc::new(shader.expect("a shader")), None, &[], &mut Vec::new());
+    let plan = soon("a chain", || Plan::new(&group, &PlanOptions::default()).expect("a plan"));
+    assert!(plan.layers[0].code.len() < 3, "{} operations are left", plan.layers[0].code.len());
+}
+
+#[test]
+fn files_of_shaders_name_many_files() {
+    let lines: String =
+        (0..60_000).map(|i| format!("assign x y %filename{{\"f{i}.osl\"}} %argrw{{\"wr\"}}\n")).collect();
+    let text = format!(
+        "OpenShadingLanguage 1.00\nsurface t\nlocal float y\nlocal float x\ncode ___main___\n{lines}end\n"
+    );
+    soon("files", || assert!(read(&text).is_ok()));
+}
+
+/// What a loop says of its mistakes is not kept without an end.
+#[test]
+fn mistakes_in_loops_are_not_all_kept() {
+    let text =
+        "shader t (output float f = 0) { float a[2] = {u, v}; for (int i = 0; i < 400000; ++i) f += a[i]; }";
+    let mut group = Group::default();
+    group.add(Arc::new(compiled(text).shader.expect("a shader")), None, &[], &mut Vec::new());
+    let bytes: usize = super::common::said(&group).iter().map(|event| format!("{event:?}").len()).sum();
+    assert!((1 << 20..20 << 20).contains(&bytes), "{bytes} bytes are kept");
 }

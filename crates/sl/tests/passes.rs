@@ -4,7 +4,7 @@
 use crate::common::{said, shader};
 use gnurt_sl::group::{Group, parse_value};
 use gnurt_sl::ir::{Shader, SymbolKind, ops};
-use gnurt_sl::passes::{fold, varying};
+use gnurt_sl::passes::fold;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -28,15 +28,6 @@ fn a_branch_that_a_parameter_closes_is_left_out() {
         group.add(Arc::new(shader(text)), None, &values, &mut Vec::new());
         assert_eq!(said(&group), [gnurt_sl::exec::Event::Print(wanted.into())], "k = {value}");
     }
-}
-
-#[test]
-fn what_depends_on_the_point_varies() {
-    let text = "shader test(float k = 1) { float a = k * 2; float b = 0; if (u > 0.5) b = 1; float c = a + 1; float d = b + c; printf(\"%g\", d); }";
-    let shader = shader(text);
-    let state = varying(&shader, &|_| false);
-    let is = |name: &str| state[shader.find(name).unwrap_or_else(|| panic!("no {name}")) as usize];
-    assert_eq!([is("a"), is("b"), is("c"), is("d")], [false, true, false, true], "by data and by control");
 }
 
 #[test]

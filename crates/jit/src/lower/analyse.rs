@@ -4,9 +4,12 @@
 //! Invariants: what does not vary is written only where all lanes that run agree, from what does not vary. A clean variable is
 //! read only where every lane that reads it has passed a write in the same run of the block that holds all its uses, so lanes
 //! that do not run may be overwritten.
+//! Each pass over the text takes time that grows with its length, however deep loops nest.
 //! Proof: `tests/agreement.rs`, `tests/chance.rs`.
 
-use gnurt_sl::exec::{Flow, Instruction, Plan, Slot, Source};
+use std::collections::HashSet;
+
+use gnurt_sl::exec::{Flow, Instruction, Loop, Plan, Slot, Source, Step};
 use gnurt_sl::ir::SymbolKind;
 
 use super::native::{Known, Touch, is_native, touches};
@@ -136,8 +139,9 @@ fn vary(plan: &Plan, known: &[&dyn Known], facts: &mut Facts) {
             mark(&mut facts.varying, &layer.slots[copy.to_symbol as usize]);
         }
     }
-    loop {
-        let mut walk = Vary { varying: &mut facts.varying, changed: false };
+    let mut split_loops = HashSet::new();
+    for _ in 0..PASSES {
+        let mut walk = Vary { varying: &mut facts.varying, split_loops: &mut split_loops, changed: false };
         for (number, layer) in plan.layers.iter().enumerate() {
             for param in &layer.params {
                 let split = param.source == Source::Geometry;
@@ -149,12 +153,39 @@ fn vary(plan: &Plan, known: &[&dyn Known], facts: &mut Facts) {
             return;
         }
     }
+    // Found out one by one, it would take as long as there are variables: then all of them are taken to vary.
+    for layer in &plan.layers {
+        for (slot, symbol) in layer.slots.iter().zip(&layer.shader.symbols) {
+            if symbol.kind != SymbolKind::Const {
+                mark(&mut facts.varying, slot);
+            }
+        }
+    }
 }
+
+/// Times that a group is gone through; each takes as long as its text.
+const PASSES: usize = 100;
 
 struct Vary<'a> {
     varying: &'a mut Vec<bool>,
+    /// Loops, by where they lie, whose lanes may go different ways somewhere in a turn: what comes late in one comes before what is early in the next.
+    split_loops: &'a mut HashSet<*const Loop>,
     changed: bool,
 }
+
+/// What a block does to the lanes that run it.
+#[derive(Clone, Copy, Default)]
+struct Ways {
+    /// Lanes may have left it at different times.
+    split: bool,
+    /// Jumps that lead out of it, by bits.
+    jumps: u8,
+}
+
+/// `break` and `continue`.
+const OF_LOOP: u8 = 1;
+const RETURN: u8 = 2;
+const EXIT: u8 = 4;
 
 impl Vary<'_> {
     fn varies(&self, slot: &Slot) -> bool {
@@ -167,50 +198,68 @@ impl Vary<'_> {
         cells.fill(true);
     }
 
-    /// Returns whether lanes may have left the block at different times.
-    fn block(&mut self, list: &[Instruction], mut split: bool, known: &dyn Known) -> bool {
+    /// Goes through a block that lanes come to at different times if `split`.
+    fn block(&mut self, list: &[Instruction], mut split: bool, known: &dyn Known) -> Ways {
+        let mut jumps = 0;
         for instruction in list {
             match instruction {
-                Instruction::Do(step) => {
-                    let native = is_native(step, known);
-                    let mut varies = split || !native;
-                    touches(step, native, |i, touch| {
-                        varies |= touch == Touch::Read && self.varies(&step.args[i])
-                    });
-                    if varies {
-                        touches(step, native, |i, touch| {
-                            if touch != Touch::Read {
-                                self.mark(&step.args[i]);
-                            }
-                        });
-                    }
-                }
+                Instruction::Do(step) => self.step(step, split, known),
                 Instruction::If { condition, yes, no, .. } => {
                     let inner = split || self.varies(condition);
-                    let left = self.block(yes, inner, known);
-                    let right = self.block(no, inner, known);
-                    split |= left || right || inner && (leaves(yes) || leaves(no));
+                    let [yes, no] = [yes, no].map(|part| self.block(part, inner, known));
+                    split |= yes.split || no.split || inner && (yes.jumps | no.jumps) != 0;
+                    jumps |= yes.jumps | no.jumps;
                 }
                 Instruction::Loop(turns) => {
-                    split |= self.block(&turns.init, split, known);
-                    let mut inner = split || self.varies(&turns.condition);
-                    // Twice: what a late part splits comes before an early part of the next turn.
-                    for _ in 0..2 {
-                        for part in [&turns.test, &turns.body, &turns.step] {
-                            inner |= self.block(part, inner, known);
-                        }
-                        inner |= self.varies(&turns.condition);
+                    let init = self.block(&turns.init, split, known);
+                    split |= init.split;
+                    let key: *const Loop = &**turns;
+                    let mut inner = split || self.varies(&turns.condition) || self.split_loops.contains(&key);
+                    let is_known = inner;
+                    let [mut all, mut late] = [init.jumps, 0];
+                    for (i, part) in [&turns.test, &turns.body, &turns.step].into_iter().enumerate() {
+                        let ways = self.block(part, inner, known);
+                        inner |= ways.split;
+                        all |= ways.jumps;
+                        late |= if i > 0 { ways.jumps } else { 0 };
                     }
-                    split |= inner && (leaves_for_good(&turns.body) || leaves_for_good(&turns.step));
+                    inner |= self.varies(&turns.condition);
+                    // Once for the whole of it: the next time round its early parts know.
+                    if inner && !is_known {
+                        self.changed |= self.split_loops.insert(key);
+                    }
+                    split |= inner && late & (RETURN | EXIT) != 0;
+                    jumps |= all & !OF_LOOP;
                 }
                 Instruction::Call(body) => {
-                    let inner = self.block(body, split, known);
-                    split |= inner && exits(body);
+                    let ways = self.block(body, split, known);
+                    split |= ways.split && ways.jumps & EXIT != 0;
+                    jumps |= ways.jumps & EXIT;
                 }
-                Instruction::Leave(_) => {}
+                Instruction::Leave(flow) => {
+                    jumps |= match flow {
+                        Flow::Next => 0,
+                        Flow::Break | Flow::Continue => OF_LOOP,
+                        Flow::Return => RETURN,
+                        Flow::Exit => EXIT,
+                    }
+                }
             }
         }
-        split
+        Ways { split, jumps }
+    }
+
+    fn step(&mut self, step: &Step, split: bool, known: &dyn Known) {
+        let native = is_native(step, known);
+        let mut varies = split || !native;
+        touches(step, native, |i, touch| varies |= touch == Touch::Read && self.varies(&step.args[i]));
+        if varies {
+            touches(step, native, |i, touch| {
+                if touch != Touch::Read {
+                    self.mark(&step.args[i]);
+                }
+            });
+        }
     }
 }
 
@@ -232,14 +281,4 @@ fn any(list: &[Instruction], test: &dyn Fn(Flow) -> bool, in_calls: &dyn Fn(Flow
 /// Whether a jump out of the block is in it.
 pub(crate) fn leaves(list: &[Instruction]) -> bool {
     any(list, &|_| true, &|flow| flow == Flow::Exit)
-}
-
-/// Whether a jump out of the loop's function is in its block.
-fn leaves_for_good(list: &[Instruction]) -> bool {
-    any(list, &|flow| matches!(flow, Flow::Return | Flow::Exit), &|flow| flow == Flow::Exit)
-}
-
-/// Whether the layer may end in the block.
-fn exits(list: &[Instruction]) -> bool {
-    any(list, &|flow| flow == Flow::Exit, &|flow| flow == Flow::Exit)
 }

@@ -16,6 +16,7 @@ use gnurt_sl::exec::{
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
 use gnurt_sl_lib::Dual;
+use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
 use crate::program::{Call, Layer, Loop as Turns, Making, Node, Program, Test};
@@ -29,6 +30,8 @@ const LAYERS: usize = 1000;
 const RESETS: usize = 1 << 14;
 /// Blocks may nest this deep.
 const DEPTH: usize = 200;
+/// Operations of code; each has some ten bytes, and as much again while it is made.
+const SIZE: usize = 2_000_000;
 
 /// What never changes, for the analysis and for operations whose meaning hangs on it.
 struct Constants<'p> {
@@ -59,10 +62,20 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
     if plan.layers.len() > LAYERS {
         return Err(format!("the group has more than {LAYERS} layers"));
     }
+    // Before anything goes through them.
+    if let Some(deep) = plan.layers.iter().find(|layer| layer.depth > DEPTH) {
+        return Err(format!("blocks are nested more than {DEPTH} deep in layer {}", deep.name));
+    }
     let mut cells = vec![false; plan.memory.len()];
     for layer in &plan.layers {
-        for (slot, symbol) in layer.slots.iter().zip(&layer.shader.symbols) {
-            if symbol.kind == SymbolKind::Const {
+        let mut written = HashSet::new();
+        for list in layer.params.iter().map(|param| &param.init).chain([&layer.code]) {
+            note_written(list, &mut written);
+        }
+        for (id, (slot, symbol)) in layer.slots.iter().zip(&layer.shader.symbols).enumerate() {
+            // Parameters whose values are given; files may write to them all the same.
+            let is_given = symbol.kind == SymbolKind::Param && layer.constant.get(id) == Some(&true);
+            if symbol.kind == SymbolKind::Const || is_given && !written.contains(&slot.at) {
                 cells[slot.at as usize..][..slot.cells()].fill(true);
             }
         }
@@ -78,6 +91,7 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
         layer: 0,
         blocks: 0,
         depth: 0,
+        size: 0,
         pulled: Vec::new(),
         pulls: Vec::new(),
         done: Vec::new(),
@@ -93,6 +107,25 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
     Ok(program)
 }
 
+/// Notes the first cells of what a block writes.
+fn note_written(list: &[Instruction], written: &mut HashSet<u32>) {
+    for instruction in list {
+        match instruction {
+            Instruction::Do(step) => {
+                let is_written = |i: &usize| *i >= 64 || step.writes & 1 << *i != 0;
+                written.extend((0..step.args.len()).filter(is_written).map(|i| step.args[i].at));
+            }
+            Instruction::If { yes, no, .. } => [yes, no].iter().for_each(|part| note_written(part, written)),
+            Instruction::Loop(turns) => {
+                let parts = [&turns.init, &turns.test, &turns.body, &turns.step];
+                parts.iter().for_each(|part| note_written(part, written));
+            }
+            Instruction::Call(body) => note_written(body, written),
+            Instruction::Leave(_) => {}
+        }
+    }
+}
+
 struct Lowerer<'p> {
     known: &'p Constants<'p>,
     values: Values<'p>,
@@ -103,6 +136,8 @@ struct Lowerer<'p> {
     /// How many blocks were begun.
     blocks: u32,
     depth: usize,
+    /// Operations of code so far.
+    size: usize,
     /// Parameters that all lanes have fetched that can come here.
     pulled: Vec<u32>,
     /// By parameter of this layer that is fetched somewhere, the mask of lanes that have.
@@ -130,6 +165,7 @@ impl Lowerer<'_> {
 
     fn flush(&mut self) {
         if let Some(region) = self.values.end() {
+            self.size += region.ops.len();
             self.nodes.push(Node::Region(region));
         }
     }
@@ -416,6 +452,9 @@ impl Lowerer<'_> {
         }
         if self.values.is_long() {
             self.flush();
+        }
+        if self.size > SIZE {
+            return Err(format!("its code has more than {SIZE} operations"));
         }
         let mut used: Vec<u32> = Vec::with_capacity(step.args.len());
         touches(step, true, |i, _: Touch| used.push(step.args[i].at));

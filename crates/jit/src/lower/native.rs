@@ -234,7 +234,14 @@ pub(crate) enum Touch {
 /// The arguments that an operation uses, by number, reads first.
 pub(crate) fn touches(step: &Step, native: bool, mut visit: impl FnMut(usize, Touch)) {
     let bit = |bits: u64, i: usize| i >= 64 || bits & 1 << i != 0;
-    let parts = matches!(&*step.name, "aassign" | "compassign" | "mxcompassign");
+    let mut parts = matches!(&*step.name, "aassign" | "compassign" | "mxcompassign");
+    if let [out, a, ..] = &*step.args
+        && (out.ty.is_array() || a.ty.is_array())
+        && matches!(&*step.name, "arraycopy" | "assign" | "int" | "float")
+    {
+        // A shorter array leaves what lies behind its end.
+        parts |= a.size < out.size;
+    }
     for i in 0..step.args.len() {
         if bit(step.reads, i) {
             visit(i, Touch::Read);

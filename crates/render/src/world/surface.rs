@@ -339,6 +339,12 @@ impl<'w> Places<'w> {
             }
             return values;
         }
+        if request.name == AttributeRequest::TIME {
+            if let Some(shutter) = self.shutter {
+                values.iter_mut().zip(&points.key).for_each(|(value, &key)| *value = shutter.time(key));
+            }
+            return values;
+        }
         if request.name == AttributeRequest::SURFACE_AREA {
             let mut last = ([u32::MAX; 2], 0.0);
             for (i, value) in values.iter_mut().enumerate().take(lanes) {

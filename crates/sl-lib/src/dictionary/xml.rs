@@ -103,6 +103,9 @@ impl<'a> Reader<'a> {
     }
 }
 
+/// Bytes of an entity with its signs before and after.
+const LONGEST_ENTITY: usize = 32;
+
 /// Text with its entities replaced; those that nobody knows stay.
 fn decoded(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
@@ -110,7 +113,9 @@ fn decoded(text: &str) -> String {
     while let Some(at) = rest.find('&') {
         out.push_str(&rest[..at]);
         rest = &rest[at..];
-        let known = rest.find(';').and_then(|end| Some((entity(&rest[1..end])?, end)));
+        // Further away there is no end of a name: a text of such signs alone would be looked through for each.
+        let end = rest.bytes().take(LONGEST_ENTITY).position(|byte| byte == b';');
+        let known = end.and_then(|end| Some((entity(&rest[1..end])?, end)));
         if let Some((c, end)) = known {
             out.push(c);
             rest = &rest[end + 1..];

@@ -77,6 +77,12 @@ struct Machine<'a> {
 }
 
 impl Machine<'_> {
+    /// Counts steps that a step takes beside itself: bytes that are compared or copied, 64 of them as one.
+    fn spend(&mut self, bytes: usize) -> Result<(), TooManySteps> {
+        self.steps_left = self.steps_left.checked_sub(bytes as u64 / 64).ok_or(TooManySteps)?;
+        Ok(())
+    }
+
     fn set(&mut self, back: &mut Vec<Back>, slot: usize, value: usize) {
         back.push(Back::Restore { slot, value: self.slots[slot] });
         self.slots[slot] = value;
@@ -114,10 +120,14 @@ impl Machine<'_> {
                     } else {
                         &self.subject[start..end.max(start)]
                     };
+                    let length = held.len();
+                    self.spend(length)?;
+                    let held = &self.subject[start.min(self.subject.len())..][..length];
                     self.subject[at..].starts_with(held).then_some((step + 1, at + held.len()))
                 }
                 Step::Look { wanted, then } => {
                     let (wanted, then, before) = (*wanted, *then, self.slots.clone());
+                    self.spend(2 * size_of_val(&*before))?;
                     let seen = self.run(step + 1, at)?;
                     let found = std::mem::replace(&mut self.slots, before);
                     if seen && wanted {
@@ -183,6 +193,7 @@ impl Regex {
         };
         let last = if whole { 0 } else { subject.len() };
         for start in 0..=last {
+            machine.spend(size_of_val(&*machine.slots))?;
             machine.slots.fill(UNSET);
             if machine.run(0, start)? {
                 let groups = machine.slots[..self.saves].chunks_exact(2);

@@ -69,6 +69,18 @@ fn lamps_know_their_area() {
 }
 
 #[test]
+fn surfaces_know_the_time() {
+    let shader = surface("Ci = color (time, u, 0) * emission ();");
+    let names: Vec<&str> = shader.attributes().iter().map(|request| &request.name[..]).collect();
+    assert_eq!(names, [AttributeRequest::TIME]);
+    let mut hits = floor(20);
+    assert_eq!(emitted(&*shader, &hits)[19].x, 0.0, "where nobody knows");
+    hits.attributes = vec![(0..20).map(|i| i as f32 / 20.0).collect()];
+    let found: Vec<f32> = emitted(&*shader, &hits).iter().map(|light| light.x).collect();
+    assert_eq!(found, hits.attributes[0], "of each point");
+}
+
+#[test]
 fn derivatives_follow_the_width_of_rays() {
     let mut hits = floor(1);
     hits.ray_dir = Vec3s::splat(1, -Vec3::Y);

@@ -24,6 +24,8 @@ pub struct Options {
     pub strict: bool,
 }
 
+/// Wrong names for which the nearest known one is looked for.
+const GUESSES: usize = 20;
 /// Initialiser lists are tried against every overload; this many tries are enough for everyone.
 const TRIES: usize = 100_000;
 
@@ -54,6 +56,7 @@ pub(super) struct Checker<'a> {
     /// While above 0 all messages are early.
     pub(super) all_early: usize,
     tries: usize,
+    guesses: usize,
     pub(super) done: Diagnostics,
 }
 
@@ -125,6 +128,7 @@ impl<'a> Checker<'a> {
             mute: 0,
             all_early: 0,
             tries: 0,
+            guesses: 0,
             done: Diagnostics::default(),
         }
     }
@@ -265,7 +269,7 @@ impl<'a> Checker<'a> {
     }
 
     /// The name, of those that hold here, that a wrong one is most like.
-    pub(super) fn nearest(&self, wrong: &str, functions: bool) -> Option<String> {
+    pub(super) fn nearest(&mut self, wrong: &str, functions: bool) -> Option<String> {
         let distance = |a: &str, b: &str| {
             let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
             let mut row: Vec<usize> = (0..=b.len()).collect();
@@ -279,7 +283,9 @@ impl<'a> Checker<'a> {
             }
             row[b.len()]
         };
-        if wrong.len() > 60 {
+        // All names are compared: that is done for the first mistakes only.
+        self.guesses += 1;
+        if wrong.len() > 60 || self.guesses > GUESSES {
             return None;
         }
         let names: Vec<&str> = if functions {

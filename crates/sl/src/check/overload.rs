@@ -7,6 +7,7 @@ use super::checker::Checker;
 use super::signature::{Formal, Signature};
 use crate::source::Loc;
 use crate::types::{Base, Type};
+use std::collections::HashSet;
 
 const EXACT: i32 = 100;
 const INT_TO_FLOAT: i32 = 77;
@@ -144,18 +145,13 @@ impl Checker<'_> {
     /// The function to call; none, with a message, if none fits or several structs could be the result.
     pub(super) fn choose(&mut self, name: &str, args: &[Arg<'_>], wanted: Type, loc: Loc) -> Option<u32> {
         let all = self.overloads(name);
-        let mut seen: Vec<u32> = Vec::new();
+        let mut seen = HashSet::new();
         let mut best: Vec<Candidate> = Vec::new();
         for &number in &all {
             let signature = self.signatures[number as usize].clone();
-            let same = |&other: &u32| {
-                let other = &self.signatures[other as usize];
-                other.returns == signature.returns && other.formals == signature.formals
-            };
-            if seen.iter().any(same) {
+            if !seen.insert((signature.returns, signature.formals.clone())) {
                 continue;
             }
-            seen.push(number);
             // What is seen along a ray is asked for only where a colour is wanted; elsewhere OSL's hit or miss is.
             if name == "trace"
                 && signature.user.is_none()

@@ -8,7 +8,7 @@ use crate::types::{Base, Structs, Type};
 use std::sync::Arc;
 
 /// What one argument may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Formal {
     /// Of this type, or convertible to it.
     Is(Type),

@@ -18,6 +18,7 @@ impl Machine<'_> {
         self.closures.clear();
         self.messages.clear();
         self.events.clear();
+        self.said = 0;
     }
 
     /// The next point, its place in the batch, and the messages of its layers so far; gives back those of the one before.

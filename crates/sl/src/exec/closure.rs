@@ -13,6 +13,13 @@ use crate::hir::Data;
 use crate::types::{Base, Type};
 use std::sync::Arc;
 
+/// Bytes of a closure as a text; one more component may follow.
+const LONGEST: usize = 1 << 20;
+/// Closures within closures that are told.
+const DEEPEST: usize = 64;
+/// What stands for the rest.
+const CUT: &str = "...";
+
 /// Whether an operation makes closures of others, or of numbers.
 #[must_use]
 pub fn makes_closures(step: &Step) -> bool {
@@ -91,6 +98,8 @@ enum Change {
     Nothing,
     FromInt,
     ToInt,
+    /// A closure, if there is one of that number.
+    Made,
 }
 
 /// Where number `i` of a slot is, and how it becomes one of a kind; none if it has none. Single numbers stand for all components.
@@ -98,6 +107,7 @@ fn source(slot: &Slot, i: usize, wanted: Kind) -> Option<(u32, Change)> {
     let i = if slot.size == 1 { 0 } else { i };
     let found = kind(slot.ty).filter(|_| i < slot.size as usize)?;
     let change = match (wanted, found) {
+        (Kind::Closure, Kind::Closure) => Change::Made,
         (wanted, found) if wanted == found => Change::Nothing,
         (Kind::Float, Kind::Int) => Change::FromInt,
         (Kind::Int, Kind::Float) => Change::ToInt,
@@ -108,12 +118,12 @@ fn source(slot: &Slot, i: usize, wanted: Kind) -> Option<(u32, Change)> {
 
 fn changed<'r, 'c: 'r>(cells: Cells<'c>, change: Change, room: &'r mut [u32; LANES]) -> Cells<'r> {
     let of = |word: u32| match change {
-        Change::Nothing => word,
+        Change::Nothing | Change::Made => word,
         Change::FromInt => (word as i32 as f32).to_bits(),
         Change::ToInt => f32::from_bits(word) as i32 as u32,
     };
     match (change, cells) {
-        (Change::Nothing, cells) => cells,
+        (Change::Nothing | Change::Made, cells) => cells,
         (_, Cells::One(word)) => Cells::One(of(word)),
         (_, Cells::Each(row)) => {
             *room = row.map(of);
@@ -187,6 +197,13 @@ impl Bound {
             match *number {
                 None => closures.put(Cells::One(0)),
                 Some((cell, Change::Nothing)) => closures.put(read(cell)),
+                Some((cell, Change::Made)) => match read(cell) {
+                    Cells::One(word) => closures.put(Cells::One(closures.made(word))),
+                    Cells::Each(row) => {
+                        room = row.map(|word| closures.made(word));
+                        closures.put(Cells::Each(&room));
+                    }
+                },
                 Some((cell, change)) => closures.put(changed(read(cell), change, &mut room)),
             }
         }
@@ -249,12 +266,29 @@ impl Machine<'_> {
         Some(Component { name: decl.name.clone(), params: params.collect() })
     }
 
-    /// As `printf` shows it.
+    /// As `printf` shows it. What is longer than a text may be, or lies in more than 64 others, ends in three points.
     #[must_use]
     pub fn closure_text(&self, number: u32) -> String {
         let mut out = String::new();
-        for (i, (w, component)) in self.components(number).into_iter().enumerate() {
-            if i > 0 {
+        self.write_closure(&mut out, number, 0);
+        out
+    }
+
+    fn write_closure(&self, out: &mut String, number: u32, depth: usize) {
+        if depth > DEEPEST {
+            out.push_str(CUT);
+            return;
+        }
+        let mut is_first = true;
+        self.closures.each_part(number, self.lane, |w, part| {
+            if out.len() > LONGEST {
+                if !out.ends_with(CUT) {
+                    out.push_str(CUT);
+                }
+                return false;
+            }
+            let Some(component) = self.describe(&part, self.lane) else { return true };
+            if !std::mem::take(&mut is_first) {
                 out.push_str("\n\t+ ");
             }
             out.push_str(&format!("{} * {} (", triple(&w), component.name));
@@ -265,28 +299,31 @@ impl Machine<'_> {
                 if let Some(key) = key {
                     out.push_str(&format!("\"{key}\", "));
                 }
-                let words = self.closure_param(*ty, value);
-                if ty.elements() > 1 {
-                    out.push_str(&format!("[{}]", words.join(", ")));
-                } else {
-                    out.push_str(&words.join(", "));
-                }
+                let is_array = ty.elements() > 1;
+                out.push_str(if is_array { "[" } else { "" });
+                self.write_param(out, *ty, value, depth);
+                out.push_str(if is_array { "]" } else { "" });
             }
             out.push(')');
-        }
-        out
+            true
+        });
     }
 
-    fn closure_param(&self, ty: Type, value: &Data) -> Vec<String> {
-        match value {
+    fn write_param(&self, out: &mut String, ty: Type, value: &Data, depth: usize) {
+        let words: Vec<String> = match value {
             Data::Int(list) if ty.base == Base::Closure => {
-                list.iter().map(|&n| self.closure_text(n as u32)).collect()
+                for (i, &number) in list.iter().enumerate() {
+                    out.push_str(if i > 0 { ", " } else { "" });
+                    self.write_closure(out, number as u32, depth + 1);
+                }
+                return;
             }
             Data::Int(list) => list.iter().map(ToString::to_string).collect(),
             Data::Str(list) => list.iter().map(|s| format!("\"{s}\"")).collect(),
             Data::Float(list) if ty.base.is_triple() => list.chunks(3).map(triple).collect(),
             Data::Float(list) => list.iter().map(|&f| general(f64::from(f), 6)).collect(),
-        }
+        };
+        out.push_str(&words.join(", "));
     }
 }
 

@@ -90,6 +90,10 @@ pub struct Closures {
 
 /// Words of a batch's nodes; what does not fit is no closure.
 const MOST: usize = 1 << 22;
+/// Components of one point that are told apart: sums of sums may have any number.
+const MOST_PARTS: usize = 1 << 16;
+/// Nodes that are looked at for them.
+const MOST_VISITS: usize = 1 << 22;
 
 impl Closures {
     /// Forgets all nodes.
@@ -152,10 +156,19 @@ impl Closures {
 
     fn add(&mut self, what: What, first: u32) -> u32 {
         if self.words.len() > MOST {
+            // Nor are its numbers kept.
+            let start = self.places.get(first as usize).map_or(self.words.len(), |&at| (at >> 1) as usize);
+            self.words.truncate(start);
+            self.places.truncate(first as usize);
             return 0;
         }
         self.nodes.push(Node { what, first });
         self.nodes.len() as u32
+    }
+
+    /// A closure's number, if there is such a closure by now: what is connected, or what files say, may be any number.
+    pub(super) fn made(&self, number: u32) -> u32 {
+        if number as usize <= self.nodes.len() { number } else { 0 }
     }
 
     /// The sum of two closures of each of some points.
@@ -163,7 +176,7 @@ impl Closures {
         let mut out = [0; LANES];
         let mut both = 0;
         for lane in lanes_of(lanes) {
-            let (left, right) = (a.at(lane), b.at(lane));
+            let (left, right) = (self.made(a.at(lane)), self.made(b.at(lane)));
             out[lane] = if left == 0 { right } else { left };
             both |= u32::from(left != 0 && right != 0) << lane;
         }
@@ -189,14 +202,14 @@ impl Closures {
             }
             let is_one = x == 1.0 && y == 1.0 && z == 1.0;
             for lane in lanes_of(lanes) {
-                out[lane] = inner.at(lane);
+                out[lane] = self.made(inner.at(lane));
                 weighed |= u32::from(!is_one && out[lane] != 0) << lane;
             }
         } else {
             for lane in lanes_of(lanes) {
                 let of = |cells: Cells| f32::from_bits(cells.at(lane));
                 let (x, y, z) = (of(x), of(y), of(z));
-                let inner = inner.at(lane);
+                let inner = self.made(inner.at(lane));
                 if inner == 0 || x == 0.0 && y == 0.0 && z == 0.0 {
                     continue;
                 }
@@ -214,17 +227,35 @@ impl Closures {
         out
     }
 
-    /// The components of a point's closure with their weights, in order: of node `number`.
+    /// The components of a point's closure with their weights, in order: of node `number`; of so many the first 65,536.
     #[must_use]
     pub fn parts(&self, number: u32, lane: usize) -> Vec<([f32; 3], Part<'_>)> {
         let mut out = Vec::new();
+        self.each_part(number, lane, |weight, part| {
+            out.push((weight, part));
+            true
+        });
+        out
+    }
+
+    /// The same one after the other, as long as `with` wants more.
+    pub(super) fn each_part<'a>(
+        &'a self,
+        number: u32,
+        lane: usize,
+        mut with: impl FnMut([f32; 3], Part<'a>) -> bool,
+    ) {
         let mut open = vec![(number, [1.0_f32; 3])];
-        while let Some((number, w)) = open.pop() {
-            if out.len() > MOST {
-                break;
-            }
+        let mut parts = 0;
+        for _ in 0..MOST_VISITS {
+            let Some((number, w)) = open.pop() else { return };
             match self.node(number) {
-                Some(Closure::Component(part)) => out.push((w, part)),
+                Some(Closure::Component(part)) => {
+                    parts += 1;
+                    if !with(w, part) || parts == MOST_PARTS {
+                        return;
+                    }
+                }
                 Some(Closure::Mul(weight, inner)) => {
                     let of = |k: usize| f32::from_bits(weight[k].at(lane)) * w[k];
                     open.push((inner.at(lane), [of(0), of(1), of(2)]));
@@ -236,7 +267,6 @@ impl Closures {
                 None => {}
             }
         }
-        out
     }
 }
 

@@ -107,6 +107,8 @@ pub struct TextureOptions {
     pub color_space: Arc<str>,
     /// Which grid of a volume.
     pub subimage: Subimage,
+    /// Whether it matters how what is read changes from pixel to pixel: where it does not, changes may be 0.
+    pub derivs: bool,
 }
 
 /// One of the pictures or grids of a file.
@@ -135,6 +137,7 @@ impl Default for TextureOptions {
             interpolation: interpolation.clone(),
             color_space: interpolation.clone(),
             subimage: Subimage::Number(0),
+            derivs: true,
         }
     }
 }

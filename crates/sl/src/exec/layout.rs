@@ -3,6 +3,7 @@
 //! Source: original; which layers wait until they are asked for is OSL's.
 
 use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
+use super::nesting;
 use super::slot::{Kept, Slot};
 use super::strings::Strings;
 use super::table::action;
@@ -11,7 +12,7 @@ use crate::hir::Data;
 use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
 use crate::passes::{fold, mark_derivatives};
 use crate::types::{Base, Type};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::atomic::AtomicU32;
 use std::sync::{Arc, Mutex};
 
@@ -116,6 +117,7 @@ impl Plan {
         for (number, shader) in shaders.into_iter().enumerate() {
             plan.layer(group, number, shader, options)?;
         }
+        nesting::bound(&mut plan.layers);
         let mut row = 0;
         for name in &options.outputs {
             let Some(slot) = plan.slot_of(name) else { continue };
@@ -230,6 +232,8 @@ impl Plan {
             slots.push(slot);
         }
         let mut connected = vec![0_u8; shader.symbols.len()];
+        // Parameters whose values connections give all of.
+        let mut is_whole = vec![false; shader.symbols.len()];
         let mut copies = Vec::new();
         for c in &group.connections {
             if c.from_layer == number {
@@ -237,6 +241,7 @@ impl Plan {
             }
             if c.to_layer == number {
                 mark(&shader, &mut connected, c.to.symbol, 1);
+                is_whole[c.to.symbol as usize] |= c.to.element.is_none() && c.to.component.is_none();
                 let (from, from_derivs) = self.part(c.from_layer, &c.from);
                 let (to, to_derivs) = cut(slots[c.to.symbol as usize], &c.to);
                 copies.push(Copy {
@@ -272,12 +277,7 @@ impl Plan {
             if interpolated && options.userdata_isconnected {
                 connected[id as usize] |= 1;
             }
-            let whole = group.connections.iter().any(|c| {
-                c.to_layer == number
-                    && c.to.symbol == id
-                    && c.to.element.is_none()
-                    && c.to.component.is_none()
-            });
+            let whole = is_whole[id as usize];
             let source = match (reads[id as usize], interpolated) {
                 (true, _) => Source::Connected,
                 (_, true) => Source::Geometry,
@@ -299,6 +299,7 @@ impl Plan {
             copies,
             code,
             lazy,
+            depth: 0,
             connected,
             constant,
         });
@@ -355,14 +356,19 @@ fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -
         && (options.lazy_trace || !has("trace"))
 }
 
+/// Symbols of a layer that connections lead to.
+fn fed(group: &Group, number: usize) -> HashSet<SymId> {
+    group.connections.iter().filter(|c| c.to_layer == number).map(|c| c.to.symbol).collect()
+}
+
 /// Values of parameters that nothing changes while the group runs.
 fn fixed(group: &Group, number: usize) -> HashMap<SymId, Data> {
     let layer = &group.layers[number];
     let mut out = HashMap::new();
+    let connected = fed(group, number);
     for (id, symbol) in layer.shader.params() {
-        let connected = group.connections.iter().any(|c| c.to_layer == number && c.to.symbol == id);
         let plain = symbol.kind == SymbolKind::Param
-            && !connected
+            && !connected.contains(&id)
             && !layer.interpolated(id)
             && !layer.interactive(id);
         let value = match layer.values.get(&id) {
@@ -482,14 +488,14 @@ impl Binder<'_> {
 /// Symbols whose value is known before the group runs: parameters that nothing changes, and what is made of constants alone.
 fn constants(group: &Group, number: usize, shader: &Shader) -> Vec<bool> {
     let layer = &group.layers[number];
+    let connected = fed(group, number);
     let mut known: Vec<bool> = shader
         .symbols
         .iter()
         .enumerate()
         .map(|(id, s)| {
             let id = id as SymId;
-            let connected = group.connections.iter().any(|c| c.to_layer == number && c.to.symbol == id);
-            let fixed = !connected && !layer.interpolated(id) && !layer.interactive(id);
+            let fixed = !connected.contains(&id) && !layer.interpolated(id) && !layer.interactive(id);
             match s.kind {
                 SymbolKind::Const => true,
                 SymbolKind::Param => fixed && (s.init.is_empty() || layer.values.contains_key(&id)),

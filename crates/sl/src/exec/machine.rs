@@ -164,6 +164,8 @@ pub struct LayerPlan {
     pub code: Vec<Instruction>,
     /// Whether it waits until it is asked for.
     pub lazy: bool,
+    /// How deep its blocks nest, itself counted.
+    pub depth: usize,
     /// By symbol: bit 0 connected from above, bit 1 to below.
     pub connected: Vec<u8>,
     /// By symbol: whether its value is known before the group runs.
@@ -239,6 +241,10 @@ pub struct Machine<'a> {
     pub(super) fuel: u64,
     /// What was said since it was last taken.
     pub events: Vec<Event>,
+    /// Bytes that were said by this point, or by this batch.
+    pub(super) said: usize,
+    /// Blocks that layers which are under way lie in.
+    pub(super) nested: usize,
     /// Regular expressions that were read; none where one is wrong.
     pub(super) regexes: HashMap<Arc<str>, Option<Regex>>,
     /// Dictionaries that were asked.
@@ -297,6 +303,8 @@ impl<'a> Machine<'a> {
             pulled,
             fuel: 0,
             events: Vec::new(),
+            said: 0,
+            nested: 0,
             regexes,
             dictionaries,
             checks: false,

@@ -22,6 +22,7 @@ mod light;
 mod machine;
 mod math;
 mod message;
+mod nesting;
 mod noise;
 mod points;
 mod print;

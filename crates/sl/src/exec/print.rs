@@ -8,8 +8,8 @@ use crate::hir::Data;
 use crate::types::Base;
 use gnurt_sl_lib::text::{Argument, Format};
 
-/// Texts of one point.
-const LIMIT: usize = 100_000;
+/// Bytes of the closures of an array, as texts.
+const LONGEST: usize = 1 << 20;
 
 enum Owned {
     Ints(Vec<i32>),
@@ -19,7 +19,13 @@ enum Owned {
 
 fn argument(m: &Machine<'_>, slot: &Slot) -> Owned {
     if slot.ty.base == Base::Closure {
-        return Owned::Texts((0..slot.size as usize).map(|i| m.closure_text(m.word(slot, i))).collect());
+        let mut left = LONGEST;
+        let texts = (0..slot.size as usize).map(|i| {
+            let text = if left == 0 { String::new() } else { m.closure_text(m.word(slot, i)) };
+            left = left.saturating_sub(text.len());
+            text
+        });
+        return Owned::Texts(texts.collect());
     }
     match m.data(slot) {
         Data::Int(list) => Owned::Ints(list),
@@ -68,9 +74,6 @@ pub(super) fn print(m: &mut Machine<'_>, s: &Step) {
         m.set_text(&s.args[0], 0, &text);
         return;
     }
-    if m.events.len() >= LIMIT * 10 {
-        return;
-    }
     let (_, shader) = m.layer_names();
     let event = match &*s.name {
         "error" => Event::Error(format!("Shader error [{shader}]: {text}")),
@@ -78,5 +81,5 @@ pub(super) fn print(m: &mut Machine<'_>, s: &Step) {
         "fprintf" => Event::File(m.text(&s.args[0]).to_string(), text),
         _ => Event::Print(text),
     };
-    m.events.push(event);
+    m.say(event);
 }

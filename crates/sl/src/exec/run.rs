@@ -4,6 +4,7 @@
 
 use super::host::Point;
 use super::machine::{Copy, Event, Flow, Instruction, Loop, Machine, Source, Step};
+use super::nesting::{LAYER, MOST_NESTED};
 use super::slot::Slot;
 use crate::hir::Data;
 use crate::types::{Base, Type};
@@ -54,6 +55,8 @@ impl Machine<'_> {
         self.memory.clone_from(&self.plan.memory);
         self.strings.truncate(self.plan.strings.count());
         self.messages.clear();
+        self.said = 0;
+        self.nested = 0;
         self.done.fill(false);
         for list in &mut self.pulled {
             list.fill(false);
@@ -109,9 +112,19 @@ impl Machine<'_> {
 
     fn layer_once(&mut self, layer: usize) {
         self.done[layer] = true;
+        let outer = self.nested;
+        self.nested += LAYER + self.plan.layers[layer].depth;
+        if self.nested > 2 * MOST_NESTED {
+            let name = &self.plan.layers[layer].name;
+            let what = "layers wait for each other more deeply than blocks may nest";
+            self.error(format!("{what}: layer \"{name}\" is left out"));
+            self.nested = outer;
+            return;
+        }
         self.say_layer(layer, "enter");
         self.layer_body(layer);
         self.say_layer(layer, "exit");
+        self.nested = outer;
     }
 
     fn layer_body(&mut self, layer: usize) {

@@ -122,6 +122,7 @@ impl Said {
         }
         let channels = if out.ty.base == Base::Float { 1 } else { 3 };
         options.channels = channels + usize::from(alpha.is_some());
+        options.derivs = out.derivs || alpha.is_some_and(|alpha| alpha.derivs);
         Some(Self { options, alpha, message, missing_alpha, channels })
     }
 }

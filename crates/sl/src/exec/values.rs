@@ -11,13 +11,20 @@ use crate::types::Base;
 use gnurt_sl_lib::Dual;
 use std::sync::Arc;
 
+/// Bytes that a point may say, the rest of its words counted.
+const MOST_SAID: usize = 16 << 20;
+
 impl Machine<'_> {
+    /// Word `i` of a slot; 0 beyond its end, for files may give operations symbols of any types.
     pub(super) fn word(&self, slot: &Slot, i: usize) -> u32 {
-        self.memory[slot.at as usize + i]
+        if i < slot.size as usize { self.memory[slot.at as usize + i] } else { 0 }
     }
 
+    /// Puts it; nothing is written beyond the slot's end.
     pub(super) fn set_word(&mut self, slot: &Slot, i: usize, word: u32) {
-        self.memory[slot.at as usize + i] = word;
+        if i < slot.size as usize {
+            self.memory[slot.at as usize + i] = word;
+        }
     }
 
     pub(super) fn int(&self, slot: &Slot) -> i32 {
@@ -63,21 +70,27 @@ impl Machine<'_> {
         }
         let i = if slot.size == 1 { 0 } else { i };
         let size = slot.size as usize;
-        let part = |k: usize| f32::from_bits(self.word(slot, k * size + i));
+        if i >= size {
+            return value.into();
+        }
+        let part = |k: usize| f32::from_bits(self.memory[slot.at as usize + k * size + i]);
         Dual::new(value, part(1), part(2))
     }
 
     /// Puts a number and its derivatives.
     pub(super) fn set(&mut self, slot: &Slot, i: usize, value: D) {
-        if slot.ty.base == Base::Int {
-            self.set_word(slot, i, value.value as i32 as u32);
+        let (at, size) = (slot.at as usize + i, slot.size as usize);
+        if i >= size {
             return;
         }
-        self.set_word(slot, i, value.value.to_bits());
+        if slot.ty.base == Base::Int {
+            self.memory[at] = value.value as i32 as u32;
+            return;
+        }
+        self.memory[at] = value.value.to_bits();
         if slot.derivs {
-            let size = slot.size as usize;
-            self.set_word(slot, size + i, value.dx.to_bits());
-            self.set_word(slot, 2 * size + i, value.dy.to_bits());
+            self.memory[at + size] = value.dx.to_bits();
+            self.memory[at + 2 * size] = value.dy.to_bits();
         }
     }
 
@@ -162,6 +175,19 @@ impl Machine<'_> {
     }
 
     pub(super) fn error(&mut self, message: String) {
-        self.events.push(Event::Error(message));
+        self.say(Event::Error(message));
+    }
+
+    /// Notes what is said, as long as it is not too much: a loop may say as much as it has turns.
+    pub(super) fn say(&mut self, event: Event) {
+        let (Event::Print(text) | Event::Error(text) | Event::Warning(text) | Event::File(_, text)) = &event;
+        let before = self.said;
+        self.said = before.saturating_add(text.len() + 64);
+        if self.said <= MOST_SAID {
+            self.events.push(event);
+        } else if before <= MOST_SAID {
+            let text = format!("more than {} MiB are said: the rest is left out", MOST_SAID >> 20);
+            self.events.push(Event::Warning(text));
+        }
     }
 }

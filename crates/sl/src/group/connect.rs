@@ -3,7 +3,8 @@
 //! Source: original; the rules and words are OSL's.
 
 use super::layers::{Connection, Group, Layer, Part};
-use crate::types::{Base, Structs, Type};
+use crate::ir::SymId;
+use crate::types::{Base, Type};
 
 impl Group {
     /// Connects an output of a layer to an input of a later one; structs by their members.
@@ -46,15 +47,21 @@ impl Group {
         let (sty, tty) = (source.ty, target.ty);
         let words =
             (sty.display(&self.layers[a].shader.structs), tty.display(&self.layers[b].shader.structs));
-        if let (Some(sid), Some(tid)) = (sty.struct_id(), tty.struct_id()) {
-            if !same(&self.layers[a].shader.structs, sid, &self.layers[b].shader.structs, tid) {
+        if sty.struct_id().is_some() && tty.struct_id().is_some() {
+            let sources = self.layers[a].shader.leaves(source.symbol);
+            let targets = self.layers[b].shader.leaves(target.symbol);
+            let types = |layer: usize, list: &[SymId]| -> Vec<Type> {
+                list.iter().map(|&id| self.layers[layer].shader.symbol(id).ty).collect()
+            };
+            let (from_types, to_types) = (types(a, &sources), types(b, &targets));
+            let fits = from_types.len() == to_types.len()
+                && from_types.iter().zip(&to_types).all(|(a, b)| alike(*a, *b));
+            if !fits || sty.array != tty.array {
                 return wrong(format!(
                     "cannot connect a {} ({from}) to a {} ({to}), invalid connection",
                     words.0, words.1
                 ));
             }
-            let sources = self.layers[a].shader.leaves(source.symbol);
-            let targets = self.layers[b].shader.leaves(target.symbol);
             for (s, t) in sources.into_iter().zip(targets) {
                 let whole = |layer: &Layer, symbol| Part {
                     symbol,
@@ -105,9 +112,9 @@ fn fits(from: Type, to: Type) -> bool {
     }
 }
 
-fn same(a: &Structs, x: u16, b: &Structs, y: u16) -> bool {
-    let (Some(x), Some(y)) = (a.get(x), b.get(y)) else { return false };
-    x.fields.len() == y.fields.len() && x.fields.iter().zip(&y.fields).all(|(p, q)| p.ty.array == q.ty.array)
+/// Whether members of structs that are connected are of one type; points, vectors, normals and colours are alike.
+fn alike(a: Type, b: Type) -> bool {
+    a.array == b.array && (a.base == b.base || a.base.is_triple() && b.base.is_triple())
 }
 
 /// `name`, `name[1]`, `name[1][2]`, `name.r`, `struct.member`

@@ -44,6 +44,8 @@ pub fn read(text: &str) -> Result<Shader, String> {
 struct Reader {
     shader: Shader,
     names: HashMap<Arc<str>, SymId>,
+    structs: HashMap<String, u16>,
+    files: HashMap<String, u16>,
     rows: Vec<(String, Vec<Flat>)>,
     ops: usize,
     in_code: bool,
@@ -127,12 +129,13 @@ impl Reader {
     }
 
     fn structure(&mut self, name: &str) -> u16 {
-        if let Some(found) = self.shader.structs.0.iter().position(|s| s.name == name) {
-            return found as u16;
+        if let Some(&found) = self.structs.get(name) {
+            return found;
         }
         let number = self.shader.structs.0.len().min(usize::from(u16::MAX) - 1) as u16;
         if usize::from(number) == self.shader.structs.0.len() {
             self.shader.structs.0.push(Struct { name: name.to_owned(), scope: 0, fields: Vec::new() });
+            self.structs.insert(name.to_owned(), number);
         }
         number
     }
@@ -266,11 +269,13 @@ impl Reader {
     }
 
     fn file(&mut self, name: &str) -> u16 {
-        if let Some(found) = self.shader.files.iter().position(|f| &**f == name) {
-            return found as u16;
+        if let Some(&found) = self.files.get(name) {
+            return found;
         }
+        let number = self.shader.files.len().min(usize::from(u16::MAX)) as u16;
         self.shader.files.push(name.into());
-        (self.shader.files.len() - 1).min(usize::from(u16::MAX)) as u16
+        self.files.insert(name.to_owned(), number);
+        number
     }
 
     fn finish(mut self) -> Result<Shader, String> {

@@ -9,7 +9,17 @@ use std::rc::Rc;
 /// Written variables by function.
 #[derive(Default)]
 pub(super) struct Effects {
+    /// In itself.
+    own: HashMap<FuncId, Own>,
+    /// In itself or through others.
     known: HashMap<FuncId, Rc<HashSet<VarId>>>,
+}
+
+/// What a function does in itself.
+#[derive(Default)]
+struct Own {
+    written: HashSet<VarId>,
+    called: Vec<FuncId>,
 }
 
 fn root(e: &Expr) -> Option<VarId> {
@@ -21,45 +31,57 @@ fn root(e: &Expr) -> Option<VarId> {
 }
 
 impl Effects {
-    /// What a function writes.
+    /// What a function writes. Functions that it calls are gone through by a list: they may call each other in long chains.
     pub(super) fn of(&mut self, program: &Program, func: FuncId) -> Rc<HashSet<VarId>> {
         if let Some(found) = self.known.get(&func) {
             return found.clone();
         }
-        // A function that calls itself is refused elsewhere.
-        self.known.insert(func, Rc::default());
         let mut out = HashSet::new();
-        let body = program.funcs[func as usize].body.as_deref().unwrap_or_default();
-        self.statements(program, body, &mut out);
+        let (mut seen, mut open) = (HashSet::from([func]), vec![func]);
+        while let Some(next) = open.pop() {
+            if let Some(all) = self.known.get(&next) {
+                out.extend(all.iter());
+                continue;
+            }
+            let own = self.own.entry(next).or_insert_with(|| {
+                let mut own = Own::default();
+                own.statements(program, program.funcs[next as usize].body.as_deref().unwrap_or_default());
+                own
+            });
+            out.extend(own.written.iter());
+            open.extend(own.called.iter().filter(|&&called| seen.insert(called)));
+        }
         let out = Rc::new(out);
         self.known.insert(func, out.clone());
         out
     }
+}
 
-    fn statements(&mut self, program: &Program, list: &[Stmt], out: &mut HashSet<VarId>) {
+impl Own {
+    fn statements(&mut self, program: &Program, list: &[Stmt]) {
         for s in list {
             match &s.kind {
-                StmtKind::Block(list) => self.statements(program, list, out),
+                StmtKind::Block(list) => self.statements(program, list),
                 StmtKind::If(condition, yes, no) => {
-                    self.expr(program, condition, out);
-                    self.statements(program, yes, out);
-                    self.statements(program, no, out);
+                    self.expr(program, condition);
+                    self.statements(program, yes);
+                    self.statements(program, no);
                 }
                 StmtKind::Loop { init, condition, step, body, .. } => {
-                    self.statements(program, init, out);
-                    self.expr(program, condition, out);
+                    self.statements(program, init);
+                    self.expr(program, condition);
                     if let Some(step) = step {
-                        self.expr(program, step, out);
+                        self.expr(program, step);
                     }
-                    self.statements(program, body, out);
+                    self.statements(program, body);
                 }
                 StmtKind::Break | StmtKind::Continue | StmtKind::Return(None) => {}
-                StmtKind::Return(Some(e)) | StmtKind::Expr(e) => self.expr(program, e, out),
+                StmtKind::Return(Some(e)) | StmtKind::Expr(e) => self.expr(program, e),
                 StmtKind::Declare(list) => {
-                    out.extend(list);
+                    self.written.extend(list);
                     for &id in list {
                         if let Some(init) = &program.vars[id as usize].init {
-                            self.expr(program, init, out);
+                            self.expr(program, init);
                         }
                     }
                 }
@@ -67,49 +89,49 @@ impl Effects {
         }
     }
 
-    fn expr(&mut self, program: &Program, e: &Expr, out: &mut HashSet<VarId>) {
+    fn expr(&mut self, program: &Program, e: &Expr) {
         match &e.kind {
             ExprKind::Assign(target, value) => {
-                out.extend(root(target));
-                self.expr(program, target, out);
-                self.expr(program, value, out);
+                self.written.extend(root(target));
+                self.expr(program, target);
+                self.expr(program, value);
             }
             ExprKind::Before(_, target) | ExprKind::After(_, target) => {
-                out.extend(root(target));
-                self.expr(program, target, out);
+                self.written.extend(root(target));
+                self.expr(program, target);
             }
             ExprKind::Call(func, args) => {
                 for (arg, formal) in args.iter().zip(&program.funcs[*func as usize].formals) {
                     if formal.1 {
-                        out.extend(root(arg));
+                        self.written.extend(root(arg));
                     }
-                    self.expr(program, arg, out);
+                    self.expr(program, arg);
                 }
-                out.extend(self.of(program, *func).iter());
+                self.called.push(*func);
             }
             ExprKind::Builtin(call) => {
                 for (i, arg) in call.args.iter().enumerate() {
                     if i < 64 && call.writes & (1 << i) != 0 {
-                        out.extend(root(arg));
+                        self.written.extend(root(arg));
                     }
-                    self.expr(program, arg, out);
+                    self.expr(program, arg);
                 }
             }
-            ExprKind::Field(a, _) | ExprKind::Unary(_, a) | ExprKind::Cast(a) => self.expr(program, a, out),
+            ExprKind::Field(a, _) | ExprKind::Unary(_, a) | ExprKind::Cast(a) => self.expr(program, a),
             ExprKind::Binary(_, a, b) => {
-                self.expr(program, a, out);
-                self.expr(program, b, out);
+                self.expr(program, a);
+                self.expr(program, b);
             }
             ExprKind::Index(a, list) => {
-                self.expr(program, a, out);
-                list.iter().for_each(|e| self.expr(program, e, out));
+                self.expr(program, a);
+                list.iter().for_each(|e| self.expr(program, e));
             }
-            ExprKind::Ternary(parts) => parts.iter().for_each(|e| self.expr(program, e, out)),
+            ExprKind::Ternary(parts) => parts.iter().for_each(|e| self.expr(program, e)),
             ExprKind::Comma(list)
             | ExprKind::Construct(list)
             | ExprKind::StructList(list)
             | ExprKind::ArrayList(list) => {
-                list.iter().for_each(|e| self.expr(program, e, out));
+                list.iter().for_each(|e| self.expr(program, e));
             }
             ExprKind::Int(_)
             | ExprKind::Float(_)

@@ -25,6 +25,13 @@ impl Lowerer<'_> {
 
     /// Works out an expression. Its value is left in `wanted` if that is as easy.
     pub(super) fn expr(&mut self, e: &Expr, wanted: Option<&Value>) -> Value {
+        match self.deeper(e.loc, |l| l.expr_here(e, wanted)) {
+            Some(value) => value,
+            None => self.temp(e.ty),
+        }
+    }
+
+    fn expr_here(&mut self, e: &Expr, wanted: Option<&Value>) -> Value {
         let loc = e.loc;
         match &e.kind {
             ExprKind::Int(value) => self.constant(Type::INT, Data::Int(vec![*value])),

@@ -14,6 +14,10 @@ use std::sync::Arc;
 /// A shader may become this many operations once its functions are in place.
 const OPS: usize = 1_000_000;
 
+/// Blocks, statements and expressions may nest this deep once functions are in place, and calls count: lowering and all that walk over
+/// the result call themselves as often, on threads of 2 MiB.
+const DEPTH: usize = 800;
+
 /// What an expression leaves: a symbol, of structs one for each value in it.
 #[derive(Clone, Debug)]
 pub(super) struct Value {
@@ -47,6 +51,8 @@ pub(super) struct Lowerer<'a> {
     pub(super) effects: Effects,
     temps: usize,
     ops: usize,
+    depth: usize,
+    is_deep: bool,
     files: HashMap<u16, u16>,
     pub(super) diagnostics: Diagnostics,
 }
@@ -72,6 +78,8 @@ impl<'a> Lowerer<'a> {
             effects: Effects::default(),
             temps: 0,
             ops: 0,
+            depth: 0,
+            is_deep: false,
             files: HashMap::new(),
             diagnostics: Diagnostics::default(),
         }
@@ -84,6 +92,23 @@ impl<'a> Lowerer<'a> {
     /// Whether there is so much code that no more is made.
     pub(super) fn full(&self) -> bool {
         self.ops > OPS || self.diagnostics.errors > 0
+    }
+
+    /// Does something one level deeper; `None`, with a message, if that is too deep.
+    pub(super) fn deeper<T>(&mut self, loc: Loc, inner: impl FnOnce(&mut Self) -> T) -> Option<T> {
+        if self.depth >= DEPTH {
+            if !self.is_deep {
+                self.is_deep = true;
+                let within = self.inlines.last().map(|inline| &self.program.funcs[inline.func as usize].name);
+                let within = within.map_or(String::new(), |name| format!(", in '{name}'"));
+                self.error(loc, format!("blocks, calls and operators are nested more than {DEPTH} deep once functions are in place{within}"));
+            }
+            return None;
+        }
+        self.depth += 1;
+        let made = inner(self);
+        self.depth -= 1;
+        Some(made)
     }
 
     pub(super) fn at(&mut self, loc: Loc) -> At {

@@ -21,9 +21,12 @@ impl Lowerer<'_> {
     }
 
     fn statement(&mut self, s: &Stmt, last: bool) {
-        if self.full() {
-            return;
+        if !self.full() {
+            self.deeper(s.loc, |l| l.statement_here(s, last));
         }
+    }
+
+    fn statement_here(&mut self, s: &Stmt, last: bool) {
         match &s.kind {
             StmtKind::Block(list) => self.statements(list, last),
             StmtKind::If(condition, yes, no) => {

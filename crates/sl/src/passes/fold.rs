@@ -6,13 +6,16 @@
 //! Proof: `tests/passes.rs`, and OSL's test suite, which runs through it.
 
 use crate::hir::Data;
-use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, uses};
+use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
 use crate::types::{Base, Type};
 use std::collections::HashMap;
 
+/// What is still to be found after so many passes stays: each goes through all of the shader.
+const PASSES: usize = 100;
+
 /// Folds a shader whose parameters in `known` have the values that they have there.
 pub fn fold(shader: &mut Shader, known: &HashMap<SymId, Data>) {
-    loop {
+    for _ in 0..PASSES {
         let mut writes = vec![0_u32; shader.symbols.len()];
         uses(&shader.code, &mut |id, usage| writes[id as usize] += u32::from(usage == Use::Write));
         let (made, now) = (HashMap::new(), HashMap::new());
@@ -282,26 +285,58 @@ fn is_pure(name: &str) -> bool {
     )
 }
 
-/// Leaves out what makes values that nobody reads; whether there was something.
+/// Leaves out what makes values that nobody reads, and what made values for that alone; whether there was something.
 fn remove_dead(shader: &mut Shader) -> bool {
-    let mut read = vec![false; shader.symbols.len()];
-    uses(&shader.code, &mut |id, usage| read[id as usize] |= usage == Use::Read);
-    let dead = |op: &Op| {
-        is_pure(&op.name)
-            && op.args.iter().enumerate().filter(|(i, _)| op.is_written(*i)).all(|(_, &id)| {
-                let symbol = &shader.symbols[id as usize];
-                matches!(symbol.kind, SymbolKind::Temp | SymbolKind::Local) && !read[id as usize]
-            })
+    let mut reads = vec![0_u32; shader.symbols.len()];
+    uses(&shader.code, &mut |id, usage| reads[id as usize] += u32::from(usage == Use::Read));
+    let is_own = |id: SymId| matches!(shader.symbol(id).kind, SymbolKind::Temp | SymbolKind::Local);
+    let writes = |op: &'_ Op| -> Vec<SymId> {
+        op.args.iter().enumerate().filter(|(i, _)| op.is_written(*i)).map(|(_, &id)| id).collect()
     };
-    let mut removed = false;
-    let code = sweep(&shader.code, &dead, &mut removed);
+    // Operations by number, in the order of the text, and by what they write.
+    let mut all: Vec<&Op> = Vec::new();
+    let mut makers: Vec<Vec<usize>> = vec![Vec::new(); shader.symbols.len()];
+    ops(&shader.code, &mut |op| {
+        if is_pure(&op.name) {
+            writes(op).into_iter().for_each(|id| makers[id as usize].push(all.len()));
+        }
+        all.push(op);
+    });
+    let mut dead = vec![false; all.len()];
+    let mut open: Vec<SymId> = (0..reads.len() as SymId).filter(|&id| reads[id as usize] == 0).collect();
+    let mut look = |number: usize, reads: &mut [u32], open: &mut Vec<SymId>| {
+        let op = all[number];
+        let is_dead = is_pure(&op.name) && writes(op).iter().all(|&id| is_own(id) && reads[id as usize] == 0);
+        if !is_dead || std::mem::replace(&mut dead[number], true) {
+            return;
+        }
+        for (_, &id) in op.args.iter().enumerate().filter(|(i, _)| op.is_read(*i)) {
+            reads[id as usize] -= 1;
+            if reads[id as usize] == 0 {
+                open.push(id);
+            }
+        }
+    };
+    (0..all.len()).filter(|&i| writes(all[i]).is_empty()).for_each(|i| look(i, &mut reads, &mut open));
+    while let Some(id) = open.pop() {
+        for &number in &makers[id as usize] {
+            look(number, &mut reads, &mut open);
+        }
+    }
+    let (mut number, mut removed) = (0, false);
+    let mut is_dead = |_: &Op| {
+        number += 1;
+        dead[number - 1]
+    };
+    let code = sweep(&shader.code, &mut is_dead, &mut removed);
     if removed {
         shader.code = code;
     }
     removed
 }
 
-fn sweep(block: &Block, dead: &dyn Fn(&Op) -> bool, removed: &mut bool) -> Block {
+/// Operations are asked for in the order of the text.
+fn sweep(block: &Block, dead: &mut dyn FnMut(&Op) -> bool, removed: &mut bool) -> Block {
     let mut out = Vec::with_capacity(block.len());
     for node in block {
         match node {

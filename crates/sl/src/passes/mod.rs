@@ -4,8 +4,6 @@
 
 mod derivatives;
 mod fold;
-mod uniform;
 
 pub use derivatives::mark_derivatives;
 pub use fold::fold;
-pub use uniform::varying;

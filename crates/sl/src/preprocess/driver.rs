@@ -2,7 +2,8 @@
 //! Reads files, obeys directives and hands out expanded tokens.
 //! Source: original; the rules are those of C99.
 //!
-//! Invariant: macros, includes and text are bounded ([`TOKENS`], [`INCLUDES`]), so every input ends.
+//! Invariant: macros, includes and text are bounded ([`TOKENS`], [`INCLUDES`], [`BYTES`]), so every input ends, in memory that its files
+//! account for.
 
 use super::condition::evaluate;
 use super::macros::{Argument, Macro, Marked};
@@ -22,6 +23,8 @@ pub type Macros = HashMap<Arc<str>, Arc<Macro>>;
 
 /// Tokens that macros may make in one compilation.
 const TOKENS: usize = 4_000_000;
+/// Bytes of all files of one compilation, each counted as often as it is included.
+const BYTES: usize = 32 << 20;
 /// Files that may include each other.
 const INCLUDES: usize = 64;
 /// Macro arguments may nest this deep.
@@ -60,6 +63,8 @@ pub struct Preprocessor<'a> {
     once: HashSet<Arc<str>>,
     made: usize,
     nesting: usize,
+    /// Bytes that were read.
+    bytes: usize,
 }
 
 impl<'a> Preprocessor<'a> {
@@ -79,6 +84,7 @@ impl<'a> Preprocessor<'a> {
             once: HashSet::new(),
             made: 0,
             nesting: 0,
+            bytes: 0,
         }
     }
 
@@ -97,8 +103,19 @@ impl<'a> Preprocessor<'a> {
 
     /// Reads this text next, then goes on where it was.
     pub fn push_text(&mut self, name: &str, text: &str, system: bool) {
-        if text.len() > u32::MAX as usize {
-            self.error(Loc::NONE, format!("{name} is larger than 4 GiB"));
+        self.bytes = self.bytes.saturating_add(text.len());
+        if self.bytes > BYTES {
+            let what = "files have more than";
+            self.error(
+                Loc::NONE,
+                format!(
+                    "{name}: with it {what} {} MiB, each counted as often as it is included",
+                    BYTES >> 20
+                ),
+            );
+            // Else each of the others would be tried.
+            self.pending.clear();
+            self.files.clear();
             return;
         }
         match self.sources.add(name, text, system) {

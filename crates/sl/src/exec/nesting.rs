@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! How deep the blocks of layers nest in each other: the interpreter runs a layer where its value is asked for, in the midst of the blocks
+//! of the layer that asks, and calls itself for each. Chains that are too long are cut: layers far up run before the others.
+//! Source: original.
+//! Invariant: from the last layer no more than [`MOST_NESTED`] blocks are open, and those of one layer. Proof: `tests/hostile.rs`.
+
+use super::machine::{Instruction, LayerPlan};
+
+/// Blocks that may be open at once: as many as one layer may have.
+pub(super) const MOST_NESTED: usize = 1000;
+/// What a layer takes beside its blocks, in blocks.
+pub(super) const LAYER: usize = 4;
+
+/// How deep blocks nest.
+fn depth(list: &[Instruction]) -> usize {
+    let inner = |instruction: &Instruction| match instruction {
+        Instruction::If { yes, no, .. } => depth(yes).max(depth(no)),
+        Instruction::Loop(turns) => {
+            let parts = [&turns.init, &turns.test, &turns.body, &turns.step];
+            parts.into_iter().map(|part| depth(part)).max().unwrap_or(0)
+        }
+        Instruction::Call(body) => depth(body),
+        Instruction::Do(_) | Instruction::Leave(_) => 0,
+    };
+    1 + list.iter().map(inner).max().unwrap_or(0)
+}
+
+/// Sets how deep the layers' blocks nest, and has layers run before the others from which too many would hang.
+pub(super) fn bound(layers: &mut [LayerPlan]) {
+    // With all layers that wait for being asked by it.
+    let mut hangs: Vec<usize> = Vec::with_capacity(layers.len());
+    for number in 0..layers.len() {
+        let layer = &layers[number];
+        let inits = layer.params.iter().map(|param| depth(&param.init));
+        let blocks = inits.chain([depth(&layer.code)]).max().unwrap_or(0);
+        let own = LAYER + blocks;
+        let mut above: Vec<usize> = layer.copies.iter().map(|copy| copy.layer).collect();
+        above.sort_unstable();
+        above.dedup();
+        let mut most = 0;
+        for asked in above {
+            if own + hangs[asked] > MOST_NESTED {
+                layers[asked].lazy = false;
+                hangs[asked] = 0;
+            }
+            most = most.max(hangs[asked]);
+        }
+        layers[number].depth = blocks;
+        hangs.push(if layers[number].lazy || number + 1 == layers.len() { own + most } else { 0 });
+    }
+}
