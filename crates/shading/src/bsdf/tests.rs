@@ -9,6 +9,7 @@ use glam::Vec3;
 use super::*;
 use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
 use crate::lanes::{LANES, Vec3x16};
+use crate::real::Vector;
 use crate::sampling::{sample_pair, uniform_sphere};
 use gnurt_simd::{Level, Simd, dispatch_wide, f32x16, prelude::*};
 
@@ -623,6 +624,65 @@ fn sixteen_points_have_the_bits_of_one_at_every_level() {
         }
     }
     assert!(samples > 4000 || Level::available().len() < 3, "the test has something to test: {samples}");
+}
+
+/// Directions in lanes, as kept copies are asked.
+#[inline(always)]
+fn of_kept<S: Simd>(
+    simd: S,
+    (kept, seen): (&Kept, &Seen<f32>),
+    wi: &[Vec3; LANES],
+) -> [[(Vec3, f32); LANES]; 2] {
+    let row = |k: usize| f32x16::from_fn(simd, |i| wi[i][k]);
+    let wi = Vec3x16::new(row(0), row(1), row(2));
+    [kept.eval_pdf(0, wi), seen.eval_pdf_all(wi)]
+        .map(|(value, pdf)| std::array::from_fn(|i| (value.get(i), pdf[i])))
+}
+
+#[test]
+fn kept_copies_have_the_bits_of_what_is_seen() {
+    let mut models = models();
+    let tilted = |lobe: Lobe| Lobe { normal: Vec3::new(0.6, 0.0, 0.8), ..lobe };
+    let (phong, body) = (tilted(Lobe::phong(20.0)), Lobe::lambert(Vec3::ONE));
+    models.push(("tilted over another".into(), Lobes::from(phong).over(body)));
+    models.push(("film over fibres".into(), Lobes::from(Lobe::coat(0.2)).over(Lobe::fibres(Vec3::ONE, 0.6))));
+    let draw = |round: u32, n| sample_pair(6, SampleKey { pixel: round, sample: 0, branch: 0 }, 0, n);
+    let mut lit = 0;
+    for round in 0..400_u32 {
+        let (normal, wo) = (uniform_sphere(draw(round, 0)), uniform_sphere(draw(round, 1)));
+        // Of one kind, as most neighbours are, or of any.
+        let step = if round % 2 == 0 { 0 } else { 5 };
+        let name = |i: usize| &models[(round as usize + step * i) % models.len()].0;
+        let points: [Bsdf; LANES] = std::array::from_fn(|i| {
+            Bsdf::new(normal, models[(round as usize + step * i) % models.len()].1.clone())
+        });
+        let kept = Kept::new(points.iter().map(|bsdf| (bsdf, wo)));
+        let seen = points.each_ref().map(|bsdf| bsdf.seen(wo));
+        // Some of them where narrow lobes are.
+        let wi = std::array::from_fn(|i| {
+            let u = draw(round, 2 + i as u32);
+            let chosen = points[i].sample(wo, [u[0], u[1], (u[0] * 37.0).fract()]);
+            chosen.filter(|_| i % 2 == 0).map_or_else(|| uniform_sphere(u), |sample| sample.wi)
+        });
+        let wanted: [(Vec3, f32); LANES] = std::array::from_fn(|i| points[i].eval_pdf(wo, wi[i]));
+        for (i, wanted) in wanted.iter().enumerate() {
+            let (value, pdf) = kept.eval_pdf(i, Vector::from(wi[i]));
+            assert_eq!((Vec3::from(value), pdf), *wanted, "{} alone among sixteen", name(i));
+            let (value, pdf) = seen[i].eval_pdf_all(Vector::from(wi[i]));
+            assert_eq!((Vec3::from(value), pdf), *wanted, "{} alone", name(i));
+            lit += u32::from(wanted.0 != Vec3::ZERO);
+        }
+        for level in Level::available() {
+            let [by_kept, _] =
+                dispatch_wide!(level, simd => of_kept(simd, (&kept, &seen[0]), &wi), else continue);
+            assert_eq!(by_kept, wanted, "{} and others at {level}", name(0));
+            let [_, of_one] =
+                dispatch_wide!(level, simd => of_kept(simd, (&kept, &seen[0]), &wi), else continue);
+            let wanted: [(Vec3, f32); LANES] = std::array::from_fn(|i| points[0].eval_pdf(wo, wi[i]));
+            assert_eq!(of_one, wanted, "{} for many directions at {level}", name(0));
+        }
+    }
+    assert!(lit > 2000, "the test has something to test: {lit}");
 }
 
 #[test]
