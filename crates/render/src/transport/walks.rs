@@ -10,7 +10,7 @@
 use glam::Vec3;
 use gnurt_accel::{Coherence, Ray, RayBatch};
 use gnurt_scene::RayMask;
-use gnurt_shading::bsdf::{Bsdf, BsdfSample};
+use gnurt_shading::bsdf::{Bsdf, BsdfSample, Carrying};
 use gnurt_shading::{SampleKey, SurfacePoint};
 
 use super::Vertex;
@@ -114,11 +114,11 @@ impl BatchTracer<'_> {
     }
 }
 
-/// A direction that the BSDF chooses for light that counts so much, by colour.
-fn choose(bsdf: &Bsdf, wo: Vec3, light: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+/// What light that counts so much, by colour, counts for the choice of a direction.
+fn counted(bsdf: &Bsdf, light: Vec3) -> Vec3 {
     // Who asks for densities does not know what light counts: only where there are none colours are chosen by that.
     let by_light = bsdf.is_dispersed() && !bsdf.is_smooth();
-    bsdf.sample_by(wo, if by_light { light } else { Vec3::ONE }, u)
+    if by_light { light } else { Vec3::ONE }
 }
 
 /// Where a walk from the eye goes on whose light counts so much: a direction that the BSDF chooses, and the ray that takes it.
@@ -128,7 +128,7 @@ pub(crate) fn scatter(
     (wo, light): (Vec3, Vec3),
     u: [f32; 3],
 ) -> Option<(Ray, BsdfSample)> {
-    let sample = choose(bsdf, wo, light, u)?;
+    let sample = bsdf.sample_by(wo, counted(bsdf, light), u)?;
     let ray = point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)?;
     Some((ray, sample))
 }
@@ -140,11 +140,9 @@ pub(crate) fn scatter_light(
     (from, light): (Vec3, Vec3),
     u: [f32; 3],
 ) -> Option<(Ray, BsdfSample)> {
-    let mut sample = choose(bsdf, from, light, u)?;
+    let carrying = Carrying::by(bsdf, from, counted(bsdf, light));
     // Light goes on to either side, but does not cheat its facet.
-    if (point.ng.dot(sample.wi) > 0.0) == sample.transmitted {
-        return None;
-    }
-    sample.weight *= bsdf.adjoint_correction(from, sample.wi, point.ng);
+    let is_honest = |sample: &BsdfSample| (point.ng.dot(sample.wi) > 0.0) != sample.transmitted;
+    let sample = carrying.sample(u, point.ng).filter(is_honest)?;
     Some((point.spawn(sample.wi, f32::INFINITY), sample))
 }
