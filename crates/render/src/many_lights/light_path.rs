@@ -97,9 +97,9 @@ pub(super) fn share_of_light_set(world: &World) -> f32 {
     }
 }
 
-/// The start of a path at a light of a shader plugin, if that is where its numbers put it; else the number that chooses a
-/// lamp, and one over the probability that it is not at a plugin's.
-fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Start, (f32, f32)> {
+/// The start of a path at a light of a shader plugin, if that is where its numbers put it (`None` = it starts nowhere); else the number that
+/// chooses a lamp, and one over the probability that it is not at a plugin's.
+fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Option<Start>, (f32, f32)> {
     let [choice, _] = numbers(path, 0, pair::LOBE);
     let share = 1.0 - share_of_light_set(world);
     if choice >= share {
@@ -110,7 +110,7 @@ fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Start, (f32, f32
         numbers(path, 0, pair::PLACE),
         numbers(path, 0, pair::DIRECTION),
     );
-    start.map(|start| Start { weight: start.weight / share, ..start }).ok_or((choice, 1.0))
+    Ok(start.map(|start| Start { weight: start.weight / share, ..start }))
 }
 
 /// What arrives at the ends of first edges from lights and environments of shader plugins.
@@ -157,7 +157,8 @@ pub(crate) fn trace(
     for path in paths {
         let (choice, weight) = match start(world, path, numbers) {
             Err(choice) => choice,
-            Ok(start) => {
+            Ok(None) => continue,
+            Ok(Some(start)) => {
                 let ray = Ray::new(start.org.into(), start.dir.into());
                 walks.chances.push(chance(path, 0, numbers));
                 walks.push(
