@@ -355,8 +355,11 @@ fn arrive(
                     lights.pdf_triangle(last.point.p, last.side, light, -vertex.wo, dist)
                 })
             });
+            // Light samples find what the description lets shine, not what a shader that was probed shows beside it.
+            let shown = vertex.shown;
             let gain = if light.is_some() { walk.lamp_gain } else { 1.0 };
-            radiance.add(lane, walk.throughput * emission * (gain * share(pdf)));
+            radiance.add(lane, walk.throughput * (emission - shown) * (gain * share(pdf)));
+            radiance.add(lane, walk.throughput * shown);
         }
         if vertex.is_final || walk.edges >= tracer.options.max_depth {
             continue;
