@@ -393,7 +393,7 @@ mod tests {
             0 => Lobe::phong(30.0).into(),
             1 => Lobe::ward(0.4).into(),
             2 => Lobe::ward(0.3).brushed(tangent, 0.6).into(),
-            3 => Lobe::beckmann(0.4, 0.0, tint, tint).into(),
+            3 => Lobes::from(tilted(Lobe::ward(0.5))).plus(body),
             4 => Lobe::fibres(tint, 0.6).into(),
             5 => Lobes::from(tilted(Lobe::coat(0.4))).over(body),
             6 => Lobes::from(Lobe::coat(0.4)).over(tilted(body)),
