@@ -18,6 +18,8 @@ mod alone;
 mod batch;
 mod beckmann;
 mod carrying;
+#[cfg(test)]
+mod carrying_tests;
 mod conductor;
 mod dielectric;
 mod diffuse_once;
