@@ -84,6 +84,8 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) wavefront: Wavefront,
     /// And of what points do to light.
     pub(crate) closures: ClosureBatch,
+    /// What the points of the last shader that was probed showed without light.
+    pub(crate) dark: Vec3s,
     /// How shadow rays lie beside each other.
     pub(crate) shadows: Coherence,
     /// And of what shadow rays hit.
@@ -130,6 +132,7 @@ impl<'w> BatchTracer<'w> {
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),
             closures: ClosureBatch::default(),
+            dark: Vec3s::default(),
             shadows: Coherence::Coherent,
             blocked: Vec::new(),
             timed: RayBatch::default(),

@@ -16,9 +16,10 @@ use gnurt_scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence
 use gnurt_scene::material::{Alpha, Color, NormalMap, Opacity, OpacityChannel, Principled, TextureRef};
 use gnurt_scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt_scene::{Affine, Light, Material, MaterialId, Scene, Surface, TextureId};
-use gnurt_shading::bsdf::{Bsdf, Lobe};
+use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Lobe, Lobes};
 use gnurt_shading::lights::PointLight;
-use gnurt_shading::{LightBatch, LightShader, Vec3s};
+use gnurt_shading::sampling::Basis;
+use gnurt_shading::{LightBatch, LightShader, SurfaceBatch, SurfaceShader, Vec3s};
 
 /// Independent renderings per integrator.
 const BATCHES: u64 = 8;
@@ -230,7 +231,11 @@ fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>>
 /// A sheet of the material seen from above, its mesh's front up or down, beside a matte wall that reaches above and below it.
 fn world(subject: &str, lamp: &str, up: f32, front: bool) -> World {
     let mut scene = Scene::new();
-    let sheet = material(&mut scene, subject);
+    let of_lobes = LOBES.into_iter().find(|&name| name == subject);
+    let sheet = match of_lobes {
+        Some(name) => scene.add_material(Material::of(name, Surface::Shader(0))),
+        None => material(&mut scene, subject),
+    };
     let edges = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
     let [a, b] = if front { edges } else { [edges[1], edges[0]] };
     let mut mesh = quad([-1.0, -1.0, 0.0], a, b, sheet);
@@ -241,10 +246,79 @@ fn world(subject: &str, lamp: &str, up: f32, front: bool) -> World {
     let grey = matte(&mut scene, [0.6; 3]);
     place(&mut scene, quad([-1.2, -1.2, -1.2], [0.0, 2.4, 0.0], [0.0, 0.0, 2.4], grey));
     let plugin = light(&mut scene, lamp, up);
-    let table = ShaderTable { lights: plugin.into_iter().collect(), ..ShaderTable::default() };
+    let surfaces =
+        of_lobes.map(|name| Arc::new(OfLobes(name)) as Arc<dyn SurfaceShader>).into_iter().collect();
+    let lights = plugin.into_iter().collect();
+    let table = ShaderTable { lights, surfaces, ..ShaderTable::default() };
     let mut world = World::new();
     world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
     world
+}
+
+/// Lobes of a shading language: few surfaces have them, or around normals of their own.
+const LOBES: [&str; 14] = [
+    "phong",
+    "ward",
+    "brushed ward",
+    "beckmann",
+    "beckmann that mirrors",
+    "beckmann glass",
+    "fibres",
+    "fibres over a body",
+    "schlick's glass",
+    "body that leans",
+    "coat that leans",
+    "coat over a body that leans",
+    "leaning both ways",
+    "glass and paper",
+];
+
+/// A surface of those lobes.
+struct OfLobes(&'static str);
+
+impl OfLobes {
+    fn lobes(&self, ns: Vec3, front: bool) -> Lobes {
+        let (tint, white) = (Vec3::new(0.7, 0.5, 0.3), Vec3::ONE);
+        let Basis { tangent: x, bitangent: y, .. } = Basis::around(ns);
+        let lean = |mut lobe: Lobe, to: Vec3| {
+            lobe.normal = (ns + to).normalize();
+            lobe
+        };
+        let (body, coat) = (Lobe::lambert(tint), Lobe::coat(0.4));
+        let eta = if front { 1.0 / 1.5 } else { 1.5 };
+        let times = |lobe: Lobe, share: f32| Lobes::from(lobe).times(Vec3::splat(share));
+        match self.0 {
+            "phong" => times(Lobe::phong(12.0), 0.8),
+            "ward" => times(Lobe::ward(0.4), 0.8),
+            "brushed ward" => times(Lobe::ward(0.3).brushed(x, 0.6), 0.8),
+            "beckmann" => times(Lobe::beckmann(0.4, 0.0, white, white), 0.8),
+            "beckmann that mirrors" => Lobe::beckmann(0.4, eta, white, Vec3::ZERO).into(),
+            "beckmann glass" => times(Lobe::beckmann(0.4, eta, white, white), 0.9),
+            "fibres" => Lobe::fibres(tint, 0.7).into(),
+            "fibres over a body" => Lobes::from(Lobe::fibres(tint, 0.5)).over(body),
+            "schlick's glass" => {
+                let part = |through| Lobe::schlick_glass(0.4, eta, [Vec3::splat(0.04), white], 5.0, through);
+                Lobes::from(part(false)).plus(part(true))
+            }
+            "body that leans" => times(lean(body, x * 0.7), 0.6).plus(times(body, 0.4)),
+            "coat that leans" => Lobes::from(lean(coat, x * 0.5)).over(body),
+            "coat over a body that leans" => Lobes::from(coat).over(lean(body, y * 0.7)),
+            "leaning both ways" => {
+                times(lean(body, x * 0.6), 0.5).plus(times(lean(Lobe::fibres(tint, 0.8), x * -0.6), 0.5))
+            }
+            _ => times(Lobe::rough_glass(0.4, eta, white, white, false), 0.5)
+                .plus(times(Lobe::translucent(tint), 0.5)),
+        }
+    }
+}
+
+impl SurfaceShader for OfLobes {
+    fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
+        for i in 0..hits.len() {
+            let ns = hits.facing_ns(i);
+            out.set(i, ns, self.lobes(ns, hits.front(i)).as_slice());
+        }
+    }
 }
 
 /// Mean brightness of independent renderings, and the squared error of their mean.
@@ -477,21 +551,33 @@ impl std::fmt::Display for Sums {
 
 #[test]
 fn paths_and_virtual_lights_see_the_same_light() {
+    see_the_same(&MATERIALS, &LIGHTS, 8);
+}
+
+/// Kinds of lobes that kept copies of points know, and what light paths make of lobes around normals of their own, and of those that are
+/// not the same from both ends.
+#[test]
+fn lobes_of_shading_languages_scatter_the_same_light() {
+    see_the_same(&LOBES, &["point", "area"], 32);
+}
+
+/// Compares all subjects under all lights, by `spp` samples per pixel of paths.
+fn see_the_same(subjects: &[&'static str], lights: &[&'static str], spp: u32) {
     let threads = pool(2);
     let view = camera([0.5, -1.2, 2.2], [0.1, 0.0, 0.0], 28.0);
     let by = |integrator, spp| RenderOptions { integrator, spp, vpls: 32, max_depth: 4, ..options(5, 5, 1) };
     let mut groups: BTreeMap<String, Sums> = BTreeMap::new();
     let mut mistakes = Vec::new();
-    for (subject, lamp) in MATERIALS.iter().flat_map(|m| LIGHTS.iter().map(move |l| (*m, *l))) {
+    for (subject, lamp) in subjects.iter().flat_map(|m| lights.iter().map(move |l| (*m, *l))) {
         let see_through =
             ["glass", "transmitting", "veil", "cut-out"].iter().any(|part| subject.contains(part));
         // What is solid looks alike on both sides, but its lamp may be behind it.
         let cases = [(1.0, true), (-1.0, false), (-1.0, true), (1.0, false)];
         for (up, front) in cases.into_iter().take(if see_through { 4 } else { 2 }) {
             let world = world(subject, lamp, up, front);
-            let (paths, paths_error) = mean_by(&world, &view, &by(Integrator::Path, 8), &threads);
+            let (paths, paths_error) = mean_by(&world, &view, &by(Integrator::Path, spp), &threads);
             for integrator in [Integrator::InstantRadiosity, Integrator::BidirectionalInstantRadiosity] {
-                let (found, error) = mean_by(&world, &view, &by(integrator, 1), &threads);
+                let (found, error) = mean_by(&world, &view, &by(integrator, spp / 8), &threads);
                 let sums = Sums { found, paths, error: error + paths_error };
                 for group in [subject, lamp] {
                     groups.entry(format!("{group}, {integrator}")).or_default().add(sums);

@@ -187,6 +187,42 @@ fn shaders_show_what_materials_show() {
     }
 }
 
+/// Shows a light of its own beside what the description lets shine.
+struct Glowing;
+
+impl RadianceShader for Glowing {
+    fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
+        (0..hits.len()).for_each(|i| out.set(i, Vec3::ONE));
+    }
+}
+
+impl SurfaceShader for Glowing {
+    fn radiance(&self) -> Option<&dyn RadianceShader> {
+        Some(self)
+    }
+}
+
+/// Light samples find a lamp's emission, and not what its shader shows beside that: scattered rays bring that wholly.
+#[test]
+fn lamps_may_show_more_than_they_emit() {
+    let mut scene = floor(0.8, 4.0);
+    let lamp = Material { emission: [1.0; 3], ..Material::of("lamp", Surface::Shader(0)) };
+    let lamp = scene.add_material(lamp);
+    place(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], lamp));
+    let shaders = ShaderTable { surfaces: vec![Arc::new(Glowing)], ..ShaderTable::default() };
+    let mut world = World::new();
+    world.commit(&scene, &shaders, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
+    let view = camera([2.5, 0.0, 0.4], [0.0, 0.0, 0.0], 1.0);
+    let seen = |integrator, spp| {
+        let options = RenderOptions { width: 4, height: 4, max_depth: 2, ..by(integrator, spp) };
+        mean(&render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture)[0]
+    };
+    let wanted = seen(Integrator::Path, 1024);
+    for integrator in ALL {
+        assert_close(seen(integrator, 1024), wanted, 0.02, &format!("{integrator}"));
+    }
+}
+
 /// Whatever the bound leaves to rays comes back.
 #[test]
 fn the_bound_takes_nothing_away() {

@@ -35,6 +35,31 @@ fn catcher() -> Surface {
     Surface::ShadowCatcher { albedo: [ALBEDO; 3], radiance: [ALBEDO * SKY; 3] }
 }
 
+/// With an opacity, an emission or bumps it catches shadow as it does without.
+#[test]
+fn it_may_be_there_in_part() {
+    use gnurt_scene::material::{Alpha, Opacity as Share, OpacityChannel};
+    let with = |alpha: Alpha| {
+        let mut scene = Scene::new();
+        let floor = scene.add_material(Material { alpha, ..Material::of("floor", catcher()) });
+        place(&mut scene, quad([-50.0, -50.0, 0.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], floor));
+        scene.add_light(environment([SKY; 3]));
+        picture(&scene, Integrator::Path, 64)
+    };
+    let opacity = Share { factor: 0.99, texture: None, channel: OpacityChannel::Alpha };
+    let (whole, part) = (with(Alpha::Opaque), with(Alpha::Blend { opacity }));
+    assert_eq!(part.opacity, whole.opacity, "still a picture with opacity");
+    let row = 22 * 32..23 * 32;
+    let mean = |picture: &Picture| picture.color[row.clone()].iter().map(|p| p[0] / 32.0).sum::<f32>();
+    let wanted = 0.99 * mean(&whole) + 0.01 * SKY;
+    assert!((mean(&part) - wanted).abs() < 4e-3 * wanted, "{} in place of {wanted}", mean(&part));
+    for (i, pixel) in part.color[row].iter().enumerate() {
+        // A sample in a hundred sees the sky below; no other noise is there.
+        let off = (pixel[0] - ALBEDO * SKY) / SKY;
+        assert!(pixel[3] < 0.01 && (-1e-5..0.04).contains(&off), "pixel {i} is clear: {pixel:?}");
+    }
+}
+
 fn background(picture: &Picture) -> Vec<[f32; 4]> {
     let layer = picture.layer(BACKGROUND).expect("the layer");
     let values = |name: &str| match &layer.channel(name).expect("the channel").data {

@@ -12,7 +12,7 @@ use std::f32::consts::FRAC_1_PI;
 use std::ops::Range;
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{Bsdf, left_after};
+use gnurt_shading::bsdf::{Bsdf, Carrying, left_after};
 use gnurt_shading::lights::LightKind;
 use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
@@ -257,9 +257,9 @@ fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
     {
         return None;
     }
-    let adjoint = z.vpl.bsdf.adjoint_correction(z.vpl.from, to, z.vpl.point.ng);
-    let (scattered, pdf) = z.vpl.bsdf.eval_pdf(z.vpl.from, to);
-    let scattered = scattered * adjoint;
+    let carrying = Carrying::new(&z.vpl.bsdf, z.vpl.from);
+    let (scattered, pdf) = carrying.eval_pdf(to, z.vpl.point.ng);
+    let scattered = scattered * carrying.correction(to, z.vpl.point.ng);
     if scattered == Vec3::ZERO {
         return None;
     }

@@ -91,10 +91,16 @@ fn all_radiance(
         siblings: 1.0,
     };
     let carried = camera.keys.iter().enumerate().map(walk).collect();
-    let walks = Walks { rays: camera.rays.clone(), keys: camera.keys.to_vec(), cones: None, carried };
+    let walks = Walks {
+        rays: camera.rays.clone(),
+        keys: camera.keys.to_vec(),
+        cones: None,
+        carried,
+        ..Walks::default()
+    };
     // What the eye sees of shaders that only know `shade` is what they show.
     let probes = std::mem::replace(&mut tracer.probes, false);
-    let vertices = tracer.stopped(camera);
+    let vertices = tracer.stopped(camera, &[]);
     tracer.probes = probes;
     go_on(tracer, pass, (walks, vertices), pixels, 1, (radiance, texels));
     tracer.sharing = Sharing::All;
@@ -349,8 +355,11 @@ fn arrive(
                     lights.pdf_triangle(last.point.p, last.side, light, -vertex.wo, dist)
                 })
             });
+            // Light samples find what the description lets shine, not what a shader that was probed shows beside it.
+            let shown = vertex.shown;
             let gain = if light.is_some() { walk.lamp_gain } else { 1.0 };
-            radiance.add(lane, walk.throughput * emission * (gain * share(pdf)));
+            radiance.add(lane, walk.throughput * (emission - shown) * (gain * share(pdf)));
+            radiance.add(lane, walk.throughput * shown);
         }
         if vertex.is_final || walk.edges >= tracer.options.max_depth {
             continue;

@@ -54,10 +54,15 @@ pub(crate) struct LightVertex {
 pub(crate) mod pair {
     /// The direction.
     pub(crate) const DIRECTION: u32 = 0;
-    /// The lobe, or on edge 0 the lamp, and whether the path ends.
+    /// The lobe, and whether the path ends; on edge 0 the lamp, and which surfaces that are there in part the edge meets.
     pub(crate) const LOBE: u32 = 1;
-    /// The place on a lamp.
+    /// The place on a lamp; on other edges which surfaces they meet.
     pub(crate) const PLACE: u32 = 2;
+}
+
+/// The number that decides which of the surfaces that are there in part an edge meets, after so many others.
+fn chance(path: u32, before: u32, numbers: &Numbers) -> f32 {
+    if before == 0 { numbers(path, 0, pair::LOBE)[1] } else { numbers(path, before, pair::PLACE)[0] }
 }
 
 struct Walk {
@@ -92,9 +97,9 @@ pub(super) fn share_of_light_set(world: &World) -> f32 {
     }
 }
 
-/// The start of a path at a light of a shader plugin, if that is where its numbers put it; else the number that chooses a
-/// lamp, and one over the probability that it is not at a plugin's.
-fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Start, (f32, f32)> {
+/// The start of a path at a light of a shader plugin, if that is where its numbers put it (`None` = it starts nowhere); else the number that
+/// chooses a lamp, and one over the probability that it is not at a plugin's.
+fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Option<Start>, (f32, f32)> {
     let [choice, _] = numbers(path, 0, pair::LOBE);
     let share = 1.0 - share_of_light_set(world);
     if choice >= share {
@@ -105,7 +110,7 @@ fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Start, (f32, f32
         numbers(path, 0, pair::PLACE),
         numbers(path, 0, pair::DIRECTION),
     );
-    start.map(|start| Start { weight: start.weight / share, ..start }).ok_or((choice, 1.0))
+    Ok(start.map(|start| Start { weight: start.weight / share, ..start }))
 }
 
 /// What arrives at the ends of first edges from lights and environments of shader plugins.
@@ -152,11 +157,13 @@ pub(crate) fn trace(
     for path in paths {
         let (choice, weight) = match start(world, path, numbers) {
             Err(choice) => choice,
-            Ok(start) => {
+            Ok(None) => continue,
+            Ok(Some(start)) => {
                 let ray = Ray::new(start.org.into(), start.dir.into());
+                walks.chances.push(chance(path, 0, numbers));
                 walks.push(
                     (ray, Cone::default()),
-                    key(path),
+                    key(path, numbers),
                     Walk {
                         path,
                         power: Vec3::splat(start.weight),
@@ -181,9 +188,10 @@ pub(crate) fn trace(
             continue;
         };
         let pdf = if ray.is_surface { ray.pdf_dir } else { f32::INFINITY };
+        walks.chances.push(chance(path, 0, numbers));
         walks.push(
             (ray.point.spawn(ray.dir, f32::INFINITY), Cone::from_point(pdf)),
-            key(path),
+            key(path, numbers),
             Walk {
                 path,
                 power: ray.radiance_over_pdf * weight,
@@ -250,9 +258,10 @@ pub(crate) fn trace(
             }
             // Light paths are few: they are as fine as cones get.
             let fine = fineness(SampleKey { sample: u32::MAX, ..SampleKey::default() });
+            next.chances.push(chance(walk.path, walk.edges, numbers));
             next.push(
                 (ray, vertex.cone.after(&sample, fine)),
-                key(walk.path).fork(walk.edges),
+                key(walk.path, numbers).fork(walk.edges),
                 Walk {
                     path: walk.path,
                     power,
@@ -282,6 +291,77 @@ fn survival(albedo: Vec3, edges: u32) -> f32 {
     if roulette::decides(edges + 1) { roulette::survival(albedo.max_element().max(LEAST)) } else { 1.0 }
 }
 
-fn key(path: u32) -> SampleKey {
-    SampleKey { pixel: path, sample: 0, branch: 0x5eed }
+/// What chance on a path beside its own numbers hangs on: these, so that no two sets share it.
+fn key(path: u32, numbers: &Numbers) -> SampleKey {
+    let [a, b] = numbers(path, 0, pair::DIRECTION).map(f32::to_bits);
+    SampleKey { pixel: a, sample: b, branch: 0x5eed }
+}
+
+#[cfg(test)]
+mod tests {
+    use gnurt_scene::material::{Alpha, Opacity, OpacityChannel};
+    use gnurt_scene::{Affine, Material, Mesh, Scene};
+
+    use super::*;
+    use crate::options::RenderOptions;
+    use crate::world::{CommitOptions, ShaderTable};
+
+    /// Lamps at z = 2 over veils at z = 1 and less over a floor at z = 0, all much wider than high; the veils stop half of the light each.
+    fn veiled(veils: u32) -> World {
+        let mut scene = Scene::new();
+        let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Alpha };
+        let veil = Material { alpha: Alpha::Blend { opacity }, ..Material::matte("veil", [0.0; 3]) };
+        let veil = scene.add_material(veil);
+        let lamp = scene.add_material(Material { emission: [1.0; 3], ..Material::matte("lamp", [0.0; 3]) });
+        let floor = scene.add_material(Material::matte("floor", [0.5; 3]));
+        let mut place = |z: f32, size: f32, down: bool, material| {
+            let indices = if down { vec![[0, 2, 1], [0, 3, 2]] } else { vec![[0, 1, 2], [0, 2, 3]] };
+            let corners = [[-size, -size, z], [size, -size, z], [size, size, z], [-size, size, z]];
+            let mesh = Mesh { positions: corners.into(), indices, material, ..Mesh::default() };
+            let mesh = scene.add_mesh(mesh);
+            let object = scene.add_object_of("", vec![mesh]);
+            scene.instantiate(object, Affine::IDENTITY);
+        };
+        place(0.0, 1000.0, false, floor);
+        (0..veils).for_each(|k| place(1.0 - 0.1 * k as f32, 1000.0, false, veil));
+        place(2.0, 0.1, true, lamp);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread starts");
+        let mut world = World::new();
+        let how = CommitOptions::default();
+        world.commit(&scene, &ShaderTable::default(), &how, &pool).expect("the scene is sound");
+        world
+    }
+
+    /// Which paths of a set end on a veil, and which on the floor, by path.
+    fn ends(world: &World, options: &RenderOptions, set: u32, paths: u32) -> Vec<bool> {
+        let mut tracer = BatchTracer::new(world, options, false);
+        let numbers = numbers(options.seed_of_lights(), set);
+        let found = trace(&mut tracer, 0..paths, &numbers, 1);
+        assert!(found.len() as u32 > paths * 9 / 10, "nearly all meet something: {} of {paths}", found.len());
+        found.iter().map(|vertex| vertex.vpl.point.p.z > 0.05).collect()
+    }
+
+    /// Each set decides anew which of its paths go through holes: the mean over sets is the picture.
+    #[test]
+    fn sets_decide_about_holes() {
+        let share = |ends: &[bool]| ends.iter().filter(|&&veil| veil).count() as f64 / ends.len() as f64;
+        for (veils, wanted) in [(1, 0.5), (3, 0.875)] {
+            let world = veiled(veils);
+            for seed in [3, 5] {
+                let options = RenderOptions { seed, ..RenderOptions::default() };
+                let all: Vec<bool> = (0..256).flat_map(|set| ends(&world, &options, set, 8)).collect();
+                assert!((share(&all) - wanted).abs() < 0.03, "{veils} veils, seed {seed}: {}", share(&all));
+                // Within a set they are spread as evenly as other numbers are.
+                let one = share(&ends(&world, &options, 7, 256));
+                assert!((one - wanted).abs() < 0.02, "{veils} veils, one set of seed {seed}: {one}");
+            }
+        }
+        // Pictures that differ in their seeds alone may share the lights.
+        let world = veiled(1);
+        let [a, b] = [3, 5].map(|seed| {
+            let options = RenderOptions { seed, lights_seed: Some(9), ..RenderOptions::default() };
+            ends(&world, &options, 1, 64)
+        });
+        assert_eq!(a, b, "the seed of lights decides");
+    }
 }

@@ -24,6 +24,7 @@ use super::vpl::{self, Vpl};
 use crate::cone::{Cone, Cones};
 use crate::job::Job;
 use crate::tracer::BatchTracer;
+use crate::transport::holes;
 use crate::transport::walks::Walks;
 
 /// Points that the eye sees, at most.
@@ -94,10 +95,11 @@ impl Pilots {
         job.camera.rays(&samples, options.width as f32 / options.height as f32, &mut rays);
         // Each carries what light at its end is multiplied with.
         let carried = vec![Vec3::ONE; rays.len()];
-        let mut walks =
-            Walks { keys: keys[..rays.len()].to_vec(), rays, cones: Some(Cones::default()), carried };
+        let keys = keys[..rays.len()].to_vec();
+        let mut walks = Walks { keys, rays, cones: Some(Cones::default()), carried, ..Walks::default() };
         let mut points = Vec::new();
         for edges in 1..=MOST_MIRRORS {
+            walks.chances = chances(options.seed_of_lights(), &walks.keys, edges);
             let found = walks.meet(tracer, edges);
             let mut next = Walks::default();
             for ((&key, &throughput), vertex) in walks.keys.iter().zip(&walks.carried).zip(found) {
@@ -254,6 +256,11 @@ impl Pilots {
     }
 }
 
+/// Numbers that decide which surfaces walks meet that are there in part: by the seed of virtual lights, as all about pilots.
+fn chances(seed: u64, keys: &[SampleKey], edges: u32) -> Vec<f32> {
+    keys.iter().map(|&key| holes::chance(seed, key, edges)).collect()
+}
+
 /// Where a ray from each point ends that brings what virtual lights leave to it, if that is much: on gloss it is most.
 fn ends_of_rays(
     job: &Job,
@@ -271,6 +278,7 @@ fn ends_of_rays(
             walks.push((ray, Cone::from_point(sample.pdf)), key, (eye, sample));
         }
     }
+    walks.chances = chances(job.options.seed_of_lights(), &walks.keys, MOST_MIRRORS + 1);
     let found = walks.meet(tracer, MOST_MIRRORS + 1);
     let mut out = Vec::new();
     for ((eye, sample), vertex) in walks.carried.into_iter().zip(found) {

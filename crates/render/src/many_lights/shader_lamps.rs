@@ -86,14 +86,19 @@ impl ShaderLamps {
             lamps.push(Lamp { source: Source::Environment, place: Place::Around });
             powers.push(f64::from(4.0 * PI * PI * ball.1 * ball.1 * mean(environment)));
         }
-        Self { lamps, choice: Distribution::new(powers), ball }
+        let choice = Distribution::new(powers);
+        if choice.is_none() {
+            lamps.clear();
+        }
+        Self { lamps, choice, ball }
     }
 
+    /// How many there are; none where nobody knows how to choose among them.
     pub(super) fn len(&self) -> usize {
         self.lamps.len()
     }
 
-    /// Starts a path: `choice` chooses the lamp, all numbers are in [0, 1).
+    /// Starts a path, if there are lamps: `choice` chooses one, all numbers are in [0, 1).
     pub(super) fn start(&self, choice: f32, place: [f32; 2], direction: [f32; 2]) -> Option<Start> {
         let chosen = self.choice.as_ref()?.sample(choice);
         let lamp = &self.lamps[chosen.index];
@@ -207,6 +212,27 @@ mod tests {
                 out.radiance.set(i, Vec3::ONE);
             }
         }
+    }
+
+    /// An environment that says no number.
+    struct Boundless;
+
+    impl EnvironmentShader for Boundless {
+        fn miss(&self, dir: &Vec3s, out: &mut Vec3s) {
+            (0..dir.len()).for_each(|i| out.set(i, Vec3::INFINITY));
+        }
+    }
+
+    /// Else light paths whose numbers put them there would start at other lights, as many as all others do.
+    #[test]
+    fn lamps_that_cannot_be_chosen_are_none() {
+        let bounds = Some(([-1.0; 3], [1.0; 3]));
+        let lamps = ShaderLamps::new(&[], Some(&Boundless), bounds);
+        assert_eq!(lamps.len(), 0, "an environment without a power");
+        assert!(lamps.start(0.5, [0.5; 2], [0.5; 2]).is_none(), "no path starts there");
+        let lamps = ShaderLamps::new(&[Arc::new(Lamp(1))], Some(&Boundless), bounds);
+        assert_eq!(lamps.len(), 2, "beside a lamp it only has no chance");
+        assert_eq!(lamps.start(0.999, [0.5; 2], [0.5; 2]).map(|s| s.source), Some(Source::Light(0)));
     }
 
     #[test]

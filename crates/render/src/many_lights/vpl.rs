@@ -10,7 +10,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use gnurt_image::srgb::luminance;
 use gnurt_shading::SurfacePoint;
-use gnurt_shading::bsdf::{Bsdf, left_after};
+use gnurt_shading::bsdf::{Bsdf, Carrying, left_after};
 
 use super::bound::Bound;
 use super::eye::EyePoint;
@@ -61,8 +61,9 @@ impl Vpl {
             // Through the surface: the frame is that of the side that light came from.
             let through = self.bsdf.is_transmitted(to) && self.point.ns.dot(to) < 0.0;
             return if through {
-                let adjoint = self.bsdf.adjoint_correction(self.from, to, self.point.ng);
-                self.bsdf.eval(self.from, to) * self.power * adjoint
+                let carrying = Carrying::new(&self.bsdf, self.from);
+                let (value, _) = carrying.eval_pdf(to, self.point.ng);
+                value * self.power * carrying.correction(to, self.point.ng)
             } else {
                 Vec3::ZERO
             };

@@ -382,6 +382,8 @@ fn radiance(
 ) -> Vec<Vec3> {
     let mut batch = std::mem::take(&mut tracer.camera);
     job.camera_rays(pixels.iter().copied(), 0..1, &mut batch);
+    // Numbers of their own for each frame, not the next ones of the pixel's sequence: light moves on to other pixels as the camera does, few
+    // pixels take a sample in a frame, and later samples read textures finer (`cone::fineness`).
     for key in &mut batch.keys {
         key.pixel = hash_combine(key.pixel, frame);
     }

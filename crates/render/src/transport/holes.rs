@@ -16,7 +16,18 @@ const STRAIGHT: u32 = 2;
 
 /// Whether a path of so many edges meets a surface that covers so much; else it goes through a hole.
 pub(crate) fn is_met(seed: u64, key: SampleKey, edges: u32, coverage: f32) -> bool {
-    coverage >= 1.0 || sample_pair(seed, key, edges, purpose::COVERAGE)[0] < coverage
+    coverage >= 1.0 || chance(seed, key, edges) < coverage
+}
+
+/// The number in [0, 1) by which a path of so many edges decides that.
+pub(crate) fn chance(seed: u64, key: SampleKey, edges: u32) -> f32 {
+    sample_pair(seed, key, edges, purpose::COVERAGE)[0]
+}
+
+/// For paths with one number in [0, 1) for all layers of an edge: the number that decides about the next layer; `None` = this one is met.
+pub(crate) fn passed(chance: f32, coverage: f32) -> Option<f32> {
+    let goes_on = coverage < 1.0 && chance >= coverage;
+    goes_on.then(|| ((chance - coverage) / (1.0 - coverage)).min(1.0 - f32::EPSILON / 2.0))
 }
 
 /// The rest of a ray that goes on from a surface as `onward`. It ends where the ray would have: rays leave surfaces a little ahead of them,

@@ -17,7 +17,7 @@ use crate::world::HitLanes;
 pub(crate) enum Known {
     /// Its shader tells.
     Told,
-    /// Its shader only shows: it was shown under a few lights.
+    /// Its shader only shows: it was shown under a few lights, and under none ([`BatchTracer::dark`]).
     Probed,
     /// Not at all: emission is what its shader shows.
     Shown,
@@ -34,6 +34,9 @@ pub(crate) struct Vertex {
     pub(crate) scattering: Scattering,
     /// Whether only its shader knows what it sends back: the emission then is all of that, and paths end here.
     pub(crate) is_final: bool,
+    /// The part of the emission that a probed shader shows without light, beside what the description lets shine: light samples do not
+    /// know it.
+    pub(crate) shown: Vec3,
     /// What light straight from lamps counts here more than other light; 1 where shaders tell what they do to light.
     pub(crate) lamp_gain: f32,
     /// How far the ray came.
@@ -47,7 +50,7 @@ pub(crate) struct Vertex {
 impl Vertex {
     /// Makes it black: nothing comes from there, and no path goes on.
     pub(crate) fn darken(&mut self) {
-        (self.scattering.emission, self.is_final) = (Vec3::ZERO, true);
+        (self.scattering.emission, self.shown, self.is_final) = (Vec3::ZERO, Vec3::ZERO, true);
     }
 }
 
@@ -76,8 +79,8 @@ impl BatchTracer<'_> {
         shader.evaluate(points, closures);
         let Some(shader) = shader.radiance() else { return Known::Told };
         if self.probes {
-            let dark = finals::probe(shader, points, self.options.white, closures);
-            (0..points.len()).for_each(|k| closures.emit(k, dark.get(k)));
+            self.dark = finals::probe(shader, points, self.options.white, closures);
+            (0..points.len()).for_each(|k| closures.emit(k, self.dark.get(k)));
             return Known::Probed;
         }
         let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
@@ -108,6 +111,7 @@ impl BatchTracer<'_> {
                 wo: -points.ray_dir.get(k),
                 scattering: closures.point(k),
                 is_final,
+                shown: if known == Known::Probed { self.dark.get(k) } else { Vec3::ZERO },
                 lamp_gain,
                 t: points.t[k],
                 cone: Meeting::of(points, k),

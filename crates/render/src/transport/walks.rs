@@ -4,13 +4,13 @@
 //! choice of a direction there and the ray that follows are the same for all. Where paths need no more than `path` does, they
 //! take their steps sixteen at a time: `step`.
 //! Source: original; wavefronts after the paper's section 8. Space: world.
-//! Invariant: what a walk meets depends on its ray and key only, not on the walks beside it.
+//! Invariant: what a walk meets depends on its ray, key and chance only, not on the walks beside it.
 //! Proof: crates/render/tests/{many_lights,agreement}.rs.
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, Ray, RayBatch};
 use gnurt_scene::RayMask;
-use gnurt_shading::bsdf::{Bsdf, BsdfSample};
+use gnurt_shading::bsdf::{Bsdf, BsdfSample, Carrying};
 use gnurt_shading::{SampleKey, SurfacePoint};
 
 use super::Vertex;
@@ -24,6 +24,9 @@ use crate::world::HitLanes;
 pub(crate) struct Walks<W> {
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,
+    /// Numbers in [0, 1) that decide about holes on the edges under way, where walks have numbers of their own; else empty, and their keys
+    /// decide.
+    pub(crate) chances: Vec<f32>,
     /// `None` = those of camera rays.
     pub(crate) cones: Option<Cones>,
     pub(crate) carried: Vec<W>,
@@ -34,6 +37,7 @@ impl<W> Default for Walks<W> {
         Self {
             rays: RayBatch::default(),
             keys: Vec::new(),
+            chances: Vec::new(),
             cones: Some(Cones::default()),
             carried: Vec::new(),
         }
@@ -62,27 +66,35 @@ impl<W> Walks<W> {
         let hits = tracer.intersect(RayMask::OTHER, &self.rays, &self.keys, Coherence::Incoherent);
         let (rays, keys, cones) = (&self.rays, &self.keys, self.cones.as_ref());
         let from = HitLanes { rays, keys, hits: &hits, cones, depth };
-        tracer.stopped(from)
+        tracer.stopped(from, &self.chances)
     }
 }
 
 impl BatchTracer<'_> {
-    /// The vertex where each ray is stopped, given what it hit: surfaces that are there in part are passed by chance.
-    pub(crate) fn stopped(&mut self, from: HitLanes) -> Vec<Option<Vertex>> {
-        let depth = from.depth;
+    /// The vertex where each ray is stopped, given what it hit: surfaces that are there in part are passed by chance, by the `chances` of the
+    /// rays, or by their keys if there are none.
+    pub(crate) fn stopped(&mut self, from: HitLanes, chances: &[f32]) -> Vec<Option<Vertex>> {
+        let (depth, seed) = (from.depth, self.options.seed);
         let mut vertices = self.vertices(from);
-        // Which vertices may be holes, and the keys that they were met with.
-        let mut asked: Vec<(usize, SampleKey)> = from.keys.iter().copied().enumerate().collect();
+        // Which vertices may be holes, and the keys and chances that they were met with.
+        let chance_of = |lane: usize| chances.get(lane).copied();
+        let asked = from.keys.iter().enumerate();
+        let mut asked: Vec<(usize, SampleKey, Option<f32>)> =
+            asked.map(|(lane, &key)| (lane, key, chance_of(lane))).collect();
         for layer in 0.. {
             let mut beyond = Walks::default();
-            for (lane, key) in asked {
+            for (lane, key, chance) in asked {
                 let Some(vertex) = &mut vertices[lane] else { continue };
-                if holes::is_met(self.options.seed, key, depth, vertex.scattering.coverage) {
+                let coverage = vertex.scattering.coverage;
+                if coverage >= 1.0 {
                     continue;
                 }
+                let number = chance.unwrap_or_else(|| holes::chance(seed, key, depth));
+                let Some(next) = holes::passed(number, coverage) else { continue };
                 if layer < MOST_LAYERS {
                     let straight = vertex.point.spawn(-vertex.wo, f32::INFINITY);
-                    beyond.push((straight, vertex.cone.straight()), holes::key_beyond(key), lane);
+                    let carried = (lane, chance.map(|_| next));
+                    beyond.push((straight, vertex.cone.straight()), holes::key_beyond(key), carried);
                 } else {
                     vertex.darken();
                 }
@@ -90,22 +102,23 @@ impl BatchTracer<'_> {
             if beyond.is_empty() {
                 return vertices;
             }
-            let Walks { rays, keys, cones, carried } = &beyond;
+            let Walks { rays, keys, cones, carried, .. } = &beyond;
             self.stats.secondary_rays += rays.len() as u64;
             let hits = self.intersect(RayMask::OTHER, rays, keys, Coherence::Incoherent);
             let found = self.vertices(HitLanes { rays, keys, hits: &hits, cones: cones.as_ref(), depth });
-            carried.iter().zip(found).for_each(|(&lane, found)| vertices[lane] = found);
-            asked = beyond.carried.into_iter().zip(beyond.keys).collect();
+            carried.iter().zip(found).for_each(|(&(lane, _), found)| vertices[lane] = found);
+            let met = beyond.carried.into_iter().zip(beyond.keys);
+            asked = met.map(|((lane, chance), key)| (lane, key, chance)).collect();
         }
         vertices
     }
 }
 
-/// A direction that the BSDF chooses for light that counts so much, by colour.
-fn choose(bsdf: &Bsdf, wo: Vec3, light: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
+/// What light that counts so much, by colour, counts for the choice of a direction.
+fn counted(bsdf: &Bsdf, light: Vec3) -> Vec3 {
     // Who asks for densities does not know what light counts: only where there are none colours are chosen by that.
     let by_light = bsdf.is_dispersed() && !bsdf.is_smooth();
-    bsdf.sample_by(wo, if by_light { light } else { Vec3::ONE }, u)
+    if by_light { light } else { Vec3::ONE }
 }
 
 /// Where a walk from the eye goes on whose light counts so much: a direction that the BSDF chooses, and the ray that takes it.
@@ -115,7 +128,7 @@ pub(crate) fn scatter(
     (wo, light): (Vec3, Vec3),
     u: [f32; 3],
 ) -> Option<(Ray, BsdfSample)> {
-    let sample = choose(bsdf, wo, light, u)?;
+    let sample = bsdf.sample_by(wo, counted(bsdf, light), u)?;
     let ray = point.scatter_ray(sample.wi, sample.transmitted, f32::INFINITY)?;
     Some((ray, sample))
 }
@@ -127,11 +140,9 @@ pub(crate) fn scatter_light(
     (from, light): (Vec3, Vec3),
     u: [f32; 3],
 ) -> Option<(Ray, BsdfSample)> {
-    let mut sample = choose(bsdf, from, light, u)?;
+    let carrying = Carrying::by(bsdf, from, counted(bsdf, light));
     // Light goes on to either side, but does not cheat its facet.
-    if (point.ng.dot(sample.wi) > 0.0) == sample.transmitted {
-        return None;
-    }
-    sample.weight *= bsdf.adjoint_correction(from, sample.wi, point.ng);
+    let is_honest = |sample: &BsdfSample| (point.ng.dot(sample.wi) > 0.0) != sample.transmitted;
+    let sample = carrying.sample(u, point.ng).filter(is_honest)?;
     Some((point.spawn(sample.wi, f32::INFINITY), sample))
 }

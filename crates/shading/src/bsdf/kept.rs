@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lobes of points seen from one direction each, as they are kept to be asked about many others: at the ends of shadow rays to
 //! and from virtual lights.
-//! Source: original. Invariant: the bits of [`Seen::eval_pdf`]. Proof: many_lights/lanes.rs of `render`.
+//! Source: original. Invariant: the bits of [`Seen::eval_pdf`]. Proof: `tests` of `bsdf`, over all models; many_lights/lanes.rs of `render`.
 
 use glam::Vec3;
 
@@ -55,6 +55,7 @@ impl Kept {
         for (k, lobe) in self.lobes.iter().take(MOST).enumerate() {
             if self.is_rich {
                 let mut here = lobe.map(
+                    wi.x.all(0.0),
                     #[inline(always)]
                     |row| wi.x.load(row, first),
                 );
@@ -64,6 +65,7 @@ impl Kept {
                 sum.add(k, &here, wi);
             } else {
                 let here = lobe.map(
+                    wi.x.all(0.0),
                     #[inline(always)]
                     |row| wi.x.load(row, first),
                 );
@@ -83,27 +85,34 @@ impl Seen<f32> {
             let Some(lobe) = lobe else { break };
             if lobe.is_plain() {
                 let all = lobe.map(
+                    wi.x.all(0.0),
                     #[inline(always)]
                     |&x| wi.x.all(x),
                 );
                 sum.add_plain(&all, wi);
                 continue;
             }
-            let mut all = lobe.map(
-                #[inline(always)]
-                |&x| wi.x.all(x),
-            );
-            // All points are as the one.
-            for under in &mut all.under {
-                *under = if *under & 1 != 0 { u32::MAX } else { 0 };
-            }
-            sum.add(k, &all, wi);
+            sum.add(k, &lobe.for_all(wi.x), wi);
         }
         (sum.value, sum.pdf)
     }
 }
 
 impl SeenLobe<f32> {
+    /// That of many points that are as the one.
+    #[inline(always)]
+    pub(super) fn for_all<R: Real>(&self, like: R) -> SeenLobe<R> {
+        let mut all = self.map(
+            like.all(0.0),
+            #[inline(always)]
+            |&x| like.all(x),
+        );
+        for under in &mut all.under {
+            *under = if *under & 1 != 0 { u32::MAX } else { 0 };
+        }
+        all
+    }
+
     /// Whether [`Sum::add_plain`] knows it: nothing, or Lambert's reflector, neither above nor below another lobe.
     fn is_plain(&self) -> bool {
         let diffuse = Kind::None.bit() | Kind::Diffuse.bit();
@@ -113,11 +122,11 @@ impl SeenLobe<f32> {
 }
 
 impl<Q> SeenLobe<Q> {
-    /// The same with other numbers.
+    /// The same with other numbers. Rare ones are only copied where there are some: elsewhere they are `zero`, as they are here.
     #[inline(always)]
-    fn map<R: Copy>(&self, mut f: impl FnMut(&Q) -> R) -> SeenLobe<R> {
+    fn map<R: Copy>(&self, zero: R, mut f: impl FnMut(&Q) -> R) -> SeenLobe<R> {
         let Self { kinds, covers, under, under_any, rare, .. } = *self;
-        let mut to = SeenLobe { kinds, covers, under, under_any, rare, ..SeenLobe::none(f(&self.kind)) };
+        let mut to = SeenLobe { kinds, covers, under, under_any, rare, ..SeenLobe::none(zero) };
         to.each_with(
             self,
             #[inline(always)]

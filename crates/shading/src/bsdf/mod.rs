@@ -7,7 +7,8 @@
 //! `wo` points to where the path came from, `wi` to where it goes; both unit and away from the surface.
 //! Invariants: values are BSDF times |cos| to the shading normal. Reflection is the same with `wo` and `wi` exchanged but
 //! for that cosine. Refraction does not scale radiance by the square of the index, for what enters glass leaves it again;
-//! so with `wo` and `wi` exchanged it changes by that square: [`Bsdf::adjoint_correction`].
+//! so with `wo` and `wi` exchanged it changes by that square. What a path that carries light makes of that is [`Carrying`]'s, which
+//! also knows lobes that lie around normals of their own, and fibres, whose values differ where directions change places.
 //! Rule for shading normals: a path that sees the surface sees its front, so a `wo` below the shading normal counts as
 //! grazing; a `wi` counts by the side of the shading normal that it is on, and whether it may leave at all is said by
 //! [`SurfacePoint::scatter_ray`](crate::SurfacePoint::scatter_ray), with the same horizon as for light samples.
@@ -16,11 +17,15 @@
 mod alone;
 mod batch;
 mod beckmann;
+mod carrying;
+#[cfg(test)]
+mod carrying_tests;
 mod conductor;
 mod dielectric;
 mod diffuse_once;
 mod dispersed;
 mod energy;
+mod exchange;
 mod fibres;
 mod film;
 pub(crate) mod fresnel;
@@ -51,6 +56,7 @@ mod ward;
 use glam::Vec3;
 
 pub use batch::ClosureBatch;
+pub use carrying::Carrying;
 pub use film::Film;
 pub use kept::Kept;
 pub use lists::{Ends, Lists};
@@ -168,8 +174,7 @@ impl Bsdf {
     /// The same where the light that it scatters will count `light` by colour; see [`seen_by`](Self::seen_by).
     #[must_use]
     pub fn sample_by(&self, wo: Vec3, light: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
-        let Sampled { wi, weight, pdf, delta, transmitted, wide, found } = self.seen_by(wo, light).sample(u);
-        found.then(|| BsdfSample { wi: wi.into(), weight: weight.into(), pdf, delta, transmitted, wide })
+        self.seen_by(wo, light).sample(u).of_point()
     }
 
     /// What leaves by delta lobes, mirrored and through the surface, each with its share of the light.
@@ -236,22 +241,6 @@ impl Bsdf {
             normal: self.normal,
             medium: self.medium,
         })
-    }
-
-    /// What a path that carries light multiplies to [`eval`](Self::eval) and to weights of samples, where `wo` points
-    /// to where the light came from and `wi` to where it goes: shading normals treat light and its measurement
-    /// differently \[Vea97\], and so does refraction. `ng` is the unit geometric normal, on either side. Zero where light
-    /// comes from below the shading normal: there light samples bring nothing, either.
-    #[must_use]
-    pub fn adjoint_correction(&self, wo: Vec3, wi: Vec3, ng: Vec3) -> Vec3 {
-        let ns = self.normal;
-        let (so, si) = (ns.dot(wo), ns.dot(wi));
-        let (go, gi) = (ng.dot(wo), ng.dot(wi));
-        if so <= 0.0 || si == 0.0 || go == 0.0 {
-            return Vec3::ZERO;
-        }
-        let eta = if si < 0.0 { self.etas() } else { Vec3::ONE };
-        eta * eta * (so * gi / (go * si)).abs()
     }
 
     /// Whether light samples from behind the surface can bring anything.

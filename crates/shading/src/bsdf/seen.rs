@@ -15,6 +15,7 @@ use super::energy::RULE;
 use super::lobe::{Kind, Lobe, rare};
 use super::lobes::MOST;
 use super::lobes_at::LobesAt;
+use super::sample::BsdfSample;
 use super::seen_lobe::SeenLobe;
 use super::seen_sum::Sum;
 use super::seen_values::GRAZING;
@@ -38,6 +39,14 @@ pub struct Sampled<R: Real> {
     pub wide: R::Mask,
     /// Points that chose one; others hold anything.
     pub found: R::Mask,
+}
+
+impl Sampled<f32> {
+    /// That of one point, if there is one.
+    pub(super) fn of_point(self) -> Option<BsdfSample> {
+        let Self { wi, weight, pdf, delta, transmitted, wide, found } = self;
+        found.then(|| BsdfSample { wi: wi.into(), weight: weight.into(), pdf, delta, transmitted, wide })
+    }
 }
 
 /// Lobes of points, each seen from one direction.
@@ -360,6 +369,17 @@ impl Seen<f32> {
         let at = |k: usize| LobesAt::of_point(&lobes[k]);
         seen.look(lobes.len(), at, normal.into(), wo.into(), light.into());
         seen
+    }
+
+    /// The place of the lobe that [`sample`](Self::sample) draws from by this number.
+    pub(super) fn place_of(&self, u: f32) -> usize {
+        let (mut before, mut place, mut chance) = (0.0, 0, 0.0);
+        for (k, next) in self.lobes().enumerate() {
+            if k == 0 || (before + chance <= u && next.chance > 0.0) {
+                (before, place, chance) = (before + chance, k, next.chance);
+            }
+        }
+        place
     }
 
     /// What leaves by delta lobes, mirrored and through the surface: unit directions in the world, and shares of the light.

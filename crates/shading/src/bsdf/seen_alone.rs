@@ -5,6 +5,7 @@
 use glam::Vec3;
 
 use super::alone::{Alone, View};
+use super::fibres;
 use super::lobe::Kind;
 use super::seen_lobe::SeenLobe;
 use crate::real::{Real, Vector};
@@ -80,6 +81,24 @@ impl<R: Real> SeenLobe<R> {
                 (Vector::new(r, g, b), density)
             },
         )
+    }
+
+    /// What fibres at points in a mask send back towards where they are seen from of light from `wi`, at the cosine `cos`, if seen from there: their
+    /// values differ where directions change places. Times the cosine `cos`, as other values are.
+    #[inline(always)]
+    pub(super) fn fibres_from(&self, is: R::Mask, wi: Vector<R>, cos: R) -> R {
+        let [x, y] = self.axes();
+        let wo = Vector::new(x.dot(self.wo), y.dot(self.wo), self.cos);
+        let wi = Vector::new(x.dot(wi), y.dot(wi), cos);
+        let [back] = cos.each_where(
+            is,
+            #[inline(always)]
+            |i| {
+                let (wo, wi) = (wo.get(i), wi.get(i));
+                [fibres::eval_pdf(self.alpha.lane(i), wi, wo).0 * wi.z / wo.z]
+            },
+        );
+        back
     }
 
     /// Where lobes of points in a mask send light that comes from `wo`, in the frame of that; zero where they send none.

@@ -4,9 +4,11 @@
 
 use std::f32::consts::FRAC_1_PI;
 
+use super::exchange::Exchange;
 use super::lobe::Kind;
 use super::lobes::MOST;
 use super::seen_lobe::SeenLobe;
+use super::seen_values::GRAZING;
 use crate::real::{Real, Vector};
 
 /// Value and density of the lobes of points, one lobe after the other, no more than [`MOST`]. Who loops hands over references: lobes that
@@ -14,7 +16,8 @@ use crate::real::{Real, Vector};
 pub(super) struct Sum<R: Real> {
     pub(super) value: Vector<R>,
     pub(super) pdf: R,
-    /// Points whose front is lit.
+    /// Cosine to the points' normals, and points whose front is lit.
+    cos: R,
     above: R::Mask,
     /// What those above others leave.
     left: [Option<Vector<R>>; MOST],
@@ -25,17 +28,57 @@ impl<R: Real> Sum<R> {
     #[inline(always)]
     pub(super) fn new(normal: Vector<R>, wi: Vector<R>) -> Self {
         let zero = wi.x.all(0.0);
-        let above = normal.dot(wi).above(zero);
-        Self { value: Vector::grey(zero), pdf: zero, above, left: [const { None }; MOST] }
+        let cos = normal.dot(wi);
+        let above = cos.above(zero);
+        Self { value: Vector::grey(zero), pdf: zero, cos, above, left: [const { None }; MOST] }
     }
 
     /// Adds lobe `k`; those before were added before.
     #[inline(always)]
     pub(super) fn add(&mut self, k: usize, lobe: &SeenLobe<R>, wi: Vector<R>) {
-        let i = lobe.normal.dot(wi);
-        let split = lobe.split(Some(wi), i.size());
+        let (light, density, weight) = self.of(k, lobe, wi, lobe.normal.dot(wi));
+        self.value = self.value + light * weight;
+        self.pdf = self.pdf + density * lobe.chance;
+    }
+
+    /// The same of a path that carries light and leaves to `wi`: the value is the one that a path from there finds, in the measure of the
+    /// points' normals, as if all lobes lay around those and bent light as the first that does.
+    #[inline(always)]
+    pub(super) fn add_carried(&mut self, k: usize, lobe: &SeenLobe<R>, wi: Vector<R>, exchange: &Exchange) {
+        let (mut way, mut i) = (wi, lobe.normal.dot(wi));
+        let (zero, mut factor) = (i.all(0.0), i.all(1.0));
+        let mut chosen = i.is(i);
+        if let Some(tilt) = exchange.tilt {
+            // Raised to where it sees the side of the lobe that it is on, as views are; a lobe sends no path there.
+            let own = R::pick(self.above, i, -i);
+            let lift = (i.all(GRAZING) - own).or_more(zero);
+            let raised = lift.above(zero);
+            let up = R::pick(self.above, lift, -lift);
+            way = Vector::pick(raised, (wi + lobe.normal * up).normalize(), wi);
+            i = R::pick(raised, lobe.normal.dot(way), i);
+            factor = self.cos.size() * tilt / i.size();
+            chosen = own.above(zero);
+        }
+        let (mut light, density, weight) = self.of(k, lobe, way, i);
+        if lobe.has(Kind::Fibres) {
+            let back = lobe.fibres_from(self.above & lobe.is(Kind::Fibres), way, i);
+            light = Vector::pick(lobe.is(Kind::Fibres), Vector::grey(back), light);
+        }
+        let through = Vector::all(zero, exchange.through);
+        let light = Vector::pick(self.above, light, light * through);
+        self.value = self.value + light * weight * factor;
+        self.pdf = self.pdf + R::pick(chosen, density, zero) * lobe.chance;
+    }
+
+    /// Value and density of lobe `k` for `wi` at the cosine `i`, and what is multiplied to the value.
+    #[inline(always)]
+    fn of(&mut self, k: usize, lobe: &SeenLobe<R>, wi: Vector<R>, i: R) -> (Vector<R>, R, Vector<R>) {
+        // Behind a normal of the lobe's own light counts as grazing, as views do.
+        let own = R::pick(self.above, i, -i);
+        let cos = R::pick(own.above_all(0.0), i.size(), i.all(GRAZING));
+        let split = lobe.split(Some(wi), cos);
         if lobe.covers {
-            self.left[k] = Some(lobe.sent_back(i.size(), split).rest());
+            self.left[k] = Some(lobe.sent_back(cos, split).rest());
         }
         let (light, density) = lobe.eval_pdf(wi, i, self.above, split);
         let mut weight = lobe.weight;
@@ -48,8 +91,7 @@ impl<R: Real> Sum<R> {
             }
             weight = weight * rest.min(lobe.left);
         }
-        self.value = self.value + light * weight;
-        self.pdf = self.pdf + density * lobe.chance;
+        (light, density, weight)
     }
 
     /// The same with the same bits, faster, for a lobe that is nothing or Lambert's reflector, neither above nor below another one: most

@@ -9,11 +9,12 @@ use glam::Vec3;
 use super::*;
 use crate::batch::{SampleKey, SurfaceBatch, Vec3s};
 use crate::lanes::{LANES, Vec3x16};
+use crate::real::Vector;
 use crate::sampling::{sample_pair, uniform_sphere};
 use gnurt_simd::{Level, Simd, dispatch_wide, f32x16, prelude::*};
 
 /// Models under test, white where a colour is free.
-fn models() -> Vec<(String, Lobes)> {
+pub(super) fn models() -> Vec<(String, Lobes)> {
     let white = Vec3::ONE;
     let lambert = Lobe::lambert(white);
     let mut models: Vec<(String, Lobes)> = vec![("lambert".into(), lambert.into())];
@@ -113,12 +114,12 @@ fn views() -> impl Iterator<Item = Vec3> {
     [0.05_f32, 0.6, 1.1, 1.45].into_iter().map(|angle| Vec3::new(angle.sin(), 0.0, angle.cos()))
 }
 
-fn around_z(lobes: impl Into<Lobes>) -> Bsdf {
+pub(super) fn around_z(lobes: impl Into<Lobes>) -> Bsdf {
     Bsdf::new(Vec3::Z, lobes)
 }
 
 /// The same surface met from the other side, in the same frame.
-fn turned_over(lobes: &Lobes) -> Lobes {
+pub(super) fn turned_over(lobes: &Lobes) -> Lobes {
     let mut over = lobes.clone();
     let turns = |lobe: &&mut Lobe| matches!(lobe.kind, Kind::Glass | Kind::SchlickGlass);
     over.as_mut_slice().iter_mut().filter(|lobe| lobe.kind == Kind::Beckmann && lobe.eta > 0.0).for_each(
@@ -136,7 +137,7 @@ fn turned_over(lobes: &Lobes) -> Lobes {
     over
 }
 
-fn randoms(n: u32) -> impl Iterator<Item = [f32; 3]> {
+pub(super) fn randoms(n: u32) -> impl Iterator<Item = [f32; 3]> {
     (0..n).map(|sample| {
         let pair = |purpose| sample_pair(1, SampleKey { pixel: 5, sample, branch: 0 }, 0, purpose);
         let ([a, _], [b, c]) = (pair(0), pair(1));
@@ -500,25 +501,6 @@ fn narrow_and_wide_lobes_make_the_whole() {
     }
 }
 
-/// A path carried from the light has the value that the path from the eye has, shading normal or not.
-#[test]
-fn light_paths_are_corrected() {
-    let (ng, ns) = (Vec3::Z, Vec3::new(0.3, -0.2, 0.9).normalize());
-    let bsdf = Bsdf::new(ns, Lobe::lambert(Vec3::ONE));
-    let (eye, light) = (Vec3::new(0.5, 0.1, 0.8).normalize(), Vec3::new(-0.4, 0.3, 0.7).normalize());
-    let from_eye = bsdf.eval(eye, light).x;
-    // What a light path scatters is counted per area across its way: ng's cosines stand for the surface.
-    let from_light = bsdf.eval(light, eye).x * bsdf.adjoint_correction(light, eye, ng).x;
-    let wanted = from_eye * (ng.dot(eye) / ng.dot(light)).abs();
-    assert!((from_light - wanted).abs() < 1e-5, "{from_light}, not {wanted}");
-    assert_eq!(bsdf.adjoint_correction(Vec3::new(0.0, 0.9, 0.05), eye, ng), Vec3::ZERO, "light from below");
-    let glass = around_z(Lobe::glass(1.0 / 1.5, Vec3::ONE, Vec3::ONE, false));
-    let [_, through] = glass.delta_branches(light);
-    let wi = through.expect("light enters").wi;
-    let correction = glass.adjoint_correction(light, wi, ng).x;
-    assert!((correction - 1.0 / 2.25).abs() < 1e-5, "refraction: {correction}");
-}
-
 #[test]
 fn silhouettes_are_not_black() {
     // Seen from below the shading normal, though from above the facet.
@@ -623,6 +605,65 @@ fn sixteen_points_have_the_bits_of_one_at_every_level() {
         }
     }
     assert!(samples > 4000 || Level::available().len() < 3, "the test has something to test: {samples}");
+}
+
+/// Directions in lanes, as kept copies are asked.
+#[inline(always)]
+fn of_kept<S: Simd>(
+    simd: S,
+    (kept, seen): (&Kept, &Seen<f32>),
+    wi: &[Vec3; LANES],
+) -> [[(Vec3, f32); LANES]; 2] {
+    let row = |k: usize| f32x16::from_fn(simd, |i| wi[i][k]);
+    let wi = Vec3x16::new(row(0), row(1), row(2));
+    [kept.eval_pdf(0, wi), seen.eval_pdf_all(wi)]
+        .map(|(value, pdf)| std::array::from_fn(|i| (value.get(i), pdf[i])))
+}
+
+#[test]
+fn kept_copies_have_the_bits_of_what_is_seen() {
+    let mut models = models();
+    let tilted = |lobe: Lobe| Lobe { normal: Vec3::new(0.6, 0.0, 0.8), ..lobe };
+    let (phong, body) = (tilted(Lobe::phong(20.0)), Lobe::lambert(Vec3::ONE));
+    models.push(("tilted over another".into(), Lobes::from(phong).over(body)));
+    models.push(("film over fibres".into(), Lobes::from(Lobe::coat(0.2)).over(Lobe::fibres(Vec3::ONE, 0.6))));
+    let draw = |round: u32, n| sample_pair(6, SampleKey { pixel: round, sample: 0, branch: 0 }, 0, n);
+    let mut lit = 0;
+    for round in 0..400_u32 {
+        let (normal, wo) = (uniform_sphere(draw(round, 0)), uniform_sphere(draw(round, 1)));
+        // Of one kind, as most neighbours are, or of any.
+        let step = if round % 2 == 0 { 0 } else { 5 };
+        let name = |i: usize| &models[(round as usize + step * i) % models.len()].0;
+        let points: [Bsdf; LANES] = std::array::from_fn(|i| {
+            Bsdf::new(normal, models[(round as usize + step * i) % models.len()].1.clone())
+        });
+        let kept = Kept::new(points.iter().map(|bsdf| (bsdf, wo)));
+        let seen = points.each_ref().map(|bsdf| bsdf.seen(wo));
+        // Some of them where narrow lobes are.
+        let wi = std::array::from_fn(|i| {
+            let u = draw(round, 2 + i as u32);
+            let chosen = points[i].sample(wo, [u[0], u[1], (u[0] * 37.0).fract()]);
+            chosen.filter(|_| i % 2 == 0).map_or_else(|| uniform_sphere(u), |sample| sample.wi)
+        });
+        let wanted: [(Vec3, f32); LANES] = std::array::from_fn(|i| points[i].eval_pdf(wo, wi[i]));
+        for (i, wanted) in wanted.iter().enumerate() {
+            let (value, pdf) = kept.eval_pdf(i, Vector::from(wi[i]));
+            assert_eq!((Vec3::from(value), pdf), *wanted, "{} alone among sixteen", name(i));
+            let (value, pdf) = seen[i].eval_pdf_all(Vector::from(wi[i]));
+            assert_eq!((Vec3::from(value), pdf), *wanted, "{} alone", name(i));
+            lit += u32::from(wanted.0 != Vec3::ZERO);
+        }
+        for level in Level::available() {
+            let [by_kept, _] =
+                dispatch_wide!(level, simd => of_kept(simd, (&kept, &seen[0]), &wi), else continue);
+            assert_eq!(by_kept, wanted, "{} and others at {level}", name(0));
+            let [_, of_one] =
+                dispatch_wide!(level, simd => of_kept(simd, (&kept, &seen[0]), &wi), else continue);
+            let wanted: [(Vec3, f32); LANES] = std::array::from_fn(|i| points[0].eval_pdf(wo, wi[i]));
+            assert_eq!(of_one, wanted, "{} for many directions at {level}", name(0));
+        }
+    }
+    assert!(lit > 2000, "the test has something to test: {lit}");
 }
 
 #[test]

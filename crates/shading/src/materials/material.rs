@@ -6,6 +6,8 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use crate::batch::{SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
 use crate::materials::bump::BumpMap;
@@ -39,7 +41,7 @@ impl Material {
         let Some(coverage) = &self.coverage else { return };
         for i in 0..hits.len() {
             let c = coverage.at_hit(hits, i);
-            out.set(i, out.get(i) * c + glam::Vec3::splat(1.0 - c));
+            out.set(i, out.get(i) * c + Vec3::splat(1.0 - c));
         }
     }
 }
@@ -98,6 +100,14 @@ impl SurfaceShader for Material {
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         self.surface.albedo(hits, out);
+    }
+
+    fn backdrop(&self) -> Option<Vec3> {
+        self.surface.backdrop()
+    }
+
+    fn tell(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
+        self.surface.tell(&self.bumpy(hits), lane)
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

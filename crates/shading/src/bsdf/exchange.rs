@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What one lobe of a point makes of light that a path carries, where that differs from what the point's normal and its glass say.
+//! Source: \[Vea97\] sections 5.2 (refraction) and 5.3 (shading normals), lobe by lobe. Proof: `carrying_tests`.
+
+use glam::Vec3;
+
+use super::lobe::{Kind, Lobe};
+
+/// The difference, as factors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Exchange {
+    /// Of a lobe around a normal of its own, the cosine to that of where the light came from, 0 from behind, over the one to the point's normal.
+    pub(super) tilt: Option<f32>,
+    /// For light that goes through, by colour: the square of the index that the lobe bends it by over that of the point's glass.
+    pub(super) through: Vec3,
+}
+
+impl Exchange {
+    /// None.
+    pub(super) const NONE: Self = Self { tilt: None, through: Vec3::ONE };
+
+    /// That of a lobe of a point with this normal and glass, for light from the unit `from` at the cosine `cos` > 0 to the normal.
+    pub(super) fn of(lobe: &Lobe, (ns, etas): (Vec3, Vec3), from: Vec3, cos: f32) -> Self {
+        let own = lobe.normal != Vec3::ZERO && lobe.normal != ns;
+        let tilt = own.then(|| lobe.normal.dot(from).max(0.0) / cos);
+        let relative = lobe.bending() / etas;
+        let through =
+            if lobe.kind.goes_through() && lobe.bending() != etas { relative * relative } else { Vec3::ONE };
+        Self { tilt, through }
+    }
+
+    /// Whether a lobe differs at all, or has other values where directions change places.
+    pub(super) fn is_due(&self, lobe: &Lobe) -> bool {
+        !lobe.is_black() && (self.tilt.is_some() || self.through != Vec3::ONE || lobe.kind == Kind::Fibres)
+    }
+}
