@@ -25,7 +25,7 @@ fn odd_files_warn_and_render() {
         (with("usemtl nobody\nf 1 2 3\n"), "material"),
         (with("mtllib odd.mtl\nusemtl odd\nf 1 2 3\n"), "odd.mtl"),
         (with("mtllib map.mtl\nusemtl map\nf 1/1 2/1 3/1\n"), "none.png"),
-        (with("mtllib map.mtl\nusemtl broken\nf 1/1 2/1 3/1\n"), "[2 in all]"),
+        (with("mtllib map.mtl\nusemtl broken\nf 1/1 2/1 3/1\n"), "broken.png"),
         (with("f 1 2\nf 1 2 3\n"), "corners"),
         (String::new(), "background"),
         (with("f 1 1 1\n"), "background"),
