@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Renders the pictures of docs/shaders.md: shaders/pictures.sh [OUT], in the repository's root; OUT is docs/shaders unless given.
+# Renders the pictures of docs/reference/shader-library.md: shaders/pictures.sh [OUT], in the repository's root; OUT is docs/shaders unless given.
 # gnurt is on the PATH. SIZE (144) and SPP (36) make them finer or faster; ONLY=name renders one of them.
 set -euo pipefail
 out=${1:-docs/shaders} size=${SIZE:-144} spp=${SPP:-36}
@@ -46,7 +46,7 @@ picture terrain "$hills/hills.obj" --eye 3.4,-4.4,2.6 --target 0,0,0.75 --up 0,0
 dim="builtin:spheres --environment 0.02,0.02,0.03 --eye 0.2,2.2,6.2 --target -0.1,0.5,-0.3 --fov 50 --exposure -1 \
     --shader *=shaders/surfaces/plastic.osl:base=0.5:roughness=0.4"
 for light in "candle:power=1.5:from=0.35,0.6,1.9:size=0.1" "point_light:intensity=14,13,12:from=1.5,3,2" \
-    "projector:picture=docs/wind.png:intensity=70:angle=50:place=1,0,0,0,0,1,0,0,0,0,1,0,0,1.5,5,1" \
+    "projector:picture=docs/pictures/wind.png:intensity=70:angle=50:place=1,0,0,0,0,1,0,0,0,0,1,0,0,1.5,5,1" \
     "softbox:radiance_of_it=5:place=2,0,0,0,0,2,0,0,0,0,2,0,1,2.5,3.5,1" \
     "spot_light:intensity=70:from=1.5,4,3:to=-0.2,0.6,-0.3:inner=9:outer=15" "sun:elevation=25:azimuth=70:diameter=3"; do
     name=${light%%:*}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""BSDFs for Mitsuba by the definitions of docs/materials.md, written from the papers and apart from gnurt's code.
+"""BSDFs for Mitsuba by the definitions of docs/reference/materials.md, written from the papers and apart from gnurt's code.
 
 Facets are Mitsuba's own GGX distribution, its sampling of visible normals and its Fresnel equations; what is added is the
 height-correlated shadowing of [Hei14], Schlick's reflectance, what [KC17] sends back of light between facets (from tables

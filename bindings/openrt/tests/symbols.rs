@@ -57,14 +57,14 @@ fn the_reference_has_every_function() {
             declarations.map(|rest| rest.split('(').next().unwrap_or_default().to_owned()).collect::<Vec<_>>()
         })
         .collect();
-    let reference = read("../../docs/openrt-reference.md");
+    let reference = read("../../docs/reference/openrt-calls.md");
     // Synopses are the fenced parts.
     let synopses: String = reference.split("```").skip(1).step_by(2).collect();
     let explained = functions(&synopses);
     let missing: Vec<_> = declared.difference(&explained).collect();
     let extra: Vec<_> = explained.difference(&declared).collect();
-    assert!(missing.is_empty(), "not in docs/openrt-reference.md: {missing:?}");
-    assert!(extra.is_empty(), "in docs/openrt-reference.md, but in no header: {extra:?}");
+    assert!(missing.is_empty(), "not in docs/reference/openrt-calls.md: {missing:?}");
+    assert!(extra.is_empty(), "in docs/reference/openrt-calls.md, but in no header: {extra:?}");
 }
 
 /// Words without marks and line ends: what the header and the page have in common.
@@ -91,7 +91,7 @@ fn explanation(reference: &str, function: &str) -> String {
 #[test]
 fn the_reference_says_what_the_header_says() {
     let read = |path: &str| std::fs::read_to_string(common::source(path)).expect("it is there");
-    let (header, reference) = (read("include/openrt/rt.h"), read("../../docs/openrt-reference.md"));
+    let (header, reference) = (read("include/openrt/rt.h"), read("../../docs/reference/openrt-calls.md"));
     let (mut sentences, mut missing) = (0, Vec::new());
     for comment in header.split("/*").skip(1) {
         let Some((said, declarations)) = comment.split_once("*/") else { continue };
@@ -110,5 +110,5 @@ fn the_reference_says_what_the_header_says() {
         }
     }
     assert!(sentences > 200, "the header was read: {sentences} sentences");
-    assert!(missing.is_empty(), "docs/openrt-reference.md does not say:\n{}", missing.join("\n"));
+    assert!(missing.is_empty(), "docs/reference/openrt-calls.md does not say:\n{}", missing.join("\n"));
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt.RayScene`. Source: original; docs/python.md. Trees are built by the first query after a change.
+//! `gnurt.RayScene`. Source: original; docs/reference/python.md. Trees are built by the first query after a change.
 //! Proof: `bindings/python/tests`.
 
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt.Scene`: what pictures are made of. Source: original; docs/python.md.
+//! `gnurt.Scene`: what pictures are made of. Source: original; docs/reference/python.md.
 //! What is put somewhere is known by the number of its instance. Proof: `tests/test_pictures.py`.
 
 use std::path::PathBuf;

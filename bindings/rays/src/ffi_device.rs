@@ -180,7 +180,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceMemoryMonitorFunction(
 
 /// What is not here says so: a device's error is set, or that of no device.
 pub(crate) fn absent(name: &str, device: Option<&Device>) {
-    let message = format!("{name}: libgnurt has no such thing; docs/c-rays.md says what it has");
+    let message = format!("{name}: libgnurt has no such thing; docs/reference/c-rays.md says what it has");
     let problem = Problem { code: Code::InvalidOperation, message };
     match device {
         Some(device) => device.report(&problem),

@@ -4,7 +4,7 @@
 //! `ffi*.rs` hold the exported functions and all of the `unsafe` code. Embree's calls: `ffi_device.rs`, `ffi_scene.rs`,
 //! `ffi_geometry.rs`, `ffi_arrays.rs` edit what `objects.rs` describes, `commit.rs` builds from it, `ffi_trace.rs` and
 //! `ffi_point.rs` ask, `ffi_filter.rs` and `ffi_user.rs` let trees ask the program, `ffi_forward.rs` sends on what it sends on. Those of `gnurt/rays.h`: `ffi_rays.rs` edits what `ray_scene.rs`
-//! describes and builds, `ffi_ask.rs` asks. No panic crosses to C. docs/c-rays.md is the manual.
+//! describes and builds, `ffi_ask.rs` asks. No panic crosses to C. docs/reference/c-rays.md is the manual.
 #![deny(unsafe_code)]
 #![allow(non_snake_case, reason = "C calls have C names")]
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Normals of hits, and rays that see one side of surfaces only. Source: original; docs/queries.md.
+//! Normals of hits, and rays that see one side of surfaces only. Source: original; docs/reference/queries.md.
 //! Proof: `tests/surfaces/normals.rs`.
 
 use crate::lists::answer_each;

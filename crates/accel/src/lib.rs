@@ -3,7 +3,7 @@
 //! pixels.
 //! Source: see each file; the outline is the paper's section 4 (kd-tree) and 6 (two levels).
 //!
-//! Build an [`ObjectTree`] over geometry, place it in a [`SceneTree`] any number of times, ask. docs/queries.md says
+//! Build an [`ObjectTree`] over geometry, place it in a [`SceneTree`] any number of times, ask. docs/reference/queries.md says
 //! which call stands for which of Embree's.
 //!
 //! ```
@@ -162,7 +162,7 @@
 //! # Crowds
 //!
 //! Many characters of one kind, each in its own pose, share the structure of one tree: [`ObjectTree::posed`], or [`Crowd`], which
-//! also knows equal poses. docs/moving.md says what that saves.
+//! also knows equal poses. docs/explanation/moving.md says what that saves.
 //!
 //! ```
 //! # use gnurt_accel::*;
@@ -230,7 +230,7 @@ pub use pencil::Pencil;
 pub use scene::{DEEPEST_SCENE, Instance, MotionPath, SceneError, SceneTree, Shape};
 pub use slices::{Column, Floats, HitSlices, RaySlices, SliceError, Vectors};
 
-/// The examples of docs/queries.md.
+/// The examples of docs/reference/queries.md.
 #[cfg(doctest)]
-#[doc = include_str!("../../../docs/queries.md")]
+#[doc = include_str!("../../../docs/reference/queries.md")]
 mod queries_page {}

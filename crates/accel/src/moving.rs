@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tree that follows its geometry from frame to frame: refitted while that pays, rebuilt where it no longer does.
 //! Source: [WBS06] for the refit; when to rebuild is the rule of ski rental (rent until the rent has come to the price), with
-//! the cost of [MB90] as the rent; docs/moving.md has its measurements. Space: object.
+//! the cost of [MB90] as the rent; docs/explanation/moving.md has its measurements. Space: object.
 //! Invariant: a tree that somebody else holds is never touched: frames in flight keep theirs. Proof: `tests/moving.rs`.
 
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How an object moves within itself, as far as somebody says. Source: original; docs/moving.md. glTF: the string
+//! How an object moves within itself, as far as somebody says. Source: original; docs/explanation/moving.md. glTF: the string
 //! `gnurt_motion` in a mesh's `extras`. Proof: `tests::words`, `tests/save.rs`.
 
 use std::fmt;

@@ -28,6 +28,7 @@ const ARROWS: [(&str, &[&str]); 23] = [
     ("rtut", &[]),
     ("python", &["accel", "gnurt", "cli"]),
     ("rays", &["accel"]),
+    ("examples", &["accel", "gnurt"]),
 ];
 
 /// Packages without arrows of their own: tests and chores, which nobody may use in turn.

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use super::pages::Page;
 use super::rust_code::code_only;
 use crate::failure::Failure;
 
@@ -54,13 +55,31 @@ impl SourceFile {
 
 /// All files that rules are for, in the order of their paths.
 pub(super) fn all(root: &Path) -> Result<Vec<SourceFile>, Failure> {
-    let mut files = Vec::new();
-    collect(root, root, &mut files)?;
-    files.sort_by(|a, b| a.path.cmp(&b.path));
-    Ok(files)
+    let is_source = |path: &str, extension: &str| EXTENSIONS.contains(&extension) || SCRIPTS.contains(&path);
+    let texts = sorted_texts(root, &is_source)?;
+    Ok(texts.iter().map(|(path, text)| SourceFile::new(path, text)).collect())
 }
 
-fn collect(root: &Path, folder: &Path, files: &mut Vec<SourceFile>) -> Result<(), Failure> {
+/// All Markdown pages, in the order of their paths.
+pub(super) fn pages(root: &Path) -> Result<Vec<Page>, Failure> {
+    let texts = sorted_texts(root, &|_, extension| extension == "md")?;
+    Ok(texts.into_iter().map(|(path, text)| Page { path, text }).collect())
+}
+
+/// Paths from the root and texts of the files that `takes` accepts by path and extension.
+fn sorted_texts(root: &Path, takes: &dyn Fn(&str, &str) -> bool) -> Result<Vec<(String, String)>, Failure> {
+    let mut texts = Vec::new();
+    collect(root, root, takes, &mut texts)?;
+    texts.sort();
+    Ok(texts)
+}
+
+fn collect(
+    root: &Path,
+    folder: &Path,
+    takes: &dyn Fn(&str, &str) -> bool,
+    texts: &mut Vec<(String, String)>,
+) -> Result<(), Failure> {
     let failed = |path: &Path, error: std::io::Error| format!("{}: {error}", path.display());
     for entry in std::fs::read_dir(folder).map_err(|error| failed(folder, error))? {
         let path = entry.map_err(|error| failed(folder, error))?.path();
@@ -68,12 +87,13 @@ fn collect(root: &Path, folder: &Path, files: &mut Vec<SourceFile>) -> Result<()
         let from_root = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
         let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
         if path.is_dir() {
-            if !SKIPPED_FOLDERS.contains(&name) {
-                collect(root, &path, files)?;
+            // A link leads to files that are checked where they are.
+            if !SKIPPED_FOLDERS.contains(&name) && !path.is_symlink() {
+                collect(root, &path, takes, texts)?;
             }
-        } else if EXTENSIONS.contains(&extension) || SCRIPTS.contains(&&from_root[..]) {
+        } else if takes(&from_root, extension) {
             let text = std::fs::read_to_string(&path).map_err(|error| failed(&path, error))?;
-            files.push(SourceFile::new(&from_root, &text));
+            texts.push((from_root, text));
         }
     }
     Ok(())

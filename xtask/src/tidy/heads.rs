@@ -1,23 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! File heads: the licence's line first, then, in Rust, what the file is; algorithms say where they come from.
-//! Source: original.
+//! File heads: the licence's line first, then, in Rust, the file's subject.
+//!
+//! CONTRIBUTING.md (Files) lists the parts of a head: `Source:` for work of others, `Space:`, `Invariant:`, `Tests:`.
 
 use super::files::SourceFile;
 
 const LICENCE: &str = "SPDX-License-Identifier: GPL-3.0-or-later";
 
-/// Rooms whose files say `Source:` in their head.
-const CITING: [&str; 9] = [
-    "crates/accel/src/",
-    "crates/accel-core/src/",
-    "crates/accel-bvh/src/",
-    "crates/accel-kd/src/",
-    "crates/shading/src/",
-    "crates/render/src/",
-    "crates/scene/src/",
-    "crates/image/src/",
-    "crates/sl-lib/src/",
-];
+/// Labels that heads had once: original work needs no source, and a test is no proof.
+const GONE: [&str; 2] = ["Source: original", "Proof:"];
 
 /// The first line, or the second after `#!`, names the licence.
 pub(super) fn licence(file: &SourceFile) -> Vec<(usize, String)> {
@@ -26,29 +17,26 @@ pub(super) fn licence(file: &SourceFile) -> Vec<(usize, String)> {
     if named { vec![] } else { vec![(1, format!("the first line must be '{LICENCE}' as a comment"))] }
 }
 
-/// Rust files say in `//!` what they are, and in citing rooms where that comes from.
+/// Rust files begin with a head, which has none of the labels that are gone.
 pub(super) fn contract(file: &SourceFile) -> Vec<(usize, String)> {
     if !file.is_rust() {
         return vec![];
     }
-    let head: Vec<&str> = file.text.lines().filter(|line| line.starts_with("//!")).collect();
     if file.text.lines().nth(1).is_none_or(|line| !line.starts_with("//!")) {
         return vec![(2, "the second line must begin the file's head with '//!'".into())];
     }
-    // A file that only lists others has no algorithm to cite.
-    let is_list = file.path.ends_with("/lib.rs") || file.path.ends_with("/mod.rs");
-    let cites = head.iter().any(|line| line.contains("Source:"));
-    if CITING.iter().any(|room| file.path.starts_with(room)) && !is_list && !cites {
-        return vec![(2, "the head must say 'Source:' with a key of docs/papers.bib, or 'original'".into())];
-    }
-    vec![]
+    let head = file.text.lines().enumerate().filter(|(_, line)| line.starts_with("//!"));
+    let gone = head.flat_map(|(number, line)| {
+        GONE.iter().filter(|label| line.contains(**label)).map(move |label| (number + 1, format!("'{label}' is gone: see CONTRIBUTING.md, Files")))
+    });
+    gone.collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    const HEAD: &str = "// SPDX-License-Identifier: GPL-3.0-or-later\n//! A thing.\n//! Source: original.\n";
+    const HEAD: &str = "// SPDX-License-Identifier: GPL-3.0-or-later\n//! A thing. Tests: `tests`.\n";
 
     #[test]
     fn the_licence_comes_first() {
@@ -62,13 +50,12 @@ mod tests {
     }
 
     #[test]
-    fn heads_say_what_and_where_from() {
-        let ok = |path: &str, text: &str| contract(&SourceFile::new(path, text)).is_empty();
-        let silent = HEAD.replace("//! Source: original.\n", "");
-        assert!(ok("crates/accel/src/a.rs", HEAD), "a whole head");
-        assert!(!ok("crates/accel/src/a.rs", &silent), "no source in a citing room");
-        assert!(ok("crates/accel/src/lib.rs", &silent), "a list of files");
-        assert!(ok("crates/cli/src/a.rs", &silent), "no source in another room");
-        assert!(!ok("crates/cli/src/a.rs", "// SPDX\nfn a() {}\n"), "no head");
+    fn heads_are_there_and_have_no_old_labels() {
+        let ok = |text: &str| contract(&SourceFile::new("crates/accel/src/a.rs", text)).is_empty();
+        assert!(ok(HEAD), "a whole head");
+        assert!(!ok("// SPDX\nfn a() {}\n"), "no head");
+        for label in GONE {
+            assert!(!ok(&HEAD.replace("Tests:", label)), "{label}");
+        }
     }
 }

@@ -10,11 +10,14 @@ mod files;
 mod heads;
 mod imports;
 mod known_circles;
+mod known_prose;
 mod lazy;
 mod length;
 mod manifests;
 mod modules;
+mod pages;
 mod proofs;
+mod prose;
 mod rust_code;
 mod test_files;
 mod unsafe_code;
@@ -59,6 +62,9 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     complaints.extend(circles::check(&files));
     complaints.extend(proofs::check(&files));
     complaints.extend(test_files::check(&files));
+    let pages = files::pages(&root)?;
+    complaints.extend(pages::check(&root, &pages));
+    complaints.extend(prose::check(&pages));
     for file in &files {
         let found = RULES.iter().flat_map(|rule| rule(file)).chain(citations::check(file, &keys));
         complaints.extend(found.map(|(line, what)| format!("{}:{line}: {what}", file.path)));

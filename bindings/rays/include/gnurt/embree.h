@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The calls of Embree 4 that libgnurt answers, restated from its documented interface: names, numbers and layouts are those of
  * Embree 4.4 as it is built by default (one level of instances in a hit, arrays of instances). Programs that have Embree's own
- * headers need not have this one: the library takes the place of libembree4.so.4 as it is. docs/c-rays.md says what differs.
+ * headers need not have this one: the library takes the place of libembree4.so.4 as it is. docs/reference/c-rays.md says what differs.
  *
  * Additional permission under section 7 of the GNU General Public License, version 3: including this header, unmodified, in the
  * source of any work, and compiling the types, constants, macros and inline functions that it defines into that work, does not by

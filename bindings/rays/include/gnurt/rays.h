@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Ray queries for C: meshes, spheres, user geometry and instances, and what rays and points can ask of them. No device, no state but
- * that of scenes. Arrays are the program's own, with any gaps. docs/c-rays.md has a tour.
+ * that of scenes. Arrays are the program's own, with any gaps. docs/reference/c-rays.md has a tour.
  *
  * Every call that returns int answers 0, or -1 where something is wrong: gnurt_last_error() then says what, in this thread, and
  * nothing has been done, but that arrays for answers may be half written. Scenes may be asked by many threads at once, but not while

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Normals of hits, and rays that see one face of surfaces. Source: original; docs/queries.md. Space: the tree's.
+//! Normals of hits, and rays that see one face of surfaces. Source: original; docs/reference/queries.md. Space: the tree's.
 //! Bodies are in `facing.rs`. Proof: `tests/surfaces/normals.rs`.
 
 use crate::facing::Face;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Any number of rays in one call. Source: original; docs/queries.md. Space: the tree's. Bodies are in `src/many.rs`.
+//! Any number of rays in one call. Source: original; docs/reference/queries.md. Space: the tree's. Bodies are in `src/many.rs`.
 //! Proof: `tests/surfaces/slices.rs`.
 
 use crate::slices::{HitSlices, RaySlices, SliceError};

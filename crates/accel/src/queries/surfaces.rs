@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Questions about surfaces, one by one and for many at once: crossings, sides and signed distances, nearest points and
-//! primitives, overlaps. Source: original; docs/queries.md. Space: the tree's.
+//! primitives, overlaps. Source: original; docs/reference/queries.md. Space: the tree's.
 //! Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/inside.rs`, `tests/surfaces/overlaps.rs`.
 
 use crate::crossings::{self, Crossed};

@@ -223,6 +223,13 @@ impl World {
         self.tree.occluded(ray)
     }
 
+    /// The geometric normal at a hit of this world, of unit length, in world space: towards the side from which the triangle's
+    /// vertices go around counter-clockwise. Of moving meshes it is the normal when the shutter opens.
+    #[must_use]
+    pub fn normal(&self, hit: &Hit) -> Option<[f32; 3]> {
+        self.tree.normal(hit)
+    }
+
     /// All lights but those of shader plugins, with densities.
     pub(crate) fn light_set(&self) -> &LightSet {
         self.lights.set()

@@ -2,7 +2,7 @@
 //! What surfaces do to light, as plain values: weighted lobes for each point, which can be evaluated, sampled and asked for densities,
 //! one point at a time ([`Bsdf`]) or sixteen ([`ClosureBatch`]), by the same code.
 //! Source: \[PJH23\] chapter 9 (interface), \[Vea97\] section 5.3 (shading normals and light-carrying paths); one lobe, one
-//! file; docs/materials.md tells the models.
+//! file; docs/reference/materials.md tells the models.
 //! Space: world outside, the shading frame inside (z = the shading normal on the side that the first ray came from).
 //! `wo` points to where the path came from, `wi` to where it goes; both unit and away from the surface.
 //! Invariants: values are BSDF times |cos| to the shading normal. Reflection is the same with `wo` and `wi` exchanged but
