@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 23] = [
+const ARROWS: [(&str, &[&str]); 24] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),

@@ -27,7 +27,9 @@ pub(super) fn contract(file: &SourceFile) -> Vec<(usize, String)> {
     }
     let head = file.text.lines().enumerate().filter(|(_, line)| line.starts_with("//!"));
     let gone = head.flat_map(|(number, line)| {
-        GONE.iter().filter(|label| line.contains(**label)).map(move |label| (number + 1, format!("'{label}' is gone: see CONTRIBUTING.md, Files")))
+        GONE.iter()
+            .filter(|label| line.contains(**label))
+            .map(move |label| (number + 1, format!("'{label}' is gone: see CONTRIBUTING.md, Files")))
     });
     gone.collect()
 }
