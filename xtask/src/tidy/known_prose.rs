@@ -31,7 +31,6 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/decisions/0029-code-of-shaders.md", 6),
     ("docs/decisions/0030-openvdb-read-by-hand.md", 3),
     ("docs/decisions/0031-lobes-one-by-one.md", 8),
-    ("docs/explanation/kernels.md", 35),
     ("docs/explanation/light.md", 32),
     ("docs/explanation/moving.md", 32),
     ("docs/how-to/animate.md", 18),
