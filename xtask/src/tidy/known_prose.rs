@@ -32,7 +32,6 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/decisions/0030-openvdb-read-by-hand.md", 3),
     ("docs/decisions/0031-lobes-one-by-one.md", 8),
     ("docs/explanation/light.md", 32),
-    ("docs/explanation/moving.md", 32),
     ("docs/how-to/animate.md", 18),
     ("docs/how-to/from-opengl.md", 10),
     ("docs/how-to/from-osl.md", 8),
