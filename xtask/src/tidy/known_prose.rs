@@ -47,7 +47,6 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/reference/openrt-calls.md", 8),
     ("docs/reference/openrt.md", 13),
     ("docs/reference/python.md", 4),
-    ("docs/reference/queries.md", 4),
     ("docs/reference/shading-language.md", 26),
     ("docs/reference/textures.md", 5),
     ("docs/reference/viewer.md", 36),
