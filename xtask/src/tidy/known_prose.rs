@@ -45,7 +45,6 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/reference/c-rays.md", 4),
     ("docs/reference/cameras.md", 3),
     ("docs/reference/instances.md", 7),
-    ("docs/reference/materials.md", 24),
     ("docs/reference/openrt-calls.md", 8),
     ("docs/reference/openrt.md", 13),
     ("docs/reference/python.md", 4),
