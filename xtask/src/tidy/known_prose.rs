@@ -36,7 +36,6 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/explanation/moving.md", 32),
     ("docs/how-to/animate.md", 18),
     ("docs/how-to/from-opengl.md", 10),
-    ("docs/how-to/from-osl.md", 8),
     ("docs/how-to/large-scenes.md", 5),
     ("docs/how-to/many-machines.md", 1),
     ("docs/how-to/measure.md", 18),
@@ -48,7 +47,6 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/reference/openrt.md", 13),
     ("docs/reference/python.md", 4),
     ("docs/reference/queries.md", 4),
-    ("docs/reference/shading-language.md", 26),
     ("docs/reference/viewer.md", 36),
     ("docs/tutorials/shaders.md", 8),
 ];
