@@ -48,5 +48,4 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/reference/python.md", 4),
     ("docs/reference/queries.md", 4),
     ("docs/reference/viewer.md", 36),
-    ("docs/tutorials/shaders.md", 8),
 ];
