@@ -12,7 +12,7 @@ use gnurt_accel::{
 
 fn main() {
     // An object: a floor of two triangles and a sphere above it.
-    let corners = [[-2.0, 0.0, -2.0], [2.0, 0.0, -2.0], [2.0, 0.0, 2.0], [-2.0, 0.0, 2.0]];
+    let corners = [[-2.0, 0.0, -2.0], [2.5, 0.0, -2.0], [2.5, 0.0, 2.0], [-2.0, 0.0, 2.0]];
     let floor = Triangles { positions: &corners, indices: &[[0, 2, 1], [0, 3, 2]] };
     let sphere = Spheres { centers: &[[0.0, 1.0, 0.0]], radii: &[0.5] };
     let options = BuildOptions::default();
