@@ -10,7 +10,9 @@ use crate::collect::Collect;
 use crate::hit::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
-use crate::triangle::{Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges, relative_to, shear};
+use crate::triangle::{
+    LoneRay, Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges, relative_to, shear,
+};
 
 /// Triangles of a block, and children of a wide BVH's node.
 pub const WIDTH: usize = 8;
@@ -30,6 +32,8 @@ pub struct TriangleBlock {
 pub struct BlockRay<S: Simd> {
     axes: [usize; 3],
     sheared: Sheared<f32x8<S>>,
+    /// As it was, along the same axes: what few ask for.
+    dir: [f32; 3],
     t_near: f32x8<S>,
 }
 
@@ -38,30 +42,28 @@ impl<S: Simd> BlockRay<S> {
     #[inline(always)]
     pub fn new(simd: S, ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
-        let [x, y, z] = axes;
-        let alone = Sheared {
-            org: [ray.org[x], ray.org[y], ray.org[z]],
-            shear: shear([ray.dir[x], ray.dir[y], ray.dir[z]], 1.0),
-        };
-        Self::sheared(simd, axes, alone, ray.t_near)
+        let dir = axes.map(|k| ray.dir[k]);
+        let sheared = Sheared { org: axes.map(|k| ray.org[k]), shear: shear(dir, 1.0) };
+        Self::sheared(simd, axes, LoneRay { sheared, dir }, ray.t_near)
     }
 
     /// From what is known of the ray in the space with these axes.
     #[inline(always)]
-    pub fn sheared(simd: S, axes: [usize; 3], alone: Sheared<f32>, t_near: f32) -> Self {
-        let ([x, y, z], [sx, sy, sz]) = (alone.org, alone.shear);
+    pub fn sheared(simd: S, axes: [usize; 3], alone: LoneRay, t_near: f32) -> Self {
+        let LoneRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = alone;
         let sheared = Sheared {
             org: [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)],
             shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
         };
-        Self { axes, sheared, t_near: f32x8::splat(simd, t_near) }
+        Self { axes, sheared, dir, t_near: f32x8::splat(simd, t_near) }
     }
 
     /// What [`sheared`](Self::sheared) was given: out of the lanes, since few ask for it.
     #[inline(always)]
-    fn alone(&self) -> Sheared<f32> {
+    fn alone(&self) -> LoneRay {
         let ([x, y, z], [sx, sy, sz]) = (self.sheared.org, self.sheared.shear);
-        Sheared { org: [x[0], y[0], z[0]], shear: [sx[0], sy[0], sz[0]] }
+        let sheared = Sheared { org: [x[0], y[0], z[0]], shear: [sx[0], sy[0], sz[0]] };
+        LoneRay { sheared, dir: self.dir }
     }
 }
 
@@ -117,8 +119,11 @@ impl TriangleBlock {
         if !edges.inside.any_true() {
             return;
         }
-        let t_far = f32x8::splat(simd, collect.reach());
-        let (met, uncertain) = edges.meet(simd, shear[2], edges.inside, ray.t_near, t_far);
+        let reached = edges.reach(shear[2], ray.t_near, f32x8::splat(simd, collect.reach()));
+        if !reached.lanes.any_true() {
+            return;
+        }
+        let (met, uncertain) = reached.meet(simd);
         let mut bits = met.hit.to_bitmask();
         if bits != 0 {
             let (t, u, v) = (met.t.to_array(), met.u.to_array(), met.v.to_array());

@@ -7,7 +7,7 @@
 use gnurt_simd::{Simd, SimdFloat};
 
 use super::meeting::Meeting;
-use super::watertight::{HUGE, TINY, meet_exactly};
+use super::watertight::{Corners, DOUBTFUL, HUGE, TINY, meet_exactly};
 
 /// Floats in lanes.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
@@ -31,13 +31,37 @@ pub struct Sheared<V> {
     pub shear: [V; 3],
 }
 
+/// One ray of many, for [`meet_alone`]: what lanes know of it, and its direction, which is not rounded; along the axes of the
+/// sheared space.
+#[derive(Clone, Copy, Debug)]
+pub struct LoneRay {
+    pub sheared: Sheared<f32>,
+    pub dir: [f32; 3],
+}
+
 /// Lanes that pass all three edges, and what that took.
 #[derive(Clone, Copy)]
 pub struct Edges<S: Simd, V: Lanes<S>> {
     depth: [V; 3],
+    px: [V; 3],
+    py: [V; 3],
     w: [V; 3],
     /// Lanes whose ray passes inside.
     pub inside: V::Mask,
+}
+
+/// Lanes that pass inside of triangles some corner of which is in reach.
+#[derive(Clone, Copy)]
+pub struct Reached<S: Simd, V: Lanes<S>> {
+    edges: Edges<S, V>,
+    over_dir: V,
+    ts: [V; 3],
+    first: V,
+    last: V,
+    t_near: V,
+    t_far: V,
+    /// These lanes.
+    pub lanes: V::Mask,
 }
 
 /// Corners relative to the rays' origins, corner by corner.
@@ -68,49 +92,54 @@ pub fn pass_edges<S: Simd, V: Lanes<S>>(simd: S, [a, b, c]: [[V; 3]; 3], shear: 
     let most = w0.max(w1).max(w2);
     let zero = V::splat(simd, 0.0);
     let inside = !(least.simd_lt(zero) & most.simd_gt(zero));
-    Edges { depth, w: [w0, w1, w2], inside }
+    Edges { depth, px, py, w: [w0, w1, w2], inside }
 }
 
 impl<S: Simd, V: Lanes<S>> Edges<S, V> {
-    /// The second half: where the lanes in `active`, all of them inside, meet the triangles; and the lanes that floats
-    /// cannot decide, which are for [`meet_alone`].
+    /// Which of the lanes inside may meet their triangle in `[t_near, t_far]`: a hit is between its corners' own `t`.
     #[inline(always)]
-    pub fn meet(
-        &self,
-        simd: S,
-        over_dir: V,
-        active: V::Mask,
-        t_near: V,
-        t_far: V,
-    ) -> (LanesMeeting<S, V>, V::Mask) {
-        let Self { depth, w: [w0, w1, w2], .. } = *self;
-        let ts = [over_dir * depth[0], over_dir * depth[1], over_dir * depth[2]];
+    pub fn reach(self, over_dir: V, t_near: V, t_far: V) -> Reached<S, V> {
+        let [a, b, c] = self.depth;
+        let ts = [over_dir * a, over_dir * b, over_dir * c];
+        let (first, last) = (ts[0].min(ts[1]).min(ts[2]), ts[0].max(ts[1]).max(ts[2]));
+        let lanes = self.inside & last.simd_ge(t_near) & first.simd_le(t_far);
+        Reached { edges: self, over_dir, ts, first, last, t_near, t_far, lanes }
+    }
+}
+
+impl<S: Simd, V: Lanes<S>> Reached<S, V> {
+    /// The last part: where the lanes meet the triangles; and the lanes that floats cannot decide, or not well enough, which
+    /// are for [`meet_alone`].
+    #[inline(always)]
+    pub fn meet(&self, simd: S) -> (LanesMeeting<S, V>, V::Mask) {
+        let Self { edges, over_dir, ts, first, last, t_near, t_far, lanes } = *self;
+        let Edges { px, py, w: [w0, w1, w2], .. } = edges;
         let sum = w0 + w1 + w2;
-        let tiny = V::splat(simd, TINY);
-        let certain = w0.abs().simd_ge(tiny)
-            & w1.abs().simd_ge(tiny)
-            & w2.abs().simd_ge(tiny)
-            & sum.abs().simd_le(V::splat(simd, HUGE));
+        let size = sum.abs();
+        let least = w0.abs().min(w1.abs()).min(w2.abs());
+        let certain = least.simd_ge(V::splat(simd, TINY)) & size.simd_le(V::splat(simd, HUGE));
 
         let over = V::splat(simd, 1.0) / sum;
         let (u, v) = (w1 * over, w2 * over);
         let t = (w0 * over) * ts[0] + u * ts[1] + v * ts[2];
-        let (first, last) = (ts[0].min(ts[1]).min(ts[2]), ts[0].max(ts[1]).max(ts[2]));
         let t = t.max(first).min(last) + V::splat(simd, 0.0);
-        let hit = active & certain & t.simd_ge(t_near) & t.simd_le(t_far);
-        (LanesMeeting { t, u, v, hit }, active & !certain)
+
+        let (away, scale, long) = (t.abs(), over_dir.abs(), last - first);
+        let wide_x = px[0].abs().max(px[1].abs()).max(px[2].abs());
+        let wide_y = py[0].abs().max(py[1].abs()).max(py[2].abs());
+        let wide = wide_x.max(wide_y);
+        let doubt = long * (wide * (wide * scale + (away + long)));
+        let good = certain & doubt.simd_lt(V::splat(simd, DOUBTFUL) * (away * (size * scale)));
+        let hit = lanes & good & t.simd_ge(t_near) & t.simd_le(t_far);
+        (LanesMeeting { t, u, v, hit }, lanes & !good)
     }
 }
 
-/// One lane in double precision, from the start: `corners` of one triangle and one ray, along the sheared space's axes.
+/// One lane in double precision, from the start: `corners` of one triangle along the sheared space's axes.
 #[cold]
 #[inline(never)]
-pub fn meet_alone(
-    [a, b, c]: &[[f32; 3]; 3],
-    Sheared { org, shear }: &Sheared<f32>,
-    t_near: f32,
-    t_far: f32,
-) -> Option<Meeting> {
+pub fn meet_alone(corners: &[[f32; 3]; 3], ray: &LoneRay, t_near: f32, t_far: f32) -> Option<Meeting> {
+    let ([a, b, c], LoneRay { sheared: Sheared { org, shear }, dir }) = (corners, ray);
     let depth = [a[2] - org[2], b[2] - org[2], c[2] - org[2]];
     let along = |k: usize| {
         [
@@ -120,5 +149,6 @@ pub fn meet_alone(
         ]
     };
     let ts = [shear[2] * depth[0], shear[2] * depth[1], shear[2] * depth[2]];
-    meet_exactly(along(0), along(1), ts, t_near, t_far)
+    let unrounded = Corners { corners: *corners, org: *org, dir: *dir };
+    meet_exactly(along(0), along(1), ts, &unrounded, t_near, t_far)
 }
