@@ -8,7 +8,7 @@ use crate::common::{Kind, TESTS, WATERTIGHT, batch, build, queries, scene_of};
 use gnurt_accel::{
     Coherence, Counters, HitBatch, Instance, Level, Query, RayBatch, Record, Structure, TriangleTest,
 };
-use gnurt_testkit::{Soup, closed, rays};
+use gnurt_testkit::{Random, Soup, closed, rays};
 
 /// Coherent ones, mixed ones that packets have to send singly, and one more than a whole number of packets.
 fn some_rays() -> RayBatch {
@@ -74,6 +74,36 @@ fn all_levels_with_tiles_count_the_same_in_a_scene() {
             .map(|coherence| of(&Query { level: Level::Scalar, coherence, ..Query::default() }))
             .into();
         assert_eq!(alone[0], alone[1], "without tiles, coherence does not matter");
+    }
+}
+
+/// Rays of a batch that is said to be coherent, and is not, do not do each other's work.
+#[test]
+fn rays_that_part_at_once_do_little_more_together() {
+    let object = Arc::new(build(&[Soup::random(2, 1, 1.0)], WATERTIGHT[0]));
+    let mut random = Random::new(5);
+    let mut place = |_| {
+        let mut instance = Instance::identity(Arc::clone(&object));
+        instance.world_from_object = [[0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.0, 0.0, 0.05], [0.0; 3]];
+        instance.world_from_object[3] = random.point().map(|x| f64::from(10.0 * x));
+        instance
+    };
+    let scene = scene_of(&(0..5000).map(&mut place).collect::<Vec<_>>());
+    let mut random = Random::new(6);
+    let rays: Vec<_> = (0..2000).map(|_| (random.point().map(|x| 10.0 * x), random.point())).collect();
+    let rays = batch(&rays);
+    for level in Level::available() {
+        let [together, alone] = [Coherence::Coherent, Coherence::Incoherent].map(|coherence| {
+            let query = Query { level, coherence, ..Query::default() };
+            let (mut closest, mut any) = (Record::default(), Record::default());
+            scene.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut closest);
+            scene.occluded_batch(&query, &rays, &mut Vec::new(), &mut any);
+            [closest.counters, any.counters]
+        });
+        for (together, alone) in together.iter().zip(alone) {
+            assert!(together.nodes <= 2 * alone.nodes, "{level}: {together:?}, {alone:?} one by one");
+            assert!(together.triangles <= 2 * alone.triangles, "{level}: {together:?}, {alone:?} one by one");
+        }
     }
 }
 
