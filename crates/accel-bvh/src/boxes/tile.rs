@@ -18,8 +18,7 @@ use super::search::{search_treelet, search_upper};
 use crate::node::{Child, Node8, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::planes::{MovingMember, TilePlanes};
-use crate::tree::DEEPEST;
-use crate::treelet::{DEEPEST_TREELET, Treelet};
+use crate::treelet::Treelet;
 use crate::walk::farthest_first;
 
 /// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
@@ -30,16 +29,16 @@ struct Entry {
     rays: u64,
 }
 
-/// What waits in the upper treelet and in those below, as in `search.rs`.
-type Long = StackRoom<Entry, { 8 * DEEPEST }>;
-type Short = StackRoom<Entry, { 8 * DEEPEST_TREELET }>;
+/// So many may wait, also in tests where that is too few. The deepest treelets need four times as much, but scenes in one
+/// another hold some of these each: where there is no room, rays go on alone.
+const MOST_WAIT: usize = if cfg!(test) { 12 } else { 64 };
 
 /// Where a walk has come to.
 enum Stop {
     /// A block, with many rays.
     Block(usize),
-    /// A child, with a few.
-    Few(Child),
+    /// A child, with rays that go on alone.
+    Alone(Child),
 }
 
 /// Where intervals leave this many boxes of a node, rays are tested one by one.
@@ -209,17 +208,18 @@ impl Shot<'_> {
     }
 }
 
-/// Goes through `nodes` with the rays in `bits`, and calls `stop` with those that come to a block, or of which few are left.
+/// Goes through `nodes` with the rays in `bits`, and calls `stop` with those that come to a block, and with those that go on
+/// alone.
 #[inline(always)]
-fn walk_masks<'a, S: Simd, const WAIT: usize>(
+fn walk_masks<'a, S: Simd>(
     simd: S,
-    mut room: StackRoom<Entry, WAIT>,
     nodes: &[Node8],
     bits: u64,
     shot: &mut Shot<'a>,
     trip: &mut TileTrip,
     mut stop: impl FnMut(&mut Shot<'a>, Stop, u64, &mut TileTrip),
 ) {
+    let mut room = StackRoom::<Entry, MOST_WAIT>::new();
     let mut waiting = room.stack();
     waiting.push(Entry { steps: f32::NEG_INFINITY, child: Child::node(0), rays: bits });
     while let Some(Entry { steps, child, rays }) = waiting.pop() {
@@ -227,8 +227,8 @@ fn walk_masks<'a, S: Simd, const WAIT: usize>(
         if steps > shot.farthest || bits == 0 {
             continue;
         }
-        if bits.count_ones() <= FEW {
-            stop(shot, Stop::Few(child), bits, trip);
+        if bits.count_ones() <= FEW || waiting.len() + WIDTH > MOST_WAIT {
+            stop(shot, Stop::Alone(child), bits, trip);
             continue;
         }
         shot.visited += u64::from(bits.count_ones());
@@ -271,7 +271,6 @@ fn tile_treelet<S: Simd>(
             let nodes = treelet.nodes();
             walk_masks(
                 simd,
-                Short::new(),
                 nodes,
                 bits,
                 shot,
@@ -279,7 +278,7 @@ fn tile_treelet<S: Simd>(
                 #[inline(always)]
                 |shot, stop, bits, trip| match stop {
                     Stop::Block(at) => enter_block(simd, treelet, at, bits, shot, trip, enter),
-                    Stop::Few(child) => shot.go_alone(
+                    Stop::Alone(child) => shot.go_alone(
                         simd,
                         bits,
                         trip,
@@ -362,7 +361,6 @@ fn tile_upper<S: Simd>(
             let (nodes, bits) = (upper.nodes(), all(shot.count));
             walk_masks(
                 simd,
-                Long::new(),
                 nodes,
                 bits,
                 shot,
@@ -388,7 +386,7 @@ fn tile_upper<S: Simd>(
                             tile_treelet(simd, &treelets[number], rays, shot, trip, enter);
                         }
                     }
-                    Stop::Few(child) => shot.go_alone(
+                    Stop::Alone(child) => shot.go_alone(
                         simd,
                         bits,
                         trip,

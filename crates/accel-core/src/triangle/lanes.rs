@@ -4,10 +4,10 @@
 //! Invariant: every lane does the roundings of the scalar form in its order: the same bits at any width and level.
 //! Proof: `tests/brute_force.rs` (`ask`).
 
-use gnurt_simd::{Simd, SimdFloat};
+use gnurt_simd::{Simd, SimdFloat, prelude::*};
 
 use super::meeting::Meeting;
-use super::watertight::{Corners, DOUBTFUL, HUGE, TINY, meet_exactly};
+use super::watertight::{Corners, DOUBTFUL, HUGE, SURELY, TINY, meet_exactly};
 
 /// Floats in lanes.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
@@ -129,9 +129,16 @@ impl<S: Simd, V: Lanes<S>> Reached<S, V> {
         let wide_y = py[0].abs().max(py[1].abs()).max(py[2].abs());
         let wide = wide_x.max(wide_y);
         let doubt = long * (wide * (wide * scale + (away + long)));
-        let good = certain & doubt.simd_lt(V::splat(simd, DOUBTFUL) * (away * (size * scale)));
+        let per_t = size * scale;
+        let good = certain & doubt.simd_lt(V::splat(simd, DOUBTFUL) * (away * per_t));
         let hit = lanes & good & t.simd_ge(t_near) & t.simd_le(t_far);
-        (LanesMeeting { t, u, v, hit }, lanes & !good)
+        let mut alone = lanes & !good;
+        if alone.any_true() {
+            let off = V::splat(simd, SURELY) * doubt;
+            let out = ((t_near - t) * per_t).simd_gt(off) | ((t - t_far) * per_t).simd_gt(off);
+            alone &= !(out & certain);
+        }
+        (LanesMeeting { t, u, v, hit }, alone)
     }
 }
 
