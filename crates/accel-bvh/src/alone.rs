@@ -63,9 +63,9 @@ impl Alone<'_> {
         let i = i % TILE;
         let ([x, y, z], [a, b, c]) = (self.org, self.shear);
         let sheared = Sheared { org: [x[i], y[i], z[i]], shear: [a[i], b[i], c[i]] };
-        let axes = axes_from(longest_axis);
-        let dir = axes.map(|k| self.dir[k][i]);
-        BlockRay::sheared(simd, axes, LoneRay { sheared, dir }, self.t_near[i])
+        let [along_x, along_y, along_z] = axes_from(longest_axis);
+        let dir = [self.dir[along_x][i], self.dir[along_y][i], self.dir[along_z][i]];
+        BlockRay::sheared(simd, [along_x, along_y, along_z], LoneRay { sheared, dir }, self.t_near[i])
     }
 
     /// Ray `i`.

@@ -42,8 +42,10 @@ impl<S: Simd> BlockRay<S> {
     #[inline(always)]
     pub fn new(simd: S, ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
-        let dir = axes.map(|k| ray.dir[k]);
-        let sheared = Sheared { org: axes.map(|k| ray.org[k]), shear: shear(dir, 1.0) };
+        // Not by `map`, which is a call of its own.
+        let [x, y, z] = axes;
+        let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
+        let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
         Self::sheared(simd, axes, LoneRay { sheared, dir }, ray.t_near)
     }
 

@@ -7,7 +7,8 @@
 use gnurt_simd::{Simd, SimdFloat, prelude::*};
 
 use super::meeting::Meeting;
-use super::watertight::{Corners, DOUBTFUL, HUGE, SURELY, TINY, meet_exactly};
+use super::precise::Corners;
+use super::watertight::{DOUBTFUL, HUGE, SURELY, TINY, meet_exactly};
 
 /// Floats in lanes.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}

@@ -21,7 +21,7 @@
 //! Proof: `tests::agrees_with_double_precision`, `tests/watertight.rs`, `tests/parameters.rs` of `gnurt-accel`.
 
 use super::meeting::Meeting;
-use super::precise::{self, Weighed};
+use super::precise::{self, Corners, Weighed};
 use crate::float::{Number, least, most};
 use crate::ray::Ray;
 
@@ -45,31 +45,13 @@ pub struct ShearedRay {
     shear: [f32; 3],
 }
 
-/// A triangle and a ray before anything is rounded, along the axes of the sheared space.
-pub(super) struct Corners {
-    pub(super) corners: [[f32; 3]; 3],
-    pub(super) org: [f32; 3],
-    pub(super) dir: [f32; 3],
-}
-
-/// What takes a ray's direction, which is along the axes of the sheared space, to its z axis.
-#[inline(always)]
-pub fn shear<V: Number>([x, y, z]: [V; 3], one: V) -> [V; 3] {
-    [x / z, y / z, one / z]
-}
-
-/// x, y and z of the sheared space, given its z.
-#[inline(always)]
-pub fn axes_from(z: usize) -> [usize; 3] {
-    [(z + 1) % 3, (z + 2) % 3, z]
-}
-
 impl ShearedRay {
     /// `ray` must be sound and of regular length.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
-        let dir = axes.map(|k| ray.dir[k]);
+        let [x, y, z] = axes;
+        let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
         Self { org: ray.org, dir, axes, shear: shear(dir, 1.0) }
     }
 
