@@ -45,6 +45,18 @@ pub struct ShearedRay {
     shear: [f32; 3],
 }
 
+/// What takes a ray's direction, which is along the axes of the sheared space, to its z axis.
+#[inline(always)]
+pub fn shear<V: Number>([x, y, z]: [V; 3], one: V) -> [V; 3] {
+    [x / z, y / z, one / z]
+}
+
+/// x, y and z of the sheared space, given its z.
+#[inline(always)]
+pub fn axes_from(z: usize) -> [usize; 3] {
+    [(z + 1) % 3, (z + 2) % 3, z]
+}
+
 impl ShearedRay {
     /// `ray` must be sound and of regular length.
     #[inline(always)]
