@@ -125,7 +125,8 @@ impl TriangleBlock {
         if !reached.lanes.any_true() {
             return;
         }
-        let (met, uncertain) = reached.meet(simd);
+        let (met, uncertain) =
+            if collect.asks_where() { reached.meet_well(simd) } else { reached.meet(simd) };
         let mut bits = met.hit.to_bitmask();
         if bits != 0 {
             let (t, u, v) = (met.t.to_array(), met.u.to_array(), met.v.to_array());
@@ -143,7 +144,8 @@ impl TriangleBlock {
             bits &= bits - 1;
             // By value: a ray whose address is taken lives in memory.
             let corners = self.corners_of(i, ray.axes);
-            if let Some(meeting) = meet_alone(&corners, &ray.alone(), ray.t_near[0], collect.reach()) {
+            let (asks_where, reach) = (collect.asks_where(), collect.reach());
+            if let Some(meeting) = meet_alone(&corners, &ray.alone(), asks_where, ray.t_near[0], reach) {
                 collect.offer(meeting, self.numbers[i], slot);
             }
         }
@@ -167,7 +169,9 @@ impl TriangleBlock {
                 let [x, y, z] = &self.corners[k];
                 [x[lane], y[lane], z[lane]]
             };
-            if let Some(meeting) = ray.meet(&[corner(0), corner(1), corner(2)], t_near, collect.reach()) {
+            if let Some(meeting) =
+                ray.meet(&[corner(0), corner(1), corner(2)], collect.asks_where(), t_near, collect.reach())
+            {
                 collect.offer(meeting, number, slot);
             }
         }

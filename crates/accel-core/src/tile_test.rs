@@ -49,7 +49,10 @@ impl<S: Simd> TileTest<'_, S> {
         if !reached.lanes.any_true() {
             return false;
         }
-        let (met, uncertain) = reached.meet(simd);
+        let (met, uncertain) = match self.kind {
+            Kind::Any => reached.meet(simd),
+            Kind::Closest => reached.meet_well(simd),
+        };
         let mut found = false;
         if uncertain.any_true() {
             found = self.meet_alone(block, place, slopes, at, uncertain.to_bitmask(), nearest);
@@ -89,6 +92,7 @@ impl<S: Simd> TileTest<'_, S> {
     ) -> bool {
         let axes = axes_from(self.heading.longest_axis);
         let corners = block.corners_of(place, axes);
+        let asks_where = self.kind == Kind::Closest;
         let mut found = false;
         while bits != 0 {
             let i = at + bits.trailing_zeros() as usize;
@@ -99,7 +103,7 @@ impl<S: Simd> TileTest<'_, S> {
                 shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
             };
             let alone = LoneRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) };
-            if let Some(meeting) = meet_alone(&corners, &alone, self.rays.t_near[i], best.t) {
+            if let Some(meeting) = meet_alone(&corners, &alone, asks_where, self.rays.t_near[i], best.t) {
                 match self.kind {
                     Kind::Closest => best.offer::<Closest>(meeting, block.numbers[place & 7], self.slot),
                     Kind::Any => best.offer::<AnyHit>(meeting, block.numbers[place & 7], self.slot),

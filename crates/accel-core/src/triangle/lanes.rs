@@ -7,8 +7,7 @@
 use gnurt_simd::{Simd, SimdFloat, prelude::*};
 
 use super::meeting::Meeting;
-use super::precise::Corners;
-use super::watertight::{DOUBTFUL, HUGE, SURELY, TINY, meet_exactly};
+use super::watertight::{DOUBTFUL, HUGE, LoneRay, SURELY, TINY};
 
 /// Floats in lanes.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
@@ -22,22 +21,6 @@ pub struct LanesMeeting<S: Simd, V: Lanes<S>> {
     pub v: V,
     /// Lanes that do.
     pub hit: V::Mask,
-}
-
-/// Rays prepared for the test: origins along the axes of the sheared space (z is the axis along which the ray moves
-/// most, x and y follow it in cyclic order), and the shear.
-#[derive(Clone, Copy, Debug)]
-pub struct Sheared<V> {
-    pub org: [V; 3],
-    pub shear: [V; 3],
-}
-
-/// One ray of many, for [`meet_alone`]: what lanes know of it, and its direction, which is not rounded; along the axes of the
-/// sheared space.
-#[derive(Clone, Copy, Debug)]
-pub struct LoneRay {
-    pub sheared: Sheared<f32>,
-    pub dir: [f32; 3],
 }
 
 /// Lanes that pass all three edges, and what that took.
@@ -76,7 +59,7 @@ pub fn relative_to<S: Simd, V: Lanes<S>>([a, b, c]: [[V; 3]; 3], org: &[V; 3]) -
 }
 
 /// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers look at `inside`
-/// before they go on to `Edges::meet`: a test that returned all at once would be merged from two ways by copies.
+/// before they go on to `Edges::reach`: a test that returned all at once would be merged from two ways by copies.
 ///
 /// `corners` have their coordinates along the axes of the sheared space, [relative](relative_to) to the origins.
 #[inline(always)]
@@ -109,54 +92,56 @@ impl<S: Simd, V: Lanes<S>> Edges<S, V> {
 }
 
 impl<S: Simd, V: Lanes<S>> Reached<S, V> {
-    /// The last part: where the lanes meet the triangles; and the lanes that floats cannot decide, or not well enough, which
-    /// are for [`meet_alone`].
+    /// The last part, by floats: where the lanes meet the triangles; and the lanes that floats cannot decide, which are for
+    /// [`meet_alone`].
     #[inline(always)]
     pub fn meet(&self, simd: S) -> (LanesMeeting<S, V>, V::Mask) {
-        let Self { edges, over_dir, ts, first, last, t_near, t_far, lanes } = *self;
-        let Edges { px, py, w: [w0, w1, w2], .. } = edges;
+        let Self { edges: Edges { w: [w0, w1, w2], .. }, ts, first, last, t_near, t_far, lanes, .. } = *self;
         let sum = w0 + w1 + w2;
-        let size = sum.abs();
         let least = w0.abs().min(w1.abs()).min(w2.abs());
-        let certain = least.simd_ge(V::splat(simd, TINY)) & size.simd_le(V::splat(simd, HUGE));
+        let certain = least.simd_ge(V::splat(simd, TINY)) & sum.abs().simd_le(V::splat(simd, HUGE));
 
         let over = V::splat(simd, 1.0) / sum;
         let (u, v) = (w1 * over, w2 * over);
         let t = (w0 * over) * ts[0] + u * ts[1] + v * ts[2];
         let t = t.max(first).min(last) + V::splat(simd, 0.0);
+        let hit = lanes & certain & t.simd_ge(t_near) & t.simd_le(t_far);
+        (LanesMeeting { t, u, v, hit }, lanes & !certain)
+    }
 
-        let (away, scale, long) = (t.abs(), over_dir.abs(), last - first);
+    /// The same where one asks where: lanes whose `t` may be off too far are for [`meet_alone`], too.
+    #[inline(always)]
+    pub fn meet_well(&self, simd: S) -> (LanesMeeting<S, V>, V::Mask) {
+        let (mut met, mut alone) = self.meet(simd);
+        let Self { edges, over_dir, first, last, t_near, t_far, lanes, .. } = *self;
+        let Edges { px, py, w: [w0, w1, w2], .. } = edges;
+        let (t, away, scale, long) = (met.t, met.t.abs(), over_dir.abs(), last - first);
         let wide_x = px[0].abs().max(px[1].abs()).max(px[2].abs());
         let wide_y = py[0].abs().max(py[1].abs()).max(py[2].abs());
         let wide = wide_x.max(wide_y);
         let doubt = long * (wide * (wide * scale + (away + long)));
-        let per_t = size * scale;
-        let good = certain & doubt.simd_lt(V::splat(simd, DOUBTFUL) * (away * per_t));
-        let hit = lanes & good & t.simd_ge(t_near) & t.simd_le(t_far);
-        let mut alone = lanes & !good;
-        if alone.any_true() {
+        let per_t = (w0 + w1 + w2).abs() * scale;
+        let good = doubt.simd_lt(V::splat(simd, DOUBTFUL) * (away * per_t));
+        let mut doubtful = lanes & !good;
+        if doubtful.any_true() {
             let off = V::splat(simd, SURELY) * doubt;
-            let out = ((t_near - t) * per_t).simd_gt(off) | ((t - t_far) * per_t).simd_gt(off);
-            alone &= !(out & certain);
+            doubtful &= !(((t_near - t) * per_t).simd_gt(off) | ((t - t_far) * per_t).simd_gt(off));
+            alone |= doubtful;
+            met.hit &= good;
         }
-        (LanesMeeting { t, u, v, hit }, alone)
+        (met, alone)
     }
 }
 
-/// One lane in double precision, from the start: `corners` of one triangle along the sheared space's axes.
+/// One lane from the start, in the scalar form: `corners` of one triangle along the sheared space's axes.
 #[cold]
 #[inline(never)]
-pub fn meet_alone(corners: &[[f32; 3]; 3], ray: &LoneRay, t_near: f32, t_far: f32) -> Option<Meeting> {
-    let ([a, b, c], LoneRay { sheared: Sheared { org, shear }, dir }) = (corners, ray);
-    let depth = [a[2] - org[2], b[2] - org[2], c[2] - org[2]];
-    let along = |k: usize| {
-        [
-            a[k] - org[k] - shear[k] * depth[0],
-            b[k] - org[k] - shear[k] * depth[1],
-            c[k] - org[k] - shear[k] * depth[2],
-        ]
-    };
-    let ts = [shear[2] * depth[0], shear[2] * depth[1], shear[2] * depth[2]];
-    let unrounded = Corners { corners: *corners, org: *org, dir: *dir };
-    meet_exactly(along(0), along(1), ts, &unrounded, t_near, t_far)
+pub fn meet_alone(
+    corners: &[[f32; 3]; 3],
+    ray: &LoneRay,
+    asks_where: bool,
+    t_near: f32,
+    t_far: f32,
+) -> Option<Meeting> {
+    ray.meet(corners, asks_where, t_near, t_far)
 }

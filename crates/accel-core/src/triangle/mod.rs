@@ -9,6 +9,6 @@ mod meeting;
 mod precise;
 mod watertight;
 
-pub use lanes::{LanesMeeting, LoneRay, Sheared, meet_alone, pass_edges, relative_to};
+pub use lanes::{LanesMeeting, meet_alone, pass_edges, relative_to};
 pub use meeting::Meeting;
-pub use watertight::{ShearedRay, axes_from, shear};
+pub use watertight::{LoneRay, Sheared, ShearedRay, axes_from, shear};

@@ -16,7 +16,8 @@
 //! their sum, and `t` by that times how far apart the corners' own `t` are (`long`): by
 //! `k * 2^-24 * long * wide * (wide + (|t| + long) * |dir|) / |sum|`, `k` being 2.7 in the worst of 4 million hits of all kinds.
 //! [`DOUBTFUL`] lets pass what is below 1e-5 of `t` for a `k` of 3.5; what is out of reach by [`SURELY`], a `k` of 16, is not
-//! looked at again: so is the triangle that a ray starts on. What floats decide depends on ray and triangle alone, so
+//! looked at again: so is the triangle that a ray starts on. Whoever asks for any hit gets no `t`, and
+//! the answer of floats. What floats decide depends on ray and triangle alone, so
 //! that which of two hits is nearer never depends on the order of visits.
 //! Proof: `tests::agrees_with_double_precision`, `tests/watertight.rs`, `tests/parameters.rs` of `gnurt-accel`.
 
@@ -35,14 +36,26 @@ pub(super) const DOUBTFUL: f32 = 48.0;
 /// And `t` is never off by more than this many times what its error is measured by.
 pub(super) const SURELY: f32 = 16.0 * f32::EPSILON / 2.0;
 
-/// A ray with its shear: `z` is the axis along which it moves most, `x` and `y` follow it in cyclic order.
+/// Rays prepared for the test: origins along the axes of the sheared space (z is the axis along which the ray moves
+/// most, x and y follow it in cyclic order), and the shear.
+#[derive(Clone, Copy, Debug)]
+pub struct Sheared<V> {
+    pub org: [V; 3],
+    pub shear: [V; 3],
+}
+
+/// One ray along the axes of the sheared space: prepared, and its direction, which is not rounded.
+#[derive(Clone, Copy, Debug)]
+pub struct LoneRay {
+    pub sheared: Sheared<f32>,
+    pub dir: [f32; 3],
+}
+
+/// A ray with the axes of its sheared space.
 #[derive(Clone, Copy, Debug)]
 pub struct ShearedRay {
-    org: [f32; 3],
-    /// Along `axes`, as `shear`.
-    dir: [f32; 3],
     axes: [usize; 3],
-    shear: [f32; 3],
+    alone: LoneRay,
 }
 
 /// What takes a ray's direction, which is along the axes of the sheared space, to its z axis.
@@ -64,22 +77,44 @@ impl ShearedRay {
         let axes = axes_from(ray.longest_axis());
         let [x, y, z] = axes;
         let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
-        Self { org: ray.org, dir, axes, shear: shear(dir, 1.0) }
+        let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
+        Self { axes, alone: LoneRay { sheared, dir } }
     }
 
-    /// Where the ray meets a triangle in `[t_near, t_far]`.
+    /// Where the ray meets a triangle in `[t_near, t_far]`; or, unless one `asks_where`, whether it does by floats.
     #[inline(always)]
-    pub fn meet(&self, [a, b, c]: &[[f32; 3]; 3], t_near: f32, t_far: f32) -> Option<Meeting> {
-        let Self { org, dir, axes: [x, y, z], shear } = *self;
-        let depth = [a[z] - org[z], b[z] - org[z], c[z] - org[z]];
-        let px = sheared([a[x], b[x], c[x]], org[x], shear[0], depth);
-        let py = sheared([a[y], b[y], c[y]], org[y], shear[1], depth);
+    pub fn meet(
+        &self,
+        [a, b, c]: &[[f32; 3]; 3],
+        asks_where: bool,
+        t_near: f32,
+        t_far: f32,
+    ) -> Option<Meeting> {
+        let [x, y, z] = self.axes;
+        let corners = [[a[x], a[y], a[z]], [b[x], b[y], b[z]], [c[x], c[y], c[z]]];
+        self.alone.meet(&corners, asks_where, t_near, t_far)
+    }
+}
 
+impl LoneRay {
+    /// As [`ShearedRay::meet`], of corners along the axes of the sheared space.
+    #[inline(always)]
+    pub(super) fn meet(
+        &self,
+        corners: &[[f32; 3]; 3],
+        asks_where: bool,
+        t_near: f32,
+        t_far: f32,
+    ) -> Option<Meeting> {
+        let (Self { sheared: Sheared { org, shear }, dir }, [a, b, c]) = (*self, corners);
+        let depth = [a[2] - org[2], b[2] - org[2], c[2] - org[2]];
+        let px = sheared([a[0], b[0], c[0]], org[0], shear[0], depth);
+        let py = sheared([a[1], b[1], c[1]], org[1], shear[1], depth);
         let w0 = px[2] * py[1] - py[2] * px[1];
         let w1 = px[0] * py[2] - py[0] * px[2];
         let w2 = px[1] * py[0] - py[1] * px[0];
-        let both_sides = (w0 < 0.0 || w1 < 0.0 || w2 < 0.0) && (w0 > 0.0 || w1 > 0.0 || w2 > 0.0);
-        if both_sides {
+        let (lowest, highest) = (least(least(w0, w1), w2), most(most(w0, w1), w2));
+        if lowest < 0.0 && highest > 0.0 {
             return None;
         }
         let ts = [shear[2] * depth[0], shear[2] * depth[1], shear[2] * depth[2]];
@@ -90,33 +125,39 @@ impl ShearedRay {
         let sum = w0 + w1 + w2;
         let size = sum.abs();
         let certain = least(least(w0.abs(), w1.abs()), w2.abs()) >= TINY && size <= HUGE;
+        let exactly = || {
+            let unrounded = Corners { corners: *corners, org, dir };
+            meet_exactly(px, py, ts, &unrounded, t_near, t_far)
+        };
+        if !certain {
+            return exactly();
+        }
 
         let over = 1.0 / sum;
         let (u, v) = (w1 * over, w2 * over);
         let t = (w0 * over) * ts[0] + u * ts[1] + v * ts[2];
         let t = least(most(t, first), last) + 0.0;
 
-        let (away, scale, long) = (t.abs(), shear[2].abs(), last - first);
-        let widest = |p: [f32; 3]| most(most(p[0].abs(), p[1].abs()), p[2].abs());
-        let wide = most(widest(px), widest(py));
-        let doubt = long * (wide * (wide * scale + (away + long)));
-        // Not so of NaN.
-        let per_t = size * scale;
-        let good = certain && doubt < DOUBTFUL * (away * per_t);
-        if !good {
-            let off = SURELY * doubt;
-            if certain && ((t_near - t) * per_t > off || (t - t_far) * per_t > off) {
-                return None;
+        if asks_where {
+            let (away, scale, long) = (t.abs(), shear[2].abs(), last - first);
+            let widest = |p: [f32; 3]| most(most(p[0].abs(), p[1].abs()), p[2].abs());
+            let wide = most(widest(px), widest(py));
+            let doubt = long * (wide * (wide * scale + (away + long)));
+            let per_t = size * scale;
+            // Not so of NaN.
+            let good = doubt < DOUBTFUL * (away * per_t);
+            if !good {
+                let off = SURELY * doubt;
+                if (t_near - t) * per_t > off || (t - t_far) * per_t > off {
+                    return None;
+                }
+                return exactly();
             }
-            let along = |p: [f32; 3]| [p[x], p[y], p[z]];
-            let unrounded = Corners { corners: [along(*a), along(*b), along(*c)], org: along(org), dir };
-            return meet_exactly(px, py, ts, &unrounded, t_near, t_far);
         }
         (t >= t_near && t <= t_far).then_some(Meeting { t, u, v })
     }
 }
 
-/// Corners' coordinates along one axis of the sheared space.
 #[inline(always)]
 fn sheared(corners: [f32; 3], org: f32, shear: f32, depth: [f32; 3]) -> [f32; 3] {
     let [a, b, c] = corners;
@@ -185,7 +226,7 @@ mod tests {
         for _ in 0..20_000 {
             let corners = [point(), point(), point()];
             let ray = Ray::new(point(), point()).within(f32::NEG_INFINITY, f32::INFINITY);
-            let met = ShearedRay::new(&ray).meet(&corners, f32::NEG_INFINITY, f32::INFINITY);
+            let met = ShearedRay::new(&ray).meet(&corners, true, f32::NEG_INFINITY, f32::INFINITY);
             let (inside, close) = oracle(&ray, &corners, 1e-5);
             if !close {
                 clear += 1;
@@ -208,7 +249,7 @@ mod tests {
         for size in [1e-36f32, 1e-30, 1e-20, 1.0, 1e10, 1e18] {
             let corners = [[0.0, 0.0, size], [size, 0.0, size], [0.0, size, size]];
             let ray = Ray::new([size / 4.0, size / 4.0, 0.0], [0.0, 0.0, 1.0]);
-            let met = ShearedRay::new(&ray).meet(&corners, 0.0, f32::INFINITY);
+            let met = ShearedRay::new(&ray).meet(&corners, true, 0.0, f32::INFINITY);
             assert_eq!(met, Some(Meeting { t: size, u: 0.25, v: 0.25 }), "a triangle of size {size:e}");
         }
     }
