@@ -28,7 +28,10 @@ impl BoxIndex {
         let for_nodes = &NodeRay::new(simd, ray, self.greatest());
         match &self.treelets[..] {
             [only] => search_treelet(simd, only, ROOT, for_nodes, ray.time, reach, enter).1,
-            treelets => search_upper(simd, &self.upper, treelets, ROOT, for_nodes, ray.time, reach, enter),
+            treelets => {
+                let below = Below { treelets, time: ray.time };
+                search_upper(simd, &self.upper, &below, ROOT, for_nodes, reach, enter)
+            },
         }
     }
 
@@ -152,24 +155,22 @@ fn search_keys<S: Simd>(
 pub(super) fn search_upper<S: Simd>(
     simd: S,
     upper: &Treelet,
-    treelets: &[Treelet],
+    below: &Below,
     start: Child,
     ray: &NodeRay<S>,
-    time: f32,
     reach: f32,
     enter: &mut dyn FnMut(usize) -> f32,
 ) -> u32 {
-    let below = Below { treelets, time };
     match upper.at_keys() {
         None => below.search(simd, upper.nodes(), start, ray, reach, enter),
-        Some(keys) => below.search(simd, &keys.between(time), start, ray, reach, enter),
+        Some(keys) => below.search(simd, &keys.between(below.time), start, ray, reach, enter),
     }
 }
 
 /// Treelets below the upper one, at a moment.
-struct Below<'a> {
-    treelets: &'a [Treelet],
-    time: f32,
+pub(super) struct Below<'a> {
+    pub(super) treelets: &'a [Treelet],
+    pub(super) time: f32,
 }
 
 impl Below<'_> {

@@ -14,7 +14,7 @@ use gnurt_accel_core::trip::TileTrip;
 use gnurt_simd::{Simd, StackRoom, prelude::*};
 
 use super::BoxIndex;
-use super::search::{search_treelet, search_upper};
+use super::search::{Below, search_treelet, search_upper};
 use crate::node::{Child, Node8, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::planes::{MovingMember, TilePlanes};
@@ -393,7 +393,7 @@ fn tile_upper<S: Simd>(
                         enter,
                         #[inline(always)]
                         |ray, time, reach, enter| {
-                            search_upper(simd, upper, treelets, child, ray, time, reach, enter)
+                            search_upper(simd, upper, &Below { treelets, time }, child, ray, reach, enter)
                         },
                     ),
                 },
