@@ -31,7 +31,7 @@ impl BoxIndex {
             treelets => {
                 let below = Below { treelets, time: ray.time };
                 search_upper(simd, &self.upper, &below, ROOT, for_nodes, reach, enter)
-            },
+            }
         }
     }
 
