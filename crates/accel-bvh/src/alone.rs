@@ -10,7 +10,7 @@ use gnurt_accel_core::collect::{Best, BestOf, Collect};
 use gnurt_accel_core::heading::{Heading, Headings};
 use gnurt_accel_core::nearest::{AnyHit, Closest, Kind, Mode};
 use gnurt_accel_core::tile::{LANES, PerRay, RayTile};
-use gnurt_accel_core::triangle::{Sheared, axes_from, shear};
+use gnurt_accel_core::triangle::{LoneRay, Sheared, axes_from, shear};
 use gnurt_accel_core::trip::TileTrip;
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 
@@ -36,6 +36,8 @@ pub(super) struct Alone<'a> {
     /// Along the axes of each ray's own sheared space.
     pub(super) org: [&'a PerRay; 3],
     pub(super) shear: &'a [PerRay; 3],
+    /// Along x, y and z.
+    pub(super) dir: &'a [PerRay; 3],
     pub(super) t_near: &'a PerRay,
     pub(super) ways: Ways,
 }
@@ -61,7 +63,9 @@ impl Alone<'_> {
         let i = i % TILE;
         let ([x, y, z], [a, b, c]) = (self.org, self.shear);
         let sheared = Sheared { org: [x[i], y[i], z[i]], shear: [a[i], b[i], c[i]] };
-        BlockRay::sheared(simd, axes_from(longest_axis), sheared, self.t_near[i])
+        let [along_x, along_y, along_z] = axes_from(longest_axis);
+        let dir = [self.dir[along_x][i], self.dir[along_y][i], self.dir[along_z][i]];
+        BlockRay::sheared(simd, [along_x, along_y, along_z], LoneRay { sheared, dir }, self.t_near[i])
     }
 
     /// Ray `i`.
@@ -203,7 +207,8 @@ impl PreparedTile {
     #[inline(always)]
     pub(super) fn alone<'a>(&'a self, rays: &'a RayTile, headings: &Headings) -> Alone<'a> {
         let Self { planes, sheared: Sheared { org: [x, y, z], shear } } = self;
-        Alone { planes, org: [x, y, z], shear, t_near: &rays.t_near, ways: Ways::Each(*headings) }
+        let (dir, t_near) = (&rays.dir, &rays.t_near);
+        Alone { planes, org: [x, y, z], shear, dir, t_near, ways: Ways::Each(*headings) }
     }
 }
 

@@ -96,11 +96,6 @@ impl BoxIndex {
         }
     }
 
-    /// Whether boxes move while the shutter is open.
-    fn moves(&self) -> bool {
-        self.root().at_keys().is_some()
-    }
-
     /// Looks how large it is.
     fn measure(&mut self) {
         let root = self.root();

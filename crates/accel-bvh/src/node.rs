@@ -64,7 +64,7 @@ impl Child {
     pub(crate) const NONE: Self = Self(Self::LEAF);
 
     /// Node `index`.
-    pub(crate) fn node(index: usize) -> Self {
+    pub(crate) const fn node(index: usize) -> Self {
         Self(index as u32)
     }
 

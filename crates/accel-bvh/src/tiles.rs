@@ -191,7 +191,8 @@ fn one_by_one<'a>(
 ) -> Alone<'a> {
     let [x, y, z] = axes_from(heading.longest_axis);
     let org = [&rays.org[x], &rays.org[y], &rays.org[z]];
-    Alone { planes, org, shear: &slopes.shear, t_near: &rays.t_near, ways: Ways::One(heading) }
+    let (dir, t_near) = (&rays.dir, &rays.t_near);
+    Alone { planes, org, shear: &slopes.shear, dir, t_near, ways: Ways::One(heading) }
 }
 
 /// Those in `bits` that have few others in their chunks.

@@ -8,8 +8,6 @@ use std::ops::Range;
 
 use gnurt_simd::{Simd, Stack, StackRoom, f32x8, prelude::*};
 
-use gnurt_accel_core::beam::Beam;
-
 use crate::compact::{Children, CompactNode, CompactNodes};
 use crate::node::{Child, Node8, WIDTH};
 use crate::node_ray::NodeRay;
@@ -273,42 +271,6 @@ pub(crate) fn walk_any<S: Simd>(
         }
         match waiting.pop() {
             Some(next) => child = Child(next),
-            None => return visited,
-        }
-    }
-}
-
-/// [`walk`] for all rays of a beam at once, from the first of `nodes` on: `reach` counts steps.
-#[inline(always)]
-pub(crate) fn walk_beam<S: Simd>(
-    nodes: &[Node8],
-    simd: S,
-    beam: &Beam,
-    mut reach: f32,
-    mut leaf: impl FnMut(Range<usize>) -> f32,
-) -> u32 {
-    let mut room = NodeStack::new();
-    let mut waiting = room.stack();
-    let mut visited = 0;
-    let mut child = Child::node(0);
-    loop {
-        visited += 1;
-        if child.is_leaf() {
-            reach = leaf(child.blocks());
-        } else {
-            let node = &nodes[child.index()];
-            let (mut bits, near) = beam.meet(simd, &node.rows, reach);
-            let near = near.as_array();
-            let count = bits.count_ones() as usize;
-            while bits != 0 {
-                let place = bits.trailing_zeros() as usize;
-                bits &= bits - 1;
-                waiting.push(entry(near[place & 7], node.child(place)));
-            }
-            farthest_first(waiting.top(count), |&entry| entry);
-        }
-        match next(&mut waiting, reach) {
-            Some(next) => child = next,
             None => return visited,
         }
     }

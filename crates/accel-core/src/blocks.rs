@@ -10,7 +10,9 @@ use crate::collect::Collect;
 use crate::hit::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
-use crate::triangle::{Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges, relative_to, shear};
+use crate::triangle::{
+    LoneRay, Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges, relative_to, shear,
+};
 
 /// Triangles of a block, and children of a wide BVH's node.
 pub const WIDTH: usize = 8;
@@ -30,6 +32,8 @@ pub struct TriangleBlock {
 pub struct BlockRay<S: Simd> {
     axes: [usize; 3],
     sheared: Sheared<f32x8<S>>,
+    /// As it was, along the same axes: what few ask for.
+    dir: [f32; 3],
     t_near: f32x8<S>,
 }
 
@@ -38,30 +42,30 @@ impl<S: Simd> BlockRay<S> {
     #[inline(always)]
     pub fn new(simd: S, ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
+        // Not by `map`, which is a call of its own.
         let [x, y, z] = axes;
-        let alone = Sheared {
-            org: [ray.org[x], ray.org[y], ray.org[z]],
-            shear: shear([ray.dir[x], ray.dir[y], ray.dir[z]], 1.0),
-        };
-        Self::sheared(simd, axes, alone, ray.t_near)
+        let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
+        let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
+        Self::sheared(simd, axes, LoneRay { sheared, dir }, ray.t_near)
     }
 
     /// From what is known of the ray in the space with these axes.
     #[inline(always)]
-    pub fn sheared(simd: S, axes: [usize; 3], alone: Sheared<f32>, t_near: f32) -> Self {
-        let ([x, y, z], [sx, sy, sz]) = (alone.org, alone.shear);
+    pub fn sheared(simd: S, axes: [usize; 3], alone: LoneRay, t_near: f32) -> Self {
+        let LoneRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = alone;
         let sheared = Sheared {
             org: [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)],
             shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
         };
-        Self { axes, sheared, t_near: f32x8::splat(simd, t_near) }
+        Self { axes, sheared, dir, t_near: f32x8::splat(simd, t_near) }
     }
 
     /// What [`sheared`](Self::sheared) was given: out of the lanes, since few ask for it.
     #[inline(always)]
-    fn alone(&self) -> Sheared<f32> {
+    fn alone(&self) -> LoneRay {
         let ([x, y, z], [sx, sy, sz]) = (self.sheared.org, self.sheared.shear);
-        Sheared { org: [x[0], y[0], z[0]], shear: [sx[0], sy[0], sz[0]] }
+        let sheared = Sheared { org: [x[0], y[0], z[0]], shear: [sx[0], sy[0], sz[0]] };
+        LoneRay { sheared, dir: self.dir }
     }
 }
 
@@ -117,8 +121,12 @@ impl TriangleBlock {
         if !edges.inside.any_true() {
             return;
         }
-        let t_far = f32x8::splat(simd, collect.reach());
-        let (met, uncertain) = edges.meet(simd, shear[2], edges.inside, ray.t_near, t_far);
+        let reached = edges.reach(shear[2], ray.t_near, f32x8::splat(simd, collect.reach()));
+        if !reached.lanes.any_true() {
+            return;
+        }
+        let (met, uncertain) =
+            if collect.asks_where() { reached.meet_well(simd) } else { reached.meet(simd) };
         let mut bits = met.hit.to_bitmask();
         if bits != 0 {
             let (t, u, v) = (met.t.to_array(), met.u.to_array(), met.v.to_array());
@@ -136,7 +144,8 @@ impl TriangleBlock {
             bits &= bits - 1;
             // By value: a ray whose address is taken lives in memory.
             let corners = self.corners_of(i, ray.axes);
-            if let Some(meeting) = meet_alone(&corners, &ray.alone(), ray.t_near[0], collect.reach()) {
+            let (asks_where, reach) = (collect.asks_where(), collect.reach());
+            if let Some(meeting) = meet_alone(&corners, &ray.alone(), asks_where, ray.t_near[0], reach) {
                 collect.offer(meeting, self.numbers[i], slot);
             }
         }
@@ -160,7 +169,9 @@ impl TriangleBlock {
                 let [x, y, z] = &self.corners[k];
                 [x[lane], y[lane], z[lane]]
             };
-            if let Some(meeting) = ray.meet(&[corner(0), corner(1), corner(2)], t_near, collect.reach()) {
+            if let Some(meeting) =
+                ray.meet(&[corner(0), corner(1), corner(2)], collect.asks_where(), t_near, collect.reach())
+            {
                 collect.offer(meeting, number, slot);
             }
         }

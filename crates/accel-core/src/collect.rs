@@ -18,6 +18,9 @@ pub trait Collect {
     /// Takes a meeting at `t <= reach()`, in `[t_near, t_far]` of the ray.
     fn offer(&mut self, meeting: Meeting, number: u32, slot: u32);
 
+    /// Whether it matters where the ray meets things, not only that it does.
+    fn asks_where(&self) -> bool;
+
     /// Whether nothing more is wanted.
     #[inline(always)]
     fn is_done(&self) -> bool {
@@ -45,6 +48,11 @@ impl<M: Mode> Collect for Best<'_, M> {
     }
 
     #[inline(always)]
+    fn asks_where(&self) -> bool {
+        !M::ANY
+    }
+
+    #[inline(always)]
     fn offer(&mut self, meeting: Meeting, number: u32, slot: u32) {
         self.0.offer::<M>(meeting, number, slot);
     }
@@ -63,6 +71,11 @@ impl Collect for BestOf {
     #[inline(always)]
     fn reach(&self) -> f32 {
         self.nearest.t
+    }
+
+    #[inline(always)]
+    fn asks_where(&self) -> bool {
+        self.kind == Kind::Closest
     }
 
     #[inline(always)]

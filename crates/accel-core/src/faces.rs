@@ -281,7 +281,7 @@ mod tests {
                     for i in 0..TILE {
                         let dir = [0, 1, 2].map(|k| rays.dir[k][i]);
                         let ray = ShearedRay::new(&Ray::new(org, dir));
-                        let hit = ray.meet(&corners, 0.0, f32::INFINITY).is_some();
+                        let hit = ray.meet(&corners, true, 0.0, f32::INFINITY).is_some();
                         hits += u32::from(hit);
                         let kept = left[0] & left[1 + i / LANES];
                         assert!(!hit || kept >> place & 1 == 1, "ray {i} hits {corners:?} at {level}");

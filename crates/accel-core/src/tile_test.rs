@@ -11,7 +11,7 @@ use crate::chunks::Candidate;
 use crate::heading::Heading;
 use crate::nearest::{AnyHit, Closest, Kind, closer};
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
-use crate::triangle::{LanesMeeting, Sheared, axes_from, meet_alone, pass_edges};
+use crate::triangle::{LanesMeeting, LoneRay, Sheared, axes_from, meet_alone, pass_edges};
 
 /// A tile of one heading, to be tested.
 pub struct TileTest<'a, S: Simd> {
@@ -45,7 +45,14 @@ impl<S: Simd> TileTest<'_, S> {
         }
         let best = chunk(simd, &nearest.t, at);
         let t_near = chunk(simd, &self.rays.t_near, at);
-        let (met, uncertain) = edges.meet(simd, shear[2], edges.inside, t_near, best);
+        let reached = edges.reach(shear[2], t_near, best);
+        if !reached.lanes.any_true() {
+            return false;
+        }
+        let (met, uncertain) = match self.kind {
+            Kind::Any => reached.meet(simd),
+            Kind::Closest => reached.meet_well(simd),
+        };
         let mut found = false;
         if uncertain.any_true() {
             found = self.meet_alone(block, place, slopes, at, uncertain.to_bitmask(), nearest);
@@ -85,16 +92,18 @@ impl<S: Simd> TileTest<'_, S> {
     ) -> bool {
         let axes = axes_from(self.heading.longest_axis);
         let corners = block.corners_of(place, axes);
+        let asks_where = self.kind == Kind::Closest;
         let mut found = false;
         while bits != 0 {
             let i = at + bits.trailing_zeros() as usize;
             bits &= bits - 1;
             let mut best = nearest.get(i);
-            let alone = Sheared {
+            let sheared = Sheared {
                 org: axes.map(|k| self.rays.org[k][i]),
                 shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
             };
-            if let Some(meeting) = meet_alone(&corners, &alone, self.rays.t_near[i], best.t) {
+            let alone = LoneRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) };
+            if let Some(meeting) = meet_alone(&corners, &alone, asks_where, self.rays.t_near[i], best.t) {
                 match self.kind {
                     Kind::Closest => best.offer::<Closest>(meeting, block.numbers[place & 7], self.slot),
                     Kind::Any => best.offer::<AnyHit>(meeting, block.numbers[place & 7], self.slot),

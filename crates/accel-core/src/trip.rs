@@ -131,6 +131,11 @@ impl Collect for RayTrip<'_> {
         self.nearest.t
     }
 
+    #[inline(always)]
+    fn asks_where(&self) -> bool {
+        !matches!(self.kind, RayKind::Any)
+    }
+
     #[cold]
     #[inline(never)]
     fn offer(&mut self, meeting: Meeting, number: u32, slot: u32) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Counters: packets in a kd-tree count what single rays do, at every level, for closest and for any hits; tiles count the
-//! same nodes at every level that has them, and the same triangles but at the widest; costs per ray add up to the sums. Source: original.
+//! same nodes at every level that has them, and nearly the same triangles but at the widest; costs per ray add up to the sums. Source: original.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::common::{Kind, TESTS, WATERTIGHT, batch, build, queries, scene_of};
 use gnurt_accel::{
     Coherence, Counters, HitBatch, Instance, Level, Query, RayBatch, Record, Structure, TriangleTest,
 };
-use gnurt_testkit::{Soup, closed, rays};
+use gnurt_testkit::{Random, Soup, closed, rays};
 
 /// Coherent ones, mixed ones that packets have to send singly, and one more than a whole number of packets.
 fn some_rays() -> RayBatch {
@@ -67,13 +67,46 @@ fn all_levels_with_tiles_count_the_same_in_a_scene() {
         let tiled: Vec<&Query> = queries.iter().filter(has_tiles).collect();
         let counted: Vec<Counters> = tiled.iter().map(|query| of(query)).collect();
         assert!(counted.iter().all(|c| c.nodes == counted[0].nodes), "{counted:?} at all levels");
+        // Which rays meet the box of an instance is found ray by ray, with multiplications and subtractions that a level
+        // without fused ones rounds twice: a ray that just meets the box at one level just misses it at another.
         let narrow = tiled.iter().zip(&counted).filter(|(query, _)| query.level != Level::Avx512);
         let triangles: Vec<u64> = narrow.map(|(_, counted)| counted.triangles).collect();
-        assert!(triangles.iter().all(|n| *n == triangles[0]), "{counted:?} at all levels but the widest");
+        let is_near = |&n: &u64| n.abs_diff(triangles[0]) * 50 < triangles[0];
+        assert!(triangles.iter().all(is_near), "{counted:?} at all levels but the widest");
         let alone: Vec<Counters> = [Coherence::Coherent, Coherence::Incoherent]
             .map(|coherence| of(&Query { level: Level::Scalar, coherence, ..Query::default() }))
             .into();
         assert_eq!(alone[0], alone[1], "without tiles, coherence does not matter");
+    }
+}
+
+/// Rays of a batch that is said to be coherent, and is not, do not do each other's work.
+#[test]
+fn rays_that_part_at_once_do_little_more_together() {
+    let object = Arc::new(build(&[Soup::random(2, 1, 1.0)], WATERTIGHT[0]));
+    let mut random = Random::new(5);
+    let mut place = |_| {
+        let mut instance = Instance::identity(Arc::clone(&object));
+        instance.world_from_object = [[0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.0, 0.0, 0.05], [0.0; 3]];
+        instance.world_from_object[3] = random.point().map(|x| f64::from(10.0 * x));
+        instance
+    };
+    let scene = scene_of(&(0..5000).map(&mut place).collect::<Vec<_>>());
+    let mut random = Random::new(6);
+    let rays: Vec<_> = (0..2000).map(|_| (random.point().map(|x| 10.0 * x), random.point())).collect();
+    let rays = batch(&rays);
+    for level in Level::available() {
+        let [together, alone] = [Coherence::Coherent, Coherence::Incoherent].map(|coherence| {
+            let query = Query { level, coherence, ..Query::default() };
+            let (mut closest, mut any) = (Record::default(), Record::default());
+            scene.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut closest);
+            scene.occluded_batch(&query, &rays, &mut Vec::new(), &mut any);
+            [closest.counters, any.counters]
+        });
+        for (together, alone) in together.iter().zip(alone) {
+            assert!(together.nodes <= 2 * alone.nodes, "{level}: {together:?}, {alone:?} one by one");
+            assert!(together.triangles <= 2 * alone.triangles, "{level}: {together:?}, {alone:?} one by one");
+        }
     }
 }
 

@@ -42,6 +42,34 @@ fn scenes_equal_brute_force() {
     }
 }
 
+/// Tiles whose rays part at once, among more instances than one part of a top tree holds.
+#[test]
+fn many_tiny_instances_equal_brute_force() {
+    let (kind, margin) = TESTS[0];
+    for shape in [[Soup::random(3, 1, 1.0)], [closed::cube(1)]] {
+        let object = Arc::new(build(&shape, kind));
+        let mut random = Random::new(4);
+        let place = |random: &mut Random| {
+            let mut place = any_transform(random);
+            place[3] = place[3].map(|x| 4.0 * x);
+            place
+        };
+        let places: Vec<[[f64; 3]; 4]> = (0..1200).map(|_| place(&mut random)).collect();
+        let instances: Vec<Instance> =
+            places.iter().map(|&place| Instance::new(Arc::clone(&object), place)).collect();
+        let oracles: Vec<OracleInstance> = places
+            .iter()
+            .map(|&world_from_object| OracleInstance { meshes: &shape, world_from_object })
+            .collect();
+        let rays: Vec<rays::PlainRay> =
+            (0..400).map(|_| (random.point().map(|x| 4.0 * x), random.point())).collect();
+        let rays = batch(&rays);
+        let hits = ask(&scene_of(&instances), &rays);
+        assert!(hits.iter().flatten().count() > 30, "some are hit");
+        assert_hits(&oracles, &rays, &hits, 10.0 * margin);
+    }
+}
+
 #[test]
 fn instances_that_cannot_be_undone_are_counted() {
     for kind in WATERTIGHT {

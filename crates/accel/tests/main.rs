@@ -25,6 +25,7 @@ mod moving;
 mod moving_instances;
 mod nested;
 mod packets;
+mod parameters;
 mod pencils;
 mod poses;
 mod refit;

@@ -9,7 +9,7 @@ use crate::news::News;
 use crate::options::Options;
 use crate::row::median;
 use crate::timing::{Engine, Rays, Seconds, answers, time};
-use crate::verdict::{Difference, Sums, compare};
+use crate::verdict::{Difference, Names, Sums, compare};
 use crate::{Class, Error, Row};
 
 /// Somebody who answers rays, and how reports call them.
@@ -105,7 +105,8 @@ pub(crate) fn check(
             let example = example.unwrap_or_default();
             format!("{what}: {who} against {}: {}{example}", first.name(), difference.what)
         };
-        let compared = compare(&expected, &answers, rays, tolerance);
+        let names = Names { first: first.engine, second: contestant.engine };
+        let compared = compare(&expected, &answers, names, rays, tolerance);
         let compared = compared.map_err(|much| Error::Differ(named(&much, &contestant.name())))?;
         let Some(difference) = compared else { continue };
         match differences.iter_mut().find(|(known, _)| *known == difference) {

@@ -21,6 +21,7 @@ pub mod dynamic_plot;
 pub mod dynamic_row;
 mod embree;
 mod error;
+mod exact;
 #[allow(unsafe_code, reason = "the same library's triangles with several time steps")]
 mod ffi_blur;
 #[allow(unsafe_code, reason = "the one door to the library of C")]
@@ -51,6 +52,7 @@ mod subject;
 pub mod table;
 mod ties;
 mod timing;
+pub mod tiny;
 pub mod top;
 mod trees;
 mod vector;

@@ -8,7 +8,7 @@ use gnurt::accel::{Ray, Triangles};
 
 /// How far outside of a triangle, in weights of its corners, a ray may be said to hit it: what floats round, of triangles
 /// that are seen edge on.
-const BESIDE: f64 = 1e-3;
+pub(crate) const BESIDE: f64 = 1e-3;
 
 /// Relative difference of parameters that are the same.
 const SAME: f64 = 1e-5;
@@ -20,7 +20,7 @@ pub(crate) fn is_tie(triangles: &Triangles, ray: &Ray, a: u32, b: u32) -> bool {
 }
 
 /// `t` of the triangle's plane, if the ray meets that in the triangle or just beside it.
-fn meet(triangles: &Triangles, ray: &Ray, prim_id: u32) -> Option<f64> {
+pub(crate) fn meet(triangles: &Triangles, ray: &Ray, prim_id: u32) -> Option<f64> {
     let corners = triangles.indices.get(prim_id as usize)?.map(|i| triangles.positions.get(i as usize));
     let [Some(a), Some(b), Some(c)] = corners else { return None };
     let minus = |p: &[f32; 3], q: &[f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(q[k]));

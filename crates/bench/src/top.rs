@@ -73,7 +73,7 @@ const BUILD: &str = "build";
 const PLACE: &str = "place";
 
 /// Columns of a map: turned about, between half and one and a half times as large.
-fn somewhere(random: &mut Random, spread: f32) -> [[f32; 3]; 4] {
+pub(crate) fn somewhere(random: &mut Random, spread: f32) -> [[f32; 3]; 4] {
     let mut next = || random.unit();
     let (turn, size) = (std::f32::consts::TAU * next(), 0.5 + next());
     let (s, c) = turn.sin_cos();

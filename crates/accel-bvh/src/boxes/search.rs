@@ -27,8 +27,11 @@ impl BoxIndex {
     ) -> u32 {
         let for_nodes = &NodeRay::new(simd, ray, self.greatest());
         match &self.treelets[..] {
-            [only] => search_treelet(simd, only, for_nodes, ray.time, reach, enter).1,
-            treelets => search_upper(simd, &self.upper, treelets, for_nodes, ray.time, reach, enter),
+            [only] => search_treelet(simd, only, ROOT, for_nodes, ray.time, reach, enter).1,
+            treelets => {
+                let below = Below { treelets, time: ray.time };
+                search_upper(simd, &self.upper, &below, ROOT, for_nodes, reach, enter)
+            }
         }
     }
 
@@ -50,17 +53,21 @@ impl BoxIndex {
     }
 }
 
+/// Where a ray starts that is alone from the start.
+const ROOT: Child = Child::node(0);
+
 /// What waits in the upper treelet, which is built as any tree, and in those below: scenes in one another hold one of these each.
 type Long = StackRoom<u64, { 8 * DEEPEST }>;
 type Short = StackRoom<u64, { 8 * DEEPEST_TREELET }>;
 
-/// Calls `enter` with the members whose boxes the ray meets before `reach`, and with that; it answers with the new one.
-/// Returns the last one, and the number of nodes visited.
+/// From `start` on, calls `enter` with the members whose boxes the ray meets before `reach`, and with that; it answers with
+/// the new one. Returns the last one, and the number of nodes visited.
 #[inline(always)]
 fn search_nodes<S: Simd, const WAIT: usize>(
     simd: S,
     room: StackRoom<u64, WAIT>,
     nodes: &(impl Nodes + ?Sized),
+    start: Child,
     ray: &NodeRay<S>,
     mut reach: f32,
     mut enter: impl FnMut(usize, f32) -> f32,
@@ -69,7 +76,7 @@ fn search_nodes<S: Simd, const WAIT: usize>(
         room,
         nodes,
         simd,
-        Child::node(0),
+        start,
         ray,
         reach,
         #[inline(always)]
@@ -109,9 +116,10 @@ fn nearest(mut bits: u32, near: &[f32; WIDTH]) -> usize {
 
 /// The same at a moment, as a function of its own: for the treelets below the upper one.
 #[inline(never)]
-fn search_treelet<S: Simd>(
+pub(super) fn search_treelet<S: Simd>(
     simd: S,
     treelet: &Treelet,
+    start: Child,
     ray: &NodeRay<S>,
     time: f32,
     reach: f32,
@@ -120,9 +128,9 @@ fn search_treelet<S: Simd>(
     match treelet.at_keys() {
         None => simd.vectorize(
             #[inline(always)]
-            || search_nodes(simd, Short::new(), treelet.nodes(), ray, reach, |place, _| enter(place)),
+            || search_nodes(simd, Short::new(), treelet.nodes(), start, ray, reach, |place, _| enter(place)),
         ),
-        Some(keys) => search_keys(simd, keys, ray, time, reach, enter),
+        Some(keys) => search_keys(simd, keys, start, ray, time, reach, enter),
     }
 }
 
@@ -131,6 +139,7 @@ fn search_treelet<S: Simd>(
 fn search_keys<S: Simd>(
     simd: S,
     keys: &NodesAtKeys,
+    start: Child,
     ray: &NodeRay<S>,
     time: f32,
     reach: f32,
@@ -138,31 +147,30 @@ fn search_keys<S: Simd>(
 ) -> (f32, u32) {
     simd.vectorize(
         #[inline(always)]
-        || search_nodes(simd, Short::new(), &keys.between(time), ray, reach, |place, _| enter(place)),
+        || search_nodes(simd, Short::new(), &keys.between(time), start, ray, reach, |place, _| enter(place)),
     )
 }
 
 /// The same through the upper treelet into those below; returns the number of nodes visited.
-fn search_upper<S: Simd>(
+pub(super) fn search_upper<S: Simd>(
     simd: S,
     upper: &Treelet,
-    treelets: &[Treelet],
+    below: &Below,
+    start: Child,
     ray: &NodeRay<S>,
-    time: f32,
     reach: f32,
     enter: &mut dyn FnMut(usize) -> f32,
 ) -> u32 {
-    let below = Below { treelets, time };
     match upper.at_keys() {
-        None => below.search(simd, upper.nodes(), ray, reach, enter),
-        Some(keys) => below.search(simd, &keys.between(time), ray, reach, enter),
+        None => below.search(simd, upper.nodes(), start, ray, reach, enter),
+        Some(keys) => below.search(simd, &keys.between(below.time), start, ray, reach, enter),
     }
 }
 
 /// Treelets below the upper one, at a moment.
-struct Below<'a> {
-    treelets: &'a [Treelet],
-    time: f32,
+pub(super) struct Below<'a> {
+    pub(super) treelets: &'a [Treelet],
+    pub(super) time: f32,
 }
 
 impl Below<'_> {
@@ -171,6 +179,7 @@ impl Below<'_> {
         &self,
         simd: S,
         upper: &(impl Nodes + ?Sized),
+        start: Child,
         ray: &NodeRay<S>,
         reach: f32,
         enter: &mut dyn FnMut(usize) -> f32,
@@ -183,12 +192,14 @@ impl Below<'_> {
                     simd,
                     Long::new(),
                     upper,
+                    start,
                     ray,
                     reach,
                     #[inline(always)]
                     |number, reach| {
                         let treelet = &self.treelets[number];
-                        let (reach, count) = search_treelet(simd, treelet, ray, self.time, reach, enter);
+                        let (reach, count) =
+                            search_treelet(simd, treelet, ROOT, ray, self.time, reach, enter);
                         visited += count;
                         reach
                     },

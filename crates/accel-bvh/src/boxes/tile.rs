@@ -1,22 +1,55 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A tile of rays through a top tree. Source: [RSH05] for what rays share, as `walk_beam`. Space: that of the boxes.
-//! Proof: `tests/instances.rs` of `gnurt-accel`, which asks at every level.
+//! A tile of rays through a top tree.
+//! Source: [RSH05] for what rays share, masks as in `tiles.rs`: where intervals leave [`MANY`] boxes or more, rays are tested
+//! against each, sixteen to a step, and only those that meet it go on; a few that are left go on alone ([BWW*12]). Where rays
+//! part at once, as after a bounce, the interval of all is the whole scene.
+//! Space: that of the boxes. Proof: `tests/instances.rs` and `tests/counters.rs` of `gnurt-accel`, which ask at every level.
 
 use gnurt_accel_core::beam::{Beam, Slopes};
-use gnurt_accel_core::bits::{TILE, all};
+use gnurt_accel_core::bits::{TILE, all, each};
 use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::tile::LANES;
 use gnurt_accel_core::trip::TileTrip;
-use gnurt_simd::Simd;
+use gnurt_simd::{Simd, StackRoom, prelude::*};
 
 use super::BoxIndex;
+use super::search::{Below, search_treelet, search_upper};
+use crate::node::{Child, Node8, WIDTH};
+use crate::node_ray::NodeRay;
 use crate::planes::{MovingMember, TilePlanes};
 use crate::treelet::Treelet;
-use crate::walk::walk_beam;
+use crate::walk::farthest_first;
+
+/// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
+#[derive(Clone, Copy)]
+struct Entry {
+    steps: f32,
+    child: Child,
+    rays: u64,
+}
+
+/// So many may wait, also in tests where that is too few. The deepest treelets need four times as much, but scenes in one
+/// another hold some of these each: where there is no room, rays go on alone.
+const MOST_WAIT: usize = if cfg!(test) { 12 } else { 64 };
+
+/// Where a walk has come to.
+enum Stop {
+    /// A block, with many rays.
+    Block(usize),
+    /// A child, with rays that go on alone.
+    Alone(Child),
+}
+
+/// Where intervals leave this many boxes of a node, rays are tested one by one.
+const MANY: u32 = 2;
+
+/// So many rays or fewer go on alone.
+const FEW: u32 = 5;
 
 impl BoxIndex {
     /// Calls `enter` with the places of boxes that a tile's first rays, all of them active and of one heading, may meet, and
-    /// with the trip of those rays that still look for something. There are boxes.
+    /// with the trip of those rays that may meet it and still look for something. There are boxes.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,
@@ -30,141 +63,341 @@ impl BoxIndex {
         slopes.prepare(simd, trip.rays, count, heading);
         let whole = slopes.all_ranges(simd, trip.rays, count);
         let beam = Beam::new(&whole.relative_to(self.origin), heading, self.greatest());
-        let planes = self.planes(simd, trip, count);
-        let shot = &Shot { beam, slopes, count, heading, planes };
-        let farthest = shot.slopes.steps_ahead(simd, trip.nearest, count);
-        let visited = match &self.treelets[..] {
-            [only] => tile_treelet(simd, only, shot, farthest, trip, enter).1,
-            treelets => tile_upper(simd, &self.upper, treelets, shot, farthest, trip, enter),
-        };
-        trip.counters.nodes += u64::from(visited) * count as u64;
-    }
-}
-
-impl BoxIndex {
-    /// A tile's rays prepared one by one, where boxes move. Not on the stack, which scenes in one another share.
-    #[inline(never)]
-    fn planes<S: Simd>(&self, simd: S, trip: &TileTrip, count: usize) -> Option<Box<TilePlanes>> {
-        if !self.moves() {
-            return None;
+        let farthest = slopes.steps_ahead(simd, trip.nearest, count);
+        let shot =
+            &mut Shot { index: self, beam, slopes, count, heading, farthest, planes: None, visited: 0 };
+        match &self.treelets[..] {
+            [only] => tile_treelet(simd, only, all(count), shot, trip, enter),
+            treelets => tile_upper(simd, &self.upper, treelets, shot, trip, enter),
         }
-        simd.vectorize(
-            #[inline(always)]
-            || Some(Box::new(TilePlanes::of(simd, trip.rays, count, self.origin, self.greatest()))),
-        )
+        trip.counters.nodes += shot.visited;
     }
 }
 
-/// A tile's rays, prepared for boxes.
-struct Shot {
+/// A tile's rays on their way through the boxes.
+struct Shot<'a> {
+    index: &'a BoxIndex,
     beam: Beam,
     slopes: Slopes,
     /// How many rays there are.
     count: usize,
     heading: Heading,
-    /// Each ray by itself, where boxes move.
+    /// How many steps any ray still looks ahead.
+    farthest: f32,
+    /// Each ray by itself, once somebody asks. Not on the stack, which scenes in one another share.
     planes: Option<Box<TilePlanes>>,
+    /// Nodes, once for each ray.
+    visited: u64,
 }
 
-impl Shot {
+impl Shot<'_> {
+    /// The rays by themselves.
+    #[inline(always)]
+    fn planes<S: Simd>(&mut self, simd: S, trip: &TileTrip) -> &TilePlanes {
+        if self.planes.is_none() {
+            self.planes = Some(self.prepared(simd, trip));
+        }
+        self.planes.as_deref().unwrap_or(const { &TilePlanes::EMPTY })
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn prepared<S: Simd>(&self, simd: S, trip: &TileTrip) -> Box<TilePlanes> {
+        let BoxIndex { origin, .. } = *self.index;
+        simd.vectorize(
+            #[inline(always)]
+            || Box::new(TilePlanes::of(simd, trip.rays, self.count, origin, self.index.greatest())),
+        )
+    }
+
+    /// Which boxes of a node the rays in `bits` may meet, each with its rays; and after how many steps the first of them may.
+    #[inline(always)]
+    fn meet<S: Simd>(
+        &mut self,
+        simd: S,
+        node: &Node8,
+        bits: u64,
+        trip: &TileTrip,
+        mut each: impl FnMut(usize, f32, u64),
+    ) {
+        let (mut places, near) = self.beam.meet(simd, &node.rows, self.farthest);
+        let near = near.as_array();
+        let mut masks = [bits; WIDTH];
+        if places.count_ones() >= MANY {
+            masks = [0; WIDTH];
+            let (count, heading) = (self.count, self.heading);
+            let planes = self.planes(simd, trip);
+            for at in (0..count).step_by(LANES) {
+                if bits >> at & 0xffff != 0 {
+                    let planes = planes.chunk(simd, heading, trip.rays, trip.nearest, at);
+                    let mut left = places;
+                    while left != 0 {
+                        let place = left.trailing_zeros() as usize & (WIDTH - 1);
+                        left &= left - 1;
+                        masks[place] |= planes.meet(simd, node, place) << at;
+                    }
+                }
+            }
+        }
+        while places != 0 {
+            let place = places.trailing_zeros() as usize & (WIDTH - 1);
+            places &= places - 1;
+            if masks[place] & bits != 0 {
+                each(place, near[place], masks[place] & bits);
+            }
+        }
+    }
+
     /// Which of the rays, each at its moment, may meet the member at a place of a block that moves.
     #[inline(never)]
-    fn at_moments<S: Simd>(&self, simd: S, member: MovingMember, trip: &TileTrip) -> u64 {
-        let Some(planes) = &self.planes else { return u64::MAX };
+    fn at_moments<S: Simd>(&mut self, simd: S, member: MovingMember, trip: &TileTrip) -> u64 {
+        let (count, heading) = (self.count, self.heading);
+        let planes = self.planes(simd, trip);
         simd.vectorize(
             #[inline(always)]
             || {
-                let chunks = (0..self.count).step_by(LANES);
+                let chunks = (0..count).step_by(LANES);
                 chunks.fold(0, |bits, at| {
-                    bits | planes.meet_moving(simd, &member, self.heading, trip.rays, trip.nearest, at) << at
+                    bits | planes.meet_moving(simd, &member, heading, trip.rays, trip.nearest, at) << at
                 })
             },
         )
     }
+
+    /// Those that still look for something, which only any hits change.
+    #[inline(always)]
+    fn looking<S: Simd>(&self, simd: S, trip: &TileTrip) -> u64 {
+        if trip.kind == Kind::Any { trip.nearest.looking(simd) } else { u64::MAX }
+    }
+
+    /// After hits.
+    #[inline(always)]
+    fn look_again<S: Simd>(&mut self, simd: S, trip: &TileTrip) {
+        self.farthest = self.slopes.steps_ahead(simd, trip.nearest, self.count);
+    }
+
+    /// Each ray in `bits` by itself: `search` is given the ray, its moment, where it ends, and what to call for the places of
+    /// boxes that it meets, and answers with the number of nodes visited.
+    #[inline(always)]
+    fn go_alone<S: Simd>(
+        &mut self,
+        simd: S,
+        bits: u64,
+        trip: &mut TileTrip,
+        enter: &mut dyn FnMut(usize, &mut TileTrip),
+        mut search: impl FnMut(&NodeRay<S>, f32, f32, &mut dyn FnMut(usize) -> f32) -> u32,
+    ) {
+        let rows = self.heading.rows();
+        let mut visited = 0;
+        let planes = self.planes(simd, trip);
+        each(
+            bits,
+            #[inline(always)]
+            |i| {
+                let ray = planes.alone(simd, i, rows, trip.rays.t_near[i % TILE]);
+                let (time, reach) = (trip.rays.time[i % TILE], trip.nearest.t[i % TILE]);
+                let trip = &mut trip.only(1 << i);
+                visited += u64::from(search(&ray, time, reach, &mut |place| {
+                    enter(place, trip);
+                    trip.nearest.t[i % TILE]
+                }));
+            },
+        );
+        self.visited += visited;
+        self.look_again(simd, trip);
+    }
 }
 
-/// Calls `enter` with the members whose boxes a tile's rays may meet within `farthest` steps. Returns how far they reach
-/// then, and the number of nodes visited.
+/// Goes through `nodes` with the rays in `bits`, and calls `stop` with those that come to a block, and with those that go on
+/// alone.
+#[inline(always)]
+fn walk_masks<'a, S: Simd>(
+    simd: S,
+    nodes: &[Node8],
+    bits: u64,
+    shot: &mut Shot<'a>,
+    trip: &mut TileTrip,
+    mut stop: impl FnMut(&mut Shot<'a>, Stop, u64, &mut TileTrip),
+) {
+    let mut room = StackRoom::<Entry, MOST_WAIT>::new();
+    let mut waiting = room.stack();
+    waiting.push(Entry { steps: f32::NEG_INFINITY, child: Child::node(0), rays: bits });
+    while let Some(Entry { steps, child, rays }) = waiting.pop() {
+        let bits = rays & shot.looking(simd, trip);
+        if steps > shot.farthest || bits == 0 {
+            continue;
+        }
+        if bits.count_ones() <= FEW || waiting.len() + WIDTH > MOST_WAIT {
+            stop(shot, Stop::Alone(child), bits, trip);
+            continue;
+        }
+        shot.visited += u64::from(bits.count_ones());
+        if child.is_leaf() {
+            for block in child.blocks() {
+                stop(shot, Stop::Block(block), bits, trip);
+            }
+            continue;
+        }
+        let node = &nodes[child.index()];
+        let mut pushed = 0;
+        shot.meet(
+            simd,
+            node,
+            bits,
+            trip,
+            #[inline(always)]
+            |place, steps, rays| {
+                waiting.push(Entry { steps, child: node.child(place), rays });
+                pushed += 1;
+            },
+        );
+        farthest_first(waiting.top(pushed), |entry: &Entry| entry.steps);
+    }
+}
+
+/// Calls `enter` with the members whose boxes the rays in `bits` may meet.
 #[inline(never)]
 fn tile_treelet<S: Simd>(
     simd: S,
     treelet: &Treelet,
-    shot: &Shot,
-    mut farthest: f32,
+    bits: u64,
+    shot: &mut Shot,
     trip: &mut TileTrip,
     enter: &mut dyn FnMut(usize, &mut TileTrip),
-) -> (f32, u32) {
+) {
     simd.vectorize(
         #[inline(always)]
         || {
             let nodes = treelet.nodes();
-            let visited = walk_beam(
-                nodes,
+            walk_masks(
                 simd,
-                &shot.beam,
-                farthest,
+                nodes,
+                bits,
+                shot,
+                trip,
                 #[inline(always)]
-                |range| {
-                    for at in range {
-                        let block = &nodes[at];
-                        let (mut bits, _) = shot.beam.meet(simd, &block.rows, farthest);
-                        while bits != 0 {
-                            let lane = bits.trailing_zeros() as usize;
-                            bits &= bits - 1;
-                            let mut active = all(shot.count) & trip.nearest.looking(simd);
-                            if let Some(keys) = treelet.at_keys()
-                                && keys.moves(at, lane)
-                            {
-                                active &= shot.at_moments(simd, MovingMember { keys, block: at, lane }, trip);
-                            }
-                            enter(block.child(lane).index(), &mut trip.only(active));
-                        }
-                    }
-                    farthest = shot.slopes.steps_ahead(simd, trip.nearest, shot.count);
-                    farthest
+                |shot, stop, bits, trip| match stop {
+                    Stop::Block(at) => enter_block(simd, treelet, at, bits, shot, trip, enter),
+                    Stop::Alone(child) => shot.go_alone(
+                        simd,
+                        bits,
+                        trip,
+                        enter,
+                        #[inline(always)]
+                        |ray, time, reach, enter| {
+                            search_treelet(simd, treelet, child, ray, time, reach, enter).1
+                        },
+                    ),
                 },
             );
-            (farthest, visited)
         },
-    )
+    );
 }
 
-/// The same through the upper treelet into those below; returns the number of nodes visited.
+/// A member of a block: its place there, after how many steps the first ray may meet it, and which rays may.
+type Met = (usize, f32, u64);
+
+/// What members are put in order by, not so finely that their order depends on the level, which rounds differently.
+#[inline(always)]
+fn rank(&(_, steps, _): &Met) -> u32 {
+    steps.to_bits() >> 12
+}
+
+/// The members of one block, nearer ones first.
+#[inline(always)]
+fn enter_block<S: Simd>(
+    simd: S,
+    treelet: &Treelet,
+    at: usize,
+    bits: u64,
+    shot: &mut Shot,
+    trip: &mut TileTrip,
+    enter: &mut dyn FnMut(usize, &mut TileTrip),
+) {
+    let block = &treelet.nodes()[at];
+    let (mut members, mut count): ([Met; WIDTH], usize) = ([(0, 0.0, 0); WIDTH], 0);
+    shot.meet(
+        simd,
+        block,
+        bits,
+        trip,
+        #[inline(always)]
+        |lane, steps, rays| {
+            members[count & (WIDTH - 1)] = (lane, steps, rays);
+            count += 1;
+        },
+    );
+    farthest_first(&mut members[..count], rank);
+    for &(lane, steps, rays) in members[..count].iter().rev() {
+        let mut rays = rays & trip.nearest.looking(simd);
+        if steps > shot.farthest {
+            break;
+        }
+        if let Some(keys) = treelet.at_keys()
+            && keys.moves(at, lane)
+        {
+            rays &= shot.at_moments(simd, MovingMember { keys, block: at, lane }, trip);
+        }
+        if rays != 0 {
+            enter(block.child(lane).index(), &mut trip.only(rays));
+            shot.look_again(simd, trip);
+        }
+    }
+}
+
+/// The same through the upper treelet into those below.
 #[inline(never)]
 fn tile_upper<S: Simd>(
     simd: S,
     upper: &Treelet,
     treelets: &[Treelet],
-    shot: &Shot,
-    mut farthest: f32,
+    shot: &mut Shot,
     trip: &mut TileTrip,
     enter: &mut dyn FnMut(usize, &mut TileTrip),
-) -> u32 {
+) {
     simd.vectorize(
         #[inline(always)]
         || {
-            let (nodes, mut visited) = (upper.nodes(), 0);
-            let above = walk_beam(
-                nodes,
+            let (nodes, bits) = (upper.nodes(), all(shot.count));
+            walk_masks(
                 simd,
-                &shot.beam,
-                farthest,
+                nodes,
+                bits,
+                shot,
+                trip,
                 #[inline(always)]
-                |range| {
-                    for block in &nodes[range] {
-                        let (mut bits, _) = shot.beam.meet(simd, &block.rows, farthest);
-                        while bits != 0 {
-                            let number = block.child(bits.trailing_zeros() as usize).index();
-                            bits &= bits - 1;
-                            let below = tile_treelet(simd, &treelets[number], shot, farthest, trip, enter);
-                            farthest = below.0;
-                            visited += below.1;
+                |shot, stop, bits, trip| match stop {
+                    Stop::Block(at) => {
+                        let block = &nodes[at];
+                        let (mut members, mut count): ([Met; WIDTH], usize) = ([(0, 0.0, 0); WIDTH], 0);
+                        shot.meet(
+                            simd,
+                            block,
+                            bits,
+                            trip,
+                            #[inline(always)]
+                            |lane, steps, rays| {
+                                members[count & (WIDTH - 1)] = (block.child(lane).index(), steps, rays);
+                                count += 1;
+                            },
+                        );
+                        farthest_first(&mut members[..count], rank);
+                        for &(number, _, rays) in members[..count].iter().rev() {
+                            tile_treelet(simd, &treelets[number], rays, shot, trip, enter);
                         }
                     }
-                    farthest
+                    Stop::Alone(child) => shot.go_alone(
+                        simd,
+                        bits,
+                        trip,
+                        enter,
+                        #[inline(always)]
+                        |ray, time, reach, enter| {
+                            search_upper(simd, upper, &Below { treelets, time }, child, ray, reach, enter)
+                        },
+                    ),
                 },
             );
-            visited + above
         },
-    )
+    );
 }

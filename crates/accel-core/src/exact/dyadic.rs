@@ -67,6 +67,23 @@ impl Dyadic {
         Self { sign: self.sign * other.sign, words, exponent }.trimmed()
     }
 
+    /// The quotient as a double: two roundings and that of the division. `other` is not zero.
+    pub(super) fn over(&self, other: &Self) -> f64 {
+        let ((a, up), (b, down)) = (self.leading(), other.leading());
+        a / b * 2f64.powi(up - down)
+    }
+
+    /// The first two words, and the power of two that they are to be multiplied by.
+    fn leading(&self) -> (f64, i32) {
+        let two = 2f64.powi(64);
+        let (value, below) = match self.words[..] {
+            [] => (0.0, 0),
+            [only] => (only as f64, 0),
+            [.., low, high] => (high as f64 * two + low as f64, self.words.len() as i32 - 2),
+        };
+        (f64::from(self.sign) * value, self.exponent + 64 * below)
+    }
+
     fn trimmed(mut self) -> Self {
         while self.words.last() == Some(&0) {
             self.words.pop();

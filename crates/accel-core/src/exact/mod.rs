@@ -5,9 +5,11 @@
 mod ball;
 mod dyadic;
 mod line;
+mod meeting;
 mod number;
 mod place;
 
 pub use ball::side_of_sphere;
 pub use line::Line;
+pub(crate) use meeting::ExactMeeting;
 pub use place::{Place, Triangle};

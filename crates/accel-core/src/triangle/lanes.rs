@@ -4,10 +4,10 @@
 //! Invariant: every lane does the roundings of the scalar form in its order: the same bits at any width and level.
 //! Proof: `tests/brute_force.rs` (`ask`).
 
-use gnurt_simd::{Simd, SimdFloat};
+use gnurt_simd::{Simd, SimdFloat, prelude::*};
 
 use super::meeting::Meeting;
-use super::watertight::{HUGE, TINY, meet_exactly};
+use super::watertight::{DOUBTFUL, HUGE, LoneRay, SURELY, TINY};
 
 /// Floats in lanes.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
@@ -23,21 +23,29 @@ pub struct LanesMeeting<S: Simd, V: Lanes<S>> {
     pub hit: V::Mask,
 }
 
-/// Rays prepared for the test: origins along the axes of the sheared space (z is the axis along which the ray moves
-/// most, x and y follow it in cyclic order), and the shear.
-#[derive(Clone, Copy, Debug)]
-pub struct Sheared<V> {
-    pub org: [V; 3],
-    pub shear: [V; 3],
-}
-
 /// Lanes that pass all three edges, and what that took.
 #[derive(Clone, Copy)]
 pub struct Edges<S: Simd, V: Lanes<S>> {
     depth: [V; 3],
+    px: [V; 3],
+    py: [V; 3],
     w: [V; 3],
     /// Lanes whose ray passes inside.
     pub inside: V::Mask,
+}
+
+/// Lanes that pass inside of triangles some corner of which is in reach.
+#[derive(Clone, Copy)]
+pub struct Reached<S: Simd, V: Lanes<S>> {
+    edges: Edges<S, V>,
+    over_dir: V,
+    ts: [V; 3],
+    first: V,
+    last: V,
+    t_near: V,
+    t_far: V,
+    /// These lanes.
+    pub lanes: V::Mask,
 }
 
 /// Corners relative to the rays' origins, corner by corner.
@@ -51,7 +59,7 @@ pub fn relative_to<S: Simd, V: Lanes<S>>([a, b, c]: [[V; 3]; 3], org: &[V; 3]) -
 }
 
 /// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers look at `inside`
-/// before they go on to `Edges::meet`: a test that returned all at once would be merged from two ways by copies.
+/// before they go on to `Edges::reach`: a test that returned all at once would be merged from two ways by copies.
 ///
 /// `corners` have their coordinates along the axes of the sheared space, [relative](relative_to) to the origins.
 #[inline(always)]
@@ -68,57 +76,72 @@ pub fn pass_edges<S: Simd, V: Lanes<S>>(simd: S, [a, b, c]: [[V; 3]; 3], shear: 
     let most = w0.max(w1).max(w2);
     let zero = V::splat(simd, 0.0);
     let inside = !(least.simd_lt(zero) & most.simd_gt(zero));
-    Edges { depth, w: [w0, w1, w2], inside }
+    Edges { depth, px, py, w: [w0, w1, w2], inside }
 }
 
 impl<S: Simd, V: Lanes<S>> Edges<S, V> {
-    /// The second half: where the lanes in `active`, all of them inside, meet the triangles; and the lanes that floats
-    /// cannot decide, which are for [`meet_alone`].
+    /// Which of the lanes inside may meet their triangle in `[t_near, t_far]`: a hit is between its corners' own `t`.
     #[inline(always)]
-    pub fn meet(
-        &self,
-        simd: S,
-        over_dir: V,
-        active: V::Mask,
-        t_near: V,
-        t_far: V,
-    ) -> (LanesMeeting<S, V>, V::Mask) {
-        let Self { depth, w: [w0, w1, w2], .. } = *self;
-        let ts = [over_dir * depth[0], over_dir * depth[1], over_dir * depth[2]];
+    pub fn reach(self, over_dir: V, t_near: V, t_far: V) -> Reached<S, V> {
+        let [a, b, c] = self.depth;
+        let ts = [over_dir * a, over_dir * b, over_dir * c];
+        let (first, last) = (ts[0].min(ts[1]).min(ts[2]), ts[0].max(ts[1]).max(ts[2]));
+        let lanes = self.inside & last.simd_ge(t_near) & first.simd_le(t_far);
+        Reached { edges: self, over_dir, ts, first, last, t_near, t_far, lanes }
+    }
+}
+
+impl<S: Simd, V: Lanes<S>> Reached<S, V> {
+    /// The last part, by floats: where the lanes meet the triangles; and the lanes that floats cannot decide, which are for
+    /// [`meet_alone`].
+    #[inline(always)]
+    pub fn meet(&self, simd: S) -> (LanesMeeting<S, V>, V::Mask) {
+        let Self { edges: Edges { w: [w0, w1, w2], .. }, ts, first, last, t_near, t_far, lanes, .. } = *self;
         let sum = w0 + w1 + w2;
-        let tiny = V::splat(simd, TINY);
-        let certain = w0.abs().simd_ge(tiny)
-            & w1.abs().simd_ge(tiny)
-            & w2.abs().simd_ge(tiny)
-            & sum.abs().simd_le(V::splat(simd, HUGE));
+        let least = w0.abs().min(w1.abs()).min(w2.abs());
+        let certain = least.simd_ge(V::splat(simd, TINY)) & sum.abs().simd_le(V::splat(simd, HUGE));
 
         let over = V::splat(simd, 1.0) / sum;
         let (u, v) = (w1 * over, w2 * over);
         let t = (w0 * over) * ts[0] + u * ts[1] + v * ts[2];
-        let (first, last) = (ts[0].min(ts[1]).min(ts[2]), ts[0].max(ts[1]).max(ts[2]));
         let t = t.max(first).min(last) + V::splat(simd, 0.0);
-        let hit = active & certain & t.simd_ge(t_near) & t.simd_le(t_far);
-        (LanesMeeting { t, u, v, hit }, active & !certain)
+        let hit = lanes & certain & t.simd_ge(t_near) & t.simd_le(t_far);
+        (LanesMeeting { t, u, v, hit }, lanes & !certain)
+    }
+
+    /// The same where one asks where: lanes whose `t` may be off too far are for [`meet_alone`], too.
+    #[inline(always)]
+    pub fn meet_well(&self, simd: S) -> (LanesMeeting<S, V>, V::Mask) {
+        let (mut met, mut alone) = self.meet(simd);
+        let Self { edges, over_dir, first, last, t_near, t_far, lanes, .. } = *self;
+        let Edges { px, py, w: [w0, w1, w2], .. } = edges;
+        let (t, away, scale, long) = (met.t, met.t.abs(), over_dir.abs(), last - first);
+        let wide_x = px[0].abs().max(px[1].abs()).max(px[2].abs());
+        let wide_y = py[0].abs().max(py[1].abs()).max(py[2].abs());
+        let wide = wide_x.max(wide_y);
+        let doubt = long * (wide * (wide * scale + (away + long)));
+        let per_t = (w0 + w1 + w2).abs() * scale;
+        let good = doubt.simd_lt(V::splat(simd, DOUBTFUL) * (away * per_t));
+        let mut doubtful = lanes & !good;
+        if doubtful.any_true() {
+            let off = V::splat(simd, SURELY) * doubt;
+            doubtful &= !(((t_near - t) * per_t).simd_gt(off) | ((t - t_far) * per_t).simd_gt(off));
+            alone |= doubtful;
+            met.hit &= good;
+        }
+        (met, alone)
     }
 }
 
-/// One lane in double precision, from the start: `corners` of one triangle and one ray, along the sheared space's axes.
+/// One lane from the start, in the scalar form: `corners` of one triangle along the sheared space's axes.
 #[cold]
 #[inline(never)]
 pub fn meet_alone(
-    [a, b, c]: &[[f32; 3]; 3],
-    Sheared { org, shear }: &Sheared<f32>,
+    corners: &[[f32; 3]; 3],
+    ray: &LoneRay,
+    asks_where: bool,
     t_near: f32,
     t_far: f32,
 ) -> Option<Meeting> {
-    let depth = [a[2] - org[2], b[2] - org[2], c[2] - org[2]];
-    let along = |k: usize| {
-        [
-            a[k] - org[k] - shear[k] * depth[0],
-            b[k] - org[k] - shear[k] * depth[1],
-            c[k] - org[k] - shear[k] * depth[2],
-        ]
-    };
-    let ts = [shear[2] * depth[0], shear[2] * depth[1], shear[2] * depth[2]];
-    meet_exactly(along(0), along(1), ts, t_near, t_far)
+    ray.meet(corners, asks_where, t_near, t_far)
 }

@@ -6,8 +6,9 @@
 
 mod lanes;
 mod meeting;
+mod precise;
 mod watertight;
 
-pub use lanes::{LanesMeeting, Sheared, meet_alone, pass_edges, relative_to};
+pub use lanes::{LanesMeeting, meet_alone, pass_edges, relative_to};
 pub use meeting::Meeting;
-pub use watertight::{ShearedRay, axes_from, shear};
+pub use watertight::{LoneRay, Sheared, ShearedRay, axes_from, shear};

@@ -184,7 +184,9 @@ impl GridIndex {
                     if const { S::LANES == 1 } || count <= FEW {
                         for &place in &unknown[..count] {
                             let Triangle { corners, number } = &self.triangles[place as usize];
-                            if let Some(meeting) = alone.meet(corners, t_near, trip.reach()) {
+                            if let Some(meeting) =
+                                alone.meet(corners, trip.asks_where(), t_near, trip.reach())
+                            {
                                 trip.offer(meeting, *number, slot);
                             }
                         }

@@ -140,8 +140,8 @@ impl SceneTree {
         let Some(placed) = self.placed(place).filter(|placed| placed.mask & trip.rays.mask != 0) else {
             return;
         };
-        if trip.active == 0 {
-            return;
+        if trip.active.count_ones() < WORTH_A_TILE {
+            return trip.one_by_one(|trip| self.enter(engine, place, trip));
         }
         let slot = trip.slot + self.leaves.first(place);
         let stopped;
