@@ -2,7 +2,7 @@
 """A room of 2 x 2 x 2 with coloured walls, a lamp and a ball of flat triangles, as OBJ or glTF, and where the ball is seen.
 
 Flat triangles: no shading normals are in play. Corners go round counter-clockwise seen from inside the room and from
-outside the ball. Source: original.
+outside the ball. 
 """
 import json
 import os

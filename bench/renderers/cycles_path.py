@@ -10,7 +10,7 @@ Cycles runs on the processors as it comes (light tree, multiple importance sampl
 without what makes pictures wrong or other than asked for: no clamping, no threshold for lights, no denoising, no adaptive
 number of samples, box filter, paths of 9 edges. Where lamps are few it is faster without its light tree: measure both. Of both
 programs the time of a run with one sample is taken off: reading, building trees and Blender's own preparations do not count.
-Source: original.
+
 """
 import functools
 import os

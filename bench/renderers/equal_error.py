@@ -3,7 +3,7 @@
 
 Both errors fall as one over the samples (a little faster with low-discrepancy numbers), so error times seconds is what a
 renderer is worth, whatever the number of samples. Seconds are those of processors, over all threads, so that a busy machine
-may be used, and those of rendering alone. Source: original.
+may be used, and those of rendering alone. 
 """
 import argparse
 import os

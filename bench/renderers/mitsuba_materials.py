@@ -6,7 +6,7 @@
 The thing is a ball of flat triangles. Materials whose name ends in "(Mitsuba's)" are Mitsuba's own models, which differ from
 ours as the table says, as does "(glTF's example)"; "(ours)" are our definitions in Mitsuba: mitsuba_models.py. Standard errors are those of the batches;
 tiles of 8 x 8 pixels are off by the rule of tests/references.rs: more than three standard errors and 0.5 %.
-Needs `pip install mitsuba numpy`. Source: original.
+Needs `pip install mitsuba numpy`. 
 """
 import argparse
 import os

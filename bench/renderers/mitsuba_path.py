@@ -6,7 +6,7 @@
 SCENES is the folder of unpacked scenes, REFERENCES that of the reference pictures, GNURT the program. Needs `pip install
 mitsuba numpy`, and for llvm variants a libLLVM (DRJIT_LIBLLVM_PATH). Neither reading, nor building trees, nor compiling kernels
 counts (Mitsuba renders once before it is timed; of gnurt, the time of a run with one sample is taken off); equal_error.py says
-the rest. Source: original.
+the rest. 
 """
 import os
 import time

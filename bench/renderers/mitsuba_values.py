@@ -5,7 +5,7 @@
 
 First it checks itself: without what goes between facets more than once, and with the separable shadowing of Mitsuba's own
 models, the definitions must have the values of Mitsuba's `roughconductor`, `roughdielectric` and `principled`. Directions: from
-outside the surface; local, z = normal. Needs `pip install mitsuba numpy`. Source: original.
+outside the surface; local, z = normal. Needs `pip install mitsuba numpy`. 
 """
 import sys
 

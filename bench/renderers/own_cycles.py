@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's Cycles as a rival of own_materials.py, set up as cycles_path.py says, with its light tree. Needs `pip install bpy`. Source: original."""
+"""Blender's Cycles as a rival of own_materials.py, set up as cycles_path.py says, with its light tree. Needs `pip install bpy`. """
 import functools
 import math
 import os

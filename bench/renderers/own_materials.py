@@ -8,7 +8,7 @@ Blender's Cycles (own_mitsuba.py, own_cycles.py). Each program renders independe
 no reference is needed and each is measured against its own mean: plastics and rough metal are the other's own models, which differ a little
 from ours (docs/reference/materials.md), matte, mirrors and smooth glass are the same. relMSE = variance over (smoothed mean squared + a hundredth of
 the picture's squared mean), as in `bench light`. One thread, one process each, in turns; CPU seconds without reading, trees and kernels.
-Needs `pip install numpy`. Source: original.
+Needs `pip install numpy`. 
 """
 import argparse
 import importlib

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mitsuba 3 as a rival of own_materials.py. Needs `pip install mitsuba` and, for llvm variants, a libLLVM (DRJIT_LIBLLVM_PATH). Source: original."""
+"""Mitsuba 3 as a rival of own_materials.py. Needs `pip install mitsuba` and, for llvm variants, a libLLVM (DRJIT_LIBLLVM_PATH). """
 import time
 
 import mitsuba as mi

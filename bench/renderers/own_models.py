@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What gnurt makes of the materials of an MTL file (crates/scene/src/io/obj/material.rs), in words that other renderers have a model for.
 
-Source: original.
+
 """
 import math
 from dataclasses import dataclass

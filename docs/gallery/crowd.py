@@ -2,7 +2,7 @@
 """Writes a crowd that walks in columns, a glTF of one skinned body in many skins: crowd.py OUT.glb
 
 Each walker has joints of its own, which move in its column's rhythm; in a loop of one second it comes to where the next one was.
-All bodies have the same triangles, so that their trees share what poses do not change (docs/explanation/moving.md). Source: original.
+All bodies have the same triangles, so that their trees share what poses do not change (docs/explanation/moving.md). 
 """
 import json
 import math

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask ci`: everything that must pass before a change is taken. Source: original.
+//! `cargo xtask ci`: everything that must pass before a change is taken.
 
 use std::process::Command;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Running other programs, in the workspace's root. Source: original.
+//! Running other programs, in the workspace's root.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

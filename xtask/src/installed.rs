@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A part of `cargo xtask ci`: installs what the tests have built, and uses it as a stranger would. Source: original.
+//! A part of `cargo xtask ci`: installs what the tests have built, and uses it as a stranger would.
 //!
 //! The tests' build has all but the copies under their last names; they and the static library take seconds.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | notices | dist | miri | sanitize`. Source: original.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | notices | dist | miri | sanitize`.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 

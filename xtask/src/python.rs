@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask python`: builds the Python package's compiled part into its source folder, and runs its tests. Source: original.
+//! `cargo xtask python`: builds the Python package's compiled part into its source folder, and runs its tests.
 //! The wheel itself is maturin's business (`pip install ./bindings/python`).
 
 use std::path::Path;

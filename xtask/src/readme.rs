@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The commands that the README promises, read from it, so that `ci` runs what newcomers run. Source: original.
+//! The commands that the README promises, read from it, so that `ci` runs what newcomers run.
 
 use crate::command;
 use crate::failure::Failure;

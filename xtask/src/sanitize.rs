@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask miri` and `cargo xtask sanitize address|thread`: unsafe code looked at while it runs. Source: original.
+//! `cargo xtask miri` and `cargo xtask sanitize address|thread`: unsafe code looked at while it runs.
 //! Miri needs a nightly compiler, which nothing else does; both take long: they are run by hand once a week, with the outcome in
 //! `bench/record/`. Each has build folders of its own below `target/`.
 

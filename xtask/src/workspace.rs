@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `cargo metadata` says of the workspace. Source: original.
+//! What `cargo metadata` says of the workspace.
 
 use std::path::PathBuf;
 

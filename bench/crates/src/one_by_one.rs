@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From batches to single calls. Source: original.
+//! From batches to single calls.
 
 use gnurt::accel::{Ray, RayBatch};
 use gnurt_bench::{Answers, Engine, Subject};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The context: the state machine that all calls read and change. The calls are in `calls`, a file for each noun.
 //! Source: \[DWBS03\], OpenGL 1.x. Invariant: a call that fails has changed nothing; the first error stays until read.
-//! Proof: `random::state_machine` (random calls); the C programs of tests/c.
+//! Tests: `random::state_machine` (random calls); the C programs of tests/c.
 
 use std::sync::Arc;
 

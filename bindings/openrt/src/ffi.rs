@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The door between C and the safe state machine: the one context behind a mutex, pointers, and context calls.
-//! Source: original. Every exported function goes through [`perform`]: it takes the lock, makes the context if there is
+//! Every exported function goes through [`perform`]: it takes the lock, makes the context if there is
 //! none, notes errors, and lets no panic cross to C. A shader that calls the library while the library waits for it is
 //! turned away. Functions are `C-unwind`: exceptions of the program's own function pass to the program.
-//! Proof: the C programs of tests/c; bindings/openrt/tests/symbols.rs (exactly the functions of the header).
+//! Tests: the C programs of tests/c; bindings/openrt/tests/symbols.rs (exactly the functions of the header).
 
 use std::cell::Cell;
 use std::ffi::{CStr, CString, c_char, c_int, c_void};

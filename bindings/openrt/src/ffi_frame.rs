@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exported calls: frame buffer, frames, lights, camera and environment. Source: original.
-//! Proof: tests/c/scene.c.
+//! Exported calls: frame buffer, frames, lights, camera and environment.
+//! Tests: tests/c/scene.c.
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@
 //! other thread ends that for good: it takes the ownership away, lets all CPUs pass a barrier, waits until the owner is
 //! outside, and from then on all threads go through an ordinary mutex.
 //! Invariant: at most one [`Guard`] lives. A thread that is inside and comes again is told so: it would wait for itself.
-//! Proof: `tests`, with every mixture of threads.
+//! Tests: `tests`, with every mixture of threads.
 
 use std::cell::{Cell, UnsafeCell};
 use std::ops::{Deref, DerefMut};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exported calls: matrices. Source: original. Proof: tests/c/scene.c.
+//! Exported calls: matrices. Tests: tests/c/scene.c.
 
 use crate::ffi::{call, procedures};
 use crate::ffi_pointers::array;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exported calls: objects, instances, blocks, and the questions whether an id exists. Source: original.
-//! Proof: tests/c/scene.c.
+//! Exported calls: objects, instances, blocks, and the questions whether an id exists.
+//! Tests: tests/c/scene.c.
 
 use crate::ffi::{call, id_functions, procedures};
 use crate::ffi_pointers::writer;

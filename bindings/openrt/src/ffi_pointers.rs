@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pointers of C programs become options: the state machine decides when a null pointer is an error, because other errors
-//! come first. Source: original. Proof: the C programs of tests/c.
+//! come first. Tests: the C programs of tests/c.
 
 use std::ffi::{CStr, c_char};
 

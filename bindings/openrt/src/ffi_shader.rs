@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exported calls: shader classes, shaders and their parameters. Source: original.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Exported calls: shader classes, shaders and their parameters.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::ffi::{c_char, c_void};
 

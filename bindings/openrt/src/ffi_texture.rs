@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exported calls: textures. Source: original. Proof: tests/c/scene.c.
+//! Exported calls: textures. Tests: tests/c/scene.c.
 
 use std::ffi::c_void;
 

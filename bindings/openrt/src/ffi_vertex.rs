@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exported calls: vertices and what goes with them, in all their forms. Source: original.
+//! Exported calls: vertices and what goes with them, in all their forms.
 //! One line per pair of functions: by value, by pointer, the numbers' type, the names given, all numbers.
 //! Cost: one uncontended lock per call, no allocation beyond the growth of arrays.
-//! Proof: tests/c/scene.c; tests/c/many_vertices.c (time).
+//! Tests: tests/c/scene.c; tests/c/many_vertices.c (time).
 
 use crate::context::Context;
 use crate::ffi::call;

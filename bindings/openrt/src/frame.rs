@@ -3,7 +3,7 @@
 //! Source: \[DWBS03\] (frame semantics). A frame owns the stage while it is in flight: edits wait for the next start.
 //! Invariant: at most one frame is in flight; the program's memory is written only before its end returns. The thread is there before
 //! anything is taken from the program's description, so that a frame that cannot start has no effect.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The scene and the world that frames render, brought up to date with the program's objects when a frame starts.
-//! Source: original. The stage belongs to the frame in flight; the program edits its own description meanwhile.
+//! The stage belongs to the frame in flight; the program edits its own description meanwhile.
 //! Only what the program has changed is looked at, so that a commit finds nothing else edited.
 //! Invariants: an instance stays at its place in the scene while it is shown. A mesh, object or instance of the scene that
 //! nothing needs is empty or invisible and waits to be used again, the first place first, so a program that redefines objects
 //! for ever takes no more memory than its largest frame, and one that shows the same things again finds them there.
-//! Proof: `tests`, `calls::tests`; tests/c/scene.c.
+//! Tests: `tests`, `calls::tests`; tests/c/scene.c.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Each program of tests/c is built by the C compiler against the library and run; it checks itself and ends with
-//! status 0. Source: original.
+//! status 0.
 
 mod common;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Exceptions of C++ programs and plugins: those of a program's own function come to its own handler, those of plugins
-//! become errors. Source: original.
+//! become errors.
 #![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 
 mod common;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shader plugins in C, C++ and Rust: built by their compilers, found, loaded, refused, shading, failing. Programs run in the
-//! folder that the plugins are in. Source: original.
+//! folder that the plugins are in.
 
 mod common;
 

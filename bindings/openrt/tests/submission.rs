@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What immediate calls cost beside arrays given to the Rust API: the same triangles, each vertex for itself.
-//! Source: original. The times are printed; `cargo test --release -p openrt --test submission -- --ignored --nocapture`
+//! The times are printed; `cargo test --release -p openrt --test submission -- --ignored --nocapture`
 //! compares those of a million triangles: less than 1.3 times is the aim.
 
 mod common;

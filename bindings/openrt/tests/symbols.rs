@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The library exports exactly the functions that openrt/rt.h declares, under its run-time name. Source: original.
+//! The library exports exactly the functions that openrt/rt.h declares, under its run-time name.
 
 mod common;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Queries, block by block: Ctrl-C is heard between blocks, other Python threads run meanwhile.
-//! Source: original. Proof: `tests/test_rays.py`, `tests/test_points.py`.
+//! Tests: `tests/test_rays.py`, `tests/test_points.py`.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Arrays that come in and go out, checked: what is wrong is told with the argument's name and what was expected.
-//! Source: original. Invariant: an array is copied only where its type or its gaps cannot be read as they are.
-//! Proof: `tests/test_arrays.py`.
+//! Invariant: an array is copied only where its type or its gaps cannot be read as they are.
+//! Tests: `tests/test_arrays.py`.
 
 use gnurt_accel::Floats;
 use pyo3::buffer::Element;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Materials, lights and cameras from arguments. Source: original; names as in glTF. Angles are in degrees.
-//! Proof: `tests/test_pictures.py`.
+//! Materials, lights and cameras from arguments. Names as in glTF. Angles are in degrees.
+//! Tests: `tests/test_pictures.py`.
 
 use gnurt::Surroundings;
 use gnurt::osl::Script;

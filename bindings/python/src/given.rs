@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments by name, checked: what is wrong is told with the argument's name and what was expected. Source: original.
-//! Invariant: no number leaves here that is not finite. Proof: `tests/test_pictures.py::test_wrong_arguments`.
+//! Arguments by name, checked: what is wrong is told with the argument's name and what was expected.
+//! Invariant: no number leaves here that is not finite. Tests: `tests/test_pictures.py::test_wrong_arguments`.
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What rays hit, as arrays. Source: original; docs/reference/python.md. Proof: `tests/test_rays.py`.
+//! What rays hit, as arrays. See docs/reference/python.md. Tests: `tests/test_rays.py`.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The part of the Python package `gnurt` that is compiled: ray queries on numpy arrays, pictures, and the program.
-//! Source: original; docs/reference/python.md. Proof: `bindings/python/tests`.
+//! See docs/reference/python.md. Tests: `bindings/python/tests`.
 
 mod answers;
 mod arrays;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lights of a scene by numbers. Source: original. A sky has a sun, which is a light behind it: it comes, changes and goes with the sky.
-//! Proof: `tests/test_pictures.py::test_skies`.
+//! Lights of a scene by numbers. A sky has a sun, which is a light behind it: it comes, changes and goes with the sky.
+//! Tests: `tests/test_pictures.py::test_skies`.
 
 use gnurt::scene::{Light, LightId, Scene, Texture};
 use pyo3::exceptions::PyIndexError;

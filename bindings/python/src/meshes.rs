@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Meshes of a ray scene, by their numbers, which stay when others are removed.
-//! Source: original. Invariant: corner numbers are in range. Proof: `tests/test_scene.py`.
+//! Invariant: corner numbers are in range. Tests: `tests/test_scene.py`.
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt.Picture`. Source: original; docs/reference/python.md. Proof: `tests/test_pictures.py`.
+//! `gnurt.Picture`. See docs/reference/python.md. Tests: `tests/test_pictures.py`.
 
 use std::path::PathBuf;
 

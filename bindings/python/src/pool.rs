@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Threads by their number. Source: original. Invariant: after a fork the child makes pools of its own, for threads of its
+//! Threads by their number. Invariant: after a fork the child makes pools of its own, for threads of its
 //! parent are not in it; what outlives a call keeps a [`ThreadCount`] and takes its [`Workers`] when it works.
-//! Proof: `tests/test_rays.py::test_after_fork`, `tests/test_pictures.py::test_growing_after_a_fork`.
+//! Tests: `tests/test_rays.py::test_after_fork`, `tests/test_pictures.py::test_growing_after_a_fork`.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The program `gnurt` in the package, so that one installation brings both. Source: original.
-//! Proof: `tests/test_program.py`.
+//! The program `gnurt` in the package, so that one installation brings both.
+//! Tests: `tests/test_program.py`.
 
 use std::ffi::OsString;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt.RayScene`. Source: original; docs/reference/python.md. Trees are built by the first query after a change.
-//! Proof: `bindings/python/tests`.
+//! `gnurt.RayScene`. See docs/reference/python.md. Trees are built by the first query after a change.
+//! Tests: `bindings/python/tests`.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

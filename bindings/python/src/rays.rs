@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays in arrays. Source: original. Invariant: one origin or one direction goes with any number of the other.
-//! Proof: `tests/test_rays.py::test_one_goes_with_many`, `tests/test_arrays.py`.
+//! Rays in arrays. Invariant: one origin or one direction goes with any number of the other.
+//! Tests: `tests/test_rays.py::test_one_goes_with_many`, `tests/test_arrays.py`.
 
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a picture is rendered with, and pictures that grow. Source: original; names as the program's options.
-//! Proof: `tests/test_pictures.py`.
+//! What a picture is rendered with, and pictures that grow. Names as the program's options.
+//! Tests: `tests/test_pictures.py`.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt.Scene`: what pictures are made of. Source: original; docs/reference/python.md.
-//! What is put somewhere is known by the number of its instance. Proof: `tests/test_pictures.py`.
+//! `gnurt.Scene`: what pictures are made of. See docs/reference/python.md.
+//! What is put somewhere is known by the number of its instance. Tests: `tests/test_pictures.py`.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};

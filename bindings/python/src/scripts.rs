@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders in the shading language, from arguments: a file or source text, and values of parameters.
-//! Source: original. Proof: `tests/test_shaders.py`.
+//! Tests: `tests/test_shaders.py`.
 
 use std::path::{Path, PathBuf};
 

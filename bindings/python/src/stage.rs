@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A scene, and what of it is ready for rays. Source: original; what an edit makes again: ARCHITECTURE.md, Edits.
+//! A scene, and what of it is ready for rays. What an edit makes again: ARCHITECTURE.md, Edits.
 //! What is shown is a copy with lights where there are none, at a moment. Edits of the scene go to both, so that a commit does what
-//! is due; where the copy differs from the scene, it is made anew. Proof: `tests/test_pictures.py::test_edits_show`.
+//! is due; where the copy differs from the scene, it is made anew. Tests: `tests/test_pictures.py::test_edits_show`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Trees over what a ray scene holds. Source: original.
+//! Trees over what a ray scene holds.
 //! Meshes lie in one object, each a geometry of it, at their places; instances need a scene: object 0 is that of all meshes,
 //! the others follow. An instance shows a mesh, or another scene with all that is in it. Trees of an earlier state are the start of new ones: what has not changed is shared, what has only moved is
-//! refitted (`docs/explanation/moving.md`). Invariant: ids that come out are those that were given. Proof: `tests/test_scene.py`.
+//! refitted (`docs/explanation/moving.md`). Invariant: ids that come out are those that were given. Tests: `tests/test_scene.py`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Long work while Python looks on: it is done by another thread, and meanwhile this one hears Ctrl-C and tells how far it is.
-//! Source: original. Proof: `tests/test_pictures.py::test_ctrl_c`.
+//! Tests: `tests/test_pictures.py::test_ctrl_c`.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};

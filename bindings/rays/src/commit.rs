@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From the draft of a scene to what can be asked: trees over all enabled geometries. Source: original; Embree's manual.
+//! From the draft of a scene to what can be asked: trees over all enabled geometries. Source: Embree's manual.
 //! Space: that of the scene. Invariant: ids are those under which geometries were attached; bad primitives are left out, as
 //! by Embree. Where a scene is dynamic, or all that was edited is to be refitted, trees follow their geometry.
-//! Proof: `tests/c/embree.c`.
+//! Tests: `tests/c/embree.c`.
 
 use std::borrow::Cow;
 use std::cell::RefCell;

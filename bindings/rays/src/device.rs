@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A device: settings, threads that build, and errors. Source: original; Embree's manual for what is remembered.
+//! A device: settings, threads that build, and errors. Embree's manual for what is remembered.
 //! Invariant: of a thread's errors the first one is remembered until it is asked for, for each device; without a device, too.
-//! Proof: `tests/c/embree.c`.
+//! Tests: `tests/c/embree.c`.
 
 use std::cell::RefCell;
 use std::collections::HashMap;

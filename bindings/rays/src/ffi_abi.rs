@@ -2,7 +2,7 @@
 //! Layouts and numbers of Embree 4's C interface, as far as they are needed here.
 //! Source: the public headers of Embree 4.4, whose facts are restated.
 //! Rays and hits of 1, 4, 8 and 16 lanes are rows of so many values, one behind the other: row R of lane I is number
-//! `R * N + I`, and [`row`] names the rows. Proof: `tests::layouts_are_those_of_the_headers`, and programs of `tests/c`.
+//! `R * N + I`, and [`row`] names the rows. Tests: `tests::layouts_are_those_of_the_headers`, and programs of `tests/c`.
 
 use std::ffi::{c_int, c_uint, c_void};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `rtcNewBuffer`, `rtcSetSharedGeometryBuffer` and their kin: arrays of geometries.
-//! Source: original; Embree's manual. Proof: `tests/c/embree.c`.
+//! Source: Embree's manual. Tests: `tests/c/embree.c`.
 
 use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;

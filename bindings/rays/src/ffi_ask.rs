@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The queries of `gnurt/rays.h`. Source: original; include/gnurt/rays.h. Rays are gathered some thousand at a time; answers are
-//! those of single rays, whatever threads there are. Proof: `tests/c/rays.c`.
+//! The queries of `gnurt/rays.h`. See include/gnurt/rays.h. Rays are gathered some thousand at a time; answers are
+//! those of single rays, whatever threads there are. Tests: `tests/c/rays.c`.
 
 use std::cell::Cell;
 use std::ffi::{c_int, c_uint, c_void};

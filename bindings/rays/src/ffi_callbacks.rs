@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Functions of the program that are told what happens, made safe to call; and exceptions of those that are asked during a query.
-//! Source: original. What they throw ends here, but for that of error functions, which goes on to the program: decision 0017.
+//! What they throw ends here, but for that of error functions, which goes on to the program: decision 0017.
 //! Invariant: who makes one vouches that it may be called, with its pointer, until it is replaced.
 
 use std::cell::Cell;

@@ -3,7 +3,7 @@
 //! Source: the Itanium C++ ABI, "Exception Handling"; the same frame as in `crates/plugins/src/ffi_catch.rs`, where the way it works
 //! is told (decision 0017): neither crate may use the other. The C++ runtime is found among the libraries of the process.
 //! Invariant: nothing unwinds out of [`call`] but forced unwinding. Where: Linux on x86-64 and aarch64; elsewhere an exception
-//! ends the process at the next `catch_unwind`. Proof: `tests/c/throws.cpp`.
+//! ends the process at the next `catch_unwind`. Tests: `tests/c/throws.cpp`.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::fmt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arrays of `gnurt/rays.h`: rows that are read, and places that are written. Source: original; include/gnurt/rays.h.
-//! Invariant: who makes one vouches for the memory. Proof: `tests/c/rays.c`.
+//! Arrays of `gnurt/rays.h`: rows that are read, and places that are written. See include/gnurt/rays.h.
+//! Invariant: who makes one vouches for the memory. Tests: `tests/c/rays.c`.
 
 use std::ffi::c_void;
 

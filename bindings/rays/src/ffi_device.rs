@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcNewDevice` and its kin: devices, their properties, errors and monitors. Source: original; Embree's manual.
-//! Proof: `tests/c/embree.c`.
+//! `rtcNewDevice` and its kin: devices, their properties, errors and monitors. Source: Embree's manual.
+//! Tests: `tests/c/embree.c`.
 
 use std::ffi::{CStr, c_char, c_uint, c_void};
 use std::ptr::null_mut;

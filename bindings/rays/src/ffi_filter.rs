@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Queries during which functions of the program are asked: filters of hits, and tests of user geometry. Source: original; Embree's manual.
+//! Queries during which functions of the program are asked: filters of hits, and tests of user geometry. Source: Embree's manual.
 //!
 //! Callbacks get a packet as wide as the call's (`N`) with one ray that counts, in its lane: programs that work on all lanes at
 //! once, whatever `valid` says, find memory there. Filters see the ray in the program's memory and in the space of the geometry, which is another one inside of instances.
-//! An exception ends at the callback that it leaves: no other is called in this query, which has no hit. Proof: `tests/c/embree.c`,
+//! An exception ends at the callback that it leaves: no other is called in this query, which has no hit. Tests: `tests/c/embree.c`,
 //! `tests/c/frames.c`, `tests/c/throws.cpp`.
 
 use std::collections::HashSet;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `rtcForwardIntersect1/4/8/16` and kin: rays that the test of a user geometry sends on into another scene; and filters that it asks.
-//! Source: original; Embree's manual. Tests get packets in which one ray counts: only that one is sent on, whatever `valid` says.
-//! Proof: `tests/c/embree.c`, `tests/c/frames.c`.
+//! Source: Embree's manual. Tests get packets in which one ray counts: only that one is sent on, whatever `valid` says.
+//! Tests: `tests/c/embree.c`, `tests/c/frames.c`.
 
 use std::ffi::{c_int, c_uint};
 use std::sync::atomic::Ordering;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcNewGeometry` and its kin: settings, callbacks and places of geometries. Source: original; Embree's manual.
-//! Arrays are in `ffi_arrays.rs`. Proof: `tests/c/embree.c`.
+//! `rtcNewGeometry` and its kin: settings, callbacks and places of geometries. Source: Embree's manual.
+//! Arrays are in `ffi_arrays.rs`. Tests: `tests/c/embree.c`.
 
 use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;

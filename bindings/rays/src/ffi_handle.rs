@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Handles: pointers to counted values, lent to the program. Source: original; Embree's manual for who counts.
+//! Handles: pointers to counted values, lent to the program. Embree's manual for who counts.
 //! Invariant: a handle is an `Arc` that was turned into a pointer; a program that uses one after it has released it for
-//! the last time breaks Embree's rules, and ours. No panic gets past [`guarded`]. Proof: `tests/c/embree.c`.
+//! the last time breaks Embree's rules, and ours. No panic gets past [`guarded`]. Tests: `tests/c/embree.c`.
 
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};

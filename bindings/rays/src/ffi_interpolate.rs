@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcInterpolate`: values between the corners of triangles and quads. Source: original; Embree's manual.
-//! Takes a lock that readers share, and no memory: programs call it for each hit. Proof: `tests/c/embree.c`.
+//! `rtcInterpolate`: values between the corners of triangles and quads. Source: Embree's manual.
+//! Takes a lock that readers share, and no memory: programs call it for each hit. Tests: `tests/c/embree.c`.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A ray of a packet in the program's memory, its hit, and the arguments of a query. Source: original; the layouts of Embree 4.4's headers.
-//! Invariant: who makes a [`Lane`] vouches for its memory. Proof: `tests/c/embree.c`, `tests/c/frames.c`.
+//! A ray of a packet in the program's memory, its hit, and the arguments of a query. The layouts of Embree 4.4's headers.
+//! Invariant: who makes a [`Lane`] vouches for its memory. Tests: `tests/c/embree.c`, `tests/c/frames.c`.
 
 use std::ptr::null_mut;
 use std::sync::atomic::Ordering;

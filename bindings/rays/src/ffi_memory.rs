@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Memory of C programs: arrays with gaps that they lend, and blocks that they are lent. Source: original.
+//! Memory of C programs: arrays with gaps that they lend, and blocks that they are lent.
 //! Invariant: a [`View`] is made where the program vouches for its memory; from then on reading it is safe, and no read
-//! goes past its end. Proof: `tests`, and the programs of `tests/c`.
+//! goes past its end. Tests: `tests`, and the programs of `tests/c`.
 
 use std::borrow::Cow;
 use std::ffi::c_void;

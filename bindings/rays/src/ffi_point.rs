@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcPointQuery`: primitives near a point, shown to the program. Source: original; Embree's manual.
+//! `rtcPointQuery`: primitives near a point, shown to the program. Source: Embree's manual.
 //!
 //! The program is shown what is nearer than the radius by our own measure, which is exact for triangles and quads; of user geometry it
 //! is the box that counts. Spheres and lines are not shown, as by Embree. Queries that the program sends on from a user geometry, with places of its own on
 //! the stack, are made in the innermost place's space, by the longest that lengths may become there.
-//! Proof: `tests/c/embree.c`.
+//! Tests: `tests/c/embree.c`.
 
 use std::cell::Cell;
 use std::ffi::{c_int, c_void};

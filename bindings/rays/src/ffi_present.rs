@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a scene was last committed to, without a lock. Source: original; Embree's manual for who may commit when.
-//! Proof: `tests/c/joined.c`, `tests/c/stale.c`.
+//! What a scene was last committed to, without a lock. Embree's manual for who may commit when.
+//! Tests: `tests/c/joined.c`, `tests/c/stale.c`.
 
 use crate::objects::{Committed, Scene};
 

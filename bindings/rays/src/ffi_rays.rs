@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The calls of `gnurt/rays.h` that make and edit scenes. Source: original; include/gnurt/rays.h. Queries are in `ffi_ask.rs`.
-//! No panic gets past [`called`]. Proof: `tests/c/rays.c`.
+//! The calls of `gnurt/rays.h` that make and edit scenes. See include/gnurt/rays.h. Queries are in `ffi_ask.rs`.
+//! No panic gets past [`called`]. Tests: `tests/c/rays.c`.
 
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};

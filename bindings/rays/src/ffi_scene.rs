@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcNewScene` and its kin. Source: original; Embree's manual. Proof: `tests/c/embree.c`, `tests/c/joined.c`.
+//! `rtcNewScene` and its kin. Source: Embree's manual. Tests: `tests/c/embree.c`, `tests/c/joined.c`.
 
 use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;

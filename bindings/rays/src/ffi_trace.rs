@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcIntersect1/4/8/16` and `rtcOccluded1/4/8/16`, and those of traversables. Source: original; Embree's manual.
+//! `rtcIntersect1/4/8/16` and `rtcOccluded1/4/8/16`, and those of traversables. Source: Embree's manual.
 //!
 //! Rays of a packet go through trees together where the program says that they are coherent, there are enough of them and nobody
-//! is asked about hits; else one by one. Proof: `tests/c/embree.c`.
+//! is asked about hits; else one by one. Tests: `tests/c/embree.c`.
 
 use std::ffi::c_int;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! User geometry of Embree's kind: bounds and tests of the program's, called ray by ray, each in a packet as wide as the call's. Source: original; Embree's manual.
+//! User geometry of Embree's kind: bounds and tests of the program's, called ray by ray, each in a packet as wide as the call's. Source: Embree's manual.
 //!
 //! A program's test writes into the ray and its hit whatever it likes: other ids, a normal, what another scene answered. A tree
 //! keeps of that `t`, `u` and `v`; the rest waits in the [`Frame`] of the query, from where the answer is completed.
-//! Invariant: a frame is on its thread's stack for as long as the thread is in its query. Proof: `tests/c/embree.c`.
+//! Invariant: a frame is on its thread's stack for as long as the thread is in its query. Tests: `tests/c/embree.c`.
 
 use std::cell::{Cell, RefCell};
 use std::ffi::c_int;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Straight ribbons that face each ray: Embree's flat linear curves, two vertices with a radius each.
-//! Source: original, from the definition: a ray meets the ribbon where, seen along the ray, it is nearest to the segment, if that is
-//! no farther than the radius there, which grows linearly. Space: object. Proof: `tests`.
+//! From the definition: a ray meets the ribbon where, seen along the ray, it is nearest to the segment, if that is no farther than the radius there, which grows linearly. Space: object. Tests: `tests`.
 
 use gnurt_accel::{Aabb, Ray, UserGeometry, UserHit};
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From the numbers of a tree to the program's geometry, and the normal there. Source: original; Embree's manual for what a normal
-//! is. Space: normals are in the space of the geometry, as Embree has them, and of no certain length.
-//! Proof: `tests/c/embree.c`.
+//! From the numbers of a tree to the program's geometry, and the normal there. Embree's manual for what a normal is. Space: normals are in the space of the geometry, as Embree has them, and of no certain length.
+//! Tests: `tests/c/embree.c`.
 
 use gnurt_accel::Hit;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What `RTCGeometry`, `RTCScene` and `RTCBuffer` point to. In one file, since scenes hold geometries and geometries show
-//! scenes. Source: original; Embree's manual. Invariant: queries read [`Committed`] alone, which never changes; edits wait in the
-//! mutexes for the next commit. Proof: `tests/c/embree.c`.
+//! scenes. Source: Embree's manual. Invariant: queries read [`Committed`] alone, which never changes; edits wait in the
+//! mutexes for the next commit. Tests: `tests/c/embree.c`.
 
 use std::collections::BTreeMap;
 use std::ffi::c_void;

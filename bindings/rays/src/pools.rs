@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Threads by their number, for both doors. Source: original.
+//! Threads by their number, for both doors.
 //! Invariant: after a fork the child makes pools of its own, for threads of its parent are not in it; not even a lock that a thread
-//! of its parent held is waited for. A process keeps the pools that it used last. Proof: `tests/c/edits.c`.
+//! of its parent held is waited for. A process keeps the pools that it used last. Tests: `tests/c/edits.c`.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The scene of `gnurt/rays.h`: what was added, and trees over it. Source: original; include/gnurt/rays.h.
+//! The scene of `gnurt/rays.h`: what was added, and trees over it. See include/gnurt/rays.h.
 //! Invariant: ids are places in the list of parts, and stay. What was committed needs no array of the program: parts keep copies, from
-//! which later commits build. Proof: `tests/c/rays.c`, `tests/c/edits.c`.
+//! which later commits build. Tests: `tests/c/rays.c`, `tests/c/edits.c`.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Affine maps as Embree's formats have them, and as columns in double precision: images of the axes, then of the
-//! origin. Source: original; Embree's manual for the formats. Proof: `tests`.
+//! origin. Embree's manual for the formats. Tests: `tests`.
 
 use crate::ffi_abi::format;
 

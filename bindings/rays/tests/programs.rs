@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! C and C++ programs, built by the system's compilers against the library that cargo has just built, and run; each checks itself
-//! and ends with status 0. And what the library exports. Source: original.
+//! and ends with status 0. And what the library exports.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A cube of edge 2 around the origin. Source: original. Proof: `tests::is_a_cube`, tests/c/shapes.c.
+//! A cube of edge 2 around the origin. Tests: `tests::is_a_cube`, tests/c/shapes.c.
 
 use crate::sink::{Mode, Sink, Vertex};
 

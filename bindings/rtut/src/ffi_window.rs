@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The exported functions of the window, and the program's functions that it calls.
-//! Source: original; names after GLUT. No panic leaves: what one stops has no effect. No lock is held while anything of the
+//! Source: names after GLUT. No panic leaves: what one stops has no effect. No lock is held while anything of the
 //! program's runs, or of libOpenRT's, which calls the program's rtDebugCallback; both may call back, and exceptions of C++
-//! pass to the program's own handler. Proof: tests/window.rs.
+//! pass to the program's own handler. Tests: tests/window.rs.
 
 use std::cell::Cell;
 use std::ffi::{CStr, CString, c_char, c_int, c_uchar};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces over a rectangle of parameters, as rows of quad strips.
-//! Source: original. Units: parameters in [0, 1]. Proof: tests of the shapes.
+//! Units: parameters in [0, 1]. Tests: tests of the shapes.
 
 use crate::sink::{Mode, Sink, Vertex};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The logo without letters: a triangle, what is traced, as a ring around a ball, what pictures of it show.
-//! Source: original. Space: within radius 1 of the origin, seen along -z. Proof: `tests::is_closed`.
+//! Space: within radius 1 of the origin, seen along -z. Tests: `tests::is_closed`.
 
 use std::f64::consts::FRAC_PI_2;
 

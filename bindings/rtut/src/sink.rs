@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where shapes go: the few calls of OpenRT that they make. Source: original. Proof: tests of the shapes.
+//! Where shapes go: the few calls of OpenRT that they make. Tests: tests of the shapes.
 
 /// How vertices make triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

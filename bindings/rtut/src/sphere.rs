@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A sphere of radius 1 around the origin, its poles on the z axis. Source: original.
-//! Proof: `tests::is_a_sphere`, tests/c/shapes.c.
+//! A sphere of radius 1 around the origin, its poles on the z axis.
+//! Tests: `tests::is_a_sphere`, tests/c/shapes.c.
 
 use std::f64::consts::{PI, TAU};
 

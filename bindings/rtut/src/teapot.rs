@@ -3,7 +3,7 @@
 //! Source: the numbers that M. E. Newell published in 1975, as OpenGL programs know them: three quarters as high as his
 //! first ones, with a bottom. Rim, body, lid and bottom are a quarter each, turned; handle and spout a half, mirrored.
 //! Space: Newell's z is up; the caller gets y up and the middle of the height at the origin.
-//! Proof: `tests::{patches_fit, points_outwards}`; the pictures of examples/c.
+//! Tests: `tests::{patches_fit, points_outwards}`; the pictures of examples/c.
 
 use crate::grid::emit;
 use crate::sink::{Sink, Vertex};

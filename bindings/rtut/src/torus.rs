@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A torus around the z axis. Source: original. Proof: `tests::is_a_torus`, tests/c/shapes.c.
+//! A torus around the z axis. Tests: `tests::is_a_torus`, tests/c/shapes.c.
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The window of librtut: without a display, and on one without screen (Xvfb) with real keys and a real mouse (xdotool).
-//! Source: original. The latter is skipped, with a line that says so, where one of these programs is missing.
+//! The latter is skipped, with a line that says so, where one of these programs is missing.
 
 #[path = "../../openrt/tests/common/mod.rs"]
 mod common;

@@ -2,7 +2,7 @@
 //! Rays of a tile that go alone but are prepared together, sixteen at a time: all of them where they have nothing in
 //! common, the last few of a subtree where they had.
 //! Source: the arithmetic of [`NodeRay::new`] and [`BlockRay::new`] in lanes, with the same bits.
-//! Proof: `tests/brute_force.rs` of `gnurt-accel`.
+//! Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::bits::{TILE, each};
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};

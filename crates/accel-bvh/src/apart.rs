@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays of a tile that have nothing in common: one after the other, or, where memory is what they wait for, by turns.
-//! Source: decision 0016. Proof: `tests/brute_force.rs` of `gnurt-accel`, `turns::tests`.
+//! Source: decision 0016. Tests: `tests/brute_force.rs` of `gnurt-accel`, `turns::tests`.
 
 use gnurt_accel_core::beam::has_wide_lanes;
 use gnurt_accel_core::bits::TILE;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Nodes between two keys, whose boxes are mixed as a ray comes to them: of triangles that move, and of instances that do.
-//! Source: original; boxes that are mixed, not unions, are those of Embree's `AABBNodeMB`.
+//! Boxes that are mixed, not unions, are those of Embree's `AABBNodeMB`.
 //! Invariant: a mixed box is met where the box with mixed planes is, up to the slack of slabs.
-//! Proof: `tests/surfaces/motion.rs` of `gnurt-accel`.
+//! Tests: `tests/surfaces/motion.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_simd::{Simd, f32x8, prelude::*};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A wide BVH with leaf blocks of eight of some kind: what spheres, user geometry and instances have in common.
-//! Source: original. Space: that of the primitives. Proof: `tests/mixed.rs` of `gnurt-accel`, `boxes::tests`.
+//! Space: that of the primitives. Tests: `tests/mixed.rs` of `gnurt-accel`, `boxes::tests`.
 
 use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
 

@@ -8,7 +8,7 @@
 //! Boxes that move while the shutter is open are around all of their way; rays, which know their moment, meet them where they are
 //! (`treelet/keys.rs`).
 //! Space: that of the boxes, which are relative to an origin. Invariant: a box is in one treelet, and `homes` tells in which.
-//! Proof: `build::tests`, `update::tests`, `tests/instances.rs` and `tests/moving_instances.rs` of `gnurt-accel`.
+//! Tests: `build::tests`, `update::tests`, `tests/instances.rs` and `tests/moving_instances.rs` of `gnurt-accel`.
 
 mod build;
 mod search;

@@ -14,7 +14,7 @@
 //! the next step until it is so. Steps are at most 2/255 of the node's extent, or the least that there are: see
 //! [`CompactNode::widened`]. Children that do not exist have the upper planes below the lower ones; a ray that meets them
 //! nevertheless, from very far away, finds a leaf without blocks.
-//! Proof: `tests`, `tests/brute_force.rs`, `tests/watertight.rs`.
+//! Tests: `tests`, `tests/brute_force.rs`, `tests/watertight.rs`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 

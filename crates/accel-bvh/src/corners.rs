@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What leaf blocks hold, by block and place. Source: original. Proof: `tests/surfaces/normals.rs`.
+//! What leaf blocks hold, by block and place. Tests: `tests/surfaces/normals.rs`.
 
 use crate::index::BvhIndex;
 use crate::node::WIDTH;

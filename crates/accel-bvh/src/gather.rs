@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Corners of eight triangles at once: out of a mesh's arrays, into lanes. Source: original. Space: object.
-//! Proof: `tests/refit.rs` and `tests/brute_force.rs` of `gnurt-accel`.
+//! Corners of eight triangles at once: out of a mesh's arrays, into lanes. Space: object.
+//! Tests: `tests/refit.rs` and `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::surfaces::{Mesh, Surfaces};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The leaf blocks of a wide BVH over triangles, as tests take them, in less memory, or shared by poses.
-//! Source: original. Invariant: there are blocks, pools or a pose, one of them. Proof: `tests/brute_force.rs`.
+//! Invariant: there are blocks, pools or a pose, one of them. Tests: `tests/brute_force.rs`.
 
 use gnurt_simd::{Level, Simd, dispatch_two, prefer_huge_pages, prefetch};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Size and shape of a wide BVH. Source: the cost is that of [MB90]. Proof: `tests::a_small_tree_is_measured`.
+//! Size and shape of a wide BVH. Source: the cost is that of [MB90]. Tests: `tests::a_small_tree_is_measured`.
 
 use gnurt_accel_core::{INVALID_ID, TreeStats};
 

@@ -8,7 +8,7 @@
 //! Invariant: a mixed box holds what is below it, because mixing never reverses an order (`Moment`); walks mix slopes instead of
 //! planes, and stay within the slack of slabs. So hits are those of a tree over the mixed triangles, bit for bit. Children that do not exist have a box that is finite, so that mixing it is
 //! no NaN, and inside out, so that no ray meets it.
-//! Space: object. Proof: `tests/surfaces/motion.rs` of `gnurt-accel`.
+//! Space: object. Tests: `tests/surfaces/motion.rs` of `gnurt-accel`.
 
 mod walk;
 

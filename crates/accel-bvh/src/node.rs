@@ -10,7 +10,7 @@
 //! Four cache lines. The two rows of an axis lie next to each other: a ray's nearer row is `2 * axis + backwards`.
 //! Children are the bits of floats and there are eight rows, so that `row & 7` needs no further check.
 //! Invariant: children that do not exist have the box from +inf to -inf, which no ray meets.
-//! Proof: `tests::children_say_what_they_are`.
+//! Tests: `tests::children_say_what_they_are`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One ray against the eight boxes of a node.
 //! Source: slabs, [KK86]; `slab.rs` of `gnurt-accel-core` prepares rays and adds up what is rounded.
-//! Invariant: what a triangle test hits is in no box that is skipped. Proof: `tests/watertight.rs` of `gnurt-accel`.
+//! Invariant: what a triangle test hits is in no box that is skipped. Tests: `tests/watertight.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
 use gnurt_accel_core::slab::Slabs;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tile's rays prepared for planes: sixteen of them against one box, or one of them against eight.
-//! Source: as `node_ray.rs`, in lanes of rays. Proof: `tests/brute_force.rs`.
+//! Source: as `node_ray.rs`, in lanes of rays. Tests: `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x16, prelude::*};
 

@@ -2,7 +2,7 @@
 //! From a point to the nearest primitive under a wide BVH: nearest boxes first, boxes beyond the best are skipped.
 //! Source: [WBB08] for the eight boxes at once; nearest first after [RKV95]. Space: that of the tree.
 //! Invariant: a box is skipped only where it surely is farther: the point is rounded outwards, and squares of distances
-//! count as a millionth less than they were computed. Proof: `tests/closest_point.rs`.
+//! count as a millionth less than they were computed. Tests: `tests/closest_point.rs`.
 
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Leaf blocks in less memory: neighbours share a pool of corners, of which each is there once.
-//! Source: original. Space: object.
+//! Space: object.
 //!
 //! ```text
 //!  block, 64 bytes = a cache line                                        corners, 12 bytes each
@@ -9,7 +9,7 @@
 //!
 //! The bytes say by corner and place where in the pool it starts, in floats. Places that are left over repeat the
 //! first triangle. A pool is closed when one more block might not fit into it, so what a block needs lies within 259 floats.
-//! Invariant: expanded, a block has the corners and numbers that it was made from, bit for bit. Proof: `tests`,
+//! Invariant: expanded, a block has the corners and numbers that it was made from, bit for bit. Tests: `tests`,
 //! `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x4, prefer_huge_pages, prelude::*};

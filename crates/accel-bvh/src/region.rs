@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All primitives under a wide BVH that may meet a region. Source: original.
+//! All primitives under a wide BVH that may meet a region.
 //! Invariant: leaves show primitives by boxes of their own, so that few are looked at closely. A primitive may come several
-//! times. Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
+//! times. Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use std::ops::Range;
 

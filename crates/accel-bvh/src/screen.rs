@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a wide BVH over triangles is built from: those that can be traced, as references, or as middles for a fast build, in one
 //! pass over them.
-//! Source: original. Space: object. Invariant: what is taken, and what is counted, is what `accel_core::screened` takes and
-//! counts. Proof: `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
+//! Space: object. Invariant: what is taken, and what is counted, is what `accel_core::screened` takes and
+//! counts. Tests: `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use std::ops::Range;
 

@@ -3,7 +3,7 @@
 //! Source: [HGA19] for the quadratic: the discriminant from the point of the ray that is nearest to the centre, and the
 //! root that cancels from the one that does not. Space: object.
 //! Invariant: every level does the same roundings in the same order. The error of the test, about ten units of 2^-24
-//! across the ray, is within the slack of boxes (`slab.rs`). Proof: `tests/mixed.rs`.
+//! across the ray, is within the slack of boxes (`slab.rs`). Tests: `tests/mixed.rs`.
 
 mod store;
 

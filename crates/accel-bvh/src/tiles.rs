@@ -7,7 +7,7 @@
 //! (masks, the paper's Figure 4); a few that are left go on alone ([BWW*12]), and a few that come to a leaf are tested there
 //! one by one. Rays that look for any hit visit children in the builder's order, which promises hits, not front to back.
 //! In: a tile whose first `count` rays have one heading. Each ray gets the hit that it would get alone.
-//! Proof: `tests/brute_force.rs` of `gnurt-accel`.
+//! Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::beam::Slopes;
 use gnurt_accel_core::bits::{TILE, all};

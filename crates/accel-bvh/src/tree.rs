@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A wide BVH without what it is built over. Source: [WBB08]; compact nodes after [YKL17].
 //! Space: that of the primitives. Invariant: no node is deeper than [`DEEPEST`]; nodes are of one form.
-//! Proof: `build::tests`.
+//! Tests: `build::tests`.
 
 use std::sync::Arc;
 

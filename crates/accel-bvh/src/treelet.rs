@@ -4,7 +4,7 @@
 //! children, and lie behind the nodes; children come after their parents, so that one pass from the end refits.
 //! Where members move while the shutter is open, boxes are around all of their ways, and `keys.rs` has those of moments.
 //! Space: that of the boxes. Invariant: a box of a node is the smallest around what is below it, or empty.
-//! Proof: `tests`, `boxes::update::tests`.
+//! Tests: `tests`, `boxes::update::tests`.
 
 mod fit;
 mod keys;

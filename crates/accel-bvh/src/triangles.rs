@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One ray through the triangles of a wide BVH. Walks of fast trees, whose nodes and blocks lie in memory as tests take them,
 //! are compiled for what is looked for; those of compact ones once.
-//! Source: original. Space: object. Proof: `tests/brute_force.rs` of `gnurt-accel`.
+//! Space: object. Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
 use gnurt_accel_core::collect::Collect;

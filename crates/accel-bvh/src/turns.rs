@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays that have nothing in common, many of them on their way at the same time.
-//! Source: original; group prefetching of \[CAGM04\], applied to rays.
+//! Group prefetching of \[CAGM04\], applied to rays.
 //!
 //! A ray by itself waits for memory: where it goes next depends on what it has just read. Here [`AT_ONCE`] rays take turns.
 //! In each round those at nodes are tested first, one after the other without a branch between them; then each chooses its
 //! next child, whose memory is asked for at once; then those at leaves test their triangles. Where a ray is done, the next
 //! one of the tile takes its place.
-//! Invariant: each ray visits what it would visit by itself, in that order. Proof: `tests`.
+//! Invariant: each ray visits what it would visit by itself, in that order. Tests: `tests`.
 
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::collect::{BestOf, Collect};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! User geometry under a wide BVH: leaf blocks of eight, tested one by one by the caller's code.
-//! Source: original. Space: object. Proof: `tests/mixed.rs`.
+//! Space: object. Tests: `tests/mixed.rs`.
 
 use std::sync::Arc;
 

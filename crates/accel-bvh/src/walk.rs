@@ -2,7 +2,7 @@
 //! One ray through the tree: nearest children first, what lies beyond the best hit is skipped.
 //! Source: [WBB08]; the entries that wait are sorted as numbers, distance in the upper bits, child in the lower.
 //! Cost: a node is one test of eight boxes. Zero, one and two children met are by far the most frequent and go without
-//! any sorting. Proof: `tests/brute_force.rs`.
+//! any sorting. Tests: `tests/brute_force.rs`.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Axis-aligned boxes.
-//! Source: original. Space: whatever the caller's points are in.
-//! Invariant: `min[k] <= max[k]`, or the box is [`Aabb::EMPTY`]. Proof: `tests::boxes_grow_and_measure`.
+//! Space: whatever the caller's points are in.
+//! Invariant: `min[k] <= max[k]`, or the box is [`Aabb::EMPTY`]. Tests: `tests::boxes_grow_and_measure`.
 
 /// The points `p` with `min[k] <= p[k] <= max[k]`.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays carried into the space of an instance.
-//! Source: original; two levels after [WBS03a]. Invariant: a tile's rays get the bits that each would get alone.
-//! Proof: `scene::instance::tests::carries_rays` and `tests/instances.rs` of `gnurt-accel`.
+//! Source: two levels after [WBS03a]. Invariant: a tile's rays get the bits that each would get alone.
+//! Tests: `scene::instance::tests::carries_rays` and `tests/instances.rs` of `gnurt-accel`.
 
 use crate::ray::Ray;
 

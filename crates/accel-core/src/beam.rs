@@ -4,7 +4,7 @@
 //! not start in one point.
 //! Parameters count steps along the axis on which all rays move most (the direction divided by its longest component):
 //! then slopes are intervals as narrow as the rays allow, whatever the lengths of the directions.
-//! Invariant: a box that one of the rays meets within its reach is among the bits. Proof: `tests/brute_force.rs` of `gnurt-accel`.
+//! Invariant: a box that one of the rays meets within its reach is among the bits. Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 

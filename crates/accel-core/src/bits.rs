@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sets of a tile's rays as bits of a word. Source: original. Proof: `tests::bits_are_places`.
+//! Sets of a tile's rays as bits of a word. Tests: `tests::bits_are_places`.
 
 /// Rays per tile: one bit each in a word.
 pub const TILE: usize = 64;

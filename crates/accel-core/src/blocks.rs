@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Leaves of triangles: blocks of eight, corner by corner and axis by axis in lanes.
-//! Source: original; the test is [WBW13]. Space: object.
+//! The test is [WBW13]. Space: object.
 //! Invariant: lanes that are left over repeat the block's first triangle, which changes no answer.
-//! Proof: `tests/brute_force.rs`.
+//! Tests: `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tile cut into chunks of sixteen rays: what each of them, and all together, may still meet.
 //! Source: [RSH05] (intervals); the second level of intervals is original. Invariant: `farthest` is the largest `ahead`.
-//! Proof: `tests/brute_force.rs`.
+//! Tests: `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x16};
 

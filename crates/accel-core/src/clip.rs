@@ -2,7 +2,7 @@
 //! The box of what a node sees of a triangle ("perfect splits").
 //! Source: [WH06] section 4.1; polygons are clipped plane by plane [SH74], in double precision.
 //! Boxes are rounded to the nearest float: they may miss the polygon by half a unit in the last place, which the
-//! traversal's slack covers (`slab.rs`). Proof: `tests::{parts_cover_the_whole, outside_is_nothing,
+//! traversal's slack covers (`slab.rs`). Tests: `tests::{parts_cover_the_whole, outside_is_nothing,
 //! boxes_are_those_of_the_true_polygons}`, `tests/brute_force.rs` (`flat_but_for_one_bit`).
 
 use crate::aabb::Aabb;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray that is being traced collects. Source: original.
-//! Proof: `trip::tests`, `tests/brute_force.rs` of `gnurt-accel`.
+//! What a ray that is being traced collects.
+//! Tests: `trip::tests`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use std::marker::PhantomData;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a program may say to a build while it runs, and what it is told. Source: original.
+//! What a program may say to a build while it runs, and what it is told.
 //! Memory is counted where it is large: what grows with the number of triangles, when it is taken and given back. What
 //! few triangles take comes and goes uncounted.
-//! Invariant: without an error from [`Watch::result`] nothing was left out. Proof: `tests/control.rs`.
+//! Invariant: without an error from [`Watch::result`] nothing was left out. Tests: `tests/control.rs`.
 
 use std::fmt;
 use std::sync::Mutex;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Triangles seen from the one point where all rays of a tile start: planes through it and the edges tell which triangles
 //! the rays pass by.
-//! Source: original; that edge functions are linear in the slopes of rays from one point is [RSH05]'s and [WBS06]'s.
+//! That edge functions are linear in the slopes of rays from one point is [RSH05]'s and [WBS06]'s.
 //!
 //! With corners `a`, `b`, `c` relative to the point and the ray's slopes `sx`, `sy` along the longest axis, the test of
 //! `triangle/lanes.rs` has `w0 = n.z + sx * n.x + sy * n.y` where `n = c x b`, and so for the others: six fused
@@ -11,7 +11,7 @@
 //! 1 and `u = 2^-24`: the test's own `w` is at most `40 u m^2` off (`px`, `py`: `3 u m` and at most `2 m`; products: `16 u m^2`
 //! for their roundings and `24 u m^2` for those of their factors); `n` is `4 u m^2` off in each component, the sum above
 //! `28 u m^2` in all. `ROUNDING` is 128 `u`, and `UNDERFLOW` covers products that are too small for floats. A viewpoint
-//! is refused where products may overflow. Proof: `tests::bounds_hold`, `tests/brute_force.rs`.
+//! is refused where products may overflow. Tests: `tests::bounds_hold`, `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 

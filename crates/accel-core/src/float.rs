@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Floats one by one and in lanes, for arithmetic that is written once for both.
-//! Source: original. Invariant: a function over [`Number`] gives a lane the bits that it gives a float.
-//! Proof: `tests::lanes_do_what_floats_do`.
+//! Invariant: a function over [`Number`] gives a lane the bits that it gives a float.
+//! Tests: `tests::lanes_do_what_floats_do`.
 
 use std::ops::{Add, Div, Mul, Sub};
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a tree is built over: the kinds of geometry, and one numbering for all of their primitives.
-//! Source: original; the kinds and the two halves of a quad are Embree's. Space: object.
+//! The kinds and the two halves of a quad are Embree's. Space: object.
 //! Invariant: numbers ascend with the geometry, then with the primitive, so that they order hits as their ids do.
-//! Proof: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
+//! Tests: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
 
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 //! Where rays go: the signs of their directions and the axis along which they move most. Rays of one heading go through a
 //! tree together.
 //! Source: [RSH05] (rays of one octant); the longest axis is what the sheared space of [WBW13] depends on.
-//! Proof: `tile_kernels::tests::headings_part_a_tile`.
+//! Tests: `tile_kernels::tests::headings_part_a_tile`.
 
 use crate::bits::TILE;
 

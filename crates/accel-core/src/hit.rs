@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a ray found: ids and parameters, nothing about how it looks.
-//! Source: original; the fields are those that Embree and the flow of ARCHITECTURE.md use.
+//! The fields are those that Embree and the flow of ARCHITECTURE.md use.
 //! Invariant: a batch's arrays have one length; a lane that missed has `t == inf` and `prim_id == INVALID_ID`.
 
 /// The id of what is not there.

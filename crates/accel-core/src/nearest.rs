@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The best hit so far, for closest-hit and any-hit queries, and which of two is the better one.
-//! Source: original.
 //! Invariant: of hits at the same `t` the one with the lowest instance, then the lowest primitive wins, so that the
 //! answer does not depend on the order of visits. [`Nearest::offer`] and [`closer`] are the only places that say so.
-//! Proof: `tests::{ties_go_to_the_lowest, lanes_choose_alike}`.
+//! Tests: `tests::{ties_go_to_the_lowest, lanes_choose_alike}`.
 
 use gnurt_simd::{Simd, SimdFloat, prelude::*};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How a tree is to be built.
-//! Source: original; the cost model's names are those of [MB90, WH06].
+//! The cost model's names are those of [MB90, WH06].
 
 /// Which ray-triangle test an object uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A primitive as trees show it to questions that are decided outside of them. Source: original. Space: object.
+//! A primitive as trees show it to questions that are decided outside of them. Space: object.
 
 use crate::user::UserGeometry;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How a batch of rays is to be traced, and what tracing it took.
-//! Source: original.
 
 use gnurt_simd::Level;
 
@@ -40,7 +39,7 @@ impl Default for Query {
 /// Sums over rays: a tile adds one for each of its rays that may meet a node or is tested against a triangle. Rays of a
 /// tile go through the tree in one order, so a tile counts more than its rays would one by one; every level that has tiles
 /// counts the same nodes, and the same triangles but for AVX-512, where fewer are tested for rays one by one.
-/// Proof: `tests/counters.rs`.
+/// Tests: `tests/counters.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
     /// Rays asked for.

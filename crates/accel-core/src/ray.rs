@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays. Source: original. Space: that of the structure that is asked (world for a scene, object for an object's tree).
-//! Proof: `tests::directions_of_any_length_are_made_regular`.
+//! Rays. Space: that of the structure that is asked (world for a scene, object for an object's tree).
+//! Tests: `tests::directions_of_any_length_are_made_regular`.
 
 use std::borrow::Cow;
 

@@ -3,7 +3,7 @@
 //! Source: [SSM*05]; fields as structure of arrays after the paper's Figure 4.
 //! Space: that of the structure that is asked.
 //! Invariant: all vectors of a batch have the same length, but for masks and moments, which may be missing altogether.
-//! Proof: `tests::push_and_get`.
+//! Tests: `tests::push_and_get`.
 
 use crate::ray::Ray;
 

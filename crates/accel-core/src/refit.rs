@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Why a tree cannot be fitted to geometry that has moved. Source: original.
+//! Why a tree cannot be fitted to geometry that has moved.
 
 /// Why a tree cannot be refitted: it is to be built again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,7 @@
 //! levels, since what is found is decided afterwards, exactly.
 //! Invariant: what meets the region lies in no box that is skipped: boxes are widened by what they were rounded by (`SLACK`), by
 //! what doubles round, and by what may be off in the space of an instance, which is measured on the way back.
-//! Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
+//! Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use crate::blocks::WIDTH;
 use crate::exact::Line;

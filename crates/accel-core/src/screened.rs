@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The triangles of an object, halves of quads among them, without those that cannot be traced.
-//! Source: original. Space: object. Invariant: what passes has finite, in-range, non-flat corners.
-//! Proof: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
+//! Space: object. Invariant: what passes has finite, in-range, non-flat corners.
+//! Tests: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
 
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Those of eight triangles that may meet a region, by boxes of their own. Source: original. Space: object.
-//! Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs` of `gnurt-accel`.
+//! Those of eight triangles that may meet a region, by boxes of their own. Space: object.
+//! Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs` of `gnurt-accel`.
 
 use crate::bits::each;
 use crate::blocks::{TriangleBlock, WIDTH};

@@ -7,7 +7,7 @@
 //! the greatest coordinate of the tree and `away` that of the origin: 17 units of 2^-24 for the tests and 5 for boxes
 //! (the kd-tree's `slab.rs`), 3 for the difference of products, and 5 more where nodes are compact. The slack is part of
 //! the term that is subtracted: it costs nothing.
-//! Invariant: what a triangle test hits is in no box that is skipped. Proof: `tests/watertight.rs` of `gnurt-accel`.
+//! Invariant: what a triangle test hits is in no box that is skipped. Tests: `tests/watertight.rs` of `gnurt-accel`.
 
 use crate::float::{FLATTEST, Number};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The size and shape of a tree, for people.
-//! Source: original; the cost is that of [MB90].
+//! The cost is that of [MB90].
 
 /// What a tree consists of.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where the corners of an object's triangles are found: meshes of triangles and of quads under one numbering.
-//! Source: original. Space: object. Proof: `screened::tests`, `tests/refit.rs` of `gnurt-accel`.
+//! Space: object. Tests: `screened::tests`, `tests/refit.rs` of `gnurt-accel`.
 
 use std::ops::Range;
 

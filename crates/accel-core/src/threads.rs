@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who does the work of a build. Source: original. Invariant: what is built is the same for any number of threads.
+//! Who does the work of a build. Invariant: what is built is the same for any number of threads.
 
 use rayon::prelude::*;
 

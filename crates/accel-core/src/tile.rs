@@ -4,7 +4,7 @@
 //! Space: as the rays that went in.
 //! Invariant: a tile's lanes are plain arrays, so that the same tile serves every SIMD level; `active` says which lanes
 //! hold a ray that can hit something. The others hold nothing that may be looked at.
-//! Proof: `tile_kernels::tests`.
+//! Tests: `tile_kernels::tests`.
 
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What is done to whole tiles outside of trees, sixteen rays at a time: a table of small functions for each level.
-//! Source: original. Space: that of the rays.
-//! Invariant: every level answers with the same bits. Proof: `tests::headings_part_a_tile`, `tests/pencils.rs` and
+//! Space: that of the rays.
+//! Invariant: every level answers with the same bits. Tests: `tests::headings_part_a_tile`, `tests/pencils.rs` and
 //! `tests/instances.rs` of `gnurt-accel`.
 
 use std::marker::PhantomData;

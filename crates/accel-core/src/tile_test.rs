@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One triangle against sixteen rays of a tile, and what that does to their best hits.
 //! Source: [WBW13] in lanes of rays. Space: object. In: a triangle that a chunk's rays may meet.
-//! Invariant: each ray gets the hit that it would get alone. Proof: `tests/brute_force.rs` of `gnurt-accel`.
+//! Invariant: each ray gets the hit that it would get alone. Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The trip: rays under way through trees, and what they have found so far. One value goes from a query through scenes and
 //! objects to the kernels; each of these looks at it, goes on with it, or with one made from it for an inner space.
-//! Source: original. Space: that of the tree that is entered.
+//! Space: that of the tree that is entered.
 //! Invariant: a trip's `nearest` says how far it is still of interest, whatever its kind.
-//! Proof: `tests::{scaled_trips_find_unscaled_hits, one_by_one_is_each}`, `tests/brute_force.rs` of `gnurt-accel`.
+//! Tests: `tests::{scaled_trips_find_unscaled_hits, one_by_one_is_each}`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_simd::Simd;
 

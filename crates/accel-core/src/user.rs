@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Geometry of the caller's own making: boxes and a test per primitive.
-//! Source: original; what Embree calls user geometry and OptiX custom primitives. Space: object.
-//! Proof: `tests/mixed.rs`.
+//! What Embree calls user geometry and OptiX custom primitives. Space: object.
+//! Tests: `tests/mixed.rs`.
 
 use std::fmt;
 

@@ -6,7 +6,7 @@
 //! that is below the left one, then all below the right one, whoever built them.
 //! Cost: events are sorted once; a node's are filtered and merged. At most two generations of a path are alive.
 //! Invariant: the tree does not depend on the threads; its leaves hold at most `reference_budget` times n references,
-//! shared out to subtrees by their size. Proof: `tests/kd_build.rs`.
+//! shared out to subtrees by their size. Tests: `tests/kd_build.rs`.
 
 use gnurt_simd::{Level, dispatch_two};
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What builders of kd-trees have in common: cells, subtrees, and who builds.
-//! Source: [WH06] for what a cell is; budgets original. Space: object. Proof: `tests/kd_build.rs` of `gnurt-accel`.
+//! Source: [WH06] for what a cell is; budgets original. Space: object. Tests: `tests/kd_build.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::control::Watch;

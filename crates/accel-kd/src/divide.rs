@@ -9,7 +9,7 @@
 //!
 //! So a builder that goes down to the left puts the left child on top and needs no memory of its own per node.
 //! Invariant: triangles are numbered anew in every node, in the order of their numbers in the parent, so that
-//! filtered events stay sorted and arrays by number stay as small as the node. Proof: `tests/kd_build.rs`,
+//! filtered events stay sorted and arrays by number stay as small as the node. Tests: `tests/kd_build.rs`,
 //! `naive::tests`.
 
 use crate::event::{Event, Kind, push_events};

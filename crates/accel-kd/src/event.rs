@@ -3,7 +3,7 @@
 //! Source: [WH06] section 4.2. Differs: an event is one 64-bit number whose order is the order of the sweep, so
 //! sorting and merging compare integers and an event takes 8 bytes.
 //! Invariant: bits 63..32 order like the position, 31..30 are the kind (end < flat < start), 29..0 the triangle's
-//! number in its node. Proof: `tests::order_is_position_then_kind`.
+//! number in its node. Tests: `tests::order_is_position_then_kind`.
 
 use gnurt_accel_core::Aabb;
 

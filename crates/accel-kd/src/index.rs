@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An object's triangles under a kd-tree.
-//! Source: original. Space: object. Proof: `tests/brute_force.rs`.
+//! Space: object. Tests: `tests/brute_force.rs`.
 
 mod corners;
 mod region;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The leaves of a kd-tree as rows of triangle blocks, in the order in which the tree holds them.
-//! Source: original. A triangle that lies in several leaves is copied into each: what a leaf tests lies together.
-//! Invariant: leaf 0 is the empty one. Proof: `tests/brute_force.rs`.
+//! A triangle that lies in several leaves is copied into each: what a leaf tests lies together.
+//! Invariant: leaf 0 is the empty one. Tests: `tests/brute_force.rs`.
 
 mod store;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An oracle for whole trees: the same greedy rules as `build.rs`, without events, merging or numbering.
 //! Source: [MB90, WH06]; every plane of every box is tried, and every box is looked at for each: O(n^2) per node.
-//! Proof: `tests::the_built_tree_costs_what_the_naive_one_does` is the comparison itself.
+//! Tests: `tests::the_built_tree_costs_what_the_naive_one_does` is the comparison itself.
 
 use crate::sah::{Costs, Passed, Plane, Shares, Side};
 use gnurt_accel_core::Aabb;

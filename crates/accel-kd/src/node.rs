@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A plane that is stored lies up to two units in the last place beside the one that the builder divided at;
-//! `slab.rs` widens every interval by more than that. Proof: `tests::planes_move_by_two_ulps_at_most`.
+//! `slab.rs` widens every interval by more than that. Tests: `tests::planes_move_by_two_ulps_at_most`.
 
 mod store;
 

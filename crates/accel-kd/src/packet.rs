@@ -3,7 +3,7 @@
 //! Source: the paper's section 5.1 and Figure 4 (masked traversal of packets); [WSBW01].
 //! In: a packet whose active lanes have one [`Heading`], so that all agree on which child is
 //! nearer. A lane is alive in a node while its interval is not empty, which is exactly where a single ray would go:
-//! each lane gets the same tests in the same order as in `single.rs`. Proof: `tests/brute_force.rs` (`ask`).
+//! each lane gets the same tests in the same order as in `single.rs`. Tests: `tests/brute_force.rs` (`ask`).
 
 use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::nearest::Kind;

@@ -3,7 +3,7 @@
 //! Source: [Bad90] as in [Wal04] section 7.1. Differs: distances are taken from the first corner instead of the origin
 //! of space, which costs nothing and keeps precision far from it.
 //! Bound: corners and planes are rounded, so rays may pass between neighbours; a direction in the triangle's plane
-//! gives NaN or infinity and misses. Proof: `tests::precise_on_plain_triangles`, `tests/brute_force.rs`.
+//! gives NaN or infinity and misses. Tests: `tests::precise_on_plain_triangles`, `tests/brute_force.rs`.
 
 mod store;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All triangles under a kd-tree that may meet a region. Source: original.
+//! All triangles under a kd-tree that may meet a region.
 //! Invariant: what meets the region lies in a cell whose leaf lists its triangle; cells are widened as boxes are (`region.rs`).
-//! Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
+//! Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::region::{Rows, Sieve};

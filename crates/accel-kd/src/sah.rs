@@ -2,7 +2,7 @@
 //! The surface area heuristic: which plane makes a node cheapest for a random ray.
 //! Source: [MB90] for the cost, [WH06] for the sweep, its order of events and the side of flat triangles.
 //! Differs: planes at the node's own faces are no candidates.
-//! Cost: one pass over the sorted events per axis. Proof: `tests::the_sweep_finds_the_naive_minimum`.
+//! Cost: one pass over the sorted events per axis. Tests: `tests::the_sweep_finds_the_naive_minimum`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*, u32x8};
 

@@ -6,7 +6,7 @@
 //! Triangles are seen as boxes cut at planes; the exact builder's perfect splits are left out.
 //! Cost: two passes over a node's boxes, and one that parts them; nothing is sorted.
 //! Invariant: counts are exact below 2^24 triangles, and sums do not depend on who counts, so the tree depends neither
-//! on the threads nor on the CPU. Proof: `tests::{few_are_weighed_exactly, samples_come_close_to_the_minimum}`,
+//! on the threads nor on the CPU. Tests: `tests::{few_are_weighed_exactly, samples_come_close_to_the_minimum}`,
 //! `tests/kd_build.rs`.
 
 use gnurt_simd::{Simd, dispatch_two, f32x4, f32x8, mask32x8, prelude::*, u32x8};

@@ -10,7 +10,7 @@
 //!
 //! A component of the direction that is tiny or zero is taken to be 2^-30 of the longest, with its sign: over the
 //! whole scene that moves a point by far less than the slack, and no infinity and no `0 * inf` can arise. The sign bit
-//! decides which child is nearer, for -0.0 too. Proof: `tests/axis_parallel.rs`, `tests/watertight.rs`.
+//! decides which child is nearer, for -0.0 too. Tests: `tests/axis_parallel.rs`, `tests/watertight.rs`.
 
 use gnurt_accel_core::float::{Number, least, most};
 use gnurt_accel_core::slab::inverse;

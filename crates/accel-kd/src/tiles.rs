@@ -4,7 +4,7 @@
 //! some ray may meet it. Differs: the tile goes on to the leaves, nearest first, instead of stopping at an entry point;
 //! triangles are discarded for the whole tile and then for each sixteen rays of it before any ray is tested. Origins
 //! need not be one point: they are an interval, too. Mailboxes [AW87].
-//! Invariant: a leaf that one of the rays alone would come to before its hit is visited. Proof: `tests/brute_force.rs`.
+//! Invariant: a leaf that one of the rays alone would come to before its hit is visited. Tests: `tests/brute_force.rs`.
 
 use gnurt_accel_core::beam::{Beam, CHUNKS, Ranges};
 use gnurt_accel_core::bits::TILE;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sends a million rays through vertices and edges of closed meshes, near, far away and tiny, in every kind of tree, and counts
 //! those whose crossings are not what whole numbers say; asks as many points at vertices, on edges and beside them for their
-//! side. Source: original. Run: `cargo run --release -p gnurt-accel --example crossings [RAYS]`
+//! side. Run: `cargo run --release -p gnurt-accel --example crossings [RAYS]`
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::time::Instant;

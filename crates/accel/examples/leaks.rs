@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sends a hundred million rays at the vertices and edges of closed meshes from inside, near the origin and a million
-//! units away, in every way to ask, and counts those that get out. Source: original.
+//! units away, in every way to ask, and counts those that get out.
 //! Run: `cargo run --release -p gnurt-accel --example leaks [RAYS]`
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 

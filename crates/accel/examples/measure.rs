@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Builds a tree over the meshes of PLY files and traces camera-like rays: the numbers of docs/explanation/kernels.md.
-//! Source: original. Run: `cargo run --release -p gnurt-accel --example measure -- 0,0,5 0,0,0 0,1,0 40 mesh.ply...`
+//! Run: `cargo run --release -p gnurt-accel --example measure -- 0,0,5 0,0,0 0,1,0 40 mesh.ply...`
 //! (eye, target, up, vertical field of view in degrees; binary little-endian PLY of triangles, float positions first).
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Writes saved trees of every kind, for `fuzz/` to start `accel_tree` from. Source: original.
+//! Writes saved trees of every kind, for `fuzz/` to start `accel_tree` from.
 //! Run: `cargo run -p gnurt-accel --example saved_trees -- FOLDER`.
 //! Each holds few triangles, so that most changes meet something that counts.
 

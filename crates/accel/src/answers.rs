@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where a batch's answers go. Source: original. Proof: `tests/brute_force.rs`.
+//! Where a batch's answers go. Tests: `tests/brute_force.rs`.
 
 use gnurt_accel_core::bits::each;
 use gnurt_accel_core::nearest::Nearest;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What objects and scenes answer alike: the bodies of their methods (`queries/`).
-//! Source: original. Proof: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/filters.rs`, `tests/masks.rs`.
+//! Tests: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
 use gnurt_accel_bvh::BvhIndex;
 use gnurt_accel_core::nearest::Nearest;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From batches to tiles, and to answers.
-//! Source: original.
 //!
 //! The way of a coherent batch: `UnderWay` (`under_way.rs`; `sorted.rs` where its rays are to be sorted) loads 64 rays at a time -> [`Target::tile`] -> the scene's top tree, where there
 //! is one (`scene/walk.rs`) -> `ObjectTree::tile` parts rays of different headings (`together.rs`) -> the table of kernels of

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lists of all hits of a ray, made of those that are shown to a callback one by one.
-//! Source: original; filters and collecting all hits are what Embree's filter functions are used for.
-//! Proof: `tests/filters.rs`, `tests/all_hits.rs`.
+//! Filters and collecting all hits are what Embree's filter functions are used for.
+//! Tests: `tests/filters.rs`, `tests/all_hits.rs`.
 
 use crate::Hit;
 

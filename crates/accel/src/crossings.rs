@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How often a ray crosses surfaces. Source: original; triangles are decided by `exact/line.rs`.
+//! How often a ray crosses surfaces. Triangles are decided by `exact/line.rs`.
 //! Space: world, or that of an object that is asked directly. Invariant: of a closed mesh it is an even number for rays that
-//! begin and end outside, wherever they go through it. Proof: `tests/surfaces/crossings.rs`.
+//! begin and end outside, wherever they go through it. Tests: `tests/surfaces/crossings.rs`.
 
 use crate::surfaces::Seen;
 use crate::target::Target;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Many objects of one kind, each in its own pose: trees that share their structure, and are one where poses are equal.
-//! Source: original; the paper's section 6 asks for it. Space: object.
-//! Invariant: a tree is that of its pose, whoever came first. Proof: `tests/poses.rs`.
+//! The paper's section 6 asks for it. Space: object.
+//! Invariant: a tree is that of its pose, whoever came first. Tests: `tests/poses.rs`.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Normals of hits, and rays that see one side of surfaces only. Source: original; docs/reference/queries.md.
-//! Proof: `tests/surfaces/normals.rs`.
+//! Normals of hits, and rays that see one side of surfaces only. See docs/reference/queries.md.
+//! Tests: `tests/surfaces/normals.rs`.
 
 use crate::lists::answer_each;
 use crate::target::Target;

@@ -2,7 +2,7 @@
 //! Whether points lie in closed meshes. Source: original: a ray's crossings, counted without rounding (`crossings.rs`), are even
 //! outside and odd inside. Space: world, or that of an object that is asked directly.
 //! Invariant: no point is on the wrong side, however near it is, and whatever vertices and edges are in the way.
-//! Proof: `tests/surfaces/inside.rs`.
+//! Tests: `tests/surfaces/inside.rs`.
 
 use crate::Query;
 use crate::crossings::Crossed;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Answers to many questions: one each, or lists of different lengths side by side; and threads that share the work.
-//! Source: original. Invariant: what is answered does not depend on the threads. Proof: `tests/surfaces/inside.rs`, `tests/surfaces/overlaps.rs`.
+//! Invariant: what is answered does not depend on the threads. Tests: `tests/surfaces/inside.rs`, `tests/surfaces/overlaps.rs`.
 
 use std::ops::Range;
 

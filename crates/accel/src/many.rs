@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A million rays in one call: rays in slices or other programs' arrays, traced in batches by the threads of a pool.
-//! Source: original. Each thread gathers some rays at a time into a batch of its own, which costs a hundredth of tracing them.
+//! Each thread gathers some rays at a time into a batch of its own, which costs a hundredth of tracing them.
 //! Invariant: answers are those of single rays, bit for bit, whatever threads there are; also of rays whose origins are no
-//! floats, which scenes trace one by one, in double precision. Proof: `tests/surfaces/slices.rs`.
+//! floats, which scenes trace one by one, in double precision. Tests: `tests/surfaces/slices.rs`.
 
 use std::ops::Range;
 

@@ -2,7 +2,7 @@
 //! A tree that follows its geometry from frame to frame: refitted while that pays, rebuilt where it no longer does.
 //! Source: [WBS06] for the refit; when to rebuild is the rule of ski rental (rent until the rent has come to the price), with
 //! the cost of [MB90] as the rent; docs/explanation/moving.md has its measurements. Space: object.
-//! Invariant: a tree that somebody else holds is never touched: frames in flight keep theirs. Proof: `tests/moving.rs`.
+//! Invariant: a tree that somebody else holds is never touched: frames in flight keep theirs. Tests: `tests/moving.rs`.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

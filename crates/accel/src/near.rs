@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Several nearest primitives of a point, and all that touch a ball around it.
-//! Source: original; trees are searched as for the nearest point (`point/mod.rs`). Space: that of the tree that is asked.
+//! Trees are searched as for the nearest point (`point/mod.rs`). Space: that of the tree that is asked.
 //! Invariant: a primitive that comes several times, from several leaves or as two halves of a quad, is there once, at its
-//! least distance. Proof: `tests/surfaces/overlaps.rs`.
+//! least distance. Tests: `tests/surfaces/overlaps.rs`.
 
 use gnurt_accel_core::point::{Near, NearestPoint};
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One object's geometry, ready to be asked for rays: shared through `Arc`, refitted by who holds it alone.
-//! Source: original; a tree for each kind of primitive, searched one after the other up to the best hit so far, is what
-//! Embree does. Space: object; `inst_id` is 0 in all hits.
+//! A tree for each kind of primitive, searched one after the other up to the best hit so far, is what Embree does. Space: object; `inst_id` is 0 in all hits.
 //! Invariant: primitives are numbered through all geometries, so what is best does not depend on the order of trees.
-//! Proof: `tests/brute_force.rs`, `tests/mixed.rs`.
+//! Tests: `tests/brute_force.rs`, `tests/mixed.rs`.
 
 mod build;
 mod corners;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All primitives that touch a box. Source: separating axes, [Eri04] section 5.2.9, in double precision.
 //! Space: that of the tree that is asked; through instances that turn and distort, triangles are carried to it.
-//! Invariant: what is left out is surely apart: what rounding leaves open is in. Proof: `tests/surfaces/overlaps.rs`.
+//! Invariant: what is left out is surely apart: what rounding leaves open is in. Tests: `tests/surfaces/overlaps.rs`.
 
 use crate::near::name_all;
 use crate::target::Target;

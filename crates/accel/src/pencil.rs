@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Up to 64 rays from one point, in the form in which kernels take them: what a virtual light's shadow rays are.
-//! Source: original; [RSH05] for why rays of one origin go well together: their interval of origins is a point.
+//! [RSH05] for why rays of one origin go well together: their interval of origins is a point.
 //! Space: that of the structure that is asked.
-//! Invariant: the answer for a ray is that of the same ray alone. Proof: `tests/pencils.rs`.
+//! Invariant: the answer for a ray is that of the same ray alone. Tests: `tests/pencils.rs`.
 
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::tile::{PerRay, RayTile};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a target shows of its primitives to questions that are decided outside of it. Source: original.
+//! What a target shows of its primitives to questions that are decided outside of it.
 
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::region::Region;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays in other programs' arrays, of floats or doubles, with gaps between them; and where their hits go.
-//! Source: original. Nothing is copied but a few thousand rays at a time, by the thread that traces them.
+//! Nothing is copied but a few thousand rays at a time, by the thread that traces them.
 //! Space and units: as of a [`Ray`]. Invariant: all parts of some rays are of one length; what is not is refused when it is
-//! put together. Proof: `tests/surfaces/slices.rs`.
+//! put together. Tests: `tests/surfaces/slices.rs`.
 
 use std::fmt;
 use std::ops::Range;

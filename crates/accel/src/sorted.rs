@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays that start near each other but go different ways: sorted by heading, then traced in tiles.
-//! Source: [RSH05] for what tiles gain; counting sort. Proof: `tests/brute_force.rs` (`ask`).
+//! Source: [RSH05] for what tiles gain; counting sort. Tests: `tests/brute_force.rs` (`ask`).
 
 use gnurt_accel_core::bits::{TILE, all, each};
 use gnurt_accel_core::heading::{Heading, Headings};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A primitive that may meet a region, where it is shown to questions that are decided outside of trees. Source: original.
+//! A primitive that may meet a region, where it is shown to questions that are decided outside of trees.
 
 use gnurt_accel_core::exact::Place;
 use gnurt_accel_core::primitive::Primitive;

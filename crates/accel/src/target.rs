@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What rays are sent into: an object or a scene. Everything from here on, down to the kernels, is compiled once.
-//! Source: original.
 
 use gnurt_accel_core::bits::each;
 use gnurt_accel_core::nearest::Nearest;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Parts the rays of a tile by heading: those of one heading go through a tree together.
 //! Source: [RSH05] (rays of one octant). Space: that of the trip.
-//! Invariant: each active ray goes with one heading, or is among the rest. Proof: `tests/brute_force.rs` (`ask`).
+//! Invariant: each active ray goes with one heading, or is among the rest. Tests: `tests/brute_force.rs` (`ask`).
 
 use gnurt_accel_core::bits::{TILE, all};
 use gnurt_accel_core::heading::{Heading, Headings};

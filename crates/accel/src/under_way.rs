@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A batch on its way: its rays in tiles of neighbours, or one by one.
-//! Source: original. Space: that of the target. Proof: `tests/brute_force.rs` (`ask`), `tests/masks.rs`.
+//! Space: that of the target. Tests: `tests/brute_force.rs` (`ask`), `tests/masks.rs`.
 
 use gnurt_accel_core::bits::{TILE, all, each};
 use gnurt_accel_core::nearest::{Kind, Nearest};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All hits of a ray: each triangle that is hit, once, in order, in every structure and at every level; the first `n` are
-//! the beginning of that list. Source: original.
+//! the beginning of that list.
 
 use crate::common::{WATERTIGHT, build};
 use gnurt_accel::{Hit, Level, ObjectTree, Query, Ray};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Axis-parallel rays in all combinations of signs, 0.0 and -0.0, and rays that are no rays. Source: original.
+//! Axis-parallel rays in all combinations of signs, 0.0 and -0.0, and rays that are no rays.
 
 use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
 use gnurt_accel::{Ray, RayBatch};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Every tree hit equals brute force: all soups, both triangle tests, single rays and packets at every level.
-//! Source: original.
 
 use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
 use gnurt_accel::Ray;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Nearest points equal brute force over all primitives, in every structure and at every level, through instances that
-//! turn, scale, shear and mirror, in nested scenes, within a radius, by masks. Source: original.
+//! turn, scale, shear and mirror, in nested scenes, within a radius, by masks.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Compact trees answer as the others do, bit for bit, to every kind of question and on every way, and take less than half of
-//! their memory. Source: original.
+//! their memory.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Builds that are cancelled, watched, and kept within a budget. Source: original.
+//! Builds that are cancelled, watched, and kept within a budget.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};

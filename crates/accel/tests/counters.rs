@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Counters: packets in a kd-tree count what single rays do, at every level, for closest and for any hits; tiles count the
-//! same nodes at every level that has them, and nearly the same triangles but at the widest; costs per ray add up to the sums. Source: original.
+//! same nodes at every level that has them, and nearly the same triangles but at the widest; costs per ray add up to the sums.
 
 use std::sync::Arc;
 

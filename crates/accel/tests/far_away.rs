@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A scene ten million units from the origin, seen by rays with origins in double precision: the same hits as at the
-//! origin, flat and nested, to a millionth of its size. Source: original.
+//! origin, flat and nested, to a millionth of its size.
 
 use std::sync::Arc;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Callbacks that accept or reject hits: what is left is what all hits have left, at every level, in objects and scenes.
-//! Source: original.
 
 use std::sync::Arc;
 

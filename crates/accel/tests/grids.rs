@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Grids: hits are those of the other structures, bit for bit, and those of brute force, at every level, alone and in tiles; nothing leaks
-//! between cells; large triangles do not fill memory. Source: original.
+//! between cells; large triangles do not fill memory.
 
 use gnurt_accel::{
     BuildControl, BuildError, BuildOptions, Motion, MovingTree, ObjectTree, Ray, RayBatch, RefitError,

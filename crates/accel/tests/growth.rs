@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What saved trees cost: whatever numbers a file holds, memory stays below three times its length, as `load` promises.
-//! Source: original; every allocation of the program is counted. One test only, so that nothing else is counted.
+//! Every allocation of the program is counted. One test only, so that nothing else is counted.
 
 mod common;
 #[path = "common/signed.rs"]

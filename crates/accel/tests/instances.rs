@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Two-level scenes equal brute force over all instances. Source: original.
+//! Two-level scenes equal brute force over all instances.
 
 use std::sync::Arc;
 

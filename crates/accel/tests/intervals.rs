@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Interval hierarchies: hits are those of the other structures, bit for bit, and those of brute force, at every level, built and
-//! refitted; and a small thing in a large one costs rays little. Source: original.
+//! refitted; and a small thing in a large one costs rays little.
 
 use gnurt_accel::{
     BuildOptions, Memory, ObjectTree, Quality, Ray, RefitError, Structure, Threads, TriangleTest, Triangles,

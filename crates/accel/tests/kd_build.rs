@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The builder: one tree for any number of threads, bounded depth and size. Source: original.
+//! The builder: one tree for any number of threads, bounded depth and size.
 
 use crate::common::build_with;
 use gnurt_accel::{BuildOptions, Structure, Threads};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The sampled build: the same hits as the exact one, the same tree for any number of threads, few more references.
-//! Source: original.
 
 use crate::common::{batch, build_with};
 use gnurt_accel::{BuildOptions, HitBatch, ObjectTree, Quality, Query, Record, Structure, Threads};

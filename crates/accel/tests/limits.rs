@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays at the limits of floats, batches made by hand, threads with small stacks. Source: original.
+//! Rays at the limits of floats, batches made by hand, threads with small stacks.
 
 use std::sync::Arc;
 

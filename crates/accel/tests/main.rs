@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Queries of trees against the oracle. Source: original.
+//! Queries of trees against the oracle.
 //!
 //! One program for all files: each of its own takes a second to link.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Quads, spheres and user geometry, alone and mixed with triangles in one object, equal brute force in double precision
-//! in every structure, at every level, one by one and in tiles. Source: original.
+//! in every structure, at every level, one by one and in tiles.
 
 use std::sync::Arc;
 

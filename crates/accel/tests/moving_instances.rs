@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Scenes that are updated equal scenes that are built from the list as it is then: the same hits, bit for bit, in every way
-//! to ask and at every level, after any sequence of edits; scenes before stay as they were. Source: original.
+//! to ask and at every level, after any sequence of edits; scenes before stay as they were.
 
 use std::sync::Arc;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Packets of any size, of rays that go one way or all ways, with masks and without, get the answers of their rays alone.
-//! Source: original.
 
 use std::sync::Arc;
 

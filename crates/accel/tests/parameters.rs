@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `t` is right to 1e-5 of itself for every hit: through slivers, at grazing rays, a hair's breadth from large triangles; in
 //! every structure, at every level, in every mode. The truth is computed in integers.
-//! Source: original. Corners, origins and directions are on a lattice of 2^-20, so that all products fit 128 bits.
+//! Corners, origins and directions are on a lattice of 2^-20, so that all products fit 128 bits.
 
 use crate::common::{GRID, WATERTIGHT, ask, build};
 use gnurt_accel::{Ray, RayBatch};

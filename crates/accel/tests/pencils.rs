@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays of a pencil hit what the same rays hit alone: wide and narrow ones, full and with holes, in objects and scenes.
-//! Source: original.
 
 use std::sync::Arc;
 

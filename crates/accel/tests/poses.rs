@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Poses of one object that share their structure have the hits of trees that are built over them, bit for bit, and those of brute
-//! force: at every level, in scenes, however they were made, and whatever becomes of the others. Source: original.
+//! force: at every level, in scenes, however they were made, and whatever becomes of the others.
 
 use std::sync::{Arc, mpsc};
 use std::time::Duration;

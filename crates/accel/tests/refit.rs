@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Trees that were fitted to moved primitives give the hits of trees built anew, bit for bit, and those of brute force: in
 //! every structure that can be refitted, at every level, however wildly things move, and when some of them go bad for a
-//! while. Source: original.
+//! while.
 
 use crate::common::{Kind, WATERTIGHT, ask, assert_hits, batch, build, options};
 use gnurt_accel::{

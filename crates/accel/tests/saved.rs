@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Trees that were saved and loaded are the same, and files that are no trees are refused. Source: original.
+//! Trees that were saved and loaded are the same, and files that are no trees are refused.
 
 use crate::common::{Ask, TESTS, ask, batch, build};
 use std::sync::Arc;

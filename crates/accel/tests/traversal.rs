@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a traversal promises: it skips no triangle that the test alone would hit, not by one rounding, and it stops at
-//! the first leaf with a hit. Source: original.
+//! the first leaf with a hit.
 
 use crate::common::{GRID, Kind, TESTS, WATERTIGHT, ask, batch, build_with, options, queries};
 use gnurt_accel::{

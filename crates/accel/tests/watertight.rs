@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! No ray leaves a closed mesh: aimed at vertices and edges, near the origin and far from it, moved as an instance and
-//! in the mesh itself. Source: original.
+//! in the mesh itself.
 
 use std::sync::Arc;
 

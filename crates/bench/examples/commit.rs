@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a commit costs after one edit of a scene of many instances, and what the first sample after it makes ready.
-//! Source: original; issue "moving scenes". Run: `cargo run --release -p gnurt-bench --example commit -- [INSTANCES...]`
+//! Run: `cargo run --release -p gnurt-bench --example commit -- [INSTANCES...]`
 //! A grid of instances of sixteen balls of 8,192 triangles each, a lamp of 10,000 triangles, an environment of 1024 x 512
 //! texels, 100 materials. Median of five edits; seconds of all processors, and on the wall. A snapshot of the world before is
 //! held while an edit is committed, as a frame in flight would hold it. One path through one pixel follows each commit, so that

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How long saved trees take to load, beside building them. Source: original.
+//! How long saved trees take to load, beside building them.
 //! Run: `cargo run --release -p gnurt-bench --example load -- SCENE...`
 //! One thread, median of five; what is loaded was written just before, so that no disk is waited for. Seconds of the
 //! processor, and on the wall. Both trees are asked for the same rays and must answer alike, bit for bit.

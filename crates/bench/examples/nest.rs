@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What objects in objects cost: a million balls as one object held by others, and as a million instances.
-//! Source: original; issue "moving scenes". Run: `cargo run --release -p gnurt-bench --example nest -- [SIDE...]`
+//! Run: `cargo run --release -p gnurt-bench --example nest -- [SIDE...]`
 //! SIDE^2 instances of an object that holds SIDE^2 balls of 256 triangles; two levels deeper the same as SIDE in SIDE in SIDE in SIDE.
 //! Memory is what the process has more of after scene and world are there; edits are the median of five; rays go from the camera
 //! to the first surface, 512 x 512, one thread's time.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The tree over instances beside Embree's, as a table. Source: original; issue "moving scenes".
+//! The tree over instances beside Embree's, as a table.
 //! Run: `EMBREE4_LIB=FILE cargo run --release -p gnurt-bench --example top -- [INSTANCES] [ROUNDS]`
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 

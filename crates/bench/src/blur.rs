@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How fast rays with moments go through a mesh that moves while the shutter is open, beside Embree's motion blur and beside
-//! the same mesh standing still. Source: original.
+//! the same mesh standing still.
 //! The scene twists and waves as `bench dynamic` deforms it, by a small part. Rays are asked one by one, by one thread, each at
 //! a moment of its own; times are its processor seconds, engines take turns, and answers have to agree.
-//! Proof: `tests::both_hit_the_same`.
+//! Tests: `tests::both_hit_the_same`.
 
 use gnurt::accel::{
     BuildOptions, Coherence, HitBatch, MovingTriangles, ObjectTree, Query, RayBatch, Record, Threads,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How fast rays with moments go through many instances that move while the shutter is open, beside Embree's instances with
-//! quaternions at time steps, and beside the same instances standing still. Source: original; issue "moving scenes".
+//! quaternions at time steps, and beside the same instances standing still.
 //! Balls in a cube, each of which moves by its own size and turns about its axis. Rays are asked one by one, by one thread, each at
 //! a moment of its own; times are its processor seconds, engines take turns, and answers have to agree.
-//! Proof: `tests::both_hit_the_same`.
+//! Tests: `tests::both_hit_the_same`.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench build`: what trees cost to build and to keep, beside Embree's. Source: original.
+//! `bench build`: what trees cost to build and to keep, beside Embree's.
 //! Processor time is that of the whole program, which does nothing else meanwhile; the first build of each, which
-//! is not timed, is asked for some rays, and all must answer alike. Proof: `tests::builds_a_box`.
+//! is not timed, is asked for some rays, and all must answer alike. Tests: `tests::builds_a_box`.
 
 use std::time::Instant;
 

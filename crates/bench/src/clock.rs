@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Seconds that processors spent on us. Source: original; clock_gettime(2).
-//! Where the system has no such clock, time on the wall stands in. Proof: `tests::work_takes_time_and_sleep_does_not`.
+//! Seconds that processors spent on us. Clock_gettime(2).
+//! Where the system has no such clock, time on the wall stands in. Tests: `tests::work_takes_time_and_sleep_does_not`.
 
 #[cfg(unix)]
 fn seconds(clock: rustix::time::ClockId) -> f64 {

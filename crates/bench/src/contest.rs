@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Contestants over one set of rays: first their answers are compared, then they are timed in turns.
-//! Source: original. Turns, round by round, so that what else the machine does meets all of them alike; every round begins
+//! Turns, round by round, so that what else the machine does meets all of them alike; every round begins
 //! with another one, and every other round goes backwards, so that nobody always follows the same one, who leaves the
 //! caches and the clock as they are.
-//! Proof: `tests::a_wrong_answer_ends_it`, `tests::the_order_is_rotated`.
+//! Tests: `tests::a_wrong_answer_ends_it`, `tests::the_order_is_rotated`.
 
 use crate::news::News;
 use crate::options::Options;

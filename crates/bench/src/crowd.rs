@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench dynamic`, cases `crowd` and `crowd64`: a thousand characters of 5,000 triangles, each in a pose of its own or in one of 64,
-//! that all change from frame to frame. Source: original; the paper's section 6 asks for it.
+//! that all change from frame to frame. The paper's section 6 asks for it.
 //! `instanced` shares what poses have in common ([`Crowd`]), `separate` builds a tree for each character, as fast as can be. Both get the
 //! same vertices and the same rays, and have to give the same hits, bit for bit. Times are processor time of one thread; an
 //! update is all trees and the tree over them. Bytes hold trees, triangles, what is shared, and the vertices that the program
-//! keeps for each pose. Proof: `tests::both_hit_the_same`.
+//! keeps for each pose. Tests: `tests::both_hit_the_same`.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench dynamic`: what it costs to follow a mesh that is deformed, and how fast rays are afterwards, beside Embree's.
-//! Source: original. The scene is twisted and waves more and more from frame to frame. Times are processor time of one
+//! The scene is twisted and waves more and more from frame to frame. Times are processor time of one
 //! thread, engines take turns, and all are asked the same rays, whose answers have to agree.
-//! Proof: `tests::a_box_is_twisted`.
+//! Tests: `tests::a_box_is_twisted`.
 
 use gnurt::ThreadPool;
 use gnurt::accel::{

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What was measured of things that move, as plain values, as a table and as JSON. Source: original.
-//! Proof: `dynamic::tests::a_box_is_twisted`, `crowd::tests`.
+//! What was measured of things that move, as plain values, as a table and as JSON.
+//! Tests: `dynamic::tests::a_box_is_twisted`, `crowd::tests`.
 
 use serde_json::{Value, json};
 

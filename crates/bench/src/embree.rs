@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Embree as a program uses it: rays from the same arrays into its structures, a call, results read back.
-//! Source: original. Proof: `tests::finds_the_triangle` (where `EMBREE4_LIB` names a library).
+//! Tests: `tests::finds_the_triangle` (where `EMBREE4_LIB` names a library).
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What ends a benchmark early. Source: original.
+//! What ends a benchmark early.
 
 /// Why there are no numbers.
 #[derive(Debug, thiserror::Error)]

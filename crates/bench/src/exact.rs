@@ -2,7 +2,7 @@
 //! Where a ray meets a triangle in truth: to thirty digits, so that what single precision made of it can be judged.
 //! Source: sums and products of two doubles after \[Dek71\], with the fused operation in place of its splitting; positions
 //! sheared as in \[WBW13\], without division. It shares no line with what it judges. Space: world; directions of any length.
-//! Proof: `tests::truth_has_thirty_digits`.
+//! Tests: `tests::truth_has_thirty_digits`.
 
 use gnurt::accel::{Ray, Triangles};
 

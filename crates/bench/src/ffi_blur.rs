@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Embree's triangles with several time steps, behind safe functions. Source: the public headers of Embree 4.4
 //! (rtcore_geometry.h), from which names and numbers are restated; the other declarations are in `ffi_embree.rs`.
-//! Invariant: arrays outlive the scene that shares them. Proof: `blur::tests`.
+//! Invariant: arrays outlive the scene that shares them. Tests: `blur::tests`.
 
 use std::ffi::c_uint;
 

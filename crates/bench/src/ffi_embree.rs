@@ -5,7 +5,7 @@
 //!
 //! Invariants: a [`Library`] outlives its devices, a [`Device`] its scenes, arrays the scene that shares them; layouts
 //! are used only after the library has said that it is version 4. A committed scene may be asked by many threads.
-//! Proof: `embree::tests` (where `EMBREE4_LIB` names a library).
+//! Tests: `embree::tests` (where `EMBREE4_LIB` names a library).
 
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::marker::PhantomData;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Embree's scenes of instances, behind safe functions. Source: the public headers of Embree 4.4 (rtcore_geometry.h,
 //! rtcore_common.h), from which names and numbers are restated; the other declarations are in `ffi_embree.rs`.
-//! Invariant: an instance holds the scene that it shows, so that may be dropped before. Proof: `top::tests`.
+//! Invariant: an instance holds the scene that it shows, so that may be dropped before. Tests: `top::tests`.
 
 use std::ffi::{c_int, c_uint};
 use std::marker::PhantomData;

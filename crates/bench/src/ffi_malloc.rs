@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Gives memory that is free but kept back to the system, so that what is taken next is seen as growth.
-//! Source: original; malloc_trim(3).
+//! Malloc_trim(3).
 
 /// Asks the C library's allocator, which is Rust's, where there is such a call.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What can be timed: an engine, what it builds and how it is asked; and which of that is wanted.
-//! Source: original. Proof: `tests`.
+//! Tests: `tests`.
 
 use std::fmt;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Measures ray queries, on the same rays in the same process as Embree where a library of it is at hand.
-//! Source: original; the classes of rays and what must be heeded are those of docs/how-to/measure.md.
+//! The classes of rays and what must be heeded are those of docs/how-to/measure.md.
 //!
 //! The way of a run: a scene becomes a [`Subject`] (one mesh, a view, a light); [`rays::run`] makes the rays of each
 //! [`Class`], asks the [`Contestant`] of every [`Job`] once for its answers and compares them, then times all in turns and

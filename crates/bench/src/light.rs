@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench light`: how fast integrators come near the truth, in seconds of the processor.
-//! Source: original. The truth is two independent pictures by paths, R and S: the mean of (a - R)(a - S) has the mean of
+//! The truth is two independent pictures by paths, R and S: the mean of (a - R)(a - S) has the mean of
 //! (a - truth)^2, whatever their noise is. Relative errors divide by the truth's square, smoothed over a few pixels, plus a
-//! hundredth of the squared mean of the picture. Proof: `tests`.
+//! hundredth of the squared mean of the picture. Tests: `tests`.
 
 use std::fmt::Write;
 

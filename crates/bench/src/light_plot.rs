@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Errors over samples as curves, as SVG: root of the mean relative squared error, and the error of the picture's mean.
-//! Source: original. Both scales are logarithmic; grey lines fall as one over the root of the samples. Each point is the root
-//! of the mean square over seeds. Proof: `tests::curves_of_each_integrator`.
+//! Both scales are logarithmic; grey lines fall as one over the root of the samples. Each point is the root
+//! of the mean square over seeds. Tests: `tests::curves_of_each_integrator`.
 
 use std::fmt::Write;
 

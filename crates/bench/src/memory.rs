@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How much memory this program takes at most while it does something. Source: original; proc(5).
+//! How much memory this program takes at most while it does something. Source: proc(5).
 //! It is rough: pages are counted, and of all threads. Where free memory cannot be given back beforehand (other systems
 //! than Linux with glibc), what was freed earlier hides the same amount.
-//! Proof: `tests::a_large_array_is_seen`.
+//! Tests: `tests::a_large_array_is_seen`.
 
 use std::fs;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `bench rays` is to measure, and how. Source: original.
+//! What `bench rays` is to measure, and how.
 
 use gnurt::simd::Level;
 

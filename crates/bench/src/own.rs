@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Our trees, asked as a program asks them. Source: original.
+//! Our trees, asked as a program asks them.
 
 use gnurt::accel::{Coherence, INVALID_ID, ObjectTree, Query, Ray, RayBatch};
 use gnurt::simd::Level;

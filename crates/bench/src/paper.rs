@@ -3,7 +3,7 @@
 //! Source: its section 4 (Table 1, time to build a kd-tree) and 5.1 (Table 2, rays per second with and without SSE).
 //! Ours: one thread builds the kd-tree, by the exact sweep and from samples of the cost; camera rays go in packets at
 //! the level of SSE 4.2, and one by one without SIMD. Its machine is of 2006 and is not named.
-//! Proof: `tests::a_box_has_both_tables`.
+//! Tests: `tests::a_box_has_both_tables`.
 
 use std::fmt::Write;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Keeps a thread on one core while it is timed: a thread that moves finds cold caches, and cores may differ.
-//! Source: original; sched_setaffinity(2). Where the system has no such call, nothing happens.
-//! Invariant: a thread is given back the cores that it had. Proof: `tests::one_core_and_back`.
+//! Sched_setaffinity(2). Where the system has no such call, nothing happens.
+//! Invariant: a thread is given back the cores that it had. Tests: `tests::one_core_and_back`.
 
 #[cfg(target_os = "linux")]
 use rustix::thread::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rates as bars: for each class and scene our best mode beside Embree's best and its best watertight one, as SVG.
-//! Source: original. Bars of a class share one scale, which starts at zero. Proof: `tests::bars_are_as_long_as_rates`.
+//! Bars of a class share one scale, which starts at zero. Tests: `tests::bars_are_as_long_as_rates`.
 
 use std::fmt::Write;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Who is compared with whom: our modes and Embree's over trees of one quality, as many of ours as of Embree's.
-//! Source: original. The best of many is better than the best of few by luck alone, so the larger side of a pair gives up
+//! The best of many is better than the best of few by luck alone, so the larger side of a pair gives up
 //! what seldom wins, by a fixed list, before anything is looked at.
-//! Invariant: both sides of a pool have the same number of modes. Proof: `tests`.
+//! Invariant: both sides of a pool have the same number of modes. Tests: `tests`.
 
 use crate::Row;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The classes of rays: what a renderer asks for, from the most orderly to the least.
-//! Source: original; the classes are those of docs/how-to/measure.md; cosine-weighted directions are textbook [PJH23].
+//! The classes are those of docs/how-to/measure.md; cosine-weighted directions are textbook [PJH23].
 //! Space: world; directions of unit length, but those of shadow rays reach from the surface (t = 0) to the light (t = 1).
 //! Invariants: the same scene, size and seed give the same rays; secondary rays start off the surface, on the side that
-//! the primary ray saw. Proof: `tests`.
+//! the primary ray saw. Tests: `tests`.
 
 use std::fmt;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench rays`: rates of ray queries, job by job. Source: original.
-//! Proof: `tests::measures_a_box`, and `tests/program/bench.rs` of the program.
+//! `bench rays`: rates of ray queries, job by job.
+//! Tests: `tests::measures_a_box`, and `tests/program/bench.rs` of the program.
 
 use gnurt::ThreadPool;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A run of `bench rays` for the record: what was measured, on what, how busy the machine was, every round's rate and who was
-//! compared with whom. Source: original; proc(5). Units as in [`Row`]. Proof: `tests::a_record_says_it_all`.
+//! compared with whom. Source: proc(5). Units as in [`Row`]. Tests: `tests::a_record_says_it_all`.
 
 use serde_json::{Map, Value, json};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What was measured, as plain values and as JSON. Source: original.
-//! Units: rates in millions of rays per second. Proof: `tests::json_has_all_fields`.
+//! What was measured, as plain values and as JSON.
+//! Units: rates in millions of rays per second. Tests: `tests::json_has_all_fields`.
 
 use serde_json::{Value, json};
 

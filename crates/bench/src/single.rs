@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays that have moments, asked of Embree one by one, and whether both engines hit the same.
-//! Source: original. Proof: `tests::other_answers_are_counted`, and the tests of the benchmarks that use it.
+//! Tests: `tests::other_answers_are_counted`, and the tests of the benchmarks that use it.
 
 use gnurt::accel::{HitBatch, INVALID_ID, RayBatch};
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench dynamic`, case `stadium`: a small thing of many triangles in the middle of a large one, at several ratios of their sizes.
-//! Source: original; the paper's section 6 names it as what interval hierarchies are slow at.
+//! The paper's section 6 names it as what interval hierarchies are slow at.
 //! Each structure is asked the same rays, alone: those of a camera that looks at the small thing, and one in a random direction from
 //! each point that these see. `update` is a refit, or for what knows none a build. Times are processor time of one thread.
-//! Proof: `tests::all_see_the_same`.
+//! Tests: `tests::all_see_the_same`.
 
 use gnurt::accel::{BuildOptions, Coherence, ObjectTree, Structure, Threads};
 use gnurt::scene::{Affine, Camera, Material, Mesh, Scene};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What is measured: a scene as one mesh in world space, seen from one place, with one light.
-//! Source: original; the views are those in which other programs were measured before. Space: world.
-//! Proof: `tests::instances_are_copied`.
+//! The views are those in which other programs were measured before. Space: world.
+//! Tests: `tests::instances_are_copied`.
 
 use gnurt::accel::{Aabb, Triangles};
 use gnurt::scene::{Camera, Scene};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rows for people: a table per class, and at the end how our best compares with Embree's. Source: original.
-//! Proof: `tests`.
+//! Rows for people: a table per class, and at the end how our best compares with Embree's.
+//! Tests: `tests`.
 
 use std::fmt::Write;
 

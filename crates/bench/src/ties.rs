@@ -2,7 +2,7 @@
 //! Whether two triangles are met by a ray at the same place, so that either is a right answer: at an edge that they share,
 //! or where one lies on the other.
 //! Source: the test of \[MT97\], in double precision. Space: world; directions of any length.
-//! Proof: `tests::neighbours_tie_and_others_do_not`.
+//! Tests: `tests::neighbours_tie_and_others_do_not`.
 
 use gnurt::accel::{Ray, Triangles};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Times a job: threads take chunks of rays until none is left, each on the clock of its own processor time.
-//! Source: original. Proof: `tests::every_chunk_is_traced_once`.
+//! Tests: `tests::every_chunk_is_traced_once`.
 
 use std::hint::black_box;
 use std::sync::Barrier;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays through many instances of a tiny object, beside Embree's packets through the same instances, and beside the same
 //! triangles as one mesh.
-//! Source: original; two levels after WBS03a (docs/papers.bib). The instances are those of [`top`](crate::top), but smaller;
+//! Source: two levels after WBS03a (docs/papers.bib). The instances are those of [`top`](crate::top), but smaller;
 //! rays are those of `bench rays`. Times are processor time of one thread; all take turns.
-//! Proof: `tests::all_hit_the_same`.
+//! Tests: `tests::all_hit_the_same`.
 
 use std::sync::Arc;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the tree over the instances of a scene costs to build and to update, and how fast rays are through it, beside
-//! Embree's. Source: original; two levels after WBS03a (docs/papers.bib).
+//! Embree's. Source: two levels after WBS03a (docs/papers.bib).
 //! Times are processor seconds of the whole program. Ours holds all that is done for a list of instances: inverses, boxes, the
 //! tree. Embree's is told apart: `place` is what the program calls for each instance, `build` the commit of the scene.
 //! Both are asked for the same rays, and must hit the same instances at the same distances, but for ties.
-//! Proof: `tests::both_hit_the_same`.
+//! Tests: `tests::both_hit_the_same`.
 
 use std::sync::Arc;
 use std::time::Instant;

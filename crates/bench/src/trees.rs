@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the jobs of a scene ask: our trees and Embree's scenes, each built once. Source: original.
+//! What the jobs of a scene ask: our trees and Embree's scenes, each built once.
 
 use gnurt::ThreadPool;
 use gnurt::accel::{ObjectTree, Threads};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The few operations on three numbers that rays are made with. Source: original; the basis is that of \[DBC*17\].
+//! The few operations on three numbers that rays are made with. The basis is that of \[DBC*17\].
 
 pub(crate) type V3 = [f32; 3];
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Whether two engines gave the same answers to the same rays, and if not, whose are wrong.
-//! Source: original. Where answers differ both are compared with the truth of the triangles that they name (`exact.rs`): an
+//! Where answers differ both are compared with the truth of the triangles that they name (`exact.rs`): an
 //! answer is wrong if its triangle is not met, if its `t` is off, or if the other's triangle is surely met nearer. Rays that
 //! pass an edge so closely that the triangles beside it are met as well as missed are nobody's. Where it is not said which
 //! triangle, or any would do, all are looked at.
 //! What is wrong in our own answers ends a benchmark as soon as it is more than a few; a rival's is told.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use gnurt::accel::{INVALID_ID, Ray, Triangles};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `--checkpoint FILE`: the state of a rendering, written beside and put in place, so that a kill loses one interval.
-//! Source: original. A file that is there is gone on from; one that does not match is an error, never overwritten.
-//! Proof: `tests/program/checkpoint.rs` (a real kill).
+//! A file that is there is gone on from; one that does not match is an error, never overwritten.
+//! Tests: `tests/program/checkpoint.rs` (a real kill).
 
 use std::fs::File;
 use std::io::Read;

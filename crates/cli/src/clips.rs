@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The clip that `--animation` names. Source: original. Proof: `tests/program/animation.rs`.
+//! The clip that `--animation` names. Tests: `tests/program/animation.rs`.
 
 use gnurt::scene::{Animation, Scene};
 

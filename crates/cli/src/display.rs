@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A rendering that another program shows while it grows. Source: original.
+//! A rendering that another program shows while it grows.
 //! A display that goes away in between stops nothing: the picture is finished all the same, with a warning.
-//! Proof: `tests/program/viewing.rs`.
+//! Tests: `tests/program/viewing.rs`.
 
 use std::sync::{Mutex, PoisonError};
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Settings from the environment: `GNURT_THREADS`, `GNURT_ISA`, `GNURT_LOG`, `GNURT_PATH`.
-//! Source: original; the rules are the contract of the command line: options win, a bad value is an error 2.
+//! See docs/reference/cli.md.
 //! A variable that is empty counts as not set; one that an option overrides is not looked at.
-//! Proof: `tests/program/arguments.rs`, rows with variables.
+//! Tests: `tests/program/arguments.rs`, rows with variables.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Why a command ended early, and the exit status that says so.
-//! Source: original; the statuses are the contract of the command line.
+//! See docs/reference/cli.md.
 
 use std::fmt;
 

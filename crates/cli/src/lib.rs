@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The program `gnurt` as a library of one function, for the binary of that name and for the Python package, which carries it.
 //! It translates command lines into calls of the library `gnurt` and holds no logic of its own.
-//! Source: original. The hop path of a call: `program` -> `arguments` -> `commands::<the subcommand>`.
+//! The hop path of a call: `program` -> `arguments` -> `commands::<the subcommand>`.
 //! Contract: exit status 0 done, 1 bad data, 2 bad arguments, 130 stopped; one `error:` line, never a panic's text.
-//! Proof: `tests/program`, which runs the program itself; `bindings/python/tests/test_program.py`.
+//! Tests: `tests/program`, which runs the program itself; `bindings/python/tests/test_program.py`.
 #![forbid(unsafe_code)]
 
 mod arguments;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The program `gnurt`. All that it does is in the library beside it.
-//! Source: original. Proof: `tests/program`, which runs the program itself.
+//! Tests: `tests/program`, which runs the program itself.
 #![forbid(unsafe_code)]
 
 fn main() -> std::process::ExitCode {

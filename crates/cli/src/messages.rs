@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the program says to people: lines on standard error, and reports on standard output.
-//! Source: original; the form is the contract of the command line.
+//! See docs/reference/cli.md.
 //! Invariants: a message is one line, whatever a file or an argument held; colours only on a terminal; a closed
-//! standard error or output is no panic. Proof: `tests::one_line_without_control_characters`, `tests/program/interface.rs`.
+//! standard error or output is no panic. Tests: `tests::one_line_without_control_characters`, `tests/program/interface.rs`.
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Unknown names: the valid ones, and the one that was probably meant.
-//! Source: original; the distance is that of optimal string alignment (Damerau 1964).
-//! Proof: `tests::{finds_slips, leaves_strangers_alone}`.
+//! The distance is that of optimal string alignment (Damerau 1964).
+//! Tests: `tests::{finds_slips, leaves_strangers_alone}`.
 
 use strsim::osa_distance;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The shading language's tools: `gnurt oslc`, `gnurt oslinfo`, `gnurt testshade`, and the same through links of those names.
-//! Source: original. Their options are OSL's and not clap's, so they are looked at before all others.
+//! Their options are OSL's and not clap's, so they are looked at before all others.
 
 use std::io::{BufWriter, stderr, stdout};
 use std::path::Path;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures to be written: checked before the work, put in place after it.
-//! Source: original; the contract of the command line. An unknown extension is the user's mistake, a folder that is
-//! missing or may not be written to is the system's. Proof: `tests/program/arguments.rs`, `tests/program/output.rs`.
+//! See docs/reference/cli.md. An unknown extension is the user's mistake, a folder that is
+//! missing or may not be written to is the system's. Tests: `tests/program/arguments.rs`, `tests/program/output.rs`.
 
 use std::path::{Path, PathBuf};
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a picture's file says about its making.
-//! Source: original; attribute names after pbrt-v4's film, but for the matrices: 16 numbers as text, row-major.
+//! Attribute names after pbrt-v4's film, but for the matrices: 16 numbers as text, row-major.
 //! PNG keeps only what does not depend on the machine or the moment: equal pictures are equal files.
-//! Proof: `tests/program/output.rs`.
+//! Tests: `tests/program/output.rs`.
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The life of the program: arguments, environment, command, exit status.
-//! Source: original. Invariant: whatever happens, at most one `error:` line is written, and no panic's text.
-//! Proof: `tests/program/interface.rs`, `tests/program/arguments.rs`.
+//! Invariant: whatever happens, at most one `error:` line is written, and no panic's text.
+//! Tests: `tests/program/interface.rs`, `tests/program/arguments.rs`.
 
 use std::panic::{PanicHookInfo, catch_unwind};
 use std::sync::{Mutex, Once, PoisonError};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The progress of a rendering: a bar on a terminal, silence elsewhere, and the ear for signals.
-//! Source: original; the bar's contents follow pbrt (time passed and to go) and LuxCore (samples per second).
+//! The bar's contents follow pbrt (time passed and to go) and LuxCore (samples per second).
 
 use std::time::{Duration, Instant};
 

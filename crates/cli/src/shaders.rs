@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `--shader`: classes of libOpenRT, built-in ones and those of plugins, and files in the shading language, in place of a scene's
 //! materials; `--pixel-shader` and `--camera FILE.osl`.
-//! Source: original. Proof: `tests/program/shaders.rs`.
+//! Tests: `tests/program/shaders.rs`.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};

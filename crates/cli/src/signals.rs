@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Ctrl-C and SIGTERM: the first one ends a rendering and saves, the second one leaves at once and saves nothing.
-//! Source: original; the contract of the command line. State is global because signals are.
+//! See docs/reference/cli.md. State is global because signals are.
 //!
 //! * Signals that come within [`ONE_WISH`] are one: `timeout` sends two, to the program and to its group, and so do some job managers.
 //! * While a picture grows, the first signal is a wish that the renderer asks about between tiles.
@@ -8,7 +8,7 @@
 //!   [`PATIENCE`]; if the picture was begun by then, what [`FIRST_LOOK`] brings is saved, else the program leaves.
 //! * Commands that do not render leave at once.
 //!
-//! Leaving = nothing that is being written becomes a file, status 130. Proof: `tests/program/interrupts.rs`.
+//! Leaving = nothing that is being written becomes a file, status 130. Tests: `tests/program/interrupts.rs`.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};

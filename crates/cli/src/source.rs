@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where a scene comes from: a file here or in a folder of `GNURT_PATH`, or the program itself.
-//! Source: original. Proof: `tests/program/arguments.rs`, `tests/program/broken_scenes.rs`.
+//! Tests: `tests/program/arguments.rs`, `tests/program/broken_scenes.rs`.
 
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};

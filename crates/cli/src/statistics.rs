@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a rendering counted and measured, as a table for people and as JSON for programs.
-//! Source: original. Times are wall-clock seconds, sizes bytes. Invariant: the JSON holds no NaN and no infinity.
-//! Proof: `tests/program/statistics.rs`.
+//! Times are wall-clock seconds, sizes bytes. Invariant: the JSON holds no NaN and no infinity.
+//! Tests: `tests/program/statistics.rs`.
 
 use std::fmt;
 use std::path::Path;

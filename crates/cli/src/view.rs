@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The camera of a picture: the scene's, the one that was asked for, or a default one, each part of it replaceable.
-//! Source: original; the rules are the contract of the command line. Proof: `tests/program/cameras.rs`.
+//! See docs/reference/cli.md. Tests: `tests/program/cameras.rs`.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The words that the program was called with. They are not always those of the process, whose first ones may be an interpreter's.
-//! Source: original. State is global because a command line is.
+//! State is global because a command line is.
 
 use std::ffi::OsString;
 use std::sync::OnceLock;

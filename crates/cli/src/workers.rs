@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a command computes with. Source: original. Proof: `tests/program/arguments.rs`.
+//! What a command computes with. Tests: `tests/program/arguments.rs`.
 
 use crate::arguments::MachineArguments;
 use crate::environment::Environment;

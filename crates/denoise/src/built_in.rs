@@ -11,7 +11,7 @@
 //!                                   +- the rest --> near fits --> wide fits --> what stands out -----+
 //! ```
 //! Invariants: finite and not negative, whatever comes in; the same bits on any number of threads and any processor.
-//! Proof: crates/denoise/tests/filter.rs.
+//! Tests: crates/denoise/tests/filter.rs.
 
 use gnurt_simd::Level;
 

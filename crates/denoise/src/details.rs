@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a filter took away that was no noise: lines too thin to have neighbours that look alike.
-//! Source: original; shrinkage by the ratio of signal to noise, as Wiener's filter. A pixel that stands out alone is noise
+//! Shrinkage by the ratio of signal to noise, as Wiener's filter. A pixel that stands out alone is noise
 //! whose variance was found too small: it needs company. So is one that is darker than it should be where light is in rare samples: those
 //! that found none of them know nothing of their noise, which is then what it is all around, as a share of the light.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use crate::light::mean;
 use crate::noisy::Triple;

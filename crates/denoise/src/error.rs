@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Why a picture cannot be denoised. Source: original.
+//! Why a picture cannot be denoised.
 
 /// Why a picture cannot be denoised.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -2,7 +2,7 @@
 //! Around every other pixel of every other row, light is explained by what camera rays met, among neighbours whose
 //! surroundings look alike; each pixel becomes the mean of what all these explanations say of it.
 //! Source: \[BRM*16\], section 4 ("collaborative" regression), with fewer centres: each still meets dozens of fits.
-//! Invariant: bands of rows are summed up in an order that does not depend on threads. Proof: `tests`,
+//! Invariant: bands of rows are summed up in an order that does not depend on threads. Tests: `tests`,
 //! crates/denoise/tests/filter.rs.
 
 use std::iter::once;

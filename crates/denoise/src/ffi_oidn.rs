@@ -3,7 +3,7 @@
 //! Source: the public header of Open Image Denoise 2.3 (oidn.h), from which names, numbers and types are restated. Nothing
 //! else in this crate is `unsafe`.
 //! Invariants: the library says that it is version 2 before a filter is made; all images hold what they are said to hold.
-//! Proof: `oidn::tests`, with a library of our own that has the same functions, and the real one where `OIDN_LIB` names it.
+//! Tests: `oidn::tests`, with a library of our own that has the same functions, and the real one where `OIDN_LIB` names it.
 
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::path::Path;

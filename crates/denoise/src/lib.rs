@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Takes the noise out of rendered pictures.
-//! Source: original; the filter is after \[RKZ12\], \[MCY14\] and \[BRM*16\].
+//! The filter is after \[RKZ12\], \[MCY14\] and \[BRM*16\].
 //!
 //! Two ways: a filter that needs nothing ([`Method::BuiltIn`]), and Intel's Open Image Denoise where its library is found
 //! at run time ([`Method::Oidn`]). Both look at what camera rays met first, which is hardly noisy: the picture must have the

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the colours of a picture are made of: light that lamps and surroundings send straight to the eye, which needs no
 //! filter, and light that surfaces scatter, divided by their albedo.
-//! Source: original; division by albedo as in \[BRM*16\]'s successors, softened so that gloss on dark surfaces stays gloss.
+//! Division by albedo as in \[BRM*16\]'s successors, softened so that gloss on dark surfaces stays gloss.
 //! Invariant: `color * divisor + direct` is the picture, but for stray light that moved within a few pixels; nothing here is
-//! negative. Proof: `tests`, crates/denoise/tests/filter.rs.
+//! negative. Tests: `tests`, crates/denoise/tests/filter.rs.
 
 use crate::noisy::{Noisy, Triple};
 

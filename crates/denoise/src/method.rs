@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which denoiser is wanted, and which was used. Source: original.
+//! Which denoiser is wanted, and which was used.
 
 use std::fmt;
 use std::str::FromStr;

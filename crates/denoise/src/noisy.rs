@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a denoiser looks at: the colours of a region, their variance, and what camera rays met first.
-//! Source: original. Invariant: all values are finite, whatever the picture held. Proof: `built_in::tests`.
+//! Invariant: all values are finite, whatever the picture held. Tests: `built_in::tests`.
 
 use gnurt_image::{ChannelData, Picture};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Intel's Open Image Denoise, where its library is found.
-//! Source: original. Invariant: pixels that come back broken keep the colour that they had. Proof: `tests`.
+//! Invariant: pixels that come back broken keep the colour that they had. Tests: `tests`.
 
 use std::path::Path;
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rare bright samples: what a pixel has beyond its neighbourhood is taken from it, and given back to all around in
 //! proportion to their light.
-//! Source: original; a rank among neighbours as in \[DeCoro2010\]'s rejection of outliers, but energy is kept as far as
-//! `MOST` allows. Invariant: pictures times a factor give that factor. Proof: `tests`.
+//! A rank among neighbours as in \[DeCoro2010\]'s rejection of outliers, but energy is kept as far as `MOST` allows. Invariant: pictures times a factor give that factor. Tests: `tests`.
 
 use rayon::prelude::*;
 

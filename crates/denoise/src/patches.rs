@@ -2,7 +2,7 @@
 //! How alike the surroundings of two pixels are, as far as their noise lets one tell.
 //! Source: \[RKZ12\], section 4: squared differences of patches less what their variances explain, relative to those.
 //! Planes have a border, so that loops along rows know no edges. All is inlined into what `gnurt_simd::dispatch!` enters:
-//! no sum's order depends on lanes, so that all levels give the same bits. Proof: `tests`.
+//! no sum's order depends on lanes, so that all levels give the same bits. Tests: `tests`.
 
 use crate::noisy::Triple;
 

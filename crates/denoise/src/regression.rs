@@ -2,7 +2,7 @@
 //! Weighted least squares: colours as a linear function of what was met, around one pixel.
 //! Source: \[MCY14\] (local linear regression on features), \[BRM*16\] (which features, weights from colours); places in the
 //! picture instead of the world, which a pixel on an edge has two of; the ridge that keeps what the features cannot tell at
-//! a constant is ours. Sums are single, the solution is double precision. Proof: `tests`.
+//! a constant is ours. Sums are single, the solution is double precision. Tests: `tests`.
 
 use crate::noisy::Triple;
 

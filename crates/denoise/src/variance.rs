@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Variances of pixels: smoothed, and guessed from neighbours where samples tell none. Source: original.
+//! Variances of pixels: smoothed, and guessed from neighbours where samples tell none.
 
 use rayon::prelude::*;
 

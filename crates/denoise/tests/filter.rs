@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The built-in denoiser on pictures whose truth is known.
-//! Source: original; noise is uniform with the variance that the layer says.
+//! Noise is uniform with the variance that the layer says.
 
 use gnurt_denoise::{Error, Method, Options, denoise};
 use gnurt_image::{ChannelData, Layer, Picture};

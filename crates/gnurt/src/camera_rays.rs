@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays of a camera of a description: as that says, or as a shader says that stands in its place.
-//! Source: original. Space: world. Proof: `tests`, and the command line's `tests/program/scripts.rs`.
+//! Space: world. Tests: `tests`, and the command line's `tests/program/scripts.rs`.
 
 use std::sync::Arc;
 

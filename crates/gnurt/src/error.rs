@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One error for programs that call several parts of the system and want one `?`.
-//! Source: original. Messages are one line; each says whose mistake it is by its kind.
+//! Messages are one line; each says whose mistake it is by its kind.
 
 use crate::size::format_bytes;
 use crate::{image, render, scene};

@@ -2,7 +2,7 @@
 //! A heap whose large arrays may lie in a file, for scenes larger than memory: the system reads pages that are needed, and writes and
 //! forgets others when memory runs short.
 //! Source: mmap(2), fallocate(2). One sparse file is mapped as a whole; an array takes a range of it, and gives its blocks back with it.
-//! Invariant: ranges in use never overlap; those that are free hold no blocks and read as zero. Proof: `tests` below;
+//! Invariant: ranges in use never overlap; those that are free hold no blocks and read as zero. Tests: `tests` below;
 //! crates/cli/tests/program/out_of_core.rs.
 
 use std::alloc::{GlobalAlloc, Layout, System};

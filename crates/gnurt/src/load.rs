@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Scenes by name: a file, or one that the program carries with it.
-//! Source: original. Proof: `tests::builtin_and_files`.
+//! Tests: `tests::builtin_and_files`.
 
 use std::ffi::OsStr;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What memory a picture takes, and what the machine has left.
-//! Source: original; proc(5) and the kernel's cgroup-v2 documentation. A picture that cannot fit is to be refused before
+//! Proc(5) and the kernel's cgroup-v2 documentation. A picture that cannot fit is to be refused before
 //! anything is computed: with overcommitted memory the allocation itself would succeed and the program be killed later.
-//! Proof: `tests`, and the command line's `tests/program/arguments.rs` (a picture too large for any machine).
+//! Tests: `tests`, and the command line's `tests/program/arguments.rs` (a picture too large for any machine).
 
 use std::fs::read_to_string;
 

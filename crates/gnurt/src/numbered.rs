@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Files with numbers: `frame.####.png` stands for `frame.0001.png` and all the others.
-//! Source: original, after the custom of film. The last run of `#` in a file's name is the number, with zeros before it up to the run's
-//! length; larger numbers have more digits. Proof: `tests`.
+//! Source: after the custom of film. The last run of `#` in a file's name is the number, with zeros before it up to the run's
+//! length; larger numbers have more digits. Tests: `tests`.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Skies in the shading language as pictures, so that all integrators can sample their light.
-//! Source: original. The shader's z is what is above; its y lies in the middle of the picture. Proof: `tests`.
+//! The shader's z is what is above; its y lies in the middle of the picture. Tests: `tests`.
 
 use std::path::Path;
 

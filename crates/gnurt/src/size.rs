@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sizes for people. Source: original. Proof: `tests`.
+//! Sizes for people. Tests: `tests`.
 
 /// A size for people: `1.5 GiB`.
 #[must_use]

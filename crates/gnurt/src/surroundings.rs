@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What surrounds a scene, and lights it from there: one colour, a sky that the program carries with it, or a picture.
-//! Source: original; pictures are latitude-longitude ones, as the field's collections of skies have them.
-//! Proof: `tests`, and the command line's `tests/program/surroundings.rs`.
+//! Pictures are latitude-longitude ones, as the field's collections of skies have them.
+//! Tests: `tests`, and the command line's `tests/program/surroundings.rs`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

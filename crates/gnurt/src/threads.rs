@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pools of threads. The system never makes one of its own accord and never touches a global one: a pool is passed in.
-//! Source: original. The number of threads changes no bit of a picture.
+//! The number of threads changes no bit of a picture.
 
 use std::num::NonZero;
 use std::ops::Deref;

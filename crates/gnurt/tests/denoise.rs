@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The built-in denoiser on rendered pictures: the error against many samples must fall clearly, and what lamps send straight
-//! to the eye is told apart. Source: original.
+//! to the eye is told apart.
 
 use gnurt::denoise::{Method, Options, denoise};
 use gnurt::image::{ChannelData, Picture, compare};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How far two pictures are apart, in linear light.
-//! Source: original; relative MSE as in [Rousselle2011], structural similarity in `ssim`. In: pictures of one size, the
+//! Relative MSE as in [Rousselle2011], structural similarity in `ssim`. In: pictures of one size, the
 //! second one the reference. Sums run over pixels and R, G, B in one order, in 64 bits. A NaN on either side is an
-//! infinite difference; equal infinities are no difference. Proof: `tests`.
+//! infinite difference; equal infinities are no difference. Tests: `tests`.
 
 use std::fmt;
 

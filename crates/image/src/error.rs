@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What can go wrong with pictures; each message says what is wrong and, where it helps, what would be right.
-//! Source: original. Messages name no file unless they say so: the caller of `decode` knows it, `read` and `write` add it.
-//! Proof: `file::tests`, which read the messages.
+//! Messages name no file unless they say so: the caller of `decode` knows it, `read` and `write` add it.
+//! Tests: `file::tests`, which read the messages.
 
 use std::path::{Path, PathBuf};
 

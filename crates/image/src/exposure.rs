@@ -12,7 +12,7 @@
 //! 5. if the 90th percentile then shows brighter than 2, the exposure falls until it does not, by a stop and a half at most.
 //!
 //! Invariants: a picture k times as bright gets log2 k stops less; order and place of pixels do not matter; a picture without
-//! light, or without a number in it, gets 0. Proof: `tests`.
+//! light, or without a number in it, gets 0. Tests: `tests`.
 
 use crate::Picture;
 use crate::srgb::luminance;

@@ -4,7 +4,7 @@
 //! Source: [Ernst2006]; the window of Blackman and Harris [Har78]. Offsets are in pixels from the centre; both axes
 //! are independent. Invariants: every density is >= 0, even, 0 beyond `radius`, and integrates to 1; `sample` follows
 //! it exactly, but for the tables of the last two, which follow a piecewise linear density of 256 pieces.
-//! Proof: `tests::{integrates_to_one, samples_follow_the_density, ends_are_reached}`.
+//! Tests: `tests::{integrates_to_one, samples_follow_the_density, ends_are_reached}`.
 
 use crate::Error;
 

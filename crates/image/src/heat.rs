@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! False colours for heat maps: from black over blue, red and yellow to white.
-//! Source: original. In: a measure from 0 to 1. Out: linear light. Invariant: luminance rises with the measure, so that
-//! a heat map also reads in grey. Proof: `tests::luminance_rises`.
+//! In: a measure from 0 to 1. Out: linear light. Invariant: luminance rises with the measure, so that
+//! a heat map also reads in grey. Tests: `tests::luminance_rises`.
 
 use crate::{Picture, srgb};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture: linear colours with opacity, and named layers of other data beside them.
-//! Source: original. Values are linear light (Rec. 709 primaries), unclamped; row 0 is the top, columns run to the right.
+//! Values are linear light (Rec. 709 primaries), unclamped; row 0 is the top, columns run to the right.
 //!
 //! The colour is what is seen. Its opacity is how much of what lies behind is hidden, [`Opacity`] how the two go together. Where
 //! the picture knows what lies behind it, that is the layer [`BACKGROUND`]: `R`, `G`, `B`, as far as they show, and `A`, the
@@ -9,7 +9,7 @@
 //! Files that can hold opacity get what is in front (EXR) or what is seen (PNG); others what is seen.
 //!
 //! Invariant: `color` and every channel hold `width * height` values; `check` proves it before a file is written.
-//! Proof: `tests/round_trip.rs` (every format), `tests` here.
+//! Tests: `tests/round_trip.rs` (every format), `tests` here.
 
 use crate::Error;
 

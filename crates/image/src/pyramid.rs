@@ -4,7 +4,7 @@
 //! edges by their shares. Colours of pictures with holes count by their opacity, so that what hides in holes does not shine
 //! through at their rims.
 //! Copies of a picture in tiles are in tiles of the same cache.
-//! Invariant: every level has the mean of the picture. Proof: `tests`.
+//! Invariant: every level has the mean of the picture. Tests: `tests`.
 
 use crate::texels::{TakeRow, to_floats, to_numbers};
 use crate::{Error, TexelData, Texels};

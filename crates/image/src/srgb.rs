@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The transfer functions of sRGB, exactly as the standard's two pieces, and the luminance of its primaries.
-//! Source: original, from IEC 61966-2-1. Linear values are relative to white = 1; encoded values lie in 0..1 or 0..255.
+//! From IEC 61966-2-1. Linear values are relative to white = 1; encoded values lie in 0..1 or 0..255.
 //! Invariants: the functions are monotone and odd pieces meet; `decode(encode(x)) = x` within rounding; bytes survive
-//! a round trip exactly. Proof: `tests`.
+//! a round trip exactly. Tests: `tests`.
 
 use std::sync::LazyLock;
 

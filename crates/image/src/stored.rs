@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture file as it is: all channels of all its levels, with the values that are stored and the texts beside them.
-//! Source: original. For tools that must see what a file holds; what is seen in pictures goes by `Texels`, which knows colours.
+//! For tools that must see what a file holds; what is seen in pictures goes by `Texels`, which knows colours.
 //! Invariant: there is at least one level, and `values` holds `width * height * channels` of them, pixel by pixel from the upper left one.
-//! Proof: `tests/{round_trip,broken}.rs`.
+//! Tests: `tests/{round_trip,broken}.rs`.
 
 /// A picture file's channels, levels and texts.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Texels: the picture of a texture, in the form that its file had.
-//! Source: original. Rows from the upper left texel on. Invariant: `data` holds `width * height` values, both at least 1.
+//! Rows from the upper left texel on. Invariant: `data` holds `width * height` values, both at least 1.
 
 use crate::tiles::{TileCache, Tiles};
 use crate::{Error, Picture, srgb};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The file of a cache of tiles: pictures cut into tiles of 16 KiB, row by row, at places that never change.
-//! Source: original. It is a temporary file without a name: nobody can change it, and it goes with the program.
-//! Invariant: no two pictures share a byte, so that several threads write at once. Proof: `tests` of `tiles.rs`.
+//! It is a temporary file without a name: nobody can change it, and it goes with the program.
+//! Invariant: no two pictures share a byte, so that several threads write at once. Tests: `tests` of `tiles.rs`.
 
 use std::fs::File;
 use std::io;

@@ -8,7 +8,7 @@
 //!   and then waits for the one lock, to put it into the slot that was not read from for longest, about \[Cor68\].
 //! * A tile that cannot be read from the file any more is white; such reads are counted.
 //!
-//! Proof: `tests`; crates/render/tests/filtering.rs with many readers at once; crates/cli/tests/program/textures.rs for a scene's picture.
+//! Tests: `tests`; crates/render/tests/filtering.rs with many readers at once; crates/cli/tests/program/textures.rs for a scene's picture.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering, fence};

@@ -3,7 +3,7 @@
 //! Source: Reinhard's x / (1 + x) [Rei02]; the filmic curve is Narkowicz's rational fit of the ACES
 //! tone curve (its reference transform for screens) [Nar15], the default of the command line: 0.18 shows as 0.27, 1 as 0.80.
 //! In: linear light. Out: linear light in 0..1 (to be encoded as sRGB). Exposure is in stops: each doubles the light.
-//! Invariants: monotone, 0 stays 0, NaN becomes 0. Proof: `tests`.
+//! Invariants: monotone, 0 stays 0, NaN becomes 0. Tests: `tests`.
 
 use crate::{Error, srgb};
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Broken files: cut at every length and corrupted at every byte, each gives a picture or one clear error, no panic.
-//! Source: original.
 
 mod common;
 

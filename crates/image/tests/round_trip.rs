@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What is written comes back: exact to the bit where the format can, within its precision where it cannot.
-//! Source: original; the oracle is the picture that was written, or the library's own decoder.
+//! The oracle is the picture that was written, or the library's own decoder.
 
 mod common;
 

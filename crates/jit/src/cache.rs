@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Code that was made is kept, and made beside the threads that render; the interpreter runs the group meanwhile.
-//! Source: original.
-//! Proof: `tests/batches.rs`.
+//! Tests: `tests/batches.rs`.
 
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Event, Host, Kept, Plan, Point, Points, Program, Results};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group as machine code.
-//! Source: original.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Kept, Plan, Program as _, Slot};

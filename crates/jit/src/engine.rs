@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Machine code as an engine of `testshade`.
-//! Source: original.
 
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Event, Host, Plan, Points};

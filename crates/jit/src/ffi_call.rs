@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Calls machine code, and is called by it.
-//! Source: original. The convention is that of the System V ABI on all systems.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! The convention is that of the System V ABI on all systems.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};

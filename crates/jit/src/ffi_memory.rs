@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Memory that holds machine code: written first, then executable, never both at once.
-//! Source: original, over the calls of the operating system.
-//! Proof: whatever runs in `tests/agreement.rs`.
+//! Over the calls of the operating system.
+//! Tests: whatever runs in `tests/agreement.rs`.
 
 use std::ptr::NonNull;
 

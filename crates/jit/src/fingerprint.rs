@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What two groups have in common that mean the same: 128 bits of all that code is made of.
-//! Source: original, over the standard library's hash.
-//! Proof: `tests/batches.rs`.
+//! Over the standard library's hash.
+//! Tests: `tests/batches.rs`.
 
 use gnurt_sl::exec::{Instruction, Plan, Program as _, Slot};
 use std::hash::{DefaultHasher, Hash, Hasher};

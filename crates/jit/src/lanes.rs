@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Runs machine code for a batch of points, and does what the code calls for.
-//! Source: original. What code cannot do is done by the interpreter's machine, one lane after the other: its arguments are
+//! What code cannot do is done by the interpreter's machine, one lane after the other: its arguments are
 //! brought into the machine's memory and what it wrote is brought back.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
     Batch as RunningBatch, Cells, Component, DualRow, Event, Host, Kept, LANES, Machine, Message, Plan,

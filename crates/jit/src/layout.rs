@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where the memory of a running group has what: masks, cells, constants and room to work in.
-//! Source: original. A cell that may differ from point to point is a row of sixteen words, another one a single word.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! A cell that may differ from point to point is a row of sixteen words, another one a single word.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use crate::term::QuickMap;
 

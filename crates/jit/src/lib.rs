@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Machine code for the shading language: a group of shaders for sixteen points at once.
-//! Source: original.
 //!
 //! The way of a group: `lower` makes a program of it (control on masks of sixteen bits, and regions of operations without
 //! branches), `x86` makes machine code of that for AVX2 or AVX-512, `ffi_memory` keeps it, [`Lanes`] runs it. The library's
@@ -9,7 +8,7 @@
 //! by lane, in the middle of the code.
 //!
 //! Invariant: the interpreter is the meaning. Every value has its bits, but for those of NaNs.
-//! Proof: `tests/`.
+//! Tests: `tests/`.
 
 #![cfg_attr(
     not(all(target_arch = "x86_64", any(unix, windows))),

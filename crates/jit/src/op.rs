@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operations on lanes, and what each means for one lane.
-//! Source: original. A value is 32 bits a lane: a float, a whole number, or a mask of ones or zeros.
+//! A value is 32 bits a lane: a float, a whole number, or a mask of ones or zeros.
 //! Invariant: [`Op::apply`] is what every back end computes, bit for bit but for the bits of NaNs.
-//! Proof: `tests/agreement.rs`.
+//! Tests: `tests/agreement.rs`.
 
 /// Number of a value in its region.
 pub(crate) type Id = u32;

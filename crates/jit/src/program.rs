@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group as a back end takes it: regions, and what happens between them. Masks are bits, kept in slots.
-//! Source: original.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Bound, Slot, Step};
 use gnurt_sl::ir::Place as Line;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers that write down what is done to them: the library's functions, called with these, become operations of a region.
-//! Source: original. So every function of `gnurt-sl-lib` that is written over a `Number` is compiled into the code of a shader,
+//! So every function of `gnurt-sl-lib` that is written over a `Number` is compiled into the code of a shader,
 //! derivatives included, and has the bits that it has alone, without a second text of it.
 //! Invariant: one thread records one region at a time.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use std::cell::RefCell;
 use std::collections::HashMap;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A shader class of a plugin, after all that it says has been checked.
-//! Source: original. Invariants: each parameter lies in its block; the callback of the class's kind is there; the library
-//! stays loaded as long as the class lives. Proof: bindings/openrt/tests/plugins.rs (plugins that say wrong things).
+//! Invariants: each parameter lies in its block; the callback of the class's kind is there; the library
+//! stays loaded as long as the class lives. Tests: bindings/openrt/tests/plugins.rs (plugins that say wrong things).
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! For tests: what shading by a plugin costs beside the same shader built in, on the same batches and lights.
-//! Source: original. Thread CPU time, medians of blocks of calls, interleaved. The bound is asserted only on request:
+//! Thread CPU time, medians of blocks of calls, interleaved. The bound is asserted only on request:
 //! `cargo test --release -p gnurt-plugins cost -- --ignored --nocapture`.
 
 use std::process::Command;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The types of a parameter's numbers: their codes in `openrt/types.h`, their sizes, and numbers from and to bytes.
-//! Source: original. Bytes are in the machine's order, as in C's memory. Proof: `tests`.
+//! Bytes are in the machine's order, as in C's memory. Tests: `tests`.
 
 /// The type of a parameter's numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

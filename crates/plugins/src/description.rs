@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a shader class says of itself, wherever its code is: kind, and parameters with type, rate and default.
 //! Source: \[DWBS03\]; the paper's Figure 1 for rates. Invariant: a class keeps the number and order of its parameters.
-//! Proof: bindings/openrt/tests/c/scene.c, bindings/openrt/tests/plugins.rs.
+//! Tests: bindings/openrt/tests/c/scene.c, bindings/openrt/tests/plugins.rs.
 
 use gnurt::shading::classes::{self, ParameterRate, ParameterType, ShaderClass};
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Blocks per shader of plugins: memory that the plugin describes, `init` and `fini`, and the copies that frames shade with.
-//! Source: original. Invariants: a block is as large and aligned as its class says; texts that a block or a copy points
+//! Invariants: a block is as large and aligned as its class says; texts that a block or a copy points
 //! to live as long as it does; `fini` runs once, after the last frame that may use what `init` made. A block is memory of this
 //! process alone: `prepare` is tried in a copy of the process, and the program's own allocator may have memory that both share.
-//! Proof: bindings/openrt/tests/plugins.rs.
+//! Tests: bindings/openrt/tests/plugins.rs.
 
 use std::alloc::{GlobalAlloc, Layout, System, handle_alloc_error};
 use std::collections::BTreeMap;

@@ -5,7 +5,7 @@
 //! personality of ours, which catches all; between it and the plugin stand only `C-unwind` functions.
 //! Invariant: nothing unwinds out of [`Runtime::call`] but forced unwinding, which nobody may stop.
 //! Where: Linux on x86-64 and aarch64. Elsewhere an exception goes on and ends the process at the next frame of ours.
-//! Proof: `tests`; bindings/openrt/tests/exceptions.rs (C++).
+//! Tests: `tests`; bindings/openrt/tests/exceptions.rs (C++).
 
 use std::ffi::c_void;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the host does for plugins: the functions of `RTShost`, on the renderer's `Tracer`.
-//! Source: original. Space: world. Each takes a whole batch. A ray that leaves a point of its batch starts off the
+//! Space: world. Each takes a whole batch. A ray that leaves a point of its batch starts off the
 //! surface as the rays of built-in shaders do, so that a plugin's picture can equal theirs bit for bit.
 //! Invariant: no panic crosses to the plugin; it goes on when the callback has returned.
-//! Proof: bindings/openrt/tests/plugins.rs (C against built-in, bit for bit).
+//! Tests: bindings/openrt/tests/plugins.rs (C against built-in, bit for bit).
 
 use std::any::Any;
 use std::cell::RefCell;

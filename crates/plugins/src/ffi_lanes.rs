@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Arrays for plugins: aligned, with room for whole vectors, from memory that each thread keeps.
-//! Source: original. Invariant: an array begins at a multiple of 64 bytes and has room for its lanes, rounded up to a
-//! multiple of 16, as openrt/rts.h promises. Proof: `tests`; bindings/openrt/tests/plugins.rs (a plugin that checks its pointers).
+//! Invariant: an array begins at a multiple of 64 bytes and has room for its lanes, rounded up to a
+//! multiple of 16, as openrt/rts.h promises. Tests: `tests`; bindings/openrt/tests/plugins.rs (a plugin that checks its pointers).
 
 use std::cell::RefCell;
 

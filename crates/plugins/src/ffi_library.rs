@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shared libraries of plugins: opening them and taking the one symbol that they export.
-//! Source: original, on libloading. Invariant: a library is closed when the last class of it is gone.
-//! Proof: bindings/openrt/tests/plugins.rs.
+//! On libloading. Invariant: a library is closed when the last class of it is gone.
+//! Tests: bindings/openrt/tests/plugins.rs.
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The structures of `openrt/rts.h`, member for member, and reading those that came from a plugin.
-//! Source: original. Invariant: layouts are those of C; members that a plugin's `struct_size` leaves out read as zero.
-//! Proof: `tests::layouts`; bindings/openrt/tests/plugins.rs (a C plugin prints the same numbers).
+//! Invariant: layouts are those of C; members that a plugin's `struct_size` leaves out read as zero.
+//! Tests: `tests::layouts`; bindings/openrt/tests/plugins.rs (a C plugin prints the same numbers).
 
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::mem::offset_of;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Plugins as shaders of the renderer: batches out to C, results back, checked lane by lane.
-//! Source: original. Space: world. Invariant: what a plugin leaves unwritten, or fills with NaN or infinities, becomes
-//! black, unlit or a ray that sees nothing, and is counted. Proof: bindings/openrt/tests/plugins.rs.
+//! Space: world. Invariant: what a plugin leaves unwritten, or fills with NaN or infinities, becomes
+//! black, unlit or a ray that sees nothing, and is counted. Tests: bindings/openrt/tests/plugins.rs.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How much is left of this thread's stack: plugins call `trace`, which calls plugins, and how much they take for
-//! themselves is theirs to say. Source: original; pthread_getattr_np(3).
-//! Proof: bindings/openrt/tests/plugins.rs (`deep_shaders_are_stopped`).
+//! themselves is theirs to say. Pthread_getattr_np(3).
+//! Tests: bindings/openrt/tests/plugins.rs (`deep_shaders_are_stopped`).
 
 /// What must be left for rays to be traced: a callback's arrays, and the deepest chain of built-in shaders (1,024 bounces
 /// of about 2.5 KiB).

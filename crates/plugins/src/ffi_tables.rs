@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Tables that a plugin may give, made of arbitrary bytes: what is accepted keeps every promise of `PluginClass`.
-//! For the tests and for fuzz/fuzz_targets/plugin_tables.rs. Source: original.
+//! For the tests and for fuzz/fuzz_targets/plugin_tables.rs.
 //! Invariant: pointers are null, or to what they say, as rts.h asks of plugins; every number and text is anybody's.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ptr;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Trying a plugin's `prepare` in a child process, so that one that crashes does not end the program.
-//! Source: original; why a child and not a signal handler: docs/decisions/0010-plugins-on-trial.md.
+//! Why a child and not a signal handler: docs/decisions/0010-plugins-on-trial.md.
 //!
 //! The child is a copy of the process with the calling thread alone. It calls each `prepare` on its copy of the snapshots
 //! and writes two bytes to a pipe, one before and one after each; the parent reads them, and a missing second byte
 //! tells which one crashed. Trying goes on behind it with the next child.
-//! Proof: bindings/openrt/tests/plugins.rs (crashing, aborting and looping plugins).
+//! Tests: bindings/openrt/tests/plugins.rs (crashing, aborting and looping plugins).
 
 use std::time::{Duration, Instant};
 

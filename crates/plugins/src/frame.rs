@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Plugins in a frame: the copies of their blocks, `prepare`, the shaders that the renderer gets, and what went wrong.
-//! Source: original. Invariant: what cannot take part is told of and left out. Proof: bindings/openrt/tests/plugins.rs.
+//! Invariant: what cannot take part is told of and left out. Tests: bindings/openrt/tests/plugins.rs.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

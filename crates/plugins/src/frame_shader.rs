@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A plugin's shader in one frame: its copy of the block, what it reads, and where its parameters are in a batch.
-//! Source: original. Proof: bindings/openrt/tests/plugins.rs.
+//! Tests: bindings/openrt/tests/plugins.rs.
 
 use std::sync::Arc;
 

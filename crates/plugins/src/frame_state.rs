@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What shaders of plugins read while they shade a frame, and what they did wrong in it.
-//! Source: original. Invariant: a frame reads nothing that the program may change while it is in flight.
-//! Proof: bindings/openrt/tests/plugins.rs.
+//! Invariant: a frame reads nothing that the program may change while it is in flight.
+//! Tests: bindings/openrt/tests/plugins.rs.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

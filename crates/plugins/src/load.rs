@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From a class's name and a file to a checked class, or to words that say what is wrong.
-//! Source: original. Invariant: what passes has every promise of [`PluginClass`].
-//! Proof: bindings/openrt/tests/plugins.rs: a plugin for each rule that it breaks.
+//! Invariant: what passes has every promise of [`PluginClass`].
+//! Tests: bindings/openrt/tests/plugins.rs: a plugin for each rule that it breaks.
 
 use std::fmt::{Display, Formatter};
 use std::path::Path;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surface shaders for scenes that no OpenRT calls make: classes of plugins and built-in ones, files in the shading language,
 //! parameters as people write them.
-//! Source: original. A parameter is as many numbers as it has, or one for all of them, between commas; a text; or, for
+//! A parameter is as many numbers as it has, or one for all of them, between commas; a text; or, for
 //! textures, `@` and the name of a picture. A plugin is loaded anew each time, so that one that was built again is seen.
-//! Proof: `tests`; crates/cli/tests/program/shaders.rs.
+//! Tests: `tests`; crates/cli/tests/program/shaders.rs.
 
 use std::collections::BTreeMap;
 use std::ffi::CString;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where a plugin's file is looked for.
-//! Source: original. A name with '/' is a path. Any other is looked for in each folder of `$OPENRT_SHADER_PATH` (separated
+//! A name with '/' is a path. Any other is looked for in each folder of `$OPENRT_SHADER_PATH` (separated
 //! by ':'), then by the system's loader (LD_LIBRARY_PATH, /etc/ld.so.conf), then in the working directory.
 //! The first file that is there counts, even if it cannot be loaded: a broken one hides no other.
-//! Proof: `tests`; bindings/openrt/tests/plugins.rs.
+//! Tests: `tests`; bindings/openrt/tests/plugins.rs.
 
 use std::path::{Path, PathBuf};
 

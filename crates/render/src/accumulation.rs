@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture that grows: samples are added to it pass by pass, for as long as somebody looks.
-//! Source: original. A pass that is stopped in the middle leaves tiles with different numbers of samples; the next one
+//! A pass that is stopped in the middle leaves tiles with different numbers of samples; the next one
 //! first takes what they lack. Memory: sums of all pixels, whatever the number of samples.
 //! Invariant: sample `s` of a pixel is the same whichever pass takes it, and sums are added in the order of the samples:
 //! after `n` samples the picture equals that of `render` with `spp = n`, bit for bit.
-//! Proof: crates/render/tests/accumulation.rs.
+//! Tests: crates/render/tests/accumulation.rs.
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How many samples a tile needs so that its noise falls below a target.
-//! Source: original; two-stage sampling after Stein [Ste45]. The number is decided by a pilot rendering under another seed,
+//! Two-stage sampling after Stein [Ste45]. The number is decided by a pilot rendering under another seed,
 //! which is then thrown away: it is independent of the samples that make the picture, whose means so stay unbiased, as
 //! they would not if samples were taken until they look quiet.
 //! Noise of a tile: root of the mean variance of its pixels' means, over its mean radiance. Cost: the pilot is 16 samples,
 //! and beyond that at most about an eighth of what is to come.
-//! Proof: `tests`, crates/render/tests/checkpoint.rs.
+//! Tests: `tests`, crates/render/tests/checkpoint.rs.
 
 use crate::film::TileFilm;
 use crate::job::Job;

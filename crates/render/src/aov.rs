@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Layers beside the colour: what the camera's rays hit.
-//! Source: original; names of layers and channels as EXR files of the field have them.
+//! Names of layers and channels as EXR files of the field have them.
 //! Albedo and normals are means over the samples; position, depths and ids are those of the first sample, because a
 //! mean of places or numbers is none. `variance` is that of the colour's mean. `emission` is the part of the colour that no
 //! surface scattered: lamps and surroundings that camera rays meet, where the integrator tells (`path`). `background` is what rays

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The colours of a picture that grows, in bands: rows of tiles, which threads take one after the other and go on with while they
-//! are in the cache. Source: original. Bands do not overlap, and all of them together are the region that was rendered.
-//! Proof: crates/render/tests/accumulation.rs.
+//! are in the cache. Bands do not overlap, and all of them together are the region that was rendered.
+//! Tests: crates/render/tests/accumulation.rs.
 
 use std::ops::Range;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The camera that a description holds, as a shader of rays.
 //! Source: references/README point 5 (frame, vertical angle, square pixels); projections and lens: `gnurt_shading::LookCamera`.
-//! Space: world. Proof: `tests::{corners_and_centre, degenerate_cameras_see_nothing}`, tests/path.rs (depth of field).
+//! Space: world. Tests: `tests::{corners_and_centre, degenerate_cameras_see_nothing}`, tests/path.rs (depth of field).
 
 use glam::Vec3;
 use gnurt_accel::{Moment, RayBatch};

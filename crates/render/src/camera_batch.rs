@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Camera rays of some samples of some pixels, as they go together. Source: original.
+//! Camera rays of some samples of some pixels, as they go together.
 
 use gnurt_accel::{HitBatch, RayBatch};
 use gnurt_shading::{SampleKey, Vec3s};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture in the making as bytes, so that a rendering goes on where it was, with the same bits.
-//! Source: original. Layout, little-endian 64-bit words: magic, version, fingerprint, rectangle, flags, counters, then per
+//! Layout, little-endian 64-bit words: magic, version, fingerprint, rectangle, flags, counters, then per
 //! tile its samples and sums; last a checksum of all words before it. One function walks over all words for both ways.
 //! Invariants: whatever the bytes are, reading returns or fails, it never panics; nothing is read into other sizes.
-//! Proof: crates/render/tests/checkpoint.rs; a killed program: crates/cli/tests/program/checkpoint.rs.
+//! Tests: crates/render/tests/checkpoint.rs; a killed program: crates/cli/tests/program/checkpoint.rs.
 
 use crate::accumulation::Accumulation;
 use crate::error::CheckpointError;

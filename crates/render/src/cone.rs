@@ -6,7 +6,7 @@
 //! All widths shrink with a pixel's samples, so that these and not the cones make the picture in the end: sample n has cones
 //! 1 / sqrt(n + 1) as wide, an eighth at least, which leaves a blur of an eighth of a pixel.
 //! Space: world; spreads are in units per unit of way, widths from rim to rim.
-//! Proof: `tests`; tests/filtering.rs; the OpenRT binding's tests/c/mipmaps.c.
+//! Tests: `tests`; tests/filtering.rs; the OpenRT binding's tests/c/mipmaps.c.
 
 use gnurt_accel::RayBatch;
 use gnurt_shading::bsdf::BsdfSample;

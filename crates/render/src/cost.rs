@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What each pixel of a tile cost: nodes visited and triangles tested by all rays that served it. Source: original.
+//! What each pixel of a tile cost: nodes visited and triangles tested by all rays that served it.
 
 use gnurt_shading::SampleKey;
 

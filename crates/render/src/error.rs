@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What may go wrong, and whose fault it is. Source: original.
+//! What may go wrong, and whose fault it is.
 //! Bad geometry is no error: commit drops it and counts it.
 
 use gnurt_scene::nesting::NestingError;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sums per pixel of a tile, in double precision, in the order of the samples.
-//! Source: original. Memory does not depend on the number of samples.
+//! Memory does not depend on the number of samples.
 //! Invariant: all pixels of a tile have the same number of samples; sums do not depend on how samples were cut in passes.
-//! Proof: crates/render/tests/{determinism,accumulation}.rs.
+//! Tests: crates/render/tests/{determinism,accumulation}.rs.
 
 use std::ops::Range;
 

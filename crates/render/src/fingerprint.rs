@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A number that says whether two renderings are of one picture: same scene, same camera, same options.
-//! Source: original. Levels, threads, times and pieces do not count; nor does the number of samples, so that a finished picture can
+//! Levels, threads, times and pieces do not count; nor does the number of samples, so that a finished picture can
 //! be given more of them, unless it decides where samples go. Not meant against forgery.
-//! Proof: `tests::only_what_matters_counts`.
+//! Tests: `tests::only_what_matters_counts`.
 
 use std::fmt::{self, Debug, Write};
 

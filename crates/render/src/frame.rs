@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a rendering gives back. Source: original.
+//! What a rendering gives back.
 
 use gnurt_image::Picture;
 

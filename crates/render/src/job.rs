@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What all tiles of a rendering share, and the camera rays of their pixels.
-//! Source: original; samples placed by the filter [EST06].
+//! Samples placed by the filter [EST06].
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

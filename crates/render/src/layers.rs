@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The layers of a picture, gathered from its tiles. Source: original; names of layers and channels as EXR files of the field have
-//! them. What the layers hold: see `aov`.
+//! The layers of a picture, gathered from its tiles. Names of layers and channels as EXR files of the field have them. What the layers hold: see `aov`.
 
 use gnurt_accel::INVALID_ID;
 use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};

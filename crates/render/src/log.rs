@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What happens on the way of a sample, as lines for people. Source: original. Space: world.
+//! What happens on the way of a sample, as lines for people. Space: world.
 
 use glam::Vec3;
 use gnurt_accel::{HitBatch, Ray, RayBatch};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera that moves while the shutter is open. Source: [CPC84]: each ray leaves from where the camera is at its moment.
 //! Between keys the eye goes straight, and axes are mixed and made units again: keys are to be so close that a turn between
-//! two is a small one, as those of an `Exposure` are. Space: world. Proof: `tests`, crates/render/tests/shutter.rs.
+//! two is a small one, as those of an `Exposure` are. Space: world. Tests: `tests`, crates/render/tests/shutter.rs.
 
 use gnurt_accel::{Moment, RayBatch};
 use gnurt_scene::Camera;

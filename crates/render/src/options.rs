@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a caller may choose about a picture: size, samples, integrator, filter.
-//! Source: original. Pixels count from the upper left corner; names are the command line's words.
-//! Proof: `tests::names_round_trip`, `tests::crops_are_clipped`.
+//! Pixels count from the upper left corner; names are the command line's words.
+//! Tests: `tests::names_round_trip`, `tests::crops_are_clipped`.
 
 use std::fmt;
 use std::str::FromStr;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture in pieces, each rendered by itself, and the picture put together again.
-//! Source: original. A piece is every so many-th tile: neighbours cost alike, so pieces do. Its pixels travel tile by tile in a small
+//! A piece is every so many-th tile: neighbours cost alike, so pieces do. Its pixels travel tile by tile in a small
 //! picture of their own, for most of the frame is others'. Samples of a pixel stay in one piece: their sum depends on their order.
-//! Invariant: pixels are copied, so that the whole has the bits of a picture rendered at once. Proof: `tests` here;
+//! Invariant: pixels are copied, so that the whole has the bits of a picture rendered at once. Tests: `tests` here;
 //! crates/cli/tests/program/pieces.rs.
 
 use gnurt_image::{BACKGROUND, Channel, ChannelData, Layer, Opacity, Picture};

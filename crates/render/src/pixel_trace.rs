@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One sample of one pixel, with every value that flows: ray, hit, surface point, lights, shadows, radiance.
-//! Source: original. It runs the same code as a rendering, on a batch of one, with a log.
+//! It runs the same code as a rendering, on a batch of one, with a log.
 
 use std::fmt;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What pixels show where a shader says it: between the integrator and the film, sample by sample.
-//! Source: original; the default of a pixel shader, the radiance along its ray, is what there is without one. Being samples, what it
+//! The default of a pixel shader, the radiance along its ray, is what there is without one. Being samples, what it
 //! shows is averaged by the film as light is: lines have no steps, and pieces, checkpoints and frames are what they are without it.
 //! Layers beside the colour stay those of what camera rays hit, but for light that nothing has scattered, which nobody knows any more.
-//! Space: world. Proof: crates/render/tests/pixels.rs.
+//! Space: world. Tests: crates/render/tests/pixels.rs.
 
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_scene::RayMask;

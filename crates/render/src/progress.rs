@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a rendering is watched and stopped from inside. Source: original. What callers implement: `Progress` in `accumulation`.
+//! How a rendering is watched and stopped from inside. What callers implement: `Progress` in `accumulation`.
 
 /// Told how far the picture is, and asked whether to go on. Called from many threads at once.
 pub(crate) trait Watch: Sync {

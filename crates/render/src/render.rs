@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures from worlds: tiles over a pool, in passes that double.
-//! Source: original. Invariant: the picture depends on world, camera, options and the samples taken, bit for bit; neither
-//! on threads nor on passes. Proof: crates/render/tests/determinism.rs.
+//! Invariant: the picture depends on world, camera, options and the samples taken, bit for bit; neither
+//! on threads nor on passes. Tests: crates/render/tests/determinism.rs.
 
 use std::time::{Duration, Instant};
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One sample, or several, of all pixels of a tile: camera rays, hits, radiance, film.
-//! Source: original.
 //! A batch is one sample of all pixels of a tile, or several, where many rays together are worth more than few. What a ray
 //! brings does not depend on the others, and samples are added in order: pictures do not depend on batches.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Counters of a rendering: what was traced, what it cost. Source: original.
+//! Counters of a rendering: what was traced, what it cost.
 //! Counters are per tile and added at the end, in tile order: no thread waits for another one.
 
 use crate::words::{Words, word_f64, word_u32};

@@ -3,7 +3,7 @@
 //! Source: [Whi80] (recursion); batches by shader after the paper's section 8. Space: world.
 //! Flow: rays -> hits -> lanes sorted by shader -> surface points -> shader, which may ask for lights and more rays.
 //! Invariant: what a lane gets depends on its ray and key only, not on the lanes beside it.
-//! Proof: crates/render/tests/{lights,mirrors,appearance,determinism}.rs.
+//! Tests: crates/render/tests/{lights,mirrors,appearance,determinism}.rs.
 
 use std::ops::Range;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures that grow are the pictures that are rendered at once, bit for bit. Source: original.
+//! Pictures that grow are the pictures that are rendered at once, bit for bit.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -2,7 +2,6 @@
 //! `path` against `ir` and `bir`, all unbiased: every kind of material under every kind of light, on both sides of a surface.
 //! What one of them sees and another does not is a bug; what they share is checked first, against the definition. Means of independent renderings are compared; seeds are fixed, so that
 //! the test always says the same.
-//! Source: original.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What meshes and textures say reaches shaders and light: normal maps, textured emission, attributes of both rates.
-//! Source: original.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Renderings that are broken off and go on, and tiles that get as many samples as they need. Source: original.
+//! Renderings that are broken off and go on, and tiles that get as many samples as they need.
 
 use crate::common::*;
 use gnurt_image::{ChannelData, Picture};

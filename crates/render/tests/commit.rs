@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Commits do what is due and no more, and survive bad data. Source: original.
+//! Commits do what is due and no more, and survive bad data.
 
 use std::sync::mpsc;
 use std::time::Duration;

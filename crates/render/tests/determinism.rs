@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The same picture, bit for bit, whatever threads, passes, crops and kernels do. Source: original.
+//! The same picture, bit for bit, whatever threads, passes, crops and kernels do.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Random edits, each followed by a commit: the world is that of a fresh commit, picture for picture, bit for bit, and a frame
-//! in flight keeps the world that it began with. Source: original. `GNURT_EDITS=n` asks for n edits;
+//! in flight keeps the world that it began with. `GNURT_EDITS=n` asks for n edits;
 //! of very many, some are looked at.
 
 use std::sync::Arc;

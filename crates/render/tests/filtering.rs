@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures where a ray stands for many texels: pictures of one sample against many samples that read the picture itself.
-//! Source: original.
 
 use std::sync::Arc;
 

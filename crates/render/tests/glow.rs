@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces whose shaders say what they give off are lights: against the definition, against lamps of the description, and the
 //! integrators against each other.
-//! Source: original.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What checkpoints cost: whatever a file says, no more than the picture that was asked for, twice.
-//! Source: original; every allocation of the program is counted. One test only, so that nothing else is counted.
+//! Every allocation of the program is counted. One test only, so that nothing else is counted.
 
 #[path = "common/signed.rs"]
 mod signed;

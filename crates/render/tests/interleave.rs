@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Interleaved sampling: the light of the full gather for a fraction of its rays, nothing over edges, the same bits for any
 //! number of threads.
-//! Source: original.
 
 use crate::common::*;
 use gnurt_image::Picture;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Virtual lights that stay while the camera moves: the mean of pictures is that of fresh ones, few are traced for each
 //! picture, what is new in the world is seen at once, the same bits for any number of threads.
-//! Source: original.
 
 use crate::common::*;
 use gnurt_render::{

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Paths that take steps one by one, as on CPUs with narrow registers, against paths that take them side by side: the same bits, for
-//! every kind of surface and light. Source: original.
+//! every kind of surface and light.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Radiance of a floor under each kind of light, against closed forms. Source: original; form factors as in [Gol94].
+//! Radiance of a floor under each kind of light, against closed forms. Form factors as in [Gol94].
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures and light. Source: original.
+//! Pictures and light.
 //!
 //! One program for all files: each of its own takes a second to link.
 

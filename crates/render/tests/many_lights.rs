@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Integrators of many virtual lights: the same pictures as by path tracing, edges counted alike, the same bits for any
 //! number of threads.
-//! Source: original.
 
 use crate::common::*;
 use gnurt_image::Picture;

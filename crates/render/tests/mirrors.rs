@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where mirrors and glass lead the eye. Source: original; positions follow from the laws of reflection and refraction.
+//! Where mirrors and glass lead the eye. Positions follow from the laws of reflection and refraction.
 
 use crate::common::*;
 use gnurt_scene::material::Color;

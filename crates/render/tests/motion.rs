@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures of a camera in motion that remember the light of those before: beside pictures that are rendered from there alone.
-//! Source: original.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects in objects: hits, ids and pictures are those of the scene with all of it unfolded into instances. Source: original.
+//! Objects in objects: hits, ids and pictures are those of the scene with all of it unfolded into instances.
 
 use crate::common::*;
 use gnurt_accel::Ray;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Neither acne nor leaks, from scenes of a tenth of a unit to those of a hundred thousand. Source: original.
+//! Neither acne nor leaks, from scenes of a tenth of a unit to those of a hundred thousand.
 
 use crate::common::*;
 use gnurt_render::{Silent, render};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Light samples that look through smooth glass for lamps that no scattered ray meets: closed forms of panes.
-//! Source: original; Fresnel's formulas.
+//! Fresnel's formulas.
 
 use std::f64::consts::PI;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The path tracer against closed forms: furnaces, lights over a floor, a lamp in a hollow sphere, holes. Source: original;
-//! the integrating sphere is a textbook's.
+//! The path tracer against closed forms: furnaces, lights over a floor, a lamp in a hollow sphere, holes. //! the integrating sphere is a textbook's.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pixel shaders: what shows the radiance of its ray changes no bit; rays that it asks for are the camera's.
-//! Source: original.
 
 use std::sync::Arc;
 

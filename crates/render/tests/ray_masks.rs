@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which rays see an instance: for each kind of ray the picture is that of the scene with or without it. Source: original.
+//! Which rays see an instance: for each kind of ray the picture is that of the scene with or without it.
 
 use crate::common::*;
 use gnurt_render::{Integrator, RenderOptions, SceneCamera, Silent, World, render};

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders that only know `shade` and `illuminate` under integrators with virtual lights: the same pictures as by
 //! materials that tell what they do to light, under the same lamps.
-//! Source: original.
 
 use std::f32::consts::PI;
 use std::sync::Arc;

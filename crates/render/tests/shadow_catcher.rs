@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A floor that only catches shadow: not seen where no shadow is, as dark as a true floor where one is. Source: original;
-//! the oracle is a Lambertian floor of the same albedo under the same sky.
+//! A floor that only catches shadow: not seen where no shadow is, as dark as a true floor where one is. //! the oracle is a Lambertian floor of the same albedo under the same sky.
 
 use crate::common::*;
 use gnurt_image::{BACKGROUND, ChannelData, Opacity, Picture};

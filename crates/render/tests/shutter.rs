@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An open shutter: at each moment it shows what a scene at that moment shows, bit for bit, with every integrator; a picture is
-//! the mean of its moments; commits after it, open or not, are those of fresh worlds. Source: original.
+//! the mean of its moments; commits after it, open or not, are those of fresh worlds.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Colours that are seen as they are: from both sides, times the mesh's colours, in mirrors, and as light for nobody.
-//! Source: original; KHR_materials_unlit.
+//! KHR_materials_unlit.
 
 use crate::common::*;
 use gnurt_image::Picture;

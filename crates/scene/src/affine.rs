@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Affine transforms in double precision: `world_from_object` and the like.
-//! Source: original. Double precision so that objects far from the origin keep their place.
+//! Double precision so that objects far from the origin keep their place.
 //! Names read `destination_from_source`, so products read left to right.
-//! Proof: `tests::{inverse_undoes, rotation_is_right_handed}`.
+//! Tests: `tests::{inverse_undoes, rotation_is_right_handed}`.
 
 /// `p' = m * p + t`; `m` is stored by columns, column 3 is `t`.
 #[derive(Clone, Copy, Debug, PartialEq)]

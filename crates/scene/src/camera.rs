@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Cameras: where they stand, how they project, and their lens.
-//! Source: original; the frame is that of references/README point 5. Space: world; right-handed.
+//! The frame is that of references/README point 5. Space: world; right-handed.
 
 use std::fmt;
 

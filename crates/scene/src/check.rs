@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Checks descriptions that programs make: array lengths, index ranges, ids.
-//! Source: original. Files are checked by their readers; this is for scenes made by code and by API calls.
-//! Cost: one pass over the indices. Proof: `tests::finds_each_mistake`.
+//! Files are checked by their readers; this is for scenes made by code and by API calls.
+//! Cost: one pass over the indices. Tests: `tests::finds_each_mistake`.
 
 use crate::mesh::{Mesh, Rate};
 use crate::scene::Scene;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What few materials have: something within them, brushed facets, a thin film, a body that light goes through.
 //! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}; each says what its numbers mean.
-//! Units: world units, nanometres, radians. Proof: `tests` here and `tests/gltf.rs`.
+//! Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
 
 use crate::texture::TextureRef;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The edit log: what changed since somebody last looked, so that a commit does only the work that is due.
-//! Source: original. A journal in the order of time, and the moment of each thing's last edit: of several edits of one thing
+//! A journal in the order of time, and the moment of each thing's last edit: of several edits of one thing
 //! only the last counts. The journal is weeded when half of it is stale, so it never grows beyond the scene itself.
 //! Cost: noting is O(1), amortised; asking costs what was noted since, however large the scene.
 //! Any number of worlds can follow one scene, each with its own [`Cursor`]; a copy of a scene is another scene.

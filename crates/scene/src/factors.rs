@@ -6,7 +6,7 @@
 //! clear coat, sheen, transmission and the like become principled. Glass is solid where there is a thickness, else a pane that bends nothing,
 //! at every roughness; solid glass that is smooth and lets through all light that it does not mirror is perfectly smooth, tinted by
 //! the base colour. glTF's v runs downwards, ours upwards: `uv_from_mesh`.
-//! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
+//! Tests: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
 
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::id::TextureId;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Typed ids, so that the compiler refuses a mesh id where a material id is meant.
-//! Source: original. Invariant: an id is the position of its value in the scene's array; values are never removed,
+//! Invariant: an id is the position of its value in the scene's array; values are never removed,
 //! only replaced, so an id stays good for the life of its scene.
 
 macro_rules! ids {

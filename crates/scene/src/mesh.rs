@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Triangle meshes as plain arrays.
-//! Source: original; attribute rates after the paper's Figure 1 (parameters per triangle and per vertex).
+//! Attribute rates after the paper's Figure 1 (parameters per triangle and per vertex).
 //! Space: object. Invariant: after `Scene::check` every index is below `positions.len()` and optional arrays are empty or full.
 
 use crate::id::MaterialId;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How an object moves within itself, as far as somebody says. Source: original; docs/explanation/moving.md. glTF: the string
-//! `gnurt_motion` in a mesh's `extras`. Proof: `tests::words`, `tests/save.rs`.
+//! How an object moves within itself, as far as somebody says. See docs/explanation/moving.md. glTF: the string
+//! `gnurt_motion` in a mesh's `extras`. Tests: `tests::words`, `tests/save.rs`.
 
 use std::fmt;
 use std::str::FromStr;

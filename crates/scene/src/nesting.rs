@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Objects made of other objects: how deep they lie in one another, whether one holds itself, and everything that instances show
 //! when all is unfolded.
-//! Source: original; the paper's section 6 has two levels. Spaces: a member's transform goes to the object that holds it.
+//! The paper's section 6 has two levels. Spaces: a member's transform goes to the object that holds it.
 //! Invariants: walks end, also in descriptions with circles; an object is looked at once, however often it occurs, but by
-//! [`Scene::occurrences`]. Proof: `tests`.
+//! [`Scene::occurrences`]. Tests: `tests`.
 
 use crate::affine::Affine;
 use crate::id::{InstanceId, ObjectId};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The scene: arrays of plain data and the log of their edits.
-//! Source: original; objects and instances after the paper's section 6 and [WBS03a], objects in objects: `nesting`.
+//! Objects and instances after the paper's section 6 and [WBS03a], objects in objects: `nesting`.
 //! Everything is read through public slices and written through methods, so that no edit escapes the log.
 //! Meshes are shared: who keeps an `Arc` of one keeps it as it was, because an edit copies what others hold.
-//! Proof: `tests::edits_leave_shared_meshes_alone`, crates/render/tests/commit.rs.
+//! Tests: `tests::edits_leave_shared_meshes_alone`, crates/render/tests/commit.rs.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

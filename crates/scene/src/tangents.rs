@@ -3,7 +3,7 @@
 //! Source: MikkTSpace \[Mik08\], by the crate `bevy_mikktspace`. Space: object; coordinates have v upwards.
 //! Vertices are not split: one whose triangles disagree on which side v grows (the seam of a mirrored map) has none, and its triangles
 //! go by their own coordinates, which have the right side.
-//! Invariant: any mesh that `Scene::check` lets pass is safe. Proof: `tests`; tests/gltf.rs.
+//! Invariant: any mesh that `Scene::check` lets pass is safe. Tests: `tests`; tests/gltf.rs.
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures: a picture and how it is read.
-//! Source: original; conventions of glTF 2.0 section 5.26 and of references/README (decode first, then interpolate).
+//! Conventions of glTF 2.0 section 5.26 and of references/README (decode first, then interpolate).
 //! Texel (0, 0) is the upper left one; texture coordinates have v upwards, so row 0 lies at v = 1.
 
 use std::sync::Arc;

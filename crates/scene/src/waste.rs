@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles that no ray can hit, and vertices that no triangle uses. Source: original. Space: object.
-//! Proof: `tests`; `io::clean::tests`.
+//! Triangles that no ray can hit, and vertices that no triangle uses. Space: object.
+//! Tests: `tests`; `io::clean::tests`.
 
 use crate::mesh::{Mesh, Rate};
 

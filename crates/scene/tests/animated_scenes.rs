@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The animated benchmark scenes (../shared/scenes) are, at moments of every clip, where another program says that they are:
 //! `data/pose.py`, written from the specification alone, in double precision. Skipped, loudly, where they are absent.
-//! So are files that `data/chance.py` makes by chance. Source: original.
+//! So are files that `data/chance.py` makes by chance.
 
 use std::path::Path;
 

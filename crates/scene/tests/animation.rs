@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Animations of glTF files and of programs: what is where at a moment, against a simple evaluation in double precision.
-//! Source: original; glTF 2.0 section 3.11 and appendix C, KHR_animation_pointer, KHR_node_visibility.
+//! GlTF 2.0 section 3.11 and appendix C, KHR_animation_pointer, KHR_node_visibility.
 
 use std::sync::Arc;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The benchmark scenes (../shared/scenes) load with the counts of their README. Skipped, loudly, where they are absent.
-//! Source: original.
 
 use crate::common::unpacked;
 

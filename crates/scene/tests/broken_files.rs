@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Broken and odd files: each gives the one error that names its place, or the warning and the right triangles.
-//! Source: original; the rules are those of the command line's contract.
+//! The rules are those of the command line's contract.
 
 use crate::common::{glb, load_named};
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The built-in scenes: complete, clean, and as large as they say.
-//! Source: original.
 
 use gnurt_scene::io::{ErrorKind, load_source};
 use gnurt_scene::{Light, builtin};

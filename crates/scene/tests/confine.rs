@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Scenes that may read files of one folder only.
-//! Source: original. The folder of the tests: `in/` is allowed, `out/` is not.
+//! The folder of the tests: `in/` is allowed, `out/` is not.
 
 use std::path::Path;
 

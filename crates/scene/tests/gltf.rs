@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What glTF files mean here.
-//! Source: original; glTF 2.0 and its extensions.
+//! GlTF 2.0 and its extensions.
 
 use crate::common::load_named;
 use gnurt_scene::detail::{DiffuseTransmission, Interior, Iridescence};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What scene files cost: whatever they say, at most 512 MiB and 64 times their length, and only a few seconds.
-//! Source: original; every allocation of the program is counted. One test only, so that nothing else is counted.
+//! Every allocation of the program is counted. One test only, so that nothing else is counted.
 
 #![expect(clippy::print_stdout, reason = "a failing table tells the row that it was at")]
 

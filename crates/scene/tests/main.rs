@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Readers, writers and animation. Source: original.
+//! Readers, writers and animation.
 //!
 //! One program for all files: each of its own takes a second to link.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Small files of each format, cut off at every byte and with every byte changed: never a panic, never a wrong index.
-//! Source: original; after the habit of fuzzing parsers, but without chance. Then files changed in several places at once,
+//! Source: after the habit of fuzzing parsers, but without chance. Then files changed in several places at once,
 //! grown and spliced by a fixed sequence of numbers: half a second of each format, or `GNURT_MUTATE=SECONDS` of them.
 
 use crate::common::{glb, load_named};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What OBJ and MTL files mean here.
-//! Source: original; the table in `io::obj::material`.
+//! The table in `io::obj::material`.
 
 use crate::common::load_named;
 use gnurt_scene::material::{Alpha, Material};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What is written is read back.
-//! Source: original.
 
 use std::sync::Arc;
 

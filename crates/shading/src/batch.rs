@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Batches of surface points, as structures of arrays: what one call of a shader sees.
-//! Source: original, shaped by the paper's section 8 (who writes a shader sees one point, the machine sees lanes).
+//! Shaped by the paper's section 8 (who writes a shader sees one point, the machine sees lanes).
 //! Space: world. Invariant: all arrays of a batch have `len()` lanes, and every lane is live.
 
 use glam::Vec3;

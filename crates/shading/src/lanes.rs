@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sixteen points at once: vectors and rows of lanes, for code that is written once and compiled for each CPU level.
-//! Source: original. Space: whatever the caller's.
+//! Space: whatever the caller's.
 //! Invariant: every lane does the roundings of `glam`'s scalar form in its order, so that lanes and scalar code give the
 //! same bits. All of it is inlined into what `gnurt_simd::dispatch_wide!` enters: loops over lanes are written out, because a
 //! closure that is handed to an adapter of arrays or iterators may become a call, and with it each operation in it.
-//! Proof: `tests`, and those of who uses it.
+//! Tests: `tests`, and those of who uses it.
 
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};

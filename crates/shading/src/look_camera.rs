@@ -3,7 +3,7 @@
 //! Source: [CPC84] (thin lens); equidistant and equirectangular projections are those of cartography. Space: world.
 //! A ray through the middle of the lens goes where a pinhole's goes; all rays of one place in the picture meet in one point: on the plane
 //! in focus, across the view, or for fisheyes and panoramas on the sphere in focus, the lens facing each ray.
-//! Invariant: without a lens the rays do not depend on lens numbers. Proof: `tests`; `crates/render/tests/path.rs` measures the blur.
+//! Invariant: without a lens the rays do not depend on lens numbers. Tests: `tests`; `crates/render/tests/path.rs` measures the blur.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 

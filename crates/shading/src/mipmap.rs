@@ -2,7 +2,7 @@
 //! Smaller copies of textures, so that a point that stands for many texels reads few.
 //! Source: \[Wil83\] (pyramids, interpolation between levels); OpenGL 1.4 section 3.8.8 (filters); \[MPFJ99\] (several probes along
 //! the longer axis of an ellipse). Memory: two thirds of a picture of bytes, one third of one of floats, made when first asked for.
-//! Proof: `tests`; the binding's tests/c/mipmaps.c; crates/render/tests/filtering.rs.
+//! Tests: `tests`; the binding's tests/c/mipmaps.c; crates/render/tests/filtering.rs.
 
 use std::sync::{Arc, OnceLock};
 

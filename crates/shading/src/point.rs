@@ -6,7 +6,7 @@
 //! path came from, a direction must be above the shading normal's horizon and, where the mesh is flat or hollow, above
 //! the facet's; through the surface it must be below both.
 //! Written once for one point and for sixteen.
-//! Proof: `tests`, crates/render/tests/{offsets,terminator}.rs.
+//! Tests: `tests`, crates/render/tests/{offsets,terminator}.rs.
 
 use glam::Vec3;
 use gnurt_accel::Ray;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers of one point or of sixteen: what is written once over [`Real`] is compiled for both.
-//! Source: original. Space: whatever the caller's.
+//! Space: whatever the caller's.
 //! Invariant: every operation rounds lane by lane as that of `f32` does, and nothing is fused: one point and sixteen, at every
 //! CPU level, give the same bits. Everything here is inlined into what `gnurt_simd::dispatch_wide!` enters; loops over lanes
 //! are written out, because a closure that is handed to an adapter of arrays or iterators may become a call.
-//! Proof: `tests`, and those of who uses it.
+//! Tests: `tests`, and those of who uses it.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 

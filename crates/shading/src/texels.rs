@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures read at texture coordinates: nearest texels, means of four, and what happens at edges.
 //! Source: references/README point 3 (decode first, then bilinear; texel centres at (i + 0.5) / N; v upwards), glTF 2.0 section 3.8
-//! (wrap modes). Units: linear light. Proof: the tests of `texture`.
+//! (wrap modes). Units: linear light. Tests: the tests of `texture`.
 
 use gnurt_image::Texels;
 

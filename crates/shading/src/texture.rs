@@ -2,7 +2,7 @@
 //! Reading textures: transform, wrap, decode, interpolate.
 //! Source: references/README point 3 (decode first, then bilinear; texel centres at (i + 0.5) / N; v upwards), glTF 2.0
 //! section 3.8 (wrap modes). Units: linear light. A coordinate that is not finite reads as 0.
-//! Where a point stands for more than a texel, smaller copies are read (`mipmap`). Proof: `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
+//! Where a point stands for more than a texel, smaller copies are read (`mipmap`). Tests: `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
 
 use std::sync::Arc;
 

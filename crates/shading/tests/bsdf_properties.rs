@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What holds for BSDFs with any parameters, between any two directions: values and densities are numbers and not negative,
 //! samples say what `eval` and `pdf` say, reflection goes both ways, and nothing gives off more light than it gets.
-//! Source: original. What holds on average (chi-square, furnaces) is in `bsdf::tests`, for chosen parameters.
+//! What holds on average (chi-square, furnaces) is in `bsdf::tests`, for chosen parameters.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, BsdfSample, Film, Kind, Lobe, Lobes, Principled};

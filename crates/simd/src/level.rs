@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which instructions the kernels use: chosen at run time, once, and overridable by name.
-//! Source: original.
 //! Invariant: a level that this CPU lacks can be named but never runs: its token is the best one below it.
-//! Proof: `tests::{names_round_trip, best_is_available, unknown_names_say_what_there_is, every_level_runs}`.
+//! Tests: `tests::{names_round_trip, best_is_available, unknown_names_say_what_there_is, every_level_runs}`.
 
 use std::fmt;
 use std::str::FromStr;

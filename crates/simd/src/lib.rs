@@ -9,7 +9,7 @@
 //!
 //! Invariant: kernels whose numbers are results use plain `*` and `+`, never `mul_add`, so that every level gives the
 //! same bits. What only has to be on the safe side (boxes that a ray may meet) is free to fuse.
-//! Proof: `level::tests`, `stack::tests`.
+//! Tests: `level::tests`, `stack::tests`.
 
 mod level;
 mod memory;

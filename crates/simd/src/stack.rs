@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A stack of fixed size whose memory is not cleared first: a traversal touches a few entries of many.
-//! Source: original. Clearing 4 KiB for each ray would cost as much as a short ray does. The length is kept apart from the
+//! Clearing 4 KiB for each ray would cost as much as a short ray does. The length is kept apart from the
 //! memory, so that a walk has it in a register.
-//! Invariant: the first `len` entries have been written. Proof: `tests::first_in_last_out`, and the example of
+//! Invariant: the first `len` entries have been written. Tests: `tests::first_in_last_out`, and the example of
 //! [`StackRoom::resume`] that does not compile.
 
 use std::marker::PhantomData;

@@ -2,7 +2,7 @@
 //! Matrices of 4 x 4 floats that points are multiplied to from the left: `p M`, translation in the last row.
 //! Source: the OSL 1.14 language reference, "Matrix functions"; the inverse by cofactors.
 //! Invariant: a matrix without an inverse has the identity as one, as with OSL.
-//! Proof: `tests/vectors.rs`.
+//! Tests: `tests/vectors.rs`.
 
 use crate::math::div;
 use crate::number::Number;

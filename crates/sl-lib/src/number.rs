@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the library's functions are written over: a float, what stands for one while a shader is compiled, or either with derivatives.
-//! Source: original.
 //! [`Real`] is a float or what stands for one; [`Number`] is that or a [`Dual`](crate::Dual) of it. A function that takes any
 //! [`Number`] is written once and serves the interpreter, derivatives and machine code for lanes.
 //! Invariant: an operation gives the same bits alone and in lanes; nothing is fused.
-//! Proof: the tests of `gnurt-jit`.
+//! Tests: the tests of `gnurt-jit`.
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 

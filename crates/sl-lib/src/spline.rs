@@ -3,7 +3,7 @@
 //! Source: the OSL 1.14 language reference, "spline", for its bases; the inverse by regula falsi that falls
 //! back to bisection. Positions are in [0, 1] from the first segment's start to the last one's end.
 //! Invariant: sums are done in OSL's order, for its bits.
-//! Proof: `tests/splines.rs`.
+//! Tests: `tests/splines.rs`.
 
 use crate::number::{Number, Real, Words};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The language's library. Source: original.
+//! The language's library.
 //!
 //! One program for all files: each of its own takes a second to link.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which files shaders may name: those that they include and the pictures that they read; and where their code is kept.
-//! Source: original. Proof: `tests/scripts.rs`.
+//! Tests: `tests/scripts.rs`.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};

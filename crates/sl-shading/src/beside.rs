@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What points do to light that they do not scatter: how closures that give off light or let it through change what scatters beside them.
-//! Source: original.
-//! Proof: `tests/scripts/{closures,lanes}.rs`.
+//! Tests: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobe};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Camera shaders as cameras.
-//! Source: original. Space: world; the shader's space `camera` is that of a camera that stands somewhere, looks along its -z and has y up.
-//! Proof: `tests/scripts/kinds.rs`.
+//! Space: world; the shader's space `camera` is that of a camera that stands somewhere, looks along its -z and has y up.
+//! Tests: `tests/scripts/kinds.rs`.
 
 use std::sync::Arc;
 

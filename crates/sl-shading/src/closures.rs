@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The closures that the renderer knows: all of OSL's, MaterialX's among them, and `radiance`.
 //! Source: the OSL specification, chapter 7.10, and its MaterialX closures; what becomes of each is in `parts`.
-//! Proof: `tests/scripts/closures.rs`.
+//! Tests: `tests/scripts/closures.rs`.
 
 use std::sync::LazyLock;
 

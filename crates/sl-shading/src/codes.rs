@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Machine code of shaders, kept for all that mean the same: of materials, lights, cameras, skies and pixels.
-//! Source: original; what counts as the same is in `gnurt_jit`'s `fingerprint`. The process has one for all who ask for no other: it is
+//! What counts as the same is in `gnurt_jit`'s `fingerprint`. The process has one for all who ask for no other: it is
 //! known by what the code is made of, so nobody can see from a picture whether somebody was there before.
-//! Proof: `tests/scripts/lanes.rs`.
+//! Tests: `tests/scripts/lanes.rs`.
 
 use std::sync::{Arc, LazyLock};
 

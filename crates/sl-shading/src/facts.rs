@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a surface may do, as far as its group says so once all values that are known are put in: whether light goes straight through,
 //! whether it shines, whether it asks for light itself.
-//! Source: original. Invariant: what is said not to happen does not. Proof: `tests/scripts/lanes.rs`.
+//! Invariant: what is said not to happen does not. Tests: `tests/scripts/lanes.rs`.
 
 use std::collections::HashSet;
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What shaders said while they ran: each line once, and not without end.
-//! Source: original.
-//! Proof: `tests/scripts/wrong.rs`.
+//! Tests: `tests/scripts/wrong.rs`.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};

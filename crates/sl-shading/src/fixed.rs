@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces that do the same to light at all points: lobes, light that they give off and let through are worked out once, from the front
 //! and from behind.
-//! Source: original; a forward data-flow over cells, once all values that are known are put in. Lobes may lie around the points' own
+//! A forward data-flow over cells, once all values that are known are put in. Lobes may lie around the points' own
 //! normals; along what equally wide facets are brushed does not count. Everything else that a closure takes must be known, every choice
 //! on the way, too; and nothing may be asked or said.
-//! Invariant: lobes and normals are those that running the group at the points would give. Proof: `tests/scripts/lanes.rs`.
+//! Invariant: lobes and normals are those that running the group at the points would give. Tests: `tests/scripts/lanes.rs`.
 
 use std::collections::HashMap;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders written in the shading language, as shaders of the renderer.
-//! Source: original.
 //!
 //! A [`Script`] is a shader's file, compiled, with values for its parameters; it makes what `gnurt_shading` knows: a surface, a light,
 //! a camera, a sky. `access` says which files may be read, `closures` which closures there are, `parts` makes lobes of them,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The shader library, as the program carries it: `builtin/wood.osl` is `shaders/surfaces/wood.osl`, wherever somebody is.
-//! Source: original. A file that is there wins. Proof: `tests`.
+//! A file that is there wins. Tests: `tests`.
 
 use std::path::Path;
 

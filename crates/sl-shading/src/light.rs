@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Light shaders as lights.
-//! Source: original. Space: world.
-//! Proof: `tests/scripts/kinds.rs`.
+//! Space: world.
+//! Tests: `tests/scripts/kinds.rs`.
 
 use glam::Vec3;
 use gnurt_shading::{LightBatch, LightShader, Vec3s};

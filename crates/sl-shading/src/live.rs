@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Parameters that change while shaders run, without compiling: numbers that all threads read where they stand.
-//! Source: original; the shader asks for them as for what geometry carries, whose place nobody folds away.
-//! A picture that is rendered meanwhile holds some of both values. Proof: `tests/scripts/live.rs`.
+//! The shader asks for them as for what geometry carries, whose place nobody folds away.
+//! A picture that is rendered meanwhile holds some of both values. Tests: `tests/scripts/live.rs`.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From one closure of a point to its lobes.
-//! Source: original; what the closures are is in the OSL specification and MaterialX, the lobes' models are in docs/reference/materials.md.
+//! What the closures are is in the OSL specification and MaterialX, the lobes' models are in docs/reference/materials.md.
 //! Differs from other renderers: facets of MaterialX's closures are GGX whatever the distribution's name; light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered where it enters; hair and volumes are not drawn.
-//! Space: world. Proof: `tests/scripts/closures.rs`.
+//! Space: world. Tests: `tests/scripts/closures.rs`.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{Film, Lobe};

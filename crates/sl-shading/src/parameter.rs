@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Parameters of scripts: what there is, and values as programs and people give them.
-//! Source: original; labels and ranges are OSL's metadata.
-//! Proof: `tests/scripts/wrong.rs`.
+//! Labels and ranges are OSL's metadata.
+//! Tests: `tests/scripts/wrong.rs`.
 
 use gnurt_sl::group::Value;
 use gnurt_sl::hir::Data;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From closures to what points do to light: weighted lobes, light that they give off, light that goes straight through; all points of a
 //! batch at once, and lobes whose numbers are the same for all of them once.
-//! Source: original; what the closures are is in `lobe`. Space: world.
-//! Proof: `tests/scripts/{closures,lanes}.rs`.
+//! What the closures are is in `lobe`. Space: world.
+//! Tests: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Ends, Lists};

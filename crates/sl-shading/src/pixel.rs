@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pixel shaders: what samples of pixels show.
-//! Source: original. `P` and `I` are the camera's ray, with its changes from pixel to pixel; `(color) trace (P, I)` along it is what
+//! `P` and `I` are the camera's ray, with its changes from pixel to pixel; `(color) trace (P, I)` along it is what
 //! the integrator has found, without another ray. Space: world; `raster` is in pixels from the upper left corner.
-//! Proof: `tests/scripts/pixels.rs`.
+//! Tests: `tests/scripts/pixels.rs`.
 
 use glam::Vec3;
 use gnurt_accel::Ray;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Points of surfaces as shaders see them.
-//! Source: original; what the globals hold is OSL's. Space: world; normals face the ray.
-//! Proof: `tests`, `tests/scripts/floor.rs`.
+//! What the globals hold is OSL's. Space: world; normals face the ray.
+//! Tests: `tests`, `tests/scripts/floor.rs`.
 
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{RayKind, SurfaceBatch};

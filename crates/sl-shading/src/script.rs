@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A shader's file with values for its parameters, and the shaders of the renderer that it makes.
-//! Source: original. `.osl` is source text, `.oso` what OSL's compiler makes of it, `.oslgroup` OSL's text for groups:
+//! `.osl` is source text, `.oso` what OSL's compiler makes of it, `.oslgroup` OSL's text for groups:
 //! `param float scale 2 ; shader noise.osl pattern ; shader matte.osl base ; connect pattern.out base.Kd ;`, names of files beside it.
-//! Proof: `tests/scripts.rs`.
+//! Tests: `tests/scripts.rs`.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};

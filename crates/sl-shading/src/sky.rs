@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Environment shaders: asked for directions, or made a picture once, which integrators can sample.
-//! Source: original. Space: world.
-//! Proof: `tests/scripts/kinds.rs`.
+//! Space: world.
+//! Tests: `tests/scripts/kinds.rs`.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::ClosureBatch;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces: points of a batch to points of a group, closures to lobes.
-//! Source: original; what the globals hold is OSL's. Space: world; normals face the ray, as OSL's renderers have them.
+//! What the globals hold is OSL's. Space: world; normals face the ray, as OSL's renderers have them.
 //! A shader that asks for rays or lights itself (`trace`, `illuminance`, `radiance`) is shaded as Whitted's renderer does: what it has
 //! worked out counts as if the surface emitted it, its other closures are lit by all lights. Others' closures are what integrators scatter.
-//! Proof: `tests/scripts.rs`.
+//! Tests: `tests/scripts.rs`.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, ClosureBatch, Scattering};

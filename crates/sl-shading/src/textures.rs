@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures that shaders read, each file once.
-//! Source: original; wrap modes and options are OSL's. Colours of pictures of whole numbers are decoded to linear light, as everywhere in
+//! Wrap modes and options are OSL's. Colours of pictures of whole numbers are decoded to linear light, as everywhere in
 //! GNU RT, but where a shader says that they are linear, or no colours (`"colorspace"`). Where a
 //! point stands for more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as materials of files do.
-//! Proof: `tests/scripts/{kinds,relief}.rs`.
+//! Tests: `tests/scripts/{kinds,relief}.rs`.
 
 use std::borrow::Cow;
 use std::collections::HashMap;

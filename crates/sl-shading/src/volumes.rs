@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Volumes that shaders read by `texture3d`: each file once, between eight voxels or the nearest one.
-//! Source: original; grids, options and what is seen beyond a grid's leaves are as OpenImageIO's textures have it, but maps that turn or
-//! shear are right. Nothing is filtered: a voxel is a voxel, however far away. Space: world, which is the file's.
-//! Proof: `tests/scripts/volumes.rs`.
+//! Grids, options and what is seen beyond a grid's leaves are as OpenImageIO's textures have it, but maps that turn or shear are right. Nothing is filtered: a voxel is a voxel, however far away. Space: world, which is the file's.
+//! Tests: `tests/scripts/volumes.rs`.
 
 use std::collections::HashMap;
 use std::path::Path;

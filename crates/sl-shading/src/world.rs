@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a shader asks while it runs: spaces, values that the mesh has, pictures, and rays and lights where there is a tracer.
-//! Source: original. Space: world is the common space; `object` and `shader` are the instance's; matrices have points as rows.
+//! Space: world is the common space; `object` and `shader` are the instance's; matrices have points as rows.
 //! Lights are asked for all points of a batch when the first one asks, so that shadow rays are traced side by side.
-//! Proof: `tests/scripts.rs`; crates/render/tests/appearance.rs for the matrices.
+//! Tests: `tests/scripts.rs`; crates/render/tests/appearance.rs for the matrices.
 
 use std::cell::RefCell;
 use std::collections::HashMap;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How pictures and volumes go on beyond their borders: OSL's wrap modes.
-//! Source: the OSL specification, "Texture"; original. Proof: `tests/scripts/stored.rs`.
+//! Source: the OSL specification, "Texture"; original. Tests: `tests/scripts/stored.rs`.
 
 /// How a picture goes on beyond its border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What was written, as a tree: names are not looked up yet, types not checked.
-//! Source: original; the grammar is OSL's.
+//! The grammar is OSL's.
 
 use crate::source::Loc;
 use crate::types::Base;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Source text to a compiled shader, all steps in a row.
-//! Source: original.
 
 use crate::check::{Known, Options as CheckOptions, check, check_library};
 use crate::diagnostics::{Diagnostic, Diagnostics};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Messages of the compiler: collected, then drawn for people or printed in OSL's one-line form.
-//! Source: original; the one-line form is OSL's.
+//! The one-line form is OSL's.
 
 use crate::source::{Loc, Sources};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers and texts as source text has them.
-//! Source: original. Proof: `tests/format.rs` reads the text back, and compares with numbers printed by C.
+//! Tests: `tests/format.rs` reads the text back, and compares with numbers printed by C.
 
 pub use gnurt_sl_lib::text::general;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The checked program as a tree: every name looked up, every expression with its type, every call with its function.
-//! Source: original.
 
 use crate::ast::{Binary, Unary};
 use crate::source::Loc;

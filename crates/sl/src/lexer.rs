@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Cuts a file's text into tokens. Comments are white space; a backslash at a line's end joins it with the next.
-//! Source: original; what counts as a number is OSL's.
+//! What counts as a number is OSL's.
 //!
 //! Invariant: every call either moves on or returns [`Tok::End`].
 

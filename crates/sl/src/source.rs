@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Source files and places in them.
-//! Source: original.
 //!
 //! A place is a file's number in the [`Sources`] and a byte in that file; lines and columns are worked out when they are printed.
 

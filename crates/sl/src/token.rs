@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The words of the language.
-//! Source: original; what counts as a number is OSL's.
+//! What counts as a number is OSL's.
 
 use crate::source::Loc;
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Types of the language and the rules by which one value may stand for another.
-//! Source: original; the rules are OSL's.
+//! The rules are OSL's.
 //!
 //! A type is a base and an array length; structs are named by their number in a [`Structs`] table.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The front end, the passes and the interpreter. Source: original.
+//! The front end, the passes and the interpreter.
 //!
 //! One program for all files: each of its own takes a second to link.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Closed meshes: whatever starts inside must hit them.
-//! Source: original. Proof: `tests::every_edge_has_two_sides`.
+//! Tests: `tests::every_edge_has_two_sides`.
 
 use std::f32::consts::{PI, TAU};
 

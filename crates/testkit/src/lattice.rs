@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lines and triangles with whole coordinates, below 2^20 or so, decided by whole numbers. Source: original.
+//! Lines and triangles with whole coordinates, below 2^20 or so, decided by whole numbers.
 //! A line that meets an edge or a vertex is moved as that of `voxels.rs`: how the determinant changes with the first axis
-//! across it decides, then how it changes with the second. Proof: `voxels.rs` (its own arithmetic), `tests`.
+//! across it decides, then how it changes with the second. Tests: `voxels.rs` (its own arithmetic), `tests`.
 
 type P = [i64; 3];
 

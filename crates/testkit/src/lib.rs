@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Oracles, scene makers and assertions for tests; never published. Depends on nothing: plain arrays go in and out.
-//! Source: original.
 #![forbid(unsafe_code)]
 
 pub mod closed;

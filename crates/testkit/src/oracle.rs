@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What rays hit, found by testing every triangle in double precision.
 //! Source: \[MT97\], written out; so simple that it is unlikely to be wrong.
-//! Space: world; instances carry triangles there. Proof: `tests::finds_the_closest`.
+//! Space: world; instances carry triangles there. Tests: `tests::finds_the_closest`.
 
 use crate::Soup;
 

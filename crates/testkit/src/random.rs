@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Seeded random numbers: the same on every machine, forever.
-//! Source: \[SLF14\] (SplitMix64). Proof: `tests::is_uniform_and_repeats`.
+//! Source: \[SLF14\] (SplitMix64). Tests: `tests::is_uniform_and_repeats`.
 
 /// A stream of numbers that its seed determines.
 #[derive(Clone, Debug)]

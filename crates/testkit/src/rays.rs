@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays as plain pairs of origin and direction: random ones and mean ones.
-//! Source: original.
 
 use crate::{Random, Soup};
 

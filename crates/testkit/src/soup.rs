@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Triangles without any order: what trees must survive.
-//! Source: original; the kinds are those of the degenerate-input reports of other tracers.
+//! The kinds are those of the degenerate-input reports of other tracers.
 
 use crate::Random;
 

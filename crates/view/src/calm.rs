@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures at rest that do not flicker: what is shown goes to what is known by steps too small to be seen, block by block.
-//! Source: original. A block is 8 x 8 pixels. Its mean brightness changes by no more than `STEP` of itself from picture to picture, or of
+//! A block is 8 x 8 pixels. Its mean brightness changes by no more than `STEP` of itself from picture to picture, or of
 //! `DARK` of the whole picture's where it is darker, and its pixels by no more than `GRAIN` times the root of the samples: noise of few
 //! samples comes in little by little. Where that is enough the colours that are known are shown, bit for bit. At the end all are. Linear
-//! light. Proof: `tests`.
+//! light. Tests: `tests`.
 
 use gnurt::image::srgb::luminance;
 

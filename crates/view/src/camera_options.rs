@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera as options of the command line, for another picture of the same view.
-//! Source: original. Proof: `tests`.
+//! Tests: `tests`.
 
 use std::fmt::Write as _;
 

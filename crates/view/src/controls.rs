@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What keys and mouse mean: state and event make the next state, and perhaps something to do outside of it.
-//! Source: original; keys after pbrt, Embree, Cycles, OSPRay and tev where those agree. `docs/reference/viewer.md` lists them.
+//! Keys after pbrt, Embree, Cycles, OSPRay and tev where those agree. `docs/reference/viewer.md` lists them.
 //! Q and S fly, as games have it: leaving is Escape or Ctrl-Q, a picture is F12 or Ctrl-S.
-//! Proof: `tests`, and `crates/cli/tests/program/window.rs` with a real window.
+//! Tests: `tests`, and `crates/cli/tests/program/window.rs` with a real window.
 
 use std::f64::consts::PI;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What may go wrong between a picture and the eye. Source: original.
+//! What may go wrong between a picture and the eye.
 
 /// Why nothing is seen.
 #[derive(Debug, thiserror::Error)]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How light becomes bytes of the screen. Source: original.
+//! How light becomes bytes of the screen.
 
 use gnurt::image::ToneCurve;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture in the making, as somebody looks at it: samples, then colours of what is shown.
-//! Source: original. Memory is used again from picture to picture. Proof: `tests`.
+//! Memory is used again from picture to picture. Tests: `tests`.
 
 use std::sync::Arc;
 

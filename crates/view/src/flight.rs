@@ -3,7 +3,7 @@
 //! Source: original (turntable orbit: yaw about a fixed up, pitch between the poles). Space: world; double precision, so
 //! that thousands of small moves add no drift that is seen.
 //! Invariants: eye and target never meet; the view never reaches the poles; what goes there and back ends where it began
-//! within rounding. Proof: `tests`.
+//! within rounding. Tests: `tests`.
 
 use glam::{DQuat, DVec3};
 use gnurt::scene::{Camera, Projection};

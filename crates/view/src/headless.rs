@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Frames without a window: a turn around the scene, or the same view again and again, as fast as they come.
-//! Source: original. A frame is what a window would show: samples, tone curve, bytes of the screen.
-//! Proof: `crates/cli/tests/program/viewing.rs`.
+//! A frame is what a window would show: samples, tone curve, bytes of the screen.
+//! Tests: `crates/cli/tests/program/viewing.rs`.
 
 use std::f64::consts::TAU;
 use std::time::Instant;

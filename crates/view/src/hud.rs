@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The numbers over the picture, and the explanation of keys.
-//! Source: original; the numbers that people look for in a viewer: fps of rendering and of display, milliseconds, samples,
-//! rays per second, size, memory. Proof: `tests`.
+//! The numbers that people look for in a viewer: fps of rendering and of display, milliseconds, samples, rays per second, size, memory. Tests: `tests`.
 
 use crate::controls::Controls;
 use crate::text;

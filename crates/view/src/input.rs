@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What people do with keys and mouse, in words that no window system has a say in. Source: original.
+//! What people do with keys and mouse, in words that no window system has a say in.
 //! Places are pixels of the window from its upper left corner.
 
 /// A key that means something here.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Parameters of shaders as knobs: what can be turned, in which steps, between which ends.
-//! Source: original; labels, ranges, steps and widgets are OSL's metadata. A colour or point has a knob for each number.
-//! Proof: `tests`.
+//! Labels, ranges, steps and widgets are OSL's metadata. A colour or point has a knob for each number.
+//! Tests: `tests`.
 
 use gnurt::osl::{Parameter, ParameterValue, Script};
 

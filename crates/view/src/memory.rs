@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How much memory this process holds. Source: original; proc(5).
+//! How much memory this process holds. Source: proc(5).
 
 /// Bytes in memory; 0 where the system does not tell.
 pub(crate) fn resident() -> u64 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How many pixels can be rendered while the camera moves: as many as keep the picture moving smoothly.
-//! Source: original. Cost per pixel is smoothed over frames, quickly upwards and slowly downwards, so that the size does
-//! not flicker. Proof: `tests`.
+//! Cost per pixel is smoothed over frames, quickly upwards and slowly downwards, so that the size does
+//! not flicker. Tests: `tests`.
 
 use gnurt::render::MotionCost;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What is under the cursor: numbers and names of instance, object, mesh, triangle and material.
-//! Source: original. Space: world. Proof: `tests`.
+//! Space: world. Tests: `tests`.
 
 use std::fmt;
 

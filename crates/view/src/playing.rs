@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Playing a clip: which moment is shown, and the bar that shows where that is.
-//! Source: original; keys after mpv and Blender. Seconds are the file's. Invariant: a moment lies within the clip.
-//! Proof: `tests`.
+//! Keys after mpv and Blender. Seconds are the file's. Invariant: a moment lies within the clip.
+//! Tests: `tests`.
 
 /// Frames per second that keys step by: film's.
 const FPS: f64 = 24.0;

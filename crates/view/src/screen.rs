@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From linear light to the pixels of a screen, fast: the bytes that PNG files get, exactly, without a power function.
-//! Source: original. A table over the float's exponent and upper mantissa bits gives the byte at the bottom of each bin;
+//! A table over the float's exponent and upper mantissa bits gives the byte at the bottom of each bin;
 //! bins are narrower than bytes are apart, so that one comparison with the next byte's threshold makes it exact.
-//! Pixels are `0x00RRGGBB`. Invariant: equals `gnurt::image::screen_bytes`. Proof: `tests`.
+//! Pixels are `0x00RRGGBB`. Invariant: equals `gnurt::image::screen_bytes`. Tests: `tests`.
 
 use std::ops::Range;
 use std::sync::LazyLock;

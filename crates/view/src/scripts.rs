@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders of a stage that are files in the shading language: read again one by one when they are saved, and turned by knobs.
-//! Source: original. A commit afterwards does what the new shader makes due; trees, textures and other shaders stay. Where a file does
-//! not compile nothing changes. Proof: `tests`, and `looker`'s.
+//! A commit afterwards does what the new shader makes due; trees, textures and other shaders stay. Where a file does
+//! not compile nothing changes. Tests: `tests`, and `looker`'s.
 
 use std::path::PathBuf;
 

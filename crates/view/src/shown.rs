@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What of the scene is shown: light by an integrator, or what the camera's rays hit, as colours.
-//! Source: original. Depth is shown as r / (r + d), r = the distance from eye to target: near is white. Numbers of things
-//! are shown as colours that are the same each time. Proof: `tests`.
+//! Depth is shown as r / (r + d), r = the distance from eye to target: near is white. Numbers of things
+//! are shown as colours that are the same each time. Tests: `tests`.
 
 use std::fmt;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is looked at, and those who bring it and hear about it. Source: original.
+//! What is looked at, and those who bring it and hear about it.
 
 use std::fmt;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 //! Pictures shown by tev, another program, while they are rendered: its protocol over TCP.
 //! Source: the packets of tev's `Ipc` (create, update version 3, close): a length of 32 bits that counts itself, a byte of
 //! kind, then fields; numbers little-endian, texts ended by a zero. Colours are linear floats, as tev expects them.
-//! Proof: `tests`, with a server that reads the packets, and `crates/cli/tests/program/viewing.rs`.
+//! Tests: `tests`, with a server that reads the packets, and `crates/cli/tests/program/viewing.rs`.
 
 use std::fmt;
 use std::io::Write;

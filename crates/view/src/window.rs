@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The window: events in, pixels out. Everything else is decided elsewhere.
-//! Source: original, on winit and softbuffer, which open the display's libraries when a window is asked for.
-//! Proof: `crates/cli/tests/program/window.rs`.
+//! On winit and softbuffer, which open the display's libraries when a window is asked for.
+//! Tests: `crates/cli/tests/program/window.rs`.
 
 use std::num::NonZeroU32;
 use std::path::PathBuf;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The Debian packages gnurt, libopenrt0 and libopenrt-dev, out of an installed tree. Source: original; the split and the
-//! files that every package has after the Debian policy, chapters 8 and 12. `lintian` finds no error in them. dpkg-shlibdeps
+//! The Debian packages gnurt, libopenrt0 and libopenrt-dev, out of an installed tree. The split and the files that every package has after the Debian policy, chapters 8 and 12. `lintian` finds no error in them. dpkg-shlibdeps
 //! says what they depend on, where it is installed.
 
 use std::path::{Path, PathBuf};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `cargo xtask dist`: what is given away, in target/dist: the source and the program with its libraries as tarballs, and
-//! three Debian packages (gnurt, libopenrt0, libopenrt-dev). Source: original; the split after the Debian policy, chapter 8.
+//! three Debian packages (gnurt, libopenrt0, libopenrt-dev). The split after the Debian policy, chapter 8.
 //! Needs git, tar and, for the packages, dpkg-deb and gzip.
 
 mod debian;

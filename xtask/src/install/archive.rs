@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The static library: one object that holds what the calls of OpenRT reach, and shows nothing but those calls.
-//! Source: original, by GNU binutils. Why not the archive that rustc makes: it carries all of the standard library and of
+//! By GNU binutils. Why not the archive that rustc makes: it carries all of the standard library and of
 //! every crate (and their code for LLVM), ten times as large, and its symbols clash with those of another Rust library in the same program.
 
 use std::path::Path;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Putting files in their places: what is there is replaced, folders are made. Source: original.
+//! Putting files in their places: what is there is replaced, folders are made.
 
 use std::path::{Component, Path, PathBuf};
 

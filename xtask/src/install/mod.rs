@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `cargo xtask install --prefix DIR ...`: builds and installs the program with its man pages and shell completions, the
-//! libraries, their headers, and their pkg-config and CMake files, as GNU's coding standards lay them out. Source: original.
+//! libraries, their headers, and their pkg-config and CMake files, as GNU's coding standards lay them out.
 //!
 //! Files go to DESTDIR/PREFIX, but speak of PREFIX: packagers move them there later. A library's soname is set where
 //! it is linked (`bindings/*/build.rs`) and equals the first link made here.

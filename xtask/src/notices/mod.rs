@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `cargo xtask notices [--check]`: the copyright notices of all parts by others that our program, libraries and Python package
 //! contain, in one file, made from Cargo.lock and the licence files of the parts' own packages.
-//! Source: original; most of the parts' licences want their notices in every copy. Invariant: the same lock file gives the same
-//! file on every machine. Proof: `tests` of the submodules; `--check` is a step of CI and of `dist`.
+//! Most of the parts' licences want their notices in every copy. Invariant: the same lock file gives the same
+//! file on every machine. Tests: `tests` of the submodules; `--check` is a step of CI and of `dist`.
 
 mod parts;
 mod texts;

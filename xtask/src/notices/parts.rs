@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The packages by others that end up in what we give away, after `cargo metadata`: what our programs and libraries depend on,
 //! directly or not. What only builds (build scripts, what procedural macros are made of) is in no file of ours.
-//! Source: original. Proof: `tests`.
+//! Tests: `tests`.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;

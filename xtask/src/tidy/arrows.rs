@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The arrows: which of our crates may use which. The table equals the one in ARCHITECTURE.md. Source: original.
+//! The arrows: which of our crates may use which. The table equals the one in ARCHITECTURE.md.
 
 use crate::workspace::Package;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exceptions to lints say why. Source: original.
+//! Exceptions to lints say why.
 
 use super::files::SourceFile;
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! No file imports, directly or around a corner, one that imports it. Source: original; strongly connected components
-//! after Tarjan, "Depth-first search and linear graph algorithms", SIAM Journal on Computing 1 (1972).
+//! No file imports, directly or around a corner, one that imports it. Strongly connected components after Tarjan, "Depth-first search and linear graph algorithms", SIAM Journal on Computing 1 (1972).
 //! `modules.rs` says what an import is. Circles that stand are listed, file by file, in `known_circles.rs`, and the list
 //! only gets shorter: a file that has left its circle must leave the list, and no other may come in.
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a Rust file says about other files: the modules that it declares, what it imports, what it defines, and the
-//! paths that it names. Source: original, from the text alone, without a compiler.
-//! Tests (`#[cfg(test)]`) are free: they are not read. Proof: `tests`.
+//! paths that it names. From the text alone, without a compiler.
+//! Tests (`#[cfg(test)]`) are free: they are not read. Tests: `tests`.
 
 use std::collections::BTreeSet;
 

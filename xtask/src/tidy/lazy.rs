@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! No work of a pool's threads inside of what makes a value once (`OnceLock::get_or_init` and the like).
-//! Source: original. A thread that waits for others takes up other work of the pool; where that asks for the same value, the
+//! A thread that waits for others takes up other work of the pool; where that asks for the same value, the
 //! thread waits for itself. Values are made outside and put in afterwards: who comes second drops its own.
 //! The rule knows words, not types: what is called with a pool, or with what has one, is taken for parallel.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Files stay short enough to be read at once. Source: original.
+//! Files stay short enough to be read at once.
 
 use super::files::SourceFile;
 

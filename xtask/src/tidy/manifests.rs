@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What crates.io and its readers want of a crate: words to find it by, a page, the licence's text. Source: original;
-//! the limits are those of crates.io.
+//! What crates.io and its readers want of a crate: words to find it by, a page, the licence's text. //! the limits are those of crates.io.
 
 use std::path::Path;
 

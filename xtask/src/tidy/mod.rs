@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask tidy`: what the compiler does not check of ARCHITECTURE.md and CONTRIBUTING.md. Source: original.
+//! `cargo xtask tidy`: what the compiler does not check of ARCHITECTURE.md and CONTRIBUTING.md.
 //! One file per rule; each rule is a function from plain text to complaints and has a test in which it fails.
 
 mod arrows;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The files of a crate and which of them imports which. Source: original. Proof: the tests of `circles`.
+//! The files of a crate and which of them imports which. Tests: the tests of `circles`.
 //!
 //! A file imports another if it names an item that is written there, wherever it gets the name from: a path that goes
 //! through a list (`pub use`) leads to the file behind it. So a `mod.rs` that only declares and passes on is nowhere on

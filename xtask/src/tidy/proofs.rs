@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Tests that file heads name are there. Source: original.
+//! Tests that file heads name are there.
 
 use super::files::SourceFile;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rust text without its comments, strings and characters, so that rules about code look at code alone.
-//! Source: original. Invariant: line breaks stay where they are; everything else that is taken out becomes a space.
+//! Invariant: line breaks stay where they are; everything else that is taken out becomes a space.
 
 /// Blanks comments (nested ones too), strings (raw ones too) and character literals.
 pub(super) fn code_only(text: &str) -> String {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where `unsafe` may live: behind the SIMD crate's safe functions, where C calls in, where
 //! the benchmark calls Embree and the denoiser OIDN, where plugins and their host meet, where machine code is kept and
-//! entered, and where arrays are put into a file. Source: original.
+//! entered, and where arrays are put into a file.
 
 use super::files::SourceFile;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rooms have a vocabulary: a word that a room must not know, as part of an identifier, is in the wrong room.
-//! Source: original. Comments and strings are free.
+//! Comments and strings are free.
 
 use super::files::SourceFile;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Blocks of vertices and the vertices in them (rtBegin, rtVertex*, rtEnd).
-//! Source: OpenGL 1.x. Proof: tests/c/fragments.c; `random`.
+//! Source: OpenGL 1.x. Tests: tests/c/fragments.c; `random`.
 
 use crate::context::Context;
 use crate::state::block::Assembly;

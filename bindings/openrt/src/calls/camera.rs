@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The default camera (rtLookAt, rtPerspective, rtFrustum, rtOrtho).
-//! Source: OpenGL 1.x and its utility library. Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: OpenGL 1.x and its utility library. Tests: tests/c/scene.c, tests/c/errors.c.
 
 use crate::context::Context;
 use crate::state::camera::View;

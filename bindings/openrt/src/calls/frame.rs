@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Starting and ending frames (rtStartRendering to rtSwapBuffers).
-//! Source: \[DWBS03\] (frame semantics). Proof: tests/c/scene.c, tests/c/frames.c, tests/c/errors.c.
+//! Source: \[DWBS03\] (frame semantics). Tests: tests/c/scene.c, tests/c/frames.c, tests/c/errors.c.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Instances (rtUpdateInstance, rtInstanceMask, rtDeleteInstance, rtClearInstances, rtGetInstanceMatrixf, rtIsInstance).
-//! Source: \[DWBS03\]. Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: \[DWBS03\]. Tests: tests/c/scene.c, tests/c/errors.c.
 
 use crate::context::Context;
 use crate::state::error::{Error, Result, Writer, not_null};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who hears of errors (rtDebugCallback). Source: original, after OpenGL's KHR_debug. Proof: tests/c/debug.c.
+//! Who hears of errors (rtDebugCallback). Source: after OpenGL's KHR_debug. Tests: tests/c/debug.c.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The calls that change the matrix stacks (rtMatrixMode to rtMultTransposeMatrixd).
-//! Source: OpenGL 1.x. Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: OpenGL 1.x. Tests: tests/c/scene.c, tests/c/errors.c.
 
 use crate::context::Context;
 use crate::state::enums::MatrixMode;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The calls of the API as methods of the context, a file for each noun. Source: \[DWBS03\], OpenGL 1.x.
-//! Invariant: a call that fails has changed nothing. Proof: the C programs of tests/c; `random`.
+//! Invariant: a call that fails has changed nothing. Tests: the C programs of tests/c; `random`.
 
 pub(crate) mod block;
 pub(crate) mod camera;

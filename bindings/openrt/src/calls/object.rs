@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Objects (rtGenObjects, rtNewObject, rtCreateObject, rtEndObject, rtInstantiateObject, rtNestObject,
 //! rtRemoveObject, rtIsObject).
-//! Source: \[DWBS03\], the paper's Figure 1; display lists of OpenGL 1.x. Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: \[DWBS03\], the paper's Figure 1; display lists of OpenGL 1.x. Tests: tests/c/scene.c, tests/c/errors.c.
 
 use crate::context::Context;
 use crate::state::block::Assembly;

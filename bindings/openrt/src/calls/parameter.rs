@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Setting and reading shader parameters at their three rates (rtParameter*, rtGetParameterfv).
 //! Source: \[DWBS03\]; the paper's Figure 1 (one family of calls for all rates).
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use gnurt::shading::classes::ParameterRate;
 use gnurt_plugins::host::DataType;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Questions about the library and the state (rtGetString, rtGetIntegerv, rtGetFloatv).
-//! Source: original, after OpenGL 1.x; integers of colours and normals span the integer's range.
-//! Proof: tests/c/scene.c.
+//! Source: after OpenGL 1.x; integers of colours and normals span the integer's range.
+//! Tests: tests/c/scene.c.
 
 use std::ffi::CStr;
 

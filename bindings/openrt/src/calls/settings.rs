@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where and how frames are rendered (rtSetFrameBuffer, rtSceneMode, rtSetSamplesPerPixel, rtProgressive, ...).
-//! Source: \[DWBS03\] for the frame buffer. Proof: tests/c/errors.c, tests/c/frames.c.
+//! Source: \[DWBS03\] for the frame buffer. Tests: tests/c/errors.c, tests/c/frames.c.
 
 use std::sync::Arc;
 

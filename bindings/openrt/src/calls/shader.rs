@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders (rtGenNewShader, rtBindShader, rtDeleteShader, rtIsShader).
-//! Source: \[DWBS03\]; the paper's Figure 1. Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: \[DWBS03\]; the paper's Figure 1. Tests: tests/c/scene.c, tests/c/errors.c.
 
 use crate::context::Context;
 use crate::state::error::{Error, Result};

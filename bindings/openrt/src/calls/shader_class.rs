@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shader classes (rtGenNewShaderClass, rtBindShaderClass, rtParameterHandle, rtGetShaderClassInfoLog).
-//! Source: \[DWBS03\]; the paper's Figure 1. Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: \[DWBS03\]; the paper's Figure 1. Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::ffi::CStr;
 

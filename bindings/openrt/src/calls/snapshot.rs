@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a frame takes along when it starts: the stage brought up to date, shaders, plugins, threads.
 //! Source: \[DWBS03\] (frame semantics). Invariant: nothing of it is shared with what the program goes on to edit.
-//! Proof: tests/c/scene.c, tests/c/frames.c.
+//! Tests: tests/c/scene.c, tests/c/frames.c.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which shaders light, see and surround the scene (rtUseLight, rtUseCamera, rtUseEnvironmentShader, ...).
-//! Source: \[DWBS03\]. Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: \[DWBS03\]. Tests: tests/c/scene.c, tests/c/errors.c.
 
 use gnurt_plugins::host::Kind;
 

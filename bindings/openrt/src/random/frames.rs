@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What frames find to do: what the program has changed since the one before, and nothing else; and that the scene shows what the
-//! program has, whatever it did before. Source: original.
+//! program has, whatever it did before.
 
 use std::ffi::CStr;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Random programs: bytes become calls of the state machine. For the tests beside this and for fuzz/fuzz_targets/openrt_calls.rs.
-//! Source: original. Each call takes seven bytes: which one, four of a number, two of a coordinate.
+//! Each call takes seven bytes: which one, four of a number, two of a coordinate.
 
 #[cfg(test)]
 mod frames;

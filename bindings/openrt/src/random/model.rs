@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A model of the state machine, written from the specification: for random programs it says which error each call gives,
-//! which ids come back and how many objects, triangles and instances there are. Source: original.
+//! which ids come back and how many objects, triangles and instances there are.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Random programs against the state machine: no call panics, and failing calls change nothing that can be asked.
-//! Source: original.
 
 use super::{perform, small_context, visible_state};
 use crate::context::Context;

@@ -4,7 +4,7 @@
 //! vertex in rtBegin and rtEnd, make triangles, and leaves programs in OpenGL's manner alone.
 //! A block with fewer vertices than one independent primitive takes is a fragment; its vertices wait for the next
 //! fragment of the same mode, object and shader. Any other block with vertices discards what waits.
-//! Proof: tests/c/fragments.c; `random::state_machine`.
+//! Tests: tests/c/fragments.c; `random::state_machine`.
 
 use std::sync::Arc;
 

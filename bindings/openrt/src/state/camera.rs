@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where the default camera stands, and what it becomes with a projection.
-//! Source: original, after OpenGL 1.x and its utility library. Space: world; right-handed, the eye looks along -z.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: after OpenGL 1.x and its utility library. Space: world; right-handed, the eye looks along -z.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::sync::Arc;
 

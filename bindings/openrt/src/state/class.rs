@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where the code of a shader class is: in the renderer, in a plugin, in a script, or among the rendering objects.
-//! Source: original. Proof: tests/c/scene.c, tests/plugins.rs.
+//! Tests: tests/c/scene.c, tests/plugins.rs.
 
 use std::sync::Arc;
 

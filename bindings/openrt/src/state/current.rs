@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The current normal, colour and texture coordinates, and how they become a vertex.
 //! Source: OpenGL 1.x; normals go with the inverse transpose and are made unit per vertex.
-//! Space: as given by the program; a vertex is in object space. Proof: tests/c/scene.c.
+//! Space: as given by the program; a vertex is in object space. Tests: tests/c/scene.c.
 
 use super::enums::MatrixMode;
 use super::geometry::Vertex;

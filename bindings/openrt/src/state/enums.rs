@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The constants of `openrt/types.h` as types, so that the rest of the library matches on names.
-//! Source: original; values as openrt/types.h has them. Proof: `tests::codes_come_back`; tests/c/scene.c.
+//! Values as openrt/types.h has them. Tests: `tests::codes_come_back`; tests/c/scene.c.
 
 use super::error::{Error, Result};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The errors of the API, with the codes that `rtGetError` returns.
-//! Source: original. Invariant: a call that returns an error has changed nothing but the error flag.
-//! Proof: tests/c/errors.c.
+//! Invariant: a call that returns an error has changed nothing but the error flag.
+//! Tests: tests/c/errors.c.
 
 /// Why a call failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

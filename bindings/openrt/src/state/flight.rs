@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What program and frame tell each other while the frame is in flight: cancel, and that it has landed.
-//! Source: original. Proof: tests/c/frames.c.
+//! Tests: tests/c/frames.c.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The program's memory for pictures and its formats.
-//! Source: original; 8-bit formats encode sRGB (IEC 61966-2-1), float formats are linear and unclamped.
-//! Invariant: rows are tight, the lowest one first; alpha is never encoded. Proof: `tests`; tests/c/scene.c.
+//! 8-bit formats encode sRGB (IEC 61966-2-1), float formats are linear and unclamped.
+//! Invariant: rows are tight, the lowest one first; alpha is never encoded. Tests: `tests`; tests/c/scene.c.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The geometry of an object while it is defined: vertices and triangles, one part per shader.
-//! Source: original. Space: object; the matrix of each vertex has been applied already.
+//! Space: object; the matrix of each vertex has been applied already.
 //! Invariant: a channel (normals, colours, ...) is empty as long as all its values are the default ones, else full.
-//! Proof: `tests`; tests/c/fragments.c, tests/c/primitives.c.
+//! Tests: `tests`; tests/c/fragments.c, tests/c/primitives.c.
 
 use std::collections::{BTreeMap, TryReserveError};
 use std::sync::Arc;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Ids that programs reserve: consecutive, from 1; one that was removed comes back when there are no others.
-//! Source: original. Invariant: an id exists if it was generated and not removed since; neither 0 nor `RT_INVALID` nor
+//! Invariant: an id exists if it was generated and not removed since; neither 0 nor `RT_INVALID` nor
 //! an id of the forbidden range is ever generated. Memory grows with the gaps between ids that exist, not with the ids
 //! that were ever reserved or removed.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

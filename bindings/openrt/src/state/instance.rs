@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Instances: objects put somewhere, and their ids.
 //! Source: \[DWBS03\]; two levels after the paper's section 6. Space: an instance's matrix goes from object to world.
-//! Invariant: ids never run out while fewer than 2^32 - 2 instances are there. Proof: `tests`; tests/c/scene.c.
+//! Invariant: ids never run out while fewer than 2^32 - 2 instances are there. Tests: `tests`; tests/c/scene.c.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Who hears of errors, and the calls of it that are under way: whoever replaces it waits for them.
-//! Source: original. Invariant: after [`Listener::wait`] the function is not called any more, if no [`Hearing`] of it is made.
-//! Proof: tests/c/debug_threads.c, tests/exceptions.rs.
+//! Invariant: after [`Listener::wait`] the function is not called any more, if no [`Hearing`] of it is made.
+//! Tests: tests/c/debug_threads.c, tests/exceptions.rs.
 
 use std::ffi::CStr;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! 4 x 4 matrices in double precision, column-major as in OpenGL.
-//! Source: original; rotation, frustum and parallel projection in the closed forms that OpenGL defines.
-//! Space: whatever the program means. Proof: `tests`; tests/c/scene.c.
+//! Rotation, frustum and parallel projection in the closed forms that OpenGL defines.
+//! Space: whatever the program means. Tests: `tests`; tests/c/scene.c.
 
 use gnurt::scene::Affine;
 

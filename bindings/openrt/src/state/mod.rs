@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the context is made of: types that know nothing of the context, nor of each other in a circle. Source: original.
-//! Proof: in each file.
+//! What the context is made of: types that know nothing of the context, nor of each other in a circle.
+//! Tests: in each file.
 
 pub(crate) mod block;
 pub(crate) mod camera;

@@ -3,7 +3,7 @@
 //! Source: \[DWBS03\], the paper's Figure 1; display lists of OpenGL 1.x for what an id is.
 //! Invariants: instances name objects by id; geometry waits here until the next frame takes it. No object holds itself, and no
 //! more lie in one another than a scene may have.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::collections::{BTreeMap, BTreeSet};
 

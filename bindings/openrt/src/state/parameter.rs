@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a call brings for a shader's parameter, as the numbers or bytes that the parameter takes.
 //! Source: \[DWBS03\]; the paper's Figure 1 (one family of calls for all rates).
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::ffi::CStr;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which triangles the vertices of a block make.
 //! Source: OpenGL 1.x for strips, fans and polygons; quads are cut along their second and fourth vertex.
-//! Proof: `tests::every_mode`, against the table written out; tests/c/primitives.c.
+//! Tests: `tests::every_mode`, against the table written out; tests/c/primitives.c.
 
 use super::enums::Primitive;
 

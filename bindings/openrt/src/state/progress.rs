@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a progressive frame showed, so that the next one knows whether it goes on (rtProgressive).
-//! Source: original. Invariant: samples of two frames are only added if everything that the picture depends on is equal.
-//! Proof: tests/c/frames.c.
+//! Invariant: samples of two frames are only added if everything that the picture depends on is equal.
+//! Tests: tests/c/frames.c.
 
 use gnurt::scene::edit::Cursor;
 

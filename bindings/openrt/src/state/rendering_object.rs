@@ -12,7 +12,7 @@
 //! | interleave | 0 | width of the pattern of pixels that share virtual lights out; 0 = each has all |
 //! | white | 1 | what a white diffuse surface of a shader that loops over lights shows where light 1 arrives |
 //!
-//! A class is there as soon as the renderer has its integrator. Proof: tests/c/rendering_objects.c.
+//! A class is there as soon as the renderer has its integrator. Tests: tests/c/rendering_objects.c.
 
 use gnurt::render::{Integrator, RenderOptions};
 use gnurt::shading::classes::ParameterRate;

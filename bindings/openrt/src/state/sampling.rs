@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a program may choose about rendering: samples, depth, where rays begin.
-//! Source: original. Proof: tests/c/frames.c, tests/c/errors.c.
+//! Tests: tests/c/frames.c, tests/c/errors.c.
 
 /// How many samples frames take, and whether they add up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

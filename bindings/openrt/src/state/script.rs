@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shader classes in the shading language: `rtGenNewShaderClass("wood", "wood.osl")`.
-//! Source: original. Parameters of floats and ints have the calls of their numbers, texts have rtParameterString; one that is marked
+//! Parameters of floats and ints have the calls of their numbers, texts have rtParameterString; one that is marked
 //! `interpolated` is of vertices, or of triangles where `rate = "triangle"` stands beside it. What C has no call for keeps its default.
-//! Proof: tests/c/script.c.
+//! Tests: tests/c/script.c.
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders: instances of classes with their values, and what is bound.
 //! Source: \[DWBS03\]; the paper's Figure 1. Invariant: `Bound`'s values are as many as its class says.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;

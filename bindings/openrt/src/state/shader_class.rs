@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shader classes that were loaded, where their varying parameters lie, and the handles of their parameters.
 //! Source: \[DWBS03\]; the paper's Figure 1. Invariant: ids and handles are positions plus 1 and never become invalid.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::ffi::CString;
 use std::sync::Arc;

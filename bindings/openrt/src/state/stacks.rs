@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The matrix stacks.
-//! Source: original, after OpenGL 1.x. Invariant: each stack holds 1 to 1024 matrices.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Source: after OpenGL 1.x. Invariant: each stack holds 1 to 1024 matrices.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use super::enums::MatrixMode;
 use super::error::{Error, Result};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures: their ids, pictures and how they are read.
-//! Source: original, after OpenGL 1.x. Integers are linear light: bytes map to value / 255 without sRGB decoding.
-//! Invariant: an image has its first row at t = 0. Proof: `tests`; tests/c/scene.c, tests/c/errors.c.
+//! Source: after OpenGL 1.x. Integers are linear light: bytes map to value / 255 without sRGB decoding.
+//! Invariant: an image has its first row at t = 0. Tests: `tests`; tests/c/scene.c, tests/c/errors.c.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which shaders light, see and surround the scene.
 //! Source: \[DWBS03\]. Invariant: the ids are of shaders of the right kind; a deleted one goes on working.
-//! Proof: tests/c/scene.c, tests/c/errors.c.
+//! Tests: tests/c/scene.c, tests/c/errors.c.
 
 /// The shaders in use beside those of surfaces.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values of shaders whose code is not a plugin's. Source: original. Proof: tests/c/scene.c.
+//! Values of shaders whose code is not a plugin's. Tests: tests/c/scene.c.
 
 /// The per-shader value of a parameter; parameters of other rates keep their default here.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Building and running C programs against the libOpenRT that cargo has just built. Source: original.
+//! Building and running C programs against the libOpenRT that cargo has just built.
 #![allow(dead_code, reason = "each test program uses its part")]
 
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The main loop with a window. Source: original, on winit and softbuffer. Proof: tests/window.rs.
+//! The main loop with a window. On winit and softbuffer. Tests: tests/window.rs.
 //! winit is asked for what has happened, and the program is told afterwards: a panic of winit ends in here, while an
 //! exception of the program passes by it on its way to the program's own handler.
 

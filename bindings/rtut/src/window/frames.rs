@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Frames of a window: one is rendered while the program prepares the next. Source: original.
+//! Frames of a window: one is rendered while the program prepares the next.
 //! Invariants: no lock is held while libOpenRT is called, which may tell the program of an error, which may call back or
 //! leave by an exception. What libOpenRT does with a buffer it is asked after each call, since calls fail: only a buffer
-//! that no frame uses, present or future, is freed, and only one that is not in flight is read. Proof: `tests`, and
+//! that no frame uses, present or future, is freed, and only one that is not in flight is read. Tests: `tests`, and
 //! tests/c/window_hostile.c under AddressSanitizer.
 
 use super::program::Program;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Frame buffers as pixels of a screen, `0x00RRGGBB`, the uppermost row first.
 //! Source: openrt/types.h (formats; row 0 is the lowest); [IEC61966] (sRGB) for formats of floats, which are linear.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use std::io::Write;
 

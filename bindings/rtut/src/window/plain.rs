@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The main loop without a window: frames as fast as they come, to files. Source: original. Proof: tests/window.rs.
+//! The main loop without a window: frames as fast as they come, to files. Tests: tests/window.rs.
 
 use super::pixels::write_ppm;
 use super::program::Program;

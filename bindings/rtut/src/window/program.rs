@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the main loop wants of the program. Source: original; names after GLUT. Proof: tests/window.rs.
+//! What the main loop wants of the program. Source: names after GLUT. Tests: tests/window.rs.
 
 use super::stage::Stage;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the environment says about windows, so that programs run without one, in tests and on servers.
-//! Source: original. Proof: `tests`.
+//! Tests: `tests`.
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a window shows, and the frame buffers that are rendered to for it while the program prepares the next frame.
-//! Source: original. Invariant: memory that libOpenRT may write to is neither read, moved nor freed: only who has asked
-//! libOpenRT (`frames.rs`) says which that is. Proof: tests of `frames`.
+//! Invariant: memory that libOpenRT may write to is neither read, moved nor freed: only who has asked
+//! libOpenRT (`frames.rs`) says which that is. Tests: tests of `frames`.
 
 use super::pixels::{Format, to_screen};
 

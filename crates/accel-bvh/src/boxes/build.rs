@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Builds a top tree: boxes into parts, a treelet for each, then the upper one. Source: [Wald07] for both.
-//! Space: that of the boxes. Invariant: threads do not matter. Proof: `tests`.
+//! Space: that of the boxes. Invariant: threads do not matter. Tests: `tests`.
 
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::{Aabb, BuildError, Quality, SharedList, Threads};

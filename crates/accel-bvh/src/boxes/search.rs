@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One ray, or one point, through a top tree. Source: [WBB08] as `walk`, [RKV95] as `point`. Space: that of the boxes.
 //! Each treelet is walked by a function of its own: nested scenes of few instances are not to take the stack of two walks.
-//! Proof: `tests/instances.rs`, `tests/closest_point.rs` and `tests/limits.rs` of `gnurt-accel`.
+//! Tests: `tests/instances.rs`, `tests/closest_point.rs` and `tests/limits.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
 use gnurt_simd::{Simd, StackRoom, prelude::*};

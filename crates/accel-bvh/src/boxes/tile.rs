@@ -3,7 +3,7 @@
 //! Source: [RSH05] for what rays share, masks as in `tiles.rs`: where intervals leave [`MANY`] boxes or more, rays are tested
 //! against each, sixteen to a step, and only those that meet it go on; a few that are left go on alone ([BWW*12]). Where rays
 //! part at once, as after a bounce, the interval of all is the whole scene.
-//! Space: that of the boxes. Proof: `tests/instances.rs` and `tests/counters.rs` of `gnurt-accel`, which ask at every level.
+//! Space: that of the boxes. Tests: `tests/instances.rs` and `tests/counters.rs` of `gnurt-accel`, which ask at every level.
 
 use gnurt_accel_core::beam::{Beam, Slopes};
 use gnurt_accel_core::bits::{TILE, all, each};

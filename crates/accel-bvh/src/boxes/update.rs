@@ -4,7 +4,7 @@
 //! A box that stays within its treelet's is moved there; one that leaves goes to the treelet whose box grows least. Treelets that
 //! are touched are refitted; those that are worn or have no room are built again, parted where they are too large. The upper
 //! one is refitted, or built again where treelets came. Where all costs so much more than when it was built, all is.
-//! Invariant: as for any build; threads do not matter. Proof: `tests`, `tests/moving_instances.rs` of `gnurt-accel`.
+//! Invariant: as for any build; threads do not matter. Tests: `tests`, `tests/moving_instances.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::{Aabb, Threads};

@@ -3,7 +3,7 @@
 //! Source: [SFD09] section 4.3 for when space is tried; binned as in [Wald07].
 //! In: references with room for second parts behind them. Out: [`BinaryNode`]s, children before their parents.
 //! Invariant: subtrees get room by their numbers of references, so that threads do not matter.
-//! Proof: `super::tests`.
+//! Tests: `super::tests`.
 
 use super::binary_node::{BinaryNode, Cluster};
 use super::bins::Bins;

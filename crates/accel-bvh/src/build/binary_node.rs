@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The node of the binary tree that wide nodes are made from. Source: original.
+//! The node of the binary tree that wide nodes are made from.
 
 use gnurt_accel_core::INVALID_ID;
 

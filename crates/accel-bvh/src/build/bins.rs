@@ -2,7 +2,7 @@
 //! Where to divide references: the surface area heuristic at the borders of bins of their middles.
 //! Source: [Wald07]; the heuristic of [MB90]. Differs: counts blocks of eight, which cost the same however full.
 //! Space: that of the primitives; areas are scaled so that the root's sides are at most 1: a float would overflow.
-//! Invariant: both sides of a split get something; their boxes are exact. Proof: `super::tests`.
+//! Invariant: both sides of a split get something; their boxes are exact. Tests: `super::tests`.
 
 use gnurt_simd::{Simd, f32x4, prelude::*};
 

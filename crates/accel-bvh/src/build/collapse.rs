@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Makes nodes of eight children from a binary tree, at the least cost that it allows.
 //! Source: [YKL17] section 3.1: for each node, from the leaves to the root, what it costs in so many places at most.
-//! Invariant: no node is deeper than [`DEEPEST`], or there is no tree. Proof: `super::tests`.
+//! Invariant: no node is deeper than [`DEEPEST`], or there is no tree. Tests: `super::tests`.
 
 use gnurt_simd::prefer_huge_pages;
 use rayon::prelude::*;

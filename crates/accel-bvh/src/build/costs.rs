@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What nodes of eight children will cost, made from a binary tree. Source: [YKL17] section 3.1: for each node of the binary
-//! tree, from the leaves to the root, what it costs in so many places at most. Proof: `super::tests`.
+//! tree, from the leaves to the root, what it costs in so many places at most. Tests: `super::tests`.
 
 use crate::node::WIDTH;
 

@@ -5,7 +5,7 @@
 //! where one cell holds more than a cluster, its primitives get codes of their own, so that details much smaller than a
 //! scene are parted as well. Cost: O(n).
 //! In: middles of boxes. Out: numbers of primitives, block by block.
-//! Invariant: each primitive is in one block; threads do not matter. Proof: `tests`.
+//! Invariant: each primitive is in one block; threads do not matter. Tests: `tests`.
 
 use gnurt_accel_core::{Aabb, INVALID_ID};
 use gnurt_simd::{Simd, dispatch_two, f32x4, prelude::*};

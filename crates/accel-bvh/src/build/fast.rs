@@ -4,7 +4,7 @@
 //! Source: [PL10] section 3 for the lower levels ([`Curve`]), [Wald07] for the upper ones. Cost: O(n), for the heuristic sees a
 //! fiftieth of the primitives.
 //! In: a curve, and the boxes of its blocks. Out: nodes; a leaf is a block of the curve.
-//! Invariant: as for any build. Proof: `super::tests`.
+//! Invariant: as for any build. Tests: `super::tests`.
 
 use gnurt_accel_core::{Aabb, BuildError};
 

@@ -5,7 +5,7 @@
 //! good at the top of a tree leave less to gain below. With no time at all: `fast`.
 //! In: boxes of primitives. Out: [`Tree`]. Cost: O(n log n).
 //! Invariant: every primitive is in at least one leaf whose box, and that of all nodes above, holds (its part of) it;
-//! the tree does not depend on the number of threads. Proof: `tests`.
+//! the tree does not depend on the number of threads. Tests: `tests`.
 
 mod binary;
 mod binary_node;

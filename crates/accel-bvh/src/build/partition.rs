@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Moves the references of one side of a split to the front, in place and without a branch that depends on them.
-//! Source: original. Every reference is written to both ends of what is free, and one end moves on. So that there is
+//! Every reference is written to both ends of what is free, and one end moves on. So that there is
 //! always room, some of both ends are held in a buffer, and the next to be moved are taken from the side with less room.
-//! Invariant: the order depends on the references alone. Proof: `tests::each_side_gets_its_own`, `super::tests`.
+//! Invariant: the order depends on the references alone. Tests: `tests::each_side_gets_its_own`, `super::tests`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 

@@ -2,7 +2,7 @@
 //! Sorts numbers of 64 bits whose upper halves are codes of 30 bits and whose lower halves ascend: first by the highest bits
 //! into buckets, by all threads, then each bucket by the others, while it is in the cache.
 //! Source: radix sort of [PL10] section 4, from the highest digit on. Cost: O(n).
-//! Invariant: the order is that of the codes, equal ones as they came, whatever the threads. Proof: `tests`.
+//! Invariant: the order is that of the codes, equal ones as they came, whatever the threads. Tests: `tests`.
 
 use rayon::prelude::*;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the builder moves about: a box and the number of the primitive that it is of.
-//! Source: original. Space: that of the primitives.
+//! Space: that of the primitives.
 //!
 //! ```text
 //!  lane   0    1    2      3      4    5    6    7
@@ -10,7 +10,7 @@
 //! Boxes grow by one maximum of eight lanes. Middles (twice the middle, to be exact) are the same twice: negated in the
 //! lower lanes, so that a maximum finds their range.
 //! Invariant: numbers are stored as floats that are neither NaN nor so small that arithmetic on them, which nobody
-//! looks at, takes the slow path of the CPU. Proof: `tests::what_goes_in_comes_out`.
+//! looks at, takes the slow path of the CPU. Tests: `tests::what_goes_in_comes_out`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 

@@ -15,7 +15,7 @@
 //! ```
 //!
 //! Space: areas are scaled as in `bins`. Invariants: leaves stay as they are and boxes hold what is below; the sum of areas never rises;
-//! no path gets longer than the longest was, or than [`DEEPEST`]; threads do not matter. Proof: `tests`, `super::tests`.
+//! no path gets longer than the longest was, or than [`DEEPEST`]; threads do not matter. Tests: `tests`, `super::tests`.
 
 mod cost;
 #[cfg(test)]

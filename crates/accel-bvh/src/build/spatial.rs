@@ -2,7 +2,7 @@
 //! Where space is better divided than a set of references: those on a plane are cut in two.
 //! Source: [SFD09] sections 4.1 and 4.2. Differs: counts blocks of eight; no references are put together again.
 //! Space: that of the primitives; areas are scaled as in `bins`.
-//! Invariant: the parts of a reference cover what it covered. Proof: `super::tests::parts_cover_the_whole`.
+//! Invariant: the parts of a reference cover what it covered. Tests: `super::tests::parts_cover_the_whole`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a build's work is shared out among its stages, for progress. Source: original.
-//! A step is what it takes to put one primitive into a tree. Proof: `tests/control.rs`, and `super::reinsert::tests`.
+//! How a build's work is shared out among its stages, for progress.
+//! A step is what it takes to put one primitive into a tree. Tests: `tests/control.rs`, and `super::reinsert::tests`.
 
 use super::reinsert::{self, QUICK, THOROUGH};
 use gnurt_accel_core::Quality;

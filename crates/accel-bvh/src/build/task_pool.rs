@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Steps of a build that are worth several threads: binning and parting many references.
-//! Source: original; pieces that are binned on their own are those of [Wald07]'s parallel build.
+//! Pieces that are binned on their own are those of [Wald07]'s parallel build.
 //! Invariant: what is cut where depends on numbers of references, not of threads, so that all build the same tree.
-//! Proof: `super::tests`.
+//! Tests: `super::tests`.
 
 use gnurt_simd::{Level, dispatch_two};
 use rayon::prelude::*;

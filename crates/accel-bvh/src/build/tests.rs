@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What must hold of every tree, whatever it is built over.
-//! Source: original.
 
 use super::*;
 use crate::node::Child;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A wide BVH's way into a file and back. Source: original; the format is that of `crate::store`.
-//! Invariant: what is loaded is one tree of nodes in the order of a walk, each block in one leaf, none deeper than a build would put it. Proof: `tests/saved.rs`.
+//! A wide BVH's way into a file and back. The format is that of `crate::store`.
+//! Invariant: what is loaded is one tree of nodes in the order of a walk, each block in one leaf, none deeper than a build would put it. Tests: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One ray through the triangles of a tree whose boxes move. Source: original; the arithmetic of `walk.rs` on mixed boxes.
-//! Space: object. Proof: `tests/surfaces/motion.rs` of `gnurt-accel`.
+//! One ray through the triangles of a tree whose boxes move. The arithmetic of `walk.rs` on mixed boxes.
+//! Space: object. Tests: `tests/surfaces/motion.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
 use gnurt_accel_core::collect::Collect;

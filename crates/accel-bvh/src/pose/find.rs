@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What poses of a tree have in common, found in the tree. Source: original. Space: none.
-//! Proof: `tests/poses.rs` of `gnurt-accel`.
+//! What poses of a tree have in common, found in the tree. Space: none.
+//! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 //! Source: [WBS06] section 4. Space: object. Cost: O(n), each vertex, block and node once: blocks and
 //! compact nodes by all threads, corners and the boxes of nodes by one.
 //! Invariant: what cannot be traced in the pose is what could not be when the structure was built; else it asks for a build.
-//! Proof: `tests/poses.rs` of `gnurt-accel`.
+//! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
 

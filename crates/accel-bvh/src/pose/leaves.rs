@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The leaf blocks of a pose: triangles that it shares, over corners of its own. Source: original. Space: object.
-//! Proof: `tests/poses.rs` of `gnurt-accel`.
+//! The leaf blocks of a pose: triangles that it shares, over corners of its own. Space: object.
+//! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What all poses of an object have in common. Source: original. Space: none; it knows no coordinates.
+//! What all poses of an object have in common. Space: none; it knows no coordinates.
 //! Invariant: corners are numbered in the order in which blocks first ask for them, so that a block's lie near each other.
-//! Proof: `tests/poses.rs` of `gnurt-accel`.
+//! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Fitting a wide BVH to primitives that have moved: the same nodes and leaves, with other boxes.
 //! Source: [WBS06] section 4. Cost: O(n), each block and each node once, by all threads.
-//! Invariant: hits are those of a tree that is built anew, whatever has become of the boxes. Proof: `tests/refit.rs` of
+//! Invariant: hits are those of a tree that is built anew, whatever has become of the boxes. Tests: `tests/refit.rs` of
 //! `gnurt-accel`.
 
 mod nodes;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Boxes of nodes from boxes of leaf blocks, from the last node to the root, and what each subtree costs.
 //! Source: [WBS06] section 4; the cost is that of [MB90]. Space: that of the primitives.
-//! Invariant: nodes lie in the order of a walk, so that a subtree is one range of them. Proof: `tests`.
+//! Invariant: nodes lie in the order of a walk, so that a subtree is one range of them. Tests: `tests`.
 
 use gnurt_accel_core::float::{least, most};
 use gnurt_accel_core::{Aabb, Memory};

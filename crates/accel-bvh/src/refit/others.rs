@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Fitting trees over spheres and user geometry. Source: [WBS06] section 4. Space: object.
-//! Invariant: a tree that left something out when it was built, or would now, is not refitted. Proof: `tests/refit.rs` of
+//! Invariant: a tree that left something out when it was built, or would now, is not refitted. Tests: `tests/refit.rs` of
 //! `gnurt-accel`.
 
 use std::sync::Arc;

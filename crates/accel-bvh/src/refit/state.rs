@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a tree that is refitted knows besides its nodes and blocks. Source: original.
+//! What a tree that is refitted knows besides its nodes and blocks.
 
 use gnurt_accel_core::Aabb;
 

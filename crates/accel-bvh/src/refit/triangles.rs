@@ -3,7 +3,7 @@
 //! Source: [WBS06] section 4; what becomes of triangles that cannot be traced for a while is original. Space: object.
 //! Invariant: the tree holds what a build would take. A triangle that is bad for a while leaves its block, and comes back;
 //! where one comes that was bad when the tree was built, or a whole block goes, there is no refit.
-//! Proof: `tests/refit.rs` of `gnurt-accel`.
+//! Tests: `tests/refit.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::surfaces::{Mesh, Surfaces};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Boxes of a treelet's nodes after those of its members. Source: [WBS06]: children come after their parents, so that one pass from
-//! the end refits. Space: that of the boxes. Proof: `treelet::tests`.
+//! the end refits. Space: that of the boxes. Tests: `treelet::tests`.
 
 use crate::node::{Child, Node8, WIDTH};
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The nodes of a treelet whose members move while the shutter is open: with other boxes at keys, which are moments evenly spaced
 //! from 0 to 1. A ray mixes those of the two keys next to its moment, so that it meets where a member is, not all of its way.
-//! Source: original; boxes that are mixed, not unions, are those of Embree's `AABBNodeMB`. Keys are one more than a power of two
+//! Boxes that are mixed, not unions, are those of Embree's `AABBNodeMB`. Keys are one more than a power of two
 //! in each treelet, so that one over others has some key at each of theirs.
 //! Space: that of the boxes. Invariant: what lies in all boxes of a member, mixed, lies in those above it, mixed: mixing never
-//! reverses an order. Proof: `tests`, `tests/surfaces/motion.rs` of `gnurt-accel`.
+//! reverses an order. Tests: `tests`, `tests/surfaces/motion.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::{Aabb, Moment};
 

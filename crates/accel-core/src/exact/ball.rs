@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether a point lies in a ball, decided without rounding. Source: original. Proof: `tests/surfaces/inside.rs`.
+//! Whether a point lies in a ball, decided without rounding. Tests: `tests/surfaces/inside.rs`.
 
 use super::number::{Formula, Number, V3, dot, minus, of, sign};
 

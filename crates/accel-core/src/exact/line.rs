@@ -11,7 +11,7 @@
 //!
 //! The sign of an edge from `p` to `q`, on which side the line passes, is that of `dir . ((p - org) x (q - p))`. Doubles decide
 //! it where the value is above the bound of its error; exact numbers do elsewhere.
-//! Proof: `tests/surfaces/crossings.rs`.
+//! Tests: `tests/surfaces/crossings.rs`.
 
 use super::number::{Formula, Number, V3, cross, dot, minor, minus, of, sign};
 use super::place::{Triangle, UNIT};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where a line meets a triangle, rounded once. Source: original. Space: any. Cost: some ten microseconds.
-//! Proof: `tests::as_by_hand`, `triangle::precise::tests`.
+//! Where a line meets a triangle, rounded once. Space: any. Cost: some ten microseconds.
+//! Tests: `tests::as_by_hand`, `triangle::precise::tests`.
 
 use super::dyadic::Dyadic;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Arithmetic that is exact or says that it is not: doubles as long as nothing is rounded, then [`Dyadic`] numbers.
 //! Source: [Dek71] for what rounding takes off a sum and a product. Meshes on a grid, where lines do pass through vertices,
-//! need no more than doubles. Proof: `tests::doubles_say_when_they_round`.
+//! need no more than doubles. Tests: `tests::doubles_say_when_they_round`.
 
 use super::dyadic::Dyadic;
 

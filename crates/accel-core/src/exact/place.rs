@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Triangles where they are in the space that is asked about, through all instances on the way: rounded, with a bound of the
-//! error, and exactly. Source: original. Spaces: corners come in that of their object and go out in that of the question.
-//! Proof: `tests/surfaces/crossings.rs`.
+//! error, and exactly. Spaces: corners come in that of their object and go out in that of the question.
+//! Tests: `tests/surfaces/crossings.rs`.
 
 use super::number::{Number, V3, of};
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The nearest point of a surface to a given point.
-//! Source: original; what Embree's point queries and parry's point projections are used for.
+//! What Embree's point queries and parry's point projections are used for.
 //! Spaces: distances are measured in the space of the tree that is asked. Inside of an instance a [`Probe`] carries the
 //! linear map to that space along, so that turned, scaled and sheared instances are all exact; trees are searched in
 //! their own space, by the least factor that lengths grow with.
 //! Invariant: all arithmetic that decides is in double precision; floats only skip what is surely farther. So every
-//! level and structure gives the same answer. Proof: `tests/closest_point.rs`.
+//! level and structure gives the same answer. Tests: `tests/closest_point.rs`.
 
 mod probe;
 mod shapes;

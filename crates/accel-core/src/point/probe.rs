@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A point that looks for the nearest surface, carried into the space of an object.
-//! Source: original; eigenvalues by the method of Jacobi [GL13]. Proof: `tests::eigenvectors_span_the_map`,
+//! Eigenvalues by the method of Jacobi [GL13]. Tests: `tests::eigenvectors_span_the_map`,
 //! `tests/closest_point.rs`.
 
 /// A point and the way back to the space in which distances count.

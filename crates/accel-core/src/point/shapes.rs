@@ -2,7 +2,7 @@
 //! The nearest points of a triangle and of a sphere.
 //! Source: triangle: [Eri04] section 5.1.5 (regions of corners, edges and the inside); sphere under an affine map: original,
 //! the secular equation of trust region methods [GL13]. Space: where distances count, around the given point.
-//! Proof: `tests::nearest_of_many_points`, `tests/closest_point.rs`.
+//! Tests: `tests::nearest_of_many_points`, `tests/closest_point.rs`.
 
 use super::Probe;
 use super::probe::{eigen, square};

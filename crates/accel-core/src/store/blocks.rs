@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Blocks of triangles on their way into a file and back. Source: original; the format is that of [`super`].
-//! Proof: `tests/saved.rs` of `gnurt-accel`.
+//! Blocks of triangles on their way into a file and back. The format is that of [`super`].
+//! Tests: `tests/saved.rs` of `gnurt-accel`.
 
 use super::error::LoadError;
 use super::words::{Words, get_floats, put_floats};

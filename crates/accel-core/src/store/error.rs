@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Why a file is not taken for a tree. Source: original. Proof: `tests/saved.rs`.
+//! Why a file is not taken for a tree. Tests: `tests/saved.rs`.
 
 use std::fmt;
 use std::io;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Built trees in files: what `ObjectTree::save` writes and `ObjectTree::load` accepts.
-//! Source: original.
 //!
 //! ```text
 //! "GNURTACC" | version | 0                                                        two words, one, one
@@ -21,7 +20,7 @@
 //! Invariant: nothing is allocated for records that have not arrived, and a tree is handed out only if no walk through
 //! it can leave its arrays, its stack, or go on for longer than its size explains. Whether boxes hold what is below
 //! them is not looked at: against accidents there is the checksum, and a file made with bad intent gives wrong hits.
-//! Proof: `tests/saved.rs`, and the fuzz target `accel_tree`.
+//! Tests: `tests/saved.rs`, and the fuzz target `accel_tree`.
 
 pub mod blocks;
 mod error;

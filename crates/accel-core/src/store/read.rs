@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Words on their way in. Source: original.
+//! Words on their way in.
 //! Invariant: memory grows with what has been read, never with what a file says that is to come.
-//! Proof: `tests/saved.rs`.
+//! Tests: `tests/saved.rs`.
 
 use std::io::Read;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What files of trees are made of: words of 32 bits, and a sum over them. Source: original.
-//! Proof: `tests/saved.rs` of `gnurt-accel`.
+//! What files of trees are made of: words of 32 bits, and a sum over them.
+//! Tests: `tests/saved.rs` of `gnurt-accel`.
 
 /// The first two words of a file.
 pub(super) const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"GNUR"), u32::from_le_bytes(*b"TACC")];

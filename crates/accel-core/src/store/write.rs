@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Words on their way out. Source: original. Proof: `tests/saved.rs`.
+//! Words on their way out. Tests: `tests/saved.rs`.
 
 use std::io::{self, Write};
 

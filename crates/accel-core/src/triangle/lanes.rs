@@ -2,7 +2,7 @@
 //! The watertight test in lanes: many rays against one triangle, or one ray against many triangles.
 //! Source: [WBW13]; see `watertight.rs`, which holds the scalar form and says why it holds.
 //! Invariant: every lane does the roundings of the scalar form in its order: the same bits at any width and level.
-//! Proof: `tests/brute_force.rs` (`ask`).
+//! Tests: `tests/brute_force.rs` (`ask`).
 
 use gnurt_simd::{Simd, SimdFloat, prelude::*};
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The watertight ray-triangle test, for one ray and in lanes.
-//! Source: original. Space: object.
+//! Space: object.
 //! Invariant: a test gives the same bits for one ray and for a lane of a packet, at every level: both do the same
-//! roundings in the same order. Proof: `tests/brute_force.rs` (`ask`).
+//! roundings in the same order. Tests: `tests/brute_force.rs` (`ask`).
 
 mod lanes;
 mod meeting;

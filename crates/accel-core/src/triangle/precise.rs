@@ -4,7 +4,7 @@
 //! Source: [WBW13] without the division: sheared positions times the ray's longest component; [She97] for the plan.
 //! Space: along the axes of the sheared space. Invariant: `t` is off by 2^-21 of itself at most. A ray that floats let pass
 //! inside, though it passes beside the triangle, meets it at its edge: weights of the wrong sign are none.
-//! Proof: `tests`, `tests/parameters.rs` of `gnurt-accel`.
+//! Tests: `tests`, `tests/parameters.rs` of `gnurt-accel`.
 
 use crate::exact::ExactMeeting;
 

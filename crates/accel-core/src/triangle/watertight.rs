@@ -19,7 +19,7 @@
 //! looked at again: so is the triangle that a ray starts on. Whoever asks for any hit gets no `t`, and
 //! the answer of floats. What floats decide depends on ray and triangle alone, so
 //! that which of two hits is nearer never depends on the order of visits.
-//! Proof: `tests::agrees_with_double_precision`, `tests/watertight.rs`, `tests/parameters.rs` of `gnurt-accel`.
+//! Tests: `tests::agrees_with_double_precision`, `tests/watertight.rs`, `tests/parameters.rs` of `gnurt-accel`.
 
 use super::meeting::Meeting;
 use super::precise::{self, Corners, Weighed};

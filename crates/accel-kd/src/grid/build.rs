@@ -2,7 +2,7 @@
 //! Puts triangles into all cells that their boxes meet: a counting sort by slices of cells, then by cells of each slice.
 //! Source: [WIK*06] section 4.4; two passes, so that counters stay in caches and threads share nothing, are original. Pieces of triangles are
 //! sorted by all threads, then slices.
-//! Invariant: a cell's triangles ascend; lists are the same for any number of threads. Proof: `tests/grids.rs` of `gnurt-accel`.
+//! Invariant: a cell's triangles ascend; lists are the same for any number of threads. Tests: `tests/grids.rs` of `gnurt-accel`.
 
 use std::iter;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How a box is divided into cells of one size. Source: [WIK*06] section 4.4: the cube root rule. Space: object.
 //! Invariant: [`Cells::of`] never falls where coordinates rise. So a point of a triangle is in one of the cells from that of its box's least
-//! corner to that of its greatest; nothing is said of planes between cells, which are rounded. Proof: `tests`.
+//! corner to that of its greatest; nothing is said of planes between cells, which are rounded. Tests: `tests`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::float::{least, most};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An object's triangles in a grid. Source: [WIK*06]. Space: object. Triangles are kept once, as they came; cells refer to them.
 //! Large triangles lie in many cells: where references would be more than [`BuildOptions::reference_budget`] allows, cells are larger.
-//! Proof: `tests/grids.rs` of `gnurt-accel`.
+//! Tests: `tests/grids.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::control::Watch;

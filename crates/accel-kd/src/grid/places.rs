@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What lies near a point, or may meet a region, in a grid; and what it holds by numbers. Boxes of cells are halved on the way down to one
-//! cell. Source: original. Space: object. Proof: `tests/grids.rs`, `tests/surfaces/{crossings,overlaps,normals}.rs` of `gnurt-accel`.
+//! cell. Space: object. Tests: `tests/grids.rs`, `tests/surfaces/{crossings,overlaps,normals}.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::{TriangleBlock, WIDTH};
 use gnurt_accel_core::point::{NearestPoint, Probe};

@@ -3,7 +3,7 @@
 //! meets there. Source: [WIK*06] section 4: the frustum's box in each slice, early exit, mailboxes, triangles against the frustum before rays.
 //! Differs: the frustum is made of intervals of origins and slopes, so that rays need not start in one point, and triangles of a slice go in
 //! blocks of eight, against the whole tile and each sixteen rays of it, as in `tiles.rs`.
-//! Invariant: a cell that one of the rays may meet before its hit is visited. Proof: `tests/grids.rs` of `gnurt-accel`.
+//! Invariant: a cell that one of the rays may meet before its hit is visited. Tests: `tests/grids.rs` of `gnurt-accel`.
 
 use std::cell::Cell;
 

@@ -3,7 +3,7 @@
 //! Source: [AW87] for the walk; intervals are original, as in the kd-tree's `slab.rs`. Where a ray passes within rounding of a plane it visits
 //! the cells on both sides: it knows of each slice of cells when it may be in it, of each row of the slice that it may meet meanwhile
 //! likewise, and so of each cell. Without rounding these are the cells of the classic walk, in its order.
-//! Invariant: what a triangle test can hit is in a cell that is visited. Proof: `tests/grids.rs` of `gnurt-accel`.
+//! Invariant: what a triangle test can hit is in a cell that is visited. Tests: `tests/grids.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock, WIDTH};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What leaf blocks hold, by block and place; projected triangles lie by number instead. Source: original.
-//! Proof: `tests/surfaces/normals.rs`.
+//! What leaf blocks hold, by block and place; projected triangles lie by number instead.
+//! Tests: `tests/surfaces/normals.rs`.
 
 use gnurt_accel_core::INVALID_ID;
 use gnurt_accel_core::blocks::WIDTH;

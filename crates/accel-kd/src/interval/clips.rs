@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From boxes in boxes to nodes, with clips where a child does not fill what a ray knows of it: what is done about empty space.
-//! Source: original. [WK06] and [WMS06] know nothing of it, and the paper's section 6 says what comes of that: a teapot in a stadium.
+//! [WK06] and [WMS06] know nothing of it, and the paper's section 6 says what comes of that: a teapot in a stadium.
 //!
 //! A ray that goes down knows a *region*: the root's box, cut by the planes that it has passed. A BIH cuts one side of one axis at a
 //! time, so that a small thing in a large room is entered by all rays that pass it on five sides of six. So, before a node, its box is
@@ -12,7 +12,7 @@
 //! (1 - area(clipped region) / area(region)) * cost below  >  one step
 //! ```
 //!
-//! A refit moves clips as it moves all planes; none comes or goes. Proof: `tests/intervals.rs` of `gnurt-accel`.
+//! A refit moves clips as it moves all planes; none comes or goes. Tests: `tests/intervals.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Aabb;
 

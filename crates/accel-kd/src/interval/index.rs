@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object's triangles under an interval hierarchy. Source: original. Space: object. Proof: `tests/brute_force.rs`,
+//! An object's triangles under an interval hierarchy. Space: object. Tests: `tests/brute_force.rs`,
 //! `tests/intervals.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::bits::TILE;

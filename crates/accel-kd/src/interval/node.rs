@@ -15,7 +15,7 @@
 //! ```
 //!
 //! The first child, or the only one, is the next node: a walk to it stays in the cache line. A leaf is one block of up to eight triangles.
-//! Planes are those of boxes, as floats. Proof: `tests`.
+//! Planes are those of boxes, as floats. Tests: `tests`.
 
 use gnurt_accel_core::Aabb;
 

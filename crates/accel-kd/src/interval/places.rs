@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What lies near a point, or may meet a region, under an interval hierarchy; and what leaf blocks hold. Regions of nodes are kept on
 //! the way down, cut by the planes that were passed. Source: [Ben75] for the search. Space: object.
-//! Proof: `tests/closest_point.rs`, `tests/surfaces/{crossings,overlaps,normals}.rs` of `gnurt-accel`.
+//! Tests: `tests/closest_point.rs`, `tests/surfaces/{crossings,overlaps,normals}.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::blocks::WIDTH;

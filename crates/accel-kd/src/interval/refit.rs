@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An interval hierarchy over triangles that have moved: the same nodes, with planes where the boxes are now; and what it costs.
 //! Source: [WMS06] section 4, [WK06]: from the last node to the first, which is from below. Cost: O(n), by all threads over the leaves.
-//! Invariant: planes are those of the boxes below, exactly, so that hits are those of a tree that is built. Proof: `tests/refit.rs` of
+//! Invariant: planes are those of the boxes below, exactly, so that hits are those of a tree that is built. Tests: `tests/refit.rs` of
 //! `gnurt-accel`.
 
 use gnurt_accel_core::blocks::TriangleBlock;

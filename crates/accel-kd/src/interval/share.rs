@@ -2,7 +2,7 @@
 //! Shares triangles out: a binary tree of boxes whose leaves hold at most eight.
 //! Source: [WK06] section 3 for halving space, which looks at no triangle but to see where its middle lies; [MB90] for the
 //! surface area heuristic over bins, as for BVHs. Space: object. Cost: O(n log n).
-//! Invariant: no leaf has more than [`DEEPEST`] splits above it; threads make no difference. Proof: `tests`.
+//! Invariant: no leaf has more than [`DEEPEST`] splits above it; threads make no difference. Tests: `tests`.
 
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::{Aabb, BuildError};

@@ -4,7 +4,7 @@
 //!
 //! What a ray knows of a node is when it is in it, `[t_min, t_max]`. A split cuts that for each child by itself: children may overlap, so
 //! that a hit in the nearer one does not end the walk, but what lies beyond it is skipped. A clip cuts it for its only child.
-//! Invariant: what a triangle test can hit is in no node that is skipped. Proof: `tests/brute_force.rs`, `tests/intervals.rs` of `gnurt-accel`.
+//! Invariant: what a triangle test can hit is in no node that is skipped. Tests: `tests/brute_force.rs`, `tests/intervals.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::beam::PlaneBeam;
 use gnurt_accel_core::float::{least, most};

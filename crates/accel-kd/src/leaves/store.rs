@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Leaves of blocks on their way into a file and back. Source: original; the format is that of `crate::store`.
-//! Invariant: each block is in one leaf, and leaves are numbered in the order of their nodes. Proof: `tests/saved.rs`.
+//! Leaves of blocks on their way into a file and back. The format is that of `crate::store`.
+//! Invariant: each block is in one leaf, and leaves are numbered in the order of their nodes. Tests: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A kd-tree's nodes on their way into a file and back. Source: original; the format is that of `crate::store`.
+//! A kd-tree's nodes on their way into a file and back. The format is that of `crate::store`.
 //! Invariant: what is loaded is one tree, children behind their parents, none deeper than a stack holds; the lists of
-//! its leaves take no more room than there is. Proof: `tests/saved.rs`.
+//! its leaves take no more room than there is. Tests: `tests/saved.rs`.
 
 use super::{DEEPEST, EMPTY_LEAF, KdTree, Node};
 use gnurt_accel_core::store::{LoadError, Words};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Builds an object's trees: one for each kind of primitive and mask. Source: original. Space: object.
-//! Proof: `tests/brute_force.rs`, `tests/mixed.rs`, `tests/control.rs`.
+//! Builds an object's trees: one for each kind of primitive and mask. Space: object.
+//! Tests: `tests/brute_force.rs`, `tests/mixed.rs`, `tests/control.rs`.
 
 use std::sync::OnceLock;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Primitives by their numbers: what leaves hold, found from outside. Source: original.
+//! Primitives by their numbers: what leaves hold, found from outside.
 //! The way from a number to a leaf is not kept by a tree; it is written down when it is first asked for, in one pass over the
 //! leaves: 4 bytes a primitive. Invariant: a primitive that lies in several leaves is found in one of them.
-//! Proof: `tests/surfaces/normals.rs`.
+//! Tests: `tests/surfaces/normals.rs`.
 
 use gnurt_accel_core::blocks::WIDTH;
 use gnurt_accel_core::primitive::Primitive;

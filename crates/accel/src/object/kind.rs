@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which geometries of an object share a tree: those of one kind and one mask. Source: original.
+//! Which geometries of an object share a tree: those of one kind and one mask.
 
 use gnurt_accel_core::geometry::GeometryKind;
 

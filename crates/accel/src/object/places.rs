@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where the primitives of an object are, by their numbers. Source: original.
+//! Where the primitives of an object are, by their numbers.
 
 /// A place in a leaf block for each number, counted through all blocks of all parts.
 #[derive(Clone, Debug)]

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One object in several poses, whose trees share their structure. Source: original; what is shared is in the `pose` module of
-//! `gnurt-accel-bvh`. Space: object. Proof: `tests/poses.rs`.
+//! One object in several poses, whose trees share their structure. What is shared is in the `pose` module of `gnurt-accel-bvh`. Space: object. Tests: `tests/poses.rs`.
 
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::surfaces::Surfaces;

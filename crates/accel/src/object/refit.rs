@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An object that has moved: its trees fitted to where its primitives are now. Source: [WBS06] section 4. Space: object.
-//! Proof: `tests/refit.rs`.
+//! Tests: `tests/refit.rs`.
 
 use std::sync::OnceLock;
 

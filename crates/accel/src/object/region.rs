@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The primitives of an object that may meet a region. Source: original. Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
+//! The primitives of an object that may meet a region. Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use gnurt_accel_core::exact::Place;
 use gnurt_accel_core::primitive::Primitive;

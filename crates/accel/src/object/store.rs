@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object's tree on its way into a file and back. Source: original; the format is that of `gnurt_accel_core::store`.
-//! Proof: `tests/saved.rs`.
+//! An object's tree on its way into a file and back. The format is that of `gnurt_accel_core::store`.
+//! Tests: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 use std::sync::OnceLock;

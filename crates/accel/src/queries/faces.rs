@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Normals of hits, and rays that see one face of surfaces. Source: original; docs/reference/queries.md. Space: the tree's.
-//! Bodies are in `facing.rs`. Proof: `tests/surfaces/normals.rs`.
+//! Normals of hits, and rays that see one face of surfaces. See docs/reference/queries.md. Space: the tree's.
+//! Bodies are in `facing.rs`. Tests: `tests/surfaces/normals.rs`.
 
 use crate::facing::Face;
 use crate::{AnyRay, Hit, HitBatch, ObjectTree, Query, RayBatch, SceneTree, Threads};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Any number of rays in one call. Source: original; docs/reference/queries.md. Space: the tree's. Bodies are in `src/many.rs`.
-//! Proof: `tests/surfaces/slices.rs`.
+//! Any number of rays in one call. See docs/reference/queries.md. Space: the tree's. Bodies are in `src/many.rs`.
+//! Tests: `tests/surfaces/slices.rs`.
 
 use crate::slices::{HitSlices, RaySlices, SliceError};
 use crate::{AnyRay, HitBatch, ObjectTree, Query, SceneTree, Threads};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays, one by one and in batches. Source: original; docs/reference/queries.md names Embree's calls beside these. Bodies are in `ask.rs`
+//! Rays, one by one and in batches. See docs/reference/queries.md names Embree's calls beside these. Bodies are in `ask.rs`
 //! and `batch.rs`. Space: the tree's.
-//! Proof: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/instances.rs`, `tests/nested.rs`, `tests/filters.rs`, `tests/masks.rs`.
+//! Tests: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/instances.rs`, `tests/nested.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
 use crate::{
     AnyRay, Hit, HitBatch, ObjectTree, Packet, Pencil, PointHit, PrimitiveId, Query, Ray, RayBatch, Record,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Questions about surfaces, one by one and for many at once: crossings, sides and signed distances, nearest points and
-//! primitives, overlaps. Source: original; docs/reference/queries.md. Space: the tree's.
-//! Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/inside.rs`, `tests/surfaces/overlaps.rs`.
+//! primitives, overlaps. See docs/reference/queries.md. Space: the tree's.
+//! Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/inside.rs`, `tests/surfaces/overlaps.rs`.
 
 use crate::crossings::{self, Crossed};
 use crate::inside::{self, Side};

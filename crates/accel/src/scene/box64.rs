@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Boxes in double precision. Source: original. Proof: `tests/far_away.rs`.
+//! Boxes in double precision. Tests: `tests/far_away.rs`.
 
 use crate::Aabb;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Places instances and builds the top tree over them. Source: [WBS03a]. Space: world; where the scene is far away for its
 //! size, the top tree is relative to a point near it, so that its boxes stay as precise as near the origin.
-//! Invariant: threads do not matter. Proof: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`, `tests/control.rs`.
+//! Invariant: threads do not matter. Tests: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`, `tests/control.rs`.
 
 use gnurt_accel_bvh::BoxIndex;
 use gnurt_accel_core::control::Watch;

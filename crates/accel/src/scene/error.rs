@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Why there is no scene: an instance that cannot be placed, or a build that was stopped.
-//! Source: original. Proof: `tests/nested.rs`.
+//! Tests: `tests/nested.rs`.
 
 use std::fmt;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An affine map in double precision, and its inverse. Source: original. Proof: `instance::tests::carries_rays`, `tests/far_away.rs`.
+//! An affine map in double precision, and its inverse. Tests: `instance::tests::carries_rays`, `tests/far_away.rs`.
 
 use gnurt_accel_core::affine::inverse;
 

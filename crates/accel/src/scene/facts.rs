@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What there is to know of a scene, and which instance was hit. Source: [WBS03a]. Space: world.
-//! Proof: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`.
+//! Tests: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`.
 
 use gnurt_accel_core::bits::each;
 use gnurt_accel_core::nearest::Nearest;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A scene as it is at one moment of an open shutter. Source: original. Space: world.
+//! A scene as it is at one moment of an open shutter. Space: world.
 //! Invariant: what many instances show is stopped once, and is shared afterwards as it was before.
-//! Proof: `tests/surfaces/motion.rs`, `tests/nested.rs`.
+//! Tests: `tests/surfaces/motion.rs`, `tests/nested.rs`.
 
 use std::collections::HashMap;
 use std::sync::Arc;

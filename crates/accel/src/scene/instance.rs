@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An object or a scene placed in the world, and rays carried into its space.
-//! Source: original; two levels after [WBS03a].
+//! Source: two levels after [WBS03a].
 //! Spaces: rays come in world space and leave in object space; `t` is the same in both, directions keep their scale.
 //! The origin is carried relative to the object's place, split in two floats, so that objects far from the world's
 //! origin lose no precision near themselves. Rays with origins in double precision are carried in double precision.
-//! Proof: `tests::carries_rays`, `tests/watertight.rs`, `tests/far_away.rs`.
+//! Tests: `tests::carries_rays`, `tests/watertight.rs`, `tests/far_away.rs`.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers of the objects of a scene, those of nested scenes too, in the order of the instances on the way to them.
-//! Source: original. An instance that shows an object takes one number, as does one that is not there; one that shows a scene
+//! An instance that shows an object takes one number, as does one that is not there; one that shows a scene
 //! takes as many as that has. Where no instance shows a scene, an object's number is its instance's place, and nothing is stored.
-//! Proof: `tests`, `tests/nested.rs`.
+//! Tests: `tests`, `tests/nested.rs`.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Normals of what was hit in a scene, carried out through all instances. Source: original.
-//! Space: that of the scene. Proof: `tests/surfaces/normals.rs`.
+//! Normals of what was hit in a scene, carried out through all instances.
+//! Space: that of the scene. Tests: `tests/surfaces/normals.rs`.
 
 use super::types::{SceneTree, Shape};
 use crate::Hit;

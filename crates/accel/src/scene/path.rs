@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How an instance moves while the shutter is open: matrices at moments that are evenly spaced, and what lies between two.
-//! Source: original; what turns is in `turn.rs`.
+//! What turns is in `turn.rs`.
 //! Space: world. Invariant: keys are met exactly, and the box of a path holds the object at every moment.
-//! Proof: `tests`, `tests/surfaces/motion.rs`.
+//! Tests: `tests`, `tests/surfaces/motion.rs`.
 
 use gnurt_accel_core::affine::inverse;
 

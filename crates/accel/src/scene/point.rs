@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From a point to the nearest surface of a scene.
-//! Source: original. Space: world until an instance is entered. Proof: `tests/closest_point.rs`.
+//! Space: world until an instance is entered. Tests: `tests/closest_point.rs`.
 
 use gnurt_accel_core::point::{NearestPoint, Probe};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The primitives of a scene that may meet a region. Source: original. Space: that of the scene until an instance is entered.
-//! Proof: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
+//! The primitives of a scene that may meet a region. Space: that of the scene until an instance is entered.
+//! Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use gnurt_accel_core::exact::Place;
 use gnurt_accel_core::region::{Map, Region};

@@ -3,7 +3,7 @@
 //! Source: turns follow the shorter arc at constant speed [Sho85], as glTF's do; a matrix is taken apart into a place, a
 //! turn and a stretch by Gram and Schmidt, which for a translation, a turn and a scale finds those.
 //! Space: columns are images of the object's axes. Invariant: between two moments points leave the straight line by less than the
-//! square of the time between them, times an eighth of their greatest acceleration. Proof: `path::tests`.
+//! square of the time between them, times an eighth of their greatest acceleration. Tests: `path::tests`.
 
 use super::box64::Box64;
 use super::exact::Exact;

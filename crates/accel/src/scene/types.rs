@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What scenes are made of. In one file, since scenes hold instances and instances show scenes. Source: [WBS03a].
 //! Space: world, unless it says otherwise. Invariant: objects are numbered in the order of the instances on the way to them, so
-//! the lowest number is the lowest path. Proof: `tests/instances.rs`, `tests/nested.rs`, `tests/moving_instances.rs`.
+//! the lowest number is the lowest path. Tests: `tests/instances.rs`, `tests/nested.rs`, `tests/moving_instances.rs`.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A scene after some of its instances moved, came or went. Source: [WBS06] for refits, [WBS03a] for the two levels.
 //! Space: world. Invariant: rays hit what they would in a scene built from the list as it is now.
-//! Proof: `tests/moving_instances.rs`.
+//! Tests: `tests/moving_instances.rs`.
 
 use gnurt_accel_bvh::{BoxEdit, BoxIndex};
 use gnurt_accel_core::control::Watch;

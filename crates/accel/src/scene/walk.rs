@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One ray, or a tile of them, through the top tree and into objects and scenes.
 //! Source: [WBS03a] for the two levels; nearer boxes first, boxes beyond the best hit skipped.
-//! Space: world until an instance is entered. Proof: `tests/instances.rs`, `tests/brute_force.rs` (`ask`).
+//! Space: world until an instance is entered. Tests: `tests/instances.rs`, `tests/brute_force.rs` (`ask`).
 
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::heading::Heading;

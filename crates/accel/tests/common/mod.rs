@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the tests of this crate share: soups as objects, all kinds of queries, comparison with the oracle.
-//! Source: original.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use gnurt_accel::{

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Crossings of rays that are aimed at vertices and edges, equal to what whole numbers say, in every structure, far away, tiny,
-//! as soups, through instances; coincident sheets; ends of rays. Source: original.
+//! as soups, through instances; coincident sheets; ends of rays.
 
 use std::sync::Arc;
 

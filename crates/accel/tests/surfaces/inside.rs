@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sides of points, at corners, on edges and faces and beside them, equal to what whole numbers say; signed distances; batches
-//! with threads; solids that overlap. Source: original.
+//! with threads; solids that overlap.
 
 use std::sync::Arc;
 

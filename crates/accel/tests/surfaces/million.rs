@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A million rays and a million points, aimed at vertices and edges, near, far away, tiny and huge, at every level, in all structures that
-//! never leak: none may be counted wrongly or found on the wrong side. Source: original; the oracle is whole numbers.
+//! never leak: none may be counted wrongly or found on the wrong side. The oracle is whole numbers.
 //!
 //! Takes minutes: `cargo test -p gnurt-accel --test suite -- --ignored million`.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Questions about surfaces: crossings, sides, distances, near primitives and overlaps; and surfaces that move while the shutter is
-//! open. Source: original.
+//! open.
 
 mod crossings;
 mod inside;

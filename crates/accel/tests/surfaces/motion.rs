@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays with moments: they hit what rays hit in a tree that is built over everything as it is at their moment, bit for bit, in
-//! every way to ask and at every level. Source: original.
+//! every way to ask and at every level.
 
 use std::sync::Arc;
 

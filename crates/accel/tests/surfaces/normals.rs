@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Normals are those of the corners, in every structure and through instances; faces are looked through. Source: original.
+//! Normals are those of the corners, in every structure and through instances; faces are looked through.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Primitives that touch boxes and balls, and the nearest ones, equal brute force: over all triangles by whole numbers or by
-//! cutting, and by nearest points. Source: original.
+//! cutting, and by nearest points.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays in slices and strided arrays, of floats and doubles, with any threads, are answered as single rays are. Source: original.
+//! Rays in slices and strided arrays, of floats and doubles, with any threads, are answered as single rays are.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments of `bench`. Source: original. Proof: `tests/program/bench.rs`.
+//! Arguments of `bench`. Tests: `tests/program/bench.rs`.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

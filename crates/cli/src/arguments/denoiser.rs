@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether and how noise is taken out of a picture. Source: original. Proof: `tests/program/denoising.rs`.
+//! Whether and how noise is taken out of a picture. Tests: `tests/program/denoising.rs`.
 
 use clap::Args;
 use gnurt::denoise::{Method, Options};

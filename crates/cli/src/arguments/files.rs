@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that say which files a scene may read, and where their textures are kept. Source: original.
-//! Proof: `tests/program/{confine,textures}.rs`.
+//! Options that say which files a scene may read, and where their textures are kept.
+//! Tests: `tests/program/{confine,textures}.rs`.
 
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Two lengths of help for commands with many options: what most people need, and all. Source: original.
-//! Proof: `tests/program/interface.rs`.
+//! Two lengths of help for commands with many options: what most people need, and all.
+//! Tests: `tests/program/interface.rs`.
 
 use clap::{ArgAction, Args};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Options that were given and change nothing, so that nobody waits for what they would do: each is told, none is refused.
-//! Source: original. Proof: `tests/program/arguments.rs::options_without_effect_are_told`.
+//! Tests: `tests/program/arguments.rs::options_without_effect_are_told`.
 
 use std::ffi::OsStr;
 use std::path::Path;

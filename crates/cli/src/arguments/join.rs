@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments of `join`. Source: original.
+//! Arguments of `join`.
 
 use std::path::PathBuf;
 

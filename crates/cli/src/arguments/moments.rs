@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that say which moments of an animation are rendered. Source: original; frames as in film.
-//! Frame f is at the moment f / N. Proof: `tests/program/animation.rs`.
+//! Options that say which moments of an animation are rendered. Frames as in film.
+//! Frame f is at the moment f / N. Tests: `tests/program/animation.rs`.
 
 use clap::Args;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The argument parser's refusals, in the one-line form of all errors of this program.
-//! Source: original. Proof: `tests/program/arguments.rs`, and `tests` here.
+//! Tests: `tests/program/arguments.rs`, and `tests` here.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, CommandFactory};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments of `render`, in the order of its help. Source: original; names after pbrt, Mitsuba and appleseed.
+//! Arguments of `render`, in the order of its help. Source: names after pbrt, Mitsuba and appleseed.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that say how much is said. Source: original. With both `-q` and `-v` the later one wins. They may stand before
-//! the command, too, as people know it from other programs. Proof: `tests`, `tests/program/arguments.rs`.
+//! Options that say how much is said. With both `-q` and `-v` the later one wins. They may stand before
+//! the command, too, as people know it from other programs. Tests: `tests`, `tests/program/arguments.rs`.
 
 use std::ffi::{OsStr, OsString};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Options that several commands share: the frame, the camera, the machine, the way from light to screen.
-//! Source: original; names after pbrt, Mitsuba and appleseed.
+//! Source: names after pbrt, Mitsuba and appleseed.
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments of `view`. Source: original; what `render` has, too, is called the same.
+//! Arguments of `view`. What `render` has, too, is called the same.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

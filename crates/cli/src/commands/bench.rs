@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt bench`: measures ray queries and builds, beside Embree's where `EMBREE4_LIB` names a library of Embree 4.
-//! Source: original. Proof: `tests/program/bench.rs`.
+//! Tests: `tests/program/bench.rs`.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The files that measurements go to. Source: original. Proof: `tests/program/bench.rs`.
+//! The files that measurements go to. Tests: `tests/program/bench.rs`.
 
 use std::path::{Path, PathBuf};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt bench light`: errors of integrators over samples and time. Source: original; see `gnurt_bench::light`.
-//! Proof: `tests/program/bench.rs`.
+//! `gnurt bench light`: errors of integrators over samples and time. See `gnurt_bench::light`.
+//! Tests: `tests/program/bench.rs`.
 
 use std::path::Path;
 

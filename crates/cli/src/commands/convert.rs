@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt convert IN OUT`: pictures to pictures, scenes to scenes, by extension.
-//! Source: original. What is written is checked before what is read is read. Proof: `tests/program/conversion.rs`.
+//! What is written is checked before what is read is read. Tests: `tests/program/conversion.rs`.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt diff A B`: how far two pictures are apart, and whether that is too far.
-//! Source: original, after `idiff` of OpenImageIO. `--fail T` bounds the largest absolute difference of a linear value.
+//! Source: after `idiff` of OpenImageIO. `--fail T` bounds the largest absolute difference of a linear value.
 //! Opacity counts only between two PNG or two EXR files: a PNG is opaque where an EXR says what share was hit, and the
-//! other formats have none. With `-q` only pictures that differ are worth a word. Proof: `tests/program/differences.rs`.
+//! other formats have none. With `-q` only pictures that differ are worth a word. Tests: `tests/program/differences.rs`.
 
 use std::path::Path;
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The steps from a scene to a picture, which stills and frames of animations share.
-//! Source: original; the order of checks is the contract of the command line: arguments, the scene's path, the output's
-//! folder and the memory that the picture takes come before any work. Proof: `tests/`.
+//! See docs/reference/cli.md. Tests: `tests/`.
 
 use std::cell::Cell;
 use std::fmt::Debug;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt info SCENE`: what is in a scene, as a table or as JSON.
-//! Source: original. Triangles and vertices count once per mesh; `instanced` counts them once per instance.
-//! Proof: `tests/program/info.rs`.
+//! Triangles and vertices count once per mesh; `instanced` counts them once per instance.
+//! Tests: `tests/program/info.rs`.
 
 use std::fmt::Write;
 use std::sync::Arc;

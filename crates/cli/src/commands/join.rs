@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt join PIECE.. -o OUT`: pieces become the picture, with the bytes that one call of `render` would have written.
-//! Source: original. Invariant: nothing is written unless all pieces are there, and are of one picture. Noise is taken out here, under
-//! the rule that `render` has. Proof: `tests/program/pieces.rs`.
+//! Invariant: nothing is written unless all pieces are there, and are of one picture. Noise is taken out here, under
+//! the rule that `render` has. Tests: `tests/program/pieces.rs`.
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt manuals DIR`: a man page for the program and one for each command, and completions for bash, zsh and fish, made
-//! from the command line's own description, for those who install the program. Source: original, by clap's crates.
-//! Proof: `tests/program/manuals.rs`.
+//! from the command line's own description, for those who install the program. By clap's crates.
+//! Tests: `tests/program/manuals.rs`.
 
 use std::path::Path;
 

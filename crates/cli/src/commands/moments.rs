@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt render --at` and `--frames`: moments of an animation, or files of a sequence.
-//! Source: original. A frame is made from the scene and its moment alone, so that a sequence has the pictures, byte for byte, that `--at`
+//! A frame is made from the scene and its moment alone, so that a sequence has the pictures, byte for byte, that `--at`
 //! has of its moments: the default camera, the lights and the exposure are chosen where every call can find them, from the clip's
 //! first moment and the room it takes, or from the first file of a sequence that is there.
-//! Proof: `tests/program/animation.rs`.
+//! Tests: `tests/program/animation.rs`.
 
 use std::time::{Duration, Instant};
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt render --piece I/N`: what goes with it, and the file of a piece.
-//! Source: original. The file is an EXR with exact colours and all layers of the piece's tiles; its header says which piece of which
+//! The file is an EXR with exact colours and all layers of the piece's tiles; its header says which piece of which
 //! picture it is: the fingerprint of scene, camera and options, the number of samples, the frame. What looks across pixels or is about
-//! the look is done by `join`. Proof: `tests/program/pieces.rs`.
+//! the look is done by `join`. Tests: `tests/program/pieces.rs`.
 
 use gnurt::image::Picture;
 use gnurt::render::{Frame, Integrator, Piece, RenderOptions, pack_piece, rendered_rects};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt scenes`: the names of the built-in scenes. Source: original. Proof: `tests/program/interface.rs`.
+//! `gnurt scenes`: the names of the built-in scenes. Tests: `tests/program/interface.rs`.
 
 use gnurt::{BUILTIN, builtin_scenes};
 

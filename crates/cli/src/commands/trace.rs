@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt trace SCENE --pixel X,Y`: every arrow of the flow of ARCHITECTURE.md, for one pixel.
-//! Source: original. Proof: `tests/program/interface.rs`.
+//! Tests: `tests/program/interface.rs`.
 
 use gnurt::render::trace_pixel;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt view SCENE`: a window to fly through a scene; with `--headless` or `--display` frames without a window.
-//! Source: original. Proof: `tests/program/viewing.rs`, `tests/program/window.rs`.
+//! Tests: `tests/program/viewing.rs`, `tests/program/window.rs`.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt render --at` and `--frames`: moments of clips, and sequences of files. Source: original.
+//! `gnurt render --at` and `--frames`: moments of clips, and sequences of files.
 
 use super::harness::Folder;
 

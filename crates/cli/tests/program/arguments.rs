@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Wrong command lines and variables: one error line each, the right status, before any work, and nothing is written.
-//! Source: original.
 
 use super::harness::{Folder, finish};
 use super::samples;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench`: small runs without a rival, which check their answers as large ones do. Source: original.
+//! `bench`: small runs without a rival, which check their answers as large ones do.
 
 use super::harness::Folder;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Picture files that cannot be read: one error line that names the file; status 2 from `diff`, 1 from `convert`.
-//! Source: original. Truncations and corruptions at every byte are tested in `gnurt-image`; here is the way to the user.
+//! Truncations and corruptions at every byte are tested in `gnurt-image`; here is the way to the user.
 
 use super::harness::Folder;
 use super::samples;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Scene files that cannot be shown: one error line that names the file, status 1, and no picture.
-//! Source: original. Truncations and corruptions at every byte are tested in `gnurt-scene`; here is the way to the user.
+//! Truncations and corruptions at every byte are tested in `gnurt-scene`; here is the way to the user.
 
 use super::harness::Folder;
 use super::samples;

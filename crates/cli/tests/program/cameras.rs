@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Cameras: defaults, and parts that options replace. Source: original.
+//! Cameras: defaults, and parts that options replace.
 
 use super::harness::{Folder, Run};
 use super::samples;

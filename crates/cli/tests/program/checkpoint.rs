@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--checkpoint`: a rendering that is killed goes on where it was, with the same bits. Source: original. Real kills.
+//! `--checkpoint`: a rendering that is killed goes on where it was, with the same bits. Real kills.
 #![cfg(unix)]
 
 use std::process::Stdio;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--confine DIR`: a scene reads nothing outside of a folder. Source: original.
+//! `--confine DIR`: a scene reads nothing outside of a folder.
 
 use super::harness::Folder;
 use super::samples;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `convert`: pictures to pictures, scenes to scenes. Source: original.
+//! `convert`: pictures to pictures, scenes to scenes.
 
 use super::harness::Folder;
 use super::samples;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--denoise`: which denoiser is used, what is said of it, and what is refused. Source: original.
+//! `--denoise`: which denoiser is used, what is said of it, and what is refused.
 
 use super::harness::{Folder, finish};
 

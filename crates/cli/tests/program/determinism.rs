@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The same arguments give the same bytes on any number of threads. Source: original.
+//! The same arguments give the same bytes on any number of threads.
 
 use super::harness::Folder;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `diff`: what is equal, what differs, and by how much. Source: original.
+//! `diff`: what is equal, what differs, and by how much.
 
 use super::harness::Folder;
 use super::samples;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Runs the program in an empty folder and looks at what it says and leaves behind.
-//! Source: original. Invariants: no run is waited for longer than [`PATIENCE`]; no variable of the tester's
+//! Invariants: no run is waited for longer than [`PATIENCE`]; no variable of the tester's
 //! environment reaches the program.
 
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `info` and `scenes`. Source: original.
+//! `info` and `scenes`.
 
 use super::harness::Folder;
 use super::samples;

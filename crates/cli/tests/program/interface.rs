@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Help, version, standard streams, `trace`. Source: original.
+//! Help, version, standard streams, `trace`.
 
 use std::process::Stdio;
 

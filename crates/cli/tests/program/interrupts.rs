@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Signals: the first one saves, the second one leaves. Source: original. Real signals to the real program.
+//! Signals: the first one saves, the second one leaves. Real signals to the real program.
 #![cfg(unix)]
 
 use std::process::{Child, Command, Stdio};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What pictures look like that nobody has said anything about: noise, curve, exposure, studio. Source: original.
+//! What pictures look like that nobody has said anything about: noise, curve, exposure, studio.
 
 use gnurt::image::{ChannelData, Picture, read};
 

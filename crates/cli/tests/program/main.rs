@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The contract of the command line, checked by running the program itself.
-//! Source: original. One file per clause; `harness` runs the program in a folder of its own.
+//! One file per clause; `harness` runs the program in a folder of its own.
 
 #![expect(clippy::print_stdout, reason = "a failing table tells the row that it was at")]
 

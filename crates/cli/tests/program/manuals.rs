@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt manuals`: a page for each command that the help lists, and completions that know them. Source: original.
+//! `gnurt manuals`: a page for each command that the help lists, and completions that know them.
 
 use super::harness::Folder;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--out-of-core DIR`: scenes that do not fit into memory. Source: original.
+//! `--out-of-core DIR`: scenes that do not fit into memory.
 
 use std::process::Command;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures are put in place whole, under the right name, with what their headers say. Source: original.
+//! Pictures are put in place whole, under the right name, with what their headers say.
 
 use super::harness::Folder;
 

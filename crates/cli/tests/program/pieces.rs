@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `render --piece` and `join`: the bytes of the single run, whatever the pieces were made with; what does not fit is refused.
-//! Source: original.
 
 use gnurt::image::{Picture, read};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Odd data that can be shown all the same: a warning per kind, with a count, and a picture. Source: original.
+//! Odd data that can be shown all the same: a warning per kind, with a count, and a picture.
 
 use super::harness::{Folder, Run};
 use super::samples;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Small good files, to be rendered and to be broken. Source: original.
+//! Small good files, to be rendered and to be broken.
 
 /// Two triangles above each other, with normals, texture coordinates and a material.
 pub(crate) const OBJ: &str = "\

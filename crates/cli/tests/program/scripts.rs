@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders in the shading language: `--shader`, scene files, skies, `trace`.
-//! Source: original.
 
 use gnurt::image::{Picture, compare};
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `--shader`: a scene's materials shaded by classes of libOpenRT, built-in ones and plugins that a C compiler makes here.
-//! Source: original.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

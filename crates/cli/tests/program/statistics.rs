@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--stats`: JSON alone on standard output, a table on standard error. Source: original.
+//! `--stats`: JSON alone on standard output, a table on standard error.
 
 use super::harness::Folder;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--environment`: skies, colours and pictures around a scene. Source: original.
+//! `--environment`: skies, colours and pictures around a scene.
 
 use super::harness::Folder;
 use super::samples;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--texture-memory MIB`: textures on the disk, the same pictures. Source: original.
+//! `--texture-memory MIB`: textures on the disk, the same pictures.
 
 use gnurt::image::{TexelData, Texels, encode_texels};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt view` without a window, and pictures that another program shows. Source: original.
+//! `gnurt view` without a window, and pictures that another program shows.
 
 use std::io::Read;
 use std::net::TcpListener;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A real window on a display without screen (Xvfb), with real keys and a real mouse (xdotool).
-//! Source: original. Skipped, with a line that says so, where one of these programs is missing; `.ci/run` installs them.
+//! Skipped, with a line that says so, where one of these programs is missing; `.ci/run` installs them.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What was added to one scene of a sequence, to be added to the others, so that camera and light stay from frame to frame.
-//! Source: original. What is added stands at the end of its list, and names what was there before by nothing but itself.
-//! Proof: `tests::frames_get_what_the_first_one_got`.
+//! What is added stands at the end of its list, and names what was there before by nothing but itself.
+//! Tests: `tests::frames_get_what_the_first_one_got`.
 
 use crate::scene::{Camera, Instance, Light, Material, Mesh, Object, Scene, Surface, Texture};
 use crate::scene::{MaterialId, MeshId, ObjectId, TextureId};

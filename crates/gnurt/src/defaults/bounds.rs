@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The box around a scene, from the description alone. Space: world; double precision.
-//! Source: original. Corners of triangles only: points that no triangle uses do not count, nor does what is not finite.
-//! Invariant: `min <= max` in each axis. Proof: `tests::counts_what_is_seen`.
+//! Corners of triangles only: points that no triangle uses do not count, nor does what is not finite.
+//! Invariant: `min <= max` in each axis. Tests: `tests::counts_what_is_seen`.
 
 use crate::scene::{Affine, Mesh, Scene};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera that shows all of a box in a three-quarter view.
-//! Source: original. Space: world, y upwards, the front of things towards +z.
-//! Invariant: the box's corners are within the picture. Proof: `tests::shows_every_corner`.
+//! Space: world, y upwards, the front of things towards +z.
+//! Invariant: the box's corners are within the picture. Tests: `tests::shows_every_corner`.
 
 use super::Bounds;
 use crate::scene::Camera;

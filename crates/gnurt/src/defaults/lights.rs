@@ -2,8 +2,8 @@
 //! Light for scenes that have none (`own_light`). A camera that stands within the scene gets a lamp there,
 //! because walls and roof would stop light from far away; all others stand in a studio (`studio`), or, where only rays are
 //! counted, under a key light from over the camera's left shoulder and a grey background.
-//! Source: original. Space: world; linear light. A white matte surface that faces the key light shows about 1.
-//! Proof: `tests`.
+//! Space: world; linear light. A white matte surface that faces the key light shows about 1.
+//! Tests: `tests`.
 
 use super::{bounds_of, sight};
 use crate::scene::{Affine, Camera, Light, Projection, Scene};

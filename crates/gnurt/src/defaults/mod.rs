@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a scene gets that lacks a camera or any light, so that every scene can be looked at.
-//! Source: original; the key light over the left shoulder is the custom of scan repositories and of photographers.
-//! Space: world, y upwards unless another axis is given. Proof: `tests` of the submodules.
+//! The key light over the left shoulder is the custom of scan repositories and of photographers.
+//! Space: world, y upwards unless another axis is given. Tests: `tests` of the submodules.
 
 mod added;
 mod bounds;

@@ -5,8 +5,8 @@
 //! 3. A visible surface whose emission is a texture is a light if its radiance is above 1 anywhere. Up to 1 it may be a display or a
 //!    label, which is modelled to be seen in other light: pictures for screens get that light, files of floats do not.
 //!
-//! Source: original. Space: linear radiance, any channel. Invariant: the answer does not depend on areas, on distances or on other
-//! surfaces. Proof: `tests`; crates/cli/tests/program/look.rs.
+//! Space: linear radiance, any channel. Invariant: the answer does not depend on areas, on distances or on other
+//! surfaces. Tests: `tests`; crates/cli/tests/program/look.rs.
 
 use crate::render::ShaderTable;
 use crate::scene::{Material, Mesh, ObjectId, RayMask, Scene};

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A studio for things without light: soft light from a plain sky, and a floor that is seen only where it is in shadow.
-//! Source: original, after the habits of product photography: a key light over the camera's left shoulder, as large as a soft box,
-//! a weaker one above, and a bright backdrop that goes over into the floor without an edge.
+//! Source: after the habits of product photography: a key light over the camera's left shoulder, as large as a soft box, a weaker one above, and a bright backdrop that goes over into the floor without an edge.
 //!
 //! The sky is [`BACKDROP`] all around, but for the two lights. The floor's albedo is such that it sends back just that where all of
 //! the sky reaches it, so that neither its edge nor the horizon is seen. Space: world; +up is an axis. Radiance is linear: at
 //! exposure 0 a white matte surface that faces the key light shows about 1.
-//! Invariants: the floor lies below everything, and reaches beyond every shadow. Proof: `tests`.
+//! Invariants: the floor lies below everything, and reaches beyond every shadow. Tests: `tests`.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;

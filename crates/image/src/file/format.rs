@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which format a file has: by its first bytes when reading, by the ending of its name when writing.
-//! Source: original; the magic numbers are those of the formats. Invariant: names decide only for TGA, which has no
-//! magic number at its beginning. Proof: `tests`.
+//! The magic numbers are those of the formats. Invariant: names decide only for TGA, which has no
+//! magic number at its beginning. Tests: `tests`.
 
 use std::io::SeekFrom;
 use std::path::Path;

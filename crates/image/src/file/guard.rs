@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Panics of the libraries that decode pictures: they become an error of the file. Source: original.
+//! Panics of the libraries that decode pictures: they become an error of the file.
 //! Who prints panics asks [`expects_panics`] first: those of a decoder are no bugs of the program, and are told as errors.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -3,7 +3,7 @@
 //! Source: [War91] for the pixel, Radiance's reference manual for the file. In and out: linear light, colour only.
 //! Written with `-Y height +X width`, runs from width 8 to 32767 on; read in that orientation, both run encodings.
 //! Invariants: a value is off by at most 1/256 of the pixel's largest; NaN and negative values become 0, too large ones
-//! the largest. Proof: `tests` here, `tests/{round_trip,broken}.rs`.
+//! the largest. Tests: `tests` here, `tests/{round_trip,broken}.rs`.
 
 use std::io::{BufRead, Read};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! JPEG: a walk along its markers before it is decoded, since the decoder takes a truncated file for a whole one.
-//! Source: original, from ITU-T T.81, annex B. Proof: `tests/broken.rs`.
+//! From ITU-T T.81, annex B. Tests: `tests/broken.rs`.
 
 use std::io::SeekFrom;
 

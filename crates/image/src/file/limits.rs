@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How large a picture may be, from its declared size and the length of its file, before memory is taken.
-//! Source: original. Invariant: what a picture takes while it is read, its decoder's buffers included, stays below
-//! [`Room::of_file`] or what the caller allows. Proof: `tests`, `tests/growth.rs`, and the corruption tests of each format.
+//! Invariant: what a picture takes while it is read, its decoder's buffers included, stays below
+//! [`Room::of_file`] or what the caller allows. Tests: `tests`, `tests/growth.rs`, and the corruption tests of each format.
 
 use crate::Error;
 

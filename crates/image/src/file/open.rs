@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Opening files to read: regular files only, since devices and pipes may block or never end.
-//! Source: original. Proof: `tests`.
+//! Tests: `tests`.
 
 use std::fs::File;
 use std::io::BufReader;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How pictures are written. Source: original.
+//! How pictures are written.
 
 use super::exr::ExrPixels;
 use crate::ToneCurve;

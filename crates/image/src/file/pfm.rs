@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PFM: three lines of text, then 32-bit floats in rows from the bottom one. Colour only, exact to the bit.
-//! Source: original, from the format's description by Debevec. Written little-endian (scale -1); read in both orders,
-//! grey (`Pf`) or coloured (`PF`), values times the scale's magnitude. Proof: `tests` in `tests/round_trip.rs`.
+//! From the format's description by Debevec. Written little-endian (scale -1); read in both orders,
+//! grey (`Pf`) or coloured (`PF`), values times the scale's magnitude. Tests: `tests` in `tests/round_trip.rs`.
 
 use super::limits::{PICTURE_BYTES, Room, check_bytes};
 use super::source::Source;

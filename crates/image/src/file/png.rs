@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PNG: 8 bits per channel in sRGB with opacity when written; its chunks are checked before it is decoded.
-//! Source: original, from the PNG specification, third edition. In: linear light. Out: straight opacity. Invariants: the same picture gives
-//! the same bytes (no time, no metadata but the program's name); NaN becomes 0. Proof: `tests/round_trip.rs`.
+//! From the PNG specification, third edition. In: linear light. Out: straight opacity. Invariants: the same picture gives
+//! the same bytes (no time, no metadata but the program's name); NaN becomes 0. Tests: `tests/round_trip.rs`.
 
 use std::io::SeekFrom;
 

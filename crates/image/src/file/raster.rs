@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PNG, JPEG, TGA, BMP and WebP, decoded by the `image` library behind checks of our own.
-//! Source: original. In: bytes. Out: texels, rows from the top: 8-bit values as they are, 16-bit ones of measures too, those of colours as linear floats.
+//! In: bytes. Out: texels, rows from the top: 8-bit values as they are, 16-bit ones of measures too, those of colours as linear floats.
 //! Invariants: sizes are checked against `limits` before pixels are decoded, and so is what they take; a panic of the library becomes an error.
-//! Colour profiles and orientation tags are not read. Proof: `tests/{round_trip,broken}.rs`.
+//! Colour profiles and orientation tags are not read. Tests: `tests/{round_trip,broken}.rs`.
 
 use std::io::SeekFrom;
 

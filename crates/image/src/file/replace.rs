@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Writing a file whole or not at all: under a temporary name beside the target, synced, then renamed over it.
-//! Source: original. Symbolic links are followed, so that a link stays one. Invariants: after a failure the old file
+//! Symbolic links are followed, so that a link stays one. Invariants: after a failure the old file
 //! is as it was and nothing new is left; the file's permissions are those of the old one, or what the umask gives.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where the formats' readers read from. Source: original.
+//! Where the formats' readers read from.
 
 use std::io::{BufRead, Seek};
 

@@ -3,7 +3,7 @@
 //! Source: TIFF 6.0; the `tiff` library decodes strips and tiles, whole or packed by LZW, deflate or runs of bytes. Tags of textures
 //! are those of Pixar and OpenImageIO. Directories that follow and are half as large each are the smaller copies of a picture.
 //! Invariants: sizes are checked against `limits` before pixels are decoded; a panic of the library becomes an error.
-//! Not read, and said so: palettes, CMYK, channels that are stored one after the other, fewer than 8 bits. Proof: `tests/{round_trip,broken}.rs`.
+//! Not read, and said so: palettes, CMYK, channels that are stored one after the other, fewer than 8 bits. Tests: `tests/{round_trip,broken}.rs`.
 
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};

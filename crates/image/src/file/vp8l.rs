@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The lossless codes of WebP: a walk along them up to the pixels, which tells what a decoder's tables take.
-//! Source: original, from RFC 9649, section 3. A picture may have 65,536 groups of five codes; two hundred bytes of a file make a
+//! From RFC 9649, section 3. A picture may have 65,536 groups of five codes; two hundred bytes of a file make a
 //! group of which the decoder makes 120 KiB. Nothing is kept here but the codes of one small picture.
 //! Invariant: what the decoder would make is counted in full, unless the walk ends where the decoder ends, with an error.
-//! Proof: `tests`, `tests/growth.rs`.
+//! Tests: `tests`, `tests/growth.rs`.
 
 use std::io::Result;
 

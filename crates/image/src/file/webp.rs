@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! WebP: a walk along its chunks before it is decoded: whether they are there, how large frames are, and what the tables of
 //! lossless codes take, which a decoder makes as a file asks for them.
-//! Source: original, from RFC 9649, section 2. Invariant: what the decoder reads of a file is looked at here. Proof: `tests/{broken,growth}.rs`.
+//! From RFC 9649, section 2. Invariant: what the decoder reads of a file is looked at here. Tests: `tests/{broken,growth}.rs`.
 
 use std::io::SeekFrom;
 

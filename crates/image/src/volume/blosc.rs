@@ -2,7 +2,7 @@
 //! Unpacks what the library Blosc, version 1, has packed with LZ4 or zlib, as OpenVDB does by default.
 //! Source: the chunk format of c-blosc (README_CHUNK_FORMAT.rst); original code. A chunk is a head of 16 bytes, where its
 //! blocks begin, and the blocks, each of one or more packed streams, whose bytes may be sorted by their place in a number.
-//! Proof: `tests/volumes.rs`.
+//! Tests: `tests/volumes.rs`.
 
 use super::bytes::{Bytes, corrupt};
 use crate::Error;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers and texts of a file, one after another, little-endian; and how much memory may still be taken for them.
-//! Source: original. Proof: `tests/volumes.rs`.
+//! Tests: `tests/volumes.rs`.
 
 use crate::Error;
 

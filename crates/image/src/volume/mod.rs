@@ -4,7 +4,7 @@
 //! to 224 are read: grids of floats, doubles and integers, one or three, with any compression that OpenVDB writes.
 //! Space: a grid has whole coordinates of voxels (index), which an affine map takes to the space of its file (world).
 //! Invariant: reading takes no more memory than is allowed and its length accounts for, and looks at each byte once, whatever the file says.
-//! Proof: `tests/volumes.rs`, whose files were written by OpenVDB.
+//! Tests: `tests/volumes.rs`, whose files were written by OpenVDB.
 
 mod blosc;
 mod bytes;

@@ -3,7 +3,7 @@
 //! child it has one value for all voxels of the child's place.
 //! Source: [Mus13]; the format of OpenVDB's files. Space: index (a voxel's coordinates are whole numbers).
 //! Invariant: a child's number is that of a node or leaf that is there.
-//! Proof: `tests/volumes.rs`.
+//! Tests: `tests/volumes.rs`.
 
 use std::collections::HashMap;
 

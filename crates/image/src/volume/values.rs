@@ -2,7 +2,7 @@
 //! The values of one node of a tree: what kind of numbers they are, how they are packed, and which of them are not stored.
 //! Source: the format of OpenVDB's files, versions 222 to 224 [Mus13]; original code. Where only active values are stored, a byte
 //! says what the others are: the background, its negative, one or two values that follow.
-//! Proof: `tests/volumes.rs`.
+//! Tests: `tests/volumes.rs`.
 
 use half::f16;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures and files that the tests of this folder share. Source: original.
+//! Pictures and files that the tests of this folder share.
 #![allow(dead_code, reason = "each test program uses some of these")]
 
 use gnurt_image::{ExrPixels, Layer, OutputFormat, Picture, WriteOptions, encode};

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What may differ from point to point, and which variables are always written before they are read.
-//! Source: original. A variable is known by its first cell.
+//! A variable is known by its first cell.
 //! Invariants: what does not vary is written only where all lanes that run agree, from what does not vary. A clean variable is
 //! read only where every lane that reads it has passed a write in the same run of the block that holds all its uses, so lanes
 //! that do not run may be overwritten.
 //! Each pass over the text takes time that grows with its length, however deep loops nest.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use std::collections::HashSet;
 

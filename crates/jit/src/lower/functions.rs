@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The library's functions by name, over whatever numbers: what a shader calls is recorded by calling it.
-//! Source: original; the names are those of `gnurt_sl::exec`'s table.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! The names are those of `gnurt_sl::exec`'s table.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl_lib::noise::{self, NoiseKind};
 use gnurt_sl_lib::{Number, Words, math};

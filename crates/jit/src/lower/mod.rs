@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group that is ready to run, as a program for lanes: control on masks, computing in regions.
-//! Source: original. `analyse` finds what varies and what may be overwritten, `native` says what becomes code, `steps` and
+//! `analyse` finds what varies and what may be overwritten, `native` says what becomes code, `steps` and
 //! `functions` record it, `values` knows what cells hold.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 mod analyse;
 mod functions;

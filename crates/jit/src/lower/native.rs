@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which operations become code; the others are done by the interpreter, lane by lane.
-//! Source: original.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Slot, Step};
 use gnurt_sl::types::{Base, Type};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operations as records of what they compute.
-//! Source: original; each does what `gnurt_sl::exec` does, in its order, for arguments that `native` accepts.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Each does what `gnurt_sl::exec` does, in its order, for arguments that `native` accepts.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Slot, Step};
 use gnurt_sl::ir::SymbolKind;

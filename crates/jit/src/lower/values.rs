@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of symbols while a region is recorded: what a cell holds now, and what must be stored at the region's end.
-//! Source: original; conversions are those of `gnurt_sl::exec`'s values.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Conversions are those of `gnurt_sl::exec`'s values.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Plan, Slot};
 use gnurt_sl::types::Base;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Machine code for x86-64 with AVX2 or AVX-512.
-//! Source: original. Control is on masks in memory, sixteen bits each, with branches that skip what no lane does; computing is
+//! Control is on masks in memory, sixteen bits each, with branches that skip what no lane does; computing is
 //! in regions. A layer is a function; `rbx` is the memory, `r12` what calls are given, `r13` where calls go.
 //! `asm` encodes, `region` gives registers.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 mod asm;
 mod region;

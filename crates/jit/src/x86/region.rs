@@ -2,7 +2,7 @@
 //! The instructions of a region, and which register holds what.
 //! Source: \[Bel66\] for what leaves a register (the value that is needed last); original code.
 //! A region has no branches, so one pass over it is enough. Constants and cells are loaded where they are needed.
-//! Proof: `tests/agreement.rs`, `tests/chance.rs`.
+//! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use crate::layout::{Layout, Place};
 use crate::op::{Binary, Id, Op, Region, Shift, Unary};

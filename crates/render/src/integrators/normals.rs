@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Shading normals, facing the viewer, as colours: 0.5 + 0.5 n. Source: original. Misses are black.
+//! Shading normals, facing the viewer, as colours: 0.5 + 0.5 n. Misses are black.
 
 use glam::Vec3;
 use gnurt_shading::Vec3s;

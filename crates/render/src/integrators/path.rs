@@ -8,7 +8,7 @@
 //! Space: world. An edge is a way between two vertices, the eye being one: light found at the end of edge k was scattered
 //! k - 1 times. Straight on through holes is no new edge.
 //! Invariants: unbiased without `clamp`; what a lane gets depends on its ray and key only.
-//! Proof: crates/render/tests/{path,agreement,references,lanes}.rs.
+//! Tests: crates/render/tests/{path,agreement,references,lanes}.rs.
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, INVALID_ID};

@@ -3,7 +3,7 @@
 //! Source: [SIMP06]; resampling [TCE05] by what a candidate brings to pilots, with the exact probability of its choice as
 //! weight, so that the mean does not change. Space: world.
 //! A candidate that is chosen more than once becomes one light, as many times as strong.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::borrow::Borrow;
 use std::ops::Range;

@@ -3,7 +3,7 @@
 //! Source: [KK06] bounds the geometry term G and gives the rest to rays. Differs: what is bounded is the density, per
 //! area, with which either end's BSDF would choose the other: for two Lambertian surfaces that is G / pi, on glossy ones
 //! it is large where their peak is, too. Both sides of the split ask the same function, so nothing is lost or twice.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::PI;
 

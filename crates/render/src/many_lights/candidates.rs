@@ -5,7 +5,7 @@
 //! Source: [SIMP06]; the two ways are weighted by the balance heuristic [VG95]. Differs: densities of reverse virtual lights
 //! are exact, see `pilots`. Space: world.
 //! Invariant: for uniform numbers the sum over a path's virtual lights of what they bring has the mean of all light that
-//! virtual lights may bring, whatever the pilots. Proof: crates/render/tests/many_lights.rs.
+//! virtual lights may bring, whatever the pilots. Tests: crates/render/tests/many_lights.rs.
 
 use std::borrow::Borrow;
 use std::f32::consts::FRAC_1_PI;

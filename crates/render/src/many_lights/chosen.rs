@@ -6,7 +6,7 @@
 //! Space: world.
 //! Invariant: a light that may shine on the block is never impossible; what blocks before found guides the choice alone, and
 //! numbers of blocks are their own, so the mean does not change, and neighbours do not err alike.
-//! Proof: `tests`, crates/render/tests/many_lights.rs.
+//! Tests: `tests`, crates/render/tests/many_lights.rs.
 
 use super::cut::resample;
 use super::lanes::{BLOCK, Lanes};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Work on many paths, shared out to threads in chunks. Source: original. Results do not depend on the threads.
+//! Work on many paths, shared out to threads in chunks. Results do not depend on the threads.
 
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the virtual lights of all passes of a picture have in common: learned by the first pass that asks, and kept for the others.
-//! Source: original. Invariant: a function of world, camera and options, whichever pass learns it.
-//! Proof: crates/render/tests/accumulation.rs.
+//! Invariant: a function of world, camera and options, whichever pass learns it.
+//! Tests: crates/render/tests/accumulation.rs.
 
 use std::sync::OnceLock;
 

@@ -3,7 +3,7 @@
 //! Source: in the spirit of [WFA*05] (light cuts), but by chance with known probability, so that the mean does not change.
 //! Space: world. What may be brought is judged without visibility: strength, the cosine at the light, distance to the points.
 //! Invariant: a light that shines is never impossible; a function of the points and of one random number.
-//! Proof: `tests::samples_keep_the_sum`, crates/render/tests/many_lights.rs.
+//! Tests: `tests::samples_keep_the_sum`, crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
 

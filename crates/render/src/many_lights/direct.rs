@@ -3,7 +3,7 @@
 //! `illuminate`.
 //! Source: [VG95] (weighed against the rays that leave the point). Space: world.
 //! Invariant: the light samples of a point are the same however many are looked at at once.
-//! Proof: crates/render/tests/{determinism,many_lights,agreement}.rs.
+//! Tests: crates/render/tests/{determinism,many_lights,agreement}.rs.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{Kept, left_after};

@@ -6,7 +6,7 @@
 //! virtual lights bring its share of that edge, a few rays that the eye's BSDF chooses bring the rest, and from there on the
 //! same again, with one ray and few virtual lights chosen by chance. Mirrors and smooth glass are followed: no virtual light
 //! is there.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::FRAC_1_PI;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Points that the eye sees, at the end of nothing but mirrors and glass: what virtual lights shine on.
-//! Source: [Kel97]. Space: world. Proof: crates/render/tests/many_lights.rs.
+//! Source: [Kel97]. Space: world. Tests: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
 use gnurt_accel::Ray;

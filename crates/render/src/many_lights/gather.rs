@@ -6,7 +6,7 @@
 //! (`chosen.rs`), neighbours after neighbours: one pass over the block in lanes (`lanes.rs`), its shadow rays as one pencil from the light, sums in lanes. What
 //! lanes do not know (BSDFs, surfaces with holes, costs) goes ray by ray.
 //! Invariant: what a point gets depends on the points of its tile only by which lights are asked, of which the mean knows nothing.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::time::Instant;
 

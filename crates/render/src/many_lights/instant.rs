@@ -2,7 +2,7 @@
 //! Instant radiosity: virtual lights are the vertices of quasi-random light paths, as many paths as give about the number
 //! of lights that was asked for.
 //! Source: [Kel97]; paths start at lamps that matter to the camera [WBS03b], see `lamps`; hash-scrambled Sobol' points [Bur20] in place of Halton's. Space: world.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::ops::Range;
 

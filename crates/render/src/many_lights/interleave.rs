@@ -7,7 +7,7 @@
 //! from frame to frame.
 //! Space: world. Biased: light is blurred over N pixels of a surface, and next to edges it lacks some of the virtual lights.
 //! Invariant: pixels that see other surfaces, or none, bring nothing to a pixel.
-//! Proof: `tests`, crates/render/tests/interleave.rs.
+//! Tests: `tests`, crates/render/tests/interleave.rs.
 
 use glam::Vec3;
 use gnurt_accel::INVALID_ID;

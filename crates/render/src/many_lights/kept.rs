@@ -11,7 +11,7 @@
 //! for bit, and lights of paths that meet other things are those of the world as it is. Which lamps matter and how many paths
 //! there are is only a choice of samples: good for any world, right in the mean. It is learned again where a light was
 //! edited, and where the number of lights that came has left what was wanted too far behind.
-//! Proof: `tests`, crates/render/tests/kept_lights.rs.
+//! Tests: `tests`, crates/render/tests/kept_lights.rs.
 
 use std::collections::VecDeque;
 

@@ -2,7 +2,7 @@
 //! Learns which lamps matter to the camera: light paths of instant radiosity start there more often.
 //! Source: [WBS03b]: a first pass of particles finds the lamps whose light is seen. Differs: what is weighted is the number
 //! that chooses a lamp, cut into bins, so any kind of lamp will do; each bin keeps a share, so the mean does not change.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use super::bound::bound_of;
 use super::chunks::in_chunks;

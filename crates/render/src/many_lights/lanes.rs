@@ -4,7 +4,7 @@
 //! What light goes through is left to `Vpl::brings`. Shadow rays start at the light: as a cone from one point they are narrower
 //! than as a bundle to it.
 //! Invariant: lanes compute what `Vpl::brings` computes, up to rounding; every CPU level gives the same bits.
-//! Proof: `tests::lanes_agree_with_single_points`.
+//! Tests: `tests::lanes_agree_with_single_points`.
 
 use glam::Vec3;
 use gnurt_accel::Pencil;

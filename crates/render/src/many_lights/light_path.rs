@@ -2,7 +2,7 @@
 //! Paths that start at lights, many at a time: every surface that they meet is a virtual light.
 //! Source: [Kel97] (quasi-random walks); particles under shading normals [Vea97] section 5.3. Space: world.
 //! Invariant: a path is a function of its numbers, not of the paths beside it.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};

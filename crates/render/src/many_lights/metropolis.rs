@@ -9,7 +9,7 @@
 //! the camera's side [VG97] apart; so the state and its tries are alike, and of all pairs of sides the next state is chosen in
 //! proportion to its light. The virtual lights of all pairs stand for the chain, in the same proportion.
 //! Invariant: the mean over passes is that of instant radiosity. Chains know nothing of each other and of threads.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An order by chance: points that share a choice of virtual lights err alike, and where they lie beside each other that shows as a block.
-//! Source: original; the shuffle is Fisher's and Yates's. Invariant: a function of the number of items and of the seed. Proof: `tests`.
+//! The shuffle is Fisher's and Yates's. Invariant: a function of the number of items and of the seed. Tests: `tests`.
 
 use gnurt_shading::sampling::hash_combine;
 

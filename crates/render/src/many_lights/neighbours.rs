@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An order of points in which neighbours lie near each other: as the leaves of a kd-tree follow each other.
 //! Source: [Ben75], medians along the longest side. Space: any.
-//! Invariant: a function of the points and their order alone. Proof: `tests`.
+//! Invariant: a function of the points and their order alone. Tests: `tests`.
 
 use glam::Vec3;
 

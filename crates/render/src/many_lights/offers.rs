@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays towards light, and what each brings unless something is in between. Source: original. Space: world.
-//! Proof: crates/render/tests/{many_lights,panes}.rs.
+//! Rays towards light, and what each brings unless something is in between. Space: world.
+//! Tests: crates/render/tests/{many_lights,panes}.rs.
 
 use glam::Vec3;
 use gnurt_accel::Ray;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The virtual lights of one pass: a fresh set for each sample per pixel, the same for all tiles.
-//! Source: original; independent sets make the mean of passes converge [Kel97].
+//! Independent sets make the mean of passes converge [Kel97].
 //! Invariant: a function of world, camera, options and the number of the sample, whatever threads do.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::sync::OnceLock;
 

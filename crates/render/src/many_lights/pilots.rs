@@ -4,7 +4,7 @@
 //! reverse virtual lights lie, so that the density of that choice is a plain sum, and no density has to be estimated; and where
 //! much of a point's light is left to rays, as on gloss, the ends of some of these are pilots, too.
 //! Space: world. Invariant: a function of the set's number; the estimate stays unbiased whatever the points are.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::FRAC_1_PI;
 

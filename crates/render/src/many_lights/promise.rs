@@ -3,7 +3,7 @@
 //! in proportion.
 //! Source: resampling [TCE05], of all virtual lights. Space: world.
 //! Invariant: a light is chosen in proportion to the difference of two stored sums and weighted by one over that, so rounding
-//! does not change the mean. Proof: `tests`, crates/render/tests/many_lights.rs.
+//! does not change the mean. Tests: `tests`, crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
 use gnurt_image::srgb::luminance;

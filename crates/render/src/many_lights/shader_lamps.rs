@@ -2,9 +2,9 @@
 //! Where light paths start at lights that only know `illuminate`, and at an environment that only knows `miss`: asked
 //! about some points, a light that is always seen at one place, or in one direction, is a point light or a directional one.
 //! What it sends is asked where a path arrives.
-//! Source: original. Space: world. Units: as `LightBatch`.
+//! Space: world. Units: as `LightBatch`.
 //! Invariant: unbiased for lights of these two kinds; others, and those that light none of the points, start no paths.
-//! Proof: `tests`, crates/render/tests/shader_lights.rs.
+//! Tests: `tests`, crates/render/tests/shader_lights.rs.
 
 use std::f32::consts::PI;
 use std::sync::Arc;

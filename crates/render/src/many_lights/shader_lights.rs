@@ -4,7 +4,7 @@
 //! Source: [Kel97], as the paper's section 7 has it in OpenRT; the bound [KK06]. Space: world.
 //! The surface counts as Lambertian where the bound is concerned: any other share would do, as long as both ask the same.
 //! Invariant: for diffuse shaders the sum over all lights has the mean of what paths show, whatever the bound.
-//! Proof: bindings/openrt/tests/plugins.rs, crates/render/tests/shader_lights.rs.
+//! Tests: bindings/openrt/tests/plugins.rs, crates/render/tests/shader_lights.rs.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 

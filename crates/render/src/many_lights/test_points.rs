@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Random surfaces for the tests of virtual lights. Source: original. Space: the unit cube.
+//! Random surfaces for the tests of virtual lights. Space: the unit cube.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, Lobe};

@@ -3,7 +3,7 @@
 //! Source: [Kel97]; glossy ones send light by their BSDF, both ends count. Space: world.
 //! Invariant: the light that a point gets from a path's vertex, over the density of that path, is
 //! `eye BSDF |cos| * vpl BSDF |cos| * adjoint correction * power / distance^2` where both see each other.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::FRAC_1_PI;
 

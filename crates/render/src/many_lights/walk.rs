@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Paths from the eye through virtual lights' share of the work: what they carry, where they stop.
 //! Source: [KK06] (what rays bring is what the bound takes from virtual lights), [VG95]. Space: world.
-//! Proof: crates/render/tests/many_lights.rs.
+//! Tests: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::left_after;

@@ -5,7 +5,7 @@
 //! parts of pixels. Differs: samples are counted, so that pixels that know nothing bring nothing. Space: world.
 //! Light that hangs on the direction of view is forgotten as fast as that turns against the width of the lobes.
 //! Invariant: nothing is taken over from another surface, nor from what has moved away by more than the pixels nearby show.
-//! Proof: `super::tests`.
+//! Tests: `super::tests`.
 
 use std::sync::Arc;
 

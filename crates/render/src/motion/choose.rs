@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which pixels of a picture in motion get a fresh sample: those that know least first, the others in turns.
-//! Source: original; places by the R2 sequence [Rob18], turns by the golden section: each part of the picture and each span of frames
-//! gets its share. Invariant: a function of the counts and the number of the frame. Proof: `tests`.
+//! Places by the R2 sequence [Rob18], turns by the golden section: each part of the picture and each span of frames gets its share. Invariant: a function of the counts and the number of the frame. Tests: `tests`.
 
 use super::sight::{Light, Spot};
 

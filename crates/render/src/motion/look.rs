@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What each pixel of a picture in motion sees first: camera rays to the first surface that scatters light, through mirrors and smooth
 //! glass along the branch that counts most. No light is asked for.
-//! Source: original. Space: world.
+//! Space: world.
 //! Behind a mirror a point has two places: on the surface that is seen, by which surfaces are compared, and that of its image straight
 //! ahead, by which it is found in other pictures; for flat mirrors that is exact.
 

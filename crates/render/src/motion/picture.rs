@@ -3,7 +3,7 @@
 //! Source: see `motion/mod.rs`. Space: world.
 //! Fresh samples go through the pixels' centres, as what is seen does, with random numbers of their own in each frame. One that is far
 //! brighter than all that is known is cut: a picture that is gone in a moment has no time to average sparks away.
-//! Invariant: a function of the pictures before it and their options, whatever threads do. Proof: crates/render/tests/motion.rs.
+//! Invariant: a function of the pictures before it and their options, whatever threads do. Tests: crates/render/tests/motion.rs.
 
 use std::sync::Arc;
 use std::time::Instant;

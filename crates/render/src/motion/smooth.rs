@@ -4,7 +4,7 @@
 //! Source: [DSHL10] (steps that double, edges kept). Differs: samples are counted, and noise is known of the whole picture only; pixels
 //! that have enough stay as they are, so that light gets sharper the longer it is seen. Rows go through all steps one after the other, in
 //! bands, so that what steps ask stays in a cache.
-//! Invariant: no light comes from another surface; the mean over a surface stays; bands do not show. Proof: `tests`, and
+//! Invariant: no light comes from another surface; the mean over a surface stays; bands do not show. Tests: `tests`, and
 //! crates/render/tests/motion.rs (any number of threads).
 
 use glam::Vec3;

@@ -2,7 +2,7 @@
 //! What paths from the eye lose to what lies between surfaces.
 //! Source: Beer's law; the rule is that of `gnurt_shading::bsdf::Medium`. Space: world.
 //! A way through holes is one way: it ends where the path is stopped. Invariant: worlds without media are not looked at.
-//! Proof: crates/render/tests/agreement.rs.
+//! Tests: crates/render/tests/agreement.rs.
 
 use gnurt_shading::SurfaceBatch;
 use gnurt_shading::bsdf::{ClosureBatch, left_after};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What surfaces do to light whose shaders only know `shade`: they are asked what they show without light, and under a few
 //! lights that nothing hides, and count as Lambertian surfaces that scatter as much.
-//! Source: original; light models of [DWBS03]. Space: world.
+//! Light models of [DWBS03]. Space: world.
 //! Invariant: exact for diffuse shaders; of others the share of light is kept that they scatter towards the light path.
-//! Proof: `tests`, bindings/openrt/tests/plugins.rs.
+//! Tests: `tests`, bindings/openrt/tests/plugins.rs.
 
 use std::f32::consts::PI;
 

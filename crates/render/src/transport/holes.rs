@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces that are there in part: a path meets one with the probability that it covers, else it goes straight on; a
 //! shadow ray goes through with the share that is left.
-//! Source: original. Invariant: a layer's chance is of the path's key as it was sent through the layers before.
-//! Proof: crates/render/tests/{path,many_lights}.rs.
+//! Invariant: a layer's chance is of the path's key as it was sent through the layers before.
+//! Tests: crates/render/tests/{path,many_lights}.rs.
 
 use glam::Vec3;
 use gnurt_accel::Ray;

@@ -3,7 +3,7 @@
 //! Source: [PJH23] sections 12.6 (a point that light may reach from both sides asks without a normal) and 13.2. Space: world.
 //! Invariant: a direction counts for light samples exactly where a scattered ray may take it: the side is that of the BSDF's
 //! normal, as for `BsdfSample::transmitted`, and the horizon is that of `SurfacePoint::scatter_ray`.
-//! Proof: crates/render/tests/agreement.rs.
+//! Tests: crates/render/tests/agreement.rs.
 
 use glam::Vec3;
 use gnurt_accel::Ray;

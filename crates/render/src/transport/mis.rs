@@ -2,7 +2,7 @@
 //! Weights of light that two ways of sampling find. Source: [VG95]: the power heuristic (exponent 2) for paths, which choose between
 //! one light sample and one ray; the balance heuristic where either way takes several samples, or virtual lights are made both ways.
 //! Invariant: `w(a, b) + w(b, a)` is 1 for either where a density is above zero and both are finite.
-//! Proof: `tests::weights_add_up`.
+//! Tests: `tests::weights_add_up`.
 
 use glam::Vec3;
 use gnurt_shading::lights::LightSet;

@@ -2,11 +2,11 @@
 //! Lamps that no scattered ray meets (delta lights), seen through smooth glass: where the shadow ray of a light sample is blocked, the one way is
 //! followed that light takes straight through, bent in and bent out. Light from one direction counts where it leaves all glass as it came,
 //! which panes with two faces do; points and spots through what does not bend at all.
-//! Source: original. A way is a function of the sample's point and direction, and nothing else finds that light, so it counts in full
+//! A way is a function of the sample's point and direction, and nothing else finds that light, so it counts in full
 //! times what the glass lets through. Lamps that scattered rays can meet are left to these: to seek them here, too, costs more than it
 //! brings (bench/record/light-2026-11-24.md). So is glass that bends colours apart or in several ways, and what is mirrored.
 //! Space: world. Invariant: what is found depends on the sample and its key only.
-//! Proof: crates/render/tests/panes.rs.
+//! Tests: crates/render/tests/panes.rs.
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, INVALID_ID, Ray, RayBatch};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Many paths between two edges, as structures of arrays, and the light on its way to them.
-//! Source: original; wavefronts after the paper's section 8. Space: world.
+//! Source: wavefronts after the paper's section 8. Space: world.
 //! Invariant: all arrays have `len()` values, but between `begin` and `end`, while they are written: then they are longer,
 //! and `len()` says how many count. Memory stays from step to step.
-//! Proof: crates/render/tests/{path,lanes}.rs.
+//! Tests: crates/render/tests/{path,lanes}.rs.
 
 use glam::Vec3;
 use gnurt_accel::{HitBatch, Ray, RayBatch};

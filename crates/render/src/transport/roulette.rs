@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which paths are ended by chance. Source: [AK90] (Russian roulette); how soon was measured, bench/record/light-2026-11-23.md.
 //! Invariant: who ends a path with probability `1 - survival` divides what it carries by `survival`.
-//! Proof: crates/render/tests/{path,agreement,many_lights}.rs.
+//! Tests: crates/render/tests/{path,agreement,many_lights}.rs.
 
 use gnurt_shading::real::Real;
 

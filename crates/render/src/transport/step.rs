@@ -3,7 +3,7 @@
 //! direction chosen.
 //! Source: as `integrators::path`. Space: world.
 //! Invariant: what a path does depends on its ray and key only: not on the paths beside it, nor on how many take the step at once.
-//! Proof: crates/render/tests/{lanes,path,agreement}.rs.
+//! Tests: crates/render/tests/{lanes,path,agreement}.rs.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Sampled, Seen, left_after};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The vertices of paths: hits with all that scattering needs, in the order of their rays.
-//! Source: original; batches by shader after the paper's section 8. Space: world.
-//! Proof: the integrators' tests.
+//! Batches by shader after the paper's section 8. Space: world.
+//! Tests: the integrators' tests.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Scattering};

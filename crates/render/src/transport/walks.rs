@@ -3,9 +3,9 @@
 //! judge these. Each goes on from edge to edge with what its owner carries along; the way to the next surface that stops it, the
 //! choice of a direction there and the ray that follows are the same for all. Where paths need no more than `path` does, they
 //! take their steps sixteen at a time: `step`.
-//! Source: original; wavefronts after the paper's section 8. Space: world.
+//! Source: wavefronts after the paper's section 8. Space: world.
 //! Invariant: what a walk meets depends on its ray, key and chance only, not on the walks beside it.
-//! Proof: crates/render/tests/{many_lights,agreement}.rs.
+//! Tests: crates/render/tests/{many_lights,agreement}.rs.
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, Ray, RayBatch};

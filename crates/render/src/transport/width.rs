@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How many paths take a step at once: sixteen where the CPU's registers are wide enough, else one. What differs is how
 //! points are read, random numbers drawn and lights chosen.
-//! Source: original. Invariant: both give the same bits. Proof: crates/render/tests/lanes.rs.
+//! Invariant: both give the same bits. Tests: crates/render/tests/lanes.rs.
 
 use glam::Vec3;
 use gnurt_shading::SampleKey;

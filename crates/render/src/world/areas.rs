@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Areas of an object's meshes where it is put: for shaders that share a lamp's power out over its surface.
-//! Source: original. Areas are summed once for each mesh and each way in which a place stretches it: turning and moving change
-//! nothing. Space: of the place. Proof: crates/render/tests/appearance.rs.
+//! Areas are summed once for each mesh and each way in which a place stretches it: turning and moving change
+//! nothing. Space: of the place. Tests: crates/render/tests/appearance.rs.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};

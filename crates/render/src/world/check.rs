@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether all ids of what was edited name something. Source: original.
+//! Whether all ids of what was edited name something.
 //! What a scene has it never loses, so what was sound at the last commit still is; only shader tables get shorter.
-//! Proof: crates/render/tests/commit.rs.
+//! Tests: crates/render/tests/commit.rs.
 
 use gnurt_scene::{Scene, Surface};
 

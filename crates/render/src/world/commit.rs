@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Commit: from a description to a world, doing only what is due.
-//! Source: original. The scene's log says what was edited since the last commit; each edit touches its part of the world, and
+//! The scene's log says what was edited since the last commit; each edit touches its part of the world, and
 //! what hangs on that (the table in ARCHITECTURE.md). Parts are shared: a commit works on a copy of the world that has all
 //! parts in common with it, replaces those that are due, and puts the copy in its place at the end.
 //! Invariants: a clone of the world before is not touched; after an error, or a panic, neither is the world.
-//! Proof: `crates/render/tests/{commit,edits}.rs`.
+//! Tests: `crates/render/tests/{commit,edits}.rs`.
 
 use std::collections::HashMap;
 use std::sync::Arc;

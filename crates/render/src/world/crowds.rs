@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Objects of the same triangles at different vertices: characters of one kind, each in its own pose. Many of them share the
 //! structure of one tree, without anybody saying so.
-//! Source: original; the paper's section 6 asks for it. When it pays is in docs/explanation/moving.md.
-//! Invariant: hits do not depend on it. Proof: `tests`, crates/render/tests/commit.rs.
+//! The paper's section 6 asks for it. When it pays is in docs/explanation/moving.md.
+//! Invariant: hits do not depend on it. Tests: `tests`, crates/render/tests/commit.rs.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a commit has to look at: what the scene's log says was edited, and what hangs on that.
-//! Source: original. Cost: the number of edits; meshes and textures are looked for in all objects and materials.
-//! Proof: crates/render/tests/{commit,edits}.rs.
+//! Cost: the number of edits; meshes and textures are looked for in all objects and materials.
+//! Tests: crates/render/tests/{commit,edits}.rs.
 
 use gnurt_scene::edit::{Cursor, Edit};
 use gnurt_scene::{ObjectId, Scene};

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Triangles that shine as their surfaces' shaders say: asked what leaves a place, for light samples and paths that start there,
 //! and at some places beforehand for what each side of each triangle gives off on average.
-//! Source: original; asking before choosing is a cached average, light itself is never cached. Space: world.
+//! Asking before choosing is a cached average, light itself is never cached. Space: world.
 //! Invariant: a place looks as to a ray that met it, but that no width is known there. Sides that were dark wherever they were
-//! looked at are no lights: scattered rays alone find what shines there. Proof: crates/render/tests/glow.rs.
+//! looked at are no lights: scattered rays alone find what shines there. Tests: crates/render/tests/glow.rs.
 
 use std::cell::Cell;
 use std::sync::Arc;

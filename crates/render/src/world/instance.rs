@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object put somewhere, and what of it a hit names. Source: original.
+//! An object put somewhere, and what of it a hit names.
 //! Invariant: the transform of a placed instance has an inverse.
 
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The triangles that shine: all those of all instances together are one light.
-//! Source: original. Space: world. Looked for again only where an instance that shines moved, came or went, an object that
-//! shines was changed, or a material shines differently. Proof: `crates/render/tests/{lights,commit,glow}.rs`.
+//! Space: world. Looked for again only where an instance that shines moved, came or went, an object that
+//! shines was changed, or a material shines differently. Tests: `crates/render/tests/{lights,commit,glow}.rs`.
 
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All lights of a world: from the description's lights, its triangles that shine and the shader table's.
-//! Source: original. Each of them is kept while nothing edits it; the tree that lights are chosen by hangs on those with a
+//! Each of them is kept while nothing edits it; the tree that lights are chosen by hangs on those with a
 //! place alone, an environment's distribution on its texture alone.
-//! Proof: `crates/render/tests/{lights,commit}.rs`.
+//! Tests: `crates/render/tests/{lights,commit}.rs`.
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The shaders of a world's materials. An edit makes the shader of its material again and no other.
-//! Source: original. Invariant: entry by entry the scene's materials; the counts are those of all entries.
-//! Proof: crates/render/tests/commit.rs.
+//! Invariant: entry by entry the scene's materials; the counts are those of all entries.
+//! Tests: crates/render/tests/commit.rs.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From materials of the description to surface shaders.
-//! Source: original; what `--force-diffuse` makes of a material is references/README point 2.
-//! Proof: `crates/render/tests/appearance.rs`.
+//! What `--force-diffuse` makes of a material is references/README point 2.
+//! Tests: `crates/render/tests/appearance.rs`.
 
 use std::sync::Arc;
 

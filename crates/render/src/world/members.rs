@@ -2,7 +2,7 @@
 //! Objects that hold others, brought up to date from below: first those that hold none that hold others.
 //! Source: [WBS03a], level by level. Space: the object that holds them.
 //! The tree has an entry for each member, at its place in the description's list, and a last one for the object's own meshes.
-//! Where few of them changed it is made of the one before. Proof: crates/render/tests/{nested,edits}.rs.
+//! Where few of them changed it is made of the one before. Tests: crates/render/tests/{nested,edits}.rs.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;

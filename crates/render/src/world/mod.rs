@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The world: a committed scene that rays can be sent into.
-//! Source: original; two levels (a tree per object, a top tree over instances) after the paper's section 6 and \[WBS03a\].
+//! Two levels (a tree per object, a top tree over instances) after the paper's section 6 and \[WBS03a\].
 //! Space: world. Invariant: whatever a hit names is there; errors ended at commit.
 //! Its parts are kept apart by what edits them, immutable and shared: whoever has a clone has the world as it was.
-//! Proof: crates/render/tests/{commit,edits}.rs.
+//! Tests: crates/render/tests/{commit,edits}.rs.
 
 mod areas;
 mod check;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Geometric normals of triangles, one or sixteen at a time, in double precision: squares of tiny or huge edges leave the range of
 //! floats.
-//! Source: original. Space: corners in the object, normals in the world. Invariant: both give the same bits.
-//! Proof: crates/render/tests/lanes.rs.
+//! Space: corners in the object, normals in the world. Invariant: both give the same bits.
+//! Tests: crates/render/tests/lanes.rs.
 
 use glam::{DMat3, DVec3, Vec3};
 use gnurt_shading::real::{Real, Vector};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a world knows of objects. In one file, since objects hold objects. Source: original; [WBS03a], level by level.
+//! What a world knows of objects. In one file, since objects hold objects. [WBS03a], level by level.
 //! Space: object. Numbers of objects in an object are those of the tree over them: [`SceneTree::instance_at`].
-//! Proof: crates/render/tests/{commit,nested}.rs.
+//! Tests: crates/render/tests/{commit,nested}.rs.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;

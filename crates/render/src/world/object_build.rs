@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Committed objects: their arrays and the trees over them. Source: original. Space: object.
+//! Committed objects: their arrays and the trees over them. Space: object.
 //! Edits of meshes and of an object's list come here; trees of all objects that are due are built side by side.
-//! Invariant: an object has a tree while a visible instance shows it. Proof: crates/render/tests/commit.rs.
+//! Invariant: an object has a tree while a visible instance shows it. Tests: crates/render/tests/commit.rs.
 
 use std::collections::HashSet;
 use std::sync::Arc;

@@ -3,7 +3,7 @@
 //! Source: [CPC84] (a moment for each ray); original for the rest. Where each ray has a moment of its own, it is a function of its
 //! pixel and sample, so that all rays of a path have the same one without carrying it. Where all rays of a pass need one, because
 //! virtual lights are the pass's or because lights move, the pass has it: a van der Corput sequence over the samples.
-//! Invariant: moments are in [0, 1) and do not depend on threads. Proof: crates/render/tests/shutter.rs.
+//! Invariant: moments are in [0, 1) and do not depend on threads. Tests: crates/render/tests/shutter.rs.
 
 use std::collections::HashMap;
 use std::sync::Arc;

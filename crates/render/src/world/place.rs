@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where an object is: single-precision transforms for shading. Source: original.
+//! Where an object is: single-precision transforms for shading.
 //! An object in objects is reached by several transforms one after the other, as rays are carried. Each of them rounds, so a place
 //! knows how large coordinates get on the way: errors of points are bounded by that ([PJH23] section 6.8).
-//! Invariant: the transform has an inverse. Proof: crates/render/tests/nested.rs.
+//! Invariant: the transform has an inverse. Tests: crates/render/tests/nested.rs.
 
 use glam::{DMat3, Mat3, Vec3};
 use gnurt_scene::Affine;

@@ -4,7 +4,7 @@
 //! Source: [PJH23] section 6.8 (bounding the error of a hit point); [Hanika2021] (`lift`); original. Space: world.
 //! Points are computed from barycentric weights, not from `org + t dir`: they lie in their triangle's plane up to
 //! rounding, and `error` bounds that from the largest coordinate involved.
-//! Invariant: every CPU level gives the same bits. Proof: crates/render/tests/{offsets,terminator,appearance,lanes}.rs.
+//! Invariant: every CPU level gives the same bits. Tests: crates/render/tests/{offsets,terminator,appearance,lanes}.rs.
 
 use std::sync::Arc;
 

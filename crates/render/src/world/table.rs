@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a commit is given beside the scene, and what it tells. Source: original.
+//! What a commit is given beside the scene, and what it tells.
 
 use std::sync::Arc;
 

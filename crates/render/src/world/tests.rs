@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parts that are not due are the very same after a commit. Source: original.
+//! Parts that are not due are the very same after a commit.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Readers of a description's textures, and their smaller copies: one set for each picture, whoever shows it.
-//! Source: original. Invariant: the same picture has the same copies as long as anybody has a reader of it, so that readers can be
-//! compared, and what an edit does not touch is not made again. Proof: crates/render/tests/{commit,filtering}.rs.
+//! Invariant: the same picture has the same copies as long as anybody has a reader of it, so that readers can be
+//! compared, and what an edit does not touch is not made again. Tests: crates/render/tests/{commit,filtering}.rs.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};

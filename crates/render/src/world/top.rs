@@ -2,7 +2,7 @@
 //! The top tree over the instances that rays may meet, brought up to date when some of them moved, came or went.
 //! Source: [WBS03a], the paper's section 6. Space: world.
 //! It has an entry for each instance of the scene, so that hits name those. Where most of them changed, as at first, it is
-//! built; else it is made of the one before, which frames under way keep. Proof: crates/render/tests/{commit,edits}.rs.
+//! built; else it is made of the one before, which frames under way keep. Tests: crates/render/tests/{commit,edits}.rs.
 
 use std::sync::Arc;
 

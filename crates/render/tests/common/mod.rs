@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Small scenes and pictures for the tests of this crate. Source: original.
+//! Small scenes and pictures for the tests of this crate.
 #![allow(dead_code, unreachable_pub, reason = "each test file uses some of it")]
 
 use gnurt_image::Picture;

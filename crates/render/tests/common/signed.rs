@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The checksum of a checkpoint, for files that are changed on purpose. Source: original.
+//! The checksum of a checkpoint, for files that are changed on purpose.
 
 /// Puts the right checksum to the end of `file`.
 pub(crate) fn sign(file: &mut [u8]) {

@@ -3,7 +3,7 @@
 //! Source: glTF 2.0 sections 3.7.2.2 and 3.7.3 (linear blending of joint matrices, weights divided by their sum).
 //! Normals go with the blended matrix as it is where joints only turn, move and scale evenly, and with its cofactors where one of
 //! the skin stretches, for normals do not stretch with the surface. Space: that of the mesh; a skinned one comes out in world space.
-//! Cost: O(vertices (joints + targets)). Proof: `tests/animation.rs`, `tests/gltf.rs::{morph_weights_move_vertices,
+//! Cost: O(vertices (joints + targets)). Tests: `tests/animation.rs`, `tests/gltf.rs::{morph_weights_move_vertices,
 //! skins_follow_their_joints}`.
 
 use std::sync::Arc;

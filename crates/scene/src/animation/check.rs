@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Whether an animation that a program made goes with its scene: every number a place, every array as long as it must be.
-//! Source: original. Files are checked by their readers, and by this once more. Cost: one pass. Proof: `tests/animation.rs`.
+//! Files are checked by their readers, and by this once more. Cost: one pass. Tests: `tests/animation.rs`.
 
 use super::clip::{Channel, Target};
 use super::model::{Animation, Place};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What of a scene moves while a shutter is open: the same things at several moments.
-//! Source: original. Moments are those of the clip itself, evenly spaced, so that a turn is followed and not its chord, whatever
+//! Moments are those of the clip itself, evenly spaced, so that a turn is followed and not its chord, whatever
 //! nodes stand on each other; between two of them a renderer goes straight, or along an arc. Of a mesh only as many moments are
-//! kept as its way needs, and no more are held on the way. Space and units: those of the scene; seconds. Proof: `tests/animation.rs`, `tests/growth.rs`.
+//! kept as its way needs, and no more are held on the way. Space and units: those of the scene; seconds. Tests: `tests/animation.rs`, `tests/growth.rs`.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Transforms of nodes relative to their parents, and turns.
 //! Source: glTF 2.0 section 3.5.2; slerp after appendix C.4, on the shorter way. Double precision.
-//! Quaternions are `x y z w`, of any length but zero. Proof: `tests`.
+//! Quaternions are `x y z w`, of any length but zero. Tests: `tests`.
 
 use crate::affine::Affine;
 

@@ -12,7 +12,7 @@
 //! What a moment leaves as it is is not edited, and so costs no commit anything. A moment is a point in time;
 //! an open shutter is an [`Exposure`]: what moves, at several moments.
 //! Space: nodes relative to their parents, cameras and lights in world space. Times are seconds, as files write them.
-//! Proof: `tests/animation.rs`, `tests/animated_scenes.rs`.
+//! Tests: `tests/animation.rs`, `tests/animated_scenes.rs`.
 
 mod body;
 mod check;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All that moves in a scene: nodes with their parents, what hangs on them, and the clips that drive them.
-//! Source: original, after glTF 2.0. Only nodes that can move are here: what stands still is a matrix.
+//! Source: after glTF 2.0. Only nodes that can move are here: what stands still is a matrix.
 //! Invariants: a node's parent stands before it; every number is a place in its list. Checked by `Scene::animate`.
 
 use crate::affine::Affine;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A moment: the values that channels drive, and where nodes are then.
 //! Source: glTF 2.0 section 3.11. Made from the rest each time, so that it does not matter what was shown before.
-//! Space: world. Proof: `tests/animation.rs`.
+//! Space: world. Tests: `tests/animation.rs`.
 
 use super::body::Bend;
 use super::clip::{Clip, FactorPart, LightPart, Target, TexturePart};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a scene remembers of the moment that it shows, so that the next one costs only what differs.
-//! Source: original. Two meshes take turns in showing a body: while the one is seen the other is free again, so that arrays that
-//! nobody changes are neither copied nor taken anew. Proof: `tests/animation.rs::moments_share_what_stays`.
+//! Two meshes take turns in showing a body: while the one is seen the other is free again, so that arrays that
+//! nobody changes are neither copied nor taken anew. Tests: `tests/animation.rs::moments_share_what_stays`.
 
 use std::sync::Arc;
 

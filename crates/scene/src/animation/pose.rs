@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Poses: a scene at a moment.
-//! Source: original. Only what differs is edited, so that the log names what a commit has to do and no more. Two poses of the same
-//! moment are the same, whatever was shown between them. Proof: `tests/animation.rs`.
+//! Only what differs is edited, so that the log names what a commit has to do and no more. Two poses of the same
+//! moment are the same, whatever was shown between them. Tests: `tests/animation.rs`.
 
 use std::sync::Arc;
 

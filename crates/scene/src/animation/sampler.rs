@@ -3,7 +3,7 @@
 //! Source: glTF 2.0 section 3.11 and appendix C (step, linear, spherical linear, cubic spline). Double precision.
 //! Times outside of the keys are clamped. Of keys of equal times the last one counts from that time on.
 //! Invariant: times ascend or are equal and there is at least one; each has its values; all numbers that are looked at are finite.
-//! Proof: `tests`, `tests/animation.rs`.
+//! Tests: `tests`, `tests/animation.rs`.
 
 use std::sync::Arc;
 

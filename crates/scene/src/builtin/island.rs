@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The showpiece: a wooded island with a lighthouse in a still sea, at evening.
-//! Source: original; terrain after [Mus93] (ridged sums of noise). Two levels: thousands of trees and rocks are
+//! Terrain after [Mus93] (ridged sums of noise). Two levels: thousands of trees and rocks are
 //! instances of a few objects. Space: +Y up, sea level at y = 0; the island fits into a circle of radius [`REACH`].
 //!
 //! The sea is one sheet of glass with water's index of refraction: it mirrors like water, more the flatter one looks, and
 //! what is refracted into it meets the environment's lower half, which has the colour of deep water.
-//! Proof: `tests/builtin.rs::the_showpiece_is_large`.
+//! Tests: `tests/builtin.rs::the_showpiece_is_large`.
 
 mod cape;
 mod lighthouse;

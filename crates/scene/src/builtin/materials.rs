@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Balls from smooth to rough (left to right) and from plastic to metal (front to back).
-//! Source: original; the axes are those of glTF 2.0's metallic-roughness model.
+//! The axes are those of glTF 2.0's metallic-roughness model.
 
 use super::shapes::{append, moved, quad, show, sphere};
 use crate::affine::Affine;

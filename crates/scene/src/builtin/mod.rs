@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Scenes made by code, each complete with camera and lights: `builtin:NAME`.
-//! Source: original. Every scene is the same on every machine: its chance comes from hashes, not from a clock.
-//! Proof: `tests/builtin.rs`.
+//! Every scene is the same on every machine: its chance comes from hashes, not from a clock.
+//! Tests: `tests/builtin.rs`.
 
 mod cornell;
 mod island;

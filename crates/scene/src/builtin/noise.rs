@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Noise for terrain: values at lattice points, smoothly interpolated, summed over octaves.
 //! Source: [Per85] (lattice noise), [Mus93] (ridged sums, K. Musgrave's dissertation). Range: about [-1, 1].
-//! Deterministic: all chance comes from integer hashes. Proof: `tests::smooth_and_bounded`.
+//! Deterministic: all chance comes from integer hashes. Tests: `tests::smooth_and_bounded`.
 
 /// A number in `[0, 1)` from two integers and a seed.
 pub(super) fn hash(x: i32, y: i32, seed: u32) -> f32 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Three rooms in a row, joined by narrow openings: a lamp in the last one, the camera in the first.
-//! Source: original, after the rooms of [VG97] that only few paths cross. Space: metres, y upwards.
+//! Source: after the rooms of [VG97] that only few paths cross. Space: metres, y upwards.
 //! The lamp shines away from the openings: light is scattered in the last room, and nearly always in the middle one, before the camera's
 //! room sees any.
 

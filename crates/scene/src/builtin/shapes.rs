@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shapes that scenes are made of.
-//! Source: original. Space: object, +Y up; normals point outwards, triangles run counter-clockwise seen from outside.
-//! Proof: `tests::normals_agree_with_winding`.
+//! Space: object, +Y up; normals point outwards, triangles run counter-clockwise seen from outside.
+//! Tests: `tests::normals_agree_with_winding`.
 
 use std::f32::consts::{PI, TAU};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Skies with a sun's glow, painted into an environment texture; some that any scene can be put under.
-//! Source: original; a gradient after the look, not the physics, of clear skies. Space: that of
+//! A gradient after the look, not the physics, of clear skies. Space: that of
 //! [`Light::Environment`]: the middle of the picture lies along -z, its upper edge at +y. Radiance is linear.
 
 use std::f32::consts::{PI, TAU};

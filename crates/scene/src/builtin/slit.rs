@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Two rooms: a lamp that shines at the far wall of one, a slit in the wall between them, the camera in the other one.
-//! Source: original, a test of hard visibility after the ajar door of [VG97]. Space: metres, y upwards.
+//! A test of hard visibility after the ajar door of [VG97]. Space: metres, y upwards.
 //! Nothing that the camera sees is lit by the lamp itself: light passes the slit after one bounce at least.
 
 use super::shapes::{append, block, moved, quad, show};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Mirror, glass, metal and matte spheres on a checkerboard.
-//! Source: original, after the pictures that ray tracing began with [Whi80].
+//! Source: after the pictures that ray tracing began with [Whi80].
 
 use super::shapes::{moved, quad, show, sphere};
 use super::sky::Sky;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What reading a scene may cost, in memory and in work, from the lengths of its files.
-//! Source: original. Invariants: memory is asked for before it is taken; what is held at once stays below
+//! Invariants: memory is asked for before it is taken; what is held at once stays below
 //! [`BELIEVED`] or, for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures);
 //! all bytes ever looked at stay below [`WORK`] or [`WORK_GROWTH`] times the files' own, so that no short file takes long.
-//! Proof: `tests`, and `tests/growth.rs`, which counts every allocation.
+//! Tests: `tests`, and `tests/growth.rs`, which counts every allocation.
 
 use std::cell::Cell;
 use std::fmt;

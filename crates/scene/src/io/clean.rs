@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Leaves out triangles that cannot be hit and numbers that are none, and counts them.
-//! Source: original; what is recoverable is the contract of the command line. Space: object.
+//! See docs/reference/cli.md. Space: object.
 //! Invariant: afterwards every position is finite and every triangle has an area above zero (in double precision).
-//! Proof: `tests::{drops_and_counts, keeps_what_is_good}`.
+//! Tests: `tests::{drops_and_counts, keeps_what_is_good}`.
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The error of files: where, what is wrong, what would be right, in one line.
-//! Source: original; the form is the contract of the command line. Lines count from 1.
-//! Proof: `tests::one_line_whatever_the_file_says`, and every row of `tests/broken_files.rs`.
+//! See docs/reference/cli.md. Lines count from 1.
+//! Tests: `tests::one_line_whatever_the_file_says`, and every row of `tests/broken_files.rs`.
 
 use std::fmt;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which scene format a file has, by its name. Source: original. Proof: `tests/broken_files.rs`.
+//! Which scene format a file has, by its name. Tests: `tests/broken_files.rs`.
 
 use std::path::Path;
 

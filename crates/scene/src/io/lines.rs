@@ -2,7 +2,7 @@
 //! Logical lines of text files, streamed: byte order mark, CR, CRLF, continuation, stray bytes.
 //! Source: Wavefront OBJ and MTL, where a backslash at the end of a line joins the next one. Lines count from 1.
 //! Memory: one line at a time, at most [`LONGEST`] bytes.
-//! Proof: `tests::{joins_and_counts, refuses_binary_data}`.
+//! Tests: `tests::{joins_and_counts, refuses_binary_data}`.
 
 use std::io::BufRead;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What loading gives. Source: original.
+//! What loading gives.
 
 use std::path::PathBuf;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Scene files: OBJ with MTL, PLY, glTF 2.0.
-//! Source: original; what is an error and what a warning is the contract of the command line.
+//! See docs/reference/cli.md.
 //! Nothing in a file makes a program panic, hang, or take memory that the file's own length does not account for.
-//! Proof: `tests/{broken_files,mutations,benchmark_scenes}.rs`.
+//! Tests: `tests/{broken_files,mutations,benchmark_scenes}.rs`.
 
 mod budget;
 mod clean;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a scene may do while it is loaded. Source: original. Proof: `tests/confine.rs`.
+//! What a scene may do while it is loaded. Tests: `tests/confine.rs`.
 
 use std::path::PathBuf;
 

@@ -4,7 +4,7 @@
 //! Convex polygons become fans. Others are clipped ear by ear in the plane of their normal; where no ear is left
 //! (crossing edges) the rest becomes a fan. Cost: O(n) for convex ones, up to O(n³) for others, n at most
 //! [`LARGEST_CLIPPED`]; all polygons of a file together look at [`WORK`] corners and [`WORK_GROWTH`] for each of its bytes.
-//! Proof: `tests::{convex_is_a_fan, concave_keeps_its_area, survives_anything, work_ends}`.
+//! Tests: `tests::{convex_is_a_fan, concave_keeps_its_area, survives_anything, work_ends}`.
 
 /// Corners up to which a concave polygon is clipped; beyond, a fan.
 const LARGEST_CLIPPED: usize = 2000;

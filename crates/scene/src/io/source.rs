@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Opening files: regular ones only, never more bytes than the file has, and only below a folder if there is one.
-//! Source: original. A pipe or a device could block or never end, so both are refused before they are opened.
-//! Proof: `tests::{refuses_what_is_no_file, finds_names_as_exporters_write_them}`, `tests/confine.rs`.
+//! A pipe or a device could block or never end, so both are refused before they are opened.
+//! Tests: `tests::{refuses_what_is_no_file, finds_names_as_exporters_write_them}`, `tests/confine.rs`.
 
 use std::fs::File;
 use std::io::Read;

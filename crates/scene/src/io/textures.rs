@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures of a file, each decoded once, and a warning where one is missing or broken.
-//! Source: original. Proof: `tests`. The image crate is told what is left of the budget, and checks a picture's declared
+//! Tests: `tests`. The image crate is told what is left of the budget, and checks a picture's declared
 //! size before it takes memory.
 
 use std::collections::HashMap;

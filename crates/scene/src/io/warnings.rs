@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Oddities that a file may have and still be shown: one line per kind and cause, with a count and the first place.
-//! Source: original; which ones are recoverable is the contract of the command line.
+//! See docs/reference/cli.md.
 //! Invariant: at most [`MOST_LINES`] lines of a kind, and one for the others, whatever a file holds.
-//! Proof: `tests::{counts_by_cause_and_keeps_the_first_place, lines_of_a_kind_have_a_limit}`.
+//! Tests: `tests::{counts_by_cause_and_keeps_the_first_place, lines_of_a_kind_have_a_limit}`.
 
 use std::fmt;
 use std::path::{Path, PathBuf};

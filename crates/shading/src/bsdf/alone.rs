@@ -2,7 +2,7 @@
 //! Lobes that few surfaces have, one point at a time: by Phong, by Ward, Beckmann's facets, glass under Schlick's reflectances, layers of fibres. What sixteen
 //! points have of them is looked at point by point, so that other lobes' code stays as it is.
 //! Source: see the file of each. Space: a frame with z = the shading normal and x along the slopes.
-//! Invariant: the same code for one point and for each of sixteen, so the same bits. Proof: `tests` of `bsdf`.
+//! Invariant: the same code for one point and for each of sixteen, so the same bits. Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
 

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What many points do to light: the only output of a surface, and all that integrators read.
-//! Source: original, shaped by the paper's section 8; a list of weighted lobes for each point is what shading languages make,
-//! too. Layout: blocks of sixteen points; in a block each number of each place of the lists is a row, aligned, so that sixteen
+//! Shaped by the paper's section 8; a list of weighted lobes for each point is what shading languages make, too. Layout: blocks of sixteen points; in a block each number of each place of the lists is a row, aligned, so that sixteen
 //! points are read at once. Points beyond the last one have no lobes.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*};

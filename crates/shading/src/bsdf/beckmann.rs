@@ -3,7 +3,7 @@
 //! between facets is lost.
 //! Source: [WMLT07] (the distribution), [Hei14] (shadowing in closed form, stretched facets, the density of visible slopes).
 //! Sampling is original: the distribution function of the slopes along the view has a closed form, which is inverted by halving.
-//! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Proof: `tests`, `tests` of `bsdf`.
+//! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests` of `bsdf`.
 
 use std::f32::consts::PI;
 

@@ -4,7 +4,7 @@
 //! their own, whose correction is each lobe's.
 //! Space: world, unit directions away from the surface.
 //! Invariant: a value times [`Carrying::correction`] is what a path from the eye finds, times the cosine of where it goes over the one of
-//! where the light came from, both to the geometric normal. Proof: `carrying_tests`; crates/render/tests/agreement.rs.
+//! where the light came from, both to the geometric normal. Tests: `carrying_tests`; crates/render/tests/agreement.rs.
 
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Smooth boundaries of glass: Snell's law, and panes with all reflections between their two faces summed.
 //! Source: [PJH23] sections 9.3 (Fresnel, Snell) and 9.5.1 (thin panes). Space: a frame with z = the facet's normal.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use crate::real::{Real, Vector};
 

@@ -3,7 +3,7 @@
 //! Burley's, which is dark or bright at grazing angles by the roughness.
 //! Source: [ON94] (their qualitative model, without the cut-off term of the azimuth: that is 0 where facets face away), [Bur12] section 5.3.
 //! Albedos are integrals in closed form. Differs: where a surface of Burley's model sends back more than all light it is scaled down.
-//! Directions are given by their cosines to the shading normal. `roughness` is in [0, 1]. Proof: `tests` here and of `bsdf`.
+//! Directions are given by their cosines to the shading normal. `roughness` is in [0, 1]. Tests: `tests` here and of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
 

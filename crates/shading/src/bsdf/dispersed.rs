@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Glass that bends colours into different directions. Each of red, green and blue has its own index ([`eta_of`]). A colour is chosen by
 //! the chances of a view, as the light of its path asks for: so a path that has become of one colour stays so, and loses nothing more.
-//! Source: original; one sample for all colours' lobes [VG95]; Cauchy's law as in KHR_materials_dispersion.
+//! One sample for all colours' lobes [VG95]; Cauchy's law as in KHR_materials_dispersion.
 //! Points are looked at one by one: such glass is rare. Invariant: reciprocal up to the square of each colour's own index.
-//! Proof: `tests` of `bsdf`.
+//! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
 

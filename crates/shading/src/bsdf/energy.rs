@@ -4,7 +4,7 @@
 //! the view and the roughness, split as in [Kar13] so that they are linear in Schlick's two reflectances.
 //! Invariant: averages are those of the interpolated tables, so that one bounce and the lobe sum to 1 for white facets
 //! up to the rounding of floats. The tables are the same on all machines: they are sums in a fixed order.
-//! Proof: `tests::{tables_hold_the_lobe, white_keeps_all_light}`.
+//! Tests: `tests::{tables_hold_the_lobe, white_keeps_all_light}`.
 
 use std::f32::consts::FRAC_1_PI;
 use std::iter::Sum;

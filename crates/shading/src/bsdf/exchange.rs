@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What one lobe of a point makes of light that a path carries, where that differs from what the point's normal and its glass say.
-//! Source: \[Vea97\] sections 5.2 (refraction) and 5.3 (shading normals), lobe by lobe. Proof: `carrying_tests`.
+//! Source: \[Vea97\] sections 5.2 (refraction) and 5.3 (shading normals), lobe by lobe. Tests: `carrying_tests`.
 
 use glam::Vec3;
 

@@ -5,7 +5,7 @@
 //! colours are white where the film is thin to nothing, so that the film then is as if it were not there.
 //! Units: nanometres; indices relative to vacuum. Colours are in [0, 1], for none has less or more light than there is.
 //! Light is computed point by point: films are rare.
-//! Invariant: seen from either side of a boundary, along one ray, it mirrors the same share. Proof: `tests`.
+//! Invariant: seen from either side of a boundary, along one ray, it mirrors the same share. Tests: `tests`.
 
 use std::f32::consts::{PI, TAU};
 

@@ -2,7 +2,7 @@
 //! Share of light that a smooth boundary mirrors.
 //! Source: [PJH23] section 9.3 (Fresnel's equations for dielectrics and conductors), [Sch94] (approximation).
 //! Space: `cos` is that of the angle to the normal on the side that light comes from.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use crate::real::{Real, Vector};
 

@@ -3,7 +3,7 @@
 //! Source: [WMLT07] (GGX), [Hei14] (height-correlated Smith shadowing), [DB23] (sampling by spherical caps).
 //! Directions are given by their cosines to the shading normal, so that no frame is needed; `sample_visible` is in a frame
 //! with z = the shading normal.
-//! Proof: `tests::{facets_cover_the_ground, samples_match_the_lobe}`.
+//! Tests: `tests::{facets_cover_the_ground, samples_match_the_lobe}`.
 
 use std::f32::consts::PI;
 use std::iter::Sum;

@@ -4,7 +4,7 @@
 //! Source: \[Hei14\] sections 5.2 and 5.3 (GGX stretched along two axes, and its shadowing); [KC17] for what the tables are used for.
 //! Facets that are alike in all directions are `Ggx`, whose bits they keep.
 //! Tables are by the roots of both widths, made node by node when they are first asked for: a scene has few brushed surfaces.
-//! Space: world; directions are unit. Proof: `tests`, `tests` of `bsdf`.
+//! Space: world; directions are unit. Tests: `tests`, `tests` of `bsdf`.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::OnceLock;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lobes of points seen from one direction each, as they are kept to be asked about many others: at the ends of shadow rays to
 //! and from virtual lights.
-//! Source: original. Invariant: the bits of [`Seen::eval_pdf`]. Proof: `tests` of `bsdf`, over all models; many_lights/lanes.rs of `render`.
+//! Invariant: the bits of [`Seen::eval_pdf`]. Tests: `tests` of `bsdf`, over all models; many_lights/lanes.rs of `render`.
 
 use glam::Vec3;
 

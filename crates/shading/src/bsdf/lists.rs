@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lists of lobes of sixteen points of a batch, written lobe by lobe for many of them at once: for who knows what points share.
-//! Source: original. Points have lists of different lengths; a lobe goes to the end of each point's own list.
-//! Invariant: what [`Lobes`] makes of the same lobes in the same order, point by point. Proof: crates/sl-shading/tests/scripts/lanes.rs.
+//! Points have lists of different lengths; a lobe goes to the end of each point's own list.
+//! Invariant: what [`Lobes`] makes of the same lobes in the same order, point by point. Tests: crates/sl-shading/tests/scripts/lanes.rs.
 
 use glam::Vec3;
 

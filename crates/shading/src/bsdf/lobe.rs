@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One lobe of a BSDF as numbers: what kind it is, what it counts, around which normal, and its parameters.
 //! Source: see the file of each kind. Space: world. Colours are in [0, 1] but for the indices of metals.
-//! What is no function of directions is computed when a lobe is made, so that it can be kept. Proof: `tests`.
+//! What is no function of directions is computed when a lobe is made, so that it can be kept. Tests: `tests`.
 
 use glam::Vec3;
 

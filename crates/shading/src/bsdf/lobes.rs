@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A weighted sum of lobes, some of them below others: all that a surface says of how it scatters.
-//! Source: original; sums and layers as shading languages have them (MaterialX's `layer`).
+//! Sums and layers as shading languages have them (MaterialX's `layer`).
 //! Invariant: lobes above others come first; no lobe lies below itself. Layout: most surfaces have one lobe or two, and points are passed
-//! on often: more lie elsewhere. Proof: `tests`.
+//! on often: more lie elsewhere. Tests: `tests`.
 
 use std::sync::Arc;
 

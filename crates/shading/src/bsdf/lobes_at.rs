@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lobes of many points as numbers, before they are seen from anywhere.
-//! Source: original. Space: world. Invariant: the numbers of [`Lobe`]. Proof: `tests` of `bsdf`.
+//! Space: world. Invariant: the numbers of [`Lobe`]. Tests: `tests` of `bsdf`.
 
 use super::lobe::Lobe;
 use crate::real::Vector;

@@ -5,7 +5,7 @@
 //! say something else. So it is the same whichever end a path comes from. What lies within something else (a body within glass) is on a
 //! way within the glass if one end is the glass's boundary. A way without end is one through which nothing comes.
 //! This is the place for what scatters light between surfaces, too, once there is such.
-//! Space: world; 1 over world units. Proof: `tests`, crates/render/tests/agreement.rs.
+//! Space: world; 1 over world units. Tests: `tests`, crates/render/tests/agreement.rs.
 
 use glam::Vec3;
 

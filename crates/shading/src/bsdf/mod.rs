@@ -12,7 +12,7 @@
 //! Rule for shading normals: a path that sees the surface sees its front, so a `wo` below the shading normal counts as
 //! grazing; a `wi` counts by the side of the shading normal that it is on, and whether it may leave at all is said by
 //! [`SurfacePoint::scatter_ray`](crate::SurfacePoint::scatter_ray), with the same horizon as for light samples.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 mod alone;
 mod batch;

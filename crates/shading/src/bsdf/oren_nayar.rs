@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rough diffuse surfaces, dusty ones: Oren's and Nayar's model as Fujii's fit, with all bounces between the facets.
 //! Source: [PKH25] (EON), which mends [ON94]; [Lam60] where the roughness is 0. Directions are given by their cosines to the
-//! shading normal. `roughness` is in [0, 1]. Proof: `tests` of `bsdf`.
+//! shading normal. `roughness` is in [0, 1]. Tests: `tests` of `bsdf`.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 

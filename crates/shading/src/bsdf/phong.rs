@@ -2,7 +2,7 @@
 //! Phong's lobe around the mirror image: (n + 2) / (2 pi) cos^n of the angle to it.
 //! Source: [Pho75]; [LW94] for the factor, by which all light comes back head on, and the sampling. As OSL's `phong` has it: dark at grazing views, where half of the lobe is
 //! below the surface.
-//! Space: the shading frame. Proof: `tests` of `bsdf`.
+//! Space: the shading frame. Tests: `tests` of `bsdf`.
 
 use std::f32::consts::{PI, TAU};
 

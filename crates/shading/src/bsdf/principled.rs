@@ -5,7 +5,7 @@
 //! Differs from glTF's sample code: the body gets what the layers above leave on the whole, in both directions, not Fresnel's
 //! share at the half vector, so that white plastic keeps all light. A body that scatters light through has panes for its glass: light that
 //! leaves it has been bent by no one knows what.
-//! Proof: `tests` of `bsdf`.
+//! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
 

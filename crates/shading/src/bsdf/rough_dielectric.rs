@@ -4,7 +4,7 @@
 //! back as two diffuse lobes, mirrored and through, in the proportion that keeps the model reciprocal.
 //! Space: the shading frame. Radiance is not scaled by the square of the index: see `bsdf`. So values through the surface
 //! over the square of the index beyond are the same with both directions exchanged.
-//! Proof: `tests::table_holds_the_lobe`, `tests` of `bsdf`.
+//! Tests: `tests::table_holds_the_lobe`, `tests` of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
 use std::sync::OnceLock;

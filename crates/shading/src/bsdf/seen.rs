@@ -5,7 +5,7 @@
 //! in its reciprocal form); facets below layers lose by the larger share of both directions. \[VG95\] (one sample, all lobes).
 //! Space: world, unit directions away from the surface.
 //! Invariants: a direction is chosen with the density that [`Seen::eval_pdf`] tells; one point and sixteen give the same bits at
-//! every CPU level. Proof: `tests`.
+//! every CPU level. Tests: `tests`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lobes that few surfaces have, of many points: point by point as `alone.rs` knows them, in the frames of their slopes.
-//! Source: original. Space: world. Proof: `tests` of `bsdf`.
+//! Space: world. Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Glass, rough and smooth, and mirrors of many points, seen from one direction each: what they mirror and let through, where to.
-//! Source: \[WMLT07\]; films and colours apart as `film.rs` and `dispersed.rs` know them. Space: world. Proof: `tests` of `bsdf`.
+//! Source: \[WMLT07\]; films and colours apart as `film.rs` and `dispersed.rs` know them. Space: world. Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One lobe of each of many points, seen from one direction each: its numbers, and what all kinds have.
-//! Source: original. Space: world, unit directions away from the surface.
+//! Space: world, unit directions away from the surface.
 //! What follows from the view, values and densities: `seen_values.rs`; glass and deltas: `seen_glass.rs`; lobes that are looked at by
-//! themselves: `seen_alone.rs`. Proof: `tests` of `bsdf`.
+//! themselves: `seen_alone.rs`. Tests: `tests` of `bsdf`.
 
 use super::ggx::Ggx;
 use super::grain::{Grain, Slopes};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Value and density of the lobes of points, lobe by lobe, those that lie below others dimmed by what these leave.
-//! Source: original. Space: world, unit directions away from the surface. Proof: `tests` of `bsdf`.
+//! Space: world, unit directions away from the surface. Tests: `tests` of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
 

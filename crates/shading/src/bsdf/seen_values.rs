@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One lobe of each of many points, seen from one direction each: what follows from the view, what it sends back, values and densities.
 //! Source: \[WMLT07\], \[Hei14\] (facets); \[KC17\] (further bounces); \[PJH23\] chapter 9. Space: world, unit directions away from the
-//! surface. Invariant: one point and sixteen give the same bits at every CPU level. Proof: `tests` of `bsdf`.
+//! surface. Invariant: one point and sixteen give the same bits at every CPU level. Tests: `tests` of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
 

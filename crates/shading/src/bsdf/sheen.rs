@@ -4,7 +4,7 @@
 //! Differs: where the papers' lobe makes light it is scaled down.
 //! Space: the shading frame. Albedos are tables over the cosine of the view and the roughness, made at first use, with small
 //! steps where they are steep: at the horizon and where fibres stand straight.
-//! Proof: `tests`, those of `bsdf` and `tests/mitsuba.rs`.
+//! Tests: `tests`, those of `bsdf` and `tests/mitsuba.rs`.
 
 use std::f32::consts::TAU;
 use std::sync::OnceLock;

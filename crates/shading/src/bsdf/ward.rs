@@ -2,7 +2,7 @@
 //! Ward's lobe of brushed surfaces, as it was published: exp(-tan² of the facet, by the widths along it) / (4 pi ax ay root(cos cos)).
 //! Source: [War92], equations 5a and 8; sampling of half vectors there. As OSL's `ward` has it: dark at grazing views of smooth surfaces.
 //! Differs: where a rough surface at grazing views sends back more than all light it is scaled down, for either direction.
-//! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Proof: `tests`, `tests` of `bsdf`.
+//! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests` of `bsdf`.
 
 use std::f32::consts::{PI, TAU};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a shader class says about itself: name, kind, parameters with type, rate and default, and how to make a shader.
 //! Source: [DWBS03]; rates after the paper's Figure 1 (per shader, per triangle, per vertex).
-//! Invariant: a value list has one value per parameter, in the class's order. Proof: `classes::tests`.
+//! Invariant: a value list has one value per parameter, in the class's order. Tests: `classes::tests`.
 
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@
 //! |---|---|---|---|
 //! | value | shader | 1 1 1 | radiance |
 //!
-//! Source: original, name and parameter as OpenRT programs know them. Proof: `tests::shows_its_value`.
+//! Source: name and parameter as OpenRT programs know them. Tests: `tests::shows_its_value`.
 
 use glam::Vec3;
 

@@ -5,7 +5,7 @@
 //! |---|---|---|---|
 //! | value | shader | 1 1 1 | radiance |
 //!
-//! Source: original. Proof: `tests` of `lights/environment.rs`.
+//! Tests: `tests` of `lights/environment.rs`.
 
 use std::sync::Arc;
 

@@ -6,7 +6,7 @@
 //! | color | shader | 1 1 1 | share of light that is reflected |
 //!
 //! Shows the sum over lights of `E color max(0, n·l)`.
-//! Source: original, name and parameter as OpenRT programs know them. Proof: `tests`.
+//! Source: name and parameter as OpenRT programs know them. Tests: `tests`.
 
 use glam::Vec3;
 

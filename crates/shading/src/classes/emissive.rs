@@ -8,7 +8,7 @@
 //! | color | 0 0 0 | share of light that is scattered, on both sides |
 //!
 //! It is a light: all integrators sample it.
-//! Source: see `materials/material.rs`. Proof: `materials::tests`.
+//! Source: see `materials/material.rs`. Tests: `materials::tests`.
 
 use std::sync::Arc;
 

@@ -10,7 +10,7 @@
 //! | attenuationDistance | 0 | world units; 0 = nothing is absorbed |
 //! | dispersion | 0 | 20 over Abbe's number; 0 = all colours are bent alike |
 //!
-//! Source: see `materials/dielectric.rs`. Proof: `materials::tests`.
+//! Source: see `materials/dielectric.rs`. Tests: `materials::tests`.
 
 use std::sync::Arc;
 

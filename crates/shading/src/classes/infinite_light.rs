@@ -6,7 +6,7 @@
 //! | radiance | shader | 1 1 1 | what arrives |
 //! | direction | shader | 0 0 1 | towards the light, any length but zero |
 //!
-//! Source: original, name and parameters as OpenRT programs know them. Proof: `tests::comes_from_one_side`.
+//! Source: name and parameters as OpenRT programs know them. Tests: `tests::comes_from_one_side`.
 
 use std::sync::Arc;
 

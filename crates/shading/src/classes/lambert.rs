@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Direct light on Lambertian surfaces of shader classes: normals and the sum over lights.
-//! Source: original; light models of [DWBS03] (no division by pi: E times colour times cosine).
-//! Space: world. Proof: tests of `diffuse` and `textured_diffuse`.
+//! Light models of [DWBS03] (no division by pi: E times colour times cosine).
+//! Space: world. Tests: tests of `diffuse` and `textured_diffuse`.
 
 use glam::Vec3;
 

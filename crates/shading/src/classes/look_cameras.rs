@@ -12,8 +12,8 @@
 //! | fov | thin lens, fisheye | 60, 180 | vertical angle of view in degrees |
 //! | height | orthographic | 2 | of what the picture shows |
 //!
-//! Source: original; the projections are [`LookCamera`]'s. A camera whose numbers make no sense sees nothing.
-//! Proof: `tests`.
+//! The projections are [`LookCamera`]'s. A camera whose numbers make no sense sees nothing.
+//! Tests: `tests`.
 
 use std::sync::Arc;
 

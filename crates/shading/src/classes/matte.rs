@@ -6,7 +6,7 @@
 //! | color | 0.8 0.8 0.8 | share of light that is scattered, times the colour of the vertices |
 //! | texture | texture 0 | multiplied to it |
 //!
-//! Source: see `materials/matte.rs`. Proof: `materials::tests`.
+//! Source: see `materials/matte.rs`. Tests: `materials::tests`.
 
 use std::sync::Arc;
 

@@ -25,7 +25,7 @@
 //! | diffuseTransmission | 0 | share of the body's light that goes through |
 //! | diffuseTransmissionColor | 1 1 1 | its colour |
 //!
-//! Source: see `materials/metallic_roughness.rs`. Proof: `materials::tests`.
+//! Source: see `materials/metallic_roughness.rs`. Tests: `materials::tests`.
 
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@
 //! |---|---|---|---|
 //! | attenuation | shader | 1 | share of light that is reflected |
 //!
-//! Source: [Whi80]; name and parameter as OpenRT programs know them. Proof: `tests::reflects`.
+//! Source: [Whi80]; name and parameter as OpenRT programs know them. Tests: `tests::reflects`.
 
 use glam::Vec3;
 

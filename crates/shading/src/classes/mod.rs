@@ -2,7 +2,7 @@
 //! Shader classes that are made by name with named parameters: what OpenRT programs find without a plugin.
 //! Source: \[DWBS03\] for classes, shaders and rates; class and parameter names as OpenRT programs know them.
 //! Space: world; colours linear. One class per file; to add one, write its file and a line in [`ALL`].
-//! Proof: `tests` here and in each file; the C programs of the OpenRT binding draw with each class.
+//! Tests: `tests` here and in each file; the C programs of the OpenRT binding draw with each class.
 
 mod class;
 mod constant;

@@ -15,7 +15,7 @@
 //! | useVertexColor | int 0 | if not 0, the colours of the vertices stand for the diffuse colour |
 //!
 //! Source: ISO/IEC 14772 (VRML97) section 4.14 for the model, with the half vector of [Bli77] and shadow rays; names of
-//! RTfact. Lights as in `lambert.rs`: no division by pi. Proof: `tests`.
+//! RTfact. Lights as in `lambert.rs`: no division by pi. Tests: `tests`.
 
 use std::sync::Arc;
 

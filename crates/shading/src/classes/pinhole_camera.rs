@@ -10,7 +10,7 @@
 //!
 //! The ray through (x, y) goes along `lowerLeft + x horizontal + y vertical`. The defaults are the default camera of
 //! OpenRT: 60 degrees along -z, square. The picture's aspect does not matter: it is in the parameters.
-//! Source: original, name and parameters as OpenRT programs know them. Proof: `tests::looks_through_its_corners`.
+//! Source: name and parameters as OpenRT programs know them. Tests: `tests::looks_through_its_corners`.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! For tests: a renderer that answers every question with the same value and remembers what it was asked.
-//! Source: original. Space: world.
+//! Space: world.
 
 use glam::Vec3;
 use gnurt_accel::Ray;

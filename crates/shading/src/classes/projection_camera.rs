@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera given as OpenGL gives it: a view frame and a projection matrix, perspective or parallel.
-//! Source: original. Clip coordinates as OpenGL's: the picture is [-1, 1] squared, z = -1 is near.
+//! Clip coordinates as OpenGL's: the picture is [-1, 1] squared, z = -1 is near.
 //! Space: eye space looks along -z, y upwards; rays are in world space. A perspective's rays begin at the eye, that
 //! is at the point that the matrix sends to (0, 0, z, 0); parallel rays begin at the near plane. Far is ignored.
-//! Proof: `tests`.
+//! Tests: `tests`.
 
 use glam::{DMat4, DVec3, DVec4};
 use gnurt_accel::{Ray, RayBatch};

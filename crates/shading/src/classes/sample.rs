@@ -9,7 +9,7 @@
 //!
 //! The surface's colour is the mean of the three, so that each of them shows whatever the others are. It is lit as a
 //! `DiffuseShader`; in a scene without lights by one in the eye, `color |n·d|`, since Figure 1 has no light.
-//! Source: the paper's Figure 1; the look is original. Proof: `tests`.
+//! Source: the paper's Figure 1; the look is original. Tests: `tests`.
 
 use glam::Vec3;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces of classes that only say what they look like: no integrator knows what they do with light.
-//! Source: original. Proof: `tests` of the classes.
+//! Tests: `tests` of the classes.
 
 use std::sync::Arc;
 

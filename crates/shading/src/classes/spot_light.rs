@@ -6,7 +6,7 @@
 //! | radiance | shader | 1 1 1 | what arrives at distance 1; falls with the square of the distance |
 //! | position | shader | 0 0 1 | where it is |
 //!
-//! Source: original, name and parameters as OpenRT programs know them. Proof: `tests` of `lights/punctual.rs`.
+//! Source: name and parameters as OpenRT programs know them. Tests: `tests` of `lights/punctual.rs`.
 
 use std::sync::Arc;
 

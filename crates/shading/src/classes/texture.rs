@@ -5,7 +5,7 @@
 //! |---|---|---|---|
 //! | texture | shader | 0 | radiance; 0 = white |
 //!
-//! Source: original, name and parameter as OpenRT programs know them. Proof: `tests::shows_texels`.
+//! Source: name and parameter as OpenRT programs know them. Tests: `tests::shows_texels`.
 
 use std::sync::Arc;
 

@@ -7,7 +7,7 @@
 //! | radiance | shader | 1 1 1 | ambient light, times the texture |
 //!
 //! Shows `T (radiance + sum over lights of E V max(0, n·l))` with T the texture and V what the shadow ray lets through.
-//! Source: original, name and parameters as OpenRT programs know them. Proof: `tests`.
+//! Source: name and parameters as OpenRT programs know them. Tests: `tests`.
 
 use std::sync::Arc;
 

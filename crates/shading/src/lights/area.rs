@@ -4,7 +4,7 @@
 //! solid angle). Differs: candidates are stratified by power, and one number both chooses and places, see `choose`.
 //! Space: world. One-sided: light leaves the side of the geometric normal; what shines to both sides is two triangles. Textures and
 //! opacity modulate it, or a surface's shader says what leaves each place: choices go by each triangle's mean, light by its place.
-//! Proof: `tests::{rectangle_has_its_closed_form, many_lamps_add_up, nothing_is_wasted, textures_count_where_they_are}`,
+//! Tests: `tests::{rectangle_has_its_closed_form, many_lamps_add_up, nothing_is_wasted, textures_count_where_they_are}`,
 //! crates/render/tests/{lights,glow}.rs.
 
 use std::sync::Arc;

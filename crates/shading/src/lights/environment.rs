@@ -3,7 +3,7 @@
 //! Source: [PJH23] section 12.5 (importance sampling of pictures). Differs: within a cell of the picture the direction is
 //! uniform by solid angle, which is exact at the poles too.
 //! Space: the picture's middle lies along -z and its upper edge at +y of the light's space.
-//! Proof: `tests::{constant_is_exact, picture_matches_quadrature, directions_and_texels_agree}`.
+//! Tests: `tests::{constant_is_exact, picture_matches_quadrature, directions_and_texels_agree}`.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;

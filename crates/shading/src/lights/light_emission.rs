@@ -3,7 +3,7 @@
 //! Source: [PJH23] sections 12.1 to 12.6 (emission of each kind of light); environments from a disk before the ball around
 //! all that can be lit. Space: world. Units: power in W per channel, densities per area and per solid angle.
 //! Invariant: the mean of `radiance_over_pdf` is the power of all lights (of what comes from far away, what the ball
-//! catches). Proof: `light_set_tests`.
+//! catches). Tests: `light_set_tests`.
 
 use std::f32::consts::{PI, TAU};
 

@@ -4,7 +4,7 @@
 //! A node, and a triangle, is a row of sixteen floats: sixteen points that are at different ones read sixteen rows and turn
 //! them to columns, so that each costs a load and some shuffles. Two leaves with one parent are a block of sixteen triangles.
 //! Invariant: the samples of [`LightSet::sample`](super::LightSet::sample), bit for bit.
-//! Proof: `light_set_tests::lanes_choose_as_points_do`.
+//! Tests: `light_set_tests::lanes_choose_as_points_do`.
 
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};

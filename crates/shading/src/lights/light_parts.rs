@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a light set is made of, and what asking it gives.
-//! Source: [PJH23] section 12.5 (environments). Space: world. Proof: `light_set_tests`.
+//! Source: [PJH23] section 12.5 (environments). Space: world. Tests: `light_set_tests`.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 use std::sync::Arc;

@@ -5,7 +5,7 @@
 //! Space: world. Densities are per solid angle at the point that asks, the choice between lights included.
 //! Invariants: `pdf_triangle` and `pdf_environment` are the densities of `sample` for the same point and normal. A zero
 //! normal asks for all sides. Lights of shader plugins are not in here: they only know `illuminate`.
-//! Proof: `tests`, crates/render/tests/path.rs.
+//! Tests: `tests`, crates/render/tests/path.rs.
 
 use std::f32::consts::PI;
 use std::sync::{Arc, OnceLock};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Light samples for sixteen points at once. Source: as `light_set`.
 //! Invariant: the samples of [`LightSet::sample`](super::LightSet::sample), bit for bit.
-//! Proof: `light_set_tests::lanes_choose_as_points_do`.
+//! Tests: `light_set_tests::lanes_choose_as_points_do`.
 
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*};

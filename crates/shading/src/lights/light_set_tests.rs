@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Densities of the light set against its samples, sums against closed forms, powers against integrals. Source: original.
+//! Densities of the light set against its samples, sums against closed forms, powers against integrals.
 
 use std::f32::consts::PI;
 use std::sync::Arc;

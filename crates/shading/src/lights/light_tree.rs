@@ -5,7 +5,7 @@
 //! Space: world. Importance of a node and promise of a light have one unit: intensity times cosine over distance squared.
 //! Invariants: `probability` is what `choose` chooses with, bit for bit; a node whose importance is 0 holds no light that
 //! reaches the point (but for rounding at grazing angles). A zero normal has no horizon.
-//! Proof: `tests`, and those of `light_set`.
+//! Tests: `tests`, and those of `light_set`.
 
 use glam::Vec3;
 use gnurt_accel::Threads;

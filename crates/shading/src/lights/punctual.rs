@@ -2,7 +2,7 @@
 //! Lights without extent: from a point to all sides, from a point into a cone, from infinitely far away.
 //! Source: glTF KHR_lights_punctual (the falloff between the spot's cones is the one recommended there).
 //! Units: intensity in W·sr⁻¹, irradiance in W·m⁻²; no random number is used.
-//! Proof: `tests`, and the closed forms of crates/render/tests/lights.rs.
+//! Tests: `tests`, and the closed forms of crates/render/tests/lights.rs.
 
 use glam::Vec3;
 

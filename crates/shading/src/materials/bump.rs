@@ -3,7 +3,7 @@
 //! Source: \[Mik10\] (the surface's gradient of the height, from any two changes of the point), \[Bli78\] (bumps). Heights are read over
 //! what a ray stands for, and their change over as much, at least a texel, so that bumps fade where they are too fine to be seen.
 //! Space: world. Invariant: bent normals see their ray from the front, so that no rim is black.
-//! Proof: `tests`; crates/render/tests/bumps.rs.
+//! Tests: `tests`; crates/render/tests/bumps.rs.
 
 use glam::Vec3;
 use gnurt_image::srgb::luminance;

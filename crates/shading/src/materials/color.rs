@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values over a surface: a factor, times a texture where there is one.
 //! Source: glTF 2.0 section 3.9 (factor times texture, alpha modes). Units: linear light, W·sr⁻¹·m⁻² for emission.
-//! Proof: `tests::coverage_modes`.
+//! Tests: `tests::coverage_modes`.
 
 use glam::Vec3;
 use gnurt_image::srgb::luminance;

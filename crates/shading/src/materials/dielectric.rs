@@ -3,7 +3,7 @@
 //! Source: see `bsdf/dielectric.rs`.
 //! Differs: shadow rays of Whitted's renderer go straight through with the share that is not mirrored, as if the glass
 //! were thin, so that windows let light in; there are no caustics.
-//! Proof: crates/render/tests/mirrors.rs.
+//! Tests: crates/render/tests/mirrors.rs.
 
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What every surface may have beside its scattering: emission on its front, bumps, and places where it is not there.
 //! Source: glTF 2.0 section 3.9 (alpha modes, emission). Radiance is coverage * (scattered + emitted) + (1 - coverage) *
-//! what lies straight behind. Proof: `crates/render/tests/appearance.rs`.
+//! what lies straight behind. Tests: `crates/render/tests/appearance.rs`.
 
 use std::borrow::Cow;
 use std::sync::Arc;

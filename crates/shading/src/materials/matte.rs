@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lambertian reflectors: alike from everywhere, on both sides.
-//! Source: [Lam60]; references/README point 2. Proof: crates/render/tests/lights.rs (closed forms, furnace).
+//! Source: [Lam60]; references/README point 2. Tests: crates/render/tests/lights.rs (closed forms, furnace).
 
 use crate::batch::{SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;

@@ -2,7 +2,7 @@
 //! glTF's metal and plastic with its layers: a diffuse body or glass under a rough boundary, or a rough metal, or a mix,
 //! under sheen and a clear coat.
 //! Source: glTF 2.0 section 3.9, KHR_materials_{specular, clearcoat, sheen, transmission}; the model itself is `bsdf/principled.rs`.
-//! Proof: crates/render/tests/appearance.rs, `tests` of `bsdf`.
+//! Tests: crates/render/tests/appearance.rs, `tests` of `bsdf`.
 
 use glam::{Vec2, Vec3};
 

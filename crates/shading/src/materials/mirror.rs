@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Perfect mirrors, on both sides.
-//! Source: [Whi80]. Proof: crates/render/tests/mirrors.rs.
+//! Source: [Whi80]. Tests: crates/render/tests/mirrors.rs.
 
 use crate::batch::{SurfaceBatch, Vec3s};
 use crate::bsdf::{ClosureBatch, Lobe};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces that are given by a function from a hit to its scattering: what most models need and no more.
-//! Source: original. Proof: `tests` of `bsdf`.
+//! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
 

@@ -2,7 +2,7 @@
 //! A floor that only catches shadow: Lambert's reflector that shows what lies behind the scene where all light reaches it.
 //! Source: [Deb98] section 6 (differences that things make to a known background); [Lam60].
 //! Integrators that know `backdrop` may take the light that is missing from it in place of the light that arrives: no noise where
-//! nothing is missing. Others see a Lambertian reflector, and the same on average. Proof: crates/render/tests/shadow_catcher.rs.
+//! nothing is missing. Others see a Lambertian reflector, and the same on average. Tests: crates/render/tests/shadow_catcher.rs.
 
 use glam::Vec3;
 

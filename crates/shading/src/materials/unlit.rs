@@ -2,7 +2,7 @@
 //! A colour that is seen as it is, whatever lights it, from both sides: drawings, backgrounds, photographs on models.
 //! Source: KHR_materials_unlit, which speaks of what is seen. Light that such a surface gave to others would be made from nothing, so
 //! that rays which a surface scattered to all sides see black here; mirrors, glass and glossy surfaces show it.
-//! Units: radiance, W·sr⁻¹·m⁻². Proof: crates/render/tests/unlit.rs.
+//! Units: radiance, W·sr⁻¹·m⁻². Tests: crates/render/tests/unlit.rs.
 
 use crate::batch::{RayKind, SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;

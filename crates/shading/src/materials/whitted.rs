@@ -6,7 +6,7 @@
 //! first hit; later ones choose one by its share, which keeps the tree small and the mean right.
 //! Glass that bends colours apart sends one ray, of one of them. What glass absorbs is taken where light leaves it.
 //! What wide lobes would scatter of other surfaces is left out: that is light scattered twice.
-//! Proof: crates/render/tests/{mirrors,appearance,lights}.rs.
+//! Tests: crates/render/tests/{mirrors,appearance,lights}.rs.
 
 use glam::Vec3;
 use gnurt_accel::Ray;

@@ -2,7 +2,7 @@
 //! Choosing one of many in proportion to weights, by inverting the cumulative sum.
 //! Source: [PJH23] section A.1. Inversion rather than an alias table: neighbouring numbers give neighbouring choices,
 //! so stratified numbers stay stratified; a choice costs log2 n steps.
-//! Invariant: what has weight 0 is never chosen. Proof: `tests::{choices_follow_weights, rest_is_uniform}`.
+//! Invariant: what has weight 0 is never chosen. Tests: `tests::{choices_follow_weights, rest_is_uniform}`.
 
 /// Weights to choose by.
 #[derive(Clone, Debug)]

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Choosing a point of the unit square with a density that is constant in each cell of a grid.
 //! Source: [PJH23] section A.5: a row by its sum, then a column within it.
-//! Proof: `tests::density_matches_samples`.
+//! Tests: `tests::density_matches_samples`.
 
 use crate::sampling::distribution::Distribution;
 

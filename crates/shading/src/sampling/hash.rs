@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Hashing words into words, for random numbers that are functions of who asks. Source: [Bur20].
-//! Proof: the tests of `sobol`.
+//! Tests: the tests of `sobol`.
 
 /// A well-mixed function of two words.
 #[must_use]

@@ -3,7 +3,7 @@
 //! Source: [Bur20] (hash-based Owen scrambling and shuffling, padding of 2D sets); Owen [Owe95]; the two dimensions are
 //! those of [Sob67]. Differs: the key holds pixel, path branch, depth and purpose.
 //! Invariant: for a fixed key and purpose, samples 0..2^k are a (0, 2)-sequence: each elementary interval of area 2^-k
-//! holds exactly one. Proof: `tests::{every_elementary_interval_holds_one, purposes_and_seeds_are_independent}`.
+//! holds exactly one. Tests: `tests::{every_elementary_interval_holds_one, purposes_and_seeds_are_independent}`.
 
 use super::hash::hash_combine;
 use crate::batch::SampleKey;

@@ -2,7 +2,7 @@
 //! [`Draws`](super::Draws) for sixteen samples at once.
 //! Source: as `sobol`, whose numbers these are, bit for bit. Differs: turning words around is the slow part in lanes, and
 //! most turns of the scalar form cancel each other.
-//! Proof: `tests::the_same_numbers`.
+//! Tests: `tests::the_same_numbers`.
 
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 

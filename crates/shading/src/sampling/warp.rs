@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Maps from the unit square to directions and points, area-preserving and continuous, and frames to put them in.
 //! Source: [SC97] (concentric disk), Malley's method (cosine hemisphere), [Hei19] (triangle), [DBC*17] (frame).
-//! Proof: `tests::{hemisphere_follows_the_cosine, triangle_is_uniform, basis_is_orthonormal}`.
+//! Tests: `tests::{hemisphere_follows_the_cosine, triangle_is_uniform, basis_is_orthonormal}`.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 

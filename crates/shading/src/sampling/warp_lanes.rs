@@ -2,7 +2,7 @@
 //! Maps from the unit square for one sample or sixteen: see `warp`.
 //! Source: as `warp`; sine and cosine by Taylor's series, which within an eighth of a turn end soon: so they are the same on
 //! every system, whatever its library's sine is.
-//! Proof: `tests`, those of `warp`.
+//! Tests: `tests`, those of `warp`.
 
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 

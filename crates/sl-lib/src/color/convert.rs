@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Conversions between models of colour that need no primaries.
 //! Source: Foley and van Dam, Computer Graphics (hues); IEC 61966-2-1 for sRGB's curve; the NTSC matrices for YIQ that OSL uses.
-//! Hues are in [0, 1]. Proof: `tests/colors.rs`.
+//! Hues are in [0, 1]. Tests: `tests/colors.rs`.
 
 use crate::math::div;
 use crate::number::Number;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The colour matching functions of the CIE's standard observer of 1931, two degrees.
 //! Source: the CIE's table from 380 to 780 nm, every 5 nm, rounded to four digits as OSL and most programs use it.
-//! Proof: `tests/colors.rs`.
+//! Tests: `tests/colors.rs`.
 
 /// X, Y and Z of light of one wavelength: 380 nm first, then each 5 nm.
 pub(super) const MATCHING: [[f32; 3]; 81] = [

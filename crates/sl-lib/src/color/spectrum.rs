@@ -2,7 +2,7 @@
 //! Spectra as colours: black bodies and light of one wavelength, in XYZ.
 //! Source: Planck's law; the idea of a table and its spacing from OSL, with John Walker's constants (specrend, public domain).
 //! Temperatures are in kelvin, wavelengths in nanometres, radiant exitance in W/m^2.
-//! Proof: `tests/colors.rs`.
+//! Tests: `tests/colors.rs`.
 
 use super::matching::MATCHING;
 use crate::math::expm1;

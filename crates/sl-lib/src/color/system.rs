@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What red, green and blue mean: primaries and a white point, and all that follows from them.
 //! Source: the chromaticities are those of the standards that the names are of; the table of black bodies is OSL's: even in
-//! (T - 800)^(2/3), fifth roots, within 0.1 %. Proof: `tests/colors.rs`.
+//! (T - 800)^(2/3), fifth roots, within 0.1 %. Tests: `tests/colors.rs`.
 
 use super::convert::{
     RGB_FROM_YIQ, Single, XYZ_to_xyY, YIQ_FROM_RGB, hsl_to_rgb, hsv_to_rgb, linear_to_srgb, rgb_to_hsl,

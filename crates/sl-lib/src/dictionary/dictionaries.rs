@@ -2,7 +2,7 @@
 //! Dictionaries in XML: `dict_find`, `dict_next` and `dict_value`.
 //! Source: the OSL 1.14 language reference, "Dictionary lookups". Nodes are numbers above 0, good as long as the
 //! dictionaries are; documents and queries are read once.
-//! Proof: `tests/dictionary.rs`.
+//! Tests: `tests/dictionary.rs`.
 
 use std::collections::HashMap;
 

@@ -2,7 +2,7 @@
 //! Queries of documents: the part of `XPath` 1.0 that dictionaries are asked with.
 //! Source: `XPath` 1.0, abbreviated syntax: `/`, `//`, `|`, names, `*`, `.`, `..`, `text()`, `node()`, and in brackets a number, `last()`,
 //! `@name`, a child's name or `text()`, alone or with `=` or `!=` and a string, joined by `and` and `or`. No other functions and axes.
-//! Proof: `tests/dictionary.rs`.
+//! Tests: `tests/dictionary.rs`.
 
 use std::collections::BTreeSet;
 

@@ -2,7 +2,7 @@
 //! Reads XML into a tree: elements, attributes, text; comments, declarations and instructions are left out.
 //! Source: XML 1.0; messages are worded as by pugixml, which OSL reads with. Text of white space only is left out, as there.
 //! Invariants: no text makes it panic or recurse; a tree takes no more than a small multiple of its text.
-//! Proof: `tests/dictionary.rs`.
+//! Tests: `tests/dictionary.rs`.
 
 /// What stands at a place of the tree.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Division, remainders, rounding, roots and the larger of two, with the language's safe meaning: nothing here makes a NaN
 //! or an infinity of numbers.
-//! Source: original, and for the cube root's first guess Hacker's Delight, chapter 11. Meaning: OSL 1.14.
-//! Proof: `tests/mathematics.rs`.
+//! And for the cube root's first guess Hacker's Delight, chapter 11. Meaning: OSL 1.14.
+//! Tests: `tests/mathematics.rs`.
 
 use crate::number::{Number, Real, Words};
 

@@ -4,7 +4,7 @@
 //! Stegun.
 //! Invariants: never NaN and never infinite for numbers. Logarithms see nothing below the smallest normal float; powers of
 //! two lie in [2^-126, 2^126], so `pow` is clamped to that range.
-//! Errors, relative: `exp2` and `exp` 3e-5, logarithms 8e-6 absolute, `erf` 2e-6 absolute. Proof: `tests/mathematics.rs`.
+//! Errors, relative: `exp2` and `exp` 3e-5, logarithms 8e-6 absolute, `erf` 2e-6 absolute. Tests: `tests/mathematics.rs`.
 
 use std::f32::consts::{FRAC_2_SQRT_PI, LN_2, LN_10, LOG2_E};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Steps and blends.
 //! Source: the OSL 1.14 language reference, "Pattern generation".
-//! Proof: `tests/mathematics.rs`, `tests/derivatives.rs`.
+//! Tests: `tests/mathematics.rs`, `tests/derivatives.rs`.
 
 use super::arithmetic::{abs, clamp, div};
 use crate::number::{Number, Real};

@@ -4,7 +4,7 @@
 //! `fmath.h`), so that shaders print the same digits. Differs: rounds to whole turns away from ties.
 //! Invariants: never NaN for numbers; arguments of `asin` and `acos` are clamped to [-1, 1]. Errors, as absolute differences:
 //! sine and cosine 5e-7 up to 1000 radians, `asin` and `acos` 5e-5, `atan` and `atan2` 1e-5.
-//! Proof: `tests/mathematics.rs`, against `f64`.
+//! Tests: `tests/mathematics.rs`, against `f64`.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 

@@ -2,7 +2,7 @@
 //! Vectors: arrays of three numbers, with derivatives where those have them.
 //! Source: the OSL 1.14 language reference, "Geometric functions". Whatever space the caller's vectors are in.
 //! Invariant: nothing here makes a NaN of numbers: a vector without length normalises to zero.
-//! Proof: `tests/vectors.rs`.
+//! Tests: `tests/vectors.rs`.
 
 use super::arithmetic::{clamp, div, sqrt};
 use super::trigonometry::sincos;

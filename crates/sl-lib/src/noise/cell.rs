@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Noise without interpolation: one number for each cell between whole numbers, or for each point.
 //! Source: OSL 1.14, `cellnoise` and `hashnoise`. Results are in [0, 1]; they have no derivatives.
-//! Invariant: the bits of OSL's. Proof: `tests/noise.rs`.
+//! Invariant: the bits of OSL's. Tests: `tests/noise.rs`.
 
 use super::hash::{hash_words, unit};
 use super::period::wrap;

@@ -3,7 +3,7 @@
 //! Source: [LLDD09], and [LD11] for the filter and solid noise; constants and the order of random numbers are those of OSL
 //! 1.14, as is the scale, which brings results to about [-1, 1].
 //! Invariant: the bits of OSL's where the system's `exp`, `sin` and `cos` are the same. Four-dimensional noise ignores time.
-//! Proof: `tests/gabor.rs`.
+//! Tests: `tests/gabor.rs`.
 
 use std::f32::consts::{PI, TAU};
 

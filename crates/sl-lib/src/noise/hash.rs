@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The hash that all noise and `hash()` are made of: Bob Jenkins' lookup3 over 1 to 5 words.
 //! Source: Bob Jenkins, lookup3.c (public domain), with the seeds that OSL starts from.
-//! Invariant: the bits of OSL's. Proof: `tests/noise.rs`.
+//! Invariant: the bits of OSL's. Tests: `tests/noise.rs`.
 
 use crate::number::{Real, Word, Words};
 

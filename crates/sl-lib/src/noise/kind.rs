@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Noise by name: `noise("simplex", ..)`, for one place with derivatives.
 //! Source: OSL 1.14, "noise". Differs: the noise that is always 0.5 has derivatives of 0.
-//! Proof: `tests/gabor.rs`.
+//! Tests: `tests/gabor.rs`.
 
 use super::gabor::{GaborOptions, gabor, gabor3};
 use super::{cell, perlin, simplex};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Noise that repeats: coordinates wrapped into a period. Source: OSL 1.14. Proof: `tests/noise.rs`.
+//! Noise that repeats: coordinates wrapped into a period. Source: OSL 1.14. Tests: `tests/noise.rs`.
 
 use crate::number::{Real, Words};
 

@@ -3,7 +3,7 @@
 //! Source: [Per02], with the hash, gradients and scales of OSL 1.14. Signed noise is in [-1, 1], unsigned noise in [0, 1].
 //! Invariant: the bits of OSL's noise without derivatives, which interpolates along z, then x, y and w. Its noise with
 //! derivatives takes another order in four dimensions and differs from that by a rounding; here both are the same.
-//! Proof: `tests/noise.rs`.
+//! Tests: `tests/noise.rs`.
 
 use super::hash::hash_words;
 use super::period::whole_periods;

@@ -2,7 +2,7 @@
 //! Simplex noise in 1 to 4 dimensions, with derivatives.
 //! Source: [Gus05], with hashes instead of its table of permutations and the scales of OSL 1.14; results are in about [-1, 1].
 //! Invariant: the bits of OSL's noise; derivatives differ from its by roundings, because here one formula serves all
-//! dimensions. Proof: `tests/noise.rs`.
+//! dimensions. Tests: `tests/noise.rs`.
 
 use super::hash::finish;
 use super::perlin::{halved, three_halved};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Points with values.
 //! Source: the OSL specification, "Point clouds"; original. A column's values stand point after point.
-//! Proof: `tests/points.rs`.
+//! Tests: `tests/points.rs`.
 
 use std::sync::{Arc, OnceLock};
 

@@ -16,7 +16,7 @@
 //! endExtra
 //! ```
 //!
-//! Proof: `tests/points.rs`.
+//! Tests: `tests/points.rs`.
 
 use std::sync::Arc;
 

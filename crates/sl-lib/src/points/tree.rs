@@ -2,7 +2,7 @@
 //! A k-d tree over points: their numbers in an order in which each range's middle splits it.
 //! Source: Bentley, "Multidimensional binary search trees used for associative searching", CACM 18 (1975); original. The axis of a
 //! range is its depth modulo three, so that nothing but the order is stored.
-//! Proof: `tests/points.rs`, against all points one by one.
+//! Tests: `tests/points.rs`, against all points one by one.
 
 use std::collections::BinaryHeap;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Reads regular expressions of ECMAScript's syntax, as OSL does through C++'s library: groups, lookahead, references back, lazy
 //! repetition, classes with names.
-//! Source: ECMA-262, 3rd edition, 15.10.1, with POSIX's named classes. Proof: `tests/regex.rs`.
+//! Source: ECMA-262, 3rd edition, 15.10.1, with POSIX's named classes. Tests: `tests/regex.rs`.
 
 use super::program::{Set, Step, is_word};
 

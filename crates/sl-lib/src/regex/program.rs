@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a regular expression is compiled to: steps for a machine that goes back where it fails.
-//! Source: original, after Cox's "Regular Expression Matching: the Virtual Machine Approach".
-//! Proof: `tests/regex.rs`.
+//! Source: after Cox's "Regular Expression Matching: the Virtual Machine Approach".
+//! Tests: `tests/regex.rs`.
 
 /// A set of bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Runs regular expressions: tries ways in order, and goes back where one fails.
-//! Source: original; the meaning of results is that of OSL 1.14, `regex_search`.
+//! The meaning of results is that of OSL 1.14, `regex_search`.
 //! Invariants: no pattern and no subject makes it panic, recurse more deeply than lookaheads are nested, or take more than
-//! `MOST_STEPS` steps. Proof: `tests/regex.rs`.
+//! `MOST_STEPS` steps. Tests: `tests/regex.rs`.
 
 use super::parse::parse;
 use super::program::{Step, is_word};

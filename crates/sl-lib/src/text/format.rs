@@ -4,7 +4,7 @@
 //! conversions that do not fit the value are repaired. Numbers are written as by C, strings stand on the left of their width,
 //! as in fmtlib, which OSL prints with. Differs: `%u`, `*` and length modifiers, on which OSL prints a complaint of fmtlib, mean
 //! what they mean in C, or nothing.
-//! Invariants: any text is a format; widths and precisions are at most 512. Proof: `tests/strings.rs`.
+//! Invariants: any text is a format; widths and precisions are at most 512. Tests: `tests/strings.rs`.
 
 use super::number::{Notation, digits};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The hash of strings: FarmHash's 64 bits, which OSL's `hash(string)` takes the lower half of.
 //! Source: FarmHash 1.1 (Geoff Pike, MIT), the variants `na`, `xo` and `uo` by length; the empty string has hash 0, as in OSL.
-//! Proof: `tests/strings.rs`, against OpenImageIO's hashes.
+//! Tests: `tests/strings.rs`, against OpenImageIO's hashes.
 
 const K0: u64 = 0xc3a5_c85c_97cb_3127;
 const K1: u64 = 0xb492_b66f_be98_f273;

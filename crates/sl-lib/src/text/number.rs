@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers as text, as C's `printf` writes them: `%f`, `%e` and `%g`.
-//! Source: C99, 7.19.6.1. Proof: `tests/strings.rs`, against C's.
+//! Source: C99, 7.19.6.1. Tests: `tests/strings.rs`, against C's.
 
 /// How a number is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 //! Functions of strings. Places and lengths count bytes, as with OSL; where a cut would leave part of a letter, that letter
 //! becomes U+FFFD.
 //! Source: the OSL 1.14 language reference, "String functions", and for what it leaves open OpenImageIO's `Strutil`.
-//! Invariant: no string makes any of them panic. Proof: `tests/strings.rs`.
+//! Invariant: no string makes any of them panic. Tests: `tests/strings.rs`.
 
 /// The length in bytes.
 #[must_use]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Smaller copies of a picture whose file has none: each half as large as the one before, read from it between its texels.
-//! Source: original; sizes and values are those of OpenImageIO's `automip`, values rounded to what the file stores. A picture that says that it
+//! Sizes and values are those of OpenImageIO's `automip`, values rounded to what the file stores. A picture that says that it
 //! is a texture stays as it is: who made it wanted no copies.
 
 use gnurt_image::{Stored, StoredLevel, StoredValues};

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures as OSL's own tools read them: for `testshade`, whose output is compared with theirs.
-//! Source: original; what is computed follows OpenImageIO, whose texture system OSL's tools use: `filter` says over which ellipse and in
-//! which of a file's levels is read, `sample` how a level is read at a place, `copies` makes levels where a file has none. Values are those that are
+//! What is computed follows OpenImageIO, whose texture system OSL's tools use: `filter` says over which ellipse and in which of a file's levels is read, `sample` how a level is read at a place, `copies` makes levels where a file has none. Values are those that are
 //! stored, without a colour space; renderings read pictures otherwise (`textures`).
-//! Proof: `tests/scripts/stored.rs`; OSL's suite (bench/record/osl-suite.md).
+//! Tests: `tests/scripts/stored.rs`; OSL's suite (bench/record/osl-suite.md).
 
 mod copies;
 mod filter;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Reads a level of a picture at a place: the nearest texel, between four, or by cubic B-splines over sixteen.
-//! Source: original; wrap modes and derivatives are those of OpenImageIO's textures. Cubic B-splines: Sigg and Hadwiger, Fast
+//! Wrap modes and derivatives are those of OpenImageIO's textures. Cubic B-splines: Sigg and Hadwiger, Fast
 //! Third-Order Texture Filtering (GPU Gems 2, 2005). A channel that the file lacks is filled; what lies outside of a picture that is black there is black
 //! in filled channels as well.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Assignments and whether their target may be written.
-//! Source: original; the rules and words are OSL's.
+//! The rules and words are OSL's.
 
 use super::checker::{Checker, wrong};
 use crate::ast::{self, Binary};

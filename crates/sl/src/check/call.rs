@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Calls of functions and of structs' constructors.
-//! Source: original; the rules and words are OSL's.
+//! The rules and words are OSL's.
 
 use super::checker::{Checker, wrong};
 use super::scope::Named;

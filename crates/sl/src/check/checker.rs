@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The state of checking.
-//! Source: original.
 //!
 //! OSL gives some messages while it reads a function and others after its end; to print in the same order, messages of a
 //! function are collected in two lists, early and late.

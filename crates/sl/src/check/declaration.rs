@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Declarations, and the check of a whole file.
-//! Source: original; the rules and words are OSL's.
+//! The rules and words are OSL's.
 
 use super::checker::{Checker, Frame, Known, Options};
 use super::literal::literal;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values in braces, whose type is that of what they are given to.
-//! Source: original; the rules and words are OSL's.
+//! The rules and words are OSL's.
 
 use super::assignment::is_empty_closure;
 use super::checker::Checker;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of parameters and metadata that are known from the text.
-//! Source: original; what counts as known is OSL's.
+//! What counts as known is OSL's.
 
 use crate::hir::{Data, Expr, ExprKind};
 use crate::types::{Base, Type};

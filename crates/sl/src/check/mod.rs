@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Looks up names, checks types and chooses overloads: tree in, checked tree out.
-//! Source: original; the rules and the words of messages are OSL's.
+//! The rules and the words of messages are OSL's.
 //!
 //! `signature` and `builtins` say which functions there are, `scope` keeps names, `checker` keeps the state; `expression`,
 //! `operator`, `assignment`, `call`, `overload`, `initializer`, `printf`, `special` and `statement` each check a part of the

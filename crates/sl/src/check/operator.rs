@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operators, and functions that give them a meaning for structs.
-//! Source: original; the rules and words are OSL's.
+//! The rules and words are OSL's.
 
 use super::call::Arg;
 use super::checker::{Checker, wrong};

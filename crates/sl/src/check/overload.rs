@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Chooses among functions of one name: by how well arguments fit, then by what is wanted of the result, then by rank.
-//! Source: original; points, ranks and words are OSL's.
+//! Points, ranks and words are OSL's.
 
 use super::call::Arg;
 use super::checker::Checker;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Names and the blocks in which they hold.
-//! Source: original; that a shader's own variables stand beside the library's functions is OSL's rule.
+//! That a shader's own variables stand beside the library's functions is OSL's rule.
 
 use crate::hir::VarId;
 use std::collections::HashMap;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a function takes and gives.
-//! Source: original; the one-letter codes are OSL's.
+//! The one-letter codes are OSL's.
 
 use crate::hir::FuncId;
 use crate::source::Loc;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Statements.
-//! Source: original; the rules and words are OSL's.
+//! The rules and words are OSL's.
 
 use super::checker::Checker;
 use crate::ast;

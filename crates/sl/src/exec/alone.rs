@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Single operations, for code that runs a group by other means and leaves to the interpreter what it has no better way for.
-//! Source: original. Values are elsewhere: the caller brings an operation's arguments into the machine's memory, and takes them
+//! Values are elsewhere: the caller brings an operation's arguments into the machine's memory, and takes them
 //! from there. Whose turn it is (the point, its messages) is exchanged by the caller as well.
 
 use super::components::Closures;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operators that are not the same for each component: ints, comparisons, matrices.
-//! Source: original; nothing traps: a division by zero is zero.
+//! Nothing traps: a division by zero is zero.
 
 use super::machine::{Action, Machine, Step};
 use crate::types::{Base, Type};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Assignments, which convert as well.
-//! Source: original; conversions are OSL's.
+//! Conversions are OSL's.
 
 use super::machine::{Machine, Step};
 use super::slot::Slot;

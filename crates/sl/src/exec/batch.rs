@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sixteen points at a time: what goes into a group that is ready to run, by whatever means, and what comes out.
-//! Source: original. The interpreter takes the points one by one; code for lanes may take them all at once. What comes out is the
-//! same. Numbers stand in rows, one number of each point side by side. Proof: `tests/meaning/more.rs`.
+//! The interpreter takes the points one by one; code for lanes may take them all at once. What comes out is the
+//! same. Numbers stand in rows, one number of each point side by side. Tests: `tests/meaning/more.rs`.
 
 use super::cells::{DualRow, LANES, Row};
 use super::components::Closures;

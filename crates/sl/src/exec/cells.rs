@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers of the points of a batch, as they lie in memory: one for all of them, or one for each.
-//! Source: original. Proof: `tests/meaning/more.rs`.
+//! Tests: `tests/meaning/more.rs`.
 
 use gnurt_sl_lib::Dual;
 

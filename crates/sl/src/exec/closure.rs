@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operations that make closures, for one point or for many at once, and their texts.
-//! Source: original; what is printed is OSL's. Proof: `tests/meaning/more.rs`, crates/jit/tests/agreement.rs.
+//! What is printed is OSL's. Tests: `tests/meaning/more.rs`, crates/jit/tests/agreement.rs.
 
 use super::cells::{Cells, LANES};
 use super::components::{Closures, Component, Part};

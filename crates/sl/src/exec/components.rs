@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What closures are made of: nodes of sums, weights and components, each made for many points of a batch at once.
-//! Source: original. A node is known by its number, counted from 1; 0 is no closure. Its numbers lie one behind the other in one memory,
+//! A node is known by its number, counted from 1; 0 is no closure. Its numbers lie one behind the other in one memory,
 //! each either once for all points that the node was made for, or in a row. Points for which it was not made find anything in it.
-//! Invariant: nodes only name nodes that were made before them. Proof: `tests/meaning/more.rs`.
+//! Invariant: nodes only name nodes that were made before them. Tests: `tests/meaning/more.rs`.
 
 use super::cells::{Cells, LANES, lanes_of};
 use crate::hir::Data;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Dictionaries in XML that a shader asks: `dict_find`, `dict_next`, `dict_value`.
 //! Source: the OSL specification, "Dictionary lookups"; original. The library reads and searches; the host has the files.
-//! Proof: `tests/meaning/more.rs`.
+//! Tests: `tests/meaning/more.rs`.
 
 use super::host::Given;
 use super::machine::{Machine, Step};

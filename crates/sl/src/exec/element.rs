@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Elements of arrays and components of triples and matrices. An index that is out of range is moved into it, with a message.
-//! Source: original; the words are OSL's.
+//! The words are OSL's.
 
 use super::machine::{Machine, Step};
 use super::slot::Slot;

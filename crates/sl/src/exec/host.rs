@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a shader asks of the program that runs it.
-//! Source: original; the questions are those of OSL's renderer services.
+//! The questions are those of OSL's renderer services.
 
 use super::cells::{DualRow, LANES};
 use super::components::ClosureDecl;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The interpreter as a [`Program`]: the points of a batch, one after the other.
-//! Source: original. Proof: `tests/meaning/more.rs`.
+//! Tests: `tests/meaning/more.rs`.
 
 use super::batch::{Points, Program, Results};
 use super::cells::{LANES, Row};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group laid out in memory, its operations bound to what they do.
-//! Source: original; which layers wait until they are asked for is OSL's.
+//! Which layers wait until they are asked for is OSL's.
 
 use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
 use super::nesting;

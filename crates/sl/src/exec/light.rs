@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays and lights that a shader asks for.
-//! Source: original; `trace` that gives an int is OSL's.
+//! `trace` that gives an int is OSL's.
 
 use super::host::TraceOptions;
 use super::machine::{Machine, Step};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The machine, the plan that it runs and the steps that plans are made of.
-//! Source: original. These types name each other, so they stand together.
+//! These types name each other, so they stand together.
 
 use super::components::Closures;
 use super::host::{Host, Point};

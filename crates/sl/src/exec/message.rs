@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Messages between the layers of a point.
-//! Source: original; rules and words are OSL's.
+//! Rules and words are OSL's.
 
 use super::machine::{Machine, Message, Step};
 use crate::types::{Base, Type};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The interpreter: what a shader means, one point at a time.
-//! Source: original.
 //!
 //! A group of shaders is laid out in one memory of 32-bit cells (`layout`); a [`Machine`] runs it for a point and asks a [`Host`]
 //! for all that only a renderer knows; a [`Program`] runs sixteen points. `table` names the operations; `arithmetic`, `assign`, `element`, `math`, `noise`,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How deep the blocks of layers nest in each other: the interpreter runs a layer where its value is asked for, in the midst of the blocks
 //! of the layer that asks, and calls itself for each. Chains that are too long are cut: layers far up run before the others.
-//! Source: original.
-//! Invariant: from the last layer no more than [`MOST_NESTED`] blocks are open, and those of one layer. Proof: `tests/hostile.rs`.
+//! Invariant: from the last layer no more than [`MOST_NESTED`] blocks are open, and those of one layer. Tests: `tests/hostile.rs`.
 
 use super::machine::{Instruction, LayerPlan};
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Noise and hashes: arguments to the library and back.
-//! Source: original.
 
 use super::machine::{D, Machine, Step};
 use crate::types::{Base, Type};

@@ -2,7 +2,7 @@
 //! Point clouds: `pointcloud_search`, `pointcloud_get`, `pointcloud_write`.
 //! Source: the OSL specification, "Point clouds"; original. The library searches; the host has the files. What is found is sorted
 //! whether that is asked for or not; arrays bound how much is found.
-//! Proof: `tests/meaning/clouds.rs`.
+//! Tests: `tests/meaning/clouds.rs`.
 
 use super::light::pairs;
 use super::machine::{D, Machine, Step};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `printf` and its kin.
-//! Source: original; the words before messages are OSL's.
+//! The words before messages are OSL's.
 
 use super::machine::{Event, Machine, Step};
 use super::slot::Slot;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers of a batch's points, with their changes, out of cells and back.
-//! Source: original. Proof: crates/jit/tests/batches.rs.
+//! Tests: crates/jit/tests/batches.rs.
 
 use super::cells::{Batch, Cells, DualRow, LANES, Row};
 use super::slot::Slot;

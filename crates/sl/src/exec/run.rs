@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Runs a group for a point: layers when they are needed, connections when they are read.
-//! Source: original; the order is OSL's.
+//! The order is OSL's.
 
 use super::host::Point;
 use super::machine::{Copy, Event, Flow, Instruction, Loop, Machine, Source, Step};

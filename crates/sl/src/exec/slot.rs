@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where a symbol's value is.
-//! Source: original.
 
 use crate::types::Type;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Spaces by name, and colours.
-//! Source: original; the words are OSL's.
+//! The words are OSL's.
 
 use super::host::Point;
 use super::machine::{Machine, Step};

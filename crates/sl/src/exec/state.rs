@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What shaders ask about the renderer and themselves.
-//! Source: original.
 
 use super::host::Given;
 use super::machine::{Machine, Step};

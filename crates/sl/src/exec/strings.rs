@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Texts by number, so that a cell can hold one.
-//! Source: original. Invariant: number 0 is the empty text; those of [`WELL_KNOWN`] follow.
+//! Invariant: number 0 is the empty text; those of [`WELL_KNOWN`] follow.
 
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Texts: arguments to the library and back.
-//! Source: original.
 
 use super::machine::{Machine, Step};
 use gnurt_sl_lib::regex::Regex;

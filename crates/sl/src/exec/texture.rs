@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures that a shader reads: by two coordinates, or by a direction; volumes, by a place.
-//! Source: original; the options are OSL's. Directions are those of pictures over longitude and latitude with y up.
+//! The options are OSL's. Directions are those of pictures over longitude and latitude with y up.
 
 use super::cells::{Batch, Cells, DualRow};
 use super::host::{Given, Subimage, TextureOptions};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How values are read and written.
-//! Source: original.
 
 use super::host::Given;
 use super::machine::{D, Event, Machine};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Makes connections.
-//! Source: original; the rules and words are OSL's.
+//! The rules and words are OSL's.
 
 use super::layers::{Connection, Group, Layer, Part};
 use crate::ir::SymId;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group and its layers.
-//! Source: original.
 
 use super::value::Value;
 use crate::hir::Data;

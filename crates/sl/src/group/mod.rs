@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Groups of shaders: layers, their parameters' values, connections between them, and all that as a text.
-//! Source: original; rules and text are OSL's.
+//! Rules and text are OSL's.
 
 mod connect;
 mod layers;

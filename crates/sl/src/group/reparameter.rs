@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Changes values of parameters that were declared to change.
-//! Source: original; the rules are OSL's.
+//! The rules are OSL's.
 
 use super::layers::Group;
 use super::value::Value;

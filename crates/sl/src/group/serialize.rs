@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Groups as text: `param float Kd 0.5 ; shader matte layer1 ; connect layer1.out layer2.in ;`.
-//! Source: original; the text is OSL's.
+//! The text is OSL's.
 
 use super::layers::{Group, Hint};
 use super::value::Value;

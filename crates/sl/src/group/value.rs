@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of parameters as programs and command lines give them.
-//! Source: original; the forms are those of OSL's tools.
+//! The forms are those of OSL's tools.
 
 use crate::hir::Data;
 use crate::types::{Base, Type};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operations in a row, with jump targets in place of blocks, as files hold them.
-//! Source: original; the order of blocks is OSL's.
+//! The order of blocks is OSL's.
 
 use super::shader::{Block, Node, Op, Place, SymId};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The intermediate form: operations on typed symbols, with control flow as nested blocks. Its text form is `.oso`.
-//! Source: original; operations and their arguments are those of OSL's compiler, so that its files can be read and ours by it.
+//! Operations and their arguments are those of OSL's compiler, so that its files can be read and ours by it.
 //!
 //! Blocks are nested and not joined by jumps, because lanes of different opinion go through a block together: a back end makes
 //! masks of `If`, `Loop`, `break`, `continue`, `return` and `exit`, and one value a variable where it needs that. `shader` is

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How many operands operations have at least: compiled shaders come from outside, and what goes through them may count on these.
-//! Source: the operations of OSL's compiler. Proof: `tests/hostile.rs::operations_may_lack_operands`.
+//! Source: the operations of OSL's compiler. Tests: `tests/hostile.rs::operations_may_lack_operands`.
 
 /// Result and arguments of the shortest form; 0 for names that are not known here, and for what looks by itself.
 pub(super) fn least_operands(name: &str) -> usize {

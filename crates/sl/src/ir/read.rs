@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Reads the text form, `.oso`, as OSL's compiler and ours write it.
-//! Source: original; the format is OSL's.
+//! The format is OSL's.
 //! Invariant: no text makes it panic or take memory that the text does not account for; what it returns passes [`verify`].
 
 use super::flat::Flat;

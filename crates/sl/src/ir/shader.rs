@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A compiled shader.
-//! Source: original.
 
 use crate::hir::{Data, Meta};
 use crate::types::{Base, Structs, Type};

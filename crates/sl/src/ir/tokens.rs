@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Cuts a line of `.oso` into words.
-//! Source: original; the format is OSL's.
+//! The format is OSL's.
 
 use crate::parse::unescape;
 

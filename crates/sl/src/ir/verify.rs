@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Whether the intermediate form is whole: what passes make and files hold is checked before it runs.
-//! Source: original.
 
 use super::shader::{Block, Node, Op, Shader, SymId, SymbolKind};
 use crate::hir::Data;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Walks over blocks.
-//! Source: original.
 
 use super::shader::{Block, Node, Op, SymId};
 

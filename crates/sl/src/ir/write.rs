@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Writes the text form, `.oso` version 1.00.
-//! Source: original; the format is OSL's, and its reader takes these files.
+//! The format is OSL's, and its reader takes these files.
 
 use super::flat::Flat;
 use super::shader::{Op, Shader, Symbol};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of several parts: constructors, structs and arrays in braces.
-//! Source: original.
 
 use super::lowerer::{Lowerer, Value};
 use crate::check::literal;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which variables a function writes, in itself or through others: only what it may change is copied when it is passed by value.
-//! Source: original.
 
 use crate::hir::{Expr, ExprKind, FuncId, Program, Stmt, StmtKind, VarId};
 use std::collections::{HashMap, HashSet};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Expressions.
-//! Source: original.
 
 use super::lowerer::{Lowerer, Value};
 use crate::ast::{Binary, Unary};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Choices: `&&`, `||` and `?:` work out only what they need.
-//! Source: original.
 
 use super::lowerer::{Lowerer, Value};
 use crate::hir::Expr;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The state of lowering: symbols, blocks that are being written, constants.
-//! Source: original.
 
 use super::effects::Effects;
 use crate::diagnostics::{Diagnostic, Diagnostics};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The checked tree to the intermediate form: structs become a symbol for each member, functions are put where they are
 //! called, conversions become assignments.
-//! Source: original; which operations a piece of text becomes is OSL's.
+//! Which operations a piece of text becomes is OSL's.
 //!
 //! `lowerer` keeps the state, `place` what can be assigned to; `expression`, `logic`, `aggregate`, `call` and `statement` each
 //! lower a part of the language; `parameter` makes defaults, `program` the whole.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Parameters and their defaults: a value where the text tells it, operations where it has to be worked out.
-//! Source: original; what counts as told is OSL's.
+//! What counts as told is OSL's.
 
 use super::lowerer::{Lowerer, Value};
 use crate::check::literal;

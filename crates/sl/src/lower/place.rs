@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What can be assigned to: a variable, a member, an element, a component.
-//! Source: original.
 
 use super::lowerer::{Lowerer, Value};
 use crate::hir::{Expr, ExprKind};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The whole program.
-//! Source: original.
 
 use super::lowerer::Lowerer;
 use crate::diagnostics::Diagnostics;

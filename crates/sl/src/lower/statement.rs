@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Statements.
-//! Source: original.
 
 use super::lowerer::Lowerer;
 use crate::hir::{Expr, Stmt, StmtKind};

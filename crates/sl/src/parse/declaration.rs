@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Declarations: shaders, functions, structs, variables and metadata.
-//! Source: original; the grammar is OSL's.
+//! The grammar is OSL's.
 
 use super::reader::{Parse, Parsed, Parser};
 use crate::ast::{

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Expressions.
-//! Source: original; the grammar is OSL's.
+//! The grammar is OSL's.
 
 use super::fold::fold;
 use super::reader::{Parse, Parser};

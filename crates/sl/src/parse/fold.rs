@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Works out operators between two written numbers, so that `1.0/3.0` is a number wherever one is asked for.
-//! Source: original; what is folded is what OSL folds.
+//! What is folded is what OSL folds.
 
 use crate::ast::{Binary, ExprKind};
 

@@ -6,7 +6,7 @@
 //!     if (illuminate(k, P [, axis, angle], L, Cl, lightdist, lightpdf [, names and values])) statement
 //! }
 //! ```
-//! Source: original; the word is one that OSL reserves.
+//! The word is one that OSL reserves.
 
 use super::reader::{Parse, Parser};
 use crate::ast::{Binary, Declarator, Expr, ExprKind, Stmt, StmtKind, TypeRef, TypeWord};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Looks at tokens one after the other, and obeys pragmas on the way.
-//! Source: original; the pragmas are OSL's.
+//! The pragmas are OSL's.
 
 use super::unescape::unescape;
 use crate::ast::{Expr, ExprKind, Item};

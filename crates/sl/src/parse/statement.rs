@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Statements.
-//! Source: original; the grammar is OSL's.
+//! The grammar is OSL's.
 
 use super::reader::{Parse, Parser};
 use crate::ast::{Expr, Stmt, StmtKind};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Strings as they are written, to what they mean.
-//! Source: original; the escapes are C's.
+//! The escapes are C's.
 
 /// The text between quotes, escapes replaced. Takes it with or without the quotes.
 #[must_use]

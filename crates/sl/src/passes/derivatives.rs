@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Finds the symbols that need derivatives: those whose derivatives are taken, and all that they are made of.
-//! Source: original; a backward data-flow over whole symbols, as OSL's.
+//! A backward data-flow over whole symbols, as OSL's.
 
 use crate::ir::{Shader, SymId, ops};
 use crate::types::Base;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Works out what is known before a shader runs: numbers made of constants and of parameters that nothing changes, and which
 //! way conditions on them go. Then leaves out what nobody reads.
-//! Source: original; constant propagation and dead code elimination over symbols that are written once.
+//! Constant propagation and dead code elimination over symbols that are written once.
 //! Invariant: what a shader prints and puts out is the same with and without it.
-//! Proof: `tests/passes.rs`, and OSL's test suite, which runs through it.
+//! Tests: `tests/passes.rs`, and OSL's test suite, which runs through it.
 
 use crate::hir::Data;
 use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};

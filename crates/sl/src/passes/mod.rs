@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What is found out about, and changed in, the intermediate form.
-//! Source: original.
 
 mod derivatives;
 mod fold;

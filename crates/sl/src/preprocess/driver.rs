@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Reads files, obeys directives and hands out expanded tokens.
-//! Source: original; the rules are those of C99.
+//! The rules are those of C99.
 //!
 //! Invariant: macros, includes and text are bounded ([`TOKENS`], [`INCLUDES`], [`BYTES`]), so every input ends, in memory that its files
 //! account for.

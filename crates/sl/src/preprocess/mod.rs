@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The C preprocessor: files in, tokens out.
-//! Source: original; the rules are those of C99.
+//! The rules are those of C99.
 //!
 //! `macros` keeps and expands macros, `condition` decides `#if`, `driver` reads files and directives.
 

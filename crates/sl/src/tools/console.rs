@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where a tool writes to: two streams whose texts keep their order; and what the program brings along.
-//! Source: original.
 
 use super::engine::Engine;
 use super::textures::Textures;

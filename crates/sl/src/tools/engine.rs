@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What `testshade` can run groups by beside the interpreter: code that takes points in batches, made elsewhere.
-//! Source: original.
 
 use crate::exec::{Event, Host, Plan, Points};
 use crate::hir::Data;

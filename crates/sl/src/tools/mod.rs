@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! OSL's command-line tools: what `gnurt oslc`, `gnurt oslinfo` and `gnurt testshade` do, with OSL's options and output.
-//! Source: original; options and output are those of OSL's tools.
+//! Options and output are those of OSL's tools.
 
 mod console;
 mod engine;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The compiler's command line.
-//! Source: original; options and output are those of OSL's `oslc`.
+//! Options and output are those of OSL's `oslc`.
 
 use super::console::Console;
 use crate::compile::{Compiled, Options, compile, preprocess};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lists the parameters of compiled shaders.
-//! Source: original; options and output are those of OSL's `oslinfo`.
+//! Options and output are those of OSL's `oslinfo`.
 
 use super::console::Console;
 use crate::format::{escape, general};

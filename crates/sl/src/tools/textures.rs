@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What `testshade` reads pictures by: made elsewhere, since the language knows no picture files.
-//! Source: original.
 
 use crate::exec::TextureOptions;
 use crate::hir::Data;

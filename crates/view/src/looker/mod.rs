@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The thread that renders what the window wants to see, from outside: wishes in, pictures and news out. How it decides what to
-//! render: `work.rs`. Source: original. Proof: `tests`, and `crates/cli/tests/program/window.rs`.
+//! render: `work.rs`. Tests: `tests`, and `crates/cli/tests/program/window.rs`.
 
 mod wish;
 mod work;

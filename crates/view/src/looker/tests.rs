@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the window gets to see, and when. Source: original.
+//! What the window gets to see, and when.
 
 use std::sync::Arc;
 use std::time::Instant;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What the window and the thread that renders for it tell each other: wishes one way, pictures and news the other.
-//! Source: original.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64};

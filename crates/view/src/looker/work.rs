@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The thread that renders what the window wants to see: coarse while the camera moves, then finer, then more samples.
-//! Source: original, after the habits of Cycles and OSPRay. A new view is first shown at the resolution that keeps the
+//! Source: after the habits of Cycles and OSPRay. A new view is first shown at the resolution that keeps the
 //! picture moving, or whole, made of the pictures before, where light is found by chance; when it rests, resolution doubles until it is
 //! full, then samples are added until there are enough, and are shown by steps too small to flicker (`calm.rs`).
 //! A picture is shown when it is whole: what was stopped is not.
 //! Frames of a camera that moves are finished, so that something is seen; all other work is stopped as soon as the view
 //! changes. Invariant: pixels and samples of a finished picture are those of `gnurt::render::render`.
-//! Proof: `super::tests`, and `crates/cli/tests/program/window.rs`.
+//! Tests: `super::tests`, and `crates/cli/tests/program/window.rs`.
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;

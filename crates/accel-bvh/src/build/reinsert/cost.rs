@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From places back to nodes, with what wide nodes made of them will cost.
-//! Source: [YKL17], as in `collapse`. Invariant: as of [`MovableTree`]. Proof: `super::tests`.
+//! Source: [YKL17], as in `collapse`. Invariant: as of [`MovableTree`]. Tests: `super::tests`.
 
 use super::super::binary_node::BinaryNode;
 use super::super::costs::{Costs, Shares, inner_costs, leaf_costs};

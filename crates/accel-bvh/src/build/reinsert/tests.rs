@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What must hold of a tree whatever was moved, and that a move is what it is said to be. Source: original.
+//! What must hold of a tree whatever was moved, and that a move is what it is said to be.
 
 use super::super::binary::Careful;
 use super::super::{all_references, collapse};

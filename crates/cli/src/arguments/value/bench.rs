@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of `bench`.
-//! Source: original; the ranges are the contract of the command line. Proof: `tests` of `value/mod.rs`.
+//! See docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
 
 use gnurt_bench::Class;
 use gnurt_bench::ENGINES;

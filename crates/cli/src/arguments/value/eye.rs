@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values that say where the eye is, and what it sees through.
-//! Source: original; the ranges are the contract of the command line. Proof: `tests` of `value/mod.rs`.
+//! See docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
 
 use gnurt::scene::Projection;
 

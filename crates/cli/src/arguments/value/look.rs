@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values that say how a picture looks: exposure, tone, filters, where it is shown.
-//! Source: original; the ranges are the contract of the command line. Proof: `tests` of `value/mod.rs`.
+//! See docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
 
 use gnurt::denoise::Method;
 use gnurt::image::ToneCurve;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of options: from text to numbers, vectors, names. Each error says what would be right.
-//! Source: original; the ranges are the contract of the command line.
-//! Invariant: no value leaves here that is NaN, infinite or out of its range. Proof: `tests`, also in the files below.
+//! See docs/reference/cli.md.
+//! Invariant: no value leaves here that is NaN, infinite or out of its range. Tests: `tests`, also in the files below.
 
 mod bench;
 mod effort;

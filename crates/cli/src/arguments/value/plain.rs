@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers, lists and names, as all values of options are made of them.
-//! Source: original; the ranges are the contract of the command line. Proof: `tests` of `value/mod.rs`.
+//! See docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
 
 use std::fmt::Display;
 use std::str::FromStr;

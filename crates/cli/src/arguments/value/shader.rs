@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values that name shaders with their parameters, and what may be a shader or something else: cameras, surroundings.
-//! Source: original; the ranges are the contract of the command line. Proof: `tests`.
+//! See docs/reference/cli.md. Tests: `tests`.
 
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! OpenEXR: a picture with all its layers, by the `exr` library.
-//! Source: original. Proof: `tests/{round_trip,broken}.rs`.
+//! Tests: `tests/{round_trip,broken}.rs`.
 
 mod read;
 mod write;

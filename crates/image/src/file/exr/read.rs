@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Reading an EXR: the picture's colour is the unnamed R, G, B (or Y), else the first group of channels that has them.
-//! Source: original. A group is the part's name and what stands before the last dot of a channel's name. All other
+//! A group is the part's name and what stands before the last dot of a channel's name. All other
 //! channels become layers. What the layer `background` holds, R, G, B and A, lies behind it and is added to the colour: a picture's
 //! colour is what is seen. The picture is the display window; what the data window lacks is black and transparent.
 //! Invariants: headers are checked before pixels are read; everything runs on the calling thread.
-//! Proof: `tests/{round_trip,broken}.rs`.
+//! Tests: `tests/{round_trip,broken}.rs`.
 
 use exr::block::reader::Reader;
 use exr::prelude::{

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Writing an EXR: one flat part with the colour as R, G, B, A and every layer's channels as `layer.channel`.
-//! Source: original; names as other renderers and viewers use them. R, G, B are what is in front, over nothing and associated
+//! Names as other renderers and viewers use them. R, G, B are what is in front, over nothing and associated
 //! with A [PD84]; what lies behind is the layer `background`, to be added. ZIP compression in blocks of 16 rows, on the
 //! calling thread alone. Invariants: pixels are exact in the chosen precision; finite values stay finite in half
-//! precision. Proof: `tests/round_trip.rs`.
+//! precision. Tests: `tests/round_trip.rs`.
 
 use std::collections::HashSet;
 use std::io::Cursor;

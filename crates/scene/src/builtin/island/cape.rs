@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The cape that the lighthouse stands on. Source: original. Space: world, sea level at y = 0. Proof: `tests/builtin.rs`.
+//! The cape that the lighthouse stands on. Space: world, sea level at y = 0. Tests: `tests/builtin.rs`.
 
 use super::super::noise::{rolling, smoothstep};
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The lighthouse on its cape: a striped tower, a gallery, a lit lantern under a red roof, a keeper's cottage.
-//! Source: original. Space: world; the tower is [`TALL`] high.
+//! Space: world; the tower is [`TALL`] high.
 
 use super::super::shapes::{append, block, lathe, moved, placed, sphere};
 use super::cape::PLACE;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Trees and rocks, a few kinds each, one unit high, to be instanced.
-//! Source: original. Space: object, the foot at the origin, +Y up.
+//! Space: object, the foot at the origin, +Y up.
 
 use super::super::noise::{hash, value};
 use super::super::shapes::{append, lathe, moved, placed, sphere};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The island's ground: a height field with colours by height and steepness.
-//! Source: original, after [Mus93]. Space: world, sea level at y = 0. Proof: `tests/builtin.rs`.
+//! Source: after [Mus93]. Space: world, sea level at y = 0. Tests: `tests/builtin.rs`.
 
 use super::super::noise::{ridged, rolling, smoothstep, value};
 use super::cape;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The island's trees in the wind: each leans away from it and swings about its foot, as gusts pass over the island.
-//! Source: original; a tree is a stiff rod on a spring, and a gust a wave that travels with the wind. Everything comes back after
-//! [`SECONDS`], so that pictures can be shown in a loop. Space: +Y up. Proof: `tests/builtin.rs::trees_move_in_the_wind`.
+//! A tree is a stiff rod on a spring, and a gust a wave that travels with the wind. Everything comes back after
+//! [`SECONDS`], so that pictures can be shown in a loop. Space: +Y up. Tests: `tests/builtin.rs::trees_move_in_the_wind`.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;

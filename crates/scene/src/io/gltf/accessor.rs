@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Accessors: typed arrays in buffers, with strides, sparse substitutes and normalized integers.
 //! Source: glTF 2.0 section 3.6.2. Declared counts are checked against the buffer before memory is taken.
-//! Proof: `tests/gltf.rs`, `tests/broken_files.rs`.
+//! Tests: `tests/gltf.rs`, `tests/broken_files.rs`.
 
 use super::document::Document;
 use super::json::{Accessor, Index};

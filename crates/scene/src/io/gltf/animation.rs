@@ -3,7 +3,7 @@
 //! Source: glTF 2.0 section 3.11, KHR_animation_pointer.
 //! What cannot be played (times that are no numbers or do not ascend, wrong counts, an unknown interpolation) is left out with a
 //! warning that names it, for the scene at rest is good; an index that points nowhere is an error, as everywhere.
-//! Keys are shared where channels share them. Proof: `tests/animation.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
+//! Keys are shared where channels share them. Tests: `tests/animation.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;

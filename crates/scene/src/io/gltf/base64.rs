@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Data URIs.
 //! Source: RFC 2397 (data URIs), RFC 4648 (base64, both alphabets, padding optional).
-//! Proof: `tests::decodes_and_refuses`.
+//! Tests: `tests::decodes_and_refuses`.
 
 /// The bytes of a data URI; `None` if `uri` is none or is broken.
 pub(super) fn data_uri(uri: &str) -> Option<Vec<u8>> {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF's cameras: perspective and orthographic ones, and what `extras` say beyond: lens, fisheye, panorama.
 //! Source: glTF 2.0, section 3.10; the words of `extras` are our own (docs/reference/cameras.md). Lengths: world units; angles: radians in glTF, degrees
-//! in `extras`. Near and far planes are not read: nothing is clipped. Proof: `tests/gltf.rs`, `tests/save.rs`.
+//! in `extras`. Near and far planes are not read: nothing is clipped. Tests: `tests/gltf.rs`, `tests/save.rs`.
 
 use serde_json::Value;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The outer layer of glTF files: a JSON text, or the chunks of a binary file.
 //! Source: glTF 2.0 section 4 (GLB). A file that calls itself `.gltf` and begins as a binary one is read as such.
-//! Proof: `tests/broken_files.rs`, `tests/mutations.rs`.
+//! Tests: `tests/broken_files.rs`, `tests/mutations.rs`.
 
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A glTF document with its buffers in memory.
 //! Source: glTF 2.0 sections 3.6 and 3.12. Buffers: data URI, file beside the document, binary chunk.
-//! Invariant: a buffer has the length that it declares. Proof: `tests/gltf.rs`, `tests/broken_files.rs`.
+//! Invariant: a buffer has the length that it declares. Tests: `tests/gltf.rs`, `tests/broken_files.rs`.
 
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};

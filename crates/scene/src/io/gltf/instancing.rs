@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A node's mesh at many places: EXT_mesh_gpu_instancing. Source: that extension. Space: the node's.
-//! Proof: `tests/gltf.rs`.
+//! Tests: `tests/gltf.rs`.
 
 use super::accessor;
 use super::document::Document;

@@ -5,7 +5,7 @@
 //! The root holds its arrays as pieces of text, 16 bytes for each element; an element becomes a value when somebody asks
 //! for it. So a document takes a few times its length, whatever it says, and what nobody uses costs next to nothing.
 //! Integers may be written as `1.0` or `1e0`; one that does not fit is an error, never another number.
-//! Proof: `tests/{gltf,broken_files,growth}.rs`.
+//! Tests: `tests/{gltf,broken_files,growth}.rs`.
 
 use std::borrow::Cow;
 use std::fmt;

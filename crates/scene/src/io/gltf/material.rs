@@ -5,7 +5,7 @@
 //! KHR_texture_transform.
 //!
 //! Textures of these extensions, but of the anisotropy, are not shown, and say so. What material numbers and textures make is said in [`Factors`].
-//! Proof: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
+//! Tests: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
 //! tangents_come_with_normal_maps}`.
 
 use std::collections::HashMap;

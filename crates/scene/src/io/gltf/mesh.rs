@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF primitives as meshes.
 //! Source: glTF 2.0 section 3.7. Triangles, strips and fans; points and lines are left out with a warning.
-//! Space: that of the mesh; v is turned upwards. Proof: `tests/gltf.rs`.
+//! Space: that of the mesh; v is turned upwards. Tests: `tests/gltf.rs`.
 
 use super::accessor::{floats, integers};
 use super::document::Document;

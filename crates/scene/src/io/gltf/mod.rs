@@ -9,7 +9,7 @@
 //!
 //! Every index is looked up where it is used, and what nobody uses is not looked at (see `json`).
 //! Each glTF mesh becomes one object, each node that shows it one instance, also where that repeats the mesh: an object made of
-//! others then. What a skin or morph weights bend becomes an object of its own. The scene is read in its rest pose. Space: +Y up, metres, as here. Proof: `tests/gltf.rs`.
+//! others then. What a skin or morph weights bend becomes an object of its own. The scene is read in its rest pose. Space: +Y up, metres, as here. Tests: `tests/gltf.rs`.
 
 mod accessor;
 mod animation;

@@ -2,7 +2,7 @@
 //! Nodes: where meshes, cameras and lights are.
 //! Source: glTF 2.0 sections 3.5 and 3.10, KHR_lights_punctual, KHR_node_visibility. Transforms are multiplied in double precision.
 //! The tree is walked with a list, not by recursion, and each node once: neither depth nor cycles do harm; a cycle is an error.
-//! Cost: O(nodes); memory: that of the way from the root, and a bit for each node. Proof: `tests/gltf.rs::{deep_and_cyclic_trees, cameras_and_lights}`.
+//! Cost: O(nodes); memory: that of the way from the root, and a bit for each node. Tests: `tests/gltf.rs::{deep_and_cyclic_trees, cameras_and_lights}`.
 
 use std::collections::HashMap;
 use std::sync::Arc;

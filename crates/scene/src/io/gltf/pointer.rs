@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What channels of animations drive, as the file names it.
 //! Source: glTF 2.0 section 3.11; KHR_animation_pointer and the object model; KHR_node_visibility, KHR_lights_punctual,
-//! KHR_texture_transform and the material extensions that are read. Proof: `tests`, `tests/animation.rs`.
+//! KHR_texture_transform and the material extensions that are read. Tests: `tests`, `tests/animation.rs`.
 
 use super::json::Index;
 use crate::animation::{FactorPart, LightPart, TexturePart};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which numbers of a material are outside of what glTF allows, and are brought into it when it is made.
 //! Source: glTF 2.0 section 5.19, 5.22 and the schemas of the KHR_materials extensions; KHR_materials_ior takes 0 for "mirrors all", which
-//! is not known here. Proof: `tests/gltf.rs::numbers_out_of_range_are_told`.
+//! is not known here. Tests: `tests/gltf.rs::numbers_out_of_range_are_told`.
 
 use crate::factors::Factors;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What of the file's nodes moves, what hangs on it, and the channels that drive it: the scene's animation in the making.
 //! Source: glTF 2.0 sections 3.5, 3.7.3 and 3.11; KHR_node_visibility. A node moves if a channel moves it or what it stands on; only
-//! those become nodes of the animation. Proof: `tests/animation.rs`.
+//! those become nodes of the animation. Tests: `tests/animation.rs`.
 
 use std::collections::HashMap;
 

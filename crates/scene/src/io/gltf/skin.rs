@@ -3,7 +3,7 @@
 //! Source: glTF 2.0 sections 3.7.2.2 (morph targets) and 3.7.3 (skins). All sets of joints count; how they bend is said in
 //! `animation/body.rs`.
 //! Space: a skinned mesh comes out in world space, for its node's own transform does not count.
-//! Proof: `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`, `tests/animation.rs`.
+//! Tests: `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`, `tests/animation.rs`.
 
 use super::accessor::{floats, joints};
 use super::json::{Index, Target};

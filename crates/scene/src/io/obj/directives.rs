@@ -2,7 +2,7 @@
 //! Texture statements of MTL: options, then a file name that may have spaces.
 //! Source: Wavefront MTL 4.2, "Options for texture map statements". `-o`, `-s`, `-clamp` and `-bm` are obeyed; the other options
 //! are known well enough to be stepped over.
-//! Proof: `tests::options_and_names`.
+//! Tests: `tests::options_and_names`.
 
 use crate::texture::Wrap;
 

@@ -13,7 +13,7 @@
 //! `bump` and its `-bm` are heights, and `disp` where there is no `bump`: 1 = white lies a texel's width above black. A picture of
 //! `bump` that is blue as normal maps are is one ([`holds_normals`]): Blender writes them so. `norm` is one, too.
 //! The diffuse colour always stays `Kd` times `map_Kd` (`Material::diffuse`). `Ke` is radiance. `d` < 1 that did not make
-//! glass is opacity. Proof: `tests/obj.rs::materials_become_ours`.
+//! glass is opacity. Tests: `tests/obj.rs::materials_become_ours`.
 
 use std::collections::HashMap;
 use std::path::PathBuf;

@@ -2,7 +2,7 @@
 //! Material libraries: the materials of all that a file names.
 //! Source: Wavefront MTL 4.2, and the keywords of its PBR extension. Material 0 is the default one, for faces that name
 //! none. Messages say which keyword is wrong, never what stands beside it: a library may be any file of the machine.
-//! Memory: about [`ENTRY_BYTES`] for each name that is defined. Proof: `tests/obj.rs`, `tests/{broken_files,growth}.rs`.
+//! Memory: about [`ENTRY_BYTES`] for each name that is defined. Tests: `tests/obj.rs`, `tests/{broken_files,growth}.rs`.
 
 use std::collections::{HashMap, HashSet};
 use std::io::{BufReader, Read};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Normal maps of MTL, which has no one keyword for them: whether a picture is one, and surfaces that read it.
-//! Source: original; Blender and others write normal maps as `map_Bump`. Heights are grey or of one channel, while the mean normal of a
-//! map points away from the surface: (0.5, 0.5, 1) as a colour. Space: texels. Proof: `tests`, `tests/obj.rs::bumps_may_be_normals`.
+//! Blender and others write normal maps as `map_Bump`. Heights are grey or of one channel, while the mean normal of a
+//! map points away from the surface: (0.5, 0.5, 1) as a colour. Space: texels. Tests: `tests`, `tests/obj.rs::bumps_may_be_normals`.
 
 use crate::material::{Color, NormalMap, Principled, Surface};
 use crate::texture::Texels;

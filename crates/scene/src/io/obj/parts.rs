@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The faces of an OBJ file by their materials: one mesh for each material that has any.
-//! Source: original. A vertex of a mesh is a corner (position, texture coordinate, normal); corners that are alike are one
+//! A vertex of a mesh is a corner (position, texture coordinate, normal); corners that are alike are one
 //! vertex, numbered in the order of their first faces. Cost: a look into a table for each corner.
 //! Colours of vertices are sRGB-encoded, as Blender and MeshLab write them.
-//! Proof: `tests/obj.rs::{groups_become_one_mesh_per_material, corners_that_are_alike_are_one_vertex}`.
+//! Tests: `tests/obj.rs::{groups_become_one_mesh_per_material, corners_that_are_alike_are_one_vertex}`.
 
 use std::collections::HashMap;
 use std::path::Path;

@@ -2,7 +2,7 @@
 //! OBJ statements, one by one, into the lists of the file and the parts of its materials.
 //! Source: Wavefront, Advanced Visualizer manual, appendix B1.
 //! Invariant: a corner that reaches a part exists. Memory: the lists, the parts, one statement; the budget is asked
-//! every [`STATEMENTS_BETWEEN`] statements. Proof: `tests/obj.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
+//! every [`STATEMENTS_BETWEEN`] statements. Tests: `tests/obj.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
 
 use std::io::BufRead;
 use std::path::Path;

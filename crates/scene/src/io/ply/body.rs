@@ -2,7 +2,7 @@
 //! PLY bodies: elements one by one into the arrays of a mesh.
 //! Source: G. Turk, The PLY polygon file format, 1994. Cost: linear; memory: the mesh's arrays and one element.
 //! Polygons are cut by their shape if the vertices come before the faces, else as fans.
-//! Proof: `tests/ply.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
+//! Tests: `tests/ply.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
 
 use std::io::BufRead;
 use std::path::Path;

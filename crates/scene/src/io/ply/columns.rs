@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which property of a PLY vertex means what.
-//! Source: original; names as Blender, MeshLab, PBRT, Stanford and VTK write them.
-//! Integer colours are sRGB-encoded, those of floats linear. Proof: `tests/ply.rs::headers_of_all_kinds`.
+//! Names as Blender, MeshLab, PBRT, Stanford and VTK write them.
+//! Integer colours are sRGB-encoded, those of floats linear. Tests: `tests/ply.rs::headers_of_all_kinds`.
 
 use super::header::{Element, Property, Scalar};
 

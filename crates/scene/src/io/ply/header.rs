@@ -2,7 +2,7 @@
 //! PLY headers.
 //! Source: G. Turk, The PLY polygon file format, 1994. Lines end with LF, CRLF or CR; spaces and tabs are alike.
 //! Invariant of [`Header`]: names are unique, every element has a property, list lengths are integers.
-//! Proof: `tests/ply.rs::headers_of_all_kinds`, `tests/broken_files.rs`.
+//! Tests: `tests/ply.rs::headers_of_all_kinds`, `tests/broken_files.rs`.
 
 use std::collections::HashSet;
 use std::io::BufRead;

@@ -8,7 +8,7 @@
 //!
 //! Declared counts are compared with the file's length before memory is taken for them.
 //! Vertex colours: integers are sRGB-encoded, floats are linear. The mesh gets one grey matte material.
-//! Proof: `tests/ply.rs`, `tests/{broken_files,mutations,benchmark_scenes}.rs`.
+//! Tests: `tests/ply.rs`, `tests/{broken_files,mutations,benchmark_scenes}.rs`.
 
 mod body;
 mod columns;

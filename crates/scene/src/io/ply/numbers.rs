@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The numbers of a PLY body, one after the other, in each of the three encodings.
 //! Source: G. Turk, The PLY polygon file format, 1994. A text has one element to a line; numbers are written as C
-//! programs do, `nan` and `.5` included. Memory: one line. Proof: `tests/ply.rs`.
+//! programs do, `nan` and `.5` included. Memory: one line. Tests: `tests/ply.rs`.
 
 use std::io::{BufRead, Read};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The files of a saved scene. Source: original. Each appears whole or not at all. Proof: `tests/save.rs`.
+//! The files of a saved scene. Each appears whole or not at all. Tests: `tests/save.rs`.
 
 use std::path::{Path, PathBuf};
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF 2.0: objects as meshes, instances as nodes, cameras, lights, materials, pictures inside the buffer.
 //! Source: glTF 2.0; KHR_lights_punctual and the extensions of `gltf/material.rs`. Those that a file uses are listed in it, and no others.
-//! `.gltf` has its buffer beside it as NAME.bin, `.glb` inside. Proof: `tests/save.rs`.
+//! `.gltf` has its buffer beside it as NAME.bin, `.glb` inside. Tests: `tests/save.rs`.
 
 mod buffer;
 mod camera;

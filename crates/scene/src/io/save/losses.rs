@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What no format of ours can hold, told by kind: each kind is one warning with its count.
-//! Source: original. Proof: `tests/save.rs::what_is_lost_is_told`.
+//! Tests: `tests/save.rs::what_is_lost_is_told`.
 
 use std::path::Path;
 

@@ -3,7 +3,7 @@
 //! Source: the formats' own specifications, see `io::{obj, ply, gltf}`.
 //! Every file appears whole or not at all; files that the main one refers to are written before it.
 //! What a format cannot hold is left out with a warning: OBJ and PLY hold neither instances (they are unfolded) nor
-//! cameras nor lights, PLY holds no materials, glTF no environment; animations are not written. Proof: `tests/save.rs`.
+//! cameras nor lights, PLY holds no materials, glTF no environment; animations are not written. Tests: `tests/save.rs`.
 
 mod files;
 mod gltf;

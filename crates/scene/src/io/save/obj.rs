@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! OBJ with an MTL library and PNG textures beside it.
 //! Source: Wavefront OBJ and MTL 4.2; `Pm` and `Pr` of the PBR extension for metalness and roughness.
-//! The library is called NAME.mtl, textures NAME-K.png. Proof: `tests/save.rs`.
+//! The library is called NAME.mtl, textures NAME-K.png. Tests: `tests/save.rs`.
 
 use std::collections::HashSet;
 use std::fmt::Write as _;

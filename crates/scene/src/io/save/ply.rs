@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PLY, binary little endian: all geometry in one mesh. Colours are floats, linear, as they are here.
-//! Source: G. Turk, The PLY polygon file format, 1994. Proof: `tests/save.rs`.
+//! Source: G. Turk, The PLY polygon file format, 1994. Tests: `tests/save.rs`.
 
 use std::path::Path;
 

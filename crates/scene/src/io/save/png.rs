@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures as PNG files. Bytes stay the bytes they were; floats get 16 bits, those of colours sRGB-encoded.
-//! Source: original. Proof: `tests/save.rs::{textures_come_back, measures_stay_linear}`.
+//! Tests: `tests/save.rs::{textures_come_back, measures_stay_linear}`.
 
 use std::collections::HashSet;
 use std::path::Path;

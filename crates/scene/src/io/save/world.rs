@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Meshes unfolded into world space, for formats without instances.
-//! Source: original. Normals go by the inverse transpose; where an instance mirrors, triangles are turned round, so that
+//! Normals go by the inverse transpose; where an instance mirrors, triangles are turned round, so that
 //! the geometric normal stays on the side that it was on.
 
 use crate::affine::Affine;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Makes the group that the command line describes.
-//! Source: original; the words are OSL's.
+//! The words are OSL's.
 
 use super::options::{Options, Setup};
 use crate::compile::{Options as CompileOptions, compile};

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Point clouds that `testshade` reads, and those that it writes when all points are done.
-//! Source: original.
 
 use gnurt_sl_lib::points::{Column, PointCloud, read_cloud, write_cloud};
 use std::cell::RefCell;

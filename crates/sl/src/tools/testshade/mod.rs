@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Runs shaders on a small artificial world and prints or saves what they give.
-//! Source: original; options, world and output are those of OSL's `testshade`.
+//! Options, world and output are those of OSL's `testshade`.
 //!
 //! `options` reads the command line, `build` makes the group, `world` answers the shaders' questions, `shade` runs the points,
 //! `report` prints what they said.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The command line.
-//! Source: original; the options are those of OSL's `testshade`, with one or two dashes.
+//! The options are those of OSL's `testshade`, with one or two dashes.
 
 use crate::group::{Hint, Value, parse_value};
 use crate::types::{Base, Type};

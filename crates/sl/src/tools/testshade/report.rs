@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Prints what shaders said, leaving out what was said a moment before.
-//! Source: original; what is left out is OSL's rule.
+//! What is left out is OSL's rule.
 
 use crate::exec::Event;
 use crate::tools::console::Console;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Runs the group for all points.
-//! Source: original; the order of output is that of OSL's `testshade`.
+//! The order of output is that of OSL's `testshade`.
 
 use super::options::{Options, Setup};
 use super::report::{Recent, report};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The artificial world: a square on which u and v vary, some spaces, attributes and closures.
-//! Source: original; the world is that of OSL's `testshade`.
+//! The world is that of OSL's `testshade`.
 
 use super::clouds::Clouds;
 use super::options::Options;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Cameras of glTF. What the format has no words for goes into `extras`, as `io::gltf::camera` reads it.
-//! Source: glTF 2.0, section 3.10. Proof: `tests/save.rs`.
+//! Source: glTF 2.0, section 3.10. Tests: `tests/save.rs`.
 
 use serde_json::{Map, Value, json};
 
