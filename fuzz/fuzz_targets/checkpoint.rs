@@ -88,9 +88,9 @@ fn changed(options: &RenderOptions, studio: &Studio, edits: &[u8]) -> Vec<u8> {
     let mut file = picture.to_bytes(FINGERPRINT);
     let (edits, rest) = edits.as_chunks::<10>();
     for [low, high, word @ ..] in edits {
-        let (words, _) = file.as_chunks_mut::<8>();
-        let at = usize::from(u16::from_le_bytes([*low, *high])) % words.len();
-        words[at] = *word;
+        let (parts, _) = file.as_chunks_mut::<8>();
+        let at = usize::from(u16::from_le_bytes([*low, *high])) % parts.len();
+        parts[at] = *word;
     }
     if rest.len() > 8 {
         file.truncate(file.len() - 8 * rest.len());

@@ -13,10 +13,10 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
         let oso = gnurt_sl::ir::write(&shader, "");
         let back = gnurt_sl::ir::read(&oso).expect("what is written is read");
         assert_eq!(gnurt_sl::ir::write(&back, ""), oso, "and written again the same");
-        let wanted = shaders::said(shader.clone());
+        let requested = shaders::messages(shader.clone());
         if let Some(found) = shaders::coded(shader) {
-            assert_eq!(found, wanted, "machine code does the same");
+            assert_eq!(found, requested, "machine code does the same");
         }
-        assert_eq!(shaders::said(back), wanted, "and so does what was read back");
+        assert_eq!(shaders::messages(back), requested, "and so does what was read back");
     }
 });

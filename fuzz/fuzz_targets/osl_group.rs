@@ -9,7 +9,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let text = String::from_utf8_lossy(bytes);
     let mut find = |name: &str| shaders::known(name);
     let Ok(group) = read_group("fuzz", &text, &mut find, &mut Vec::new()) else { return };
-    shaders::said_by(&group);
+    shaders::messages_of(&group);
     let again = write_group(&group);
     read_group("fuzz", &again, &mut find, &mut Vec::new()).expect("what is written is read");
 });

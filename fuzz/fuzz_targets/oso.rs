@@ -6,7 +6,7 @@ use gnurt_fuzz::shaders;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     if let Ok(shader) = gnurt_sl::ir::read(&String::from_utf8_lossy(bytes)) {
-        shaders::said(shader.clone());
+        shaders::messages(shader.clone());
         shaders::coded(shader);
     }
 });

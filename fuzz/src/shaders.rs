@@ -14,7 +14,7 @@ use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::color::ColorSystem;
 
 /// Turns of loops of a point.
-const TURNS: u64 = 300;
+const ITERATIONS: u64 = 300;
 
 struct Empty(ColorSystem);
 
@@ -43,7 +43,7 @@ fn plan(group: &Group) -> Option<Arc<Plan>> {
     if group.layers.iter().any(|layer| unknown_operation(&layer.shader).is_some()) {
         return None;
     }
-    Plan::new(group, &PlanOptions { turns: TURNS, ..PlanOptions::default() }).ok().map(Arc::new)
+    Plan::new(group, &PlanOptions { iterations: ITERATIONS, ..PlanOptions::default() }).ok().map(Arc::new)
 }
 
 fn alone(shader: Shader) -> Group {
@@ -77,12 +77,12 @@ fn told(data: &Data) -> String {
 }
 
 /// What a shader gives and says at a point, by the interpreter.
-pub fn said(shader: Shader) -> Vec<String> {
-    said_by(&alone(shader))
+pub fn messages(shader: Shader) -> Vec<String> {
+    messages_of(&alone(shader))
 }
 
 /// The same of a group.
-pub fn said_by(group: &Group) -> Vec<String> {
+pub fn messages_of(group: &Group) -> Vec<String> {
     let Some(plan) = plan(group) else { return vec!["refused".into()] };
     let world = empty();
     let mut machine = Machine::new(&plan, &world);

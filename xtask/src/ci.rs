@@ -21,10 +21,10 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     command::run(command::cargo().args(doc).env("RUSTDOCFLAGS", "-D warnings"))?;
     check_for_other_machines()?;
 
-    let promises = readme::promises()?;
-    run_words(&promises.test)?;
+    let readme_commands = readme::readme_commands()?;
+    run_words(&readme_commands.test)?;
     installed::check(&[])?;
-    first_picture(&promises)?;
+    first_picture(&readme_commands)?;
     python::run(&[])?;
     eprintln!("all checks passed");
     Ok(())
@@ -54,28 +54,28 @@ fn check_for_other_machines() -> Result<(), Failure> {
 
 /// Renders what the README's first command renders, by the program that the tests have built: a second build of everything, for
 /// release, would take a quarter of the time of all checks.
-fn first_picture(promises: &readme::Promises) -> Result<(), Failure> {
-    let picture = command::root().join(&promises.picture);
+fn first_picture(readme_commands: &readme::ReadmeCommands) -> Result<(), Failure> {
+    let picture = command::root().join(&readme_commands.picture);
     // One left by an earlier run would prove nothing.
     if picture.exists() {
         std::fs::remove_file(&picture).map_err(|error| format!("{}: {error}", picture.display()))?;
     }
     let program = Workspace::load()?.target.join("debug/gnurt");
-    let words = promises.first.iter().skip_while(|word| *word != "--").skip(1);
-    command::run(Command::new(program).args(words).current_dir(command::root()))?;
+    let tokens = readme_commands.first.iter().skip_while(|token| *token != "--").skip(1);
+    command::run(Command::new(program).args(tokens).current_dir(command::root()))?;
     match std::fs::metadata(&picture) {
         Ok(file) if file.len() > 0 => Ok(()),
-        _ => Err(format!("'{}' made no picture {}", promises.first.join(" "), picture.display())),
+        _ => Err(format!("'{}' made no picture {}", readme_commands.first.join(" "), picture.display())),
     }
 }
 
-fn run_words(words: &[String]) -> Result<(), Failure> {
-    command::run(&mut command_of(words)?)
+fn run_words(tokens: &[String]) -> Result<(), Failure> {
+    command::run(&mut command_of(tokens)?)
 }
 
 /// The command of a line, in the workspace's root.
-fn command_of(words: &[String]) -> Result<Command, Failure> {
-    let (program, arguments) = words.split_first().ok_or("there is no command to run")?;
+fn command_of(tokens: &[String]) -> Result<Command, Failure> {
+    let (program, arguments) = tokens.split_first().ok_or("there is no command to run")?;
     let mut command = if program == "cargo" { command::cargo() } else { Command::new(program) };
     command.args(arguments).current_dir(command::root());
     Ok(command)

@@ -22,8 +22,8 @@ pub(crate) fn cargo() -> Command {
 
 /// Shows a command and runs it.
 pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
-    let words: Vec<_> = [command.get_program()].into_iter().chain(command.get_args()).collect();
-    let line = words.iter().map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ");
+    let tokens: Vec<_> = [command.get_program()].into_iter().chain(command.get_args()).collect();
+    let line = tokens.iter().map(|token| token.to_string_lossy()).collect::<Vec<_>>().join(" ");
     eprintln!("+ {line}");
     match command.status() {
         Ok(status) if status.success() => Ok(()),
@@ -33,7 +33,7 @@ pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
 }
 
 /// What a tool prints.
-pub(crate) fn said(tool: &str, arguments: &[&str]) -> Result<String, Failure> {
+pub(crate) fn output_of(tool: &str, arguments: &[&str]) -> Result<String, Failure> {
     let output = Command::new(tool).current_dir(root()).args(arguments).output();
     let output = output.map_err(|error| format!("{tool} cannot be run: {error}"))?;
     if !output.status.success() {

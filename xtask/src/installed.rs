@@ -90,7 +90,7 @@ impl User<'_> {
         for file in files::files_in(&command::root().join("examples/c"))? {
             files::copy(&file, &examples.join(file.file_name().unwrap_or_default()))?;
         }
-        self.run("the README's program in C", &readme::promises()?.compile)?;
+        self.run("the README's program in C", &readme::readme_commands()?.compile)?;
         let source = "examples/c/figure1.c";
         self.run(
             "the static library",

@@ -5,7 +5,7 @@ use crate::command;
 use crate::failure::Failure;
 
 /// The README's commands.
-pub(crate) struct Promises {
+pub(crate) struct ReadmeCommands {
     /// Renders a picture.
     pub(crate) first: Vec<String>,
     /// The picture that it makes.
@@ -17,14 +17,14 @@ pub(crate) struct Promises {
 }
 
 /// Reads README.md.
-pub(crate) fn promises() -> Result<Promises, Failure> {
+pub(crate) fn readme_commands() -> Result<ReadmeCommands, Failure> {
     let path = command::root().join("README.md");
     let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
     parse(&text)
 }
 
 /// The first `cargo run`, the first `cargo test` (or `cargo xtask test`) and the first `cc` within code fences.
-fn parse(text: &str) -> Result<Promises, Failure> {
+fn parse(text: &str) -> Result<ReadmeCommands, Failure> {
     let mut fenced = false;
     let mut commands = Vec::new();
     for line in text.lines() {
@@ -44,11 +44,11 @@ fn parse(text: &str) -> Result<Promises, Failure> {
         find(&[&["cargo", "run"]]).ok_or("README.md: no code block begins a line with 'cargo run'")?;
     let test = find(&[&["cargo", "test"], &["cargo", "xtask", "test"]]);
     let test = test.ok_or("README.md: no code block begins a line with 'cargo test'")?;
-    let output = first.iter().position(|word| word == "-o" || word == "--output");
+    let output = first.iter().position(|token| token == "-o" || token == "--output");
     let picture = output.and_then(|at| first.get(at + 1)).cloned();
     let picture = picture.ok_or("README.md: the first command names no picture with '-o'")?;
     let compile = find(&[&["cc"]]).ok_or("README.md: no code block begins a line with 'cc'")?.join(" ");
-    Ok(Promises { first, picture, test, compile })
+    Ok(ReadmeCommands { first, picture, test, compile })
 }
 
 #[cfg(test)]
@@ -59,10 +59,14 @@ mod tests {
 
     #[test]
     fn commands_are_found() {
-        let promises = parse(GOOD).expect("both commands are there");
-        assert_eq!(promises.first.join(" "), "cargo run --release -- render a -o b.png", "the first command");
+        let readme_commands = parse(GOOD).expect("both commands are there");
         assert_eq!(
-            (&promises.picture[..], &promises.test.join(" ")[..], &promises.compile[..]),
+            readme_commands.first.join(" "),
+            "cargo run --release -- render a -o b.png",
+            "the first command"
+        );
+        assert_eq!(
+            (&readme_commands.picture[..], &readme_commands.test.join(" ")[..], &readme_commands.compile[..]),
             ("b.png", "cargo test --workspace", "cc a.c -o a && ./a"),
             "others"
         );
@@ -70,14 +74,14 @@ mod tests {
 
     #[test]
     fn missing_commands_are_named() {
-        for (from, to, told) in [
+        for (from, to, expected) in [
             ("cargo run --", "x", "cargo run"),
             ("cargo test", "x", "cargo test"),
             (" -o ", " ", "'-o'"),
             ("cc ", "x", "'cc'"),
         ] {
             let failure = parse(&GOOD.replace(from, to)).err().unwrap_or_default();
-            assert!(failure.contains(told), "without {from}: {failure}");
+            assert!(failure.contains(expected), "without {from}: {failure}");
         }
     }
 }

@@ -67,7 +67,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
 
 /// Cargo of the nightly compiler, which rustup knows.
 fn nightly(arguments: &[&str]) -> Result<Command, Failure> {
-    command::said("rustup", &["run", "nightly", "rustc", "--version"]).map_err(|failure| {
+    command::output_of("rustup", &["run", "nightly", "rustc", "--version"]).map_err(|failure| {
         format!(
             "{failure}; `rustup toolchain install nightly --component miri,rust-src` installs what this needs"
         )

@@ -15,7 +15,7 @@ mod tinybvh;
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
-use gnurt_bench::rays::{News, Options};
+use gnurt_bench::rays::{BenchEvent, Options};
 use gnurt_bench::{Class, Contestant, EmbreeLibrary, Filter, Subject, rays, table, to_json};
 
 #[derive(Parser)]
@@ -74,10 +74,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for scene in &arguments.scenes {
         let name = Path::new(scene).file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let subject = Subject::new(name.trim_start_matches("builtin:"), &gnurt::load_scene(scene)?.scene);
-        let mut tell = |news: News| match news {
-            News::Built(_) => {}
-            News::Differs(what) => eprintln!("note: {what}"),
-            News::Class(rows) => println!("{}", table::of_class(rows)),
+        let mut tell = |news: BenchEvent| match news {
+            BenchEvent::Built(_) => {}
+            BenchEvent::Differs(what) => eprintln!("note: {what}"),
+            BenchEvent::Class(rows) => println!("{}", table::of_class(rows)),
         };
         let others = contestants(&subject);
         rows.extend(rays::run(&subject, &options, embree.as_ref(), others, &pool, &mut tell)?);

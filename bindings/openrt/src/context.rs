@@ -18,7 +18,7 @@ use crate::state::framebuffer::FrameBuffer;
 use crate::state::instance::Instances;
 use crate::state::listener::Listener;
 use crate::state::object::{Objects, OpenObject};
-use crate::state::progress::Seen;
+use crate::state::progress::Recorded;
 use crate::state::sampling::{Limits, Sampling};
 use crate::state::shader::{Bound, Shaders};
 use crate::state::shader_class::{Classes, LoadedClass};
@@ -54,7 +54,7 @@ pub(crate) struct Context {
     pub(crate) limits: Limits,
     pub(crate) sampling: Sampling,
     /// What the last progressive frame showed.
-    pub(crate) seen: Option<Seen>,
+    pub(crate) recorded: Option<Recorded>,
     pub(crate) frame_buffer: Option<FrameBuffer>,
     /// Scene and world while no frame is in flight.
     pub(crate) stage: Stage,
@@ -84,7 +84,7 @@ impl Default for Context {
             scene_mode: SceneMode::Retained,
             limits: Limits::default(),
             sampling: Sampling::default(),
-            seen: None,
+            recorded: None,
             frame_buffer: None,
             stage: Stage::default(),
             frame: None,

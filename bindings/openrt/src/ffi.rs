@@ -29,7 +29,7 @@ pub(crate) fn perform<T>(
     on_error: T,
     work: impl FnOnce(&mut Context) -> Result<T>,
 ) -> T {
-    let Some(mut guard) = CONTEXT.enter() else { return turn_away(shown, on_error) };
+    let Some(mut guard) = CONTEXT.enter() else { return reject(shown, on_error) };
     let context = match &mut *guard {
         Some(context) => context,
         none => none.insert(Context::default()),
@@ -48,7 +48,7 @@ pub(crate) fn look<T>(blind: T, at: impl FnOnce(Option<&Context>) -> T) -> T {
 
 /// A call from within a call of the same thread: it would wait for itself, and nothing can be noted meanwhile.
 #[cold]
-fn turn_away<T>(shown: impl FnOnce() -> String, on_error: T) -> T {
+fn reject<T>(shown: impl FnOnce() -> String, on_error: T) -> T {
     say(format_args!("{} was called by a shader while the library waits for that shader: ignored", shown()));
     on_error
 }
@@ -74,7 +74,7 @@ fn fail<T>(
         }
         if let Some(hearing) = hearing {
             let _listening = Listening::begin();
-            hearing.tell(error, &CString::new(call).unwrap_or_default());
+            hearing.notify(error, &CString::new(call).unwrap_or_default());
         }
     }
     on_error
@@ -171,21 +171,21 @@ unsafe fn take_arguments(count: *mut c_int, list: *mut *mut c_char) -> Vec<Vec<u
     // SAFETY: the caller vouches for `length` entries.
     let entries = unsafe { std::slice::from_raw_parts_mut(list, length) };
     let mut taken = Vec::new();
-    let mut kept = 0;
+    let mut retained = 0;
     for i in 0..length {
         // SAFETY: the caller vouches for the entries being texts; null ones are passed over.
         let argument = unsafe { text(entries[i]) }.map(CStr::to_bytes).unwrap_or_default();
         if argument.starts_with(b"--rt-") {
             taken.push(argument.to_vec());
         } else {
-            entries[kept] = entries[i];
-            kept += 1;
+            entries[retained] = entries[i];
+            retained += 1;
         }
     }
     // As in every list of arguments of C, a null pointer follows the last one.
-    entries[kept..].fill(std::ptr::null_mut());
-    // SAFETY: as above; `kept` is at most the length that was there.
-    unsafe { *count = kept as c_int };
+    entries[retained..].fill(std::ptr::null_mut());
+    // SAFETY: as above; `retained` is at most the length that was there.
+    unsafe { *count = retained as c_int };
     taken
 }
 
@@ -194,7 +194,7 @@ unsafe fn take_arguments(count: *mut c_int, list: *mut *mut c_char) -> Vec<Vec<u
 #[unsafe(no_mangle)]
 unsafe extern "C-unwind" fn rtInit(count: *mut c_int, list: *mut *mut c_char) {
     let shown = || "rtInit()".to_owned();
-    let Some(mut guard) = CONTEXT.enter() else { return turn_away(shown, ()) };
+    let Some(mut guard) = CONTEXT.enter() else { return reject(shown, ()) };
     if guard.is_some() {
         return fail(guard, Error::InvalidOperation, shown, ());
     }

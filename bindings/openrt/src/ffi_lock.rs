@@ -228,7 +228,7 @@ mod tests {
             eprintln!("SKIPPED: nobody owns the lock here");
             return;
         }
-        let (told, tells) = mpsc::channel();
+        let (reported, tells) = mpsc::channel();
         let owner = lock.clone();
         thread::spawn(move || {
             let guard = owner.enter().expect("nobody is inside");
@@ -240,7 +240,7 @@ mod tests {
             let again = owner.enter().is_some();
             drop(guard);
             let after = owner.enter().is_some();
-            let _ = told.send((again, after, other.join().expect("it does not panic")));
+            let _ = reported.send((again, after, other.join().expect("it does not panic")));
         });
         let wait = Duration::from_secs(20);
         let outcome = tells.recv_timeout(wait).expect("the owner waits for itself");

@@ -74,16 +74,16 @@ impl Job {
         options.max_depth = options.max_depth.min(DEEPEST);
         let committed =
             stage.world.commit(&stage.scene, &self.shaders, &CommitOptions::default(), &self.pool);
-        stage.report = committed.map_err(|error| told(&error, kind_of_commit(&error)))?;
+        stage.report = committed.map_err(|error| reported(&error, kind_of_commit(&error)))?;
         let accumulation = match &mut stage.accumulation {
             Some(accumulation) if self.continues && *accumulation.options() == options => accumulation,
             Some(accumulation) => {
-                accumulation.restart(options).map_err(|error| told(&error, kind_of_options(&error)))?;
+                accumulation.restart(options).map_err(|error| reported(&error, kind_of_options(&error)))?;
                 accumulation
             }
             none => {
                 let new = Accumulation::new(options);
-                none.insert(new.map_err(|error| told(&error, kind_of_options(&error)))?)
+                none.insert(new.map_err(|error| reported(&error, kind_of_options(&error)))?)
             }
         };
         // One sample of each pixel first: a frame that is cancelled later has something to show.
@@ -95,7 +95,7 @@ impl Job {
         if accumulation.samples() > 0 {
             let pixels = self.target.width as usize * self.target.height as usize;
             let missing = pixels.saturating_sub(stage.colors.len());
-            stage.colors.try_reserve_exact(missing).map_err(|error| told(&error, Error::OutOfMemory))?;
+            stage.colors.try_reserve_exact(missing).map_err(|error| reported(&error, Error::OutOfMemory))?;
             stage.colors.resize(pixels, [0.0; 4]);
             accumulation.write_colors(&mut stage.colors, &self.pool);
             self.target.show(&stage.colors);
@@ -105,7 +105,7 @@ impl Job {
 }
 
 /// Says to people what went wrong, and gives the program its code.
-pub(crate) fn told(error: &dyn std::fmt::Display, code: Error) -> Error {
+pub(crate) fn reported(error: &dyn std::fmt::Display, code: Error) -> Error {
     say(error);
     code
 }

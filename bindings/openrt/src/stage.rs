@@ -111,14 +111,14 @@ impl Stage {
         }
         let changed: Vec<_> = changed.collect();
         // Places of those that are gone are there for those that come.
-        for (id, wanted) in &changed {
-            let is_shown = wanted.is_some_and(|shown| self.objects.contains_key(&shown.object));
+        for (id, expected) in &changed {
+            let is_shown = expected.is_some_and(|shown| self.objects.contains_key(&shown.object));
             if !is_shown {
                 self.hide(*id);
             }
         }
-        for (id, wanted) in changed {
-            if let Some(shown) = wanted {
+        for (id, expected) in changed {
+            if let Some(shown) = expected {
                 self.show_one(id, shown);
             }
         }
@@ -158,16 +158,16 @@ impl Stage {
 
     fn show_one(&mut self, id: u32, Shown { object, world_from_object, mask }: Shown) {
         let Some(&object) = self.objects.get(&object) else { return };
-        let wanted = Instance { name: String::new(), object, world_from_object, visible: true, mask };
+        let expected = Instance { name: String::new(), object, world_from_object, visible: true, mask };
         let slot = self.instances.get(&id).copied().or_else(|| self.free_instances.pop_first());
         let slot = match slot {
             Some(slot) => {
-                if *self.scene.instance(slot) != wanted {
-                    *self.scene.edit_instance(slot) = wanted;
+                if *self.scene.instance(slot) != expected {
+                    *self.scene.edit_instance(slot) = expected;
                 }
                 slot
             }
-            None => self.scene.add_instance(wanted),
+            None => self.scene.add_instance(expected),
         };
         self.instances.insert(id, slot);
     }
@@ -249,9 +249,9 @@ impl Stage {
 
     fn place_mesh(&mut self, mesh: Mesh) -> MeshId {
         match self.free_meshes.pop() {
-            Some(place) => {
-                self.scene.replace_mesh(place, mesh);
-                place
+            Some(position) => {
+                self.scene.replace_mesh(position, mesh);
+                position
             }
             None => self.scene.add_mesh(mesh),
         }

@@ -43,10 +43,18 @@ fn limits() {
     let workshop = Workshop::new();
     let binary = workshop.build("cc", "c99", &source("tests/c/limits.c"));
     let output = std::process::Command::new(&binary).output().expect("it runs");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{}\n{}{told}", output.status, String::from_utf8_lossy(&output.stdout));
-    let wanted = "the picture takes 128.0 GiB of memory and ";
-    assert!(told.contains(wanted) && told.contains("ask for a smaller one than 65536x32768"), "{told}");
+    let reported = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.success(),
+        "{}\n{}{reported}",
+        output.status,
+        String::from_utf8_lossy(&output.stdout)
+    );
+    let expected = "the picture takes 128.0 GiB of memory and ";
+    assert!(
+        reported.contains(expected) && reported.contains("ask for a smaller one than 65536x32768"),
+        "{reported}"
+    );
 }
 
 /// Figure 1 of the paper draws: a picture of n triangles, the colours of its parameters in it.
@@ -76,8 +84,9 @@ fn errors_are_printed_on_request() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let text = printed("1");
-    let wanted = "libOpenRT: rtBegin(0x17): RT_INVALID_ENUM: a constant is none of those that the call takes";
-    assert!(text.lines().any(|line| line == wanted), "the first error, among\n{text}");
+    let expected =
+        "libOpenRT: rtBegin(0x17): RT_INVALID_ENUM: a constant is none of those that the call takes";
+    assert!(text.lines().any(|line| line == expected), "the first error, among\n{text}");
     assert!(text.lines().count() > 8, "each of them:\n{text}");
     assert_eq!(printed("0"), "", "silent");
     assert_eq!(printed(""), "", "silent");
@@ -137,12 +146,12 @@ fn script() {
         std::fs::write(&path, text).expect("a file");
         path.to_string_lossy().into_owned()
     };
-    let glow = write(
+    let emission = write(
         "glow.osl",
         "surface glow (color tint = 1, int steps = 1, string word = \"a\", float heat = 0 [[ int interpolated = 1, string rate = \"vertex\" ]]) {
             Ci = (tint * steps + (word == \"b\") + heat) * emission (); }",
     );
-    let lamp = write(
+    let light = write(
         "lamp.osl",
         "light lamp (color power = 1) { vector way = point (0, 0, 2) - Ps; lightdist = length (way); L = normalize (way); Cl = power; }",
     );
@@ -153,5 +162,5 @@ fn script() {
         "twice.osl",
         "pixel twice (float gain = 1, output color Cpixel = 0) { Cpixel = gain * (color) trace (P, I); }",
     );
-    workshop.run(&binary, &[&glow, &lamp, &lit, &bad, &twice]);
+    workshop.run(&binary, &[&emission, &light, &lit, &bad, &twice]);
 }

@@ -27,7 +27,7 @@ fn programs_see_their_own_and_plugins_become_errors() {
     }
     let binary = workshop.build("c++", "c++11", &source("tests/c/exceptions.cpp"));
     let output = Command::new(&binary).current_dir(workshop.path("")).output().expect("it runs");
-    let [said, told] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
-    assert!(output.status.success(), "{}\n{said}{told}", output.status);
-    assert!(told.contains("an exception left its fini"), "nobody else is told:\n{told}");
+    let [message, reported] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    assert!(output.status.success(), "{}\n{message}{reported}", output.status);
+    assert!(reported.contains("an exception left its fini"), "nobody else is told:\n{reported}");
 }

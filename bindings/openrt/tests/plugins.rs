@@ -168,9 +168,10 @@ fn broken_modules() {
 fn faults() {
     let workshop = Workshop::new();
     plugin(&workshop, "tests/plugins/tricky.c", "tricky.so", &[]);
-    let said = must(&mut in_workshop(&workshop, &program(&workshop, "plugin_faults.c")));
-    let lines = said.lines().filter(|line| line.contains("32 results not written, NaN or infinite")).count();
-    assert!(lines > 0, "what is wrong is printed:\n{said}");
+    let message = must(&mut in_workshop(&workshop, &program(&workshop, "plugin_faults.c")));
+    let lines =
+        message.lines().filter(|line| line.contains("32 results not written, NaN or infinite")).count();
+    assert!(lines > 0, "what is wrong is printed:\n{message}");
 }
 
 /// Nobody reads the standard error output any more, and the signal for that is ignored: no call ends the program.
@@ -185,8 +186,8 @@ fn a_closed_error_output_ends_nothing() {
     shell.args(["-c", script]).current_dir(workshop.path("")).env("OPENRT_DEBUG", "1");
     must(&mut shell);
     let read = |name: &str| std::fs::read_to_string(workshop.path(name)).expect("the program has ended");
-    let (status, said) = (read("status"), read("said"));
-    assert_eq!(status, "status 0\n", "no panic, no abort, and its checks hold:\n{said}");
+    let (status, message) = (read("status"), read("said"));
+    assert_eq!(status, "status 0\n", "no panic, no abort, and its checks hold:\n{message}");
     // The same without any standard error output at all.
     must(
         in_workshop(&workshop, Path::new("/bin/sh"))

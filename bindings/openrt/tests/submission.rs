@@ -44,9 +44,9 @@ fn seconds_of_arrays(triangles: usize) -> [f64; 2] {
 fn seconds_of_calls(workshop: &Workshop, triangles: usize) -> f64 {
     let binary = workshop.build("cc", "c99", &source("tests/c/million.c"));
     let line = workshop.run(&binary, &[&triangles.to_string()]);
-    let words: Vec<&str> = line.split_whitespace().collect();
+    let tokens: Vec<&str> = line.split_whitespace().collect();
     eprintln!("{line}");
-    words[words.len() - 4].parse().expect("seconds before 's in all'")
+    tokens[tokens.len() - 4].parse().expect("seconds before 's in all'")
 }
 
 #[test]
@@ -62,9 +62,9 @@ fn seconds_of_new_arrays() -> [f64; 2] {
     let this = std::env::current_exe().expect("the test itself");
     let child =
         Command::new(this).args(["--ignored", "--exact", "a_million_by_arrays", "--nocapture"]).output();
-    let said = String::from_utf8(child.expect("it runs again").stderr).expect("text");
-    let line = said.lines().find_map(|line| line.split_once(SECONDS)).expect("its seconds").1;
-    let mut seconds = line.split_whitespace().map(|word| word.parse().expect("seconds"));
+    let message = String::from_utf8(child.expect("it runs again").stderr).expect("text");
+    let line = message.lines().find_map(|line| line.split_once(SECONDS)).expect("its seconds").1;
+    let mut seconds = line.split_whitespace().map(|token| token.parse().expect("seconds"));
     std::array::from_fn(|_| seconds.next().expect("two numbers"))
 }
 

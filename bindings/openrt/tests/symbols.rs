@@ -80,7 +80,7 @@ fn explanation(reference: &str, function: &str) -> String {
     let call = format!("{function}(");
     let below = places.find_map(|rest| {
         let (synopsis, below) = rest.split_once("```")?;
-        let is_named = synopsis.split([' ', '*']).any(|word| word.starts_with(&call));
+        let is_named = synopsis.split([' ', '*']).any(|token| token.starts_with(&call));
         is_named.then_some(below)
     });
     let below = below.unwrap_or_else(|| panic!("{function} has a synopsis"));
@@ -94,14 +94,16 @@ fn the_reference_says_what_the_header_says() {
     let (header, reference) = (read("include/openrt/rt.h"), read("../../docs/reference/openrt-calls.md"));
     let (mut sentences, mut missing) = (0, Vec::new());
     for comment in header.split("/*").skip(1) {
-        let Some((said, declarations)) = comment.split_once("*/") else { continue };
+        let Some((message, declarations)) = comment.split_once("*/") else { continue };
         let Some(first) = declarations.trim_start().strip_prefix("RTAPI ") else { continue };
         let name = first.split("RTAPIENTRY ").nth(1).and_then(|rest| rest.split('(').next());
         let name = name.expect("a function's name");
         let explained = explanation(&reference, name);
-        let said = plain(said);
+        let message = plain(message);
         // Ends of sentences and of their parts: the page has errors in a paragraph of their own.
-        for sentence in said.split(". ").flat_map(|part| part.split("; ")).flat_map(|part| part.split(": ")) {
+        for sentence in
+            message.split(". ").flat_map(|part| part.split("; ")).flat_map(|part| part.split(": "))
+        {
             let sentence = sentence.trim_end_matches(['.', ';', ':']);
             sentences += 1;
             if !explained.contains(sentence) {

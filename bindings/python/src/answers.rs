@@ -12,7 +12,7 @@ use crate::arrays::New;
 use crate::hits::{AllHits, Found, Hits};
 use crate::pool::Workers;
 use crate::rays::Rays;
-use crate::trees::{Trees, ask};
+use crate::trees::{Trees, run_query};
 
 /// Points that are asked for between two looks for Ctrl-C.
 const POINTS: usize = 1 << 16;
@@ -27,7 +27,7 @@ pub(crate) enum Which {
 }
 
 /// A scene that is asked, and who works.
-pub(crate) struct Asked {
+pub(crate) struct RayQuery {
     pub(crate) trees: Arc<Trees>,
     pub(crate) workers: Workers,
 }
@@ -37,7 +37,7 @@ fn ids_of(hit: &Hit) -> [u32; 3] {
     [hit.geom_id, hit.inst_id, hit.leaf_id]
 }
 
-impl Asked {
+impl RayQuery {
     pub(crate) fn intersect(self, py: Python<'_>, rays: &Rays) -> PyResult<Hits> {
         let n = rays.count();
         let [mut t, mut u, mut v] =
@@ -67,7 +67,7 @@ impl Asked {
                     };
                     let query = Query { coherence: rays.coherence(&slices), ..Query::default() };
                     let traced =
-                        ask!(self.trees, tree => tree.intersect_slices(&query, &slices, self.workers.threads(), &mut into));
+                        run_query!(self.trees, tree => tree.intersect_slices(&query, &slices, self.workers.threads(), &mut into));
                     traced.expect("arrays were made for these rays");
                     for i in 0..range.len() {
                         ids.push([prim[i], geom[i], inst[i], leaf[i]]);
@@ -98,7 +98,7 @@ impl Asked {
             py.detach(|| {
                 let mut occluded = vec![false; part.len()];
                 let query = Query { coherence: rays.coherence(&slices), ..Query::default() };
-                let traced = ask!(self.trees, tree => tree.occluded_slices(&query, &slices, self.workers.threads(), &mut occluded));
+                let traced = run_query!(self.trees, tree => tree.occluded_slices(&query, &slices, self.workers.threads(), &mut occluded));
                 traced.expect("an array was made for these rays");
                 part.iter_mut().zip(occluded).for_each(|(into, is)| *into = u8::from(is));
             });
@@ -119,10 +119,10 @@ impl Asked {
                         let query = Query::default();
                         match which {
                             Which::First(most) => {
-                                ask!(self.trees, tree => tree.first_hits(&query, ray, most, &mut one));
+                                run_query!(self.trees, tree => tree.first_hits(&query, ray, most, &mut one));
                             }
                             Which::Crossed => {
-                                ask!(self.trees, tree => tree.crossing_hits(&query, ray, &mut one));
+                                run_query!(self.trees, tree => tree.crossing_hits(&query, ray, &mut one));
                             }
                         }
                         hits.extend_from_slice(&one);
@@ -182,7 +182,7 @@ impl Asked {
             let part = &mut all[range];
             py.detach(|| {
                 let mut counts = Vec::new();
-                ask!(self.trees, tree => tree.crossings_batch(&Query::default(), &list, self.workers.threads(), &mut counts));
+                run_query!(self.trees, tree => tree.crossings_batch(&Query::default(), &list, self.workers.threads(), &mut counts));
                 part.copy_from_slice(&counts);
             });
             py.check_signals()?;
@@ -195,7 +195,7 @@ impl Asked {
         for (points, part) in points.chunks(POINTS).zip(answers.all().chunks_mut(POINTS)) {
             py.detach(|| {
                 let mut inside = Vec::new();
-                ask!(self.trees, tree => tree.contains_batch(&Query::default(), points, self.workers.threads(), &mut inside));
+                run_query!(self.trees, tree => tree.contains_batch(&Query::default(), points, self.workers.threads(), &mut inside));
                 part.iter_mut().zip(inside).for_each(|(into, is)| *into = u8::from(is));
             });
             py.check_signals()?;
@@ -211,11 +211,11 @@ impl Asked {
                 let (query, threads) = (Query::default(), self.workers.threads());
                 if signed {
                     let mut distances = Vec::new();
-                    ask!(self.trees, tree => tree.signed_distance_batch(&query, points, threads, &mut distances));
+                    run_query!(self.trees, tree => tree.signed_distance_batch(&query, points, threads, &mut distances));
                     part.copy_from_slice(&distances);
                 } else {
                     let mut hits = Vec::new();
-                    ask!(self.trees, tree => tree.closest_points(&query, points, f64::INFINITY, threads, &mut hits));
+                    run_query!(self.trees, tree => tree.closest_points(&query, points, f64::INFINITY, threads, &mut hits));
                     let distance = |hit: &Option<PointHit>| hit.map_or(f64::INFINITY, |hit| hit.distance);
                     part.iter_mut().zip(&hits).for_each(|(into, hit)| *into = distance(hit));
                 }
@@ -243,7 +243,7 @@ impl Asked {
             for (block, points) in points.chunks(POINTS).enumerate() {
                 py.detach(|| {
                     let mut hits = Vec::new();
-                    ask!(self.trees, tree => tree.closest_points(&Query::default(), points, f64::INFINITY, self.workers.threads(), &mut hits));
+                    run_query!(self.trees, tree => tree.closest_points(&Query::default(), points, f64::INFINITY, self.workers.threads(), &mut hits));
                     for (i, hit) in hits.iter().enumerate() {
                         let i = block * POINTS + i;
                         let point = hit.map_or([f64::NAN; 3], |hit| hit.point);

@@ -152,7 +152,7 @@ pub(crate) fn light(kind: &str, given: &mut Given) -> PyResult<NewLight> {
         },
         "environment" => {
             let up = given.numbers("up")?.unwrap_or([0.0, 1.0, 0.0]);
-            let turn = given.number("turn", -MOST, MOST)?.unwrap_or(0.0);
+            let turn_degrees = given.number("turn", -MOST, MOST)?.unwrap_or(0.0);
             let sky = given.text("sky")?;
             let picture =
                 given.get("picture")?.map(|path| path.extract::<std::path::PathBuf>()).transpose()?;
@@ -165,7 +165,7 @@ pub(crate) fn light(kind: &str, given: &mut Given) -> PyResult<NewLight> {
                 (None, None, radiance) => Surroundings::Uniform(radiance.unwrap_or([1.0; 3])),
                 _ => return Err(PyValueError::new_err("environment: give one of sky, picture and radiance")),
             };
-            return Ok(NewLight::Around(around, up, turn));
+            return Ok(NewLight::Around(around, up, turn_degrees));
         }
         _ => {
             return Err(PyValueError::new_err(format!(
@@ -195,7 +195,7 @@ pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
     }
     let word = given.text("projection")?;
     let height = given.number("view_height", f64::from(f32::MIN_POSITIVE), MOST)?;
-    camera.projection = match word.as_deref().unwrap_or(Projection::WORDS[0]) {
+    camera.projection = match word.as_deref().unwrap_or(Projection::NAMES[0]) {
         "perspective" => Projection::Perspective,
         "fisheye" => Projection::Fisheye,
         "panorama" => Projection::Panorama,
@@ -203,7 +203,7 @@ pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
             height: height.map_or_else(|| camera.height_at_target(), |height| height as f32),
         },
         other => {
-            let words = Projection::WORDS.join(", ");
+            let words = Projection::NAMES.join(", ");
             return Err(PyValueError::new_err(format!("projection: expected one of {words}, not '{other}'")));
         }
     };

@@ -9,18 +9,18 @@ use pyo3::types::PyDict;
 /// The arguments of a call.
 pub(crate) struct Given<'a, 'py> {
     all: &'a Bound<'py, PyDict>,
-    asked: Vec<&'static str>,
+    query: Vec<&'static str>,
 }
 
 impl<'a, 'py> Given<'a, 'py> {
     pub(crate) fn new(all: &'a Bound<'py, PyDict>) -> Self {
-        Self { all, asked: Vec::new() }
+        Self { all, query: Vec::new() }
     }
 
     /// The argument, if it is given and not `None`.
     pub(crate) fn get(&mut self, name: &'static str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        if !self.asked.contains(&name) {
-            self.asked.push(name);
+        if !self.query.contains(&name) {
+            self.query.push(name);
         }
         Ok(self.all.get_item(name)?.filter(|value| !value.is_none()))
     }
@@ -29,8 +29,8 @@ impl<'a, 'py> Given<'a, 'py> {
     pub(crate) fn end(self) -> PyResult<()> {
         for name in self.all.keys() {
             let name: String = name.extract()?;
-            if !self.asked.iter().any(|known| *known == name) {
-                let known = self.asked.join(", ");
+            if !self.query.iter().any(|known| *known == name) {
+                let known = self.query.join(", ");
                 return Err(PyTypeError::new_err(format!(
                     "{name}: there is no such argument; valid are: {known}"
                 )));

@@ -19,12 +19,12 @@ pub(crate) struct Made {
 
 /// Reads and computes what a light needs: that takes its time, and no scene.
 pub(crate) fn made(light: NewLight) -> PyResult<Made> {
-    let (around, up, turn) = match light {
+    let (around, up, rotation) = match light {
         NewLight::Light(light) => return Ok(Made { lights: vec![light], textures: Vec::new() }),
-        NewLight::Around(around, up, turn) => (around, up, turn),
+        NewLight::Around(around, up, rotation) => (around, up, rotation),
     };
     let mut other = Scene::new();
-    around.put_around(&mut other, up, turn).map_err(|error| surroundings_error(&error))?;
+    around.put_around(&mut other, up, rotation).map_err(|error| surroundings_error(&error))?;
     Ok(Made { lights: other.lights().to_vec(), textures: other.textures().to_vec() })
 }
 
@@ -51,10 +51,11 @@ pub(crate) fn set(stage: &mut Stage, number: usize, made: Made) -> PyResult<()> 
     };
     let mut lights = put_textures(stage, made).into_iter();
     let (first, sun) = (lights.next(), lights.next());
-    let place = stage.suns.get(&number).copied();
+    let placement = stage.suns.get(&number).copied();
     // Others keep their numbers: a sun that is gone is dark.
-    let sun = sun.or(place.map(|_| Light::Directional { direction: [0.0, -1.0, 0.0], irradiance: [0.0; 3] }));
-    if let (Some(_), None) = (&sun, place) {
+    let sun =
+        sun.or(placement.map(|_| Light::Directional { direction: [0.0, -1.0, 0.0], irradiance: [0.0; 3] }));
+    if let (Some(_), None) = (&sun, placement) {
         stage.suns.insert(number, count as u32);
     }
     stage.edit(|scene| {
@@ -62,8 +63,8 @@ pub(crate) fn set(stage: &mut Stage, number: usize, made: Made) -> PyResult<()> 
             *scene.edit_light(LightId(number)) = light.clone();
         }
         let Some(sun) = &sun else { return };
-        if let Some(place) = place {
-            *scene.edit_light(LightId(place)) = sun.clone();
+        if let Some(placement) = placement {
+            *scene.edit_light(LightId(placement)) = sun.clone();
         } else {
             scene.add_light(sun.clone());
         }

@@ -15,7 +15,7 @@ pub(crate) struct Mesh {
     /// uint32, (m, 3), without gaps.
     pub(crate) faces: Py<PyAny>,
     /// Columns of an affine map.
-    pub(crate) place: Option<[[f64; 3]; 4]>,
+    pub(crate) placement: Option<[[f64; 3]; 4]>,
     /// Which edit of the scene gave it these vertices; edits count from 1.
     pub(crate) shape: u64,
     /// Which edit gave it these vertices or this place.
@@ -33,11 +33,11 @@ impl Mesh {
     pub(crate) fn new(
         vertices: &Bound<'_, PyAny>,
         faces: &Bound<'_, PyAny>,
-        place: Option<&Bound<'_, PyAny>>,
+        placement: Option<&Bound<'_, PyAny>>,
         copy: bool,
     ) -> PyResult<Self> {
         let count = Numbers::new("vertices", vertices, Some(3))?.count();
-        let kept = |array: &Bound<'_, PyAny>, given: &Bound<'_, PyAny>| -> PyResult<Py<PyAny>> {
+        let retained = |array: &Bound<'_, PyAny>, given: &Bound<'_, PyAny>| -> PyResult<Py<PyAny>> {
             // What was converted is ours already.
             let is_theirs =
                 || numpy(array.py())?.call_method1("may_share_memory", (array, given))?.is_truthy();
@@ -67,9 +67,9 @@ impl Mesh {
             )));
         }
         Ok(Self {
-            vertices: kept(&of_type(&given, "float32")?, &given)?,
-            faces: kept(&of_type(&found, "uint32")?, &found)?,
-            place: place.map(|place| transform("transform", place)).transpose()?,
+            vertices: retained(&of_type(&given, "float32")?, &given)?,
+            faces: retained(&of_type(&found, "uint32")?, &found)?,
+            placement: placement.map(|placement| transform("transform", placement)).transpose()?,
             shape: 0,
             state: 0,
         })

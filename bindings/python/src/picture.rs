@@ -4,8 +4,8 @@
 use std::path::PathBuf;
 
 use gnurt::denoise::{self, Method, Options};
+use gnurt::display_rules::TONE;
 use gnurt::image::{self, ChannelData, ExrPixels, OutputFormat, ToneCurve, WriteOptions, exposure_for};
-use gnurt::look::TONE;
 use pyo3::exceptions::{PyKeyError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -50,7 +50,7 @@ impl Picture {
         image::encode(&seen, format, options).map_err(|error| image_error(&error))
     }
 
-    fn look(&self, tone: Option<&str>, exposure: Option<f32>) -> PyResult<WriteOptions> {
+    fn display_rules(&self, tone: Option<&str>, exposure: Option<f32>) -> PyResult<WriteOptions> {
         let tone: ToneCurve = match tone {
             None => TONE,
             Some(name) => name.parse().map_err(|error| PyValueError::new_err(format!("tone: {error}")))?,
@@ -115,8 +115,8 @@ impl Picture {
 
     /// float32 or uint32 (height, width, channels), or (height, width) of a layer that has one channel.
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
-        let wanted = if name == "Z" { "" } else { name };
-        let Some(layer) = self.picture.layer(wanted) else {
+        let request = if name == "Z" { "" } else { name };
+        let Some(layer) = self.picture.layer(request) else {
             let all = self.layers().join(", ");
             return Err(PyKeyError::new_err(format!(
                 "there is no layer '{name}'; the picture has {}",
@@ -166,7 +166,7 @@ impl Picture {
         exact: bool,
     ) -> PyResult<()> {
         let format = OutputFormat::from_path(&path).map_err(|error| image_error(&error))?;
-        let mut options = self.look(tone, exposure)?;
+        let mut options = self.display_rules(tone, exposure)?;
         if exact {
             options.exr_pixels = ExrPixels::Float;
         }
@@ -184,7 +184,7 @@ impl Picture {
         tone: Option<&str>,
         exposure: Option<f32>,
     ) -> PyResult<Bound<'py, PyBytes>> {
-        let options = self.look(tone, exposure)?;
+        let options = self.display_rules(tone, exposure)?;
         Ok(PyBytes::new(py, &py.detach(|| self.encoded(OutputFormat::Png, &options))?))
     }
 

@@ -11,13 +11,13 @@ use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
-use crate::answers::{Asked, Which};
+use crate::answers::{RayQuery, Which};
 use crate::arrays::{Numbers, transform};
 use crate::hits::{AllHits, Hits};
 use crate::meshes::Mesh;
 use crate::pool::{ThreadCount, Workers};
 use crate::rays::Rays;
-use crate::trees::{Placed, Plan, Shows, Trees};
+use crate::trees::{PlacedGeometry, Plan, Shows, Trees};
 
 /// What an instance shows.
 enum Shown {
@@ -73,17 +73,17 @@ impl State {
     }
 
     /// Instances for trees, where those of scenes, ascending by number, are known.
-    fn placed(&self, scenes: &[(u32, Arc<Trees>)]) -> Vec<(u32, Placed)> {
+    fn placed_list(&self, scenes: &[(u32, Arc<Trees>)]) -> Vec<(u32, PlacedGeometry)> {
         let mut scenes = scenes.iter();
-        let placed = |(id, instance): (u32, &Option<Instance>)| {
-            let (shown, place) = instance.as_ref()?;
+        let placed_list = |(id, instance): (u32, &Option<Instance>)| {
+            let (shown, placement) = instance.as_ref()?;
             let shows = match shown {
                 Shown::Mesh(geom_id) => Shows::Mesh(*geom_id),
                 Shown::Scene(_) => Shows::Scene(scenes.next()?.1.clone()),
             };
-            Some((id, Placed { shows, place: *place }))
+            Some((id, PlacedGeometry { shows, placement: *placement }))
         };
-        (0..).zip(&self.instances).filter_map(placed).collect()
+        (0..).zip(&self.instances).filter_map(placed_list).collect()
     }
 
     /// The number of an edit that is being made, from 1 on.
@@ -97,9 +97,9 @@ impl State {
 enum Found {
     UpToDate(Arc<Trees>),
     /// What they are to be over, and those of an earlier state.
-    Due {
+    Dirty {
         meshes: Vec<Option<Mesh>>,
-        placed: Vec<(u32, Placed)>,
+        placed_list: Vec<(u32, PlacedGeometry)>,
         before: Option<Arc<Trees>>,
     },
 }
@@ -130,12 +130,12 @@ impl RayScene {
         job(&mut self.state.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner))
     }
 
-    fn asked(&self, py: Python<'_>, threads: i64) -> PyResult<Asked> {
+    fn query(&self, py: Python<'_>, threads: i64) -> PyResult<RayQuery> {
         let count = usize::try_from(threads);
         let count = count.map_err(|_| PyValueError::new_err(format!("threads: 0 or more, not {threads}")))?;
         let workers = ThreadCount::new(count)?.workers()?;
         let trees = self.trees(py, &workers, &mut Vec::new())?;
-        Ok(Asked { trees, workers })
+        Ok(RayQuery { trees, workers })
     }
 
     /// The trees of what it holds now; `known` are those of scenes that were asked for already, by their addresses.
@@ -171,15 +171,19 @@ impl RayScene {
                 }
                 before => {
                     let before = before.as_ref().map(|(_, trees)| trees.clone());
-                    Some(Found::Due { meshes: state.meshes(py), placed: state.placed(&inner), before })
+                    Some(Found::Dirty {
+                        meshes: state.meshes(py),
+                        placed_list: state.placed_list(&inner),
+                        before,
+                    })
                 }
             });
             match found {
                 // Somebody has edited it meanwhile.
                 None => {}
                 Some(Found::UpToDate(trees)) => return Ok(trees),
-                Some(Found::Due { meshes, placed, before }) => {
-                    let plan = Plan::new(py, &meshes, placed, before)?;
+                Some(Found::Dirty { meshes, placed_list, before }) => {
+                    let plan = Plan::new(py, &meshes, placed_list, before)?;
                     // Two threads that come at once both build; the answers are the same.
                     let trees = Arc::new(py.detach(|| plan.build(workers.threads()))?);
                     self.with(py, |state| {
@@ -284,7 +288,7 @@ impl RayScene {
     #[pyo3(signature = (shown, transform))]
     fn add_instance(slf: &Bound<'_, Self>, shown: Object, transform: Object) -> PyResult<usize> {
         let (py, this) = (slf.py(), slf.get());
-        let place = self::transform("transform", transform)?;
+        let placement = self::transform("transform", transform)?;
         let shown = Self::shown(shown)?;
         let scenes = shown.scene(py).into_iter().collect::<Vec<_>>();
         this.unless_held(py, &scenes, "shown: this scene lies in it; a scene cannot show itself", || {
@@ -295,7 +299,7 @@ impl RayScene {
                     return Err(Self::no_geometry(id as usize));
                 }
                 state.edit();
-                state.instances.push(Some((shown, place)));
+                state.instances.push(Some((shown, placement)));
                 Ok(state.instances.len() - 1)
             })
         })
@@ -312,7 +316,7 @@ impl RayScene {
         transform: Option<Object>,
         copy: bool,
     ) -> PyResult<()> {
-        let place = transform.map(|place| self::transform("transform", place)).transpose()?;
+        let placement = transform.map(|placement| self::transform("transform", placement)).transpose()?;
         let moved = match (geom_id, vertices) {
             (Some(id), Some(vertices)) => {
                 let mesh = self.with(py, |state| {
@@ -329,17 +333,17 @@ impl RayScene {
                 let mesh = state.meshes.get_mut(id).and_then(Option::as_mut);
                 let mesh = mesh.ok_or_else(|| Self::no_geometry(id))?;
                 mesh.state = edit;
-                mesh.place = place.or(mesh.place);
+                mesh.placement = placement.or(mesh.placement);
                 Ok(moved.map(|vertices| {
                     mesh.shape = edit;
                     std::mem::replace(&mut mesh.vertices, vertices)
                 }))
             }
             (None, Some(id)) if vertices.is_none() => {
-                let placed = state.instances.get_mut(id).and_then(Option::as_mut);
-                let placed =
-                    placed.ok_or_else(|| PyIndexError::new_err(format!("there is no instance {id}")))?;
-                placed.1 = place.unwrap_or(placed.1);
+                let placed_list = state.instances.get_mut(id).and_then(Option::as_mut);
+                let placed_list =
+                    placed_list.ok_or_else(|| PyIndexError::new_err(format!("there is no instance {id}")))?;
+                placed_list.1 = placement.unwrap_or(placed_list.1);
                 state.edit();
                 Ok(None)
             }
@@ -387,7 +391,7 @@ impl RayScene {
     /// Builds the trees that are due now, not at the next query.
     #[pyo3(signature = (*, threads=0))]
     fn commit(&self, py: Python<'_>, threads: i64) -> PyResult<()> {
-        self.asked(py, threads).map(drop)
+        self.query(py, threads).map(drop)
     }
 
     /// Where each ray hits first: `Hits`. `origins` and `directions`: (n, 3), or (1, 3) for all rays; `t_near` and `t_far`: numbers, or
@@ -403,7 +407,7 @@ impl RayScene {
         threads: i64,
     ) -> PyResult<Hits> {
         let rays = Rays::new(origins, directions, t_near, t_far)?;
-        self.asked(py, threads)?.intersect(py, &rays)
+        self.query(py, threads)?.intersect(py, &rays)
     }
 
     /// bool (n,): whether anything lies between `t_near` and `t_far`. Arguments as of `intersect`; faster.
@@ -418,7 +422,7 @@ impl RayScene {
         threads: i64,
     ) -> PyResult<Py<PyAny>> {
         let rays = Rays::new(origins, directions, t_near, t_far)?;
-        self.asked(py, threads)?.occluded(py, &rays)
+        self.query(py, threads)?.occluded(py, &rays)
     }
 
     /// Everything that each ray hits, nearest first: `AllHits`. `max_hits` keeps the nearest of each ray. Arguments as of `intersect`.
@@ -438,7 +442,7 @@ impl RayScene {
             usize::try_from(most)
                 .map_err(|_| PyValueError::new_err(format!("max_hits: 0 or more, not {most}")))
         })?;
-        self.asked(py, threads)?.all_hits(py, &rays, Which::First(most))
+        self.query(py, threads)?.all_hits(py, &rays, Which::First(most))
     }
 
     /// The crossings that `crossings` counts, one hit each: `AllHits`.
@@ -453,7 +457,7 @@ impl RayScene {
         threads: i64,
     ) -> PyResult<AllHits> {
         let rays = Rays::new(origins, directions, t_near, t_far)?;
-        self.asked(py, threads)?.all_hits(py, &rays, Which::Crossed)
+        self.query(py, threads)?.all_hits(py, &rays, Which::Crossed)
     }
 
     /// int32 (n,): how often each ray goes through a surface. A hit of an edge or a corner that triangles share counts once, so that
@@ -469,14 +473,14 @@ impl RayScene {
         threads: i64,
     ) -> PyResult<Py<PyAny>> {
         let rays = Rays::new(origins, directions, t_near, t_far)?;
-        self.asked(py, threads)?.crossings(py, &rays)
+        self.query(py, threads)?.crossings(py, &rays)
     }
 
     /// bool (n,): whether `points`, (n, 3), lie inside of closed meshes, their surface included.
     #[pyo3(signature = (points, *, threads=0))]
     fn contains(&self, py: Python<'_>, points: Object, threads: i64) -> PyResult<Py<PyAny>> {
         let points = Numbers::new("points", points, Some(3))?.points();
-        self.asked(py, threads)?.contains(py, &points)
+        self.query(py, threads)?.contains(py, &points)
     }
 
     /// The nearest point of all surfaces for each of `points`, (n, 3): points (n, 3), distances (n,), prim_id (n,), geom_id (n,).
@@ -488,50 +492,51 @@ impl RayScene {
         threads: i64,
     ) -> PyResult<Bound<'py, PyTuple>> {
         let points = Numbers::new("points", points, Some(3))?.points();
-        PyTuple::new(py, self.asked(py, threads)?.closest_point(py, &points, false)?)
+        PyTuple::new(py, self.query(py, threads)?.closest_point(py, &points, false)?)
     }
 
     /// For the packages whose names we have: as `closest_point`, then `(n, 2)` weights and `(n, 3)` normals.
     #[pyo3(signature = (points, *, threads=0))]
     fn _nearest<'py>(&self, py: Python<'py>, points: Object, threads: i64) -> PyResult<Bound<'py, PyTuple>> {
         let points = Numbers::new("points", points, Some(3))?.points();
-        PyTuple::new(py, self.asked(py, threads)?.closest_point(py, &points, true)?)
+        PyTuple::new(py, self.query(py, threads)?.closest_point(py, &points, true)?)
     }
 
     /// float64 (n,): the distance of `points`, (n, 3), from the nearest surface; inf where there is none.
     #[pyo3(signature = (points, *, threads=0))]
     fn distance(&self, py: Python<'_>, points: Object, threads: i64) -> PyResult<Py<PyAny>> {
         let points = Numbers::new("points", points, Some(3))?.points();
-        self.asked(py, threads)?.distance(py, &points, false)
+        self.query(py, threads)?.distance(py, &points, false)
     }
 
     /// float64 (n,): as `distance`, negative inside of closed meshes.
     #[pyo3(signature = (points, *, threads=0))]
     fn signed_distance(&self, py: Python<'_>, points: Object, threads: i64) -> PyResult<Py<PyAny>> {
         let points = Numbers::new("points", points, Some(3))?.points();
-        self.asked(py, threads)?.distance(py, &points, true)
+        self.query(py, threads)?.distance(py, &points, true)
     }
 
     /// What pickle and `save` keep: arrays, not trees.
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (now_meshes, now_instances) = self.with(py, |state| {
-            let shared = |at: &Option<Instance>| at.as_ref().map(|(shown, place)| (shown.shared(py), *place));
+            let shared =
+                |at: &Option<Instance>| at.as_ref().map(|(shown, placement)| (shown.shared(py), *placement));
             (state.meshes(py), state.instances.iter().map(shared).collect::<Vec<_>>())
         });
         let (meshes, instances) = (PyList::empty(py), PyList::empty(py));
         for mesh in now_meshes {
             match mesh {
                 None => meshes.append(py.None())?,
-                Some(Mesh { vertices, faces, place, .. }) => {
-                    meshes.append((vertices, faces, place.as_ref().map(matrix)))?;
+                Some(Mesh { vertices, faces, placement, .. }) => {
+                    meshes.append((vertices, faces, placement.as_ref().map(matrix)))?;
                 }
             }
         }
-        for placed in now_instances {
-            match placed {
+        for placed_list in now_instances {
+            match placed_list {
                 None => instances.append(py.None())?,
-                Some((Shown::Mesh(geom_id), place)) => instances.append((geom_id, matrix(&place)))?,
-                Some((Shown::Scene(scene), place)) => instances.append((scene, matrix(&place)))?,
+                Some((Shown::Mesh(geom_id), placement)) => instances.append((geom_id, matrix(&placement)))?,
+                Some((Shown::Scene(scene), placement)) => instances.append((scene, matrix(&placement)))?,
             }
         }
         let all = PyDict::new(py);
@@ -540,9 +545,9 @@ impl RayScene {
         Ok(all)
     }
 
-    fn __setstate__(&self, py: Python<'_>, kept: &Bound<'_, PyDict>) -> PyResult<()> {
+    fn __setstate__(&self, py: Python<'_>, retained: &Bound<'_, PyDict>) -> PyResult<()> {
         let part = |name: &str| -> PyResult<Vec<Bound<'_, PyAny>>> {
-            let list = kept.get_item(name)?.ok_or_else(|| PyValueError::new_err(format!("no {name}")))?;
+            let list = retained.get_item(name)?.ok_or_else(|| PyValueError::new_err(format!("no {name}")))?;
             list.try_iter()?.collect()
         };
         let (mut meshes, mut instances) = (Vec::new(), Vec::new());
@@ -550,22 +555,22 @@ impl RayScene {
             meshes.push(
                 match mesh.extract::<Option<(Bound<PyAny>, Bound<PyAny>, Option<Bound<PyAny>>)>>()? {
                     None => None,
-                    Some((vertices, faces, place)) => {
-                        Some(Mesh::new(&vertices, &faces, place.as_ref(), false)?)
+                    Some((vertices, faces, placement)) => {
+                        Some(Mesh::new(&vertices, &faces, placement.as_ref(), false)?)
                     }
                 },
             );
         }
-        for placed in part("instances")? {
-            instances.push(match placed.extract::<Option<(Bound<PyAny>, Bound<PyAny>)>>()? {
+        for placed_list in part("instances")? {
+            instances.push(match placed_list.extract::<Option<(Bound<PyAny>, Bound<PyAny>)>>()? {
                 None => None,
-                Some((shown, place)) => {
-                    let (shown, place) = (Self::shown(&shown)?, transform("transform", &place)?);
+                Some((shown, placement)) => {
+                    let (shown, placement) = (Self::shown(&shown)?, transform("transform", &placement)?);
                     match &shown {
                         Shown::Mesh(id) if !matches!(meshes.get(*id as usize), Some(Some(_))) => {
                             return Err(Self::no_geometry(*id as usize));
                         }
-                        _ => Some((shown, place)),
+                        _ => Some((shown, placement)),
                     }
                 }
             });

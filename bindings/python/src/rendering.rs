@@ -25,7 +25,7 @@ use crate::stage::{Aim, Clip, Shot, View};
 use crate::watch::watched;
 
 /// All that a rendering is asked for.
-pub(crate) struct Wanted {
+pub(crate) struct BuildRequest {
     pub(crate) view: View,
     pub(crate) threads: ThreadCount,
     options: RenderOptions,
@@ -33,7 +33,7 @@ pub(crate) struct Wanted {
     denoise: Option<Method>,
 }
 
-impl Wanted {
+impl BuildRequest {
     pub(crate) fn new(arguments: &Bound<'_, PyDict>) -> PyResult<Self> {
         const SIDE: u64 = 1 << 31;
         const MOST: f64 = f32::MAX as f64;
@@ -188,16 +188,16 @@ fn moment(given: &mut Given) -> PyResult<Option<(Clip, f64)>> {
 /// A picture that grows.
 #[pyclass(module = "gnurt", frozen)]
 pub(crate) struct Growing {
-    wanted: Wanted,
+    request: BuildRequest,
     shot: Shot,
     so_far: Mutex<Accumulation>,
 }
 
 impl Growing {
-    pub(crate) fn new(wanted: Wanted, shot: Shot) -> PyResult<Self> {
-        let begun = Accumulation::new(wanted.options.clone());
+    pub(crate) fn new(request: BuildRequest, shot: Shot) -> PyResult<Self> {
+        let begun = Accumulation::new(request.options.clone());
         let begun = begun.map_err(|error| PyValueError::new_err(error.to_string()))?;
-        Ok(Self { wanted, shot, so_far: Mutex::new(begun) })
+        Ok(Self { request, shot, so_far: Mutex::new(begun) })
     }
 }
 
@@ -208,7 +208,7 @@ impl Growing {
     fn grow(&self, py: Python<'_>, samples: u32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
         watched(py, progress, |watch| {
             let mut so_far = self.so_far.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            let pool = self.wanted.threads.pool()?;
+            let pool = self.request.threads.pool()?;
             so_far.pass(&self.shot.world, &*self.shot.camera, samples, &pool, watch);
             Ok(so_far.is_complete())
         })
@@ -225,6 +225,6 @@ impl Growing {
             let so_far = self.so_far.lock_py_attached(py).unwrap_or_else(std::sync::PoisonError::into_inner);
             (so_far.picture(), so_far.stats().clone())
         };
-        py.detach(|| self.wanted.finished(picture, &stats, self.shot.exposure))
+        py.detach(|| self.request.finished(picture, &stats, self.shot.exposure))
     }
 }

@@ -20,7 +20,7 @@ use crate::given::Given;
 use crate::lights;
 use crate::meshes::Mesh;
 use crate::picture::Picture;
-use crate::rendering::{Growing, Wanted};
+use crate::rendering::{BuildRequest, Growing};
 use crate::stage::Stage;
 
 /// Meshes, materials, lights and cameras, of which pictures are made.
@@ -52,9 +52,9 @@ impl Scene {
     }
 
     /// By a thread that does not hold the interpreter's lock.
-    fn shoot(&self, wanted: &Wanted) -> PyResult<crate::stage::Shot> {
-        let pool = wanted.threads.pool()?;
-        self.stage.lock().unwrap_or_else(PoisonError::into_inner).shoot(&wanted.view, &pool)
+    fn shoot(&self, request: &BuildRequest) -> PyResult<crate::stage::Shot> {
+        let pool = request.threads.pool()?;
+        self.stage.lock().unwrap_or_else(PoisonError::into_inner).shoot(&request.view, &pool)
     }
 }
 
@@ -156,8 +156,8 @@ impl Scene {
     /// Writes it: .gltf, .glb, .obj or .ply. What the format cannot hold is told.
     fn _save(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<String>> {
         let scene = self.with(py, |stage| stage.scene().clone());
-        let told = py.detach(|| io::save(&scene, &path)).map_err(|error| scene_error(&error))?;
-        Ok(told.iter().map(ToString::to_string).collect())
+        let reported = py.detach(|| io::save(&scene, &path)).map_err(|error| scene_error(&error))?;
+        Ok(reported.iter().map(ToString::to_string).collect())
     }
 
     fn _add_material(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
@@ -194,10 +194,10 @@ impl Scene {
         normals: Option<Object>,
         texcoords: Option<Object>,
         colors: Option<Object>,
-        place: Option<Object>,
+        placement: Option<Object>,
         name: &str,
     ) -> PyResult<u32> {
-        let mesh = Mesh::new(vertices, faces, place, false)?;
+        let mesh = Mesh::new(vertices, faces, placement, false)?;
         let positions = mesh.positions(py)?;
         let count = positions.len();
         let described = SceneMesh {
@@ -209,7 +209,7 @@ impl Scene {
             positions,
             ..SceneMesh::default()
         };
-        let at = mesh.place.map_or(Affine::IDENTITY, |columns| Affine { columns });
+        let at = mesh.placement.map_or(Affine::IDENTITY, |columns| Affine { columns });
         self.with(py, |stage| {
             let material = material.map(|number| material_id(stage.scene(), number)).transpose()?;
             let shared = Arc::new(described);
@@ -222,8 +222,8 @@ impl Scene {
         })
     }
 
-    fn _add_instance(&self, py: Python<'_>, of: usize, place: Object) -> PyResult<u32> {
-        let at = Affine { columns: transform("transform", place)? };
+    fn _add_instance(&self, py: Python<'_>, of: usize, placement: Object) -> PyResult<u32> {
+        let at = Affine { columns: transform("transform", placement)? };
         self.with(py, |stage| {
             let object = stage.scene().instance(instance_id(stage.scene(), of)?).object;
             Ok(stage.edit(|scene| scene.instantiate(object, at).0))
@@ -234,12 +234,12 @@ impl Scene {
         &self,
         py: Python<'_>,
         instance: usize,
-        place: Option<Object>,
+        placement: Option<Object>,
         visible: Option<bool>,
         vertices: Option<Object>,
         material: Option<usize>,
     ) -> PyResult<()> {
-        let at = place.map(|place| transform("transform", place)).transpose()?;
+        let at = placement.map(|placement| transform("transform", placement)).transpose()?;
         let numbers = vertices.map(|vertices| Numbers::new("vertices", vertices, Some(3))).transpose()?;
         self.with(py, |stage| {
             let scene = stage.scene();
@@ -337,8 +337,8 @@ impl Scene {
     }
 
     /// What is to be told of shaders and has not been.
-    fn _news(&self, py: Python<'_>) -> Vec<String> {
-        self.with(py, Stage::news)
+    fn _progress(&self, py: Python<'_>) -> Vec<String> {
+        self.with(py, Stage::progress)
     }
 
     #[getter]
@@ -371,14 +371,14 @@ impl Scene {
         arguments: &Bound<'_, PyDict>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Picture> {
-        let wanted = Wanted::new(arguments)?;
-        wanted.render(py, progress, || self.shoot(&wanted))
+        let request = BuildRequest::new(arguments)?;
+        request.render(py, progress, || self.shoot(&request))
     }
 
     fn _grow(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<Growing> {
-        let wanted = Wanted::new(arguments)?;
-        let shot = crate::watch::watched(py, None, |_| self.shoot(&wanted))?;
-        Growing::new(wanted, shot)
+        let request = BuildRequest::new(arguments)?;
+        let shot = crate::watch::watched(py, None, |_| self.shoot(&request))?;
+        Growing::new(request, shot)
     }
 
     fn __repr__(&self, py: Python<'_>) -> String {

@@ -68,8 +68,8 @@ pub(crate) struct Stage {
     /// Lights that are the suns of others.
     pub(crate) suns: BTreeMap<u32, u32>,
     /// What is to be told, and what was.
-    news: Vec<String>,
-    told: BTreeSet<String>,
+    progress: Vec<String>,
+    reported: BTreeSet<String>,
 }
 
 struct Shown {
@@ -86,29 +86,29 @@ impl Stage {
     /// Of a scene as it was read: shaders that its file names are compiled.
     pub(crate) fn of(mut scene: Scene) -> Self {
         let mut shaders = ShaderTable::default();
-        let (scripts, news) = put_named_shaders(&mut scene, &mut shaders);
-        Self { scene, shaders, scripts, news, ..Self::default() }
+        let (scripts, progress) = put_named_shaders(&mut scene, &mut shaders);
+        Self { scene, shaders, scripts, progress, ..Self::default() }
     }
 
     /// What it shows, for another one, but not what is ready to be rendered.
     pub(crate) fn copy(&mut self) -> Self {
         let (shaders, scripts) = (self.shaders.clone(), self.scripts.clone());
-        Self { scene: self.scene.clone(), shaders, scripts, news: self.news(), ..Self::default() }
+        Self { scene: self.scene.clone(), shaders, scripts, progress: self.progress(), ..Self::default() }
     }
 
     /// The number of a surface that a shader makes.
     pub(crate) fn add_script(&mut self, script: Script, surface: Arc<dyn SurfaceShader>) -> u32 {
-        self.news.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+        self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
         self.shaders.surfaces.push(surface);
         self.scripts.push(script);
         (self.shaders.surfaces.len() - 1) as u32
     }
 
     /// What is to be told of shaders and has not been.
-    pub(crate) fn news(&mut self) -> Vec<String> {
+    pub(crate) fn progress(&mut self) -> Vec<String> {
         let faults = self.scripts.iter().chain(&self.of_view).flat_map(Script::faults);
-        let news = std::mem::take(&mut self.news).into_iter().chain(faults);
-        news.filter(|line| self.told.insert(line.clone())).collect()
+        let progress = std::mem::take(&mut self.progress).into_iter().chain(faults);
+        progress.filter(|line| self.reported.insert(line.clone())).collect()
     }
 
     pub(crate) fn scene(&self) -> &Scene {
@@ -134,11 +134,12 @@ impl Stage {
         let number = if matches!(view.camera, Aim::Own(_)) { None } else { self.number(view)? };
         let camera_shader = self.camera_shader(view, number);
         let is_plain = matches!(view.integrator, Integrator::Eyelight | Integrator::Normals);
-        let wanted = (camera.clone(), is_plain);
-        if self.shown.as_ref().is_some_and(|shown| shown.lit_for.as_ref().is_some_and(|lit| *lit != wanted)) {
+        let request = (camera.clone(), is_plain);
+        if self.shown.as_ref().is_some_and(|shown| shown.lit_for.as_ref().is_some_and(|lit| *lit != request))
+        {
             self.shown = None;
         }
-        let shown = self.shown.get_or_insert_with(|| Shown::new(&self.scene, &self.shaders, bounds, wanted));
+        let shown = self.shown.get_or_insert_with(|| Shown::new(&self.scene, &self.shaders, bounds, request));
         let mut exposure = Exposure::default();
         match clip {
             Some((clip, opens)) => {
@@ -171,7 +172,7 @@ impl Stage {
         let named = number.filter(|_| view.camera_shader.is_none()).and_then(|number| {
             let made = named_camera_shader(&self.scene, CameraId(number as u32));
             made.unwrap_or_else(|why| {
-                self.news.push(why);
+                self.progress.push(why);
                 None
             })
         });
@@ -180,7 +181,7 @@ impl Stage {
         self.of_view.extend(view.pixel_shader.iter().map(|(script, _)| script.clone()));
         self.of_view.extend(camera.iter().map(|(script, _)| script.clone()));
         for script in &self.of_view {
-            self.news.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+            self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
         }
         camera.map(|(_, camera)| camera)
     }

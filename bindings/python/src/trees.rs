@@ -26,7 +26,7 @@ pub(crate) struct Trees {
     /// `None` without instances.
     scene: Option<Arc<SceneTree>>,
     /// Instances of the scene after the first.
-    placed: Vec<(u32, Placed)>,
+    placed_list: Vec<(u32, PlacedGeometry)>,
 }
 
 /// What an instance shows.
@@ -40,9 +40,9 @@ pub(crate) enum Shows {
 
 /// What an instance shows, and where.
 #[derive(Clone, Debug)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedGeometry {
     pub(crate) shows: Shows,
-    pub(crate) place: [[f64; 3]; 4],
+    pub(crate) placement: [[f64; 3]; 4],
 }
 
 /// A tree, and which states of meshes it is over: 0 for one that was removed.
@@ -59,7 +59,7 @@ pub(crate) enum Target<'a> {
 }
 
 /// Runs an expression for either kind of tree, which have methods of the same names.
-macro_rules! ask {
+macro_rules! run_query {
     ($trees:expr, $tree:ident => $answer:expr) => {
         match $trees.target() {
             $crate::trees::Target::Object($tree) => $answer,
@@ -67,26 +67,26 @@ macro_rules! ask {
         }
     };
 }
-pub(crate) use ask;
+pub(crate) use run_query;
 
 type Soup = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
 /// Arrays of all that is to be built, taken out of Python.
 pub(crate) struct Plan {
     before: Option<Arc<Trees>>,
-    all: Wanted,
-    shown: BTreeMap<u32, Wanted>,
-    placed: Vec<(u32, Placed)>,
+    all: BuildRequest,
+    shown: BTreeMap<u32, BuildRequest>,
+    placed_list: Vec<(u32, PlacedGeometry)>,
 }
 
 /// Meshes that one tree is over.
-struct Wanted {
+struct BuildRequest {
     states: Vec<u64>,
     /// `None` if the tree before is over the same.
     soups: Option<Vec<Soup>>,
 }
 
-impl Wanted {
+impl BuildRequest {
     fn new(
         states: Vec<u64>,
         before: Option<&Part>,
@@ -102,46 +102,46 @@ impl Plan {
     pub(crate) fn new(
         py: Python<'_>,
         meshes: &[Option<Mesh>],
-        placed: Vec<(u32, Placed)>,
+        placed_list: Vec<(u32, PlacedGeometry)>,
         before: Option<Arc<Trees>>,
     ) -> PyResult<Self> {
         let at_place = |mesh: &Option<Mesh>| -> PyResult<Soup> {
             // What was removed keeps its number.
             let Some(mesh) = mesh else { return Ok(Soup::default()) };
             let (mut positions, indices) = soup(py, mesh)?;
-            if let Some(place) = &mesh.place {
-                positions.iter_mut().for_each(|at| *at = carried(place, *at));
+            if let Some(placement) = &mesh.placement {
+                positions.iter_mut().for_each(|at| *at = carried(placement, *at));
             }
             Ok((positions, indices))
         };
         let states = meshes.iter().map(|mesh| mesh.as_ref().map_or(0, |mesh| mesh.state)).collect();
-        let all = Wanted::new(states, before.as_ref().map(|trees| &trees.all), || {
+        let all = BuildRequest::new(states, before.as_ref().map(|trees| &trees.all), || {
             meshes.iter().map(at_place).collect()
         })?;
         let mut shown = BTreeMap::new();
-        for (_, placed) in &placed {
-            let Shows::Mesh(geom_id) = &placed.shows else { continue };
+        for (_, placed_list) in &placed_list {
+            let Shows::Mesh(geom_id) = &placed_list.shows else { continue };
             let Some(Some(mesh)) = meshes.get(*geom_id as usize) else { continue };
             if !shown.contains_key(geom_id) {
                 let before = before.as_ref().and_then(|trees| trees.shown.get(geom_id));
-                let wanted = Wanted::new(vec![mesh.shape], before, || Ok(vec![soup(py, mesh)?]))?;
-                shown.insert(*geom_id, wanted);
+                let request = BuildRequest::new(vec![mesh.shape], before, || Ok(vec![soup(py, mesh)?]))?;
+                shown.insert(*geom_id, request);
             }
         }
-        Ok(Self { before, all, shown, placed })
+        Ok(Self { before, all, shown, placed_list })
     }
 
     /// Builds; without the interpreter.
     pub(crate) fn build(self, threads: Threads) -> PyResult<Trees> {
-        let Self { before, all, shown, placed } = self;
+        let Self { before, all, shown, placed_list } = self;
         let all = Part::new(all, before.as_ref().map(|trees| &trees.all), threads)?;
-        let part = |(id, wanted): (u32, Wanted)| {
+        let part = |(id, request): (u32, BuildRequest)| {
             let before = before.as_ref().and_then(|trees| trees.shown.get(&id));
-            Ok((id, Part::new(wanted, before, threads)?))
+            Ok((id, Part::new(request, before, threads)?))
         };
         let shown = shown.into_iter().map(part).collect::<PyResult<BTreeMap<u32, Part>>>()?;
-        let mut trees = Trees { all, shown, scene: None, placed };
-        if !trees.placed.is_empty() {
+        let mut trees = Trees { all, shown, scene: None, placed_list };
+        if !trees.placed_list.is_empty() {
             trees.scene = Some(Arc::new(trees.top(before.as_deref(), threads)?));
         }
         Ok(trees)
@@ -154,8 +154,8 @@ fn soup(py: Python<'_>, mesh: &Mesh) -> PyResult<Soup> {
 }
 
 impl Part {
-    fn new(wanted: Wanted, before: Option<&Self>, threads: Threads) -> PyResult<Self> {
-        let Wanted { states, soups } = wanted;
+    fn new(request: BuildRequest, before: Option<&Self>, threads: Threads) -> PyResult<Self> {
+        let BuildRequest { states, soups } = request;
         let soups = match (soups, before) {
             (None, Some(before)) => return Ok(before.clone()),
             (soups, _) => soups.unwrap_or_default(),
@@ -180,19 +180,20 @@ impl Part {
 impl Trees {
     /// The tree over all instances: that of an earlier state with what has changed, if as many are shown.
     fn top(&self, before: Option<&Self>, threads: Threads) -> PyResult<SceneTree> {
-        let before = before.filter(|before| before.placed.len() == self.placed.len());
+        let before = before.filter(|before| before.placed_list.len() == self.placed_list.len());
         if let Some((before, scene)) = before.and_then(|before| Some((before, before.scene.as_ref()?))) {
             let has_changed = |i: &usize| {
                 !is_same(&self.shape(*i), &before.shape(*i))
-                    || i.checked_sub(1).is_some_and(|i| self.placed[i].1.place != before.placed[i].1.place)
+                    || i.checked_sub(1)
+                        .is_some_and(|i| self.placed_list[i].1.placement != before.placed_list[i].1.placement)
             };
-            let changed: Vec<_> = (0..=self.placed.len())
+            let changed: Vec<_> = (0..=self.placed_list.len())
                 .filter(has_changed)
                 .map(|i| (i as u32, Some(self.instance(i))))
                 .collect();
-            return Ok(scene.updated(self.placed.len() + 1, &changed, threads));
+            return Ok(scene.updated(self.placed_list.len() + 1, &changed, threads));
         }
-        let instances: Vec<Instance> = (0..=self.placed.len()).map(|i| self.instance(i)).collect();
+        let instances: Vec<Instance> = (0..=self.placed_list.len()).map(|i| self.instance(i)).collect();
         SceneTree::try_build(&instances, &BuildOptions::default(), threads, &())
             .map_err(|error| PyValueError::new_err(error.to_string()))
     }
@@ -200,7 +201,7 @@ impl Trees {
     /// What the scene's instance `i` shows: the first shows all meshes.
     fn shape(&self, i: usize) -> Shape {
         let mesh = |part: &Part| part.tree.tree().clone().into();
-        match i.checked_sub(1).map(|i| &self.placed[i].1.shows) {
+        match i.checked_sub(1).map(|i| &self.placed_list[i].1.shows) {
             None => mesh(&self.all),
             Some(Shows::Mesh(geom_id)) => mesh(self.shown.get(geom_id).unwrap_or(&self.all)),
             Some(Shows::Scene(trees)) => match &trees.scene {
@@ -214,17 +215,17 @@ impl Trees {
         let shape = self.shape(i);
         match i.checked_sub(1) {
             None => Instance::identity(shape),
-            Some(i) => Instance::new(shape, self.placed[i].1.place),
+            Some(i) => Instance::new(shape, self.placed_list[i].1.placement),
         }
     }
 
     /// Whether instances show scenes that have these trees: some instances' numbers, ascending, and those.
     pub(crate) fn show(&self, scenes: &[(u32, Arc<Self>)]) -> bool {
-        let of = |(id, placed): &(u32, Placed)| match &placed.shows {
+        let of = |(id, placed_list): &(u32, PlacedGeometry)| match &placed_list.shows {
             Shows::Mesh(_) => None,
             Shows::Scene(trees) => Some((*id, Arc::as_ptr(trees))),
         };
-        self.placed.iter().filter_map(of).eq(scenes.iter().map(|(id, trees)| (*id, Arc::as_ptr(trees))))
+        self.placed_list.iter().filter_map(of).eq(scenes.iter().map(|(id, trees)| (*id, Arc::as_ptr(trees))))
     }
 
     pub(crate) fn target(&self) -> Target<'_> {
@@ -236,15 +237,17 @@ impl Trees {
 
     /// The geometry, or -1, of an answer in which the trees gave these, and calls `visit` with the instances on the way to it,
     /// outermost first.
-    fn way(&self, [geom_id, inst_id, leaf_id]: [u32; 3], mut visit: impl FnMut(u32)) -> u32 {
+    fn instance_path(&self, [geom_id, inst_id, leaf_id]: [u32; 3], mut visit: impl FnMut(u32)) -> u32 {
         let (mut trees, mut inst_id, mut leaf) = (self, inst_id, leaf_id);
         loop {
             let Some(scene) = trees.scene.as_ref().filter(|_| inst_id != 0 && inst_id != u32::MAX) else {
                 return geom_id;
             };
-            let Some((id, placed)) = trees.placed.get(inst_id as usize - 1) else { return u32::MAX };
+            let Some((id, placed_list)) = trees.placed_list.get(inst_id as usize - 1) else {
+                return u32::MAX;
+            };
             visit(*id);
-            match &placed.shows {
+            match &placed_list.shows {
                 Shows::Mesh(geom_id) => return *geom_id,
                 Shows::Scene(inner) => {
                     (trees, leaf) = (inner, leaf - scene.first_leaf(inst_id));
@@ -258,7 +261,7 @@ impl Trees {
     /// Geometry and outermost instance, or -1, of an answer in which the trees gave these.
     pub(crate) fn ids(&self, ids: [u32; 3]) -> (u32, u32) {
         let mut outermost = u32::MAX;
-        let geom_id = self.way(ids, |id| {
+        let geom_id = self.instance_path(ids, |id| {
             if outermost == u32::MAX {
                 outermost = id;
             }
@@ -270,9 +273,9 @@ impl Trees {
     pub(crate) fn path(&self, ids: [u32; 3], path: &mut [u32]) {
         path.fill(u32::MAX);
         let mut rest = path.iter_mut();
-        self.way(ids, |id| {
-            if let Some(place) = rest.next() {
-                *place = id;
+        self.instance_path(ids, |id| {
+            if let Some(placement) = rest.next() {
+                *placement = id;
             }
         });
     }
@@ -288,7 +291,7 @@ impl Trees {
             return [0.0; 3];
         }
         let hit = Hit { t: 0.0, u: 0.0, v: 0.0, prim_id, geom_id, inst_id, leaf_id };
-        ask!(self, tree => tree.normal(&hit)).unwrap_or_default()
+        run_query!(self, tree => tree.normal(&hit)).unwrap_or_default()
     }
 }
 

@@ -44,7 +44,7 @@ pub(crate) fn watched<R: Send>(
             let _end = end;
             job(watch)
         });
-        let mut told = 0.0;
+        let mut reported = 0.0;
         let mut failure = None;
         let (mut ended, mut is_over) = (ended, false);
         while !is_over {
@@ -53,10 +53,10 @@ pub(crate) fn watched<R: Send>(
                 (ended, is_over)
             });
             let done = f64::from_bits(watch.done.load(Ordering::Relaxed)).clamp(0.0, 1.0);
-            let tell = |progress: &Bound<'_, PyAny>| progress.call1((done,)).map(drop);
-            let is_news = done > told;
-            told = told.max(done);
-            let heard = py.check_signals().and_then(|()| progress.filter(|_| is_news).map_or(Ok(()), tell));
+            let report = |progress: &Bound<'_, PyAny>| progress.call1((done,)).map(drop);
+            let is_news = done > reported;
+            reported = reported.max(done);
+            let heard = py.check_signals().and_then(|()| progress.filter(|_| is_news).map_or(Ok(()), report));
             if let (Err(error), None) = (heard, &failure) {
                 watch.stop.store(true, Ordering::Relaxed);
                 failure = Some(error);

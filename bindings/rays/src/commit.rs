@@ -22,7 +22,8 @@ use crate::ffi_memory::View;
 use crate::ffi_user::UserPrimitives;
 use crate::lines::Lines;
 use crate::objects::{
-    Committed, Geometry, Kind, Moving, Place, Plan, Scene, SceneSettings, Settings, Shown, Surface, Tree,
+    Committed, Geometry, Kind, Moving, Plan, Scene, SceneSettings, Settings, Shown, ShownInstance, Surface,
+    Tree,
 };
 use crate::transform::{self, Columns, IDENTITY};
 
@@ -119,7 +120,8 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
 
 fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Committed, Problem> {
     let (mut surfaces, mut masks, mut users) = (Vec::new(), Vec::new(), Vec::new());
-    let mut places = vec![Place { geom_id: 0, prim_id: None, shown: None, world_from_instance: IDENTITY }];
+    let mut shown_instances =
+        vec![ShownInstance { geom_id: 0, prim_id: None, shown: None, world_from_instance: IDENTITY }];
     let mut instances: Vec<Instance> = Vec::new();
     // Geometries of the quality REFIT, and whether others were edited since the last commit.
     let (mut refits, mut others_differ) = (0, false);
@@ -134,7 +136,7 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
             )));
         }
         if matches!(geometry.kind, Kind::Instance | Kind::Instances) {
-            add_instances(geom_id, geometry, &settings, scene, &mut places, &mut instances)?;
+            add_instances(geom_id, geometry, &settings, scene, &mut shown_instances, &mut instances)?;
             continue;
         }
         let follows = settings.quality == quality::REFIT;
@@ -188,7 +190,7 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
             // What cannot be placed is not seen, as by Embree.
             Err(SceneError::Build(error)) => return Err(control.problem(&error)),
             Err(SceneError::TooDeep { inst_id }) => {
-                let geom_id = places[inst_id as usize].geom_id;
+                let geom_id = shown_instances[inst_id as usize].geom_id;
                 return Err(Problem::operation(format!(
                     "geometry {geom_id}: more than {} scenes lie in one another",
                     gnurt_accel::DEEPEST_SCENE
@@ -201,16 +203,31 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
     };
     let bytes = match &tree {
         Tree::Object(tree) => held(tree.stats()),
-        Tree::Scene(tree) => held(tree.stats()) + places.len() as i64 * size_of::<Place>() as i64,
+        Tree::Scene(tree) => {
+            held(tree.stats()) + shown_instances.len() as i64 * size_of::<ShownInstance>() as i64
+        }
     };
     let is_plain = surfaces.iter().all(|surface| !surface.filters.any() && surface.kind != Kind::User)
-        && places.iter().filter_map(|place| place.shown.as_ref()).all(|shown| shown.committed.is_plain);
+        && shown_instances
+            .iter()
+            .filter_map(|shown_instance| shown_instance.shown.as_ref())
+            .all(|shown| shown.committed.is_plain);
     let device = Arc::clone(&scene.device);
     let query = Query { level: device.level, ..Query::default() };
     let allowed = device.report_memory(bytes);
-    let Plan { moment, geometries, .. } = plan;
+    let Plan { edit_number, geometries, .. } = plan;
     // Gives the bytes back where it is dropped.
-    let committed = Committed { device, moment, geometries, tree, surfaces, places, query, is_plain, bytes };
+    let committed = Committed {
+        device,
+        edit_number,
+        geometries,
+        tree,
+        surfaces,
+        shown_instances,
+        query,
+        is_plain,
+        bytes,
+    };
     match allowed {
         Ok(true) => Ok(committed),
         Ok(false) => {
@@ -253,10 +270,10 @@ fn add_instances(
     geometry: &Geometry,
     settings: &Settings,
     scene: &Scene,
-    places: &mut Vec<Place>,
+    shown_instances: &mut Vec<ShownInstance>,
     instances: &mut Vec<Instance>,
 ) -> Result<(), Problem> {
-    let mut add = |prim_id: Option<u32>, shown: usize, place: Columns| -> Result<(), Problem> {
+    let mut add = |prim_id: Option<u32>, shown: usize, shown_instance: Columns| -> Result<(), Problem> {
         let Some(child) = settings.scenes.get(shown) else {
             return Err(Problem::operation(format!(
                 "geometry {geom_id} shows scene {shown}, which was not set"
@@ -274,13 +291,13 @@ fn add_instances(
             Tree::Object(tree) => Arc::clone(tree).into(),
             Tree::Scene(tree) => Arc::clone(tree).into(),
         };
-        instances.push(Instance::new(shape, place).with_mask(settings.mask));
+        instances.push(Instance::new(shape, shown_instance).with_mask(settings.mask));
         let shown = Some(Shown { committed, scene: Arc::clone(child) });
-        places.push(Place { geom_id, prim_id, shown, world_from_instance: place });
+        shown_instances.push(ShownInstance { geom_id, prim_id, shown, world_from_instance: shown_instance });
         Ok(())
     };
     if geometry.kind == Kind::Instance {
-        return add(None, 0, settings.place);
+        return add(None, 0, settings.instance_matrix);
     }
     let Some(maps) = settings.arrays.get(&(buffer::TRANSFORM, 0)) else {
         return Err(Problem::operation(format!("geometry {geom_id} has no transform buffer")));
@@ -289,11 +306,12 @@ fn add_instances(
     let size = transform::size(maps.format).unwrap_or_default();
     for i in 0..maps.view.len() {
         let values: Vec<f32> = (0..size).map_while(|k| maps.view.number(i, k)).collect();
-        let place = if values.len() == size { transform::columns(maps.format, &values) } else { IDENTITY };
+        let shown_instance =
+            if values.len() == size { transform::columns(maps.format, &values) } else { IDENTITY };
         let shown = indices.map_or(Some(0), |indices| indices.view.number::<u32>(i, 0));
         // Those without an index, or with that of nothing, are not there.
         if let Some(shown) = shown.filter(|&shown| shown != u32::MAX) {
-            add(Some(i as u32), shown as usize, place)?;
+            add(Some(i as u32), shown as usize, shown_instance)?;
         }
     }
     Ok(())
@@ -361,7 +379,7 @@ struct Control<'a> {
     scene: &'a Scene,
     progress: Option<Callback<ProgressFunction>>,
     /// Bytes that the memory monitor was told of.
-    told: AtomicI64,
+    reported: AtomicI64,
     /// Whether the memory monitor has said no.
     refused: AtomicBool,
     cancelled: AtomicBool,
@@ -371,8 +389,8 @@ struct Control<'a> {
 impl<'a> Control<'a> {
     fn new(scene: &'a Scene, progress: Option<Callback<ProgressFunction>>) -> Self {
         let no = || AtomicBool::new(false);
-        let told = AtomicI64::new(0);
-        Self { scene, progress, told, refused: no(), cancelled: no(), thrown: no() }
+        let reported = AtomicI64::new(0);
+        Self { scene, progress, reported, refused: no(), cancelled: no(), thrown: no() }
     }
 
     fn problem(&self, error: &BuildError) -> Problem {
@@ -392,7 +410,7 @@ impl<'a> Control<'a> {
 impl Drop for Control<'_> {
     fn drop(&mut self) {
         // What the program's function answers, or throws, changes nothing any longer.
-        let _ = self.scene.device.report_memory(-self.told.load(Ordering::Relaxed));
+        let _ = self.scene.device.report_memory(-self.reported.load(Ordering::Relaxed));
     }
 }
 
@@ -413,7 +431,7 @@ impl BuildControl for Control<'_> {
     }
 
     fn memory(&self, bytes: u64) {
-        let more = bytes as i64 - self.told.swap(bytes as i64, Ordering::Relaxed);
+        let more = bytes as i64 - self.reported.swap(bytes as i64, Ordering::Relaxed);
         let _inside = Inside::enter(self.scene);
         match self.scene.device.report_memory(more) {
             Ok(true) => {}

@@ -60,20 +60,20 @@ const NO_DEVICE: u64 = 0;
 
 /// A first error, and the last message.
 #[derive(Default)]
-struct Kept {
+struct ErrorState {
     first: Option<Code>,
     last: CString,
 }
 
 thread_local! {
-    static ERRORS: RefCell<HashMap<u64, Kept>> = RefCell::default();
+    static ERRORS: RefCell<HashMap<u64, ErrorState>> = RefCell::default();
 }
 
 fn keep(number: u64, code: Code, message: &CStr) {
     ERRORS.with_borrow_mut(|errors| {
-        let kept = errors.entry(number).or_default();
-        kept.first.get_or_insert(code);
-        kept.last = message.to_owned();
+        let retained = errors.entry(number).or_default();
+        retained.first.get_or_insert(code);
+        retained.last = message.to_owned();
     });
 }
 
@@ -104,12 +104,13 @@ impl Device {
             held: AtomicI64::new(0),
         };
         // Blanks may stand around names and values, and separate settings where there is no comma.
-        let words = settings.replace('=', " = ");
-        let mut words = words.split([',', ' ', '\t', '\n', '\r']).filter(|word| !word.is_empty()).peekable();
+        let tokens = settings.replace('=', " = ");
+        let mut tokens =
+            tokens.split([',', ' ', '\t', '\n', '\r']).filter(|token| !token.is_empty()).peekable();
         let mut pairs = Vec::new();
-        while let Some(name) = words.next() {
-            if words.next_if_eq(&"=").is_some() {
-                pairs.push((name, words.next().unwrap_or_default()));
+        while let Some(name) = tokens.next() {
+            if tokens.next_if_eq(&"=").is_some() {
+                pairs.push((name, tokens.next().unwrap_or_default()));
             }
         }
         for setting in pairs {
@@ -169,14 +170,15 @@ impl Drop for Device {
 /// The first error of this thread since it was last asked for; `None` for what happened without a device.
 pub(crate) fn take_error(device: Option<&Device>) -> Code {
     let number = device.map_or(NO_DEVICE, |device| device.number);
-    let taken = ERRORS.with_borrow_mut(|errors| errors.get_mut(&number).and_then(|kept| kept.first.take()));
+    let taken =
+        ERRORS.with_borrow_mut(|errors| errors.get_mut(&number).and_then(|retained| retained.first.take()));
     taken.unwrap_or(Code::None)
 }
 
 /// Shows the last message of this thread, which stays where it is until the next error.
 pub(crate) fn with_last_message<R>(device: Option<&Device>, show: impl FnOnce(Option<&CStr>) -> R) -> R {
     let number = device.map_or(NO_DEVICE, |device| device.number);
-    ERRORS.with_borrow(|errors| show(errors.get(&number).map(|kept| kept.last.as_c_str())))
+    ERRORS.with_borrow(|errors| show(errors.get(&number).map(|retained| retained.last.as_c_str())))
 }
 
 /// Our level by the name of Embree's.

@@ -17,7 +17,7 @@ pub(crate) fn no_array(of: u32, slot: u32) -> Problem {
     Problem::argument(format!("there is no buffer of type {of} in slot {slot}"))
 }
 
-fn no_room(bytes: usize) -> Problem {
+fn out_of_memory(bytes: usize) -> Problem {
     Problem { code: Code::OutOfMemory, message: format!("there is no room for {bytes} bytes") }
 }
 
@@ -28,7 +28,7 @@ fn no_room(bytes: usize) -> Problem {
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcNewBuffer(device: Handle, bytes: usize) -> Handle {
     let new = |device: &Arc<Device>| {
-        let block = Arc::new(Block::new(bytes).ok_or_else(|| no_room(bytes))?);
+        let block = Arc::new(Block::new(bytes).ok_or_else(|| out_of_memory(bytes))?);
         let start = Pointer(block.start());
         Ok(Some(Arc::new(Buffer { device: Arc::clone(device), block: Some(block), start, bytes })))
     };
@@ -311,8 +311,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetNewGeometryBuffer(
         let width = given.width(geometry)?;
         let bytes =
             stride.checked_mul(count).and_then(|bytes| bytes.checked_add(width.saturating_sub(stride)));
-        let bytes = bytes.ok_or_else(|| no_room(usize::MAX))?;
-        let block = Arc::new(Block::new(bytes).ok_or_else(|| no_room(bytes))?);
+        let bytes = bytes.ok_or_else(|| out_of_memory(usize::MAX))?;
+        let block = Arc::new(Block::new(bytes).ok_or_else(|| out_of_memory(bytes))?);
         let start = block.start();
         // SAFETY: the block has so many rows, the last one whole, and 16 bytes more.
         unsafe { given.set(geometry, start, Some(block)) }?;
@@ -340,8 +340,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetNewGeometryBufferHostDevice(
     // SAFETY: passed on.
     unsafe {
         let start = rtcSetNewGeometryBuffer(geometry, of, slot, format, stride, count);
-        for place in [host, device].into_iter().filter(|place| !place.is_null()) {
-            *place = start;
+        for pointer in [host, device].into_iter().filter(|pointer| !pointer.is_null()) {
+            *pointer = start;
         }
     }
 }

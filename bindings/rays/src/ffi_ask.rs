@@ -9,9 +9,9 @@ use gnurt_accel::{Coherence, Hit, HitBatch, PointHit, Query, Ray, Ray64, Threads
 use rayon::prelude::*;
 
 use crate::ffi_catch::{self, Thrown};
-use crate::ffi_columns::{Array, Places, Rows, Want, Written};
+use crate::ffi_columns::{Access, Array, HitArrays, Rows, Written};
 use crate::ffi_rays::{built, called, with_threads};
-use crate::ray_scene::{Built, RayScene, ask_tree};
+use crate::ray_scene::{Built, RayScene, query_tree};
 
 /// Rays that are gathered at a time.
 const SHARE: usize = 1 << 16;
@@ -69,24 +69,24 @@ impl Rays {
         // SAFETY: passed on.
         let rays = unsafe { rays.as_ref() }.ok_or("rays: a null pointer")?;
         let count = rays.count;
-        let read = |array: &Array, width: usize, want: Want, what: &str| -> Result<Rows, String> {
+        let read = |array: &Array, width: usize, access: Access, what: &str| -> Result<Rows, String> {
             // SAFETY: passed on.
-            let rows = unsafe { Rows::new(array, width, want, what)? };
+            let rows = unsafe { Rows::new(array, width, access, what)? };
             if rows.len() != count && rows.len() != 1 {
                 return Err(format!("{what}: {} rows for {count} rays", rows.len()));
             }
             Ok(rows)
         };
-        let optional = |array: &Array, want: Want, what: &str| {
-            (!array.data.is_null()).then(|| read(array, 1, want, what)).transpose()
+        let optional = |array: &Array, access: Access, what: &str| {
+            (!array.data.is_null()).then(|| read(array, 1, access, what)).transpose()
         };
         Ok(Self {
             count,
-            origins: read(&rays.origins, 3, Want::Floats, "origins")?,
-            directions: read(&rays.directions, 3, Want::Floats, "directions")?,
-            t_near: optional(&rays.t_near, Want::Floats, "t_near")?,
-            t_far: optional(&rays.t_far, Want::Floats, "t_far")?,
-            masks: optional(&rays.masks, Want::Indices, "masks")?,
+            origins: read(&rays.origins, 3, Access::Floats, "origins")?,
+            directions: read(&rays.directions, 3, Access::Floats, "directions")?,
+            t_near: optional(&rays.t_near, Access::Floats, "t_near")?,
+            t_far: optional(&rays.t_far, Access::Floats, "t_far")?,
+            masks: optional(&rays.masks, Access::Indices, "masks")?,
         })
     }
 
@@ -115,7 +115,7 @@ fn single(ray: Ray64) -> Ray {
 }
 
 /// How to ask.
-struct Asked {
+struct RayQuery {
     query: Query,
     threads: usize,
     filter: Option<(Filter, *mut c_void)>,
@@ -123,7 +123,7 @@ struct Asked {
     thrown: Cell<bool>,
 }
 
-impl Asked {
+impl RayQuery {
     /// # Safety
     /// A query, or null.
     unsafe fn new(query: *const QueryIn) -> Self {
@@ -145,14 +145,14 @@ impl Asked {
 unsafe fn asking(
     scene: *const RayScene,
     query: *const QueryIn,
-    job: impl FnOnce(&Built, &Asked) -> Result<(), String>,
+    job: impl FnOnce(&Built, &RayQuery) -> Result<(), String>,
 ) -> c_int {
     called(|| {
         // SAFETY: passed on.
-        let (built, asked) = unsafe { (built(scene)?, Asked::new(query)) };
+        let (built, ray_query) = unsafe { (built(scene)?, RayQuery::new(query)) };
         let before = built.thrown();
-        job(&built, &asked)?;
-        if asked.thrown.get() {
+        job(&built, &ray_query)?;
+        if ray_query.thrown.get() {
             return Err(format!("filter: {Thrown}"));
         }
         // One of another thread's query of the same geometry counts for both.
@@ -163,11 +163,11 @@ unsafe fn asking(
 /// Asks a filter about hits of rays; none passes once it has thrown.
 fn accepted(
     built: &Built,
-    asked: &Asked,
+    ray_query: &RayQuery,
     (filter, user): (Filter, *mut c_void),
     hits: &[(usize, Hit)],
 ) -> Vec<bool> {
-    if asked.thrown.get() {
+    if ray_query.thrown.get() {
         return vec![false; hits.len()];
     }
     let candidates: Vec<Candidate> = hits
@@ -182,7 +182,7 @@ fn accepted(
         // SAFETY: the program gave the filter to be called like this; both arrays are of this length.
         let call = || unsafe { filter(user, hits.len(), candidates.as_ptr(), accept.as_mut_ptr()) };
         if ffi_catch::call(call).is_err() {
-            asked.thrown.set(true);
+            ray_query.thrown.set(true);
             return vec![false; hits.len()];
         }
     }
@@ -198,7 +198,7 @@ fn lists(
     threads: Threads,
 ) -> Vec<Vec<Hit>> {
     let all = |hits: &mut Vec<Hit>, i: usize| {
-        ask_tree!(built, tree => tree.all_hits(query, &rays.get(i), hits));
+        query_tree!(built, tree => tree.all_hits(query, &rays.get(i), hits));
         hits.clone()
     };
     threads.run(|parallel| {
@@ -216,11 +216,11 @@ fn filtered(
     built: &Built,
     rays: &Rays,
     range: std::ops::Range<usize>,
-    asked: &Asked,
+    ray_query: &RayQuery,
     filter: (Filter, *mut c_void),
     threads: Threads,
 ) -> Vec<Option<Hit>> {
-    let lists = lists(built, rays, range.clone(), &asked.query, threads);
+    let lists = lists(built, rays, range.clone(), &ray_query.query, threads);
     let mut first = vec![None; range.len()];
     let mut open: Vec<usize> = (0..range.len()).collect();
     for round in 0.. {
@@ -229,7 +229,7 @@ fn filtered(
             break;
         }
         let hits: Vec<(usize, Hit)> = open.iter().map(|&i| (range.start + i, lists[i][round])).collect();
-        let accept = accepted(built, asked, filter, &hits);
+        let accept = accepted(built, ray_query, filter, &hits);
         let mut decided = accept.into_iter();
         open.retain(|&i| {
             let accept = decided.next() == Some(true);
@@ -243,11 +243,11 @@ fn filtered(
 }
 
 /// What is written of a hit.
-fn written(built: &Built, places: &Places, hit: &Hit, at: impl FnOnce() -> [f64; 3]) -> Written {
+fn written(built: &Built, hit_arrays: &HitArrays, hit: &Hit, at: impl FnOnce() -> [f64; 3]) -> Written {
     let Hit { t, u, v, prim_id, .. } = *hit;
     let (geom_id, inst_id) = built.ids(hit.geom_id, hit.inst_id, hit.leaf_id);
-    let normal = if places.wants_normals() {
-        ask_tree!(built, tree => tree.normal_at(hit, at())).unwrap_or_default()
+    let normal = if hit_arrays.needs_normals() {
+        query_tree!(built, tree => tree.normal_at(hit, at())).unwrap_or_default()
     } else {
         [0.0; 3]
     };
@@ -258,23 +258,23 @@ fn written(built: &Built, places: &Places, hit: &Hit, at: impl FnOnce() -> [f64;
 fn trace(
     built: &Built,
     rays: &Rays,
-    asked: &Asked,
+    ray_query: &RayQuery,
     threads: Threads,
     mut take: impl FnMut(usize, Option<Hit>),
 ) {
     let mut hits = HitBatch::default();
-    for range in rays.parts(if asked.filter.is_some() { 4096 } else { SHARE }) {
-        if let Some(filter) = asked.filter {
-            let first = filtered(built, rays, range.clone(), asked, filter, threads);
+    for range in rays.parts(if ray_query.filter.is_some() { 4096 } else { SHARE }) {
+        if let Some(filter) = ray_query.filter {
+            let first = filtered(built, rays, range.clone(), ray_query, filter, threads);
             range.zip(first).for_each(|(i, hit)| take(i, hit));
             continue;
         }
         if rays.origins.is_double() {
             let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
-            ask_tree!(built, tree => tree.intersect_rays(&asked.query, &part, threads, &mut hits));
+            query_tree!(built, tree => tree.intersect_rays(&ray_query.query, &part, threads, &mut hits));
         } else {
             let part: Vec<Ray> = range.clone().map(|i| single(rays.get(i))).collect();
-            ask_tree!(built, tree => tree.intersect_rays(&asked.query, &part, threads, &mut hits));
+            query_tree!(built, tree => tree.intersect_rays(&ray_query.query, &part, threads, &mut hits));
         }
         range.clone().for_each(|i| take(i, hits.get(i - range.start)));
     }
@@ -289,7 +289,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_intersect(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
-    hits: *const Places,
+    hits: *const HitArrays,
 ) -> c_int {
     // SAFETY: passed on; nothing is written of paths without levels.
     unsafe { gnurt_intersect_paths(scene, rays, query, hits, 0, std::ptr::null_mut()) }
@@ -304,28 +304,28 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_intersect_paths(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
-    hits: *const Places,
+    hits: *const HitArrays,
     levels: usize,
     paths: *mut u32,
 ) -> c_int {
-    let job = |built: &Built, asked: &Asked| {
+    let job = |built: &Built, ray_query: &RayQuery| {
         // SAFETY: passed on.
         let rays = unsafe { Rays::new(rays)? };
         // SAFETY: passed on.
-        let places = *unsafe { hits.as_ref() }.ok_or("hits: a null pointer")?;
+        let hit_arrays = *unsafe { hits.as_ref() }.ok_or("hits: a null pointer")?;
         if levels > 0 && paths.is_null() {
             return Err(format!("paths: a null pointer where there is said to be room for {levels} levels"));
         }
-        with_threads(asked.threads, rays.count, |threads| {
-            trace(built, &rays, asked, threads, |i, hit| {
+        with_threads(ray_query.threads, rays.count, |threads| {
+            trace(built, &rays, ray_query, threads, |i, hit| {
                 let found = hit.map_or(Written::MISS, |hit| {
-                    written(built, &places, &hit, || {
+                    written(built, &hit_arrays, &hit, || {
                         let ray = rays.get(i);
                         ray.at(hit.t)
                     })
                 });
                 // SAFETY: there is a place for each ray.
-                unsafe { places.set(i, &found) };
+                unsafe { hit_arrays.set(i, &found) };
                 if levels > 0 {
                     let mut path = hit.map(|hit| built.path(hit.leaf_id)).unwrap_or_default();
                     path.resize(levels, u32::MAX);
@@ -351,7 +351,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_occluded(
     query: *const QueryIn,
     occluded: *mut u8,
 ) -> c_int {
-    let job = |built: &Built, asked: &Asked| {
+    let job = |built: &Built, ray_query: &RayQuery| {
         // SAFETY: passed on.
         let rays = unsafe { Rays::new(rays)? };
         if occluded.is_null() {
@@ -359,14 +359,14 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_occluded(
         }
         // SAFETY: passed on.
         let set = |i: usize, is_hit: bool| unsafe { occluded.add(i).write(u8::from(is_hit)) };
-        with_threads(asked.threads, rays.count, |threads| {
-            if asked.filter.is_some() {
-                return trace(built, &rays, asked, threads, |i, hit| set(i, hit.is_some()));
+        with_threads(ray_query.threads, rays.count, |threads| {
+            if ray_query.filter.is_some() {
+                return trace(built, &rays, ray_query, threads, |i, hit| set(i, hit.is_some()));
             }
             let mut answers = Vec::new();
             for range in rays.parts(SHARE) {
                 let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
-                ask_tree!(built, tree => tree.occluded_rays(&asked.query, &part, threads, &mut answers));
+                query_tree!(built, tree => tree.occluded_rays(&ray_query.query, &part, threads, &mut answers));
                 range.zip(&answers).for_each(|(i, &is_hit)| set(i, is_hit));
             }
         });
@@ -379,7 +379,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_occluded(
 /// All hits.
 ///
 /// # Safety
-/// As [`gnurt_intersect`], with room for an end for each ray, and for `room` hits.
+/// As [`gnurt_intersect`], with room for an end for each ray, and for `capacity` hits.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
     scene: *const RayScene,
@@ -387,42 +387,42 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
     query: *const QueryIn,
     most: usize,
     ends: *mut usize,
-    room: usize,
-    hits: *const Places,
+    capacity: usize,
+    hits: *const HitArrays,
 ) -> c_int {
-    let job = |built: &Built, asked: &Asked| {
+    let job = |built: &Built, ray_query: &RayQuery| {
         // SAFETY: passed on.
         let rays = unsafe { Rays::new(rays)? };
         if ends.is_null() {
             return Err("ends: a null pointer".into());
         }
         // SAFETY: passed on.
-        let places = unsafe { hits.as_ref() };
-        if places.is_none() && room > 0 {
-            return Err(format!("hits: a null pointer where there is said to be room for {room}"));
+        let hit_arrays = unsafe { hits.as_ref() };
+        if hit_arrays.is_none() && capacity > 0 {
+            return Err(format!("hits: a null pointer where there is said to be room for {capacity}"));
         }
         let most = if most == 0 { usize::MAX } else { most };
         let mut end = 0;
-        with_threads(asked.threads, rays.count, |threads| {
+        with_threads(ray_query.threads, rays.count, |threads| {
             for range in rays.parts(4096) {
-                let lists = lists(built, &rays, range.clone(), &asked.query, threads);
+                let lists = lists(built, &rays, range.clone(), &ray_query.query, threads);
                 let flat: Vec<(usize, Hit)> = range
                     .clone()
                     .zip(&lists)
                     .flat_map(|(i, hits)| hits.iter().map(move |&hit| (i, hit)))
                     .collect();
-                let accept = match asked.filter {
-                    Some(filter) => accepted(built, asked, filter, &flat),
+                let accept = match ray_query.filter {
+                    Some(filter) => accepted(built, ray_query, filter, &flat),
                     None => vec![true; flat.len()],
                 };
                 let mut accept = accept.into_iter();
                 for (i, list) in range.zip(&lists) {
                     let passed: Vec<&Hit> = list.iter().filter(|_| accept.next() == Some(true)).collect();
                     for hit in passed.into_iter().take(most) {
-                        if let Some(places) = places.filter(|_| end < room) {
-                            let found = written(built, places, hit, || rays.get(i).at(hit.t));
+                        if let Some(hit_arrays) = hit_arrays.filter(|_| end < capacity) {
+                            let found = written(built, hit_arrays, hit, || rays.get(i).at(hit.t));
                             // SAFETY: there is room for so many.
-                            unsafe { places.set(end, &found) };
+                            unsafe { hit_arrays.set(end, &found) };
                         }
                         end += 1;
                     }
@@ -448,17 +448,17 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_crossings(
     query: *const QueryIn,
     counts: *mut u32,
 ) -> c_int {
-    let job = |built: &Built, asked: &Asked| {
+    let job = |built: &Built, ray_query: &RayQuery| {
         // SAFETY: passed on.
         let rays = unsafe { Rays::new(rays)? };
         if counts.is_null() {
             return Err("counts: a null pointer".into());
         }
-        with_threads(asked.threads, rays.count, |threads| {
+        with_threads(ray_query.threads, rays.count, |threads| {
             let mut answers = Vec::new();
             for range in rays.parts(SHARE) {
                 let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
-                ask_tree!(built, tree => tree.crossings_batch(&asked.query, &part, threads, &mut answers));
+                query_tree!(built, tree => tree.crossings_batch(&ray_query.query, &part, threads, &mut answers));
                 // SAFETY: passed on.
                 range.zip(&answers).for_each(|(i, &count)| unsafe { counts.add(i).write(count) });
             }
@@ -475,7 +475,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_crossings(
 /// An array that is readable.
 unsafe fn each_part(points: &Array, mut job: impl FnMut(usize, &[[f64; 3]])) -> Result<(), String> {
     // SAFETY: passed on.
-    let rows = unsafe { Rows::new(points, 3, Want::Floats, "points")? };
+    let rows = unsafe { Rows::new(points, 3, Access::Floats, "points")? };
     for first in (0..rows.len()).step_by(SHARE) {
         let last = (first + SHARE).min(rows.len());
         let part: Vec<[f64; 3]> = (first..last).map(|i| rows.numbers(i)).collect();
@@ -495,14 +495,14 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_contains(
     query: *const QueryIn,
     contained: *mut u8,
 ) -> c_int {
-    let job = |built: &Built, asked: &Asked| {
+    let job = |built: &Built, ray_query: &RayQuery| {
         if contained.is_null() {
             return Err("contained: a null pointer".into());
         }
         let mut answers = Vec::new();
-        with_threads(asked.threads, points.count, |threads| {
+        with_threads(ray_query.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
-                ask_tree!(built, tree => tree.contains_batch(&asked.query, part, threads, &mut answers));
+                query_tree!(built, tree => tree.contains_batch(&ray_query.query, part, threads, &mut answers));
                 for (i, &is_in) in answers.iter().enumerate() {
                     // SAFETY: passed on.
                     unsafe { contained.add(first + i).write(u8::from(is_in)) }
@@ -527,14 +527,14 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_signed_distances(
     query: *const QueryIn,
     distances: *mut f64,
 ) -> c_int {
-    let job = |built: &Built, asked: &Asked| {
+    let job = |built: &Built, ray_query: &RayQuery| {
         if distances.is_null() {
             return Err("distances: a null pointer".into());
         }
         let mut answers = Vec::new();
-        with_threads(asked.threads, points.count, |threads| {
+        with_threads(ray_query.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
-                ask_tree!(built, tree => tree.signed_distance_batch(&asked.query, part, threads, &mut answers));
+                query_tree!(built, tree => tree.signed_distance_batch(&ray_query.query, part, threads, &mut answers));
                 for (i, &distance) in answers.iter().enumerate() {
                     // SAFETY: passed on.
                     unsafe { distances.add(first + i).write(distance) }
@@ -559,29 +559,29 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_closest_points(
     radius: f64,
     query: *const QueryIn,
     nearest: *mut [f64; 3],
-    hits: *const Places,
+    hits: *const HitArrays,
 ) -> c_int {
-    let job = |built: &Built, asked: &Asked| {
+    let job = |built: &Built, ray_query: &RayQuery| {
         // SAFETY: passed on.
-        let places = unsafe { hits.as_ref() };
+        let hit_arrays = unsafe { hits.as_ref() };
         let mut answers: Vec<Option<PointHit>> = Vec::new();
-        with_threads(asked.threads, points.count, |threads| {
+        with_threads(ray_query.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
-                ask_tree!(built, tree => tree.closest_points(&asked.query, part, radius, threads, &mut answers));
+                query_tree!(built, tree => tree.closest_points(&ray_query.query, part, radius, threads, &mut answers));
                 for (i, found) in answers.iter().enumerate() {
                     if !nearest.is_null() {
                         let point = found.map_or([f64::NAN; 3], |found| found.point);
                         // SAFETY: passed on.
                         unsafe { nearest.add(first + i).write_unaligned(point) }
                     }
-                    let Some(places) = places else { continue };
+                    let Some(hit_arrays) = hit_arrays else { continue };
                     let shown = found.map_or(Written::MISS, |found| {
                         let PointHit { distance, u, v, prim_id, geom_id, inst_id, leaf_id, .. } = found;
                         let hit = Hit { t: distance as f32, u, v, prim_id, geom_id, inst_id, leaf_id };
-                        written(built, places, &hit, || found.point)
+                        written(built, hit_arrays, &hit, || found.point)
                     });
                     // SAFETY: there is a place for each point.
-                    unsafe { places.set(first + i, &shown) };
+                    unsafe { hit_arrays.set(first + i, &shown) };
                 }
             };
             // SAFETY: passed on.

@@ -23,7 +23,7 @@ thread_local! {
 
 /// Asks the program during a query, which has `stopped` after an exception: nothing is called then, and the answer is `None`.
 #[inline]
-pub(crate) fn ask_program<R>(stopped: &Cell<bool>, call: impl FnOnce() -> R) -> Option<R> {
+pub(crate) fn call_program<R>(stopped: &Cell<bool>, call: impl FnOnce() -> R) -> Option<R> {
     if stopped.get() {
         return None;
     }

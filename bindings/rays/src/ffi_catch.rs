@@ -173,7 +173,7 @@ mod catcher {
     unsafe extern "C" {
         static gnurt_rays_landing: u8;
         fn _Unwind_SetGR(context: *mut c_void, register: c_int, value: usize);
-        fn _Unwind_SetIP(context: *mut c_void, place: usize);
+        fn _Unwind_SetIP(context: *mut c_void, shown_instance: usize);
         fn _Unwind_DeleteException(exception: *mut c_void);
     }
 

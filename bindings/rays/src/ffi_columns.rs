@@ -37,7 +37,7 @@ pub(crate) struct Rows {
 
 /// What rows consist of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Want {
+pub(crate) enum Access {
     Floats,
     Indices,
 }
@@ -47,16 +47,21 @@ impl Rows {
     ///
     /// # Safety
     /// The rows are readable for as long as this or a copy is used.
-    pub(crate) unsafe fn new(array: &Array, width: usize, want: Want, what: &str) -> Result<Self, String> {
-        let of = match (array.of, want) {
-            (0, Want::Floats) => Type::F32,
-            (1, Want::Floats) => Type::F64,
-            (2, Want::Indices) => Type::U32,
-            (3, Want::Indices) => Type::U64,
-            (other, Want::Floats) => {
+    pub(crate) unsafe fn new(
+        array: &Array,
+        width: usize,
+        access: Access,
+        what: &str,
+    ) -> Result<Self, String> {
+        let of = match (array.of, access) {
+            (0, Access::Floats) => Type::F32,
+            (1, Access::Floats) => Type::F64,
+            (2, Access::Indices) => Type::U32,
+            (3, Access::Indices) => Type::U64,
+            (other, Access::Floats) => {
                 return Err(format!("{what}: type {other}; GNURT_F32 or GNURT_F64 is expected"));
             }
-            (other, Want::Indices) => {
+            (other, Access::Indices) => {
                 return Err(format!("{what}: type {other}; GNURT_U32 or GNURT_U64 is expected"));
             }
         };
@@ -111,12 +116,12 @@ impl Rows {
     }
 
     /// All rows of indices; those beyond 32 bits are of no vertex.
-    pub(crate) fn words<const N: usize>(&self) -> Vec<[u32; N]> {
+    pub(crate) fn u32_rows<const N: usize>(&self) -> Vec<[u32; N]> {
         match self.of {
             Type::U32 => self.view.rows::<u32, N>().into_owned(),
             _ => {
-                let word = |i: u64| u32::try_from(i).unwrap_or(u32::MAX);
-                (0..self.len()).map_while(|i| self.view.get::<u64, N>(i)).map(|row| row.map(word)).collect()
+                let to_u32 = |i: u64| u32::try_from(i).unwrap_or(u32::MAX);
+                (0..self.len()).map_while(|i| self.view.get::<u64, N>(i)).map(|row| row.map(to_u32)).collect()
             }
         }
     }
@@ -126,29 +131,29 @@ impl Rows {
 #[derive(Clone, Debug)]
 pub(crate) enum Column<T> {
     Given(Rows),
-    Kept(Vec<T>),
+    Owned(Vec<T>),
 }
 
 impl<T> Column<T> {
     pub(crate) fn len(&self) -> usize {
         match self {
             Self::Given(rows) => rows.len(),
-            Self::Kept(rows) => rows.len(),
+            Self::Owned(rows) => rows.len(),
         }
     }
 
     /// The copy; nothing before [`keep`](Self::keep).
-    pub(crate) fn kept(&self) -> &[T] {
+    pub(crate) fn retained(&self) -> &[T] {
         match self {
             Self::Given(_) => &[],
-            Self::Kept(rows) => rows,
+            Self::Owned(rows) => rows,
         }
     }
 
     /// Copies the program's rows, if that was not done.
     pub(crate) fn keep(&mut self, copy: impl FnOnce(&Rows) -> Vec<T>) {
         if let Self::Given(rows) = self {
-            *self = Self::Kept(copy(rows));
+            *self = Self::Owned(copy(rows));
         }
     }
 }
@@ -156,7 +161,7 @@ impl<T> Column<T> {
 /// `gnurt_hits`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Places {
+pub(crate) struct HitArrays {
     stride: usize,
     t: *mut f32,
     u: *mut f32,
@@ -191,8 +196,8 @@ impl Written {
     };
 }
 
-impl Places {
-    pub(crate) fn wants_normals(&self) -> bool {
+impl HitArrays {
+    pub(crate) fn needs_normals(&self) -> bool {
         !self.normal.is_null()
     }
 

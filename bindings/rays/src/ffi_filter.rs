@@ -16,10 +16,10 @@ use crate::ffi_abi::{
     self as abi, Arguments, Context, FilterArguments, FilterFunction, HitFrame, HitPacketFrame, INVALID,
     INVOKE_ARGUMENT_FILTER, Valid, row,
 };
-use crate::ffi_callbacks::ask_program;
-use crate::ffi_lane::{Asked, Lane, has_arrays, hit_for_program};
+use crate::ffi_callbacks::call_program;
+use crate::ffi_lane::{Lane, QueryRay, has_arrays, hit_for_program};
 use crate::ffi_user::Frame;
-use crate::objects::{Committed, Kind, ask};
+use crate::objects::{Committed, Kind, run_query};
 use crate::transform::{self, Columns};
 
 /// A query during which the program is asked.
@@ -95,17 +95,18 @@ impl FilteredQuery<'_> {
         if self.rejected.contains(&key) {
             return false;
         }
-        let seen = hit_for_program(&located, hit, &self.ray, frame.context, has_arrays(self.committed));
-        let ids = [seen.inst_id, seen.inst_prim_id];
-        let inward = located.place.map(|_| transform::inverse(&located.world_from_object()));
+        let program_hit =
+            hit_for_program(&located, hit, &self.ray, frame.context, has_arrays(self.committed));
+        let ids = [program_hit.inst_id, program_hit.inst_prim_id];
+        let inward = located.shown_instance.map(|_| transform::inverse(&located.world_from_object()));
         let user_data = located.surface.geometry.user_data();
         let shown = Candidate { t: hit.t, ids, inward, user_data };
         let (n, at) = (self.lane.n(), self.lane.at());
         let answer = if n == 1 {
-            let (mut valid, mut rows) = (-1, HitFrame(seen));
+            let (mut valid, mut rows) = (-1, HitFrame(program_hit));
             // SAFETY: a lane of one, and rows of one hit, which the program may have written.
             unsafe {
-                let t = self.ask(&both, &shown, &raw mut valid, (&raw mut rows).cast());
+                let t = self.run_query(&both, &shown, &raw mut valid, (&raw mut rows).cast());
                 t.map(|t| ((&raw const rows).read_volatile().0, t))
             }
         } else {
@@ -114,16 +115,16 @@ impl FilteredQuery<'_> {
             // SAFETY: there is room for nine rows of sixteen, and no packet is wider. Of the lane only rows of the hit are touched.
             unsafe {
                 let hit_lane = Lane::of_hits(rows, n, at);
-                hit_lane.put_hit(&seen, true);
-                self.ask(&both, &shown, valid, rows).map(|t| (hit_lane.hit(), t))
+                hit_lane.put_hit(&program_hit, true);
+                self.run_query(&both, &shown, valid, rows).map(|t| (hit_lane.hit(), t))
             }
         };
-        let Some((seen, t)) = answer else {
+        let Some((program_hit, t)) = answer else {
             self.rejected.insert(key);
             return false;
         };
         self.reach = self.reach.min(t);
-        self.passed = Some((*hit, seen, t));
+        self.passed = Some((*hit, program_hit, t));
         true
     }
 
@@ -131,7 +132,7 @@ impl FilteredQuery<'_> {
     ///
     /// # Safety
     /// `valid` are as many numbers as the packet has lanes, `rows` as many hits.
-    unsafe fn ask(
+    unsafe fn run_query(
         &self,
         filters: &Filters,
         candidate: &Candidate,
@@ -156,7 +157,7 @@ impl FilteredQuery<'_> {
             set_inst_ids(context, has_arrays, ids);
             let mut is_valid = true;
             for filter in filters.iter().flatten() {
-                is_valid = ask_program(&self.frame.stopped, || filter(&raw const arguments)).is_some()
+                is_valid = call_program(&self.frame.stopped, || filter(&raw const arguments)).is_some()
                     && valid.add(lane.at()).read_volatile() != 0;
                 if !is_valid {
                     break;
@@ -201,12 +202,12 @@ pub(crate) unsafe fn set_inst_ids(context: *mut Context, has_arrays: bool, ids: 
 fn with_frame<R>(
     committed: &Committed,
     lane: Lane,
-    asked: Asked,
+    query_ray: QueryRay,
     is_occlusion: bool,
     query: impl FnOnce(&mut FilteredQuery) -> R,
 ) -> R {
     let none = Arguments { flags: 0, features: u32::MAX, context: null_mut(), filter: None, callback: None };
-    let mut arguments = asked.get().unwrap_or(none);
+    let mut arguments = query_ray.get().unwrap_or(none);
     let mut context = Context { inst_id: INVALID, inst_prim_id: INVALID };
     if arguments.context.is_null() {
         arguments.context = &raw mut context;
@@ -219,44 +220,43 @@ fn with_frame<R>(
 }
 
 #[cold]
-pub(crate) fn intersect_filtered(committed: &Committed, lane: Lane, asked: Asked) {
-    with_frame(committed, lane, asked, false, |filtered| {
+pub(crate) fn intersect_filtered(committed: &Committed, lane: Lane, query_ray: QueryRay) {
+    with_frame(committed, lane, query_ray, false, |filtered| {
         let (ray, query) = (filtered.ray, &committed.query);
-        let hit =
-            ask!(committed, tree => tree.intersect_filtered(query, &ray, |_, hit| filtered.accept(hit)));
+        let hit = run_query!(committed, tree => tree.intersect_filtered(query, &ray, |_, hit| filtered.accept(hit)));
         let Some(hit) = hit else { return };
         let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
         let (context, has_arrays) = (filtered.frame.context, has_arrays(committed));
         let as_found = hit_for_program(&located, &hit, &ray, context, has_arrays);
-        let (seen, t) = match (&filtered.passed, located.surface.kind) {
+        let (program_hit, t) = match (&filtered.passed, located.surface.kind) {
             (_, Kind::User) => {
-                let kept = filtered.frame.kept(&located.surface.geometry, hit.prim_id, hit.t);
-                (kept.map_or(as_found, |kept| completed(kept, &as_found)), hit.t)
+                let retained = filtered.frame.pending_hits(&located.surface.geometry, hit.prim_id, hit.t);
+                (retained.map_or(as_found, |retained| completed(retained, &as_found)), hit.t)
             }
-            (Some((passed, seen, t)), _) if *passed == hit => (*seen, *t),
+            (Some((passed, program_hit, t)), _) if *passed == hit => (*program_hit, *t),
             _ => (as_found, hit.t),
         };
-        lane.write(t, &seen, has_arrays);
+        lane.write(t, &program_hit, has_arrays);
     });
 }
 
 /// What the program's test has left, and what only we know.
-fn completed(kept: abi::Hit, found: &abi::Hit) -> abi::Hit {
-    let or = |kept: u32, found: u32| if kept == INVALID { found } else { kept };
+fn completed(retained: abi::Hit, found: &abi::Hit) -> abi::Hit {
+    let or = |retained: u32, found: u32| if retained == INVALID { found } else { retained };
     abi::Hit {
-        prim_id: or(kept.prim_id, found.prim_id),
-        geom_id: or(kept.geom_id, found.geom_id),
-        inst_id: or(kept.inst_id, found.inst_id),
-        inst_prim_id: or(kept.inst_prim_id, found.inst_prim_id),
-        ..kept
+        prim_id: or(retained.prim_id, found.prim_id),
+        geom_id: or(retained.geom_id, found.geom_id),
+        inst_id: or(retained.inst_id, found.inst_id),
+        inst_prim_id: or(retained.inst_prim_id, found.inst_prim_id),
+        ..retained
     }
 }
 
 #[cold]
-pub(crate) fn occluded_filtered(committed: &Committed, lane: Lane, asked: Asked) {
-    let is_hit = with_frame(committed, lane, asked, true, |filtered| {
+pub(crate) fn occluded_filtered(committed: &Committed, lane: Lane, query_ray: QueryRay) {
+    let is_hit = with_frame(committed, lane, query_ray, true, |filtered| {
         let (ray, query) = (filtered.ray, &committed.query);
-        ask!(committed, tree => tree.occluded_filtered(query, &ray, |_, hit| filtered.accept(hit)))
+        run_query!(committed, tree => tree.occluded_filtered(query, &ray, |_, hit| filtered.accept(hit)))
     });
     if is_hit {
         lane.set(row::T_FAR, f32::NEG_INFINITY);

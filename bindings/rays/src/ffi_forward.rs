@@ -11,7 +11,7 @@ use crate::ffi_abi::{self as abi, FilterArguments, FilterFunction, UserArguments
 use crate::ffi_callbacks::has_thrown;
 use crate::ffi_filter::{inst_ids, set_inst_ids};
 use crate::ffi_handle::{Handle, guarded, with};
-use crate::ffi_lane::{Asked, Lane, has_arrays};
+use crate::ffi_lane::{Lane, QueryRay, has_arrays};
 use crate::ffi_trace::{committed, intersect, occluded};
 use crate::ffi_user::Call;
 use crate::objects::{Committed, Scene};
@@ -27,7 +27,7 @@ unsafe fn forward<const N: usize>(
     rays: *mut f32,
     inst_id: u32,
     inst_prim_id: Option<u32>,
-    trace: impl Fn(&Committed, Lane, Asked),
+    trace: impl Fn(&Committed, Lane, QueryRay),
 ) {
     // SAFETY: the handle is a scene's.
     let Some(committed) = (unsafe { committed(scene) }) else { return };
@@ -51,19 +51,19 @@ unsafe fn forward<const N: usize>(
             committed.device.has_arrays.store(true, Ordering::Relaxed);
         }
         let has_arrays = has_arrays(committed);
-        let asked = Lane::new(rays, N, if N == 1 { 0 } else { at }).whole();
+        let query_ray = Lane::new(rays, N, if N == 1 { 0 } else { at }).whole();
         let lane = Lane::new(call.arguments.rays, n, at);
         let before = lane.whole();
         lane.put_ray(&abi::Ray {
-            org: asked.org,
-            t_near: asked.t_near,
-            dir: asked.dir,
-            time: asked.time,
+            org: query_ray.org,
+            t_near: query_ray.t_near,
+            dir: query_ray.dir,
+            time: query_ray.time,
             ..before
         });
         let outer = inst_ids(frame.context, has_arrays);
         set_inst_ids(frame.context, has_arrays, [inst_id, inst_prim_id.unwrap_or(abi::INVALID)]);
-        guarded(|| trace(committed, lane, Asked { arguments: &raw const frame.arguments }));
+        guarded(|| trace(committed, lane, QueryRay { arguments: &raw const frame.arguments }));
         set_inst_ids(frame.context, has_arrays, outer);
         frame.stopped.set(has_thrown());
         lane.put_ray(&abi::Ray { t_far: lane.get(row::T_FAR), ..before });

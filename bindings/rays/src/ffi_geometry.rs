@@ -10,7 +10,7 @@ use std::sync::atomic::Ordering;
 use crate::device::{Device, Problem};
 use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction, format, kind};
 use crate::ffi_handle::{Handle, lend, release, retain, shared, with, with_device};
-use crate::ffi_scene::place_of;
+use crate::ffi_scene::slot_of;
 use crate::objects::{Geometry, Kind, Scene, Settings};
 use crate::transform;
 
@@ -387,7 +387,7 @@ unsafe fn set_place(geometry: Handle, time_step: c_uint, of: c_uint, matrix: *co
         })?;
         // SAFETY: the caller vouches for as many numbers as the format has.
         let values: Vec<f32> = (0..size).map(|i| unsafe { matrix.add(i).read_unaligned() }).collect();
-        settings.place = transform::columns(of, &values);
+        settings.instance_matrix = transform::columns(of, &values);
         settings.modified();
         Ok(())
     };
@@ -454,7 +454,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformEx(
     of: c_uint,
     matrix: *mut f32,
 ) {
-    let get = |geometry: &Arc<Geometry>| place_of(geometry, prim_id, of, matrix.is_null()).map(Some);
+    let get = |geometry: &Arc<Geometry>| slot_of(geometry, prim_id, of, matrix.is_null()).map(Some);
     // SAFETY: passed on.
     if let Some(values) = unsafe { with::<Geometry, _>(geometry, get) } {
         // SAFETY: passed on; there are as many values as the format has.

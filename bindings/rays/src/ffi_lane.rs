@@ -165,8 +165,8 @@ pub(crate) fn hit_for_program(
     context: *const Context,
     has_arrays: bool,
 ) -> abi::Hit {
-    let (inst_id, inst_prim_id) = match located.place {
-        Some(place) => (place.geom_id, place.prim_id.unwrap_or(INVALID)),
+    let (inst_id, inst_prim_id) = match located.shown_instance {
+        Some(shown_instance) => (shown_instance.geom_id, shown_instance.prim_id.unwrap_or(INVALID)),
         // Who sends rays through instances of his own says so here.
         // SAFETY: a context that is not null begins with this number.
         None if !context.is_null() => unsafe {
@@ -188,11 +188,11 @@ pub(crate) fn hit_for_program(
 
 /// The arguments of a query.
 #[derive(Clone, Copy)]
-pub(crate) struct Asked {
+pub(crate) struct QueryRay {
     pub(crate) arguments: *const Arguments,
 }
 
-impl Asked {
+impl QueryRay {
     #[inline(always)]
     pub(crate) fn get(self) -> Option<Arguments> {
         // SAFETY: the program's arguments are null or live during the call; all fields are in all versions.

@@ -27,7 +27,7 @@ impl Default for Pointer {
 /// Memory of ours that the program writes, at multiples of 16 bytes, zeros at first.
 pub(crate) struct Block {
     start: *mut u128,
-    words: usize,
+    u32_rows: usize,
 }
 
 // SAFETY: only its owner frees it; the program orders its writes and our reads by its calls.
@@ -38,12 +38,12 @@ unsafe impl Sync for Block {}
 impl Block {
     /// At least so many bytes, and 16 more; `None` where that is more than there can be.
     pub(crate) fn new(bytes: usize) -> Option<Self> {
-        let words = bytes.checked_add(31)? / 16;
+        let u32_rows = bytes.checked_add(31)? / 16;
         let mut memory = Vec::new();
-        memory.try_reserve_exact(words).ok()?;
-        memory.resize(words, 0u128);
+        memory.try_reserve_exact(u32_rows).ok()?;
+        memory.resize(u32_rows, 0u128);
         let start = Box::into_raw(memory.into_boxed_slice()).cast();
-        Some(Self { start, words })
+        Some(Self { start, u32_rows })
     }
 
     pub(crate) fn start(&self) -> *mut c_void {
@@ -53,7 +53,7 @@ impl Block {
 
 impl Drop for Block {
     fn drop(&mut self) {
-        let memory = std::ptr::slice_from_raw_parts_mut(self.start, self.words);
+        let memory = std::ptr::slice_from_raw_parts_mut(self.start, self.u32_rows);
         // SAFETY: made by `Box::into_raw` from a slice of this length, and freed once.
         drop(unsafe { Box::from_raw(memory) });
     }
@@ -61,7 +61,7 @@ impl Drop for Block {
 
 impl fmt::Debug for Block {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Block of {} bytes", 16 * self.words)
+        write!(f, "Block of {} bytes", 16 * self.u32_rows)
     }
 }
 

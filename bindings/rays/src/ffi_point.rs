@@ -10,10 +10,10 @@ use std::cell::Cell;
 use std::ffi::{c_int, c_void};
 
 use crate::ffi_abi::{INVALID, PointArguments, PointContext, PointFunction, PointQuery};
-use crate::ffi_callbacks::{ask_program, take_thrown};
+use crate::ffi_callbacks::{call_program, take_thrown};
 use crate::ffi_handle::{Handle, not_committed, with};
 use crate::located::Located;
-use crate::objects::{Committed, Kind, Scene, ask};
+use crate::objects::{Committed, Kind, Scene, run_query};
 use crate::transform::{self, Columns, IDENTITY};
 
 /// Sixteen floats, column by column.
@@ -53,14 +53,14 @@ impl Visit {
         // SAFETY: passed on; only fields are touched, one by one: the program reads and writes them, too.
         unsafe {
             let before = (*context).depth;
-            if let Some(place) = located.place
+            if let Some(shown_instance) = located.shown_instance
                 && before == 0
             {
                 let outward = located.world_from_object();
                 (*context).world_from_instance = matrix(&outward);
                 (*context).instance_from_world = matrix(&transform::inverse(&outward));
-                (*context).inst_id = place.geom_id;
-                (*context).inst_prim_id = place.prim_id.unwrap_or(INVALID);
+                (*context).inst_id = shown_instance.geom_id;
+                (*context).inst_prim_id = shown_instance.prim_id.unwrap_or(INVALID);
                 (*context).depth = 1;
             }
             let inward = if before > 0 { self.own } else { columns_of(context) };
@@ -73,7 +73,7 @@ impl Visit {
                 similarity_scale: transform::similarity(&inward).unwrap_or(0.0) as f32,
             };
             for function in [located.surface.point, self.function].into_iter().flatten() {
-                self.changed |= ask_program(&self.stopped, || function(&raw mut arguments)).unwrap_or(false);
+                self.changed |= call_program(&self.stopped, || function(&raw mut arguments)).unwrap_or(false);
             }
             if (*context).depth != before {
                 (*context).depth = before;
@@ -114,7 +114,7 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
         growth * unsafe { visit.show(&located, hit.prim_id) }
     };
     let radius = growth * f64::from(radius);
-    ask!(committed, tree => tree.visit_near(&committed.query, point, radius, &mut show));
+    run_query!(committed, tree => tree.visit_near(&committed.query, point, radius, &mut show));
 }
 
 /// Shows primitives near a point. See Embree's manual; whether any answer was that the radius has changed.
@@ -129,7 +129,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcPointQuery(
     function: PointFunction,
     user: *mut c_void,
 ) -> bool {
-    let ask_scene = |scene: &std::sync::Arc<Scene>| {
+    let query_scene = |scene: &std::sync::Arc<Scene>| {
         let committed = scene.committed().ok_or_else(not_committed)?;
         if query.is_null() || context.is_null() {
             return Err(crate::device::Problem::argument("the query or its context is a null pointer"));
@@ -145,7 +145,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcPointQuery(
         }
     };
     // SAFETY: passed on.
-    unsafe { with::<Scene, _>(scene, ask_scene) }
+    unsafe { with::<Scene, _>(scene, query_scene) }
 }
 
 /// The same for several points, one by one.

@@ -11,10 +11,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use gnurt_accel::{Aabb, BuildOptions, Memory, Quality, Ray, Structure, Threads, UserGeometry, UserHit};
 
 use crate::ffi_catch;
-use crate::ffi_columns::{Array, Column, Rows, Want, aabb};
+use crate::ffi_columns::{Access, Array, Column, Rows, aabb};
 use crate::ffi_memory::Pointer;
 use crate::pools::Workers;
-use crate::ray_scene::{Built, Part, Primitives, RayScene, What, ask_tree};
+use crate::ray_scene::{Built, Part, Primitives, RayScene, What, query_tree};
 use crate::transform::Columns;
 
 thread_local! {
@@ -179,8 +179,8 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_add_triangles(
     // SAFETY: passed on.
     unsafe {
         add(scene, id, mask, || {
-            let positions = Column::Given(Rows::new(&positions, 3, Want::Floats, "positions")?);
-            let indices = Column::Given(Rows::new(&indices, 3, Want::Indices, "indices")?);
+            let positions = Column::Given(Rows::new(&positions, 3, Access::Floats, "positions")?);
+            let indices = Column::Given(Rows::new(&indices, 3, Access::Indices, "indices")?);
             Ok(What::Triangles { positions, indices })
         })
     }
@@ -201,8 +201,8 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_add_quads(
     // SAFETY: passed on.
     unsafe {
         add(scene, id, mask, || {
-            let positions = Column::Given(Rows::new(&positions, 3, Want::Floats, "positions")?);
-            let indices = Column::Given(Rows::new(&indices, 4, Want::Indices, "indices")?);
+            let positions = Column::Given(Rows::new(&positions, 3, Access::Floats, "positions")?);
+            let indices = Column::Given(Rows::new(&indices, 4, Access::Indices, "indices")?);
             Ok(What::Quads { positions, indices })
         })
     }
@@ -226,8 +226,8 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_add_spheres(
             if centers.count != radii.count {
                 return Err(format!("radii: {} for {} centres", radii.count, centers.count));
             }
-            let centers = Column::Given(Rows::new(&centers, 3, Want::Floats, "centers")?);
-            let radii = Column::Given(Rows::new(&radii, 1, Want::Floats, "radii")?);
+            let centers = Column::Given(Rows::new(&centers, 3, Access::Floats, "centers")?);
+            let radii = Column::Given(Rows::new(&radii, 1, Access::Floats, "radii")?);
             Ok(What::Spheres { centers, radii })
         })
     }
@@ -281,10 +281,10 @@ impl UserGeometry for Callbacks {
 
     fn intersect(&self, prim_id: u32, ray: &Ray, hit: &mut dyn FnMut(UserHit)) {
         let Ray { org, dir, t_near, t_far, .. } = *ray;
-        let asked = UserRay { prim_id, org, dir, t_near, t_far };
+        let query_ray = UserRay { prim_id, org, dir, t_near, t_far };
         let mut answer = UserAnswer { t: f32::NAN, u: 0.0, v: 0.0 };
         // SAFETY: the program gave the function to be called like this, from any thread.
-        let call = || unsafe { (self.intersect)(self.user.0, 1, &raw const asked, &raw mut answer) };
+        let call = || unsafe { (self.intersect)(self.user.0, 1, &raw const query_ray, &raw mut answer) };
         if ffi_catch::call(call).is_err() {
             // The query, maybe that of another thread, reports it.
             self.thrown.fetch_add(1, Ordering::Relaxed);
@@ -370,12 +370,12 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_user(
 ///
 /// # Safety
 /// Twelve numbers, or null.
-unsafe fn place_at(place: *const f64) -> Result<Columns, String> {
-    if place.is_null() {
+unsafe fn matrix_at(instance_matrix: *const f64) -> Result<Columns, String> {
+    if instance_matrix.is_null() {
         return Err("place: a null pointer".into());
     }
     // SAFETY: passed on.
-    let columns: Columns = unsafe { place.cast::<Columns>().read_unaligned() };
+    let columns: Columns = unsafe { instance_matrix.cast::<Columns>().read_unaligned() };
     if columns.iter().flatten().any(|x| !x.is_finite()) {
         return Err("place: a number is not finite".into());
     }
@@ -390,7 +390,7 @@ unsafe fn place_at(place: *const f64) -> Result<Columns, String> {
 pub(crate) unsafe extern "C-unwind" fn gnurt_add_instance(
     scene: *mut RayScene,
     shown: *const RayScene,
-    place: *const f64,
+    instance_matrix: *const f64,
     mask: u32,
     id: *mut u32,
 ) -> c_int {
@@ -398,7 +398,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_add_instance(
     unsafe {
         add(scene, id, mask, || {
             let shown = built(shown).map_err(|error| error.replacen("scene", "shown", 1))?;
-            Ok(What::Instance { shown, place: place_at(place)? })
+            Ok(What::Instance { shown, instance_matrix: matrix_at(instance_matrix)? })
         })
     }
 }
@@ -415,7 +415,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_positions(
 ) -> c_int {
     let change = |scene: &mut RayScene| {
         // SAFETY: passed on.
-        let new = Column::Given(unsafe { Rows::new(&array, 3, Want::Floats, "positions")? });
+        let new = Column::Given(unsafe { Rows::new(&array, 3, Access::Floats, "positions")? });
         match &mut scene.part(id)?.what {
             What::Triangles { positions, .. } | What::Quads { positions, .. } => *positions = new,
             What::Spheres { centers, radii } if radii.len() == new.len() => *centers = new,
@@ -442,9 +442,9 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_place(
 ) -> c_int {
     let change = |scene: &mut RayScene| {
         // SAFETY: passed on.
-        let to = unsafe { place_at(to)? };
+        let to = unsafe { matrix_at(to)? };
         match &mut scene.part(id)?.what {
-            What::Instance { place, .. } => *place = to,
+            What::Instance { instance_matrix, .. } => *instance_matrix = to,
             _ => return Err(format!("id: {id} is no instance")),
         }
         Ok(())
@@ -517,7 +517,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_commit(scene: *mut RayScene) -> c_i
 
 /// `gnurt_facts`.
 #[repr(C)]
-pub(crate) struct Facts {
+pub(crate) struct SceneProperties {
     lower: [f32; 3],
     upper: [f32; 3],
     primitives: u64,
@@ -530,15 +530,18 @@ pub(crate) struct Facts {
 /// # Safety
 /// A scene, and room for facts.
 #[unsafe(no_mangle)]
-pub(crate) unsafe extern "C-unwind" fn gnurt_scene_facts(scene: *const RayScene, facts: *mut Facts) -> c_int {
+pub(crate) unsafe extern "C-unwind" fn gnurt_scene_facts(
+    scene: *const RayScene,
+    properties: *mut SceneProperties,
+) -> c_int {
     called(|| {
         // SAFETY: passed on.
         let built = unsafe { built(scene)? };
-        let (bounds, stats) = (ask_tree!(built, tree => tree.bounds()), built.object.stats());
-        if facts.is_null() {
+        let (bounds, stats) = (query_tree!(built, tree => tree.bounds()), built.object.stats());
+        if properties.is_null() {
             return Err("facts: a null pointer".into());
         }
-        let found = Facts {
+        let found = SceneProperties {
             lower: bounds.min,
             upper: bounds.max,
             primitives: stats.primitives,
@@ -546,7 +549,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_scene_facts(scene: *const RayScene,
             bytes: stats.tree_bytes + stats.primitive_bytes,
         };
         // SAFETY: passed on.
-        unsafe { facts.write(found) };
+        unsafe { properties.write(found) };
         Ok(())
     })
 }

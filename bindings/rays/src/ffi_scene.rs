@@ -12,7 +12,7 @@ use crate::ffi_callbacks::{Callback, ProgressFunction};
 use crate::ffi_handle::{Handle, lend, not_committed, release, retain, shared, with, with_device};
 use crate::ffi_memory::Pointer;
 use crate::ffi_present::present;
-use crate::objects::{Geometry, Scene, ask};
+use crate::objects::{Geometry, Scene, run_query};
 use crate::transform;
 
 /// A new scene. See Embree's manual, here and below.
@@ -251,7 +251,7 @@ fn bounds_of(scene: &Scene, is_null: bool) -> Result<Option<Bounds>, Problem> {
         return Err(Problem::argument("bounds: a null pointer"));
     }
     let committed = scene.unmodified().ok_or_else(not_committed)?;
-    let bounds = ask!(committed, tree => tree.bounds());
+    let bounds = run_query!(committed, tree => tree.bounds());
     Ok(Some(Bounds { lower: bounds.min, align0: 0.0, upper: bounds.max, align1: 0.0 }))
 }
 
@@ -329,7 +329,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformFromScene(
 ) {
     let get = |scene: &Arc<Scene>| {
         let geometry = scene.geometry(id).ok_or_else(|| no_geometry(id))?;
-        place_of(&geometry, 0, of, matrix.is_null()).map(Some)
+        slot_of(&geometry, 0, of, matrix.is_null()).map(Some)
     };
     // SAFETY: passed on.
     if let Some(values) = unsafe { with::<Scene, _>(scene, get) } {
@@ -355,7 +355,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformFromTraversable(
 }
 
 /// Where an instance is, in this format; an error where there is no room for it.
-pub(crate) fn place_of(
+pub(crate) fn slot_of(
     geometry: &Geometry,
     prim_id: u32,
     of: u32,
@@ -365,7 +365,7 @@ pub(crate) fn place_of(
         return Err(Problem::argument("transform: a null pointer"));
     }
     let settings = geometry.settings();
-    let place = match settings.arrays.get(&(crate::ffi_abi::buffer::TRANSFORM, 0)) {
+    let instance_matrix = match settings.arrays.get(&(crate::ffi_abi::buffer::TRANSFORM, 0)) {
         Some(maps) => {
             let size = transform::size(maps.format).unwrap_or_default();
             let values: Vec<f32> = (0..size).map_while(|k| maps.view.number(prim_id as usize, k)).collect();
@@ -374,10 +374,10 @@ pub(crate) fn place_of(
             }
             transform::columns(maps.format, &values)
         }
-        None => settings.place,
+        None => settings.instance_matrix,
     };
     let matrix = if of == format::FLOAT16 { format::FLOAT4X4_COLUMNS } else { of };
-    transform::floats(matrix, &place).ok_or_else(|| {
+    transform::floats(matrix, &instance_matrix).ok_or_else(|| {
         Problem::argument(format!("{of:#x} is no format of a matrix: FLOAT3X4 or FLOAT4X4 is"))
     })
 }

@@ -13,42 +13,46 @@ use crate::ffi_callbacks::take_thrown;
 use crate::ffi_catch::Thrown;
 use crate::ffi_filter::{intersect_filtered, occluded_filtered};
 use crate::ffi_handle::{Handle, guarded, not_committed, with};
-use crate::ffi_lane::{Asked, Lane, has_arrays, hit_for_program};
+use crate::ffi_lane::{Lane, QueryRay, has_arrays, hit_for_program};
 use crate::ffi_present::present;
-use crate::objects::{Committed, Scene, ask};
+use crate::objects::{Committed, Scene, run_query};
 
 /// Whether functions of the program are asked about hits.
 #[inline(always)]
-fn asks_program(committed: &Committed, asked: Asked) -> bool {
-    !committed.is_plain || asked.filters_all()
+fn calls_program(committed: &Committed, query_ray: QueryRay) -> bool {
+    !committed.is_plain || query_ray.filters_all()
 }
 
 /// The closest hit.
 #[inline(always)]
-pub(crate) fn intersect(committed: &Committed, lane: Lane, asked: Asked) {
-    if asks_program(committed, asked) {
-        intersect_filtered(committed, lane, asked);
+pub(crate) fn intersect(committed: &Committed, lane: Lane, query_ray: QueryRay) {
+    if calls_program(committed, query_ray) {
+        intersect_filtered(committed, lane, query_ray);
     } else {
-        intersect_plain(committed, lane, asked);
+        intersect_plain(committed, lane, query_ray);
     }
 }
 
 /// The same where nobody is asked.
 #[inline(always)]
-fn intersect_plain(committed: &Committed, lane: Lane, asked: Asked) {
+fn intersect_plain(committed: &Committed, lane: Lane, query_ray: QueryRay) {
     let ray = lane.ray();
-    if let Some(hit) = ask!(committed, tree => tree.intersect_with(&committed.query, &ray)) {
+    if let Some(hit) = run_query!(committed, tree => tree.intersect_with(&committed.query, &ray)) {
         let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
         let has_arrays = has_arrays(committed);
-        lane.write(hit.t, &hit_for_program(&located, &hit, &ray, asked.context(), has_arrays), has_arrays);
+        lane.write(
+            hit.t,
+            &hit_for_program(&located, &hit, &ray, query_ray.context(), has_arrays),
+            has_arrays,
+        );
     }
 }
 
 /// Whether there is a hit.
 #[inline(always)]
-pub(crate) fn occluded(committed: &Committed, lane: Lane, asked: Asked) {
-    if asks_program(committed, asked) {
-        occluded_filtered(committed, lane, asked);
+pub(crate) fn occluded(committed: &Committed, lane: Lane, query_ray: QueryRay) {
+    if calls_program(committed, query_ray) {
+        occluded_filtered(committed, lane, query_ray);
     } else {
         occluded_plain(committed, lane);
     }
@@ -57,45 +61,45 @@ pub(crate) fn occluded(committed: &Committed, lane: Lane, asked: Asked) {
 /// The same where nobody is asked.
 #[inline(always)]
 fn occluded_plain(committed: &Committed, lane: Lane) {
-    if ask!(committed, tree => tree.occluded_with(&committed.query, &lane.ray())) {
+    if run_query!(committed, tree => tree.occluded_with(&committed.query, &lane.ray())) {
         lane.set(row::T_FAR, f32::NEG_INFINITY);
     }
 }
 
 /// Rays of a packet that are asked for, together, and which lane each of them is.
-struct Together<'a> {
+struct PacketQuery<'a> {
     query: Query,
     committed: &'a Committed,
     packet: Packet,
     lanes: [Option<Lane>; Packet::MOST],
 }
 
-impl<'a> Together<'a> {
+impl<'a> PacketQuery<'a> {
     fn new(committed: &'a Committed, lanes: impl Iterator<Item = Lane>) -> Self {
         let query = Query { coherence: Coherence::Coherent, ..committed.query };
-        let mut together = Self { query, committed, packet: Packet::new(), lanes: [None; Packet::MOST] };
+        let mut packet_query = Self { query, committed, packet: Packet::new(), lanes: [None; Packet::MOST] };
         for (at, lane) in lanes.enumerate().take(Packet::MOST) {
-            together.packet.push(&lane.ray());
-            together.lanes[at] = Some(lane);
+            packet_query.packet.push(&lane.ray());
+            packet_query.lanes[at] = Some(lane);
         }
-        together
+        packet_query
     }
 
-    fn intersect(self, asked: Asked) {
+    fn intersect(self, query_ray: QueryRay) {
         let Self { query, committed, packet, lanes } = self;
         let has_arrays = has_arrays(committed);
-        ask!(committed, tree => tree.intersect_packet(&query, packet, |at, hit| {
+        run_query!(committed, tree => tree.intersect_packet(&query, packet, |at, hit| {
             if let Some(lane) = lanes[at] {
                 let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
-                let seen = hit_for_program(&located, &hit, &lane.ray(), asked.context(), has_arrays);
-                lane.write(hit.t, &seen, has_arrays);
+                let program_hit = hit_for_program(&located, &hit, &lane.ray(), query_ray.context(), has_arrays);
+                lane.write(hit.t, &program_hit, has_arrays);
             }
         }));
     }
 
     fn occluded(self) {
         let Self { query, committed, packet, lanes } = self;
-        let hit = ask!(committed, tree => tree.occluded_packet(&query, packet));
+        let hit = run_query!(committed, tree => tree.occluded_packet(&query, packet));
         for (at, lane) in lanes.into_iter().enumerate() {
             if let Some(lane) = lane.filter(|_| hit >> at & 1 == 1) {
                 lane.set(row::T_FAR, f32::NEG_INFINITY);
@@ -108,10 +112,10 @@ impl<'a> Together<'a> {
 trait Trace {
     /// Coherent packets of so many rays go together: fewer are faster one by one (bench/record/embree-calls-2026-11-23.md).
     const WORTH_IT: usize;
-    fn one(committed: &Committed, lane: Lane, asked: Asked);
+    fn one(committed: &Committed, lane: Lane, query_ray: QueryRay);
     /// Where functions of the program are asked.
-    fn asking(committed: &Committed, lane: Lane, asked: Asked);
-    fn together(rays: Together, asked: Asked);
+    fn asking(committed: &Committed, lane: Lane, query_ray: QueryRay);
+    fn packet_query(rays: PacketQuery, query_ray: QueryRay);
 }
 
 struct Intersect;
@@ -121,16 +125,16 @@ impl Trace for Intersect {
     const WORTH_IT: usize = 8;
 
     #[inline(always)]
-    fn one(committed: &Committed, lane: Lane, asked: Asked) {
-        intersect_plain(committed, lane, asked);
+    fn one(committed: &Committed, lane: Lane, query_ray: QueryRay) {
+        intersect_plain(committed, lane, query_ray);
     }
 
-    fn asking(committed: &Committed, lane: Lane, asked: Asked) {
-        intersect_filtered(committed, lane, asked);
+    fn asking(committed: &Committed, lane: Lane, query_ray: QueryRay) {
+        intersect_filtered(committed, lane, query_ray);
     }
 
-    fn together(rays: Together, asked: Asked) {
-        rays.intersect(asked);
+    fn packet_query(rays: PacketQuery, query_ray: QueryRay) {
+        rays.intersect(query_ray);
     }
 }
 
@@ -138,15 +142,15 @@ impl Trace for Occluded {
     const WORTH_IT: usize = 16;
 
     #[inline(always)]
-    fn one(committed: &Committed, lane: Lane, _: Asked) {
+    fn one(committed: &Committed, lane: Lane, _: QueryRay) {
         occluded_plain(committed, lane);
     }
 
-    fn asking(committed: &Committed, lane: Lane, asked: Asked) {
-        occluded_filtered(committed, lane, asked);
+    fn asking(committed: &Committed, lane: Lane, query_ray: QueryRay) {
+        occluded_filtered(committed, lane, query_ray);
     }
 
-    fn together(rays: Together, _: Asked) {
+    fn packet_query(rays: PacketQuery, _: QueryRay) {
         rays.occluded();
     }
 }
@@ -194,8 +198,8 @@ unsafe fn each<const N: usize, T: Trace>(
 ) {
     // SAFETY: passed on.
     let Some(committed) = (unsafe { committed(scene) }) else { return };
-    let asked = Asked { arguments };
-    let asks = asks_program(committed, asked);
+    let query_ray = QueryRay { arguments };
+    let asks = calls_program(committed, query_ray);
     guarded(|| {
         let lanes = (0..N)
             // SAFETY: there are `N` numbers in `valid`.
@@ -203,11 +207,11 @@ unsafe fn each<const N: usize, T: Trace>(
             // SAFETY: passed on.
             .map(|i| unsafe { Lane::new(rays, N, i) });
         if asks {
-            lanes.for_each(|lane| T::asking(committed, lane, asked));
-        } else if N >= T::WORTH_IT && asked.is_coherent() {
-            T::together(Together::new(committed, lanes), asked);
+            lanes.for_each(|lane| T::asking(committed, lane, query_ray));
+        } else if N >= T::WORTH_IT && query_ray.is_coherent() {
+            T::packet_query(PacketQuery::new(committed, lanes), query_ray);
         } else {
-            lanes.for_each(|lane| T::one(committed, lane, asked));
+            lanes.for_each(|lane| T::one(committed, lane, query_ray));
         }
     });
     if asks && let Err(thrown) = take_thrown() {

@@ -16,14 +16,14 @@ use crate::device::Problem;
 use crate::ffi_abi::{
     self as abi, Arguments, Context, Hit, RayHit, RayHitPacketFrame, UserArguments, UserTest, Valid, row,
 };
-use crate::ffi_callbacks::ask_program;
+use crate::ffi_callbacks::call_program;
 use crate::ffi_catch;
 use crate::ffi_lane::Lane;
 use crate::objects::{Filters, Geometry, UserFunctions};
 
 /// What the program's test of a hit left, and which hit it was.
 #[derive(Clone, Copy, Debug)]
-struct Kept {
+struct PendingHit {
     owner: *const Geometry,
     prim_id: u32,
     t: f32,
@@ -42,7 +42,7 @@ pub(crate) struct Frame {
     mask: u32,
     id: u32,
     flags: u32,
-    kept: RefCell<Vec<Kept>>,
+    pending_hits: RefCell<Vec<PendingHit>>,
     /// After an exception: no function of the program is called any more.
     pub(crate) stopped: Cell<bool>,
 }
@@ -63,11 +63,11 @@ impl Drop for Restore {
 impl Frame {
     #[inline(always)]
     pub(crate) fn new(is_occlusion: bool, arguments: Arguments, context: *mut Context, lane: Lane) -> Self {
-        let (kept, stopped) = (RefCell::default(), Cell::new(false));
-        let word = |row: usize| lane.get(row).to_bits();
-        let (time, mask) = (lane.get(row::TIME), word(row::MASK));
-        let (id, flags) = (word(row::ID), word(row::FLAGS));
-        Self { is_occlusion, arguments, context, lane, time, mask, id, flags, kept, stopped }
+        let (pending_hits, stopped) = (RefCell::default(), Cell::new(false));
+        let row_bits = |row: usize| lane.get(row).to_bits();
+        let (time, mask) = (lane.get(row::TIME), row_bits(row::MASK));
+        let (id, flags) = (row_bits(row::ID), row_bits(row::FLAGS));
+        Self { is_occlusion, arguments, context, lane, time, mask, id, flags, pending_hits, stopped }
     }
 
     /// Runs a query in this frame.
@@ -78,21 +78,25 @@ impl Frame {
     }
 
     /// What was left by the test whose hit is the answer.
-    pub(crate) fn kept(&self, owner: &Geometry, prim_id: u32, t: f32) -> Option<Hit> {
-        let kept = self.kept.borrow();
-        let mine = || kept.iter().filter(|kept| kept.owner == from_ref(owner) && kept.prim_id == prim_id);
+    pub(crate) fn pending_hits(&self, owner: &Geometry, prim_id: u32, t: f32) -> Option<Hit> {
+        let pending_hits = self.pending_hits.borrow();
+        let mine = || {
+            pending_hits.iter().filter(|pending_hits| {
+                pending_hits.owner == from_ref(owner) && pending_hits.prim_id == prim_id
+            })
+        };
         // Where the ray had to be scaled, `t` is another one here.
-        let same = mine().find(|kept| kept.t == t);
-        same.or_else(|| mine().min_by(|a, b| a.t.total_cmp(&b.t))).map(|kept| kept.hit)
+        let same = mine().find(|pending_hits| pending_hits.t == t);
+        same.or_else(|| mine().min_by(|a, b| a.t.total_cmp(&b.t))).map(|pending_hits| pending_hits.hit)
     }
 
     /// Keeps what was left. Of hits that are not filtered, those behind the best are of no use.
     pub(crate) fn keep(&self, owner: &Geometry, prim_id: u32, t: f32, hit: Hit) {
-        let mut all = self.kept.borrow_mut();
-        if all.iter().all(|kept| t < kept.t) {
+        let mut all = self.pending_hits.borrow_mut();
+        if all.iter().all(|pending_hits| t < pending_hits.t) {
             all.clear();
         }
-        all.push(Kept { owner: from_ref(owner), prim_id, t, hit });
+        all.push(PendingHit { owner: from_ref(owner), prim_id, t, hit });
     }
 }
 
@@ -133,7 +137,7 @@ impl UserPrimitives {
 
     /// The ray as the program's test gets it.
     #[inline(always)]
-    fn seen(frame: &Frame, ray: &Ray) -> abi::Ray {
+    fn program_ray(frame: &Frame, ray: &Ray) -> abi::Ray {
         let Ray { org, t_near, dir, t_far, .. } = *ray;
         let Frame { time, mask, id, flags, .. } = *frame;
         abi::Ray { org, t_near, dir, time, t_far, mask, id, flags }
@@ -144,7 +148,7 @@ impl UserPrimitives {
     /// # Safety
     /// `valid` are as many numbers as the packet of the query has lanes, `rays` as many rays and hits.
     #[inline(always)]
-    unsafe fn ask(
+    unsafe fn run_query(
         &self,
         function: UserTest,
         prim_id: u32,
@@ -166,16 +170,16 @@ impl UserPrimitives {
             filters: self.filters,
         };
         // SAFETY: the program gave the function to be called like this; the caller vouches for the packet.
-        ask_program(&frame.stopped, || unsafe { function((&raw const call).cast()) })
+        call_program(&frame.stopped, || unsafe { function((&raw const call).cast()) })
     }
 
     /// Asks the program's test about one ray; what it left of its `t_far`, and its hit.
     #[inline(always)]
     fn test_one(&self, function: UserTest, prim_id: u32, frame: &Frame, ray: &Ray) -> Option<(f32, Hit)> {
-        let (mut valid, mut rays) = (-1, RayHit { ray: Self::seen(frame, ray), hit: Hit::NONE });
+        let (mut valid, mut rays) = (-1, RayHit { ray: Self::program_ray(frame, ray), hit: Hit::NONE });
         // SAFETY: one ray with a hit, which are read anew, for the program wrote through pointers.
         unsafe {
-            self.ask(function, prim_id, frame, &raw mut valid, (&raw mut rays).cast())?;
+            self.run_query(function, prim_id, frame, &raw mut valid, (&raw mut rays).cast())?;
             let rays = &raw const rays;
             Some(((&raw const (*rays).ray.t_far).read_volatile(), (&raw const (*rays).hit).read_volatile()))
         }
@@ -190,9 +194,9 @@ impl UserPrimitives {
         // SAFETY: there is room for rows of sixteen, and no packet is wider.
         unsafe {
             let lane = Lane::new(rays, n, at);
-            lane.put_ray(&Self::seen(frame, ray));
+            lane.put_ray(&Self::program_ray(frame, ray));
             lane.put_hit(&Hit::NONE, true);
-            self.ask(function, prim_id, frame, (&raw mut valid).cast(), rays)?;
+            self.run_query(function, prim_id, frame, (&raw mut valid).cast(), rays)?;
             Some((lane.get(row::T_FAR), lane.hit()))
         }
     }

@@ -35,12 +35,12 @@ impl UserGeometry for Lines {
         let Some(ends) = self.segments[prim_id as usize] else { return };
         let dir = ray.dir.map(f64::from);
         let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
-        let seen = ends.map(|end| {
+        let clipped = ends.map(|end| {
             let from = [0, 1, 2].map(|k| f64::from(end[k]) - f64::from(ray.org[k]));
             let t = dot(from, dir) / dot(dir, dir);
             (t, [0, 1, 2].map(|k| from[k] - t * dir[k]))
         });
-        let [(t0, a), (t1, b)] = seen;
+        let [(t0, a), (t1, b)] = clipped;
         let along = [0, 1, 2].map(|k| b[k] - a[k]);
         let length = dot(along, along);
         let u = if length > 0.0 { (-dot(a, along) / length).clamp(0.0, 1.0) } else { 0.0 };

@@ -5,7 +5,7 @@
 use gnurt_accel::Hit;
 
 use crate::ffi_present::present;
-use crate::objects::{Committed, Kind, Place, Shown, Surface, Tree};
+use crate::objects::{Committed, Kind, Shown, ShownInstance, Surface, Tree};
 use crate::transform::{self, Columns, IDENTITY};
 
 /// A primitive of the program's.
@@ -15,29 +15,29 @@ pub(crate) struct Located<'a> {
     /// The same as its scene was last committed, for arrays of before may be gone; `None` where it is no longer there.
     arrays: Option<&'a Surface>,
     /// Where the outermost instance is; `None` where there is none.
-    pub(crate) place: Option<&'a Place>,
+    pub(crate) shown_instance: Option<&'a ShownInstance>,
     /// Places of instances in it, if any.
-    inner: Vec<&'a Place>,
+    inner: Vec<&'a ShownInstance>,
 }
 
 impl Committed {
     /// What was hit; ids as the tree of this scene gives them.
     #[inline]
     pub(crate) fn locate(&self, geom_id: u32, inst_id: u32, leaf_id: u32) -> Located<'_> {
-        let own = |place| {
+        let own = |shown_instance| {
             let surface = &self.surfaces[geom_id as usize];
-            Located { surface, arrays: Some(surface), place, inner: Vec::new() }
+            Located { surface, arrays: Some(surface), shown_instance, inner: Vec::new() }
         };
         match &self.tree {
             Tree::Object(_) => own(None),
             Tree::Scene(tree) => {
-                let place = &self.places[inst_id as usize];
-                match &place.shown {
+                let shown_instance = &self.shown_instances[inst_id as usize];
+                match &shown_instance.shown {
                     None => own(None),
                     Some(shown) if matches!(shown.committed.tree, Tree::Object(_)) => {
                         let surface = &shown.committed.surfaces[geom_id as usize];
                         let arrays = as_it_is_now(shown, surface);
-                        Located { surface, arrays, place: Some(place), inner: Vec::new() }
+                        Located { surface, arrays, shown_instance: Some(shown_instance), inner: Vec::new() }
                     }
                     Some(_) => self.locate_inside(tree.instance_path(leaf_id).unwrap_or_default(), geom_id),
                 }
@@ -48,17 +48,17 @@ impl Committed {
     /// Along the instances of instances.
     #[cold]
     fn locate_inside(&self, path: Vec<u32>, geom_id: u32) -> Located<'_> {
-        let (mut scene, mut last, mut places) = (self, None, Vec::new());
+        let (mut scene, mut last, mut shown_instances) = (self, None, Vec::new());
         for inst_id in path {
-            let place = &scene.places[inst_id as usize];
-            let Some(shown) = &place.shown else { break };
-            places.push(place);
+            let shown_instance = &scene.shown_instances[inst_id as usize];
+            let Some(shown) = &shown_instance.shown else { break };
+            shown_instances.push(shown_instance);
             (scene, last) = (&shown.committed, Some(shown));
         }
         let surface = &scene.surfaces[geom_id as usize];
         let arrays = last.map_or(Some(surface), |shown| as_it_is_now(shown, surface));
-        let mut places = places.into_iter();
-        Located { surface, arrays, place: places.next(), inner: places.collect() }
+        let mut shown_instances = shown_instances.into_iter();
+        Located { surface, arrays, shown_instance: shown_instances.next(), inner: shown_instances.collect() }
     }
 }
 
@@ -75,8 +75,10 @@ fn as_it_is_now<'a>(shown: &'a Shown, surface: &'a Surface) -> Option<&'a Surfac
 impl Located<'_> {
     /// The way out of all instances.
     pub(crate) fn world_from_object(&self) -> Columns {
-        let outer = self.place.map_or(IDENTITY, |place| place.world_from_instance);
-        self.inner.iter().fold(outer, |all, place| transform::after(&all, &place.world_from_instance))
+        let outer = self.shown_instance.map_or(IDENTITY, |shown_instance| shown_instance.world_from_instance);
+        self.inner
+            .iter()
+            .fold(outer, |all, shown_instance| transform::after(&all, &shown_instance.world_from_instance))
     }
 
     /// The normal where a ray has hit, in the geometry's space; zeros of user geometry, which gives its own, and of what is no longer
@@ -101,7 +103,7 @@ impl Located<'_> {
             Kind::Spheres => {
                 let [x, y, z, _] = vertices.get::<f32, 4>(prim_id).unwrap_or_default();
                 let at = [0, 1, 2].map(|k| f64::from(org[k]) + f64::from(hit.t) * f64::from(dir[k]));
-                let at = match self.place {
+                let at = match self.shown_instance {
                     None => at,
                     Some(_) => transform::point(&transform::inverse(&self.world_from_object()), at),
                 };

@@ -85,7 +85,7 @@ pub(crate) struct Settings {
     pub(crate) user_count: u32,
     pub(crate) point: PointFunction,
     pub(crate) scenes: Vec<Arc<Scene>>,
-    pub(crate) place: Columns,
+    pub(crate) instance_matrix: Columns,
     pub(crate) attributes: u32,
 }
 
@@ -98,12 +98,12 @@ impl Settings {
 
     /// Something was changed that scenes see when they are committed.
     pub(crate) fn touched(&mut self) {
-        self.changed_at = next_moment();
+        self.changed_at = next_edit_number();
     }
 }
 
 /// The next of the moments by which it is known what was edited after what; never 0.
-pub(crate) fn next_moment() -> u64 {
+pub(crate) fn next_edit_number() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(1);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
@@ -125,13 +125,13 @@ impl Geometry {
             quality: 1,
             is_enabled: true,
             is_committed: false,
-            changed_at: next_moment(),
+            changed_at: next_edit_number(),
             filters: Filters::default(),
             user: UserFunctions::default(),
             user_count: 0,
             point: None,
             scenes: Vec::new(),
-            place: IDENTITY,
+            instance_matrix: IDENTITY,
             attributes: 0,
         };
         let user_data = AtomicPtr::new(std::ptr::null_mut());
@@ -200,7 +200,7 @@ pub(crate) struct Plan {
     pub(crate) geometries: Vec<(u32, Arc<Geometry>)>,
     pub(crate) settings: SceneSettings,
     /// Edits up to here are in it.
-    pub(crate) moment: u64,
+    pub(crate) edit_number: u64,
     /// The moment of the commit before; 0 where there was none.
     pub(crate) last: u64,
     /// Whether the list or the settings were edited since then.
@@ -228,7 +228,7 @@ impl Scene {
             geometries: BTreeMap::new(),
             free: FreeIds::default(),
             settings: SceneSettings { quality: 1, flags: 0, progress: None },
-            changed_at: next_moment(),
+            changed_at: next_edit_number(),
             committed: None,
             before: None,
         };
@@ -255,7 +255,7 @@ impl Scene {
         }
         draft.free.take(id);
         draft.geometries.insert(id, geometry);
-        draft.changed_at = next_moment();
+        draft.changed_at = next_edit_number();
         self.list_differs.store(true, Ordering::Release);
         Some(id)
     }
@@ -265,7 +265,7 @@ impl Scene {
         let mut draft = self.draft();
         let gone = draft.geometries.remove(&id)?;
         draft.free.give(id);
-        draft.changed_at = next_moment();
+        draft.changed_at = next_edit_number();
         self.list_differs.store(true, Ordering::Release);
         Some(gone)
     }
@@ -285,7 +285,7 @@ impl Scene {
         let before = draft.settings;
         change(&mut draft.settings);
         if (before.quality, before.flags) != (draft.settings.quality, draft.settings.flags) {
-            draft.changed_at = next_moment();
+            draft.changed_at = next_edit_number();
         }
     }
 
@@ -298,11 +298,11 @@ impl Scene {
     pub(crate) fn plan(&self) -> Plan {
         let draft = self.draft();
         // First: what is edited while the plan is made counts as edited after it.
-        let moment = next_moment();
-        let last = draft.committed.as_ref().map_or(0, |committed| committed.moment);
+        let edit_number = next_edit_number();
+        let last = draft.committed.as_ref().map_or(0, |committed| committed.edit_number);
         let geometries = draft.geometries.iter().map(|(&id, geometry)| (id, Arc::clone(geometry))).collect();
         let is_edited = draft.changed_at > last;
-        Plan { geometries, settings: draft.settings, moment, last, is_edited }
+        Plan { geometries, settings: draft.settings, edit_number, last, is_edited }
     }
 
     /// What is asked from now on. What nobody needs any longer is given back, to be dropped where no lock is held.
@@ -310,8 +310,8 @@ impl Scene {
         let committed = Arc::new(committed);
         let mut draft = self.draft();
         self.current.store(Arc::as_ptr(&committed).cast_mut(), Ordering::Release);
-        self.list_differs.store(draft.changed_at > committed.moment, Ordering::Release);
-        self.published_at.store(next_moment(), Ordering::Release);
+        self.list_differs.store(draft.changed_at > committed.edit_number, Ordering::Release);
+        self.published_at.store(next_edit_number(), Ordering::Release);
         let before = draft.committed.replace(committed);
         std::mem::replace(&mut draft.before, before)
     }
@@ -324,7 +324,7 @@ impl Scene {
     /// The same, if the list of geometries and the settings were not edited since.
     pub(crate) fn unmodified(&self) -> Option<Arc<Committed>> {
         let draft = self.draft();
-        draft.committed.clone().filter(|committed| draft.changed_at < committed.moment)
+        draft.committed.clone().filter(|committed| draft.changed_at < committed.edit_number)
     }
 
     /// The same to be read at once: null before the first commit, else it lives as long as the scene is not committed twice.
@@ -344,14 +344,14 @@ impl Scene {
 pub(crate) struct Committed {
     pub(crate) device: Arc<Device>,
     /// Edits up to here are in it.
-    pub(crate) moment: u64,
+    pub(crate) edit_number: u64,
     /// All of the scene, in the order of their ids.
     pub(crate) geometries: Vec<(u32, Arc<Geometry>)>,
     pub(crate) tree: Tree,
     /// By the numbers that the tree has for them.
     pub(crate) surfaces: Vec<Surface>,
     /// Likewise; the first one is where the scene's own surfaces are.
-    pub(crate) places: Vec<Place>,
+    pub(crate) shown_instances: Vec<ShownInstance>,
     pub(crate) query: Query,
     /// Whether nobody is to be asked about hits.
     pub(crate) is_plain: bool,
@@ -364,11 +364,11 @@ impl Committed {
     pub(crate) fn geometry(&self, id: u32) -> Option<&Arc<Geometry>> {
         let all = &self.geometries;
         // Ids without gaps are places.
-        let place = match all.get(id as usize) {
+        let instance_matrix = match all.get(id as usize) {
             Some((first, _)) if *first == id => id as usize,
             _ => all.binary_search_by_key(&id, |(id, _)| *id).ok()?,
         };
-        Some(&all[place].1)
+        Some(&all[instance_matrix].1)
     }
 }
 
@@ -387,7 +387,7 @@ pub(crate) enum Tree {
 }
 
 /// Runs an expression for either kind of tree, which have methods of the same names.
-macro_rules! ask {
+macro_rules! run_query {
     ($committed:expr, $tree:ident => $answer:expr) => {
         match &$committed.tree {
             $crate::objects::Tree::Object($tree) => $answer,
@@ -395,7 +395,7 @@ macro_rules! ask {
         }
     };
 }
-pub(crate) use ask;
+pub(crate) use run_query;
 
 /// A geometry of a committed scene that has primitives of its own.
 #[derive(Debug)]
@@ -421,7 +421,7 @@ pub(crate) struct Shown {
 
 /// Where a scene is shown in another.
 #[derive(Debug)]
-pub(crate) struct Place {
+pub(crate) struct ShownInstance {
     pub(crate) geom_id: u32,
     /// In an array of instances.
     pub(crate) prim_id: Option<u32>,

@@ -67,7 +67,7 @@ impl Workers {
 fn pool(count: usize) -> Option<Arc<ThreadPool>> {
     let mut pools = Process::this().pools.lock().unwrap_or_else(PoisonError::into_inner);
     let found = match pools.iter().position(|(threads, _)| *threads == count) {
-        Some(place) => pools.remove(place).1,
+        Some(index) => pools.remove(index).1,
         None => {
             let name = |i| format!("gnurt-{i}");
             Arc::new(rayon::ThreadPoolBuilder::new().num_threads(count).thread_name(name).build().ok()?)
@@ -93,7 +93,7 @@ mod tests {
             assert_eq!(got, threads, "as many as were asked for");
         }
         let pools = Process::this().pools.lock().unwrap_or_else(PoisonError::into_inner);
-        let kept: Vec<usize> = pools.iter().map(|(threads, _)| *threads).collect();
-        assert_eq!(kept, [19, 18, 17, 16], "those that were used last");
+        let retained: Vec<usize> = pools.iter().map(|(threads, _)| *threads).collect();
+        assert_eq!(retained, [19, 18, 17, 16], "those that were used last");
     }
 }

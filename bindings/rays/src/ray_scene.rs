@@ -21,7 +21,7 @@ pub(crate) enum What {
     Quads { positions: Column<[f32; 3]>, indices: Column<[u32; 4]> },
     Spheres { centers: Column<[f32; 3]>, radii: Column<f32> },
     User(Primitives),
-    Instance { shown: Arc<Built>, place: Columns },
+    Instance { shown: Arc<Built>, instance_matrix: Columns },
 }
 
 impl What {
@@ -30,11 +30,11 @@ impl What {
         match self {
             Self::Triangles { positions, indices } => {
                 positions.keep(Rows::floats);
-                indices.keep(Rows::words);
+                indices.keep(Rows::u32_rows);
             }
             Self::Quads { positions, indices } => {
                 positions.keep(Rows::floats);
-                indices.keep(Rows::words);
+                indices.keep(Rows::u32_rows);
             }
             Self::Spheres { centers, radii } => {
                 centers.keep(Rows::floats);
@@ -48,15 +48,15 @@ impl What {
     fn geometry(&self) -> Option<(GeometryKind<'_>, usize)> {
         Some(match self {
             Self::Triangles { positions, indices } => {
-                let (positions, indices) = (positions.kept(), indices.kept());
+                let (positions, indices) = (positions.retained(), indices.retained());
                 (GeometryKind::Triangles(Triangles { positions, indices }), indices.len())
             }
             Self::Quads { positions, indices } => {
-                let (positions, indices) = (positions.kept(), indices.kept());
+                let (positions, indices) = (positions.retained(), indices.retained());
                 (GeometryKind::Quads(Quads { positions, indices }), indices.len())
             }
             Self::Spheres { centers, radii } => {
-                let (centers, radii) = (centers.kept(), radii.kept());
+                let (centers, radii) = (centers.retained(), radii.retained());
                 (GeometryKind::Spheres(Spheres { centers, radii }), radii.len())
             }
             Self::User(user) => {
@@ -91,7 +91,7 @@ pub(crate) enum Tree {
 }
 
 /// Runs an expression for either kind of tree, which have methods of the same names.
-macro_rules! ask_tree {
+macro_rules! query_tree {
     ($built:expr, $tree:ident => $answer:expr) => {
         match &$built.tree {
             $crate::ray_scene::Tree::Object($tree) => $answer,
@@ -99,7 +99,7 @@ macro_rules! ask_tree {
         }
     };
 }
-pub(crate) use ask_tree;
+pub(crate) use query_tree;
 
 /// A scene that can be asked.
 #[derive(Debug)]
@@ -194,16 +194,16 @@ impl RayScene {
         self.parts.iter_mut().flatten().for_each(|part| part.what.keep());
         let (mut geometries, mut thrown) = (Vec::new(), Vec::new());
         let mut instances = vec![(u32::MAX, None)];
-        let mut placed = Vec::new();
+        let mut placed_instances = Vec::new();
         for (id, part) in self.parts.iter().enumerate() {
             let Some(Part { what, mask }) = part else { continue };
             match what {
-                What::Instance { shown, place } => {
+                What::Instance { shown, instance_matrix } => {
                     let shape: Shape = match &shown.tree {
                         Tree::Object(tree) => Arc::clone(tree).into(),
                         Tree::Scene(tree) => Arc::clone(tree).into(),
                     };
-                    placed.push(Instance::new(shape, *place).with_mask(*mask));
+                    placed_instances.push(Instance::new(shape, *instance_matrix).with_mask(*mask));
                     thrown.extend(shown.thrown.iter().cloned());
                     instances.push((id as u32, Some(Arc::clone(shown))));
                     continue;
@@ -219,11 +219,11 @@ impl RayScene {
             Some(built) if !self.is_edited => Arc::clone(&built.object),
             _ => self.object(threads)?,
         };
-        let tree = if placed.is_empty() {
+        let tree = if placed_instances.is_empty() {
             Tree::Object(Arc::clone(&object))
         } else {
-            placed.insert(0, Instance::new(Arc::clone(&object), IDENTITY));
-            let built = SceneTree::try_build(&placed, &self.options, threads, &());
+            placed_instances.insert(0, Instance::new(Arc::clone(&object), IDENTITY));
+            let built = SceneTree::try_build(&placed_instances, &self.options, threads, &());
             Tree::Scene(Arc::new(built.map_err(|error| error.to_string())?))
         };
         self.built = Some(Arc::new(Built { tree, object, geometries, instances, thrown }));

@@ -34,13 +34,13 @@ pub(crate) fn columns(of: u32, values: &[f32]) -> Columns {
 /// A map that is taken apart: scale, skew and shift first, then a turn, then the way.
 fn decomposed(values: &[f64; 16]) -> Columns {
     let [sx, sy, sz, xy, xz, yz, tx, ty, tz, r, i, j, k, px, py, pz] = *values;
-    let turn = [
+    let rotation = [
         [r * r + i * i - j * j - k * k, 2.0 * (i * j + r * k), 2.0 * (i * k - r * j)],
         [2.0 * (i * j - r * k), r * r - i * i + j * j - k * k, 2.0 * (j * k + r * i)],
         [2.0 * (i * k + r * j), 2.0 * (j * k - r * i), r * r - i * i - j * j + k * k],
     ];
     let turned = |v: [f64; 3]| -> [f64; 3] {
-        std::array::from_fn(|row| (0..3).map(|column| turn[column][row] * v[column]).sum())
+        std::array::from_fn(|row| (0..3).map(|column| rotation[column][row] * v[column]).sum())
     };
     let [tx, ty, tz] = turned([tx, ty, tz]);
     [turned([sx, 0.0, 0.0]), turned([xy, sy, 0.0]), turned([xz, yz, sz]), [tx + px, ty + py, tz + pz]]
@@ -60,8 +60,8 @@ pub(crate) fn floats(of: u32, columns: &Columns) -> Option<Vec<f32>> {
         format::FLOAT4X4_COLUMNS => (4, false),
         _ => return None,
     };
-    let places = 0..rows * 4;
-    Some(places.map(|i| if by_rows { at(i / 4, i % 4) } else { at(i % rows, i / rows) }).collect())
+    let elements = 0..rows * 4;
+    Some(elements.map(|i| if by_rows { at(i / 4, i % 4) } else { at(i % rows, i / rows) }).collect())
 }
 
 /// First `inner`, then `outer`.
@@ -152,7 +152,7 @@ mod tests {
         let parts = [2.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, 0.0, 0.0, half, 0.0, 0.0, 5.0];
         let map = columns(format::QUATERNION, &parts);
         let at = point(&map, [1.0, 0.0, 0.0]);
-        let error: f64 = [0.0, 3.0, 5.0].iter().zip(at).map(|(want, got)| (want - got).abs()).sum();
+        let error: f64 = [0.0, 3.0, 5.0].iter().zip(at).map(|(access, got)| (access - got).abs()).sum();
         assert!(error < 1e-6, "{at:?}: (1, 0, 0) goes to (3, 0, 0), then to (0, 3, 5)");
     }
 

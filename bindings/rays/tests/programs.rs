@@ -19,8 +19,8 @@ fn library() -> PathBuf {
 }
 
 fn shown(output: &Output) -> String {
-    let [told, said] = [&output.stderr, &output.stdout].map(|text| String::from_utf8_lossy(text));
-    format!("{}\n{said}{told}", output.status)
+    let [reported, said] = [&output.stderr, &output.stdout].map(|text| String::from_utf8_lossy(text));
+    format!("{}\n{said}{reported}", output.status)
 }
 
 /// A folder with the library under the names that programs know.
@@ -67,9 +67,9 @@ impl Workshop {
     fn run(&self, binary: &Path, arguments: &[&str]) -> String {
         // `valgrind -q --error-exitcode=9`, say: the library reads memory of programs, and frees what they ask.
         let under = std::env::var("GNURT_RUN_UNDER").unwrap_or_default();
-        let mut words = under.split_whitespace().map(PathBuf::from).chain([binary.to_owned()]);
-        let mut command = Command::new(words.next().expect("the program, if nothing else"));
-        let output = command.args(words).args(arguments).env("LD_LIBRARY_PATH", self.0.path()).output();
+        let mut wrapper = under.split_whitespace().map(PathBuf::from).chain([binary.to_owned()]);
+        let mut command = Command::new(wrapper.next().expect("the program, if nothing else"));
+        let output = command.args(wrapper).args(arguments).env("LD_LIBRARY_PATH", self.0.path()).output();
         let output = output.expect("it runs");
         assert!(output.status.success(), "{} {arguments:?}: {}", binary.display(), shown(&output));
         String::from_utf8_lossy(&output.stdout).into_owned()

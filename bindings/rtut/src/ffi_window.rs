@@ -107,11 +107,11 @@ thread_local! {
 }
 
 /// The right to deal with frames. It ends when it is dropped, by an exception too.
-struct Turn {
+struct CallTurn {
     _alone: MutexGuard<'static, ()>,
 }
 
-impl Turn {
+impl CallTurn {
     /// Waits until no other thread has it. `None` if this one has.
     fn take() -> Option<Self> {
         if DEALS.get() {
@@ -123,7 +123,7 @@ impl Turn {
     }
 }
 
-impl Drop for Turn {
+impl Drop for CallTurn {
     fn drop(&mut self) {
         DEALS.set(false);
     }
@@ -195,7 +195,7 @@ impl Program for Client {
     }
 
     fn finish(&self) {
-        if let Some(_turn) = Turn::take() {
+        if let Some(_turn) = CallTurn::take() {
             finish(self, &Library);
         }
     }
@@ -219,7 +219,7 @@ unsafe extern "C-unwind" fn rtutInitWindow(width: c_int, height: c_int, title: *
             unsafe { CStr::from_ptr(title) }.to_string_lossy().into_owned()
         };
         let stage = &mut shared.stage;
-        (stage.size, stage.title, stage.is_wanted) = (size, title, true);
+        (stage.size, stage.title, stage.is_requested) = (size, title, true);
     });
 }
 
@@ -228,14 +228,14 @@ extern "C-unwind" fn rtutMainLoop() -> u8 {
     // Nothing here is guarded as a whole: the program's exceptions pass through on their way to its own handler.
     Client.finish();
     let settings = guard(settings).unwrap_or_default();
-    let is_wanted = with(|shared| {
+    let is_requested = with(|shared| {
         shared.stage.begin();
         shared.begin = Instant::now();
         shared.settings = Some(settings.clone());
-        shared.stage.is_wanted
+        shared.stage.is_requested
     });
     let outcome =
-        if is_wanted { run(&Client, &settings) } else { Err("rtutInitWindow was not called".to_owned()) };
+        if is_requested { run(&Client, &settings) } else { Err("rtutInitWindow was not called".to_owned()) };
     // A program that goes on finds no frame of ours under way.
     Client.finish();
     let is_fine = outcome.is_ok();
@@ -302,7 +302,7 @@ extern "C-unwind" fn rtutPostRedisplay() {
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutSwapBuffers() {
     // Called back from within, by rtDebugCallback, it has no effect.
-    if let Some(_turn) = Turn::take() {
+    if let Some(_turn) = CallTurn::take() {
         swap(&Client, &Library);
     }
 }

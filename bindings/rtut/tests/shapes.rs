@@ -42,9 +42,9 @@ fn examples() {
     std::fs::write(workshop.path("scene.mtl"), "newmtl red\nKd 1 0 0\nnewmtl blue\nKd 0 0 1\nd 0.5\n")
         .expect("materials");
     let picture = workshop.path("objview.ppm").display().to_string();
-    let said =
+    let message =
         workshop.run(&build("objview"), &[&scene.display().to_string(), &picture, "--size", "48", "32"]);
-    assert_eq!(said, "2 nodes, 4 triangles, 3 materials, seen from a corner\n", "what it read");
+    assert_eq!(message, "2 nodes, 4 triangles, 3 materials, seen from a corner\n", "what it read");
     varied("objview.ppm");
 }
 
@@ -69,8 +69,8 @@ fn exports_are_the_header() {
     let mut declared: Vec<String> = header.split("RTAPIENTRY ").skip(1).map(name).collect();
     let symbols = Command::new("nm").args(["-D", "--defined-only"]).arg(built("librtut.so")).output();
     let symbols = String::from_utf8(symbols.expect("nm of binutils must be there").stdout).expect("names");
-    let word = |line: &str| line.split_whitespace().nth(2).map(str::to_owned);
-    let mut exported: Vec<String> = symbols.lines().filter_map(word).collect();
+    let token = |line: &str| line.split_whitespace().nth(2).map(str::to_owned);
+    let mut exported: Vec<String> = symbols.lines().filter_map(token).collect();
     declared.sort();
     exported.sort();
     assert_eq!(declared, exported, "exactly the functions of the header");

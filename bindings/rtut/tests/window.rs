@@ -122,8 +122,8 @@ fn display() -> Option<(Stopped, String)> {
         .spawn();
     let mut server = Stopped(server.expect("Xvfb starts"));
     let mut number = String::new();
-    let said = server.0.stdout.as_mut().expect("a pipe");
-    BufReader::new(said).read_line(&mut number).expect("it says its number");
+    let message = server.0.stdout.as_mut().expect("a pipe");
+    BufReader::new(message).read_line(&mut number).expect("it says its number");
     Some((server, format!(":{}", number.trim())))
 }
 
@@ -141,12 +141,12 @@ fn other_threads_wake_it() {
 #[test]
 fn hears_hands() {
     let Some((_server, display)) = display() else { return };
-    let ask = |words: &str| {
+    let query = |text: &str| {
         let mut hands = Command::new("xdotool");
-        let output = hands.env("DISPLAY", &display).args(words.split_whitespace()).output();
+        let output = hands.env("DISPLAY", &display).args(text.split_whitespace()).output();
         output.expect("xdotool starts")
     };
-    let act = |words: &str| assert!(ask(words).status.success(), "xdotool {words}");
+    let act = |text: &str| assert!(query(text).status.success(), "xdotool {text}");
 
     let workshop = Workshop::with(LIBRARIES);
     let example = workshop.build("cc", "c99", &source("../../examples/c/window.c"));
@@ -155,22 +155,22 @@ fn hears_hands() {
     let mut window = Stopped(command.env("RTUT_SAVE", workshop.path("s-")).spawn().expect("it starts"));
     let begin = Instant::now();
     loop {
-        let _ = ask("search --onlyvisible --name OpenRT windowfocus");
-        let name = ask("getwindowfocus getwindowname");
+        let _ = query("search --onlyvisible --name OpenRT windowfocus");
+        let name = query("getwindowfocus getwindowname");
         if String::from_utf8_lossy(&name.stdout).contains("OpenRT") {
             break;
         }
         assert!(begin.elapsed() < PATIENCE, "no window came");
         std::thread::sleep(Duration::from_millis(20));
     }
-    let mut said = BufReader::new(window.0.stdout.take().expect("a pipe"));
+    let mut message = BufReader::new(window.0.stdout.take().expect("a pipe"));
     let mut line = String::new();
     act("key space");
-    said.read_line(&mut line).expect("it says so");
+    message.read_line(&mut line).expect("it says so");
     assert_eq!(line, "stands\n", "a key is heard");
     act("mousemove 200 200 mousedown 1 mousemove 220 210 mouseup 1 click 4 key Escape");
     let mut rest = String::new();
-    said.read_to_string(&mut rest).expect("it ends");
+    message.read_to_string(&mut rest).expect("it ends");
     assert_eq!(rest, "longitude 20.0 latitude 25.0\n", "a drag of 20 by 10 pixels, and Esc");
     assert!(window.0.wait().expect("it has ended").success(), "without errors");
     picture(&workshop, "s-000.ppm", [640, 480]);

@@ -7,7 +7,7 @@
 //! treelet and the upper one anew and shares all others with the tree before. A few boxes are one treelet, and no more.
 //! Boxes that move while the shutter is open are around all of their way; rays, which know their moment, meet them where they are
 //! (`treelet/keys.rs`).
-//! Space: that of the boxes, which are relative to an origin. Invariant: a box is in one treelet, and `homes` tells in which.
+//! Space: that of the boxes, which are relative to an origin. Invariant: a box is in one treelet, and `owners` tells in which.
 //! Tests: `build::tests`, `update::tests`, `tests/instances.rs` and `tests/moving_instances.rs` of `gnurt-accel`.
 
 mod build;
@@ -28,7 +28,7 @@ pub struct BoxIndex {
     /// Over the boxes of treelets, its members their numbers; empty where there is one treelet, or none.
     upper: Treelet,
     /// By place: the number of the treelet and 1; 0 without a box.
-    homes: SharedList<u32>,
+    owners: SharedList<u32>,
     /// Boxes are relative to it.
     origin: [f32; 3],
     /// Around everything, at every moment.
@@ -66,7 +66,7 @@ impl BoxIndex {
     #[must_use]
     pub fn only(&self) -> Option<usize> {
         let mut members = self.treelets.iter().flat_map(Treelet::members);
-        if self.count == 1 { members.next().map(|(place, _)| place as usize) } else { None }
+        if self.count == 1 { members.next().map(|(index, _)| index as usize) } else { None }
     }
 
     /// How carefully it is built.
@@ -120,7 +120,7 @@ impl BoxIndex {
             primitives: self.count as u64,
             references: self.count as u64,
             sah_cost: if self.count == 0 { 0.0 } else { 1.0 + self.cost() },
-            tree_bytes: self.homes.memory_bytes() as u64,
+            tree_bytes: self.owners.memory_bytes() as u64,
             ..TreeStats::default()
         };
         for treelet in self.treelets.iter().chain([&self.upper]) {

@@ -64,8 +64,8 @@ impl CompactNode {
             let (origin, step) = (all.min[k], step(all.min[k], all.max[k]));
             compact.exponents[k] = (step.to_bits() >> 23) as u8;
             let count = |plane: f32| (f64::from(plane) - f64::from(origin)) / f64::from(step);
-            for place in (0..WIDTH).filter(|&place| node.child(place) != Child::NONE) {
-                let (lower, upper) = (node.rows[2 * k][place], node.rows[2 * k + 1][place]);
+            for lane in (0..WIDTH).filter(|&lane| node.child(lane) != Child::NONE) {
+                let (lower, upper) = (node.rows[2 * k][lane], node.rows[2 * k + 1][lane]);
                 let mut counts = [count(lower).floor() as u8, count(upper).ceil() as u8];
                 // The origin is below all, and the last step above all.
                 while plane(origin, step, counts[0]) > lower {
@@ -74,7 +74,7 @@ impl CompactNode {
                 while plane(origin, step, counts[1]) < upper {
                     counts[1] += 1;
                 }
-                [compact.counts[k][0][place], compact.counts[k][1][place]] = counts;
+                [compact.counts[k][0][lane], compact.counts[k][1][lane]] = counts;
             }
         }
         compact
@@ -109,12 +109,12 @@ impl CompactNode {
         node
     }
 
-    /// The box at `place`; empty where there is no child.
-    pub(crate) fn bounds(&self, place: usize) -> Aabb {
-        if (0..3).any(|k| self.counts[k][0][place] > self.counts[k][1][place]) {
+    /// The box at `lane`; empty where there is no child.
+    pub(crate) fn bounds(&self, lane: usize) -> Aabb {
+        if (0..3).any(|k| self.counts[k][0][lane] > self.counts[k][1][lane]) {
             return Aabb::EMPTY;
         }
-        let face = |k: usize, i: usize| plane(self.origin[k], self.step(k), self.counts[k][i][place]);
+        let face = |k: usize, i: usize| plane(self.origin[k], self.step(k), self.counts[k][i][lane]);
         Aabb { min: [0, 1, 2].map(|k| face(k, 0)), max: [0, 1, 2].map(|k| face(k, 1)) }
     }
 }
@@ -163,12 +163,12 @@ mod tests {
             let scale = [1.0, 1e-30, 1e-44, 1e10, LARGEST_COORDINATE][i % 5];
             let shift = [0.0, 1.0, -1e6, 1e12][i / 5 % 4];
             let mut node = Node8::EMPTY;
-            for place in 0..=i % WIDTH {
+            for lane in 0..=i % WIDTH {
                 let from = random.point().map(|x| (scale * x + shift).min(LARGEST_COORDINATE));
                 let to = random.point();
                 let size = [0.0, 1e-7, 1.0][random.below(3)];
                 let to = [0, 1, 2].map(|k| (from[k] + size * scale * to[k].abs()).min(LARGEST_COORDINATE));
-                node.set(place, &Aabb { min: from, max: to }, Child::node(place + 1));
+                node.set(lane, &Aabb { min: from, max: to }, Child::node(lane + 1));
             }
             node
         };
@@ -180,10 +180,10 @@ mod tests {
         assert_eq!(size_of::<CompactNode>(), 64, "a cache line");
         for node in nodes() {
             let compact = CompactNode::new(&node);
-            let all = (0..WIDTH).fold(Aabb::EMPTY, |all, place| all.union(&node.bounds(place)));
+            let all = (0..WIDTH).fold(Aabb::EMPTY, |all, lane| all.union(&node.bounds(lane)));
             let size = all.extent();
-            for place in 0..WIDTH {
-                let (exact, rounded) = (node.bounds(place), compact.bounds(place));
+            for lane in 0..WIDTH {
+                let (exact, rounded) = (node.bounds(lane), compact.bounds(lane));
                 if exact.is_empty() {
                     assert!(rounded.is_empty(), "nothing stays nothing");
                     continue;
@@ -210,9 +210,9 @@ mod tests {
             let compact = CompactNode::new(&node);
             for level in Level::available() {
                 let expanded = dispatch!(level, simd => compact.expand(simd, node.children()));
-                for place in (0..WIDTH).filter(|&place| node.child(place) != Child::NONE) {
-                    assert_eq!(expanded.bounds(place), compact.bounds(place), "place {place} at {level}");
-                    assert_eq!(expanded.child(place), node.child(place), "place {place} at {level}");
+                for lane in (0..WIDTH).filter(|&lane| node.child(lane) != Child::NONE) {
+                    assert_eq!(expanded.bounds(lane), compact.bounds(lane), "place {lane} at {level}");
+                    assert_eq!(expanded.child(lane), node.child(lane), "place {lane} at {level}");
                 }
             }
         }

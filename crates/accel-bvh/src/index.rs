@@ -69,8 +69,8 @@ impl BvhIndex {
         watch.recount(&mut held, tree.node_bytes());
         let stats = tree.measure();
         let mut in_blocks = std::mem::take(&mut tree.blocks);
-        for place in in_blocks.as_flattened_mut().iter_mut().filter(|place| **place != INVALID_ID) {
-            *place = screen.good[*place as usize];
+        for number in in_blocks.as_flattened_mut().iter_mut().filter(|number| **number != INVALID_ID) {
+            *number = screen.good[*number as usize];
         }
         let leaves = Leaves::build(screen, memory, &in_blocks, threads, watch)?;
         watch.give(size_of_val(&in_blocks[..]));
@@ -105,7 +105,7 @@ impl BvhIndex {
 
 /// Where rays are expected to miss the cache more often than this, they take turns: the least that pays of six scenes has
 /// 8.9, the most that does not 7.6.
-const WORTH_TURNS: f32 = 8.0;
+const WORTH_INTERLEAVING: f32 = 8.0;
 
 /// The part of a tree that a core's own cache holds, in bytes.
 const CACHED: f32 = 2e6;
@@ -116,6 +116,6 @@ impl BvhIndex {
     pub(crate) fn waits_for_memory(&self) -> bool {
         let bytes = size_of_val(&self.tree.nodes[..]) + size_of_val(&self.leaves.blocks[..]);
         let elsewhere = 1.0 - CACHED / (bytes as f32).max(CACHED);
-        self.stats.sah_cost as f32 * elsewhere > WORTH_TURNS
+        self.stats.sah_cost as f32 * elsewhere > WORTH_INTERLEAVING
     }
 }

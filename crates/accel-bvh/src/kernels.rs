@@ -12,14 +12,14 @@ use std::marker::PhantomData;
 
 use gnurt_accel_core::Ray;
 use gnurt_accel_core::collect::Best;
-use gnurt_accel_core::heading::{Heading, Headings};
+use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
 use gnurt_accel_core::nearest::{AnyHit, Closest, Mode};
 use gnurt_accel_core::point::{NearestPoint, Probe};
-use gnurt_accel_core::trip::{RayKind, RayTrip, TileTrip};
+use gnurt_accel_core::traversal::{RayKind, RayTraversal, TileTraversal};
 use gnurt_simd::{Simd, Token, by_level};
 
-use crate::apart::walk_apart;
 use crate::boxes::BoxIndex;
+use crate::incoherent::walk_incoherent;
 use crate::index::BvhIndex;
 use crate::motion::MotionIndex;
 use crate::spheres::SphereIndex;
@@ -33,12 +33,12 @@ pub struct Kernels {
     table: &'static Table,
 }
 
-type OnRay<I> = fn(Token, &I, &mut RayTrip);
+type OnRay<I> = fn(Token, &I, &mut RayTraversal);
 type EnterRay<'a> = &'a mut dyn FnMut(usize) -> f32;
-type EnterTile<'a> = &'a mut dyn FnMut(usize, &mut TileTrip);
+type EnterTile<'a> = &'a mut dyn FnMut(usize, &mut TileTraversal);
 type EnterPoint<'a> = &'a mut dyn FnMut(usize) -> f64;
-type OnTile<I> = fn(Token, &I, Heading, &mut TileTrip);
-type OnBoxesTile = fn(Token, &BoxIndex, Heading, &mut TileTrip, EnterTile);
+type OnTile<I> = fn(Token, &I, DirectionClass, &mut TileTraversal);
+type OnBoxesTile = fn(Token, &BoxIndex, DirectionClass, &mut TileTraversal, EnterTile);
 type OnPoint<I> = fn(Token, &I, &Probe, u32, &mut dyn NearestPoint);
 
 struct Table {
@@ -47,7 +47,7 @@ struct Table {
     each: OnRay<BvhIndex>,
     /// `None` where lanes are too narrow for it to pay, as below.
     tile: Option<OnTile<BvhIndex>>,
-    apart: Option<fn(Token, &BvhIndex, &Headings, &mut TileTrip)>,
+    incoherent: Option<fn(Token, &BvhIndex, &DirectionClasses, &mut TileTraversal)>,
     point: OnPoint<BvhIndex>,
     moving: [OnRay<MotionIndex>; 3],
     spheres: OnRay<SphereIndex>,
@@ -67,7 +67,7 @@ impl<S: Simd> For<S> {
         any: search::<S, AnyHit>,
         each: search_each::<S>,
         tile: if S::HAS_TILES { Some(tile::<S>) } else { None },
-        apart: if S::HAS_TILES { Some(apart::<S>) } else { None },
+        incoherent: if S::HAS_TILES { Some(incoherent::<S>) } else { None },
         point: |token, index, probe, slot, nearest| {
             let simd = S::from_token(token);
             simd.vectorize(
@@ -76,11 +76,11 @@ impl<S: Simd> For<S> {
             );
         },
         moving: [moving::<S, Closest>, moving::<S, AnyHit>, moving_each::<S>],
-        spheres: |token, index, trip| {
+        spheres: |token, index, traversal| {
             let simd = S::from_token(token);
             simd.vectorize(
                 #[inline(always)]
-                || index.search(simd, trip),
+                || index.search(simd, traversal),
             );
         },
         spheres_point: |token, index, probe, slot, nearest| {
@@ -90,11 +90,11 @@ impl<S: Simd> For<S> {
                 || index.nearest(simd, probe, slot, nearest),
             );
         },
-        user: |token, index, trip| {
+        user: |token, index, traversal| {
             let simd = S::from_token(token);
             simd.vectorize(
                 #[inline(always)]
-                || index.search(simd, trip),
+                || index.search(simd, traversal),
             );
         },
         user_point: |token, index, probe, slot, nearest| {
@@ -122,18 +122,18 @@ impl<S: Simd> For<S> {
     };
 }
 
-fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, trip: &mut RayTrip) {
+fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, traversal: &mut RayTraversal) {
     let simd = S::from_token(token);
     if index.is_compact() {
-        return search_compact(simd, index, trip);
+        return search_compact(simd, index, traversal);
     }
     simd.vectorize(
         #[inline(always)]
         || {
             // The trip as a whole: its fields would be copied, in other sizes than they were written in.
-            let trip = &mut *trip;
-            let mut best = Best::<M>::new(trip.nearest);
-            index.search(simd, trip.ray, trip.slot, &mut best, trip.counters);
+            let traversal = &mut *traversal;
+            let mut best = Best::<M>::new(traversal.nearest);
+            index.search(simd, traversal.ray, traversal.slot, &mut best, traversal.counters);
         },
     );
 }
@@ -141,81 +141,91 @@ fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, trip: &mut RayTrip) 
 /// A compact tree, whatever is looked for. Cold, so that the kernels above keep their registers.
 #[cold]
 #[inline(never)]
-fn search_compact<S: Simd>(simd: S, index: &BvhIndex, trip: &mut RayTrip) {
+fn search_compact<S: Simd>(simd: S, index: &BvhIndex, traversal: &mut RayTraversal) {
     simd.vectorize(
         #[inline(always)]
-        || index.search_compact(simd, trip),
+        || index.search_compact(simd, traversal),
     );
 }
 
-fn search_each<S: Simd>(token: Token, index: &BvhIndex, trip: &mut RayTrip) {
+fn search_each<S: Simd>(token: Token, index: &BvhIndex, traversal: &mut RayTraversal) {
     let simd = S::from_token(token);
     if index.is_compact() {
-        return search_compact(simd, index, trip);
+        return search_compact(simd, index, traversal);
     }
     simd.vectorize(
         #[inline(always)]
         || {
-            let trip = &mut *trip;
-            let (ray, slot, mut counters) = (trip.ray, trip.slot, *trip.counters);
-            index.search(simd, ray, slot, trip, &mut counters);
-            *trip.counters = counters;
+            let traversal = &mut *traversal;
+            let (ray, slot, mut counters) = (traversal.ray, traversal.slot, *traversal.counters);
+            index.search(simd, ray, slot, traversal, &mut counters);
+            *traversal.counters = counters;
         },
     );
 }
 
-fn moving<S: Simd, M: Mode>(token: Token, index: &MotionIndex, trip: &mut RayTrip) {
+fn moving<S: Simd, M: Mode>(token: Token, index: &MotionIndex, traversal: &mut RayTraversal) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
         || {
-            let trip = &mut *trip;
-            let mut best = Best::<M>::new(trip.nearest);
-            index.search(simd, trip.ray, trip.slot, &mut best, trip.counters);
+            let traversal = &mut *traversal;
+            let mut best = Best::<M>::new(traversal.nearest);
+            index.search(simd, traversal.ray, traversal.slot, &mut best, traversal.counters);
         },
     );
 }
 
-fn moving_each<S: Simd>(token: Token, index: &MotionIndex, trip: &mut RayTrip) {
+fn moving_each<S: Simd>(token: Token, index: &MotionIndex, traversal: &mut RayTraversal) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
         || {
-            let trip = &mut *trip;
-            let (ray, slot, mut counters) = (trip.ray, trip.slot, *trip.counters);
-            index.search(simd, ray, slot, trip, &mut counters);
-            *trip.counters = counters;
+            let traversal = &mut *traversal;
+            let (ray, slot, mut counters) = (traversal.ray, traversal.slot, *traversal.counters);
+            index.search(simd, ray, slot, traversal, &mut counters);
+            *traversal.counters = counters;
         },
     );
 }
 
-fn tile<S: Simd>(token: Token, index: &BvhIndex, heading: Heading, trip: &mut TileTrip) {
+fn tile<S: Simd>(
+    token: Token,
+    index: &BvhIndex,
+    direction_class: DirectionClass,
+    traversal: &mut TileTraversal,
+) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || walk_tile(simd, index, heading, trip),
+        || walk_tile(simd, index, direction_class, traversal),
     );
 }
 
-fn apart<S: Simd>(token: Token, index: &BvhIndex, headings: &Headings, trip: &mut TileTrip) {
+fn incoherent<S: Simd>(
+    token: Token,
+    index: &BvhIndex,
+    direction_classes: &DirectionClasses,
+    traversal: &mut TileTraversal,
+) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || walk_apart(simd, index, headings, trip),
+        || walk_incoherent(simd, index, direction_classes, traversal),
     );
 }
 
 fn boxes_tile<S: Simd>(
     token: Token,
     index: &BoxIndex,
-    heading: Heading,
-    trip: &mut TileTrip,
-    enter: &mut dyn FnMut(usize, &mut TileTrip),
+    direction_class: DirectionClass,
+    traversal: &mut TileTraversal,
+    enter: &mut dyn FnMut(usize, &mut TileTraversal),
 ) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || index.search_tile(simd, heading, trip, enter),
+        || index.search_tile(simd, direction_class, traversal, enter),
     );
 }
 
@@ -234,38 +244,51 @@ impl Kernels {
 
     /// One ray through triangles.
     #[inline(always)]
-    pub fn ray(&self, index: &BvhIndex, trip: &mut RayTrip) {
-        let kernel = match trip.kind {
+    pub fn ray(&self, index: &BvhIndex, traversal: &mut RayTraversal) {
+        let kernel = match traversal.kind {
             RayKind::Closest => self.table.closest,
             RayKind::Any => self.table.any,
             RayKind::Each(_) => self.table.each,
         };
-        kernel(self.token, index, trip);
+        kernel(self.token, index, traversal);
     }
 
     /// One ray through triangles that move, at its moment.
     #[inline]
-    pub fn moving(&self, index: &MotionIndex, trip: &mut RayTrip) {
+    pub fn moving(&self, index: &MotionIndex, traversal: &mut RayTraversal) {
         let [closest, any, each] = self.table.moving;
-        let kernel = match trip.kind {
+        let kernel = match traversal.kind {
             RayKind::Closest => closest,
             RayKind::Any => any,
             RayKind::Each(_) => each,
         };
-        kernel(self.token, index, trip);
+        kernel(self.token, index, traversal);
     }
 
     /// A tile's first rays, all of them active and of one heading, through triangles. Lanes beyond them up to the next
     /// multiple of 16 hold copies of rays that look for nothing (`t` is -inf). Whether there is a kernel for it.
     #[inline]
-    pub fn tile(&self, index: &BvhIndex, heading: Heading, trip: &mut TileTrip) -> bool {
-        self.table.tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
+    pub fn tile(
+        &self,
+        index: &BvhIndex,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+    ) -> bool {
+        self.table.tile.inspect(|kernel| kernel(self.token, index, direction_class, traversal)).is_some()
     }
 
     /// A tile's active rays, which go these ways and have nothing in common, through triangles. Whether there is a kernel.
     #[inline]
-    pub fn apart(&self, index: &BvhIndex, headings: &Headings, trip: &mut TileTrip) -> bool {
-        self.table.apart.inspect(|kernel| kernel(self.token, index, headings, trip)).is_some()
+    pub fn incoherent(
+        &self,
+        index: &BvhIndex,
+        direction_classes: &DirectionClasses,
+        traversal: &mut TileTraversal,
+    ) -> bool {
+        self.table
+            .incoherent
+            .inspect(|kernel| kernel(self.token, index, direction_classes, traversal))
+            .is_some()
     }
 
     /// The nearest point of triangles.
@@ -274,8 +297,8 @@ impl Kernels {
     }
 
     /// One ray through spheres.
-    pub fn spheres(&self, index: &SphereIndex, trip: &mut RayTrip) {
-        (self.table.spheres)(self.token, index, trip);
+    pub fn spheres(&self, index: &SphereIndex, traversal: &mut RayTraversal) {
+        (self.table.spheres)(self.token, index, traversal);
     }
 
     /// The nearest point of spheres.
@@ -290,8 +313,8 @@ impl Kernels {
     }
 
     /// One ray through user geometry.
-    pub fn user(&self, index: &UserIndex, trip: &mut RayTrip) {
-        (self.table.user)(self.token, index, trip);
+    pub fn user(&self, index: &UserIndex, traversal: &mut RayTraversal) {
+        (self.table.user)(self.token, index, traversal);
     }
 
     /// The nearest point of user geometry.
@@ -310,11 +333,14 @@ impl Kernels {
     pub fn boxes_tile(
         &self,
         index: &BoxIndex,
-        heading: Heading,
-        trip: &mut TileTrip,
-        enter: &mut dyn FnMut(usize, &mut TileTrip),
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+        enter: &mut dyn FnMut(usize, &mut TileTraversal),
     ) -> bool {
-        self.table.boxes_tile.inspect(|kernel| kernel(self.token, index, heading, trip, enter)).is_some()
+        self.table
+            .boxes_tile
+            .inspect(|kernel| kernel(self.token, index, direction_class, traversal, enter))
+            .is_some()
     }
 
     /// Calls `enter` with the places of boxes within `radius` of `point`, which is relative to their origin; it answers with

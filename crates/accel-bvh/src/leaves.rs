@@ -112,7 +112,7 @@ impl Leaves {
             + self.posed.as_ref().map_or(0, |posed| posed.blocks().len())
     }
 
-    /// Block `index`: where it lies in memory as tests take it, or expanded into `room`.
+    /// Block `index`: where it lies in memory as tests take it, or expanded into `buffer`.
     ///
     /// Compact leaves have no such blocks, and are told apart behind the check of the index, which is there anyway.
     #[inline(always)]
@@ -120,12 +120,12 @@ impl Leaves {
         &'a self,
         simd: S,
         index: usize,
-        room: &'a mut Option<TriangleBlock>,
+        buffer: &'a mut Option<TriangleBlock>,
     ) -> &'a TriangleBlock {
         match self.blocks.get(index) {
             Some(block) => block,
             None => {
-                let expanded = room.insert(TriangleBlock::ZERO);
+                let expanded = buffer.insert(TriangleBlock::ZERO);
                 self.expand(simd, index, expanded);
                 expanded
             }
@@ -169,7 +169,7 @@ fn block<S: Simd>(
 
 /// Asks for the memory of what will be visited: a node, or the first block of a leaf. Not for compact trees.
 #[inline(always)]
-pub(super) fn ask_for(tree: &Tree, leaves: &Leaves, child: Child) {
+pub(super) fn prefetch_child(tree: &Tree, leaves: &Leaves, child: Child) {
     if child.is_leaf() {
         prefetch(&leaves.blocks, child.blocks().start);
     } else {

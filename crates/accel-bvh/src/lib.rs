@@ -10,16 +10,16 @@
     reason = "keys of docs/papers.bib stand in brackets, too; tidy checks them"
 )]
 
-mod alone;
-mod apart;
-mod between;
 mod blocked;
 mod boxes;
 mod build;
 mod compact;
 mod corners;
 mod gather;
+mod incoherent;
 mod index;
+mod interleaved;
+mod interpolated;
 mod kernels;
 mod leaves;
 mod measure;
@@ -34,12 +34,12 @@ mod primitives;
 mod refit;
 mod region;
 mod screen;
+mod single_rays;
 mod spheres;
 mod tiles;
 mod tree;
 mod treelet;
 mod triangles;
-mod turns;
 mod user;
 mod walk;
 

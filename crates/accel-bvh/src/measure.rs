@@ -21,7 +21,7 @@ impl Tree {
         for at in 0..self.count() {
             let depth = depths[at] + 1;
             stats.depth = stats.depth.max(u32::from(depth));
-            let children = (0..WIDTH).map(|place| self.child(at, place));
+            let children = (0..WIDTH).map(|lane| self.child(at, lane));
             for (child, bounds) in children.filter(|(child, _)| *child != Child::NONE) {
                 let area = bounds.half_area();
                 stats.nodes += 1;

@@ -5,7 +5,7 @@
 //!
 //! The tree is built over the triangles as they are in the middle of the time, and refitted to each key: all keys have the
 //! same nodes and blocks, with other boxes and corners. A ray walks between the two keys next to its moment.
-//! Invariant: a mixed box holds what is below it, because mixing never reverses an order (`Moment`); walks mix slopes instead of
+//! Invariant: a mixed box holds what is below it, because mixing never reverses an order (`KeyInterval`); walks mix slopes instead of
 //! planes, and stay within the slack of slabs. So hits are those of a tree over the mixed triangles, bit for bit. Children that do not exist have a box that is finite, so that mixing it is
 //! no NaN, and inside out, so that no ray meets it.
 //! Space: object. Tests: `tests/surfaces/motion.rs` of `gnurt-accel`.
@@ -17,12 +17,12 @@ use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::surfaces::Surfaces;
 use gnurt_accel_core::threads::extend;
 use gnurt_accel_core::{
-    Aabb, BadPrimitives, BuildError, INVALID_ID, LARGEST_COORDINATE, Moment, Quality, Threads, TreeStats,
+    Aabb, BadPrimitives, BuildError, INVALID_ID, KeyInterval, LARGEST_COORDINATE, Quality, Threads, TreeStats,
 };
 
-use crate::between::{empty_nothing, hide_nothing};
 use crate::build::try_build;
 use crate::index::BvhIndex;
+use crate::interpolated::{empty_nothing, hide_nothing};
 use crate::leaves::Leaves;
 use crate::node::{Node8, WIDTH};
 
@@ -59,7 +59,7 @@ impl MotionIndex {
         let mut tree = try_build(&&boxes[..], Vec::new(), quality, threads, watch)?;
         drop(boxes);
         let in_blocks = std::mem::take(&mut tree.blocks);
-        let number = |place: u32| good.get(place as usize).copied().unwrap_or(INVALID_ID);
+        let number = |valid_index: u32| good.get(valid_index as usize).copied().unwrap_or(INVALID_ID);
         let mut made: Vec<BvhIndex> = Vec::with_capacity(keys.len());
         for surfaces in keys {
             watch.take(tree.node_bytes() + size_of::<TriangleBlock>() * in_blocks.len());
@@ -117,18 +117,18 @@ impl MotionIndex {
     /// The corners of one triangle at a moment.
     #[must_use]
     pub fn corners_at(&self, block: usize, lane: usize, time: f32) -> [[f32; 3]; 3] {
-        let moment = Moment::of(time, self.keys.len());
-        let [from, to] = [moment.key, moment.next].map(|key| self.keys[key].corners_at(block, lane));
-        [0, 1, 2].map(|corner| moment.mix3(from[corner], to[corner]))
+        let interval = KeyInterval::of(time, self.keys.len());
+        let [from, to] = [interval.key, interval.next].map(|key| self.keys[key].corners_at(block, lane));
+        [0, 1, 2].map(|corner| interval.mix3(from[corner], to[corner]))
     }
 
     /// The tree as it is at a moment, for who asks at that moment alone.
     #[must_use]
     pub fn at(&self, time: f32) -> BvhIndex {
-        let moment = Moment::of(time, self.keys.len());
-        let (mut mixed, to) = (self.keys[moment.key].clone(), &self.keys[moment.next]);
+        let interval = KeyInterval::of(time, self.keys.len());
+        let (mut mixed, to) = (self.keys[interval.key].clone(), &self.keys[interval.next]);
         let mix = |rows: &mut [f32], to: &[f32]| {
-            rows.iter_mut().zip(to).for_each(|(from, &to)| *from = moment.mix(*from, to));
+            rows.iter_mut().zip(to).for_each(|(from, &to)| *from = interval.mix(*from, to));
         };
         for (node, to) in mixed.tree.nodes.iter_mut().zip(&to.tree.nodes) {
             mix(node.rows[..6].as_flattened_mut(), to.rows[..6].as_flattened());
@@ -149,7 +149,7 @@ impl MotionIndex {
 /// Numbers of the triangles that can be traced at every key, ascending, and their boxes in the middle of the time.
 fn screen(keys: &[Surfaces], bad: &mut BadPrimitives, threads: Threads) -> (Vec<u32>, Vec<Aabb>) {
     let numbers: Vec<u32> = keys[0].numbers().flatten().collect();
-    let middle = Moment::of(0.5, keys.len());
+    let middle = KeyInterval::of(0.5, keys.len());
     let judged = threads.run(|parallel| {
         let mut judged: Vec<Result<Aabb, BadPrimitives>> = Vec::new();
         extend(parallel, &mut judged, numbers.len(), |i| judge(keys, numbers[i], &middle));
@@ -169,7 +169,7 @@ fn screen(keys: &[Surfaces], bad: &mut BadPrimitives, threads: Threads) -> (Vec<
 }
 
 /// A triangle's box in the middle, or its first fault.
-fn judge(keys: &[Surfaces], number: u32, middle: &Moment) -> Result<Aabb, BadPrimitives> {
+fn judge(keys: &[Surfaces], number: u32, middle: &KeyInterval) -> Result<Aabb, BadPrimitives> {
     let mut bad = BadPrimitives::default();
     let mut is_flat = true;
     for surfaces in keys {

@@ -80,10 +80,10 @@ impl Child {
         self.0 & Self::LEAF != 0
     }
 
-    /// What hangs at `place`, which is below 8, given the bits of a node's children.
+    /// What hangs at `lane`, which is below 8, given the bits of a node's children.
     #[inline(always)]
-    pub(crate) fn at(children: &[f32; WIDTH], place: usize) -> Self {
-        Self(children[place & (WIDTH - 1)].to_bits())
+    pub(crate) fn at(children: &[f32; WIDTH], lane: usize) -> Self {
+        Self(children[lane & (WIDTH - 1)].to_bits())
     }
 
     /// The node's index, where it is no leaf.
@@ -114,19 +114,19 @@ impl Node8 {
         &self.rows[6]
     }
 
-    /// What hangs at `place`, which is below 8.
+    /// What hangs at `lane`, which is below 8.
     #[inline(always)]
-    pub(crate) fn child(&self, place: usize) -> Child {
-        Child::at(&self.rows[6], place)
+    pub(crate) fn child(&self, lane: usize) -> Child {
+        Child::at(&self.rows[6], lane)
     }
 
-    /// Puts a child at `place`.
-    pub(crate) fn set(&mut self, place: usize, bounds: &Aabb, child: Child) {
+    /// Puts a child at `lane`.
+    pub(crate) fn set(&mut self, lane: usize, bounds: &Aabb, child: Child) {
         for k in 0..3 {
-            self.rows[2 * k][place] = bounds.min[k];
-            self.rows[2 * k + 1][place] = bounds.max[k];
+            self.rows[2 * k][lane] = bounds.min[k];
+            self.rows[2 * k + 1][lane] = bounds.max[k];
         }
-        self.rows[6][place] = f32::from_bits(child.0);
+        self.rows[6][lane] = f32::from_bits(child.0);
     }
 
     /// Its children were counted from the first of some nodes and blocks, which got these places.
@@ -148,9 +148,9 @@ impl Node8 {
         Aabb { min: [least(x0), least(y0), least(z0)], max: [most(x1), most(y1), most(z1)] }
     }
 
-    /// The box at `place`.
-    pub(crate) fn bounds(&self, place: usize) -> Aabb {
-        let row = |i: usize| self.rows[i][place];
+    /// The box at `lane`.
+    pub(crate) fn bounds(&self, lane: usize) -> Aabb {
+        let row = |i: usize| self.rows[i][lane];
         Aabb { min: [row(0), row(2), row(4)], max: [row(1), row(3), row(5)] }
     }
 }
@@ -174,7 +174,7 @@ mod tests {
         assert!(node.bounds(4).is_empty(), "its neighbour is still empty");
         node.set(2, &bounds, Child::node(9));
         node.move_children(100, 1000);
-        let moved = [2, 4, 5].map(|place| node.child(place));
+        let moved = [2, 4, 5].map(|lane| node.child(lane));
         assert_eq!(moved, [Child::node(109), Child::NONE, Child::leaf(1077, 3)], "each by its own");
     }
 }

@@ -5,7 +5,7 @@
 use gnurt_simd::{Simd, f32x16, prelude::*};
 
 use gnurt_accel_core::bits::TILE;
-use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::slab::Slabs;
 use gnurt_accel_core::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 
@@ -83,7 +83,7 @@ impl TilePlanes {
     pub(crate) fn chunk<S: Simd>(
         &self,
         simd: S,
-        heading: Heading,
+        direction_class: DirectionClass,
         rays: &RayTile,
         nearest: &NearestTile,
         at: usize,
@@ -95,7 +95,7 @@ impl TilePlanes {
             far: of(&self.far),
             enter: chunk(simd, &rays.t_near, at),
             leave: chunk(simd, &nearest.t, at),
-            rows: heading.rows(),
+            rows: direction_class.rows(),
         }
     }
 
@@ -105,7 +105,7 @@ impl TilePlanes {
         &self,
         simd: S,
         &MovingMember { keys, block, lane }: &MovingMember,
-        heading: Heading,
+        direction_class: DirectionClass,
         rays: &RayTile,
         nearest: &NearestTile,
         at: usize,
@@ -130,7 +130,7 @@ impl TilePlanes {
             let mut enter = chunk(simd, &rays.t_near, at);
             let mut leave = chunk(simd, &nearest.t, at);
             for k in 0..3 {
-                let row = 2 * k + usize::from(heading.backwards[k]);
+                let row = 2 * k + usize::from(direction_class.backwards[k]);
                 let inv = chunk(simd, &self.inv[k], at);
                 enter = enter.max(plane(row).mul_sub(inv, chunk(simd, &self.near[k], at)));
                 leave = leave.min(plane(row ^ 1).mul_sub(inv, chunk(simd, &self.far[k], at)));
@@ -142,7 +142,13 @@ impl TilePlanes {
 
     /// Ray `i` by itself, whose nearer planes are in `rows`.
     #[inline(always)]
-    pub(crate) fn alone<S: Simd>(&self, simd: S, i: usize, rows: [usize; 3], t_near: f32) -> NodeRay<S> {
+    pub(crate) fn single_rays<S: Simd>(
+        &self,
+        simd: S,
+        i: usize,
+        rows: [usize; 3],
+        t_near: f32,
+    ) -> NodeRay<S> {
         let i = i % TILE;
         let at = |[x, y, z]: &[PerRay; 3]| [x[i], y[i], z[i]];
         let slabs = Slabs { inv: at(&self.inv), near: at(&self.near), far: at(&self.far) };
@@ -161,10 +167,10 @@ pub(crate) struct ChunkPlanes<S: Simd> {
 }
 
 impl<S: Simd> ChunkPlanes<S> {
-    /// Which of them meet the box at `place` before their ends.
+    /// Which of them meet the box at `child` before their ends.
     #[inline(always)]
-    pub(crate) fn meet(&self, simd: S, node: &Node8, place: usize) -> u64 {
-        let plane = |row: usize| f32x16::splat(simd, node.rows[row & 7][place & 7]);
+    pub(crate) fn meet(&self, simd: S, node: &Node8, child: usize) -> u64 {
+        let plane = |row: usize| f32x16::splat(simd, node.rows[row & 7][child & 7]);
         let [x, y, z] = self.rows;
         let near = |k: usize, row: usize| plane(row).mul_sub(self.inv[k], self.near[k]);
         let far = |k: usize, row: usize| plane(row ^ 1).mul_sub(self.inv[k], self.far[k]);

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use gnurt_accel_core::INVALID_ID;
 use gnurt_accel_core::point::{NearestPoint, Probe, on_sphere};
-use gnurt_simd::{Simd, StackRoom, f32x8, prelude::*};
+use gnurt_simd::{Simd, StackBuffer, f32x8, prelude::*};
 
 use crate::blocked::Blocked;
 use crate::index::BvhIndex;
@@ -85,8 +85,8 @@ pub(crate) fn walk_near<'a, S: Simd>(
     squares: impl Fn(usize) -> (f32x8<S>, &'a [f32; WIDTH]),
     mut leaf: impl FnMut(Range<usize>) -> f64,
 ) {
-    let mut room = StackRoom::<(f32, Child), { 8 * DEEPEST }>::new();
-    let mut waiting = room.stack();
+    let mut buffer = StackBuffer::<(f32, Child), { 8 * DEEPEST }>::new();
+    let mut waiting = buffer.stack();
     let mut reach = square_of(reach);
     waiting.push((0.0, Child::node(0)));
     while let Some((distance, child)) = waiting.pop() {
@@ -101,11 +101,11 @@ pub(crate) fn walk_near<'a, S: Simd>(
         let mut bits = squares.simd_le(f32x8::splat(simd, reach)).to_bitmask();
         let mut count = 0;
         while bits != 0 {
-            let place = bits.trailing_zeros() as usize & (WIDTH - 1);
+            let child_lane = bits.trailing_zeros() as usize & (WIDTH - 1);
             bits &= bits - 1;
             // Boxes from +inf to -inf are at an infinite distance, which an infinite reach reaches.
-            if Child::at(children, place) != Child::NONE {
-                waiting.push((squares[place], Child::at(children, place)));
+            if Child::at(children, child_lane) != Child::NONE {
+                waiting.push((squares[child_lane], Child::at(children, child_lane)));
                 count += 1;
             }
         }

@@ -26,7 +26,7 @@ const MOST: usize = u8::MAX as usize / 3;
 #[repr(C, align(64))]
 pub(crate) struct PooledBlock {
     /// By corner, then by place of the block.
-    pub(super) places: [[u8; WIDTH]; 3],
+    pub(super) offsets: [[u8; WIDTH]; 3],
     /// First float of the pool.
     pub(super) pool: u64,
     /// Numbers in the object.
@@ -86,9 +86,9 @@ fn with_zeros(rest: &[f32]) -> [f32; WINDOW] {
 
 #[inline(always)]
 fn expand<S: Simd>(simd: S, block: &PooledBlock, pool: &[f32; WINDOW], into: &mut TriangleBlock) {
-    for (rows, places) in into.corners.iter_mut().zip(&block.places) {
+    for (rows, offsets) in into.corners.iter_mut().zip(&block.offsets) {
         let at = |lane: usize| {
-            let at = usize::from(places[lane]);
+            let at = usize::from(offsets[lane]);
             f32x4::from_slice(simd, &pool[at..at + 4])
         };
         let low = transposed([at(0), at(1), at(2), at(3)]);
@@ -134,38 +134,38 @@ impl Filling {
             self.known = [0; 256];
         }
         let pool = self.pool as u64;
-        let mut block = PooledBlock { places: [[0; WIDTH]; 3], pool, numbers: *numbers };
+        let mut block = PooledBlock { offsets: [[0; WIDTH]; 3], pool, numbers: *numbers };
         for (lane, &number) in numbers.iter().enumerate() {
             if lane > 0 && number == numbers[0] {
-                block.places.iter_mut().for_each(|places| places[lane] = places[0]);
+                block.offsets.iter_mut().for_each(|offsets| offsets[lane] = offsets[0]);
                 continue;
             }
-            for (places, corner) in block.places.iter_mut().zip(corners(number)) {
-                places[lane] = self.place(corner);
+            for (offsets, corner) in block.offsets.iter_mut().zip(corners(number)) {
+                offsets[lane] = self.offset(corner);
             }
         }
         self.pools.blocks.push(block);
     }
 
     /// Where in the last pool a corner is. It is put there if it was not.
-    fn place(&mut self, corner: [f32; 3]) -> u8 {
+    fn offset(&mut self, corner: [f32; 3]) -> u8 {
         let bits = corner.map(f32::to_bits);
         let [x, y, z] = bits;
         let mixed = (x.wrapping_mul(0x9e37_79b1) ^ y).wrapping_mul(0x85eb_ca6b) ^ z;
         let mut slot = (mixed.wrapping_mul(0xc2b2_ae35) >> 24) as usize;
         // At most a third of the slots is taken.
         while self.known[slot] != 0 {
-            let place = 3 * (self.known[slot] - 1);
-            let at = self.pool + usize::from(place);
+            let offset = 3 * (self.known[slot] - 1);
+            let at = self.pool + usize::from(offset);
             if [0, 1, 2].map(|k| self.pools.corners[at + k].to_bits()) == bits {
-                return place;
+                return offset;
             }
             slot = (slot + 1) % self.known.len();
         }
-        let place = self.pools.corners.len() - self.pool;
-        self.known[slot] = (place / 3) as u8 + 1;
+        let offset = self.pools.corners.len() - self.pool;
+        self.known[slot] = (offset / 3) as u8 + 1;
         self.pools.corners.extend(corner);
-        place as u8
+        offset as u8
     }
 
     /// Bytes that are taken.

@@ -7,10 +7,10 @@ use std::ops::Range;
 
 use gnurt_accel_core::INVALID_ID;
 use gnurt_accel_core::bits::each;
+use gnurt_accel_core::filter_region::{NOTHING, filter_triangles};
 use gnurt_accel_core::primitive::Primitive;
-use gnurt_accel_core::region::{Region, Rows, Sieve};
-use gnurt_accel_core::sift::{NOTHING, sift_triangles};
-use gnurt_simd::StackRoom;
+use gnurt_accel_core::region::{Region, RegionFilter, Rows};
+use gnurt_simd::StackBuffer;
 
 use crate::blocked::Blocked;
 use crate::boxes::BoxIndex;
@@ -24,12 +24,12 @@ use crate::user::UserIndex;
 
 impl Tree {
     /// Shows `leaf` the blocks of leaves that may meet it.
-    pub(crate) fn sift(&self, sieve: &Sieve, leaf: &mut dyn FnMut(Range<usize>)) {
+    pub(crate) fn filter_region(&self, region_filter: &RegionFilter, leaf: &mut dyn FnMut(Range<usize>)) {
         if self.nodes.is_empty() && self.compact.is_empty() {
             return;
         }
-        let mut room = StackRoom::<Child, { 8 * DEEPEST }>::new();
-        let mut waiting = room.stack();
+        let mut buffer = StackBuffer::<Child, { 8 * DEEPEST }>::new();
+        let mut waiting = buffer.stack();
         waiting.push(Child::node(0));
         while let Some(child) = waiting.pop() {
             if child.is_leaf() {
@@ -37,16 +37,20 @@ impl Tree {
                 continue;
             }
             match self.nodes.get(child.index()) {
-                Some(node) => meeting(node, sieve, |place| waiting.push(node.child(place))),
+                Some(node) => {
+                    overlapping(node, region_filter, |child_lane| waiting.push(node.child(child_lane)))
+                }
                 None => {
                     let (node, children) = self.compact_node(child.index());
                     let mut rows = NOTHING;
-                    let boxes: [_; WIDTH] = std::array::from_fn(|place| node.bounds(place));
+                    let boxes: [_; WIDTH] = std::array::from_fn(|child_lane| node.bounds(child_lane));
                     for k in 0..3 {
                         rows[2 * k] = boxes.map(|bounds| bounds.min[k]);
                         rows[2 * k + 1] = boxes.map(|bounds| bounds.max[k]);
                     }
-                    each(u64::from(sieve.meets(&rows)), |place| waiting.push(Child::at(children, place)));
+                    each(u64::from(region_filter.overlap_mask(&rows)), |child_lane| {
+                        waiting.push(Child::at(children, child_lane))
+                    });
                 }
             }
         }
@@ -54,9 +58,9 @@ impl Tree {
 }
 
 /// Shows `visit` the places of boxes that may meet it.
-fn meeting(node: &Node8, sieve: &Sieve, visit: impl FnMut(usize)) {
+fn overlapping(node: &Node8, region_filter: &RegionFilter, visit: impl FnMut(usize)) {
     let rows: &Rows = node.rows.first_chunk().unwrap_or(&NOTHING);
-    each(u64::from(sieve.meets(rows)), visit);
+    each(u64::from(region_filter.overlap_mask(rows)), visit);
 }
 
 impl Pools {
@@ -66,31 +70,36 @@ impl Pools {
         let pool = self.corners.get(block.pool as usize..).unwrap_or(&[]);
         // Behind the corners of a damaged file lie zeros, as for rays.
         let float = |i: usize| pool.get(i).copied().unwrap_or(0.0);
-        [0, 1, 2].map(|corner: usize| [0, 1, 2].map(|k| float(usize::from(block.places[corner][lane]) + k)))
+        [0, 1, 2].map(|corner: usize| [0, 1, 2].map(|k| float(usize::from(block.offsets[corner][lane]) + k)))
     }
 
     /// Shows those triangles of a block that may meet it.
-    fn sift(&self, index: usize, sieve: &Sieve, visit: &mut dyn FnMut(u32, Primitive)) {
+    fn filter_region(
+        &self,
+        index: usize,
+        region_filter: &RegionFilter,
+        visit: &mut dyn FnMut(u32, Primitive),
+    ) {
         let mut corners = [[[0.0; WIDTH]; 3]; 3];
         for lane in 0..WIDTH {
             for (rows, corner) in corners.iter_mut().zip(self.triangle(index, lane)) {
                 (rows[0][lane], rows[1][lane], rows[2][lane]) = (corner[0], corner[1], corner[2]);
             }
         }
-        sift_triangles(&corners, &self.blocks[index].numbers, sieve, visit);
+        filter_triangles(&corners, &self.blocks[index].numbers, region_filter, visit);
     }
 }
 
 impl BvhIndex {
     /// Shows the triangles that may meet it.
-    pub fn sift(&self, sieve: &Sieve, visit: &mut dyn FnMut(u32, Primitive)) {
+    pub fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
         let Self { tree, leaves, .. } = self;
-        tree.sift(sieve, &mut |range| {
+        tree.filter_region(region_filter, &mut |range| {
             for index in range {
                 match (leaves.blocks.get(index), &leaves.posed) {
-                    (Some(block), _) => block.sift(sieve, visit),
-                    (None, Some(posed)) => posed.sift(index, sieve, visit),
-                    (None, None) => leaves.pools.sift(index, sieve, visit),
+                    (Some(block), _) => block.filter_region(region_filter, visit),
+                    (None, Some(posed)) => posed.filter_region(index, region_filter, visit),
+                    (None, None) => leaves.pools.filter_region(index, region_filter, visit),
                 }
             }
         });
@@ -99,9 +108,9 @@ impl BvhIndex {
 
 impl SphereIndex {
     /// Shows the spheres that may meet it.
-    pub fn sift(&self, sieve: &Sieve, visit: &mut dyn FnMut(u32, Primitive)) {
+    pub fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
         let Blocked { tree, blocks, .. } = &self.0;
-        tree.sift(sieve, &mut |range| {
+        tree.filter_region(region_filter, &mut |range| {
             for block in &blocks[range] {
                 for i in (0..WIDTH).filter(|&i| block.numbers[i] != INVALID_ID) {
                     let center = [0, 1, 2].map(|k| block.center[k][i]);
@@ -114,9 +123,9 @@ impl SphereIndex {
 
 impl UserIndex {
     /// Shows the primitives that may meet it.
-    pub fn sift(&self, sieve: &Sieve, visit: &mut dyn FnMut(u32, Primitive)) {
+    pub fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
         let Blocked { tree, blocks, .. } = &self.over;
-        tree.sift(sieve, &mut |range| {
+        tree.filter_region(region_filter, &mut |range| {
             for &number in blocks[range].iter().flatten().filter(|&&number| number != INVALID_ID) {
                 let (user, prim_id) = self.primitive(number);
                 visit(number, Primitive::User(user, prim_id));
@@ -127,18 +136,18 @@ impl UserIndex {
 
 impl Treelet {
     /// Shows `visit` the members whose boxes may meet it.
-    fn sift(&self, sieve: &Sieve, visit: &mut dyn FnMut(usize)) {
-        let mut room = StackRoom::<Child, { 8 * DEEPEST }>::new();
-        let mut waiting = room.stack();
+    fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(usize)) {
+        let mut buffer = StackBuffer::<Child, { 8 * DEEPEST }>::new();
+        let mut waiting = buffer.stack();
         waiting.push(Child::node(0));
         while let Some(child) = waiting.pop() {
             if child.is_leaf() {
                 for block in &self.nodes()[child.blocks()] {
-                    meeting(block, sieve, |place| visit(block.child(place).index()));
+                    overlapping(block, region_filter, |child_lane| visit(block.child(child_lane).index()));
                 }
             } else {
                 let node = &self.nodes()[child.index()];
-                meeting(node, sieve, |place| waiting.push(node.child(place)));
+                overlapping(node, region_filter, |child_lane| waiting.push(node.child(child_lane)));
             }
         }
     }
@@ -146,12 +155,14 @@ impl Treelet {
 
 impl BoxIndex {
     /// Shows `enter` the places of boxes that may meet a region, which is not relative to their origin.
-    pub fn sift(&self, region: &Region, enter: &mut dyn FnMut(usize)) {
-        let sieve = region.moved(self.origin()).sieve(self.greatest());
+    pub fn filter_region(&self, region: &Region, enter: &mut dyn FnMut(usize)) {
+        let region_filter = region.moved(self.origin()).region_filter(self.greatest());
         match self.treelets() {
             [] => {}
-            [only] => only.sift(&sieve, enter),
-            treelets => self.upper().sift(&sieve, &mut |number| treelets[number].sift(&sieve, enter)),
+            [only] => only.filter_region(&region_filter, enter),
+            treelets => self.upper().filter_region(&region_filter, &mut |number| {
+                treelets[number].filter_region(&region_filter, enter)
+            }),
         }
     }
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a wide BVH over triangles is built from: those that can be traced, as references, or as middles for a fast build, in one
 //! pass over them.
-//! Space: object. Invariant: what is taken, and what is counted, is what `accel_core::screened` takes and
+//! Space: object. Invariant: what is taken, and what is counted, is what `accel_core::valid_triangles` takes and
 //! counts. Tests: `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use std::ops::Range;
@@ -67,14 +67,14 @@ impl<'a> Screen<'a> {
     pub fn over(surfaces: Surfaces<'a>, quality: Quality, threads: Threads) -> Self {
         let is_fast = quality == Quality::Fast;
         let (level, ranges) = (Level::best(), surfaces.numbers().collect::<Vec<Range<u32>>>());
-        let look = |range: &Range<u32>, piece: &mut Piece| {
+        let check_range = |range: &Range<u32>, piece: &mut Piece| {
             dispatch_two!(level, simd => piece.add(simd, &surfaces, range.clone(), is_fast));
         };
         let piece = threads.run(|parallel| {
             let mut all = Piece::default();
             if !parallel {
                 all.reserve(ranges.iter().map(Range::len).sum(), is_fast);
-                ranges.iter().for_each(|range| look(range, &mut all));
+                ranges.iter().for_each(|range| check_range(range, &mut all));
                 return all;
             }
             let cut = |range: &Range<u32>| {
@@ -84,7 +84,7 @@ impl<'a> Screen<'a> {
             let cut: Vec<Range<u32>> = ranges.iter().flat_map(cut).collect();
             let one = |range: &Range<u32>| {
                 let mut piece = Piece::default();
-                look(range, &mut piece);
+                check_range(range, &mut piece);
                 piece
             };
             let pieces: Vec<Piece> = cut.par_iter().map(one).collect();
@@ -114,7 +114,7 @@ impl<'a> Screen<'a> {
 
     /// Bytes that stay taken through all of the build; others are counted there, as long as they are needed.
     #[must_use]
-    pub fn kept_bytes(&self) -> usize {
+    pub fn retained_bytes(&self) -> usize {
         size_of_val(&self.good[..])
     }
 
@@ -148,7 +148,7 @@ impl Piece {
             let triangles = Eight::gather(simd, surfaces, &mut mesh, &eight, None);
             let are_certain = are_certain(simd, &triangles.rows(), &triangles.bounds());
             let count = WIDTH.min((numbers.end - first) as usize);
-            let place = self.good.len() as u32;
+            let index = self.good.len() as u32;
             if are_certain {
                 let [a, b, c] = &triangles.0;
                 if is_fast {
@@ -166,7 +166,7 @@ impl Piece {
                 for (lane, reference) in references.iter_mut().enumerate() {
                     let low = a[lane].min(b[lane]).min(c[lane]);
                     let high = a[lane].max(b[lane]).max(c[lane]);
-                    *reference = Lanes::of_corners((-low).to_array(), high.to_array(), place + lane as u32);
+                    *reference = Lanes::of_corners((-low).to_array(), high.to_array(), index + lane as u32);
                 }
                 self.references.extend_from_slice(&references[..count]);
                 self.good.extend_from_slice(&eight[..count]);
@@ -205,7 +205,7 @@ impl Primitives for Screen<'_> {
 mod tests {
     use super::*;
     use gnurt_accel_core::geometry::Numbering;
-    use gnurt_accel_core::screened::Screened;
+    use gnurt_accel_core::valid_triangles::ValidTriangles;
     use gnurt_accel_core::{Geometry, Quads, Triangles};
     use gnurt_testkit::Soup;
 
@@ -225,15 +225,19 @@ mod tests {
                 .collect();
             geometries.push(Quads { positions: &soups[0].positions, indices: &quads }.into());
             let numbering = Numbering::new(&geometries);
-            let screened = Screened::over(&geometries, &numbering, |_| true, Threads::Single);
-            assert!(screened.bad.total() > 0, "there is something to find: {:?}", screened.bad);
+            let valid_triangles = ValidTriangles::over(&geometries, &numbering, |_| true, Threads::Single);
+            assert!(valid_triangles.bad.total() > 0, "there is something to find: {:?}", valid_triangles.bad);
             for threads in [Threads::Single, Threads::Pool(&pool)] {
                 let surfaces = Surfaces::new(&geometries, &numbering, |_| true);
                 let screen = Screen::over(surfaces, Quality::Medium, threads);
-                assert_eq!((&screen.good, screen.bad), (&screened.good, screened.bad), "seed {seed}");
+                assert_eq!(
+                    (&screen.good, screen.bad),
+                    (&valid_triangles.good, valid_triangles.bad),
+                    "seed {seed}"
+                );
                 for (i, reference) in screen.references.iter().enumerate() {
                     assert_eq!(reference.number() as usize, i, "places in a row");
-                    let bounds = Aabb::around(&screened.corners(screened.good[i]));
+                    let bounds = Aabb::around(&valid_triangles.corners(valid_triangles.good[i]));
                     assert_eq!(reference.bounds(), bounds, "seed {seed}, triangle {i}");
                 }
                 let surfaces = Surfaces::new(&geometries, &numbering, |_| true);

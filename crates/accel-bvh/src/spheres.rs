@@ -9,8 +9,8 @@ mod store;
 
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::geometry::{GeometryKind, Numbering};
-use gnurt_accel_core::triangle::Meeting;
-use gnurt_accel_core::trip::RayTrip;
+use gnurt_accel_core::traversal::RayTraversal;
+use gnurt_accel_core::triangle::TriangleHit;
 use gnurt_accel_core::{
     Aabb, BadPrimitives, BuildError, Geometry, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats,
 };
@@ -60,21 +60,21 @@ pub(crate) fn sphere_box(center: [f32; 3], radius: f32) -> Aabb {
 }
 
 impl SphereIndex {
-    /// Over the spheres of geometries that are `wanted`; what cannot be traced is counted.
+    /// Over the spheres of geometries that are `accept`; what cannot be traced is counted.
     ///
     /// # Errors
     /// That there are too many.
     pub fn build(
         geometries: &[Geometry],
         numbering: &Numbering,
-        wanted: impl Fn(&Geometry) -> bool,
+        accept: impl Fn(&Geometry) -> bool,
         bad: &mut BadPrimitives,
         quality: Quality,
         memory: Memory,
         threads: Threads,
     ) -> Result<Self, BuildError> {
         let mut gathered = Gathered { spheres: Vec::new(), numbers: Vec::new() };
-        for (i, geometry) in geometries.iter().enumerate().filter(|(_, geometry)| wanted(geometry)) {
+        for (i, geometry) in geometries.iter().enumerate().filter(|(_, geometry)| accept(geometry)) {
             let GeometryKind::Spheres(spheres) = &geometry.kind else { continue };
             let each = spheres.centers.iter().zip(spheres.radii);
             for (number, (&center, &radius)) in numbering.range(i).zip(each) {
@@ -89,19 +89,19 @@ impl SphereIndex {
                 }
             }
         }
-        let block = |places: &[u32; WIDTH]| {
+        let block = |indices: &[u32; WIDTH]| {
             let mut block = SphereBlock {
                 center: [[0.0; WIDTH]; 3],
                 radius: [f32::NAN; WIDTH],
                 numbers: [INVALID_ID; WIDTH],
             };
-            for (lane, &place) in places.iter().enumerate().filter(|&(_, &place)| place != INVALID_ID) {
-                let (center, radius) = gathered.spheres[place as usize];
+            for (lane, &sphere) in indices.iter().enumerate().filter(|&(_, &sphere)| sphere != INVALID_ID) {
+                let (center, radius) = gathered.spheres[sphere as usize];
                 for (row, x) in block.center.iter_mut().zip(center) {
                     row[lane] = x;
                 }
                 block.radius[lane] = radius;
-                block.numbers[lane] = gathered.numbers[place as usize];
+                block.numbers[lane] = gathered.numbers[sphere as usize];
             }
             block
         };
@@ -122,8 +122,8 @@ impl SphereIndex {
 
     /// Offers what the ray meets; it is sound and regular, the tree not empty.
     #[inline(always)]
-    pub(crate) fn search<S: Simd>(&self, simd: S, trip: &mut RayTrip) {
-        let RayTrip { ray, slot, .. } = *trip;
+    pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
+        let RayTraversal { ray, slot, .. } = *traversal;
         let Blocked { tree, blocks: spheres, greatest, .. } = &self.0;
         let for_nodes = NodeRay::new(simd, ray, *greatest);
         let at = |value: f32| f32x8::splat(simd, value);
@@ -136,7 +136,7 @@ impl SphereIndex {
             simd,
             Child::node(0),
             &for_nodes,
-            trip.reach(),
+            traversal.reach(),
             #[inline(always)]
             |blocks| {
                 for block in &spheres[blocks] {
@@ -166,17 +166,21 @@ impl SphereIndex {
                         let i = bits.trailing_zeros() as usize & (WIDTH - 1);
                         bits &= bits - 1;
                         for t in roots(ray, [0, 1, 2].map(|k| block.center[k][i]), block.radius[i]) {
-                            if t >= ray.t_near && t <= trip.reach() {
-                                trip.offer(Meeting { t: t + 0.0, u: 0.0, v: 0.0 }, block.numbers[i], slot);
+                            if t >= ray.t_near && t <= traversal.reach() {
+                                traversal.offer(
+                                    TriangleHit { t: t + 0.0, u: 0.0, v: 0.0 },
+                                    block.numbers[i],
+                                    slot,
+                                );
                             }
                         }
                     }
                 }
-                trip.reach()
+                traversal.reach()
             },
         );
-        trip.counters.nodes += u64::from(visited);
-        trip.counters.triangles += tested * WIDTH as u64;
+        traversal.counters.nodes += u64::from(visited);
+        traversal.counters.triangles += tested * WIDTH as u64;
     }
 }
 

@@ -12,19 +12,19 @@
 use gnurt_accel_core::beam::Slopes;
 use gnurt_accel_core::bits::{TILE, all};
 use gnurt_accel_core::chunks::Chunks;
-use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::tile::{LANES, NearestTile, RayTile};
 use gnurt_accel_core::tile_test::TileTest;
+use gnurt_accel_core::traversal::TileTraversal;
 use gnurt_accel_core::triangle::axes_from;
-use gnurt_accel_core::trip::TileTrip;
-use gnurt_simd::{Simd, StackRoom, prelude::*};
+use gnurt_simd::{Simd, StackBuffer, prelude::*};
 
-use crate::alone::{Alone, Ways};
 use crate::index::BvhIndex;
-use crate::leaves::ask_for;
+use crate::leaves::prefetch_child;
 use crate::node::{Child, WIDTH};
 use crate::planes::TilePlanes;
+use crate::single_rays::{ClassesOf, SingleRays};
 use crate::walk::{MOST_WAIT, farthest_first};
 
 /// Where intervals leave this many children of a node, rays are tested one by one.
@@ -53,23 +53,30 @@ struct Entry {
 /// Improves the hits of a tile's first rays, all of them active and of one heading. Lanes beyond them up to the next
 /// multiple of 16 hold copies of rays that look for nothing (`t` is -inf).
 #[inline(always)]
-pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, trip: &mut TileTrip) {
-    let TileTrip { rays, kind, slot, .. } = *trip;
-    let count = TILE - trip.active.leading_zeros() as usize;
+pub(crate) fn walk_tile<S: Simd>(
+    simd: S,
+    index: &BvhIndex,
+    direction_class: DirectionClass,
+    traversal: &mut TileTraversal,
+) {
+    let TileTraversal { rays, kind, slot, .. } = *traversal;
+    let count = TILE - traversal.active.leading_zeros() as usize;
     let BvhIndex { tree, leaves, greatest, .. } = index;
-    let test = TileTest { simd, rays, kind, slot, heading };
+    let test = TileTest { simd, rays, kind, slot, direction_class };
     let waits = index.waits_for_memory();
-    let Some(mut chunks) = Chunks::new(simd, rays, count, heading, *greatest, trip.nearest, |_| false) else {
+    let Some(mut chunks) =
+        Chunks::new(simd, rays, count, direction_class, *greatest, traversal.nearest, |_| false)
+    else {
         return;
     };
     let mut planes = TilePlanes::EMPTY;
     let mut planes_ready = false;
     // Those that still look for something, which only any hits change.
     let looking = |nearest: &NearestTile| if kind == Kind::Any { nearest.looking(simd) } else { u64::MAX };
-    let mut still = looking(trip.nearest);
+    let mut still = looking(traversal.nearest);
 
-    let mut room = StackRoom::<Entry, MOST_WAIT>::new();
-    let mut stack = room.stack();
+    let mut buffer = StackBuffer::<Entry, MOST_WAIT>::new();
+    let mut stack = buffer.stack();
     stack.push(Entry { steps: 0.0, child: Child::node(0), rays: all(count) });
     while let Some(Entry { steps, child, rays: mut bits }) = stack.pop() {
         if steps > chunks.farthest {
@@ -80,40 +87,40 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
             continue;
         }
         let here = bits.count_ones();
-        trip.counters.nodes += u64::from(here);
+        traversal.counters.nodes += u64::from(here);
         if here <= few::<S>() {
             if !planes_ready {
                 planes.prepare(simd, rays, count, *greatest);
                 planes_ready = true;
             }
-            let alone = one_by_one(rays, &planes, &chunks.slopes, heading);
-            let touched = alone.walk(simd, index, child, &mut trip.only(bits));
+            let single_rays = one_by_one(rays, &planes, &chunks.slopes, direction_class);
+            let touched = single_rays.walk(simd, index, child, &mut traversal.only(bits));
             if touched != 0 {
-                chunks.look_again(simd, trip.nearest, touched);
-                still = looking(trip.nearest);
+                chunks.update_reach(simd, traversal.nearest, touched);
+                still = looking(traversal.nearest);
             }
             continue;
         }
         if child.is_leaf() {
             for index in child.blocks() {
-                let mut room = None;
-                let block = leaves.block(simd, index, &mut room);
+                let mut buffer = None;
+                let block = leaves.block(simd, index, &mut buffer);
                 let few = few_of::<S>(bits);
-                let alone = one_by_one(rays, &planes, &chunks.slopes, heading);
-                let touched = alone.meet(simd, block, &mut trip.only(few));
+                let single_rays = one_by_one(rays, &planes, &chunks.slopes, direction_class);
+                let touched = single_rays.meet(simd, block, &mut traversal.only(few));
                 if touched != 0 {
-                    chunks.look_again(simd, trip.nearest, touched);
+                    chunks.update_reach(simd, traversal.nearest, touched);
                 }
                 let bits = bits & !few;
                 if bits == 0 {
                     continue;
                 }
-                let counters = &mut *trip.counters;
+                let counters = &mut *traversal.counters;
                 chunks.block(
                     simd,
                     block,
                     bits,
-                    trip.nearest,
+                    traversal.nearest,
                     #[inline(always)]
                     |candidate, slopes, nearest| {
                         let tested = bits >> (candidate.chunk * LANES) & 0xffff;
@@ -122,7 +129,7 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
                     },
                 );
             }
-            still = looking(trip.nearest);
+            still = looking(traversal.nearest);
             continue;
         }
 
@@ -135,9 +142,9 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
                 &expanded
             }
         };
-        let (mut places, near) = chunks.beam.meet(simd, &node.rows, chunks.farthest);
+        let (mut child_mask, near) = chunks.beam.meet(simd, &node.rows, chunks.farthest);
         let near = near.as_array();
-        let one_by_one = places.count_ones() >= MANY;
+        let one_by_one = child_mask.count_ones() >= MANY;
         if one_by_one && !planes_ready {
             planes.prepare(simd, rays, count, *greatest);
             planes_ready = true;
@@ -148,31 +155,31 @@ pub(crate) fn walk_tile<S: Simd>(simd: S, index: &BvhIndex, heading: Heading, tr
         if one_by_one {
             for at in (0..count).step_by(LANES) {
                 if bits >> at & 0xffff != 0 {
-                    let planes = planes.chunk(simd, heading, rays, trip.nearest, at);
-                    let mut left = places;
+                    let planes = planes.chunk(simd, direction_class, rays, traversal.nearest, at);
+                    let mut left = child_mask;
                     while left != 0 {
-                        let place = left.trailing_zeros() as usize & (WIDTH - 1);
+                        let lane = left.trailing_zeros() as usize & (WIDTH - 1);
                         left &= left - 1;
-                        masks[place] |= planes.meet(simd, node, place) << at;
+                        masks[lane] |= planes.meet(simd, node, lane) << at;
                     }
                 }
             }
         }
-        while places != 0 {
-            let place = places.trailing_zeros() as usize & (WIDTH - 1);
-            places &= places - 1;
+        while child_mask != 0 {
+            let lane = child_mask.trailing_zeros() as usize & (WIDTH - 1);
+            child_mask &= child_mask - 1;
             let mut those = bits;
             if one_by_one {
-                those &= masks[place];
+                those &= masks[lane];
                 if those == 0 {
                     continue;
                 }
             }
-            let child = node.child(place);
+            let child = node.child(lane);
             if waits {
-                ask_for(tree, leaves, child);
+                prefetch_child(tree, leaves, child);
             }
-            stack.push(Entry { steps: near[place], child, rays: those });
+            stack.push(Entry { steps: near[lane], child, rays: those });
             pushed += 1;
         }
         if kind == Kind::Closest {
@@ -187,12 +194,12 @@ fn one_by_one<'a>(
     rays: &'a RayTile,
     planes: &'a TilePlanes,
     slopes: &'a Slopes,
-    heading: Heading,
-) -> Alone<'a> {
-    let [x, y, z] = axes_from(heading.longest_axis);
+    direction_class: DirectionClass,
+) -> SingleRays<'a> {
+    let [x, y, z] = axes_from(direction_class.longest_axis);
     let org = [&rays.org[x], &rays.org[y], &rays.org[z]];
     let (dir, t_near) = (&rays.dir, &rays.t_near);
-    Alone { planes, org, shear: &slopes.shear, dir, t_near, ways: Ways::One(heading) }
+    SingleRays { planes, org, shear: &slopes.shear, dir, t_near, classes: ClassesOf::One(direction_class) }
 }
 
 /// Those in `bits` that have few others in their chunks.

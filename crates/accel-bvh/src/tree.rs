@@ -72,13 +72,13 @@ impl Tree {
         self.nodes.len() + self.compact.len()
     }
 
-    /// What hangs at `place` of node `index`, and its box.
-    pub(crate) fn child(&self, index: usize, place: usize) -> (Child, Aabb) {
+    /// What hangs at `lane` of node `index`, and its box.
+    pub(crate) fn child(&self, index: usize, lane: usize) -> (Child, Aabb) {
         match self.nodes.get(index) {
-            Some(node) => (node.child(place), node.bounds(place)),
+            Some(node) => (node.child(lane), node.bounds(lane)),
             None => {
                 let (node, children) = self.compact_node(index);
-                (Child::at(children, place), node.bounds(place))
+                (Child::at(children, lane), node.bounds(lane))
             }
         }
     }

@@ -167,7 +167,7 @@ impl Treelet {
         if known < edits.len() {
             for (member, bounds) in self.strangers(edits) {
                 let child = Child::node(member as usize);
-                let block = best_room(&mut nodes[self.first_block..], &bounds)?;
+                let block = best_block(&mut nodes[self.first_block..], &bounds)?;
                 let free = (0..WIDTH).find(|&lane| block.child(lane) == Child::NONE)?;
                 block.set(free, &bounds, child);
             }
@@ -223,10 +223,10 @@ pub(crate) fn growth(bounds: &Aabb, other: &Aabb) -> f64 {
 }
 
 /// The block with room whose box grows least.
-fn best_room<'a>(blocks: &'a mut [Node8], bounds: &Aabb) -> Option<&'a mut Node8> {
-    let has_room = |block: &&mut Node8| (0..WIDTH).any(|lane| block.child(lane) == Child::NONE);
+fn best_block<'a>(blocks: &'a mut [Node8], bounds: &Aabb) -> Option<&'a mut Node8> {
+    let has_space = |block: &&mut Node8| (0..WIDTH).any(|lane| block.child(lane) == Child::NONE);
     let growth = |block: &Node8| growth(&block.whole(), bounds);
-    blocks.iter_mut().filter(has_room).min_by(|a, b| growth(a).total_cmp(&growth(b)))
+    blocks.iter_mut().filter(has_space).min_by(|a, b| growth(a).total_cmp(&growth(b)))
 }
 
 #[cfg(test)]
@@ -275,14 +275,14 @@ mod tests {
             };
             assert_fits(&after);
             let all = boxes.iter().enumerate().map(|(i, bounds)| (10 * i as u32, *bounds));
-            let mut wanted: Vec<(u32, Aabb)> = all.filter(|(member, _)| *member != 10).collect();
-            wanted[0].1 = other;
-            wanted.push((15, boxes[0]));
-            let wanted = sorted(wanted.into_iter());
-            assert_eq!(sorted(after.members()), wanted, "of {count}");
-            assert_eq!(sorted(before.members_after(&edits).into_iter()), wanted, "the same as a list");
+            let mut expected: Vec<(u32, Aabb)> = all.filter(|(member, _)| *member != 10).collect();
+            expected[0].1 = other;
+            expected.push((15, boxes[0]));
+            let expected = sorted(expected.into_iter());
+            assert_eq!(sorted(after.members()), expected, "of {count}");
+            assert_eq!(sorted(before.members_after(&edits).into_iter()), expected, "the same as a list");
             assert_eq!(before.members().count(), count, "the one before stays");
-            let whole = wanted.iter().fold(Aabb::EMPTY, |all, (_, bounds)| all.union(bounds));
+            let whole = expected.iter().fold(Aabb::EMPTY, |all, (_, bounds)| all.union(bounds));
             assert_eq!(after.bounds(), whole, "around all");
         }
     }

@@ -5,7 +5,7 @@
 
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
 use gnurt_accel_core::collect::Collect;
-use gnurt_accel_core::trip::RayTrip;
+use gnurt_accel_core::traversal::RayTraversal;
 use gnurt_accel_core::{Counters, Ray};
 use gnurt_simd::Simd;
 
@@ -45,9 +45,9 @@ impl BvhIndex {
 
     /// The same in a compact tree.
     #[inline(always)]
-    pub(crate) fn search_compact<S: Simd>(&self, simd: S, trip: &mut RayTrip) {
-        let ray = Prepared::new(simd, trip.ray, self.greatest);
-        self.walk_compact(simd, Child::node(0), &ray, trip);
+    pub(crate) fn search_compact<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
+        let ray = Prepared::new(simd, traversal.ray, self.greatest);
+        self.walk_compact(simd, Child::node(0), &ray, traversal);
     }
 
     /// From `start` on, in a fast tree.
@@ -110,33 +110,33 @@ impl BvhIndex {
         simd: S,
         start: Child,
         Prepared { for_nodes, for_blocks }: &Prepared<S>,
-        trip: &mut RayTrip,
+        traversal: &mut RayTraversal,
     ) {
         simd.vectorize(
             #[inline(always)]
             || {
-                let (slot, mut tested, mut block) = (trip.slot, 0, TriangleBlock::ZERO);
+                let (slot, mut tested, mut block) = (traversal.slot, 0, TriangleBlock::ZERO);
                 let visited = walk(
                     &self.tree.compact_nodes(),
                     simd,
                     start,
                     for_nodes,
-                    trip.reach(),
+                    traversal.reach(),
                     #[inline(always)]
                     |range| {
                         for index in range {
                             tested += 1;
                             self.leaves.expand(simd, index, &mut block);
-                            block.meet(simd, for_blocks, slot, trip);
-                            if trip.is_done() {
+                            block.meet(simd, for_blocks, slot, traversal);
+                            if traversal.is_done() {
                                 break;
                             }
                         }
-                        trip.reach()
+                        traversal.reach()
                     },
                 );
-                trip.counters.nodes += u64::from(visited);
-                trip.counters.triangles += tested * WIDTH as u64;
+                traversal.counters.nodes += u64::from(visited);
+                traversal.counters.triangles += tested * WIDTH as u64;
             },
         );
     }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::geometry::{GeometryKind, Numbering};
-use gnurt_accel_core::triangle::Meeting;
-use gnurt_accel_core::trip::RayTrip;
+use gnurt_accel_core::traversal::RayTraversal;
+use gnurt_accel_core::triangle::TriangleHit;
 use gnurt_accel_core::{
     Aabb, BadPrimitives, BuildError, Geometry, INVALID_ID, Memory, Quality, Ray, Threads, TreeStats,
     UserGeometry,
@@ -29,14 +29,14 @@ pub struct UserIndex {
 }
 
 impl UserIndex {
-    /// Over the user geometries that are `wanted`; primitives with unsound boxes are counted.
+    /// Over the user geometries that are `accept`; primitives with unsound boxes are counted.
     ///
     /// # Errors
     /// That there are too many.
     pub fn build(
         geometries: &[Geometry],
         numbering: &Numbering,
-        wanted: impl Fn(&Geometry) -> bool,
+        accept: impl Fn(&Geometry) -> bool,
         bad: &mut BadPrimitives,
         quality: Quality,
         memory: Memory,
@@ -44,7 +44,7 @@ impl UserIndex {
     ) -> Result<Self, BuildError> {
         let (mut boxes, mut of_boxes) = (Vec::new(), Vec::new());
         let mut users = Vec::new();
-        for (i, geometry) in geometries.iter().enumerate().filter(|(_, geometry)| wanted(geometry)) {
+        for (i, geometry) in geometries.iter().enumerate().filter(|(_, geometry)| accept(geometry)) {
             let GeometryKind::User(user) = &geometry.kind else { continue };
             let numbers = numbering.range(i);
             users.push((numbers.start, Arc::clone(user)));
@@ -61,7 +61,7 @@ impl UserIndex {
             }
         }
         let number = |i: u32| of_boxes.get(i as usize).copied().unwrap_or(INVALID_ID);
-        let block = |places: &[u32; WIDTH]| places.map(number);
+        let block = |indices: &[u32; WIDTH]| indices.map(number);
         let over = Blocked::build(&&boxes[..], quality, memory, threads, block)?;
         Ok(Self { over, geometries: users })
     }
@@ -93,8 +93,8 @@ impl UserIndex {
 
     /// Offers what the ray meets; it is sound and regular, the tree not empty.
     #[inline(always)]
-    pub(crate) fn search<S: Simd>(&self, simd: S, trip: &mut RayTrip) {
-        let RayTrip { ray, slot, .. } = *trip;
+    pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
+        let RayTraversal { ray, slot, .. } = *traversal;
         let Blocked { tree, blocks, greatest, .. } = &self.over;
         let for_nodes = NodeRay::new(simd, ray, *greatest);
         let mut tested = 0;
@@ -103,27 +103,27 @@ impl UserIndex {
             simd,
             Child::node(0),
             &for_nodes,
-            trip.reach(),
+            traversal.reach(),
             #[inline(always)]
             |range| {
                 for &number in blocks[range].iter().flatten().filter(|&&number| number != INVALID_ID) {
-                    if trip.is_done() {
+                    if traversal.is_done() {
                         break;
                     }
                     tested += 1;
                     let (user, prim_id) = self.primitive(number);
-                    let seen = Ray { t_far: trip.reach(), ..*ray };
-                    user.intersect(prim_id, &seen, &mut |hit| {
-                        if hit.t >= ray.t_near && hit.t <= trip.reach() {
-                            let meeting = Meeting { t: hit.t + 0.0, u: hit.u, v: hit.v };
-                            trip.offer(meeting, number, slot);
+                    let visits = Ray { t_far: traversal.reach(), ..*ray };
+                    user.intersect(prim_id, &visits, &mut |hit| {
+                        if hit.t >= ray.t_near && hit.t <= traversal.reach() {
+                            let triangle_hit = TriangleHit { t: hit.t + 0.0, u: hit.u, v: hit.v };
+                            traversal.offer(triangle_hit, number, slot);
                         }
                     });
                 }
-                trip.reach()
+                traversal.reach()
             },
         );
-        trip.counters.nodes += u64::from(visited);
-        trip.counters.triangles += tested;
+        traversal.counters.nodes += u64::from(visited);
+        traversal.counters.triangles += tested;
     }
 }

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use gnurt_simd::{Simd, Stack, StackRoom, f32x8, prelude::*};
+use gnurt_simd::{Simd, Stack, StackBuffer, f32x8, prelude::*};
 
 use crate::compact::{Children, CompactNode, CompactNodes};
 use crate::node::{Child, Node8, WIDTH};
@@ -14,7 +14,7 @@ use crate::node_ray::NodeRay;
 use crate::tree::{DEEPEST, Tree};
 
 /// What waits to be visited: at most seven children of each node on the way down, and a root.
-type NodeStack = StackRoom<u64, MOST_WAIT>;
+type NodeStack = StackBuffer<u64, MOST_WAIT>;
 
 /// Entries of a stack that holds what waits on the longest way down.
 pub(crate) const MOST_WAIT: usize = 8 * DEEPEST;
@@ -64,20 +64,20 @@ pub(crate) fn nearest_first(
     children: &[f32; WIDTH],
     waiting: &mut Stack<u64>,
 ) -> Child {
-    let place = bits.trailing_zeros() as usize;
+    let lane = bits.trailing_zeros() as usize;
     bits &= bits - 1;
-    let mut nearest = entry(near[place & 7], Child::at(children, place));
-    let place = bits.trailing_zeros() as usize;
+    let mut nearest = entry(near[lane & 7], Child::at(children, lane));
+    let lane = bits.trailing_zeros() as usize;
     bits &= bits - 1;
-    let second = entry(near[place & 7], Child::at(children, place));
+    let second = entry(near[lane & 7], Child::at(children, lane));
     waiting.push(nearest.max(second));
     nearest = nearest.min(second);
     if bits != 0 {
         let mut count = 1;
         while bits != 0 {
-            let place = bits.trailing_zeros() as usize;
+            let lane = bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            let other = entry(near[place & 7], Child::at(children, place));
+            let other = entry(near[lane & 7], Child::at(children, lane));
             waiting.push(nearest.max(other));
             nearest = nearest.min(other);
             count += 1;
@@ -204,7 +204,7 @@ pub(crate) fn walk<S: Simd>(
 /// The same on a stack that holds what waits on the longest way down.
 #[inline(always)]
 pub(crate) fn walk_with<S: Simd, const WAIT: usize>(
-    mut room: StackRoom<u64, WAIT>,
+    mut buffer: StackBuffer<u64, WAIT>,
     nodes: &(impl Nodes + ?Sized),
     simd: S,
     start: Child,
@@ -212,7 +212,7 @@ pub(crate) fn walk_with<S: Simd, const WAIT: usize>(
     mut reach: f32,
     mut leaf: impl FnMut(Range<usize>) -> f32,
 ) -> u32 {
-    let mut waiting = room.stack();
+    let mut waiting = buffer.stack();
     let mut visited = 0;
     let mut child = start;
     loop {
@@ -247,8 +247,8 @@ pub(crate) fn walk_any<S: Simd>(
     reach: f32,
     mut leaf: impl FnMut(Range<usize>) -> bool,
 ) -> u32 {
-    let mut room = StackRoom::<u32, MOST_WAIT>::new();
-    let mut waiting = room.stack();
+    let mut buffer = StackBuffer::<u32, MOST_WAIT>::new();
+    let mut waiting = buffer.stack();
     let mut visited = 0;
     let mut child = start;
     loop {

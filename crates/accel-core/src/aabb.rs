@@ -58,9 +58,9 @@ impl Aabb {
     /// How far a point is from it; 0 inside.
     #[must_use]
     pub fn distance(&self, point: &[f64; 3]) -> f64 {
-        let beside =
+        let outside =
             |k: usize| (f64::from(self.min[k]) - point[k]).max(point[k] - f64::from(self.max[k])).max(0.0);
-        let [x, y, z] = [beside(0), beside(1), beside(2)];
+        let [x, y, z] = [outside(0), outside(1), outside(2)];
         (x * x + y * y + z * z).sqrt()
     }
 

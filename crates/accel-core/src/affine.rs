@@ -23,20 +23,20 @@ pub fn inverse(columns: &[[f64; 3]; 4]) -> Option<[[f64; 3]; 3]> {
     Some([over(x), over(y), over(z)])
 }
 
-/// `p_object = linear * (p_world - place)`.
+/// `p_object = linear * (p_world - translation)`.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectFromWorld {
     /// Rows of the linear part.
     pub rows: [[f32; 3]; 3],
     /// Where the object's origin is in the world: nearest floats, and what they leave over.
-    pub place: [[f32; 3]; 2],
+    pub translation: [[f32; 3]; 2],
 }
 
 impl ObjectFromWorld {
     /// `ray` in the object's space; its parameters stay.
     #[inline(always)]
     pub fn ray(&self, ray: &Ray) -> Ray {
-        let [high, low] = self.place;
+        let [high, low] = self.translation;
         let from = |k: usize| (ray.org[k] - high[k]) - low[k];
         let from = [from(0), from(1), from(2)];
         Ray { org: self.vector(from), dir: self.vector(ray.dir), ..*ray }

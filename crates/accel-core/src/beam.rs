@@ -11,8 +11,8 @@ use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 use crate::aabb::Aabb;
 use crate::bits::TILE;
 use crate::blocks::WIDTH;
+use crate::direction_class::DirectionClass;
 use crate::float::{FLATTEST, least, most};
-use crate::heading::Heading;
 use crate::slab::SLACK;
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 use crate::triangle::{axes_from, shear};
@@ -100,8 +100,14 @@ impl Slopes {
 
     /// Prepares the first `count` rays, all of one heading.
     #[inline(always)]
-    pub fn prepare<S: Simd>(&mut self, simd: S, rays: &RayTile, count: usize, heading: Heading) {
-        let [x, y, z] = axes_from(heading.longest_axis);
+    pub fn prepare<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &RayTile,
+        count: usize,
+        direction_class: DirectionClass,
+    ) {
+        let [x, y, z] = axes_from(direction_class.longest_axis);
         for at in (0..count).step_by(LANES) {
             let along = chunk(simd, &rays.dir[z], at);
             let dir = [chunk(simd, &rays.dir[x], at), chunk(simd, &rays.dir[y], at), along];
@@ -265,16 +271,16 @@ impl Beam {
 
     /// For a tree whose greatest coordinate is `greatest`.
     #[inline(always)]
-    pub fn new(ranges: &Ranges, heading: Heading, greatest: f32) -> Self {
+    pub fn new(ranges: &Ranges, direction_class: DirectionClass, greatest: f32) -> Self {
         let mut away = 0.0f32;
         for k in 0..3 {
             away = most(away, most(ranges.org[k][0].abs(), ranges.org[k][1].abs()));
         }
         let slack = SLACK * (2.0 * greatest + away);
         let mut beam = Self { t_near: ranges.t_near, ..Self::EMPTY };
-        let [_, y, z] = axes_from(heading.longest_axis);
+        let [_, y, z] = axes_from(direction_class.longest_axis);
         for k in 0..3 {
-            let backwards = heading.backwards[k];
+            let backwards = direction_class.backwards[k];
             // Magnitudes of the slopes, then the sign again: a slope of zero has one, too.
             let size = if k == z {
                 [1.0, 1.0]

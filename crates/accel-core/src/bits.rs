@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sets of a tile's rays as bits of a word. Tests: `tests::bits_are_places`.
+//! Sets of a tile's rays as bits of a word. Tests: `tests::bits_are_numbered`.
 
 /// Rays per tile: one bit each in a word.
 pub const TILE: usize = 64;
@@ -24,10 +24,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bits_are_places() {
+    fn bits_are_numbered() {
         assert_eq!([all(0), all(3), all(64)], [0, 7, u64::MAX], "so many bits");
-        let mut places = Vec::new();
-        each(1 << 63 | 0b1001, |place| places.push(place));
-        assert_eq!(places, [0, 3, 63], "lowest first");
+        let mut numbers = Vec::new();
+        each(1 << 63 | 0b1001, |number| numbers.push(number));
+        assert_eq!(numbers, [0, 3, 63], "lowest first");
     }
 }

@@ -11,7 +11,7 @@ use crate::hit::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
 use crate::triangle::{
-    LoneRay, Meeting, Sheared, ShearedRay, axes_from, meet_alone, pass_edges, relative_to, shear,
+    LoneRay, Sheared, ShearedRay, TriangleHit, axes_from, meet_single, pass_edges, relative_to, shear,
 };
 
 /// Triangles of a block, and children of a wide BVH's node.
@@ -51,8 +51,8 @@ impl<S: Simd> BlockRay<S> {
 
     /// From what is known of the ray in the space with these axes.
     #[inline(always)]
-    pub fn sheared(simd: S, axes: [usize; 3], alone: LoneRay, t_near: f32) -> Self {
-        let LoneRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = alone;
+    pub fn sheared(simd: S, axes: [usize; 3], single: LoneRay, t_near: f32) -> Self {
+        let LoneRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = single;
         let sheared = Sheared {
             org: [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)],
             shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
@@ -62,7 +62,7 @@ impl<S: Simd> BlockRay<S> {
 
     /// What [`sheared`](Self::sheared) was given: out of the lanes, since few ask for it.
     #[inline(always)]
-    fn alone(&self) -> LoneRay {
+    fn single(&self) -> LoneRay {
         let ([x, y, z], [sx, sy, sz]) = (self.sheared.org, self.sheared.shear);
         let sheared = Sheared { org: [x[0], y[0], z[0]], shear: [sx[0], sy[0], sz[0]] };
         LoneRay { sheared, dir: self.dir }
@@ -134,7 +134,7 @@ impl TriangleBlock {
                 let i = bits.trailing_zeros() as usize & 7;
                 bits &= bits - 1;
                 if t[i] <= collect.reach() {
-                    collect.offer(Meeting { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
+                    collect.offer(TriangleHit { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
                 }
             }
         }
@@ -145,8 +145,9 @@ impl TriangleBlock {
             // By value: a ray whose address is taken lives in memory.
             let corners = self.corners_of(i, ray.axes);
             let (asks_where, reach) = (collect.asks_where(), collect.reach());
-            if let Some(meeting) = meet_alone(&corners, &ray.alone(), asks_where, ray.t_near[0], reach) {
-                collect.offer(meeting, self.numbers[i], slot);
+            if let Some(triangle_hit) = meet_single(&corners, &ray.single(), asks_where, ray.t_near[0], reach)
+            {
+                collect.offer(triangle_hit, self.numbers[i], slot);
             }
         }
     }
@@ -169,10 +170,10 @@ impl TriangleBlock {
                 let [x, y, z] = &self.corners[k];
                 [x[lane], y[lane], z[lane]]
             };
-            if let Some(meeting) =
+            if let Some(triangle_hit) =
                 ray.meet(&[corner(0), corner(1), corner(2)], collect.asks_where(), t_near, collect.reach())
             {
-                collect.offer(meeting, number, slot);
+                collect.offer(triangle_hit, number, slot);
             }
         }
     }

@@ -7,8 +7,8 @@ use gnurt_simd::{Simd, f32x16};
 
 use crate::beam::{Beam, CHUNKS, Ranges, Slopes, has_wide_lanes};
 use crate::blocks::{TriangleBlock, WIDTH};
+use crate::direction_class::DirectionClass;
 use crate::faces::{Faces, Viewpoint};
-use crate::heading::Heading;
 use crate::tile::{LANES, NearestTile, RayTile};
 use crate::triangle::{axes_from, relative_to};
 
@@ -20,7 +20,7 @@ pub struct Chunks<'a> {
     /// How many steps any ray still looks ahead.
     pub farthest: f32,
     rays: &'a RayTile,
-    heading: Heading,
+    direction_class: DirectionClass,
     /// The tree's greatest coordinate.
     greatest: f32,
     count: usize,
@@ -35,7 +35,7 @@ pub struct Chunks<'a> {
 
 /// A triangle that a chunk's rays may meet.
 pub struct Candidate<S: Simd> {
-    pub place: usize,
+    pub lane: usize,
     pub chunk: usize,
     /// Corners relative to the rays' origins, along the axes of the sheared space.
     pub corners: [[f32x16<S>; 3]; 3],
@@ -48,13 +48,13 @@ impl<'a> Chunks<'a> {
         simd: S,
         rays: &'a RayTile,
         count: usize,
-        heading: Heading,
+        direction_class: DirectionClass,
         greatest: f32,
         nearest: &NearestTile,
         too_wide: impl Fn(&Ranges) -> bool,
     ) -> Option<Self> {
         let mut slopes = Slopes::EMPTY;
-        slopes.prepare(simd, rays, count, heading);
+        slopes.prepare(simd, rays, count, direction_class);
         let origin = if const { has_wide_lanes::<S>() } { rays.one_origin(count) } else { None };
         let mut each = [Ranges::NONE; CHUNKS];
         let whole = if origin.is_some() {
@@ -65,20 +65,20 @@ impl<'a> Chunks<'a> {
         if too_wide(&whole) {
             return None;
         }
-        let view = origin.and_then(|org| Viewpoint::new(&whole, org, heading, greatest));
+        let view = origin.and_then(|org| Viewpoint::new(&whole, org, direction_class, greatest));
         let chunks_of_rays = count.div_ceil(LANES);
         let mut parts = [Beam::EMPTY; CHUNKS];
         if origin.is_none() {
             for (part, ranges) in parts.iter_mut().zip(&each).take(chunks_of_rays) {
-                *part = Beam::new(ranges, heading, greatest);
+                *part = Beam::new(ranges, direction_class, greatest);
             }
         }
         let mut chunks = Self {
             slopes,
-            beam: Beam::new(&whole, heading, greatest),
+            beam: Beam::new(&whole, direction_class, greatest),
             farthest: f32::NEG_INFINITY,
             rays,
-            heading,
+            direction_class,
             greatest,
             count: chunks_of_rays,
             parts,
@@ -86,13 +86,13 @@ impl<'a> Chunks<'a> {
             ahead: [f32::NEG_INFINITY; CHUNKS],
             view,
         };
-        chunks.look_again(simd, nearest, u32::MAX);
+        chunks.update_reach(simd, nearest, u32::MAX);
         Some(chunks)
     }
 
     /// After hits of the chunks in `touched`.
     #[inline(always)]
-    pub fn look_again<S: Simd>(&mut self, simd: S, nearest: &NearestTile, touched: u32) {
+    pub fn update_reach<S: Simd>(&mut self, simd: S, nearest: &NearestTile, touched: u32) {
         for which in 0..self.count {
             if touched >> which & 1 == 1 {
                 self.ahead[which] = self.slopes.chunk_ahead(simd, nearest, which);
@@ -124,18 +124,17 @@ impl<'a> Chunks<'a> {
             && view.is_worth_it(simd, block, &extents, common)
         {
             let mut faces = Faces::EMPTY;
-            common &= faces.look(simd, view, block, self.farthest);
+            common &= faces.lanes_to_test(simd, view, block, self.farthest);
             for which in 0..self.count {
                 if common == 0 || bits >> (which * LANES) & 0xffff == 0 {
                     continue;
                 }
-                let mut places = common & faces.within(simd, self.ahead[which]);
-                while places != 0 {
-                    let place = places.trailing_zeros() as usize & (WIDTH - 1);
-                    places &= places - 1;
-                    if !faces.all_pass(simd, place, &self.slopes, which) {
-                        let candidate =
-                            Candidate { place, chunk: which, corners: faces.corners(simd, place) };
+                let mut lanes = common & faces.within(simd, self.ahead[which]);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+                    lanes &= lanes - 1;
+                    if !faces.all_pass(simd, lane, &self.slopes, which) {
+                        let candidate = Candidate { lane, chunk: which, corners: faces.corners(simd, lane) };
                         touched |= u32::from(meet(candidate, &self.slopes, nearest)) << which;
                     }
                 }
@@ -144,29 +143,29 @@ impl<'a> Chunks<'a> {
             if const { has_wide_lanes::<S>() } && !self.known {
                 self.know_parts(simd);
             }
-            let axes = axes_from(self.heading.longest_axis);
+            let axes = axes_from(self.direction_class.longest_axis);
             for which in 0..self.count {
                 if bits >> (which * LANES) & 0xffff == 0 {
                     continue;
                 }
-                let mut places = self.parts[which].meet_extents(simd, &extents, self.ahead[which]);
-                while places != 0 {
-                    let place = places.trailing_zeros() as usize & (WIDTH - 1);
-                    places &= places - 1;
+                let mut lanes = self.parts[which].meet_extents(simd, &extents, self.ahead[which]);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize & (WIDTH - 1);
+                    lanes &= lanes - 1;
                     let corners = [
-                        block.corner(simd, place, 0, axes),
-                        block.corner(simd, place, 1, axes),
-                        block.corner(simd, place, 2, axes),
+                        block.corner(simd, lane, 0, axes),
+                        block.corner(simd, lane, 1, axes),
+                        block.corner(simd, lane, 2, axes),
                     ];
                     let corners = relative_to(corners, &self.rays.org_lanes(simd, axes, which * LANES));
-                    let candidate = Candidate { place, chunk: which, corners };
+                    let candidate = Candidate { lane, chunk: which, corners };
                     let met = meet(candidate, &self.slopes, nearest);
                     touched |= u32::from(met) << which;
                 }
             }
         }
         if touched != 0 {
-            self.look_again(simd, nearest, touched);
+            self.update_reach(simd, nearest, touched);
         }
     }
 
@@ -175,7 +174,7 @@ impl<'a> Chunks<'a> {
     fn know_parts<S: Simd>(&mut self, simd: S) {
         for which in 0..self.count {
             let ranges = self.slopes.ranges(simd, self.rays, which);
-            self.parts[which] = Beam::new(&ranges, self.heading, self.greatest);
+            self.parts[which] = Beam::new(&ranges, self.direction_class, self.greatest);
         }
         self.known = true;
     }

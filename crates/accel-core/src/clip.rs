@@ -32,16 +32,16 @@ impl Polygon {
         if !self.corners[..self.count].iter().any(outside) {
             return;
         }
-        let mut kept = Self { corners: [[0.0; 3]; MOST_CORNERS], count: 0 };
+        let mut clipped = Self { corners: [[0.0; 3]; MOST_CORNERS], count: 0 };
         self.walk(|from, to| {
             if !outside(from) {
-                kept.push(*from);
+                clipped.push(*from);
             }
             if outside(from) != outside(to) {
-                kept.push(crossing(from, to, axis, at));
+                clipped.push(crossing(from, to, axis, at));
             }
         });
-        *self = kept;
+        *self = clipped;
     }
 
     /// Calls `edge` with each corner and the next one.
@@ -56,7 +56,7 @@ impl Polygon {
 
     /// The boxes of what lies on either side of a plane, kept inside `halves`; `None` where nothing does.
     #[inline(always)]
-    fn boxes_beside(&self, axis: usize, at: f64, halves: [Aabb; 2]) -> [Option<Aabb>; 2] {
+    fn boxes_of_halves(&self, axis: usize, at: f64, halves: [Aabb; 2]) -> [Option<Aabb>; 2] {
         let mut boxes = [([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]); 2];
         let mut grow = |half: usize, p: &[f64; 3]| {
             let (min, max) = &mut boxes[half];
@@ -74,9 +74,9 @@ impl Polygon {
                 grow(1, from);
             }
             if (here < 0.0 && there > 0.0) || (here > 0.0 && there < 0.0) {
-                let meeting = crossing(from, to, axis, at);
-                grow(0, &meeting);
-                grow(1, &meeting);
+                let crossing_point = crossing(from, to, axis, at);
+                grow(0, &crossing_point);
+                grow(1, &crossing_point);
             }
         });
         let mut result = [None; 2];
@@ -98,23 +98,23 @@ impl Polygon {
 #[inline(always)]
 fn crossing(from: &[f64; 3], to: &[f64; 3], axis: usize, at: f64) -> [f64; 3] {
     let f = (at - from[axis]) / (to[axis] - from[axis]);
-    let mut meeting =
+    let mut crossing_point =
         [from[0] + f * (to[0] - from[0]), from[1] + f * (to[1] - from[1]), from[2] + f * (to[2] - from[2])];
-    meeting[axis] = at;
-    meeting
+    crossing_point[axis] = at;
+    crossing_point
 }
 
 /// The boxes of a triangle's parts in `cell`, left and right of the plane `p[axis] == at`.
 pub fn split_boxes(triangle: &[[f32; 3]; 3], cell: &Aabb, axis: usize, at: f32) -> [Option<Aabb>; 2] {
-    let mut seen = Polygon { corners: [[0.0; 3]; MOST_CORNERS], count: 0 };
-    triangle.iter().for_each(|corner| seen.push(corner.map(f64::from)));
+    let mut polygon = Polygon { corners: [[0.0; 3]; MOST_CORNERS], count: 0 };
+    triangle.iter().for_each(|corner| polygon.push(corner.map(f64::from)));
     for k in 0..3 {
         // A unit in the last place outwards: the cell's faces may be rounded ones of this very triangle, and of one that
         // is all but parallel to such a face half a unit is a large part.
-        seen.cut(k, f64::from(cell.min[k].next_down()), -1.0);
-        seen.cut(k, f64::from(cell.max[k].next_up()), 1.0);
+        polygon.cut(k, f64::from(cell.min[k].next_down()), -1.0);
+        polygon.cut(k, f64::from(cell.max[k].next_up()), 1.0);
     }
-    seen.boxes_beside(axis, f64::from(at), cell.split(axis, at))
+    polygon.boxes_of_halves(axis, f64::from(at), cell.split(axis, at))
 }
 
 #[cfg(test)]

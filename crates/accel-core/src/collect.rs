@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a ray that is being traced collects.
-//! Tests: `trip::tests`, `tests/brute_force.rs` of `gnurt-accel`.
+//! Tests: `traversal::tests`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use std::marker::PhantomData;
 
 use crate::nearest::{AnyHit, Closest, Kind, Mode, Nearest};
-use crate::triangle::Meeting;
+use crate::triangle::TriangleHit;
 
-/// What a single ray gathers on its way. Searches that are worth it are compiled once for each: [`Best`] of either mode; a [`RayTrip`](crate::trip::RayTrip) is one for everything.
+/// What a single ray gathers on its way. Searches that are worth it are compiled once for each: [`Best`] of either mode; a [`RayTraversal`](crate::traversal::RayTraversal) is one for everything.
 pub trait Collect {
     /// Whether the first offer ends the search, so that its order does not matter.
     const ANY: bool;
@@ -16,7 +16,7 @@ pub trait Collect {
     /// Nothing beyond it is of interest; negative infinity ends the search.
     fn reach(&self) -> f32;
     /// Takes a meeting at `t <= reach()`, in `[t_near, t_far]` of the ray.
-    fn offer(&mut self, meeting: Meeting, number: u32, slot: u32);
+    fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32);
 
     /// Whether it matters where the ray meets things, not only that it does.
     fn asks_where(&self) -> bool;
@@ -53,8 +53,8 @@ impl<M: Mode> Collect for Best<'_, M> {
     }
 
     #[inline(always)]
-    fn offer(&mut self, meeting: Meeting, number: u32, slot: u32) {
-        self.0.offer::<M>(meeting, number, slot);
+    fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32) {
+        self.0.offer::<M>(hit, number, slot);
     }
 }
 
@@ -79,10 +79,10 @@ impl Collect for BestOf {
     }
 
     #[inline(always)]
-    fn offer(&mut self, meeting: Meeting, number: u32, slot: u32) {
+    fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32) {
         match self.kind {
-            Kind::Closest => self.nearest.offer::<Closest>(meeting, number, slot),
-            Kind::Any => self.nearest.offer::<AnyHit>(meeting, number, slot),
+            Kind::Closest => self.nearest.offer::<Closest>(hit, number, slot),
+            Kind::Any => self.nearest.offer::<AnyHit>(hit, number, slot),
         }
     }
 }

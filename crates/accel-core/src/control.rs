@@ -87,7 +87,7 @@ pub struct Watch<'a> {
     done: AtomicU64,
     whole: AtomicU64,
     /// What was told last.
-    told: Mutex<f32>,
+    reported: Mutex<f32>,
 }
 
 impl<'a> Watch<'a> {
@@ -102,7 +102,7 @@ impl<'a> Watch<'a> {
             needed: zero(),
             done: zero(),
             whole: zero(),
-            told: Mutex::new(0.0),
+            reported: Mutex::new(0.0),
         }
     }
 
@@ -167,32 +167,32 @@ impl<'a> Watch<'a> {
 
     /// So much more is done.
     pub fn advance(&self, steps: usize) {
-        self.tell_of(self.done.fetch_add(steps as u64, Relaxed) + steps as u64);
+        self.report_steps(self.done.fetch_add(steps as u64, Relaxed) + steps as u64);
     }
 
     /// So much is done of the whole, or more: a stage that found less to do than was thought is over.
     pub fn advance_to(&self, done: usize) {
-        self.tell_of(self.done.fetch_max(done as u64, Relaxed).max(done as u64));
+        self.report_steps(self.done.fetch_max(done as u64, Relaxed).max(done as u64));
     }
 
-    fn tell_of(&self, done: u64) {
+    fn report_steps(&self, done: u64) {
         let whole = self.whole.load(Relaxed).max(1);
         // What comes before and behind the division takes its time as well.
-        self.tell(0.05 + 0.8 * (done as f64 / whole as f64).min(1.0) as f32);
+        self.report(0.05 + 0.8 * (done as f64 / whole as f64).min(1.0) as f32);
     }
 
     /// All is done.
     pub fn finish(&self) {
-        self.tell(1.0);
+        self.report(1.0);
     }
 
     /// Another thread that is telling has told enough, and may be called from within its own call.
-    fn tell(&self, done: f32) {
-        if let Ok(mut told) = self.told.try_lock()
-            && done > *told
+    fn report(&self, done: f32) {
+        if let Ok(mut reported) = self.reported.try_lock()
+            && done > *reported
             && !self.stopped.load(Relaxed)
         {
-            *told = done;
+            *reported = done;
             self.control.progress(done);
         }
     }

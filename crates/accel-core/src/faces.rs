@@ -17,8 +17,8 @@ use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 
 use crate::beam::{Ranges, Slopes};
 use crate::blocks::{TriangleBlock, WIDTH};
+use crate::direction_class::DirectionClass;
 use crate::float::most;
-use crate::heading::Heading;
 use crate::tile::{LANES, chunk};
 use crate::triangle::axes_from;
 
@@ -61,12 +61,17 @@ pub struct Faces {
 impl Viewpoint {
     /// For rays that start in `org`, in a tree whose greatest coordinate is `greatest`; none where products may overflow.
     #[inline(always)]
-    pub fn new(ranges: &Ranges, org: [f32; 3], heading: Heading, greatest: f32) -> Option<Self> {
+    pub fn new(
+        ranges: &Ranges,
+        org: [f32; 3],
+        direction_class: DirectionClass,
+        greatest: f32,
+    ) -> Option<Self> {
         let away = most(org[0].abs(), most(org[1].abs(), org[2].abs()));
         if greatest + away > FARTHEST {
             return None;
         }
-        let axes = axes_from(heading.longest_axis);
+        let axes = axes_from(direction_class.longest_axis);
         let [x, y] = ranges.slope();
         // Half the width is rounded upwards, so that both ends lie within.
         let middle = |[low, high]: [f32; 2]| 0.5 * (low + high);
@@ -76,7 +81,7 @@ impl Viewpoint {
             org: axes.map(|k| org[k]),
             middle: [middle(x), middle(y)],
             half: [half(x), half(y)],
-            backwards: heading.backwards[heading.longest_axis],
+            backwards: direction_class.backwards[direction_class.longest_axis],
         })
     }
 }
@@ -112,7 +117,13 @@ impl Faces {
 
     /// Looks at a block; returns the triangles that some ray of the tile may meet before `reach` steps.
     #[inline(always)]
-    pub fn look<S: Simd>(&mut self, simd: S, view: &Viewpoint, block: &TriangleBlock, reach: f32) -> u32 {
+    pub fn lanes_to_test<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &Viewpoint,
+        block: &TriangleBlock,
+        reach: f32,
+    ) -> u32 {
         let org = [
             f32x8::splat(simd, view.org[0]),
             f32x8::splat(simd, view.org[1]),
@@ -174,35 +185,35 @@ impl Faces {
         f32x8::from_slice(simd, &self.nearest).simd_le(f32x8::splat(simd, reach)).to_bitmask() as u32
     }
 
-    /// Whether each of the sixteen rays of a chunk passes by the triangle at `place`.
+    /// Whether each of the sixteen rays of a chunk passes by the triangle at `lane`.
     #[inline(always)]
-    pub fn all_pass<S: Simd>(&self, simd: S, place: usize, slopes: &Slopes, which: usize) -> bool {
+    pub fn all_pass<S: Simd>(&self, simd: S, lane: usize, slopes: &Slopes, which: usize) -> bool {
         let at = which * LANES;
         let (sx, sy) = (chunk(simd, &slopes.shear[0], at), chunk(simd, &slopes.shear[1], at));
         let mut w = [sx; 3];
         for (w, rows) in w.iter_mut().zip(&self.normals) {
-            let [x, y, z] = place_of(simd, rows, place);
+            let [x, y, z] = corner_of(simd, rows, lane);
             *w = sx.mul_add(x, sy.mul_add(y, z));
         }
         let [a, b, c] = w;
-        let margin = f32x16::splat(simd, self.margin[place & 7]);
+        let margin = f32x16::splat(simd, self.margin[lane & 7]);
         let passed_by = a.min(b).min(c).simd_lt(-margin) & a.max(b).max(c).simd_gt(margin);
         passed_by.all_true()
     }
 
-    /// Corners of the triangle at `place`, in all lanes.
+    /// Corners of the triangle at `lane`, in all lanes.
     #[inline(always)]
-    pub fn corners<S: Simd>(&self, simd: S, place: usize) -> [[f32x16<S>; 3]; 3] {
+    pub fn corners<S: Simd>(&self, simd: S, lane: usize) -> [[f32x16<S>; 3]; 3] {
         let [a, b, c] = &self.corners;
-        [place_of(simd, a, place), place_of(simd, b, place), place_of(simd, c, place)]
+        [corner_of(simd, a, lane), corner_of(simd, b, lane), corner_of(simd, c, lane)]
     }
 }
 
-/// What rows hold at `place`, in all lanes.
+/// What rows hold at `lane`, in all lanes.
 #[inline(always)]
-fn place_of<S: Simd>(simd: S, [x, y, z]: &[[f32; WIDTH]; 3], place: usize) -> [f32x16<S>; 3] {
-    let place = place & (WIDTH - 1);
-    [f32x16::splat(simd, x[place]), f32x16::splat(simd, y[place]), f32x16::splat(simd, z[place])]
+fn corner_of<S: Simd>(simd: S, [x, y, z]: &[[f32; WIDTH]; 3], lane: usize) -> [f32x16<S>; 3] {
+    let lane = lane & (WIDTH - 1);
+    [f32x16::splat(simd, x[lane]), f32x16::splat(simd, y[lane]), f32x16::splat(simd, z[lane])]
 }
 
 #[cfg(test)]
@@ -218,16 +229,21 @@ mod tests {
 
     /// The triangles that planes leave for a tile, and for its rays `which * 16..`, by bits.
     #[inline(always)]
-    fn leave<S: Simd>(simd: S, rays: &RayTile, heading: Heading, block: &TriangleBlock) -> Option<[u32; 5]> {
+    fn leave<S: Simd>(
+        simd: S,
+        rays: &RayTile,
+        direction_class: DirectionClass,
+        block: &TriangleBlock,
+    ) -> Option<[u32; 5]> {
         let mut slopes = Slopes::EMPTY;
-        slopes.prepare(simd, rays, TILE, heading);
+        slopes.prepare(simd, rays, TILE, direction_class);
         let ranges = slopes.all_ranges(simd, rays, TILE);
-        let view = Viewpoint::new(&ranges, rays.one_origin(TILE)?, heading, 1e17)?;
+        let view = Viewpoint::new(&ranges, rays.one_origin(TILE)?, direction_class, 1e17)?;
         let mut faces = Faces::EMPTY;
-        let mut left = [faces.look(simd, &view, block, f32::INFINITY), 0, 0, 0, 0];
+        let mut left = [faces.lanes_to_test(simd, &view, block, f32::INFINITY), 0, 0, 0, 0];
         for which in 0..TILE / LANES {
-            for place in 0..WIDTH {
-                left[1 + which] |= u32::from(!faces.all_pass(simd, place, &slopes, which)) << place;
+            for lane in 0..WIDTH {
+                left[1 + which] |= u32::from(!faces.all_pass(simd, lane, &slopes, which)) << lane;
             }
         }
         Some(left)
@@ -245,26 +261,26 @@ mod tests {
                 let size = [1.0, 1e-3, 1e-6, 30.0][round % 4];
                 let org = [random(), random(), random()].map(|x| x * [0.0, 1.0, 1e4, 1e-20][round / 4 % 4]);
                 let mut block = TriangleBlock { corners: [[[0.0; WIDTH]; 3]; 3], numbers: [0; WIDTH] };
-                for place in 0..WIDTH {
+                for lane in 0..WIDTH {
                     let depth = 2.0 + random();
                     let middle = [random() * depth * 0.5, random() * depth * 0.5, depth];
                     for corner in &mut block.corners {
                         for (k, row) in corner.iter_mut().enumerate() {
                             let flat = if round % 3 == 0 && k == 1 { 1e-6 } else { 1.0 };
-                            row[place] = org[k] + middle[k] + size * flat * random();
+                            row[lane] = org[k] + middle[k] + size * flat * random();
                         }
                     }
                 }
                 let mut rays = RayTile::EMPTY;
                 for i in 0..TILE {
-                    let place = (i + round) % WIDTH;
+                    let lane = (i + round) % WIDTH;
                     let (a, b) = (random().abs(), [0.0, 1.0, random().abs()][i % 3]);
                     let weights = [1.0 - b, b * (1.0 - a), b * a];
                     let mut dir = [0.0; 3];
                     for k in 0..3 {
                         rays.org[k][i] = org[k];
                         for (weight, corner) in weights.iter().zip(&block.corners) {
-                            dir[k] += weight * (corner[k][place] - org[k]);
+                            dir[k] += weight * (corner[k][lane] - org[k]);
                         }
                     }
                     // One heading for all.
@@ -273,20 +289,21 @@ mod tests {
                     let longest = dir[0].max(dir[1]);
                     (rays.dir[0][i], rays.dir[1][i], rays.dir[2][i]) = (dir[0], dir[1], dir[2].max(longest));
                 }
-                let heading = Heading { backwards: [false; 3], longest_axis: 2 };
-                let left = dispatch_wide!(level, simd => leave(simd, &rays, heading, &block), else None);
+                let direction_class = DirectionClass { backwards: [false; 3], longest_axis: 2 };
+                let left =
+                    dispatch_wide!(level, simd => leave(simd, &rays, direction_class, &block), else None);
                 let Some(left) = left else { continue };
-                for place in 0..WIDTH {
-                    let corners = [0, 1, 2].map(|c: usize| [0, 1, 2].map(|k| block.corners[c][k][place]));
+                for lane in 0..WIDTH {
+                    let corners = [0, 1, 2].map(|c: usize| [0, 1, 2].map(|k| block.corners[c][k][lane]));
                     for i in 0..TILE {
                         let dir = [0, 1, 2].map(|k| rays.dir[k][i]);
                         let ray = ShearedRay::new(&Ray::new(org, dir));
                         let hit = ray.meet(&corners, true, 0.0, f32::INFINITY).is_some();
                         hits += u32::from(hit);
-                        let kept = left[0] & left[1 + i / LANES];
-                        assert!(!hit || kept >> place & 1 == 1, "ray {i} hits {corners:?} at {level}");
+                        let left_lanes = left[0] & left[1 + i / LANES];
+                        assert!(!hit || left_lanes >> lane & 1 == 1, "ray {i} hits {corners:?} at {level}");
                     }
-                    left_out += u32::from(left[1..].iter().any(|left| left >> place & 1 == 0));
+                    left_out += u32::from(left[1..].iter().any(|left| left >> lane & 1 == 0));
                 }
             }
             assert!(hits == 0 || hits > 4_000 && left_out > 1_000, "{hits} hits, {left_out} left out");

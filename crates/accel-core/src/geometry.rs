@@ -217,7 +217,7 @@ pub struct Numbering {
 
 /// A number taken apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct Located {
     pub geom_id: u32,
     pub prim_id: u32,
     /// The half of a quad that holds its vertices 1, 2 and 3.
@@ -230,9 +230,9 @@ impl Numbering {
         let mut next = 0;
         for geometry in geometries {
             let quads = matches!(geometry.kind, GeometryKind::Quads(_));
-            let (count, room) = (geometry.count(), MOST_TRIANGLES - next);
+            let (count, free) = (geometry.count(), MOST_TRIANGLES - next);
             // Quads are taken whole.
-            let taken = count.min(if quads { room / 2 * 2 } else { room });
+            let taken = count.min(if quads { free / 2 * 2 } else { free });
             numbering.too_many += ((count - taken) >> u32::from(quads)) as u64;
             next += taken;
             numbering.starts.push(next as u32);
@@ -249,14 +249,14 @@ impl Numbering {
 
     /// Which primitive has this number.
     #[inline]
-    pub fn place(&self, number: u32) -> Place {
+    pub fn locate(&self, number: u32) -> Located {
         let geometry = geometry_of(&self.starts, number);
         let within = number - self.starts[geometry];
         let geom_id = geometry as u32;
         if self.quads[geometry] {
-            Place { geom_id, prim_id: within / 2, second_half: within & 1 == 1 }
+            Located { geom_id, prim_id: within / 2, second_half: within & 1 == 1 }
         } else {
-            Place { geom_id, prim_id: within, second_half: false }
+            Located { geom_id, prim_id: within, second_half: false }
         }
     }
 }

@@ -4,8 +4,8 @@
 //! Source: see each file.
 //!
 //! From below: `float`, `bits`, `aabb`, `ray`, `hit`: numbers and plain data. `slab`, `triangle`, `blocks`: one ray against
-//! planes and triangles. `tile`, `beam`, `faces`, `chunks`, `tile_test`: up to 64 rays of one [`heading`] against boxes and
-//! triangles. [`trip`]: what goes from a query to the kernels of a tree. `geometry`, `screened`, `threads`, `control`:
+//! planes and triangles. `tile`, `beam`, `faces`, `chunks`, `tile_test`: up to 64 rays of one [`direction_class`] against boxes and
+//! triangles. [`traversal`]: what goes from a query to the kernels of a tree. `geometry`, `valid_triangles`, `threads`, `control`:
 //! what trees are built over, by whom and under whose eyes. `store`: trees in files.
 //!
 //! Nothing in here is compiled for a level by itself but [`tile_kernels`]: the rest is `#[inline(always)]` for the kernels
@@ -29,11 +29,12 @@ pub mod chunks;
 pub mod clip;
 pub mod collect;
 pub mod control;
+pub mod direction_class;
 pub mod exact;
 pub mod faces;
+pub mod filter_region;
 pub mod float;
 pub mod geometry;
-pub mod heading;
 pub mod hit;
 pub mod motion;
 pub mod nearest;
@@ -45,9 +46,7 @@ pub mod ray;
 pub mod ray_batch;
 pub mod refit;
 pub mod region;
-pub mod screened;
 pub mod shared_list;
-pub mod sift;
 pub mod slab;
 pub mod stats;
 pub mod store;
@@ -56,9 +55,10 @@ pub mod threads;
 pub mod tile;
 pub mod tile_kernels;
 pub mod tile_test;
+pub mod traversal;
 pub mod triangle;
-pub mod trip;
 pub mod user;
+pub mod valid_triangles;
 
 pub use aabb::Aabb;
 pub use control::{BuildControl, BuildError};
@@ -67,7 +67,7 @@ pub use geometry::{
     MovingTriangles, Quads, Spheres, Triangles,
 };
 pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};
-pub use motion::Moment;
+pub use motion::KeyInterval;
 pub use options::{BuildOptions, Memory, Quality, Structure, TriangleTest};
 pub use point::PointHit;
 pub use query::{Coherence, Counters, Query, Record};

@@ -6,7 +6,7 @@
 
 /// Between which keys a moment lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub struct KeyInterval {
     /// The key before it.
     pub key: usize,
     /// The key behind it.
@@ -15,7 +15,7 @@ pub struct Moment {
     pub weights: [f32; 2],
 }
 
-impl Moment {
+impl KeyInterval {
     /// Where `time` in [0, 1] lies among `keys`, one or more. Other times are clamped, NaN is 0.
     #[must_use]
     #[inline(always)]
@@ -51,16 +51,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn moments_lie_between_their_keys() {
-        let at = |time, keys| Moment::of(time, keys);
-        assert_eq!(at(0.5, 1), Moment { key: 0, next: 0, weights: [1.0, 0.0] }, "one key stands still");
-        assert_eq!(at(0.25, 2), Moment { key: 0, next: 1, weights: [0.75, 0.25] }, "a quarter of the way");
+    fn times_lie_between_their_keys() {
+        let at = |time, keys| KeyInterval::of(time, keys);
+        assert_eq!(at(0.5, 1), KeyInterval { key: 0, next: 0, weights: [1.0, 0.0] }, "one key stands still");
+        assert_eq!(
+            at(0.25, 2),
+            KeyInterval { key: 0, next: 1, weights: [0.75, 0.25] },
+            "a quarter of the way"
+        );
         assert_eq!(
             at(0.625, 5),
-            Moment { key: 2, next: 3, weights: [0.5, 0.5] },
+            KeyInterval { key: 2, next: 3, weights: [0.5, 0.5] },
             "in the third of four pieces"
         );
-        assert_eq!(at(1.0, 4), Moment { key: 2, next: 3, weights: [0.0, 1.0] }, "the last key");
+        assert_eq!(at(1.0, 4), KeyInterval { key: 2, next: 3, weights: [0.0, 1.0] }, "the last key");
         assert_eq!((at(-3.0, 3), at(7.0, 3)), (at(0.0, 3), at(1.0, 3)), "times beyond are clamped");
         assert_eq!(at(f32::NAN, 3), at(0.0, 3), "no number is the first key");
         assert_eq!(
@@ -78,12 +82,12 @@ mod tests {
             (state >> 8) as f32 / (1 << 24) as f32
         };
         for _ in 0..100_000 {
-            let moment = Moment::of(random(), 3);
+            let interval = KeyInterval::of(random(), 3);
             let (low, high) = ([random() - 0.5, random() - 0.5], [random(), random()]);
             let more = [low[0] + 1e-7 * high[0], low[1] + 1e-7 * high[1]];
             assert!(
-                moment.mix(low[0], low[1]) <= moment.mix(more[0], more[1]),
-                "{low:?} and {more:?}, {moment:?}"
+                interval.mix(low[0], low[1]) <= interval.mix(more[0], more[1]),
+                "{low:?} and {more:?}, {interval:?}"
             );
         }
     }

@@ -7,7 +7,7 @@
 use gnurt_simd::{Simd, SimdFloat, prelude::*};
 
 use crate::hit::INVALID_ID;
-use crate::triangle::Meeting;
+use crate::triangle::TriangleHit;
 
 /// What a query wants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,8 +63,8 @@ impl Nearest {
 
     /// Takes a meeting at `t <= self.t` if it is better.
     #[inline(always)]
-    pub fn offer<M: Mode>(&mut self, meeting: Meeting, number: u32, slot: u32) {
-        let Meeting { t, u, v } = meeting;
+    pub fn offer<M: Mode>(&mut self, triangle_hit: TriangleHit, number: u32, slot: u32) {
+        let TriangleHit { t, u, v } = triangle_hit;
         if M::ANY {
             *self = Self { t: f32::NEG_INFINITY, u, v, number, slot };
         } else if t < self.t || (t == self.t && (slot, number) < (self.slot, self.number)) {
@@ -96,12 +96,12 @@ mod tests {
 
     #[test]
     fn lanes_choose_alike() {
-        let places =
+        let hits =
             [(1.0, 1, 5), (1.0, 1, 4), (1.0, 0, 9), (2.0, 0, 0), (f32::INFINITY, INVALID_ID, INVALID_ID)];
-        for (t, slot, number) in places {
-            for (old_t, old_slot, old_number) in places {
+        for (t, slot, number) in hits {
+            for (old_t, old_slot, old_number) in hits {
                 let mut best = Nearest { t: old_t, u: 0.0, v: 0.0, number: old_number, slot: old_slot };
-                best.offer::<Closest>(Meeting { t, u: 0.0, v: 0.0 }, number, slot);
+                best.offer::<Closest>(TriangleHit { t, u: 0.0, v: 0.0 }, number, slot);
                 let taken = (best.t, best.slot, best.number) != (old_t, old_slot, old_number);
                 for level in Level::available() {
                     let lanes = dispatch!(level, simd => closer(
@@ -125,7 +125,7 @@ mod tests {
         let mut backwards = forwards;
         let offer = |best: &mut Nearest, (t, number, slot): (f32, u32, u32)| {
             if t <= best.t {
-                best.offer::<Closest>(Meeting { t, u: 0.0, v: 0.0 }, number, slot);
+                best.offer::<Closest>(TriangleHit { t, u: 0.0, v: 0.0 }, number, slot);
             }
         };
         offers.iter().for_each(|&o| offer(&mut forwards, o));

@@ -71,9 +71,9 @@ impl RayBatch {
         for (name, len) in arrays {
             assert!(len == n, "a batch of {n} rays (t_near) has {len} values in {name}");
         }
-        let (masks, moments) = (self.mask.len(), self.time.len());
+        let (masks, times) = (self.mask.len(), self.time.len());
         assert!(masks == 0 || masks == n, "a batch of {n} rays has {masks} masks: none, or one each");
-        assert!(moments == 0 || moments == n, "a batch of {n} rays has {moments} moments: none, or one each");
+        assert!(times == 0 || times == n, "a batch of {n} rays has {times} moments: none, or one each");
     }
 
     /// Appends a ray.

@@ -49,7 +49,7 @@ pub struct BoxRegion {
 
 /// A region made ready for the boxes of one tree.
 #[derive(Clone, Copy, Debug)]
-pub enum Sieve {
+pub enum RegionFilter {
     Line { org: [f64; 3], inv: [f64; 3], ends: [f64; 2], slack: f64 },
     Box { min: [f64; 3], max: [f64; 3] },
 }
@@ -107,17 +107,17 @@ impl Region {
 
     /// The same, or more, in the space that a map comes from.
     pub fn inside(&self, map: &Map) -> Self {
-        let place = map.columns[3];
+        let translation = map.columns[3];
         match self {
             Self::Line(line) => {
-                let (org, off_org) = map.inward(line.org, place, line.off[0]);
+                let (org, off_org) = map.inward(line.org, translation, line.off[0]);
                 let (dir, off_dir) = map.inward(line.dir, [0.0; 3], line.off[1]);
                 Self::Line(LineRegion { org, dir, off: [off_org, off_dir], ..*line })
             }
             Self::Box(region) => {
                 let half = [0, 1, 2].map(|k| 0.5 * (region.max[k] - region.min[k]));
                 let middle = [0, 1, 2].map(|k| region.min[k] + half[k]);
-                let (middle, off) = map.inward(middle, place, region.off + ROUNDING * largest(half));
+                let (middle, off) = map.inward(middle, translation, region.off + ROUNDING * largest(half));
                 let half = map.rows.map(|row| (0..3).map(|i| row[i].abs() * half[i]).sum::<f64>());
                 let off = off + 2.0 * ROUNDING * (largest(half) + largest(middle));
                 let side = |sign: f64| [0, 1, 2].map(|k| middle[k] + sign * half[k]);
@@ -146,7 +146,7 @@ impl Region {
     }
 
     /// For a tree whose greatest coordinate is `reach`.
-    pub fn sieve(&self, reach: f32) -> Sieve {
+    pub fn region_filter(&self, reach: f32) -> RegionFilter {
         let reach = f64::from(reach);
         match self {
             Self::Line(line) => {
@@ -154,20 +154,20 @@ impl Region {
                 let turned = line.off[1] / largest(line.dir) * away;
                 let slack = SLACK * reach + ROUNDING * away + line.off[0] + turned;
                 let inv = line.dir.map(|x| if x == 0.0 { 0.0 } else { 1.0 / x });
-                Sieve::Line { org: line.org, inv, ends: [line.near, line.far], slack }
+                RegionFilter::Line { org: line.org, inv, ends: [line.near, line.far], slack }
             }
             Self::Box(region) => {
                 let slack =
                     SLACK * reach + region.off + ROUNDING * (largest(region.min) + largest(region.max));
-                Sieve::Box { min: region.min.map(|x| x - slack), max: region.max.map(|x| x + slack) }
+                RegionFilter::Box { min: region.min.map(|x| x - slack), max: region.max.map(|x| x + slack) }
             }
         }
     }
 }
 
-impl Sieve {
+impl RegionFilter {
     /// Which of eight boxes may hold some of the region, as bits; boxes from +inf to -inf hold nothing.
-    pub fn meets(&self, rows: &Rows) -> u32 {
+    pub fn overlap_mask(&self, rows: &Rows) -> u32 {
         let mut is_met = [true; WIDTH];
         match self {
             Self::Line { org, inv, ends, slack } => {

@@ -35,8 +35,8 @@ impl<T> Index<usize> for SharedList<T> {
     type Output = T;
 
     #[inline]
-    fn index(&self, place: usize) -> &T {
-        &self.branches[place / SPAN][place / LEAF % BRANCH][place % LEAF]
+    fn index(&self, position: usize) -> &T {
+        &self.branches[position / SPAN][position / LEAF % BRANCH][position % LEAF]
     }
 }
 
@@ -56,8 +56,8 @@ impl<T> SharedList<T> {
     /// A value, if it is there.
     #[must_use]
     #[inline]
-    pub fn get(&self, place: usize) -> Option<&T> {
-        (place < self.len).then(|| &self[place])
+    pub fn get(&self, position: usize) -> Option<&T> {
+        (position < self.len).then(|| &self[position])
     }
 
     /// All values.
@@ -88,7 +88,7 @@ impl<T: Send + Sync> SharedList<T> {
 impl<T: Default + Clone + Send + Sync> SharedList<T> {
     /// Of `len` values; `parallel`: by the threads of the present pool.
     pub fn new(len: usize, parallel: bool, value: impl Fn(usize) -> T + Sync) -> Self {
-        Self::with(len, parallel, |place| (value(place), ())).0
+        Self::with(len, parallel, |position| (value(position), ())).0
     }
 
     /// The same, and what comes along with each value.
@@ -144,10 +144,10 @@ impl<T: Default + Clone + Send + Sync> SharedList<T> {
     ///
     /// # Panics
     /// Behind the end.
-    pub fn edit(&mut self, place: usize) -> &mut T {
-        assert!(place < self.len, "place {place} of {}", self.len);
-        let branch = Arc::make_mut(&mut self.branches[place / SPAN]);
-        &mut Arc::make_mut(&mut branch[place / LEAF % BRANCH])[place % LEAF]
+    pub fn edit(&mut self, position: usize) -> &mut T {
+        assert!(position < self.len, "place {position} of {}", self.len);
+        let branch = Arc::make_mut(&mut self.branches[position / SPAN]);
+        &mut Arc::make_mut(&mut branch[position / LEAF % BRANCH])[position % LEAF]
     }
 
     /// Makes it longer by default values; never shorter.
@@ -160,42 +160,42 @@ impl<T: Default + Clone + Send + Sync> SharedList<T> {
         let whole = self.branches.pop_if(|last| last.len() < BRANCH);
         let mut more: Vec<Leaf<T>> = whole.map_or(Vec::new(), |last| last.to_vec());
         while self.branches.len() * BRANCH < leaves {
-            let wanted = BRANCH.min(leaves - self.branches.len() * BRANCH);
-            more.extend((more.len()..wanted).map(nothing));
+            let target_len = BRANCH.min(leaves - self.branches.len() * BRANCH);
+            more.extend((more.len()..target_len).map(nothing));
             self.branches.push(std::mem::take(&mut more).into());
         }
         self.len = len;
     }
 
-    /// Puts `value(place)` into all `places`, which ascend; `parallel`: by the threads of the present pool.
+    /// Puts `value(position)` into all `positions`, which ascend; `parallel`: by the threads of the present pool.
     ///
     /// # Panics
     /// Behind the end.
-    pub fn set_all(&mut self, places: &[u32], parallel: bool, value: impl Fn(usize) -> T + Sync) {
+    pub fn set_all(&mut self, positions: &[u32], parallel: bool, value: impl Fn(usize) -> T + Sync) {
         /// Edits that are not worth a thread.
         const FEW: usize = 64;
-        if let Some(last) = places.last() {
+        if let Some(last) = positions.last() {
             assert!((*last as usize) < self.len, "place {last} of {}", self.len);
         }
-        let mut due = Vec::new();
+        let mut edited = Vec::new();
         let mut branches = self.branches.iter_mut().enumerate();
-        for run in places.chunk_by(|&a, &b| a as usize / SPAN == b as usize / SPAN) {
-            let wanted = run[0] as usize / SPAN;
-            let branch = branches.find(|(number, _)| *number == wanted);
+        for run in positions.chunk_by(|&a, &b| a as usize / SPAN == b as usize / SPAN) {
+            let target_len = run[0] as usize / SPAN;
+            let branch = branches.find(|(number, _)| *number == target_len);
             let (_, branch) = branch.unwrap_or_else(|| panic!("places do not ascend at {}", run[0]));
-            due.push((branch, run));
+            edited.push((branch, run));
         }
         let set = |(branch, run): (&mut Arc<[Leaf<T>]>, &[u32])| {
             let branch = Arc::make_mut(branch);
-            for &place in run {
-                let place = place as usize;
-                Arc::make_mut(&mut branch[place / LEAF % BRANCH])[place % LEAF] = value(place);
+            for &position in run {
+                let position = position as usize;
+                Arc::make_mut(&mut branch[position / LEAF % BRANCH])[position % LEAF] = value(position);
             }
         };
-        if parallel && places.len() > FEW {
-            due.into_par_iter().for_each(set);
+        if parallel && positions.len() > FEW {
+            edited.into_par_iter().for_each(set);
         } else {
-            due.into_iter().for_each(set);
+            edited.into_iter().for_each(set);
         }
     }
 }
@@ -213,7 +213,7 @@ mod tests {
             assert!(list.iter().all(|&x| x == 0), "and of default values");
         }
         assert_eq!((list.get(4999), list.get(5000)), (Some(&0), None), "its end");
-        let mut other = SharedList::new(5000, false, |place| place);
+        let mut other = SharedList::new(5000, false, |position| position);
         for len in [4999, 4000, 513, 512, 511, 17, 16, 15, 0] {
             other.truncate(len);
             assert!(other.iter().copied().eq(0..len), "{len} are left");
@@ -223,16 +223,16 @@ mod tests {
         }
         let before = list.clone();
         *list.edit(300) = 1;
-        let places: Vec<u32> = (1600..5000).filter(|place| place % 3 == 0).collect();
-        list.set_all(&places, false, |place| place);
+        let positions: Vec<u32> = (1600..5000).filter(|position| position % 3 == 0).collect();
+        list.set_all(&positions, false, |position| position);
         assert!(before.iter().all(|&x| x == 0), "a copy stays as it was");
-        for (place, &x) in list.iter().enumerate() {
-            let wanted = match place {
+        for (position, &x) in list.iter().enumerate() {
+            let target_len = match position {
                 300 => 1,
-                1600.. if place % 3 == 0 => place,
+                1600.. if position % 3 == 0 => position,
                 _ => 0,
             };
-            assert_eq!((x, list[place]), (wanted, wanted), "at {place}");
+            assert_eq!((x, list[position]), (target_len, target_len), "at {position}");
         }
         let leaves = |list: &SharedList<usize>| -> Vec<Leaf<usize>> {
             list.branches.iter().flat_map(|branch| branch.to_vec()).collect()
@@ -245,8 +245,8 @@ mod tests {
     fn threads_do_not_show() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads start");
         for len in [0, 1, 16, 511, 10_000] {
-            let list = SharedList::new(len, false, |place| place);
-            let other = pool.install(|| SharedList::new(len, true, |place| place));
+            let list = SharedList::new(len, false, |position| position);
+            let other = pool.install(|| SharedList::new(len, true, |position| position));
             assert!(list.iter().copied().eq(0..len) && other.iter().eq(list.iter()), "{len} values");
             let pieces = other.par_pieces().flat_map_iter(|(first, values)| {
                 values.iter().enumerate().map(move |(i, &value)| (first + i, value))
@@ -255,16 +255,16 @@ mod tests {
             assert!(pieces.into_iter().eq((0..len).map(|i| (i, i))), "pieces of {len} values");
         }
         let mut list = SharedList::new(10_000, false, |_| 0);
-        let places: Vec<u32> = (0..10_000).filter(|place| place % 7 == 2).collect();
+        let positions: Vec<u32> = (0..10_000).filter(|position| position % 7 == 2).collect();
         let mut other = list.clone();
-        list.set_all(&places, false, |place| place * 2);
-        pool.install(|| other.set_all(&places, true, |place| place * 2));
+        list.set_all(&positions, false, |position| position * 2);
+        pool.install(|| other.set_all(&positions, true, |position| position * 2));
         assert!(list.iter().eq(other.iter()), "the same values");
     }
 
     #[test]
     #[should_panic(expected = "place 700 of 10")]
-    fn places_beyond_the_end_are_a_mistake() {
+    fn indices_beyond_the_end_are_a_mistake() {
         let mut list: SharedList<u8> = SharedList::default();
         list.grow(10);
         list.set_all(&[3, 700], false, |_| 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where the corners of an object's triangles are found: meshes of triangles and of quads under one numbering.
-//! Space: object. Tests: `screened::tests`, `tests/refit.rs` of `gnurt-accel`.
+//! Space: object. Tests: `valid_triangles::tests`, `tests/refit.rs` of `gnurt-accel`.
 
 use std::ops::Range;
 
@@ -32,29 +32,29 @@ pub struct Mesh<'a> {
 }
 
 impl<'a> Surfaces<'a> {
-    /// Those of the geometries that are `wanted`.
+    /// Those of the geometries that are `accept`.
     pub fn new(
         geometries: &[Geometry<'a>],
         numbering: &Numbering,
-        wanted: impl Fn(&Geometry) -> bool,
+        accept: impl Fn(&Geometry) -> bool,
     ) -> Self {
         let surface = |geometry: &Geometry<'a>| match &geometry.kind {
-            GeometryKind::Triangles(mesh) if wanted(geometry) => Surface::Triangles(*mesh),
-            GeometryKind::Quads(mesh) if wanted(geometry) => Surface::Quads(*mesh),
+            GeometryKind::Triangles(mesh) if accept(geometry) => Surface::Triangles(*mesh),
+            GeometryKind::Quads(mesh) if accept(geometry) => Surface::Quads(*mesh),
             _ => Surface::None,
         };
         Self { meshes: geometries.iter().map(surface).collect(), starts: numbering.starts.clone() }
     }
 
-    /// Those of moving meshes that are `wanted`, at a key that all of them have.
+    /// Those of moving meshes that are `accept`, at a key that all of them have.
     pub fn at_key(
         geometries: &[Geometry<'a>],
         numbering: &Numbering,
-        wanted: impl Fn(&Geometry) -> bool,
+        accept: impl Fn(&Geometry) -> bool,
         key: usize,
     ) -> Self {
         let surface = |geometry: &Geometry<'a>| match &geometry.kind {
-            GeometryKind::Moving(mesh) if wanted(geometry) => Surface::Triangles(mesh.at_key(key)),
+            GeometryKind::Moving(mesh) if accept(geometry) => Surface::Triangles(mesh.at_key(key)),
             _ => Surface::None,
         };
         Self { meshes: geometries.iter().map(surface).collect(), starts: numbering.starts.clone() }

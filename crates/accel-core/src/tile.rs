@@ -10,7 +10,7 @@ use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 use crate::aabb::Aabb;
 use crate::bits::TILE;
-use crate::heading::Heading;
+use crate::direction_class::DirectionClass;
 use crate::hit::INVALID_ID;
 use crate::nearest::Nearest;
 use crate::ray::Ray;
@@ -46,7 +46,7 @@ pub struct RayTile {
     pub is_full: bool,
     /// Where all rays are heading, if that is known: then lanes behind the first rays up to a multiple of 16 look for
     /// nothing, and nobody need look which ways they go.
-    pub heading: Option<Heading>,
+    pub direction_class: Option<DirectionClass>,
 }
 
 /// Best hits of a tile's rays; see [`Nearest`].
@@ -69,13 +69,13 @@ impl RayTile {
         mask: u32::MAX,
         is_timed: false,
         is_full: false,
-        heading: None,
+        direction_class: None,
     };
 
     /// Loads rays `first..first + 64` of a batch as far as it goes; returns how many there are.
     pub fn load(&mut self, rays: &RayBatch, first: usize, nearest: &mut NearestTile) -> usize {
         let count = (rays.len() - first).min(TILE);
-        self.heading = None;
+        self.direction_class = None;
         for k in 0..3 {
             self.org[k][..count].copy_from_slice(&rays.org[k][first..first + count]);
             self.dir[k][..count].copy_from_slice(&rays.dir[k][first..first + count]);
@@ -105,10 +105,10 @@ impl RayTile {
         &mut self,
         rays: &RayBatch,
         numbers: &[u32],
-        heading: Option<Heading>,
+        direction_class: Option<DirectionClass>,
         nearest: &mut NearestTile,
     ) {
-        self.heading = heading;
+        self.direction_class = direction_class;
         // Of one length, in which numbers are, so that the compiler checks neither.
         let count = rays.len();
         let ([x, y, z], [dx, dy, dz]) = (&rays.org, &rays.dir);
@@ -139,8 +139,8 @@ impl RayTile {
     }
 
     /// The first `count` rays, one at least, have this heading.
-    pub fn go_together(&mut self, count: usize, heading: Heading, nearest: &mut NearestTile) {
-        self.heading = Some(heading);
+    pub fn set_coherent(&mut self, count: usize, direction_class: DirectionClass, nearest: &mut NearestTile) {
+        self.direction_class = Some(direction_class);
         self.fill_up(count, nearest);
     }
 
@@ -163,7 +163,7 @@ impl RayTile {
     ) -> usize {
         rays.mask = self.mask;
         rays.is_full = false;
-        rays.heading = None;
+        rays.direction_class = None;
         rays.set_timed(self.is_timed);
         let first = bits.trailing_zeros() as usize & (TILE - 1);
         let mut count = 0;
@@ -232,7 +232,7 @@ impl RayTile {
     /// Whether neighbours among those in `active` start far from each other, seen from the size of `bounds`: by a sixteenth
     /// of its edges, in the mean. Rays in `active` are sound.
     #[inline(always)]
-    pub fn start_apart<S: Simd>(&self, simd: S, active: u64, bounds: &Aabb) -> bool {
+    pub fn origins_differ<S: Simd>(&self, simd: S, active: u64, bounds: &Aabb) -> bool {
         let edges: f32 = (0..3).map(|k| bounds.max[k] - bounds.min[k]).sum();
         let pairs = active & active >> LANES;
         let mut jumps = f32x16::splat(simd, 0.0);

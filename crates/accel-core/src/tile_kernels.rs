@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What is done to whole tiles outside of trees, sixteen rays at a time: a table of small functions for each level.
 //! Space: that of the rays.
-//! Invariant: every level answers with the same bits. Tests: `tests::headings_part_a_tile`, `tests/pencils.rs` and
+//! Invariant: every level answers with the same bits. Tests: `tests::direction_classes_split_a_tile`, `tests/pencils.rs` and
 //! `tests/instances.rs` of `gnurt-accel`.
 
 use std::marker::PhantomData;
@@ -10,7 +10,7 @@ use gnurt_simd::{Simd, Token, by_level, f32x16, mask32x16, prelude::*, u32x16};
 
 use crate::affine::ObjectFromWorld;
 use crate::bits::TILE;
-use crate::heading::Headings;
+use crate::direction_class::DirectionClasses;
 use crate::hit::{HitBatch, INVALID_ID};
 use crate::ray::Ray;
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
@@ -24,8 +24,8 @@ pub struct TileKernels {
 
 struct Table {
     sound: fn(Token, &RayTile, &NearestTile) -> u64,
-    headings: fn(Token, &RayTile) -> Headings,
-    codes: fn(Token, &Headings, u64) -> [u32; TILE],
+    direction_classes: fn(Token, &RayTile) -> DirectionClasses,
+    codes: fn(Token, &DirectionClasses, u64) -> [u32; TILE],
     hit: fn(Token, &NearestTile) -> u64,
     fill: fn(Token, &mut RayTile, [f32; 3], &mut NearestTile) -> u64,
     carry: fn(Token, &ObjectFromWorld, &RayTile, &mut RayTile),
@@ -43,18 +43,18 @@ impl<S: Simd> For<S> {
                 || sound(simd, rays, nearest),
             )
         },
-        headings: |token, rays| {
+        direction_classes: |token, rays| {
             let simd = S::from_token(token);
             simd.vectorize(
                 #[inline(always)]
-                || headings(simd, rays),
+                || direction_classes(simd, rays),
             )
         },
-        codes: |token, headings, sound| {
+        codes: |token, direction_classes, sound| {
             let simd = S::from_token(token);
             simd.vectorize(
                 #[inline(always)]
-                || codes(simd, headings, sound),
+                || codes(simd, direction_classes, sound),
             )
         },
         hit: |token, nearest| {
@@ -105,15 +105,15 @@ impl TileKernels {
     /// Which ways the rays go.
     #[inline]
     #[must_use]
-    pub fn headings(&self, rays: &RayTile) -> Headings {
-        (self.table.headings)(self.token, rays)
+    pub fn direction_classes(&self, rays: &RayTile) -> DirectionClasses {
+        (self.table.direction_classes)(self.token, rays)
     }
 
-    /// The heading of each ray as a number below [`Headings::CODES`]; that for those that are not `sound`.
+    /// The heading of each ray as a number below [`DirectionClasses::CODES`]; that for those that are not `sound`.
     #[inline]
     #[must_use]
-    pub fn codes(&self, headings: &Headings, sound: u64) -> [u32; TILE] {
-        (self.table.codes)(self.token, headings, sound)
+    pub fn codes(&self, direction_classes: &DirectionClasses, sound: u64) -> [u32; TILE] {
+        (self.table.codes)(self.token, direction_classes, sound)
     }
 
     /// Bits of the rays that have hit something.
@@ -162,22 +162,22 @@ fn sound<S: Simd>(simd: S, rays: &RayTile, nearest: &NearestTile) -> u64 {
 }
 
 #[inline(always)]
-fn headings<S: Simd>(simd: S, rays: &RayTile) -> Headings {
-    let mut ways = Headings::default();
+fn direction_classes<S: Simd>(simd: S, rays: &RayTile) -> DirectionClasses {
+    let mut classes = DirectionClasses::default();
     let (short, long) = (f32x16::splat(simd, Ray::SHORTEST), f32x16::splat(simd, Ray::LONGEST));
     for first in (0..TILE).step_by(LANES) {
         let dir = rays.dir_lanes(simd, [0, 1, 2], first);
         let [x, y, z] = [dir[0].abs(), dir[1].abs(), dir[2].abs()];
         let longest = x.max(y).max(z);
         let regular = longest.simd_ge(short) & longest.simd_le(long);
-        ways.regular |= regular.to_bitmask() << first;
-        ways.along_x |= (x.simd_ge(y) & x.simd_ge(z)).to_bitmask() << first;
-        ways.along_y |= y.simd_ge(z).to_bitmask() << first;
-        for (backwards, dir) in ways.backwards.iter_mut().zip(dir) {
+        classes.regular |= regular.to_bitmask() << first;
+        classes.along_x |= (x.simd_ge(y) & x.simd_ge(z)).to_bitmask() << first;
+        classes.along_y |= y.simd_ge(z).to_bitmask() << first;
+        for (backwards, dir) in classes.backwards.iter_mut().zip(dir) {
             *backwards |= dir.is_sign_negative().to_bitmask() << first;
         }
     }
-    ways
+    classes
 }
 
 #[inline(always)]
@@ -192,18 +192,22 @@ fn choose<S: Simd>(simd: S, bits: u64, code: usize, other: u32x16<S>) -> u32x16<
 }
 
 #[inline(always)]
-fn codes<S: Simd>(simd: S, headings: &Headings, sound: u64) -> [u32; TILE] {
+fn codes<S: Simd>(simd: S, direction_classes: &DirectionClasses, sound: u64) -> [u32; TILE] {
     let mut codes = [0; TILE];
-    let [x, y, z] = headings.backwards;
+    let [x, y, z] = direction_classes.backwards;
     for (at, codes) in codes.chunks_exact_mut(LANES).enumerate() {
         let at = at * LANES;
-        let axis =
-            choose(simd, headings.along_x >> at, 0, choose(simd, headings.along_y >> at, 8, lanes(simd, 16)));
+        let axis = choose(
+            simd,
+            direction_classes.along_x >> at,
+            0,
+            choose(simd, direction_classes.along_y >> at, 8, lanes(simd, 16)),
+        );
         let signs = choose(simd, x >> at, 4, lanes(simd, 0))
             + choose(simd, y >> at, 2, lanes(simd, 0))
             + choose(simd, z >> at, 1, lanes(simd, 0));
-        let code = choose(simd, !headings.regular >> at, Headings::CODES - 1, axis + signs);
-        choose(simd, !sound >> at, Headings::CODES, code).store_slice(codes);
+        let code = choose(simd, !direction_classes.regular >> at, DirectionClasses::CODES - 1, axis + signs);
+        choose(simd, !sound >> at, DirectionClasses::CODES, code).store_slice(codes);
     }
     codes
 }
@@ -245,7 +249,7 @@ fn fill<S: Simd>(simd: S, rays: &mut RayTile, org: [f32; 3], nearest: &mut Neare
 
 #[inline(always)]
 fn carry<S: Simd>(simd: S, map: &ObjectFromWorld, rays: &RayTile, inside: &mut RayTile) {
-    let [high, low] = map.place;
+    let [high, low] = map.translation;
     let at = |value: f32| f32x16::splat(simd, value);
     for first in (0..TILE).step_by(LANES) {
         let load = |values: &PerRay| f32x16::from_slice(simd, &values[first..first + LANES]);
@@ -294,11 +298,11 @@ mod tests {
     use gnurt_simd::Level;
 
     use super::*;
-    use crate::heading::Heading;
+    use crate::direction_class::DirectionClass;
     use crate::ray_batch::RayBatch;
 
     #[test]
-    fn headings_part_a_tile() {
+    fn direction_classes_split_a_tile() {
         let mut rays = RayBatch::default();
         for i in 0..64 {
             let sign = |bit: u32| if i >> bit & 1 == 1 { -1.0 } else { 1.0 };
@@ -311,26 +315,26 @@ mod tests {
             let kernels = TileKernels::of(level.token());
             assert_eq!(tile.load(&rays, 0, &mut nearest), TILE, "all of them");
             let sound = kernels.sound(&tile, &nearest);
-            let ways = kernels.headings(&tile);
-            let codes = kernels.codes(&ways, sound);
+            let classes = kernels.direction_classes(&tile);
+            let codes = kernels.codes(&classes, sound);
             assert_eq!(sound, u64::MAX >> 1, "one ray does not move, at {level}");
             for (i, &code) in codes.iter().enumerate() {
-                let Heading { backwards: [x, y, z], longest_axis } = ways.of(i);
+                let DirectionClass { backwards: [x, y, z], longest_axis } = classes.of(i);
                 let own = 8 * longest_axis + 4 * usize::from(x) + 2 * usize::from(y) + usize::from(z);
-                let own = if i == 63 { Headings::CODES } else { own };
+                let own = if i == 63 { DirectionClasses::CODES } else { own };
                 assert_eq!(code as usize, own, "code of ray {i} at {level}");
-                let known = (i != 63).then(|| ways.of(i));
-                assert_eq!(Heading::of_code(own), known, "heading of ray {i} at {level}");
+                let known = (i != 63).then(|| classes.of(i));
+                assert_eq!(DirectionClass::of_code(own), known, "heading of ray {i} at {level}");
             }
             let mut left = sound;
             while left != 0 {
                 let first = left.trailing_zeros() as usize;
-                let (heading, bits) = ways.like(first, left);
+                let (direction_class, bits) = classes.like(first, left);
                 for i in (0..64).filter(|i| bits >> i & 1 == 1) {
                     let ray = rays.get(i);
                     let backwards = ray.dir.map(|x| x.is_sign_negative());
-                    let own = Heading { backwards, longest_axis: ray.longest_axis() };
-                    assert_eq!(own, heading, "ray {i} goes like ray {first}");
+                    let own = DirectionClass { backwards, longest_axis: ray.longest_axis() };
+                    assert_eq!(own, direction_class, "ray {i} goes like ray {first}");
                 }
                 left &= !bits;
             }

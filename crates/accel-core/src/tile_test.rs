@@ -8,10 +8,10 @@ use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 use crate::beam::Slopes;
 use crate::blocks::TriangleBlock;
 use crate::chunks::Candidate;
-use crate::heading::Heading;
+use crate::direction_class::DirectionClass;
 use crate::nearest::{AnyHit, Closest, Kind, closer};
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
-use crate::triangle::{LanesMeeting, LoneRay, Sheared, axes_from, meet_alone, pass_edges};
+use crate::triangle::{LoneRay, Sheared, TriangleHits, axes_from, meet_single, pass_edges};
 
 /// A tile of one heading, to be tested.
 pub struct TileTest<'a, S: Simd> {
@@ -19,7 +19,7 @@ pub struct TileTest<'a, S: Simd> {
     pub rays: &'a RayTile,
     pub kind: Kind,
     pub slot: u32,
-    pub heading: Heading,
+    pub direction_class: DirectionClass,
 }
 
 impl<S: Simd> TileTest<'_, S> {
@@ -33,7 +33,7 @@ impl<S: Simd> TileTest<'_, S> {
         nearest: &mut NearestTile,
     ) -> bool {
         let simd = self.simd;
-        let (place, at) = (candidate.place, candidate.chunk * LANES);
+        let (lane, at) = (candidate.lane, candidate.chunk * LANES);
         let shear = [
             chunk(simd, &slopes.shear[0], at),
             chunk(simd, &slopes.shear[1], at),
@@ -55,14 +55,14 @@ impl<S: Simd> TileTest<'_, S> {
         };
         let mut found = false;
         if uncertain.any_true() {
-            found = self.meet_alone(block, place, slopes, at, uncertain.to_bitmask(), nearest);
+            found = self.meet_single(block, lane, slopes, at, uncertain.to_bitmask(), nearest);
         }
         if !met.hit.any_true() {
             return found;
         }
-        let LanesMeeting { t, u, v, hit } = met;
+        let TriangleHits { t, u, v, hit } = met;
         let best = chunk(simd, &nearest.t, at);
-        let number = u32x16::splat(simd, block.numbers[place & 7]);
+        let number = u32x16::splat(simd, block.numbers[lane & 7]);
         let slot = u32x16::splat(simd, self.slot);
         let old_number = u32x16::from_slice(simd, &nearest.number[at..at + LANES]);
         let old_slot = u32x16::from_slice(simd, &nearest.slot[at..at + LANES]);
@@ -81,17 +81,17 @@ impl<S: Simd> TileTest<'_, S> {
     /// Lanes that floats cannot decide.
     #[cold]
     #[inline(never)]
-    fn meet_alone(
+    fn meet_single(
         &self,
         block: &TriangleBlock,
-        place: usize,
+        lane: usize,
         slopes: &Slopes,
         at: usize,
         mut bits: u64,
         nearest: &mut NearestTile,
     ) -> bool {
-        let axes = axes_from(self.heading.longest_axis);
-        let corners = block.corners_of(place, axes);
+        let axes = axes_from(self.direction_class.longest_axis);
+        let corners = block.corners_of(lane, axes);
         let asks_where = self.kind == Kind::Closest;
         let mut found = false;
         while bits != 0 {
@@ -102,11 +102,13 @@ impl<S: Simd> TileTest<'_, S> {
                 org: axes.map(|k| self.rays.org[k][i]),
                 shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
             };
-            let alone = LoneRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) };
-            if let Some(meeting) = meet_alone(&corners, &alone, asks_where, self.rays.t_near[i], best.t) {
+            let single = LoneRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) };
+            if let Some(triangle_hit) =
+                meet_single(&corners, &single, asks_where, self.rays.t_near[i], best.t)
+            {
                 match self.kind {
-                    Kind::Closest => best.offer::<Closest>(meeting, block.numbers[place & 7], self.slot),
-                    Kind::Any => best.offer::<AnyHit>(meeting, block.numbers[place & 7], self.slot),
+                    Kind::Closest => best.offer::<Closest>(triangle_hit, block.numbers[lane & 7], self.slot),
+                    Kind::Any => best.offer::<AnyHit>(triangle_hit, block.numbers[lane & 7], self.slot),
                 }
                 nearest.set(i, &best);
                 found = true;

@@ -12,24 +12,24 @@ use gnurt_simd::{Level, dispatch_two};
 use rayon::prelude::*;
 
 use crate::builder::{Builder, Cell, Subtree, WORTH_A_THREAD};
-use crate::divide::{Scratch, Seen, Start};
+use crate::divide::{Overlap, Scratch, Start};
 use crate::event::{Event, push_events};
 use crate::node::{DEEPEST, KdTree};
 use crate::sah::{Costs, Plane, best_across, cheapest};
 use crate::sampled::BoxRef;
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 use gnurt_accel_core::{Aabb, BuildError, BuildOptions, Quality, Threads};
 
 /// In nodes of more triangles than this each axis is worth a thread.
 const WORTH_THREE_THREADS: usize = 65_536;
 
 impl KdTree {
-    /// Builds over the good triangles of `screened`.
+    /// Builds over the good triangles of `valid_triangles`.
     ///
     /// What the tree takes stays counted.
     pub(crate) fn build(
-        screened: &Screened,
+        valid_triangles: &ValidTriangles,
         options: &BuildOptions,
         threads: Threads,
         watch: &Watch,
@@ -40,16 +40,16 @@ impl KdTree {
         };
         let max_depth = (options.max_depth as usize).min(DEEPEST - 1);
         threads.run(|parallel| {
-            Builder { screened, costs, max_depth, parallel, level: Level::best(), watch }.run(options)
+            Builder { valid_triangles, costs, max_depth, parallel, level: Level::best(), watch }.run(options)
         })
     }
 }
 
 impl Builder<'_> {
     fn run(&self, options: &BuildOptions) -> Result<KdTree, BuildError> {
-        let n = self.screened.good.len();
+        let n = self.valid_triangles.good.len();
         let budget = (f64::from(options.reference_budget.max(1.0)) * n as f64) as usize;
-        let bounds = self.screened.bounds;
+        let bounds = self.valid_triangles.bounds;
         let (mut tree, mut held) = (Subtree::new(), 0);
         if n > 0 {
             let cell = Cell { bounds, depth: 0, budget, small: n < WORTH_A_THREAD };
@@ -63,8 +63,9 @@ impl Builder<'_> {
             if options.quality == Quality::Fast {
                 self.grow_sampled(self.root_boxes(), cell, &mut tree, 0);
             } else {
-                let seen = Seen { events: self.root_events(), prims: self.screened.good.clone() };
-                self.grow_wide(seen, cell, &mut tree, 0);
+                let overlap =
+                    Overlap { events: self.root_events(), prims: self.valid_triangles.good.clone() };
+                self.grow_wide(overlap, cell, &mut tree, 0);
             }
         }
         self.watch.result()?;
@@ -78,20 +79,25 @@ impl Builder<'_> {
 
     /// All triangles' boxes.
     fn root_boxes(&self) -> Vec<BoxRef> {
-        let one = |&number: &u32| BoxRef::new(&Aabb::around(&self.screened.corners(number)), number);
+        let one = |&number: &u32| BoxRef::new(&Aabb::around(&self.valid_triangles.corners(number)), number);
         if self.parallel {
-            self.screened.good.par_iter().map(one).collect()
+            self.valid_triangles.good.par_iter().map(one).collect()
         } else {
-            self.screened.good.iter().map(one).collect()
+            self.valid_triangles.good.iter().map(one).collect()
         }
     }
 
     /// All triangles' events, sorted.
     fn root_events(&self) -> [Vec<Event>; 3] {
         let sorted = |axis: usize| {
-            let mut events = Vec::with_capacity(2 * self.screened.good.len());
-            for (i, &number) in self.screened.good.iter().enumerate() {
-                push_events(&mut events, &Aabb::around(&self.screened.corners(number)), axis, i as u32);
+            let mut events = Vec::with_capacity(2 * self.valid_triangles.good.len());
+            for (i, &number) in self.valid_triangles.good.iter().enumerate() {
+                push_events(
+                    &mut events,
+                    &Aabb::around(&self.valid_triangles.corners(number)),
+                    axis,
+                    i as u32,
+                );
             }
             if self.parallel {
                 events.par_sort_unstable()
@@ -105,78 +111,79 @@ impl Builder<'_> {
     }
 
     /// Builds a node and what is below it into `slot` of `tree`, by several threads as long as it is large enough.
-    fn grow_wide(&self, mut seen: Seen, cell: Cell, tree: &mut Subtree, slot: usize) {
+    fn grow_wide(&self, mut overlap: Overlap, cell: Cell, tree: &mut Subtree, slot: usize) {
         let mut scratch = Scratch::default();
-        if !self.parallel || seen.prims.len() < WORTH_A_THREAD {
-            let before = seen.memory_bytes();
+        if !self.parallel || overlap.prims.len() < WORTH_A_THREAD {
+            let before = overlap.memory_bytes();
             tree.counted = before;
-            self.grow(&mut seen, Start::default(), cell, &mut scratch, tree, slot);
+            self.grow(&mut overlap, Start::default(), cell, &mut scratch, tree, slot);
             self.watch.recount(&mut tree.counted, before);
             return;
         }
-        let Some((plane, [left, right])) = self.step(&mut seen, Start::default(), cell, &mut scratch) else {
-            return tree.set_leaf(slot, seen.prims.iter().copied());
+        let Some((plane, [left, right])) = self.step(&mut overlap, Start::default(), cell, &mut scratch)
+        else {
+            return tree.set_leaf(slot, overlap.prims.iter().copied());
         };
         let first = tree.set_inner(slot, &plane);
         let lefts = scratch.into_left();
         let aside = lefts.memory_bytes();
         self.watch.take(aside);
-        let apart = |seen: Seen, child: Cell| {
-            let mut apart = Subtree::new();
-            self.grow_wide(seen, child, &mut apart, 0);
-            self.grown(&cell, &child, &apart);
-            apart
+        let split_off = |overlap: Overlap, child: Cell| {
+            let mut split_off = Subtree::new();
+            self.grow_wide(overlap, child, &mut split_off, 0);
+            self.grown(&cell, &child, &split_off);
+            split_off
         };
         let on_left = || {
-            let grown = apart(lefts, left);
+            let grown = split_off(lefts, left);
             self.watch.give(aside);
             grown
         };
-        let (left, right) = rayon::join(on_left, || apart(seen, right));
+        let (left, right) = rayon::join(on_left, || split_off(overlap, right));
         tree.attach(first, left);
         tree.attach(first + 1, right);
     }
 
-    /// Builds what is behind `start` in `seen` into `slot` of `tree`, and what is below it behind all that is there.
-    /// Only what lies before `start` is left in `seen`.
+    /// Builds what is behind `start` in `overlap` into `slot` of `tree`, and what is below it behind all that is there.
+    /// Only what lies before `start` is left in `overlap`.
     fn grow(
         &self,
-        seen: &mut Seen,
+        overlap: &mut Overlap,
         start: Start,
         cell: Cell,
         scratch: &mut Scratch,
         tree: &mut Subtree,
         slot: usize,
     ) {
-        match self.step(seen, start, cell, scratch) {
-            None => tree.set_leaf(slot, seen.prims[start.prims..].iter().copied()),
+        match self.step(overlap, start, cell, scratch) {
+            None => tree.set_leaf(slot, overlap.prims[start.prims..].iter().copied()),
             Some((plane, [left, right])) => {
                 let first = tree.set_inner(slot, &plane);
-                let behind = seen.end();
-                seen.append_left(scratch);
+                let behind = overlap.end();
+                overlap.append_left(scratch);
                 if !cell.small {
-                    let now = seen.memory_bytes() + scratch.memory_bytes() + tree.memory_bytes();
+                    let now = overlap.memory_bytes() + scratch.memory_bytes() + tree.memory_bytes();
                     self.watch.recount(&mut tree.counted, now);
                 }
-                self.grow(seen, behind, left, scratch, tree, first);
+                self.grow(overlap, behind, left, scratch, tree, first);
                 self.advance(&cell, &left);
-                self.grow(seen, start, right, scratch, tree, first + 1);
+                self.grow(overlap, start, right, scratch, tree, first + 1);
                 self.advance(&cell, &right);
             }
         }
-        seen.truncate(start);
+        overlap.truncate(start);
     }
 
     /// Divides what is behind `start`: the right child's triangles stay there, the left child's go to `scratch.left`.
     /// `None` where a leaf is cheaper or the budget forbids to divide; then nothing is changed.
     fn step(
         &self,
-        seen: &mut Seen,
+        overlap: &mut Overlap,
         start: Start,
         cell: Cell,
         scratch: &mut Scratch,
     ) -> Option<(Plane, [Cell; 2])> {
-        let n = seen.prims.len() - start.prims;
+        let n = overlap.prims.len() - start.prims;
         let as_leaf = self.costs.leaf(n);
         if cell.depth >= self.max_depth || as_leaf <= self.costs.cheapest_split() {
             return None;
@@ -185,7 +192,7 @@ impl Builder<'_> {
             return None;
         }
         let across = |axis: usize| {
-            let events = &seen.events[axis][start.events[axis]..];
+            let events = &overlap.events[axis][start.events[axis]..];
             dispatch_two!(self.level, simd => best_across(simd, &cell.bounds, axis, events, n, &self.costs))
         };
         let planes = if n >= WORTH_THREE_THREADS {
@@ -196,9 +203,9 @@ impl Builder<'_> {
         };
         let plane = cheapest(planes).filter(|plane| plane.cost < as_leaf)?;
 
-        let counts = seen.classify(start, self.screened, &cell.bounds, &plane, scratch);
+        let counts = overlap.classify(start, self.valid_triangles, &cell.bounds, &plane, scratch);
         let children = cell.children(&plane, counts)?;
-        seen.divide(start, scratch, self.parallel && n >= WORTH_THREE_THREADS);
+        overlap.divide(start, scratch, self.parallel && n >= WORTH_THREE_THREADS);
         Some((plane, children))
     }
 }

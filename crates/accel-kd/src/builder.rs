@@ -4,7 +4,7 @@
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 use gnurt_simd::Level;
 
 use crate::node::{EMPTY_LEAF, Node};
@@ -49,7 +49,7 @@ pub(super) struct Subtree {
 }
 
 pub(super) struct Builder<'a> {
-    pub(super) screened: &'a Screened<'a>,
+    pub(super) valid_triangles: &'a ValidTriangles<'a>,
     pub(super) costs: Costs,
     pub(super) max_depth: usize,
     pub(super) parallel: bool,

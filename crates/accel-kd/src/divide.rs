@@ -16,18 +16,18 @@ use crate::event::{Event, Kind, push_events};
 use crate::sah::{Plane, Side};
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::clip::split_boxes;
-use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 
 /// Triangles in a row of nodes, each behind the other; the last is the one that is being built.
 #[derive(Default)]
-pub(crate) struct Seen {
+pub(crate) struct Overlap {
     /// Sorted, per axis; triangles by their place among the node's `prims`.
     pub(crate) events: [Vec<Event>; 3],
     /// Numbers of the triangles in the object.
     pub(crate) prims: Vec<u32>,
 }
 
-/// Where a node starts in [`Seen`]; it ends where all ends, or where the next one starts.
+/// Where a node starts in [`Overlap`]; it ends where all ends, or where the next one starts.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Start {
     pub(crate) events: [usize; 3],
@@ -38,7 +38,7 @@ pub(crate) struct Start {
 #[derive(Default)]
 pub(crate) struct Scratch {
     /// The left child after a division, up to `left_end`; what lies behind means nothing.
-    left: Seen,
+    left: Overlap,
     left_end: Start,
     sides: Vec<u8>,
     codes: Vec<Code>,
@@ -91,7 +91,7 @@ impl Code {
     }
 }
 
-impl Seen {
+impl Overlap {
     pub(crate) fn end(&self) -> Start {
         Start { events: [0, 1, 2].map(|axis| self.events[axis].len()), prims: self.prims.len() }
     }
@@ -113,7 +113,7 @@ impl Seen {
     pub(crate) fn classify(
         &self,
         start: Start,
-        screened: &Screened,
+        valid_triangles: &ValidTriangles,
         bounds: &Aabb,
         plane: &Plane,
         scratch: &mut Scratch,
@@ -131,7 +131,7 @@ impl Seen {
             if *side == LEFT | RIGHT {
                 codes.push(Code::CUT);
                 *side = 0;
-                let boxes = split_boxes(&screened.corners(prim), bounds, plane.axis, plane.at);
+                let boxes = split_boxes(&valid_triangles.corners(prim), bounds, plane.axis, plane.at);
                 for (half, bounds) in boxes.into_iter().enumerate() {
                     if let Some(bounds) = bounds {
                         pieces.push(Piece { half, number: counts[half], bounds });
@@ -181,7 +181,7 @@ impl Scratch {
     }
 
     /// The left child of the last division by itself.
-    pub(crate) fn into_left(mut self) -> Seen {
+    pub(crate) fn into_left(mut self) -> Overlap {
         self.left.truncate(self.left_end);
         self.left
     }

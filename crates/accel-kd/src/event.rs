@@ -25,25 +25,25 @@ const PRIM_MASK: u64 = (1 << PRIM_BITS) - 1;
 impl Event {
     #[inline]
     pub(crate) fn new(at: f32, kind: Kind, prim: u32) -> Self {
-        Self(u64::from(Self::place_of(at)) << 32 | (kind as u64) << PRIM_BITS | u64::from(prim))
+        Self(u64::from(Self::position_of(at)) << 32 | (kind as u64) << PRIM_BITS | u64::from(prim))
     }
 
     /// Equal for equal positions, ordered like them.
     #[inline(always)]
-    pub(crate) fn place_of(at: f32) -> u32 {
+    pub(crate) fn position_of(at: f32) -> u32 {
         // Adding zero turns -0.0 into 0.0, so that equal positions have equal bits.
         let bits = (at + 0.0).to_bits();
         if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
     }
 
     #[inline(always)]
-    pub(crate) fn place(self) -> u32 {
+    pub(crate) fn position(self) -> u32 {
         (self.0 >> 32) as u32
     }
 
     #[inline(always)]
     pub(crate) fn at(self) -> f32 {
-        let ordered = self.place();
+        let ordered = self.position();
         let not_negative = (ordered as i32 >> 31) as u32;
         f32::from_bits(ordered ^ (!not_negative | 1 << 31))
     }

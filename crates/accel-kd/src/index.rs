@@ -9,11 +9,11 @@ mod store;
 use gnurt_accel_core::blocks::{BlockRay, WIDTH};
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::point::{NearestPoint, Probe, on_triangle};
-use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 use gnurt_accel_core::triangle::ShearedRay;
-use gnurt_accel_core::trip::{RayTrip, TileTrip};
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 use gnurt_accel_core::{Aabb, BuildError, BuildOptions, Threads, TreeStats, TriangleTest};
 use gnurt_simd::{Simd, mask32x8, prelude::*};
 
@@ -50,26 +50,26 @@ impl KdIndex {
     /// # Errors
     /// That `watch` stopped it.
     pub fn build(
-        screened: &Screened,
+        valid_triangles: &ValidTriangles,
         options: &BuildOptions,
         threads: Threads,
         watch: &Watch,
     ) -> Result<Self, BuildError> {
-        let mut tree = KdTree::build(screened, options, threads, watch)?;
+        let mut tree = KdTree::build(valid_triangles, options, threads, watch)?;
         let measured = tree.measure(options);
         watch.take(match options.triangle_test {
             TriangleTest::Watertight => Leaves::memory_for(&tree),
-            TriangleTest::Projected => screened.count() * ProjectedTriangles::BYTES,
+            TriangleTest::Projected => valid_triangles.count() * ProjectedTriangles::BYTES,
         });
         watch.result()?;
         let (triangles, bytes) = match options.triangle_test {
             TriangleTest::Watertight => {
-                let leaves = Leaves::take(&mut tree, screened, threads);
+                let leaves = Leaves::take(&mut tree, valid_triangles, threads);
                 let bytes = leaves.memory_bytes();
                 (Prepared::Watertight(leaves), bytes)
             }
             TriangleTest::Projected => {
-                let projected = ProjectedTriangles::new(numbered(screened));
+                let projected = ProjectedTriangles::new(numbered(valid_triangles));
                 let bytes = projected.memory_bytes();
                 (Prepared::Projected(projected), bytes)
             }
@@ -94,53 +94,53 @@ impl KdIndex {
 
     /// Offers what the ray meets; it is sound and regular.
     #[inline(always)]
-    pub(crate) fn search<S: Simd>(&self, simd: S, trip: &mut RayTrip) {
-        let RayTrip { ray, slot, .. } = *trip;
+    pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
+        let RayTraversal { ray, slot, .. } = *traversal;
         let slabs = RaySlabs::new(ray, &self.tree.bounds, self.greatest);
         let t_near = ray.t_near;
         let mut tested = 0;
         let visited = match &self.triangles {
             Prepared::Watertight(leaves) => {
-                let (lanes, alone) = (BlockRay::new(simd, ray), ShearedRay::new(ray));
+                let (lanes, single) = (BlockRay::new(simd, ray), ShearedRay::new(ray));
                 self.tree.walk(
                     &slabs,
                     t_near,
-                    trip.reach(),
+                    traversal.reach(),
                     #[inline(always)]
                     |leaf| {
                         for block in &leaves.blocks[leaves.of(leaf)] {
                             tested += WIDTH as u64;
                             if const { S::LANES == 1 } {
-                                block.meet_in_turn(&alone, t_near, slot, trip);
+                                block.meet_in_turn(&single, t_near, slot, traversal);
                             } else {
-                                block.meet(simd, &lanes, slot, trip);
+                                block.meet(simd, &lanes, slot, traversal);
                             }
                         }
-                        trip.reach()
+                        traversal.reach()
                     },
                 )
             }
             Prepared::Projected(triangles) => self.tree.walk(
                 &slabs,
                 t_near,
-                trip.reach(),
+                traversal.reach(),
                 #[inline(always)]
                 |leaf| {
                     for &number in self.tree.leaf_items(leaf) {
                         tested += 1;
-                        if let Some(meeting) = triangles.meet(number, ray, t_near, trip.reach()) {
-                            trip.offer(meeting, number, slot);
-                            if trip.is_done() {
+                        if let Some(hit) = triangles.meet(number, ray, t_near, traversal.reach()) {
+                            traversal.offer(hit, number, slot);
+                            if traversal.is_done() {
                                 break;
                             }
                         }
                     }
-                    trip.reach()
+                    traversal.reach()
                 },
             ),
         };
-        trip.counters.nodes += u64::from(visited);
-        trip.counters.triangles += tested;
+        traversal.counters.nodes += u64::from(visited);
+        traversal.counters.triangles += tested;
     }
 
     /// Improves `nearest` by the triangles.
@@ -166,28 +166,33 @@ impl KdIndex {
 
     /// The same for a tile's first rays, all of them active and of one heading.
     #[inline(always)]
-    pub(crate) fn search_tile<S: Simd>(&self, simd: S, heading: Heading, trip: &mut TileTrip) {
+    pub(crate) fn search_tile<S: Simd>(
+        &self,
+        simd: S,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+    ) {
         let Self { tree, greatest, .. } = self;
         match &self.triangles {
             Prepared::Watertight(leaves) => {
-                if !(Blocked { tree, leaves }.walk_tile(simd, *greatest, heading, trip)) {
-                    trip.one_by_one_outlined(
+                if !(Blocked { tree, leaves }.walk_tile(simd, *greatest, direction_class, traversal)) {
+                    traversal.one_by_one_outlined(
                         simd,
                         #[inline(always)]
-                        |trip| self.search(simd, trip),
+                        |traversal| self.search(simd, traversal),
                     );
                 }
             }
             Prepared::Projected(triangles) => {
-                let TileTrip { rays, active, kind, slot, .. } = *trip;
+                let TileTraversal { rays, active, kind, slot, .. } = *traversal;
                 let search = Search { tree, greatest: *greatest, kind, triangles, slot };
                 let count = active.count_ones() as usize;
                 for first in (0..count).step_by(packet_rays::WIDTH) {
-                    let mut best = NearestPacket::load(simd, trip.nearest, first);
+                    let mut best = NearestPacket::load(simd, traversal.nearest, first);
                     let here = mask32x8::from_bitmask(simd, active >> first & 0xff);
                     let packet = RayPacket::from_tile(simd, rays, first, here);
-                    search.packet(simd, &packet, heading, &mut best, trip.counters);
-                    best.store(trip.nearest, first);
+                    search.packet(simd, &packet, direction_class, &mut best, traversal.counters);
+                    best.store(traversal.nearest, first);
                 }
             }
         }
@@ -195,10 +200,10 @@ impl KdIndex {
 }
 
 /// The corners of all triangles. Dropped ones keep their number; what stands in for them is never looked at.
-fn numbered(screened: &Screened) -> impl Iterator<Item = [[f32; 3]; 3]> {
-    let mut good = screened.good.iter().copied().peekable();
-    (0..screened.count() as u32).map(move |number| match good.next_if_eq(&number) {
-        Some(number) => screened.corners(number),
+fn numbered(valid_triangles: &ValidTriangles) -> impl Iterator<Item = [[f32; 3]; 3]> {
+    let mut good = valid_triangles.good.iter().copied().peekable();
+    (0..valid_triangles.count() as u32).map(move |number| match good.next_if_eq(&number) {
+        Some(number) => valid_triangles.corners(number),
         None => [[0.0; 3]; 3],
     })
 }

@@ -7,8 +7,8 @@
 
 use std::marker::PhantomData;
 
-use gnurt_accel_core::heading::Heading;
-use gnurt_accel_core::trip::{RayTrip, TileTrip};
+use gnurt_accel_core::direction_class::DirectionClass;
+use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 use gnurt_simd::{Simd, Token, by_level};
 
 use crate::grid::GridIndex;
@@ -23,13 +23,13 @@ pub struct Kernels {
 }
 
 struct Table {
-    ray: fn(Token, &KdIndex, &mut RayTrip),
+    ray: fn(Token, &KdIndex, &mut RayTraversal),
     /// `None` where lanes are too narrow for it to pay.
-    tile: Option<fn(Token, &KdIndex, Heading, &mut TileTrip)>,
-    interval: fn(Token, &IntervalIndex, &mut RayTrip),
-    interval_tile: Option<fn(Token, &IntervalIndex, Heading, &mut TileTrip)>,
-    grid: fn(Token, &GridIndex, &mut RayTrip),
-    grid_tile: Option<fn(Token, &GridIndex, Heading, &mut TileTrip)>,
+    tile: Option<fn(Token, &KdIndex, DirectionClass, &mut TileTraversal)>,
+    interval: fn(Token, &IntervalIndex, &mut RayTraversal),
+    interval_tile: Option<fn(Token, &IntervalIndex, DirectionClass, &mut TileTraversal)>,
+    grid: fn(Token, &GridIndex, &mut RayTraversal),
+    grid_tile: Option<fn(Token, &GridIndex, DirectionClass, &mut TileTraversal)>,
 }
 
 struct For<S>(PhantomData<S>);
@@ -45,51 +45,66 @@ impl<S: Simd> For<S> {
     };
 }
 
-fn ray<S: Simd>(token: Token, index: &KdIndex, trip: &mut RayTrip) {
+fn ray<S: Simd>(token: Token, index: &KdIndex, traversal: &mut RayTraversal) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || index.search(simd, trip),
+        || index.search(simd, traversal),
     );
 }
 
-fn tile<S: Simd>(token: Token, index: &KdIndex, heading: Heading, trip: &mut TileTrip) {
+fn tile<S: Simd>(
+    token: Token,
+    index: &KdIndex,
+    direction_class: DirectionClass,
+    traversal: &mut TileTraversal,
+) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || index.search_tile(simd, heading, trip),
+        || index.search_tile(simd, direction_class, traversal),
     );
 }
 
-fn interval<S: Simd>(token: Token, index: &IntervalIndex, trip: &mut RayTrip) {
+fn interval<S: Simd>(token: Token, index: &IntervalIndex, traversal: &mut RayTraversal) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || index.search(simd, trip),
+        || index.search(simd, traversal),
     );
 }
 
-fn interval_tile<S: Simd>(token: Token, index: &IntervalIndex, heading: Heading, trip: &mut TileTrip) {
+fn interval_tile<S: Simd>(
+    token: Token,
+    index: &IntervalIndex,
+    direction_class: DirectionClass,
+    traversal: &mut TileTraversal,
+) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || index.search_tile(simd, heading, trip),
+        || index.search_tile(simd, direction_class, traversal),
     );
 }
 
-fn grid<S: Simd>(token: Token, index: &GridIndex, trip: &mut RayTrip) {
+fn grid<S: Simd>(token: Token, index: &GridIndex, traversal: &mut RayTraversal) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || index.search(simd, trip),
+        || index.search(simd, traversal),
     );
 }
 
-fn grid_tile<S: Simd>(token: Token, index: &GridIndex, heading: Heading, trip: &mut TileTrip) {
+fn grid_tile<S: Simd>(
+    token: Token,
+    index: &GridIndex,
+    direction_class: DirectionClass,
+    traversal: &mut TileTraversal,
+) {
     let simd = S::from_token(token);
     simd.vectorize(
         #[inline(always)]
-        || index.search_tile(simd, heading, trip),
+        || index.search_tile(simd, direction_class, traversal),
     );
 }
 
@@ -102,38 +117,56 @@ impl Kernels {
 
     /// One ray through the tree.
     #[inline]
-    pub fn ray(&self, index: &KdIndex, trip: &mut RayTrip) {
-        (self.table.ray)(self.token, index, trip);
+    pub fn ray(&self, index: &KdIndex, traversal: &mut RayTraversal) {
+        (self.table.ray)(self.token, index, traversal);
     }
 
     /// A tile's first rays, all of them active and of one heading. Lanes beyond them up to the next multiple of 16 hold
     /// copies of rays that look for nothing (`t` is -inf). Whether there is a kernel for it.
     #[inline]
-    pub fn tile(&self, index: &KdIndex, heading: Heading, trip: &mut TileTrip) -> bool {
-        self.table.tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
+    pub fn tile(
+        &self,
+        index: &KdIndex,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+    ) -> bool {
+        self.table.tile.inspect(|kernel| kernel(self.token, index, direction_class, traversal)).is_some()
     }
 
     /// One ray through an interval hierarchy.
     #[inline]
-    pub fn interval(&self, index: &IntervalIndex, trip: &mut RayTrip) {
-        (self.table.interval)(self.token, index, trip);
+    pub fn interval(&self, index: &IntervalIndex, traversal: &mut RayTraversal) {
+        (self.table.interval)(self.token, index, traversal);
     }
 
     /// A tile as [`tile`](Self::tile) takes it. Whether there is a kernel for it.
     #[inline]
-    pub fn interval_tile(&self, index: &IntervalIndex, heading: Heading, trip: &mut TileTrip) -> bool {
-        self.table.interval_tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
+    pub fn interval_tile(
+        &self,
+        index: &IntervalIndex,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+    ) -> bool {
+        self.table
+            .interval_tile
+            .inspect(|kernel| kernel(self.token, index, direction_class, traversal))
+            .is_some()
     }
 
     /// One ray through a grid.
     #[inline]
-    pub fn grid(&self, index: &GridIndex, trip: &mut RayTrip) {
-        (self.table.grid)(self.token, index, trip);
+    pub fn grid(&self, index: &GridIndex, traversal: &mut RayTraversal) {
+        (self.table.grid)(self.token, index, traversal);
     }
 
     /// A tile as [`tile`](Self::tile) takes it. Whether there is a kernel for it.
     #[inline]
-    pub fn grid_tile(&self, index: &GridIndex, heading: Heading, trip: &mut TileTrip) -> bool {
-        self.table.grid_tile.inspect(|kernel| kernel(self.token, index, heading, trip)).is_some()
+    pub fn grid_tile(
+        &self,
+        index: &GridIndex,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+    ) -> bool {
+        self.table.grid_tile.inspect(|kernel| kernel(self.token, index, direction_class, traversal)).is_some()
     }
 }

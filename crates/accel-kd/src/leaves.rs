@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use crate::node::{EMPTY_LEAF, KdTree, Node};
 use gnurt_accel_core::blocks::{TriangleBlock, WIDTH};
-use gnurt_accel_core::screened::Screened;
 use gnurt_accel_core::threads::extend;
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 use gnurt_accel_core::{INVALID_ID, Threads};
 
 /// Blocks of all leaves.
@@ -23,7 +23,7 @@ pub(crate) struct Leaves {
 
 impl Leaves {
     /// Takes the triangles' numbers out of `tree`: its leaves name blocks afterwards.
-    pub(crate) fn take(tree: &mut KdTree, screened: &Screened, threads: Threads) -> Self {
+    pub(crate) fn take(tree: &mut KdTree, valid_triangles: &ValidTriangles, threads: Threads) -> Self {
         let mut nodes = std::mem::take(&mut tree.nodes);
         let mut starts = vec![0, 0];
         let mut in_blocks: Vec<&[u32]> = Vec::with_capacity(blocks_of(&nodes, tree));
@@ -35,7 +35,7 @@ impl Leaves {
         let block = |i: usize| {
             let (numbers, mut padded) = (in_blocks[i], [INVALID_ID; WIDTH]);
             padded[..numbers.len()].copy_from_slice(numbers);
-            TriangleBlock::new(|number| screened.corners(number), &padded)
+            TriangleBlock::new(|number| valid_triangles.corners(number), &padded)
         };
         let mut blocks = Vec::with_capacity(in_blocks.len());
         threads.run(|parallel| extend(parallel, &mut blocks, in_blocks.len(), block));

@@ -15,7 +15,7 @@ impl<const N: usize> Mailbox<N> {
     /// Whether a triangle is known; from now on it is.
     #[inline(always)]
     pub(crate) fn has(&mut self, number: u32) -> bool {
-        let place = &mut self.numbers[number as usize & (N - 1)];
-        std::mem::replace(place, number) == number
+        let position = &mut self.numbers[number as usize & (N - 1)];
+        std::mem::replace(position, number) == number
     }
 }

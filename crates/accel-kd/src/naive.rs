@@ -6,25 +6,31 @@
 use crate::sah::{Costs, Passed, Plane, Shares, Side};
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::clip::split_boxes;
-use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 
 /// What a node sees of a triangle.
 #[derive(Clone, Copy)]
-struct Seen {
+struct Overlap {
     number: u32,
     bounds: Aabb,
 }
 
 /// The expected cost of the naive tree, weighted by area, not yet divided by the root's.
-fn cost_below(screened: &Screened, seen: &[Seen], cell: &Aabb, depth: usize, costs: &Costs) -> f64 {
-    let as_leaf = costs.leaf(seen.len());
-    let plane = best_plane(seen, cell, costs).filter(|plane| plane.cost < as_leaf);
+fn cost_below(
+    valid_triangles: &ValidTriangles,
+    overlap: &[Overlap],
+    cell: &Aabb,
+    depth: usize,
+    costs: &Costs,
+) -> f64 {
+    let as_leaf = costs.leaf(overlap.len());
+    let plane = best_plane(overlap, cell, costs).filter(|plane| plane.cost < as_leaf);
     let Some(plane) = plane.filter(|_| depth > 0 && as_leaf > costs.cheapest_split()) else {
         return as_leaf * cell.half_area();
     };
     let cells = cell.split(plane.axis, plane.at);
     let [mut left, mut right] = [Vec::new(), Vec::new()];
-    for &one in seen {
+    for &one in overlap {
         let (low, high) = (one.bounds.min[plane.axis], one.bounds.max[plane.axis]);
         let in_plane = low == plane.at && high == plane.at;
         if in_plane {
@@ -34,28 +40,28 @@ fn cost_below(screened: &Screened, seen: &[Seen], cell: &Aabb, depth: usize, cos
         } else if low >= plane.at {
             right.push(one);
         } else {
-            let corners = screened.corners(one.number);
+            let corners = valid_triangles.corners(one.number);
             let parts = split_boxes(&corners, cell, plane.axis, plane.at);
-            left.extend(parts[0].map(|bounds| Seen { bounds, ..one }));
-            right.extend(parts[1].map(|bounds| Seen { bounds, ..one }));
+            left.extend(parts[0].map(|bounds| Overlap { bounds, ..one }));
+            right.extend(parts[1].map(|bounds| Overlap { bounds, ..one }));
         }
     }
     cell.half_area()
-        + cost_below(screened, &left, &cells[0], depth - 1, costs)
-        + cost_below(screened, &right, &cells[1], depth - 1, costs)
+        + cost_below(valid_triangles, &left, &cells[0], depth - 1, costs)
+        + cost_below(valid_triangles, &right, &cells[1], depth - 1, costs)
 }
 
 /// The first of the cheapest planes: x before y before z, smaller coordinates first.
-fn best_plane(seen: &[Seen], cell: &Aabb, costs: &Costs) -> Option<Plane> {
+fn best_plane(overlap: &[Overlap], cell: &Aabb, costs: &Costs) -> Option<Plane> {
     let mut best: Option<Plane> = None;
     for axis in 0..3 {
-        let ends = |one: &Seen| [one.bounds.min[axis], one.bounds.max[axis]];
-        let mut places: Vec<f32> = seen.iter().flat_map(ends).collect();
-        places.retain(|&at| at > cell.min[axis] && at < cell.max[axis]);
-        places.sort_by(f32::total_cmp);
-        for at in places {
+        let ends = |one: &Overlap| [one.bounds.min[axis], one.bounds.max[axis]];
+        let mut plane_positions: Vec<f32> = overlap.iter().flat_map(ends).collect();
+        plane_positions.retain(|&at| at > cell.min[axis] && at < cell.max[axis]);
+        plane_positions.sort_by(f32::total_cmp);
+        for at in plane_positions {
             let count = |side: fn([f32; 2], f32) -> bool| {
-                seen.iter().filter(|one| side(ends(one), at)).count() as i32
+                overlap.iter().filter(|one| side(ends(one), at)).count() as i32
             };
             let flat = count(|[low, high], at| low == at && high == at);
             let (left, right) = (count(|[low, _], at| low < at), count(|[_, high], at| high > at));
@@ -123,9 +129,9 @@ mod tests {
         let mut errors = 0.0;
         for (name, soup) in &soups {
             let meshes = [Triangles { positions: &soup.positions, indices: &soup.indices }];
-            let screened = Screened::new(&meshes);
+            let valid_triangles = ValidTriangles::new(&meshes);
             let built = KdTree::build(
-                &screened,
+                &valid_triangles,
                 &options,
                 Threads::Single,
                 &gnurt_accel_core::control::Watch::new(&()),
@@ -133,13 +139,13 @@ mod tests {
             .expect("nobody stops it")
             .measure(&options)
             .sah_cost;
-            let seen: Vec<Seen> = screened
+            let overlap: Vec<Overlap> = valid_triangles
                 .good
                 .iter()
-                .map(|&number| Seen { number, bounds: Aabb::around(&screened.corners(number)) })
+                .map(|&number| Overlap { number, bounds: Aabb::around(&valid_triangles.corners(number)) })
                 .collect();
-            let whole = screened.bounds;
-            let naive = cost_below(&screened, &seen, &whole, 20, &costs) / whole.half_area();
+            let whole = valid_triangles.bounds;
+            let naive = cost_below(&valid_triangles, &overlap, &whole, 20, &costs) / whole.half_area();
             // The builder compares costs in single precision. Where planes are equally good for that, it may take another
             // one than the naive builder, and go on to a tree that is a little better or worse.
             let error = (built - naive) / naive;

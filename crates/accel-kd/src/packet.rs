@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Eight rays through the kd-tree together.
 //! Source: the paper's section 5.1 and Figure 4 (masked traversal of packets); [WSBW01].
-//! In: a packet whose active lanes have one [`Heading`], so that all agree on which child is
+//! In: a packet whose active lanes have one [`DirectionClass`], so that all agree on which child is
 //! nearer. A lane is alive in a node while its interval is not empty, which is exactly where a single ray would go:
 //! each lane gets the same tests in the same order as in `single.rs`. Tests: `tests/brute_force.rs` (`ask`).
 
-use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::slab::inverse;
 use gnurt_accel_core::{Aabb, Counters};
@@ -73,7 +73,7 @@ impl Search<'_> {
         &self,
         simd: S,
         rays: &RayPacket<S>,
-        heading: Heading,
+        direction_class: DirectionClass,
         nearest: &mut NearestPacket<S>,
         counters: &mut Counters,
     ) {
@@ -100,7 +100,7 @@ impl Search<'_> {
                 let near_max = t_max.min(d + slabs.slack[axis]);
                 let far_min = t_min.max(d - slabs.slack[axis]);
                 let (near_alive, far_alive) = (t_min.simd_le(near_max), far_min.simd_le(t_max));
-                let back = u32::from(heading.backwards[axis % 3]);
+                let back = u32::from(direction_class.backwards[axis % 3]);
                 let (near, far) = (node.left() + back, node.left() + 1 - back);
                 if !near_alive.any_true() {
                     (at, t_min, alive) = (far, far_min, far_alive);
@@ -116,11 +116,11 @@ impl Search<'_> {
             }
             for &number in self.tree.leaf_items(node) {
                 counters.triangles += lanes(alive);
-                let meeting = self.triangles.meet_packet(simd, number, rays, alive, rays.t_near, nearest.t);
-                if meeting.hit.any_true() {
-                    nearest.offer(simd, self.kind, &meeting, number, self.slot);
+                let hits = self.triangles.meet_packet(simd, number, rays, alive, rays.t_near, nearest.t);
+                if hits.hit.any_true() {
+                    nearest.offer(simd, self.kind, &hits, number, self.slot);
                     if self.kind == Kind::Any {
-                        alive &= !meeting.hit;
+                        alive &= !hits.hit;
                     }
                 }
             }

@@ -33,7 +33,7 @@ pub(crate) struct NearestPacket<S: Simd> {
 
 /// Where lanes meet a triangle.
 #[derive(Clone, Copy)]
-pub(crate) struct MeetingPacket<S: Simd> {
+pub(crate) struct HitPacket<S: Simd> {
     pub(crate) t: f32x8<S>,
     pub(crate) u: f32x8<S>,
     pub(crate) v: f32x8<S>,
@@ -74,18 +74,18 @@ impl<S: Simd> NearestPacket<S> {
 
     /// `Nearest::offer` in lanes.
     #[inline(always)]
-    pub(crate) fn offer(&mut self, simd: S, kind: Kind, meeting: &MeetingPacket<S>, number: u32, slot: u32) {
+    pub(crate) fn offer(&mut self, simd: S, kind: Kind, hits: &HitPacket<S>, number: u32, slot: u32) {
         let (number, slot) = (u32x8::splat(simd, number), u32x8::splat(simd, slot));
         let (t, better) = match kind {
-            Kind::Any => (f32x8::splat(simd, f32::NEG_INFINITY), meeting.hit),
+            Kind::Any => (f32x8::splat(simd, f32::NEG_INFINITY), hits.hit),
             Kind::Closest => {
-                let closer = closer([meeting.t, self.t], [slot, self.slot], [number, self.number]);
-                (meeting.t, meeting.hit & closer)
+                let closer = closer([hits.t, self.t], [slot, self.slot], [number, self.number]);
+                (hits.t, hits.hit & closer)
             }
         };
         self.t = better.select(t, self.t);
-        self.u = better.select(meeting.u, self.u);
-        self.v = better.select(meeting.v, self.v);
+        self.u = better.select(hits.u, self.u);
+        self.v = better.select(hits.v, self.v);
         self.number = better.select(number, self.number);
         self.slot = better.select(slot, self.slot);
     }

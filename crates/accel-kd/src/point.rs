@@ -15,11 +15,11 @@ impl KdTree {
     pub(crate) fn near(&self, point: &[f64; 3], mut reach: f64, mut visit: impl FnMut(Node) -> f64) {
         let slack = SLACK * f64::from(self.bounds.greatest());
         let distance = |cell: &Aabb| {
-            let beside = |k: usize| {
+            let outside = |k: usize| {
                 let (low, high) = (f64::from(cell.min[k]), f64::from(cell.max[k]));
                 (low - slack - point[k]).max(point[k] - high - slack).max(0.0)
             };
-            let [x, y, z] = [beside(0), beside(1), beside(2)];
+            let [x, y, z] = [outside(0), outside(1), outside(2)];
             (x * x + y * y + z * z).sqrt()
         };
         let mut waiting = vec![(0, self.bounds)];

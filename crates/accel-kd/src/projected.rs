@@ -10,9 +10,9 @@ mod store;
 use gnurt_simd::{Simd, f32x8, mask32x8, prelude::*};
 
 use gnurt_accel_core::Ray;
-use gnurt_accel_core::triangle::Meeting;
+use gnurt_accel_core::triangle::TriangleHit;
 
-use crate::packet_rays::{MeetingPacket, RayPacket};
+use crate::packet_rays::{HitPacket, RayPacket};
 
 /// 40 bytes of one triangle. With `n` its normal, `k` the axis where `n` is longest and `i`, `j` the next ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,7 @@ impl ProjectedTriangles {
 
     /// Where `ray` meets triangle `number` in `[t_near, t_far]`.
     #[inline(always)]
-    pub(crate) fn meet(&self, number: u32, ray: &Ray, t_near: f32, t_far: f32) -> Option<Meeting> {
+    pub(crate) fn meet(&self, number: u32, ray: &Ray, t_near: f32, t_far: f32) -> Option<TriangleHit> {
         let Projected { k, corner, normal, second, third } = self.triangles[number as usize];
         let k = k as usize;
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -99,7 +99,7 @@ impl ProjectedTriangles {
         let u = pi * second[0] + pj * second[1];
         let v = pi * third[0] + pj * third[1];
         let hit = t >= t_near && t <= t_far && u >= 0.0 && v >= 0.0 && u + v <= 1.0;
-        hit.then_some(Meeting { t, u, v })
+        hit.then_some(TriangleHit { t, u, v })
     }
 
     /// The same in lanes, for those in `active`.
@@ -112,7 +112,7 @@ impl ProjectedTriangles {
         active: mask32x8<S>,
         t_near: f32x8<S>,
         t_far: f32x8<S>,
-    ) -> MeetingPacket<S> {
+    ) -> HitPacket<S> {
         let Projected { k, corner, normal, second, third } = self.triangles[number as usize];
         let k = k as usize;
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
@@ -128,7 +128,7 @@ impl ProjectedTriangles {
         let v = pi * at(third[0]) + pj * at(third[1]);
         let reached = t.simd_ge(t_near) & t.simd_le(t_far);
         let inside = u.simd_ge(at(0.0)) & v.simd_ge(at(0.0)) & (u + v).simd_le(at(1.0));
-        MeetingPacket { t, u, v, hit: active & reached & inside }
+        HitPacket { t, u, v, hit: active & reached & inside }
     }
 }
 
@@ -144,9 +144,9 @@ mod tests {
             assert_eq!(triangles.corners(0), corners.map(|p| p.map(f64::from)), "corners come back");
             let ray = Ray::new([0.5, 1.0, 0.0].map(|x| x + offset), [0.0, 0.0, 2.0]);
             let met = triangles.meet(0, &ray, 0.0, f32::INFINITY);
-            assert_eq!(met, Some(Meeting { t: 2.5, u: 0.25, v: 0.5 }), "moved by {offset}");
-            let beside = Ray::new([1.5 + offset, 1.0 + offset, offset], [0.0, 0.0, 2.0]);
-            assert_eq!(triangles.meet(0, &beside, 0.0, f32::INFINITY), None, "beside it");
+            assert_eq!(met, Some(TriangleHit { t: 2.5, u: 0.25, v: 0.5 }), "moved by {offset}");
+            let outside = Ray::new([1.5 + offset, 1.0 + offset, offset], [0.0, 0.0, 2.0]);
+            assert_eq!(triangles.meet(0, &outside, 0.0, f32::INFINITY), None, "beside it");
             let along = Ray::new([offset; 3], [1.0, 0.0, 0.0]);
             assert_eq!(triangles.meet(0, &along, 0.0, f32::INFINITY), None, "in a parallel plane");
         }

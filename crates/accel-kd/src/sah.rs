@@ -102,17 +102,17 @@ pub(crate) fn best_across<S: Simd>(
     costs: &Costs,
 ) -> Option<Plane> {
     // Planes at the node's own faces are no candidates, but many boxes end there.
-    let (low, high) = (Event::place_of(bounds.min[axis]), Event::place_of(bounds.max[axis]));
+    let (low, high) = (Event::position_of(bounds.min[axis]), Event::position_of(bounds.max[axis]));
     let mut passed = Passed { left: 0, right: n as i32 };
     let mut events = events;
     while let [first, rest @ ..] = events
-        && first.place() <= low
+        && first.position() <= low
     {
         passed.pass(*first);
         events = rest;
     }
     while let [rest @ .., last] = events
-        && last.place() >= high
+        && last.position() >= high
     {
         events = rest;
     }
@@ -224,9 +224,9 @@ impl<S: Simd> Sweep<S> {
     /// Takes the next eight events, none of them flat.
     #[inline(always)]
     fn pass(&mut self, simd: S, events: &[Event; BLOCK], number: u32, passed: &mut Passed) {
-        let (mut places, mut ended) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let (mut positions, mut ended) = ([0.0; BLOCK], [0.0; BLOCK]);
         for i in 0..BLOCK {
-            places[i] = events[i].at();
+            positions[i] = events[i].at();
             ended[i] = events[i].ends() as f32;
         }
         let at = |value: i32| f32x8::splat(simd, value as f32);
@@ -235,14 +235,14 @@ impl<S: Simd> Sweep<S> {
         let mut ended = here + here.shift_elements_right::<1>(0.0);
         ended += ended.shift_elements_right::<2>(0.0);
         ended += ended.shift_elements_right::<4>(0.0);
-        let places_before = f32x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
-        let left = at(passed.left) + (places_before - (ended - here));
+        let positions_before = f32x8::from_slice(simd, &[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let left = at(passed.left) + (positions_before - (ended - here));
         let right = at(passed.right) - ended;
         let all = ended.as_array()[BLOCK - 1] as i32;
         passed.left += BLOCK as i32 - all;
         passed.right -= all;
 
-        let x = f32x8::from_slice(simd, &places) - self.low;
+        let x = f32x8::from_slice(simd, &positions) - self.low;
         let cost = (self.cap + self.girth * x) * left + (self.cap + self.girth * (self.length - x)) * right;
         let better = cost.simd_lt(self.cost);
         self.cost = better.select(cost, self.cost);

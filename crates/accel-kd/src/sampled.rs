@@ -57,7 +57,7 @@ impl Builder<'_> {
         if !self.parallel || refs.len() < WORTH_A_THREAD {
             let before = size_of::<BoxRef>() * refs.capacity();
             tree.counted = before;
-            self.grow_sampled_alone(&mut refs, 0, cell, &mut aside, tree, slot);
+            self.grow_sampled_single(&mut refs, 0, cell, &mut aside, tree, slot);
             self.watch.recount(&mut tree.counted, before);
             return;
         }
@@ -69,24 +69,24 @@ impl Builder<'_> {
         let first = tree.set_inner(slot, &plane);
         let bytes = size_of::<BoxRef>() * aside.capacity();
         self.watch.take(bytes);
-        let apart = |refs: Vec<BoxRef>, child: Cell| {
-            let mut apart = Subtree::new();
-            self.grow_sampled(refs, child, &mut apart, 0);
-            self.grown(&cell, &child, &apart);
-            apart
+        let split_off = |refs: Vec<BoxRef>, child: Cell| {
+            let mut split_off = Subtree::new();
+            self.grow_sampled(refs, child, &mut split_off, 0);
+            self.grown(&cell, &child, &split_off);
+            split_off
         };
         let on_left = || {
-            let grown = apart(aside, cells[0]);
+            let grown = split_off(aside, cells[0]);
             self.watch.give(bytes);
             grown
         };
-        let (left, right) = rayon::join(on_left, || apart(refs, cells[1]));
+        let (left, right) = rayon::join(on_left, || split_off(refs, cells[1]));
         tree.attach(first, left);
         tree.attach(first + 1, right);
     }
 
     /// Builds over what is behind `start` in `refs`, which it takes away.
-    fn grow_sampled_alone(
+    fn grow_sampled_single(
         &self,
         refs: &mut Vec<BoxRef>,
         start: usize,
@@ -107,9 +107,9 @@ impl Builder<'_> {
                     let now = size_of::<BoxRef>() * boxes + tree.memory_bytes();
                     self.watch.recount(&mut tree.counted, now);
                 }
-                self.grow_sampled_alone(refs, behind, left, aside, tree, first);
+                self.grow_sampled_single(refs, behind, left, aside, tree, first);
                 self.advance(&cell, &left);
-                self.grow_sampled_alone(refs, start, right, aside, tree, first + 1);
+                self.grow_sampled_single(refs, start, right, aside, tree, first + 1);
                 self.advance(&cell, &right);
             }
         }
@@ -308,12 +308,12 @@ fn evenly_changing(row: &[Sample; SAMPLES + 2], n: f32) -> [f32; SAMPLES] {
     let mut at = [row[0].at; SAMPLES];
     let mut next = 1;
     for (i, at) in at.iter_mut().enumerate() {
-        let wanted = 2.0 * n * ((i + 1) as f32 / (SAMPLES + 1) as f32);
-        while next < SAMPLES + 1 && changed(&row[next]) < wanted {
+        let expected = 2.0 * n * ((i + 1) as f32 / (SAMPLES + 1) as f32);
+        while next < SAMPLES + 1 && changed(&row[next]) < expected {
             next += 1;
         }
         let (from, to) = (&row[next - 1], &row[next]);
-        let share = (wanted - changed(from)) / (changed(to) - changed(from));
+        let share = (expected - changed(from)) / (changed(to) - changed(from));
         let share = if (0.0..=1.0).contains(&share) { share } else { 0.5 };
         *at = from.at + share * (to.at - from.at);
     }
@@ -412,8 +412,8 @@ fn cheapest_of_few<S: Simd>(simd: S, refs: &[BoxRef], cell: &Aabb, costs: &Costs
             best_code = better.select(code, best_code);
         }
     }
-    let (costs, places, codes) = (best.as_array(), best_at.as_array(), best_code.as_array());
-    let key = |i: usize| (costs[i], codes[i], places[i]);
+    let (costs, positions, codes) = (best.as_array(), best_at.as_array(), best_code.as_array());
+    let key = |i: usize| (costs[i], codes[i], positions[i]);
     let mut lane = 0;
     for i in 1..SAMPLES {
         lane = if key(i) < key(lane) { i } else { lane };

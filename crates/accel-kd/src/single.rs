@@ -3,7 +3,7 @@
 //! Source: the paper's Figure 3; the planes' intervals make its three cases conservative (`slab.rs`):
 //!
 //! ```text
-//! a) the plane's interval meets [t_min, t_max]: near child, then far child, both up to the interval's other end
+//! a) the plane's interval overlap_mask [t_min, t_max]: near child, then far child, both up to the interval's other end
 //! b) the plane lies before t_min: far child only
 //! c) the plane lies after t_max: near child only
 //! ```

@@ -9,12 +9,12 @@
 use gnurt_accel_core::beam::{Beam, CHUNKS, Ranges};
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::chunks::Chunks;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::float::{least, most};
-use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::tile::LANES;
 use gnurt_accel_core::tile_test::TileTest;
-use gnurt_accel_core::trip::TileTrip;
-use gnurt_simd::{Simd, StackRoom};
+use gnurt_accel_core::traversal::TileTraversal;
+use gnurt_simd::{Simd, StackBuffer};
 
 use crate::leaves::Leaves;
 use crate::mailbox::Mailbox;
@@ -45,23 +45,24 @@ impl Blocked<'_> {
         &self,
         simd: S,
         greatest: f32,
-        heading: Heading,
-        trip: &mut TileTrip,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
     ) -> bool {
-        let TileTrip { rays, kind, slot, .. } = *trip;
-        let count = TILE - trip.active.leading_zeros() as usize;
+        let TileTraversal { rays, kind, slot, .. } = *traversal;
+        let count = TILE - traversal.active.leading_zeros() as usize;
         let [x, y, z] = self.tree.bounds.extent();
         let size = x.max(y).max(z) as f32;
         let too_wide = |whole: &Ranges| whole.spread(size) > FARTHEST_SPREAD * size;
-        let Some(mut chunks) = Chunks::new(simd, rays, count, heading, greatest, trip.nearest, too_wide)
+        let Some(mut chunks) =
+            Chunks::new(simd, rays, count, direction_class, greatest, traversal.nearest, too_wide)
         else {
             return false;
         };
-        let test = TileTest { simd, rays, kind, slot, heading };
+        let test = TileTest { simd, rays, kind, slot, direction_class };
         let mut mailboxes = [Mailbox::<64>::EMPTY; CHUNKS];
         let (mut visited, mut tested) = (0u64, 0u64);
         let (beam, farthest) = (chunks.beam, chunks.farthest);
-        self.walk_together(
+        self.walk_coherent(
             &beam,
             farthest,
             &mut visited,
@@ -71,11 +72,11 @@ impl Blocked<'_> {
                     chunks.block(
                         simd,
                         block,
-                        trip.active,
-                        trip.nearest,
+                        traversal.active,
+                        traversal.nearest,
                         #[inline(always)]
                         |candidate, slopes, nearest| {
-                            let known = mailboxes[candidate.chunk].has(block.numbers[candidate.place & 7]);
+                            let known = mailboxes[candidate.chunk].has(block.numbers[candidate.lane & 7]);
                             tested += if known { 0 } else { LANES as u64 };
                             !known && test.meet(block, &candidate, slopes, nearest)
                         },
@@ -84,8 +85,8 @@ impl Blocked<'_> {
                 chunks.farthest
             },
         );
-        trip.counters.nodes += visited * count as u64;
-        trip.counters.triangles += tested;
+        traversal.counters.nodes += visited * count as u64;
+        traversal.counters.triangles += tested;
         true
     }
 }
@@ -94,7 +95,7 @@ impl Blocked<'_> {
     /// Calls `leaf` with the blocks of each leaf that the beam meets before `reach` steps, nearest first; it answers
     /// with the new reach.
     #[inline(always)]
-    fn walk_together(
+    fn walk_coherent(
         &self,
         beam: &Beam,
         mut reach: f32,
@@ -106,8 +107,8 @@ impl Blocked<'_> {
         if first > last {
             return;
         }
-        let mut room = StackRoom::<FarChild, DEEPEST>::new();
-        let mut waiting = room.stack();
+        let mut buffer = StackBuffer::<FarChild, DEEPEST>::new();
+        let mut waiting = buffer.stack();
         let mut at = 0;
         loop {
             let mut node = self.tree.nodes[at as usize];

@@ -74,7 +74,7 @@ impl Tally {
             let target = [0; 3].map(|_: i32| random.below(2 * n as usize + 1) as i64);
             let dir = [0; 3].map(|_: i32| random.below(9) as i64 - 4);
             points.push(target.map(|x| f64::from(from) + 0.5 * f64::from(side) * x as f64));
-            sides.push(match voxels.place(target) {
+            sides.push(match voxels.locate(target) {
                 Where::Outside => Side::Outside,
                 Where::Surface => Side::Surface,
                 Where::Inside => Side::Inside,
@@ -121,7 +121,7 @@ impl Tally {
 }
 
 fn main() -> Result<(), String> {
-    let wanted: usize = match std::env::args().nth(1) {
+    let requested: usize = match std::env::args().nth(1) {
         Some(text) => text.parse().map_err(|_| format!("'{text}' is not a number of rays"))?,
         None => 1_000_000,
     };
@@ -129,7 +129,7 @@ fn main() -> Result<(), String> {
     for round in 0.. {
         tally.cubes(&mut random, round);
         tally.rounds(&mut random, round);
-        if tally.rays >= wanted && tally.points >= wanted {
+        if tally.rays >= requested && tally.points >= requested {
             break;
         }
     }

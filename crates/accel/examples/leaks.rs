@@ -35,7 +35,7 @@ fn scene(mesh: &Soup, (structure, quality, memory): Kind, distance: f64) -> Scen
 }
 
 fn main() -> Result<(), String> {
-    let wanted: u64 = match std::env::args().nth(1) {
+    let requested: u64 = match std::env::args().nth(1) {
         Some(text) => text.parse().map_err(|_| format!("'{text}' is not a number of rays"))?,
         None => 100_000_000,
     };
@@ -45,7 +45,7 @@ fn main() -> Result<(), String> {
         (Structure::Bvh, Quality::Medium, Memory::Compact),
         (Structure::Kd, Quality::Medium, Memory::Fast),
     ];
-    let ways = [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent];
+    let paths = [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent];
     let mut random = Random::new(1);
     let (mut sent, mut leaks) = (0u64, 0u64);
     let mut hits = HitBatch::default();
@@ -54,13 +54,13 @@ fn main() -> Result<(), String> {
             for distance in [0.0f64, 1e6] {
                 for kind in kinds {
                     let scene = scene(&mesh, kind, distance);
-                    for coherence in ways {
+                    for coherence in paths {
                         let from = random.point().map(|x| 0.5 * radius * x);
                         let shift = [distance, -distance, distance];
                         // Far away floats are coarse: the origin is one of them, and what it is seen from.
                         let org = [0, 1, 2].map(|k| (f64::from(from[k]) + shift[k]) as f32);
-                        let seen_from = [0, 1, 2].map(|k| (f64::from(org[k]) - shift[k]) as f32);
-                        let batch: RayBatch = rays::aimed(&mesh, seen_from, 4)
+                        let visible_from = [0, 1, 2].map(|k| (f64::from(org[k]) - shift[k]) as f32);
+                        let batch: RayBatch = rays::aimed(&mesh, visible_from, 4)
                             .into_iter()
                             .map(|(_, dir)| Ray::new(org, dir))
                             .collect();
@@ -72,7 +72,7 @@ fn main() -> Result<(), String> {
                         }
                         leaks += missed;
                         sent += batch.len() as u64;
-                        if sent >= wanted {
+                        if sent >= requested {
                             break 'all;
                         }
                     }

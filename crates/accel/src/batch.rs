@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From batches to tiles, and to answers.
 //!
-//! The way of a coherent batch: `UnderWay` (`under_way.rs`; `sorted.rs` where its rays are to be sorted) loads 64 rays at a time -> [`Target::tile`] -> the scene's top tree, where there
-//! is one (`scene/walk.rs`) -> `ObjectTree::tile` parts rays of different headings (`together.rs`) -> the table of kernels of
+//! The way of a coherent batch: `BatchRun` (`batch_run.rs`; `sorted.rs` where its rays are to be sorted) loads 64 rays at a time -> [`Target::tile`] -> the scene's top tree, where there
+//! is one (`scene/walk.rs`) -> `ObjectTree::tile` parts rays of different headings (`coherent.rs`) -> the table of kernels of
 //! the kd-tree or the BVH (`kernels.rs` of either crate) -> its walk (`tiles.rs`). Rays that are apart go from
-//! `ObjectTree::tile` to the BVH's `alone.rs`.
-//! The way of a single ray: `Target::closest` (`ask.rs`) -> [`Target::ray`] -> `ObjectTree::ray` -> the table of kernels -> its
-//! `search`. What goes along all the way is one value, a `RayTrip` or a `TileTrip`.
+//! `ObjectTree::tile` to the BVH's `single.rs`.
+//! The way of a single ray: `Target::closest` (`query.rs`) -> [`Target::ray`] -> `ObjectTree::ray` -> the table of kernels -> its
+//! `search`. What goes along all the way is one value, a `RayTraversal` or a `TileTraversal`.
 
 use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::tile::NearestTile;
-use gnurt_accel_core::trip::TileTrip;
+use gnurt_accel_core::traversal::TileTraversal;
 
 use crate::answers::Answers;
+use crate::batch_run::BatchRun;
 use crate::engine::Engine;
 use crate::pencil::Pencil;
 use crate::sorted;
 use crate::target::Target;
-use crate::under_way::UnderWay;
 use crate::{Coherence, HitBatch, Query, RayBatch, Record};
 
 /// A batch's closest hits.
@@ -63,8 +63,9 @@ pub(crate) fn occluded_pencil(
     if active == 0 {
         return 0;
     }
-    let trip = &mut TileTrip { rays, active, kind: Kind::Any, slot: 0, nearest: &mut nearest, counters };
-    target.tile(engine, trip, false);
+    let traversal =
+        &mut TileTraversal { rays, active, kind: Kind::Any, slot: 0, nearest: &mut nearest, counters };
+    target.tile(engine, traversal, false);
     active & engine.tiles.hit(&nearest)
 }
 
@@ -78,7 +79,7 @@ fn trace(
 ) {
     rays.check();
     let Record { counters, costs } = record;
-    let batch = UnderWay { target, engine: Engine::at(query.level), rays, kind, mask: query.mask };
+    let batch = BatchRun { target, engine: Engine::at(query.level), rays, kind, mask: query.mask };
     match (costs, query.coherence) {
         (Some(costs), _) => batch.singles(&mut answers, counters, costs),
         (None, Coherence::Fanned) if batch.engine.has_tiles() => {

@@ -54,16 +54,16 @@ impl<'a> Sorted<'a> {
         }
         let hits = self.hits;
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive().cmp(&b.primitive())));
-        let mut kept = 0;
+        let mut retained = 0;
         for i in 0..hits.len() {
             let hit = hits[i];
-            let near = hits[..kept].iter().rev().take_while(|other| hit.t - other.t <= nearness(hit.t));
+            let near = hits[..retained].iter().rev().take_while(|other| hit.t - other.t <= nearness(hit.t));
             if !near.into_iter().any(|other| is_same(other, &hit)) {
-                hits[kept] = hit;
-                kept += 1;
+                hits[retained] = hit;
+                retained += 1;
             }
         }
-        hits.truncate(kept);
+        hits.truncate(retained);
     }
 }
 

@@ -3,7 +3,7 @@
 //! Space: world, or that of an object that is asked directly. Invariant: of a closed mesh it is an even number for rays that
 //! begin and end outside, wherever they go through it. Tests: `tests/surfaces/crossings.rs`.
 
-use crate::surfaces::Seen;
+use crate::surfaces::SurfaceInRegion;
 use crate::target::Target;
 use crate::{AnyRay, Hit, Query, Ray, UserGeometry, UserHit};
 use gnurt_accel_core::exact::{Line, Triangle};
@@ -27,21 +27,21 @@ impl Crossed {
     }
 
     /// Takes a primitive that the line may cross.
-    pub(crate) fn take(&mut self, line: &Line, seen: &Seen) {
-        match &seen.primitive {
+    pub(crate) fn take(&mut self, line: &Line, surface: &SurfaceInRegion) {
+        match &surface.primitive {
             Primitive::Triangle(corners) => {
-                if line.crosses(&Triangle::new(corners, seen.place)).is_some() {
-                    self.triangles.push((seen.slot, seen.number));
+                if line.crosses(&Triangle::new(corners, surface.path)).is_some() {
+                    self.triangles.push((surface.slot, surface.number));
                 }
             }
             Primitive::Sphere(center, radius) => {
-                let count = seen.line().map_or(0, |line| through_sphere(line, *center, *radius).count());
-                self.others.push((seen.slot, count as u32));
+                let count = surface.line().map_or(0, |line| through_sphere(line, *center, *radius).count());
+                self.others.push((surface.slot, count as u32));
             }
             Primitive::User(user, prim_id) => {
                 let mut count = 0;
-                through_user(seen, *user, *prim_id, &mut |_| count += 1);
-                self.others.push((seen.slot, count));
+                through_user(surface, *user, *prim_id, &mut |_| count += 1);
+                self.others.push((surface.slot, count));
             }
         }
     }
@@ -60,7 +60,7 @@ impl Crossed {
 /// How often a ray crosses what it sees.
 pub(crate) fn count(target: Target, query: &Query, ray: &dyn AnyRay, crossed: &mut Crossed) -> u32 {
     crossed.clear();
-    show(target, query, ray, &mut |line, seen| crossed.take(line, seen));
+    show(target, query, ray, &mut |line, surface| crossed.take(line, surface));
     crossed.finish();
     crossed.count()
 }
@@ -68,25 +68,26 @@ pub(crate) fn count(target: Target, query: &Query, ray: &dyn AnyRay, crossed: &m
 /// What [`count`] counts, in the order in which the ray meets it; of what is crossed at one place the lowest ids first.
 pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut Vec<Hit>) {
     let (mut met, mut others): (Vec<Nearest>, Vec<Nearest>) = Default::default();
-    show(target, query, ray, &mut |line, seen| {
-        let (slot, number) = (seen.slot, seen.number);
+    show(target, query, ray, &mut |line, surface| {
+        let (slot, number) = (surface.slot, surface.number);
         let at = |t: f64, u: f64, v: f64| {
             let [t, u, v] = [t, u, v].map(|x| x as f32);
             Nearest { t, u, v, number, slot }
         };
-        match &seen.primitive {
+        match &surface.primitive {
             Primitive::Triangle(corners) => {
-                let triangle = Triangle::new(corners, seen.place);
+                let triangle = Triangle::new(corners, surface.path);
                 if line.crosses(&triangle).is_some() {
-                    let [t, u, v] = line.meeting(&triangle);
+                    let [t, u, v] = line.intersection(&triangle);
                     met.push(at(t, u, v));
                 }
             }
             Primitive::Sphere(center, radius) => {
-                let through = seen.line().into_iter().flat_map(|line| through_sphere(line, *center, *radius));
+                let through =
+                    surface.line().into_iter().flat_map(|line| through_sphere(line, *center, *radius));
                 others.extend(through.map(|t| at(t, 0.0, 0.0)));
             }
-            Primitive::User(user, prim_id) => through_user(seen, *user, *prim_id, &mut |hit| {
+            Primitive::User(user, prim_id) => through_user(surface, *user, *prim_id, &mut |hit| {
                 others.push(at(f64::from(hit.t), f64::from(hit.u), f64::from(hit.v)));
             }),
         }
@@ -101,7 +102,7 @@ pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut V
 }
 
 /// Shows what a ray may cross; nothing if it is no ray.
-fn show(target: Target, query: &Query, ray: &dyn AnyRay, visit: &mut dyn FnMut(&Line, &Seen)) {
+fn show(target: Target, query: &Query, ray: &dyn AnyRay, visit: &mut dyn FnMut(&Line, &SurfaceInRegion)) {
     let rounded = ray.rounded();
     if !rounded.is_sound() {
         return;
@@ -109,7 +110,7 @@ fn show(target: Target, query: &Query, ray: &dyn AnyRay, visit: &mut dyn FnMut(&
     let org = ray.origin64().unwrap_or_else(|| rounded.org.map(f64::from));
     let ends = [rounded.t_near, rounded.t_far].map(f64::from);
     let line = Line::new(org, rounded.dir.map(f64::from), ends[0], ends[1]);
-    target.show(&Region::line(&line), query.mask & rounded.mask, &mut |seen| visit(&line, seen));
+    target.show(&Region::line(&line), query.mask & rounded.mask, &mut |surface| visit(&line, surface));
 }
 
 /// In floats, for the caller's own geometry.
@@ -119,8 +120,13 @@ fn ray_of(line: &LineRegion) -> Ray {
 }
 
 /// Shows what a line meets of user geometry between its ends.
-fn through_user(seen: &Seen, user: &dyn UserGeometry, prim_id: u32, visit: &mut dyn FnMut(&UserHit)) {
-    if let Some(ray) = seen.line().map(ray_of).filter(Ray::is_sound) {
+fn through_user(
+    surface: &SurfaceInRegion,
+    user: &dyn UserGeometry,
+    prim_id: u32,
+    visit: &mut dyn FnMut(&UserHit),
+) {
+    if let Some(ray) = surface.line().map(ray_of).filter(Ray::is_sound) {
         let is_in = |t: f32| t >= ray.t_near && t <= ray.t_far;
         user.intersect(prim_id, &ray, &mut |hit| {
             if is_in(hit.t) {
@@ -136,9 +142,9 @@ fn through_sphere(line: &LineRegion, center: [f32; 3], radius: f32) -> impl Iter
     let to = [0, 1, 2].map(|k| f64::from(center[k]) - line.org[k]);
     let square = dot(line.dir, line.dir);
     let middle = dot(to, line.dir) / square;
-    let beside = [0, 1, 2].map(|k| to[k] - middle * line.dir[k]);
+    let offset = [0, 1, 2].map(|k| to[k] - middle * line.dir[k]);
     let radius = f64::from(radius);
-    let half = ((radius * radius - dot(beside, beside)) / square).sqrt();
+    let half = ((radius * radius - dot(offset, offset)) / square).sqrt();
     // The root that does not cancel, and the other one by their product.
     let away = dot(to, to).sqrt();
     let product = (away - radius) * (away + radius) / square;

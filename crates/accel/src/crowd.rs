@@ -86,7 +86,7 @@ impl Crowd {
         }
         match poses.entry(key) {
             Entry::Occupied(mut same) => same.get_mut().push(Arc::downgrade(&tree)),
-            Entry::Vacant(place) => drop(place.insert(vec![Arc::downgrade(&tree)])),
+            Entry::Vacant(vacant) => drop(vacant.insert(vec![Arc::downgrade(&tree)])),
         }
         tree
     }
@@ -103,11 +103,11 @@ fn mixed(geometries: &[Geometry]) -> u64 {
         };
         lanes[0] ^= positions.len() as u64;
         let floats = positions.as_flattened();
-        let words = floats.chunks(8);
-        for eight in words {
+        let parts = floats.chunks(8);
+        for eight in parts {
             for (lane, two) in lanes.iter_mut().zip(eight.chunks(2)) {
-                let word = two.iter().fold(0, |word: u64, x| word << 32 | u64::from(x.to_bits()));
-                *lane = (*lane ^ word).wrapping_mul(0xff51_afd7_ed55_8ccd).rotate_left(29);
+                let value = two.iter().fold(0, |value: u64, x| value << 32 | u64::from(x.to_bits()));
+                *lane = (*lane ^ value).wrapping_mul(0xff51_afd7_ed55_8ccd).rotate_left(29);
             }
         }
     }

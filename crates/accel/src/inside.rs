@@ -34,29 +34,29 @@ pub(crate) fn side(target: Target, mask: u32, point: [f64; 3], crossed: &mut Cro
         return Side::Outside;
     }
     // The shortest way out.
-    let ways = [0, 1, 2].map(|k| [(high[k] - point[k], k, 1.0), (point[k] - low[k], k, -1.0)]);
-    let shortest = ways.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
-    let (_, axis, way) = shortest.unwrap_or((0.0, 0, 1.0));
+    let paths = [0, 1, 2].map(|k| [(high[k] - point[k], k, 1.0), (point[k] - low[k], k, -1.0)]);
+    let shortest = paths.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
+    let (_, axis, line_path) = shortest.unwrap_or((0.0, 0, 1.0));
     let mut dir = [0.0; 3];
-    (dir[axis], dir[(axis + 1) % 3], dir[(axis + 2) % 3]) = (way, LEAN[0], LEAN[1]);
+    (dir[axis], dir[(axis + 1) % 3], dir[(axis + 2) % 3]) = (line_path, LEAN[0], LEAN[1]);
     let line = Line::new(point, dir, 0.0, f64::INFINITY);
     crossed.clear();
     let (mut is_in_ball, mut on) = (false, Vec::new());
-    target.show(&Region::line(&line), mask, &mut |seen| match &seen.primitive {
+    target.show(&Region::line(&line), mask, &mut |surface| match &surface.primitive {
         Primitive::Triangle(corners) => {
-            if line.starts_on(&Triangle::new(corners, seen.place)) {
-                on.push(seen.slot);
+            if line.starts_on(&Triangle::new(corners, surface.path)) {
+                on.push(surface.slot);
             }
-            crossed.take(&line, seen);
+            crossed.take(&line, surface);
         }
         Primitive::Sphere(center, radius) => {
-            let side = seen.line().map_or(1, |line| side_of_sphere(line.org, *center, *radius));
+            let side = surface.line().map_or(1, |line| side_of_sphere(line.org, *center, *radius));
             is_in_ball |= side < 0;
             if side == 0 {
-                on.push(seen.slot);
+                on.push(surface.slot);
             }
         }
-        Primitive::User(..) => crossed.take(&line, seen),
+        Primitive::User(..) => crossed.take(&line, surface),
     });
     crossed.finish();
     match (is_in_ball || is_in_an_object(crossed, &on), on.is_empty()) {

@@ -153,10 +153,10 @@
 //! assert_eq!((t(&object, 0.0), t(&object, 0.5), t(&object, 1.0)), (Some(9.0), Some(7.0), Some(5.0)));
 //!
 //! let at = |x: f64| [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 0.0]];
-//! let path = MotionPath::new(&[at(0.0), at(8.0)]).expect("two places");
+//! let path = MotionPath::new(&[at(0.0), at(8.0)]).expect("two locations");
 //! let scene = SceneTree::build(&[Instance::moving(object, Arc::new(path))], &options, threads);
-//! let seen = scene.intersect(&Ray::new([4.25, 0.25, 9.0], [0.0, 0.0, -1.0]).with_time(0.5));
-//! assert_eq!(seen.map(|hit| hit.t), Some(7.0));
+//! let surface = scene.intersect(&Ray::new([4.25, 0.25, 9.0], [0.0, 0.0, -1.0]).with_time(0.5));
+//! assert_eq!(surface.map(|hit| hit.t), Some(7.0));
 //! ```
 //!
 //! # Crowds
@@ -186,9 +186,10 @@
 #![forbid(unsafe_code)]
 
 mod answers;
-mod ask;
 mod batch;
+mod batch_run;
 mod candidates;
+mod coherent;
 mod crossings;
 mod crowd;
 mod engine;
@@ -203,22 +204,22 @@ mod overlaps;
 mod packet;
 mod pencil;
 mod queries;
+mod query;
 mod scene;
 mod shown;
 mod slices;
 mod sorted;
 mod surfaces;
 mod target;
-mod together;
-mod under_way;
 
 pub use crowd::Crowd;
 pub use facing::Face;
 pub use gnurt_accel_core::{
     Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,
-    GeometryKind, Hit, HitBatch, INVALID_ID, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, Moment,
-    MovingTriangles, PointHit, PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record, RefitError,
-    SharedList, Spheres, Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
+    GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES,
+    Memory, MovingTriangles, PointHit, PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record,
+    RefitError, SharedList, Spheres, Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry,
+    UserHit,
 };
 pub use gnurt_simd::Level;
 pub use inside::Side;

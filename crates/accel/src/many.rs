@@ -82,10 +82,10 @@ impl Desk {
         if !(are_origins_precise && rays.may_be_precise(range.clone())) {
             return;
         }
-        for (place, i) in range.enumerate() {
+        for (index, i) in range.enumerate() {
             if let (Ray { t_near, dir, t_far, mask, time, .. }, Some(org)) = rays.ray(i) {
-                self.precise.push((place, Ray64 { org, t_near, dir, t_far, mask, time }));
-                (self.rays.t_near[place], self.rays.t_far[place]) = (1.0, 0.0);
+                self.precise.push((index, Ray64 { org, t_near, dir, t_far, mask, time }));
+                (self.rays.t_near[index], self.rays.t_far[index]) = (1.0, 0.0);
             }
         }
     }
@@ -116,16 +116,16 @@ impl Target<'_> {
         share(threads, slices.parts(SHARE), |desk, (range, mut slices)| {
             desk.gather(rays, range.clone(), self.minds_origins());
             batch::intersect(self, query, &desk.rays, &mut desk.hits, &mut desk.record);
-            for (place, ray) in &desk.precise {
+            for (index, ray) in &desk.precise {
                 if let Some(hit) = self.closest(query, ray) {
-                    desk.hits.set(*place, hit);
+                    desk.hits.set(*index, hit);
                 }
             }
             slices.copy(&desk.hits);
-            for (place, normal) in slices.normal.iter_mut().flat_map(|normals| normals.iter_mut()).enumerate()
+            for (index, normal) in slices.normal.iter_mut().flat_map(|normals| normals.iter_mut()).enumerate()
             {
-                let found = desk.hits.get(place).and_then(|hit| {
-                    let (ray, origin) = rays.ray(range.start + place);
+                let found = desk.hits.get(index).and_then(|hit| {
+                    let (ray, origin) = rays.ray(range.start + index);
                     let org = origin.unwrap_or_else(|| ray.org.map(f64::from));
                     let at = |k: usize| org[k] + f64::from(hit.t) * f64::from(ray.dir[k]);
                     self.normal(&hit, Some([at(0), at(1), at(2)]), ray.time)
@@ -148,8 +148,8 @@ impl Target<'_> {
         share(threads, parts, |desk, (i, part)| {
             desk.gather(rays, i * SHARE..i * SHARE + part.len(), self.minds_origins());
             batch::occluded(self, query, &desk.rays, &mut desk.occluded, &mut desk.record);
-            for (place, ray) in &desk.precise {
-                desk.occluded[*place] = self.any(query, ray);
+            for (index, ray) in &desk.precise {
+                desk.occluded[*index] = self.any(query, ray);
             }
             part.copy_from_slice(&desk.occluded);
         });

@@ -84,7 +84,7 @@ impl MovingTree {
     /// nothing is to move, the tree is built with `options`.
     pub fn update(&mut self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Update {
         let is_fixed = matches!(self.motion, Motion::Static | Motion::Rigid) || !self.tree.knows_refits();
-        let refitted = (!is_fixed).then(|| self.room().refit_from(geometries, threads).ok()).flatten();
+        let refitted = (!is_fixed).then(|| self.space().refit_from(geometries, threads).ok()).flatten();
         let Some(tree) = refitted else {
             *self = Self::build(geometries, options, self.motion, threads);
             return Update::Rebuilt;
@@ -124,7 +124,7 @@ impl MovingTree {
     }
 
     /// A tree to be written over: the last but one, if nobody else holds it, or a copy.
-    fn room(&self) -> ObjectTree {
+    fn space(&self) -> ObjectTree {
         let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take();
         spare.and_then(|spare| Arc::try_unwrap(spare).ok()).unwrap_or_else(|| (*self.tree).clone())
     }

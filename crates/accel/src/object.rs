@@ -6,28 +6,28 @@
 
 mod build;
 mod corners;
-mod frozen;
 mod kind;
-mod places;
+mod locations;
 mod posed;
 mod refit;
 mod region;
+mod snapshot;
 mod store;
 
 use std::sync::OnceLock;
 
 use gnurt_accel_bvh::{BvhIndex, MotionIndex, SphereIndex, UserIndex};
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::geometry::Numbering;
-use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{NearestPoint, Probe};
-use gnurt_accel_core::trip::{RayTrip, TileTrip};
+use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 use gnurt_accel_kd::{GridIndex, IntervalIndex, KdIndex};
 use kind::{Group, Kind};
-use places::Places;
+use locations::Locations;
 
+use crate::coherent::by_direction_class;
 use crate::engine::Engine;
-use crate::together::by_heading;
 use crate::{Aabb, BadPrimitives, Hit, TreeStats};
 
 /// Trees over an object's geometries.
@@ -42,7 +42,7 @@ pub struct ObjectTree {
     bounds: Aabb,
     stats: TreeStats,
     /// Where primitives are, once somebody asks by their numbers.
-    places: OnceLock<Places>,
+    locations: OnceLock<Locations>,
 }
 
 /// A tree over all primitives of one kind and mask.
@@ -105,13 +105,13 @@ impl ObjectTree {
 
     /// Improves what the ray has found; it is sound.
     #[inline(always)]
-    pub(crate) fn ray(&self, engine: &Engine, trip: &mut RayTrip) {
-        if !trip.ray.is_regular() {
-            return self.ray_scaled(engine, trip);
+    pub(crate) fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
+        if !traversal.ray.is_regular() {
+            return self.ray_scaled(engine, traversal);
         }
         for part in &self.parts {
-            if part.mask & trip.ray.mask != 0 && !trip.is_over() {
-                part.index.ray(engine, trip);
+            if part.mask & traversal.ray.mask != 0 && !traversal.is_over() {
+                part.index.ray(engine, traversal);
             }
         }
     }
@@ -119,13 +119,13 @@ impl ObjectTree {
     /// For directions so long or short that their inverse is of no use.
     #[cold]
     #[inline(never)]
-    fn ray_scaled(&self, engine: &Engine, trip: &mut RayTrip) {
-        let (scaled, scale) = trip.ray.within(trip.ray.t_near, trip.reach()).regular();
+    fn ray_scaled(&self, engine: &Engine, traversal: &mut RayTraversal) {
+        let (scaled, scale) = traversal.ray.within(traversal.ray.t_near, traversal.reach()).regular();
         if scaled.is_regular() {
-            trip.scaled(&scaled, scale, |trip| {
-                for part in self.parts.iter().filter(|part| part.mask & trip.ray.mask != 0) {
-                    if !trip.is_over() {
-                        part.index.ray(engine, trip);
+            traversal.scaled(&scaled, scale, |traversal| {
+                for part in self.parts.iter().filter(|part| part.mask & traversal.ray.mask != 0) {
+                    if !traversal.is_over() {
+                        part.index.ray(engine, traversal);
                     }
                 }
             });
@@ -133,48 +133,50 @@ impl ObjectTree {
     }
 
     /// Improves what a tile's active rays, all of them sound, have found. Rays that go different ways are parted first,
-    /// unless all of them are `apart`.
-    pub(crate) fn tile(&self, engine: &Engine, trip: &mut TileTrip, apart: bool) {
-        if self.parts.is_empty() || trip.active == 0 {
+    /// unless all of them are `incoherent`.
+    pub(crate) fn tile(&self, engine: &Engine, traversal: &mut TileTraversal, incoherent: bool) {
+        if self.parts.is_empty() || traversal.active == 0 {
             return;
         }
-        if apart || !engine.has_tiles() {
-            return self.apart(engine, trip);
+        if incoherent || !engine.has_tiles() {
+            return self.incoherent(engine, traversal);
         }
-        let alone = by_heading(engine, trip, &mut |heading, trip| self.together(engine, heading, trip));
-        if alone != 0 {
-            self.apart(engine, &mut trip.only(alone));
+        let single = by_direction_class(engine, traversal, &mut |direction_class, traversal| {
+            self.coherent(engine, direction_class, traversal)
+        });
+        if single != 0 {
+            self.incoherent(engine, &mut traversal.only(single));
         }
     }
 
     /// For rays that have nothing in common.
-    fn apart(&self, engine: &Engine, trip: &mut TileTrip) {
-        let mut alone = trip.active;
+    fn incoherent(&self, engine: &Engine, traversal: &mut TileTraversal) {
+        let mut single = traversal.active;
         if let [Part { index: Index::Bvh(index), mask }] = &self.parts[..]
             && engine.has_tiles()
         {
-            let headings = engine.tiles.headings(trip.rays);
-            let regular = trip.active & headings.regular;
-            alone &= !regular;
-            if mask & trip.rays.mask != 0 && regular != 0 {
-                engine.bvh.apart(index, &headings, &mut trip.only(regular));
+            let direction_classes = engine.tiles.direction_classes(traversal.rays);
+            let regular = traversal.active & direction_classes.regular;
+            single &= !regular;
+            if mask & traversal.rays.mask != 0 && regular != 0 {
+                engine.bvh.incoherent(index, &direction_classes, &mut traversal.only(regular));
             }
         }
-        trip.only(alone).one_by_one(|trip| self.ray(engine, trip));
+        traversal.only(single).one_by_one(|traversal| self.ray(engine, traversal));
     }
 
     /// For a tile's first rays, all of them active and of one heading.
-    fn together(&self, engine: &Engine, heading: Heading, trip: &mut TileTrip) {
-        for part in self.parts.iter().filter(|part| part.mask & trip.rays.mask != 0) {
+    fn coherent(&self, engine: &Engine, direction_class: DirectionClass, traversal: &mut TileTraversal) {
+        for part in self.parts.iter().filter(|part| part.mask & traversal.rays.mask != 0) {
             let has_kernel = match &part.index {
-                Index::Kd(index) => engine.kd.tile(index, heading, trip),
-                Index::Interval(index) => engine.kd.interval_tile(index, heading, trip),
-                Index::Grid(index) => engine.kd.grid_tile(index, heading, trip),
-                Index::Bvh(index) => engine.bvh.tile(index, heading, trip),
+                Index::Kd(index) => engine.kd.tile(index, direction_class, traversal),
+                Index::Interval(index) => engine.kd.interval_tile(index, direction_class, traversal),
+                Index::Grid(index) => engine.kd.grid_tile(index, direction_class, traversal),
+                Index::Bvh(index) => engine.bvh.tile(index, direction_class, traversal),
                 Index::Moving(_) | Index::Spheres(_) | Index::User(_) => false,
             };
             if !has_kernel {
-                trip.one_by_one(|trip| part.index.ray(engine, trip));
+                traversal.one_by_one(|traversal| part.index.ray(engine, traversal));
             }
         }
     }
@@ -214,10 +216,10 @@ impl ObjectTree {
     #[inline(always)]
     pub(crate) fn resolve(&self, nearest: &Nearest, inst_id: u32, leaf_id: u32) -> Hit {
         let Nearest { t, u, v, number, .. } = *nearest;
-        let place = self.numbering.place(number);
+        let located = self.numbering.locate(number);
         // The second half of a quad has its vertices 2, 3 and 1.
-        let (u, v) = if place.second_half { (1.0 - u, 1.0 - v) } else { (u, v) };
-        Hit { t, u, v, prim_id: place.prim_id, geom_id: place.geom_id, inst_id, leaf_id }
+        let (u, v) = if located.second_half { (1.0 - u, 1.0 - v) } else { (u, v) };
+        Hit { t, u, v, prim_id: located.prim_id, geom_id: located.geom_id, inst_id, leaf_id }
     }
 }
 
@@ -261,15 +263,15 @@ impl Index {
 
     /// Improves what the ray has found; it is sound and regular.
     #[inline(always)]
-    fn ray(&self, engine: &Engine, trip: &mut RayTrip) {
+    fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
         match self {
-            Self::Kd(index) => engine.kd.ray(index, trip),
-            Self::Interval(index) => engine.kd.interval(index, trip),
-            Self::Grid(index) => engine.kd.grid(index, trip),
-            Self::Bvh(index) => engine.bvh.ray(index, trip),
-            Self::Moving(index) => engine.bvh.moving(index, trip),
-            Self::Spheres(index) => engine.bvh.spheres(index, trip),
-            Self::User(index) => engine.bvh.user(index, trip),
+            Self::Kd(index) => engine.kd.ray(index, traversal),
+            Self::Interval(index) => engine.kd.interval(index, traversal),
+            Self::Grid(index) => engine.kd.grid(index, traversal),
+            Self::Bvh(index) => engine.bvh.ray(index, traversal),
+            Self::Moving(index) => engine.bvh.moving(index, traversal),
+            Self::Spheres(index) => engine.bvh.spheres(index, traversal),
+            Self::User(index) => engine.bvh.user(index, traversal),
         }
     }
 }

@@ -6,7 +6,7 @@
 use crate::near::name_all;
 use crate::target::Target;
 use crate::{PrimitiveId, Query};
-use gnurt_accel_core::exact::{Place, Triangle};
+use gnurt_accel_core::exact::{InstancePath, Triangle};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::Region;
 
@@ -27,23 +27,25 @@ fn touching(target: Target, mask: u32, min: [f64; 3], max: [f64; 3], found: &mut
     if (0..3).any(|k| low[k] > high[k]) {
         return;
     }
-    target.show(&Region::within(low, high), mask, &mut |seen| {
-        let is_touched = match &seen.primitive {
-            Primitive::Triangle(corners) => triangle_touches(&Triangle::new(corners, seen.place), low, high),
-            Primitive::Sphere(center, radius) => match seen.place {
+    target.show(&Region::within(low, high), mask, &mut |surface| {
+        let is_touched = match &surface.primitive {
+            Primitive::Triangle(corners) => {
+                triangle_touches(&Triangle::new(corners, surface.path), low, high)
+            }
+            Primitive::Sphere(center, radius) => match surface.path {
                 None => sphere_touches(center.map(f64::from), f64::from(*radius), low, high),
                 Some(_) => {
                     let side = |sign: f64| center.map(|x| f64::from(x) + sign * f64::from(*radius));
-                    box_touches([side(-1.0), side(1.0)], seen.place, low, high)
+                    box_touches([side(-1.0), side(1.0)], surface.path, low, high)
                 }
             },
             Primitive::User(user, prim_id) => {
                 let bounds = user.bounds(*prim_id);
-                box_touches([bounds.min, bounds.max].map(|side| side.map(f64::from)), seen.place, low, high)
+                box_touches([bounds.min, bounds.max].map(|side| side.map(f64::from)), surface.path, low, high)
             }
         };
         if is_touched {
-            found.push((seen.slot, seen.number));
+            found.push((surface.slot, surface.number));
         }
     });
 }
@@ -66,7 +68,7 @@ fn triangle_touches(triangle: &Triangle, min: [f64; 3], max: [f64; 3]) -> bool {
     let edges = [edge(0, 1), edge(1, 2), edge(2, 0)];
     let largest = |v: &[f64; 3]| v[0].abs().max(v[1].abs()).max(v[2].abs());
     let width = from.iter().map(largest).fold(largest(&half), f64::max);
-    let is_apart = |axis: [f64; 3], off_axis: f64| {
+    let is_separate = |axis: [f64; 3], off_axis: f64| {
         let along = |v: [f64; 3]| axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2];
         let [p, q, r] = from.map(along);
         let reach = along([0, 1, 2].map(|k| half[k] * axis[k].signum()));
@@ -76,36 +78,36 @@ fn triangle_touches(triangle: &Triangle, min: [f64; 3], max: [f64; 3]) -> bool {
     let off_edge = 2.0 * off;
     for edge in edges {
         let [x, y, z] = edge;
-        if [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]].into_iter().any(|axis| is_apart(axis, off_edge)) {
+        if [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]].into_iter().any(|axis| is_separate(axis, off_edge)) {
             return false;
         }
     }
     let ([x, y, z], [u, v, w]) = (edges[0], edges[1]);
     let longest = largest(&edges[0]).max(largest(&edges[1]));
     let off_normal = 4.0 * off_edge * (longest + off_edge) + 4.0 * f64::EPSILON * longest * longest;
-    !is_apart([y * w - z * v, z * u - x * w, x * v - y * u], off_normal)
+    !is_separate([y * w - z * v, z * u - x * w, x * v - y * u], off_normal)
 }
 
 /// Whether a sphere's surface and a box have a point in common, up to rounding.
 fn sphere_touches(center: [f64; 3], radius: f64, min: [f64; 3], max: [f64; 3]) -> bool {
     let (mut nearest, mut farthest) = (0.0, 0.0);
     for k in 0..3 {
-        let beside = (min[k] - center[k]).max(center[k] - max[k]).max(0.0);
+        let offset = (min[k] - center[k]).max(center[k] - max[k]).max(0.0);
         let across = (center[k] - min[k]).max(max[k] - center[k]);
-        (nearest, farthest) = (nearest + beside * beside, farthest + across * across);
+        (nearest, farthest) = (nearest + offset * offset, farthest + across * across);
     }
     let square = radius * radius;
     nearest <= square * (1.0 + 1e-14) && farthest >= square * (1.0 - 1e-14)
 }
 
 /// Whether a box of an object, as large as it is where the object is placed, touches a box.
-fn box_touches(sides: [[f64; 3]; 2], place: Option<&Place>, min: [f64; 3], max: [f64; 3]) -> bool {
-    let Some(place) = place else {
+fn box_touches(sides: [[f64; 3]; 2], path: Option<&InstancePath>, min: [f64; 3], max: [f64; 3]) -> bool {
+    let Some(path) = path else {
         return (0..3).all(|k| sides[0][k] <= max[k] && sides[1][k] >= min[k]);
     };
     let (mut low, mut high, mut worst) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0f64);
     for corner in 0..8usize {
-        let (carried, off) = place.carry([0, 1, 2].map(|k| sides[corner >> k & 1][k]), 0.0);
+        let (carried, off) = path.carry([0, 1, 2].map(|k| sides[corner >> k & 1][k]), 0.0);
         for k in 0..3 {
             (low[k], high[k]) = (low[k].min(carried[k]), high[k].max(carried[k]));
         }

@@ -6,11 +6,11 @@
 use gnurt_accel_core::bits::{all, each};
 use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::tile::{LANES, NearestTile, RayTile};
-use gnurt_accel_core::trip::TileTrip;
+use gnurt_accel_core::traversal::TileTraversal;
 
+use crate::batch_run::by_mask;
 use crate::engine::Engine;
 use crate::target::Target;
-use crate::under_way::by_mask;
 use crate::{Coherence, Counters, Hit, Query, Ray};
 
 /// Up to [`MOST`](Self::MOST) rays that are asked for together.
@@ -74,19 +74,23 @@ impl Target<'_> {
         let engine = Engine::at(query.level);
         let Packet { rays, nearest, masks, count } = packet;
         let sound = engine.tiles.sound(rays, nearest) & all(*count);
-        let apart = query.coherence == Coherence::Incoherent;
-        if !apart && sound != 0 && sound == all(*count) {
-            let headings = engine.tiles.headings(rays);
-            let (heading, alike) = headings.like(0, sound & headings.regular);
+        let incoherent = query.coherence == Coherence::Incoherent;
+        if !incoherent && sound != 0 && sound == all(*count) {
+            let direction_classes = engine.tiles.direction_classes(rays);
+            let (direction_class, alike) = direction_classes.like(0, sound & direction_classes.regular);
             if alike == sound {
-                rays.go_together(*count, heading, nearest);
+                rays.set_coherent(*count, direction_class, nearest);
             }
         }
         let counters = &mut Counters::default();
         let see = |i: usize| masks[i % LANES] & query.mask;
         let is_shared = masks[..*count].iter().all(|&mask| mask == masks[0]);
         by_mask(rays, sound, is_shared, see, |rays, active| {
-            self.tile(engine, &mut TileTrip { rays, active, kind, slot: 0, nearest, counters }, apart);
+            self.tile(
+                engine,
+                &mut TileTraversal { rays, active, kind, slot: 0, nearest, counters },
+                incoherent,
+            );
         });
         sound & engine.tiles.hit(nearest)
     }
@@ -96,10 +100,10 @@ impl Target<'_> {
         self,
         query: &Query,
         mut packet: Packet,
-        mut tell: impl FnMut(usize, Hit),
+        mut report: impl FnMut(usize, Hit),
     ) {
         let hit = self.packet(query, &mut packet, Kind::Closest);
-        each(hit, |i| tell(i, self.hit(&packet.nearest.get(i))));
+        each(hit, |i| report(i, self.hit(&packet.nearest.get(i))));
     }
 
     /// Which rays of a packet hit anything, as bits.

@@ -4,13 +4,13 @@
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::region::Region;
 
-use crate::surfaces::Seen;
+use crate::surfaces::SurfaceInRegion;
 use crate::target::Target;
 use crate::{Aabb, Hit, PrimitiveId};
 
 impl Target<'_> {
     /// Shows all primitives that may meet the region and have a bit of `mask`.
-    pub(crate) fn show(self, region: &Region, mask: u32, visit: &mut dyn FnMut(&Seen)) {
+    pub(crate) fn show(self, region: &Region, mask: u32, visit: &mut dyn FnMut(&SurfaceInRegion)) {
         match self {
             Self::Object(object) => object.show_at(region, mask, 0, None, visit),
             Self::Scene(scene) => scene.show_at(region, mask, 0, None, visit),

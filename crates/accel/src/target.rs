@@ -5,7 +5,7 @@ use gnurt_accel_core::bits::each;
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::tile::NearestTile;
-use gnurt_accel_core::trip::{RayTrip, TileTrip};
+use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 
 use crate::engine::Engine;
 use crate::{Hit, HitBatch, ObjectTree, SceneTree};
@@ -32,18 +32,18 @@ impl SceneTree {
 impl Target<'_> {
     /// Sends a ray, which is sound.
     #[inline(always)]
-    pub(crate) fn ray(self, engine: &Engine, trip: &mut RayTrip) {
+    pub(crate) fn ray(self, engine: &Engine, traversal: &mut RayTraversal) {
         match self {
-            Self::Object(object) => object.ray(engine, trip),
-            Self::Scene(scene) => scene.ray(engine, trip),
+            Self::Object(object) => object.ray(engine, traversal),
+            Self::Scene(scene) => scene.ray(engine, traversal),
         }
     }
 
-    /// Sends a tile's active rays. Where they are `apart`, they need not have anything in common.
-    pub(crate) fn tile(self, engine: &Engine, trip: &mut TileTrip, apart: bool) {
+    /// Sends a tile's active rays. Where they are `incoherent`, they need not have anything in common.
+    pub(crate) fn tile(self, engine: &Engine, traversal: &mut TileTraversal, incoherent: bool) {
         match self {
-            Self::Object(object) => object.tile(engine, trip, apart),
-            Self::Scene(scene) => scene.tile(engine, trip, apart),
+            Self::Object(object) => object.tile(engine, traversal, incoherent),
+            Self::Scene(scene) => scene.tile(engine, traversal, incoherent),
         }
     }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Axis-parallel rays in all combinations of signs, 0.0 and -0.0, and rays that are no rays.
 
-use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
+use crate::common::{TESTS, WATERTIGHT, assert_hits, batch, build, run_queries};
 use gnurt_accel::{Ray, RayBatch};
 use gnurt_testkit::{OracleInstance, Soup, closed, rays};
 
@@ -13,7 +13,7 @@ fn every_sign_and_zero() {
         let meshes = [soup];
         for (test, margin) in TESTS {
             let rays = batch(&rays::axis_parallel(3, 30));
-            let hits = ask(&build(&meshes, test), &rays);
+            let hits = run_queries(&build(&meshes, test), &rays);
             assert!(hits.iter().any(Option::is_some), "{name} is hit with {test:?}");
             assert_hits(&[OracleInstance::identity(&meshes)], &rays, &hits, margin);
         }
@@ -27,7 +27,9 @@ fn both_zeros_are_the_same_direction() {
         let positive = batch(&rays::axis_parallel(5, 30));
         let mut negated = positive.clone();
         negated.dir.iter_mut().flatten().filter(|x| **x == 0.0).for_each(|x| *x = -*x);
-        for (i, (a, b)) in ask(&object, &positive).iter().zip(&ask(&object, &negated)).enumerate() {
+        for (i, (a, b)) in
+            run_queries(&object, &positive).iter().zip(&run_queries(&object, &negated)).enumerate()
+        {
             assert_eq!(a.map(|h| h.t), b.map(|h| h.t), "the sign of zeros in {:?}", positive.get(i));
         }
     }
@@ -54,7 +56,7 @@ fn what_is_no_ray_misses() {
             good.within(f32::NAN, 1.0),
         ]);
         rays.extend([good.within(0.0, f32::NAN), good]);
-        for (i, hit) in ask(&object, &rays).iter().enumerate() {
+        for (i, hit) in run_queries(&object, &rays).iter().enumerate() {
             assert_eq!(hit.is_some(), rays.get(i) == good, "{:?}", rays.get(i));
         }
     }
@@ -68,7 +70,7 @@ fn any_length_of_direction_will_do() {
         for exponent in [-120, -64, -21, -3, 3, 21, 64, 120] {
             let scale = 2f32.powi(exponent);
             let ray = Ray::new([0.1, 0.2, 0.3], [0.5 * scale, scale, -0.25 * scale]);
-            let hits = ask(&object, &[ray, ray].into_iter().collect());
+            let hits = run_queries(&object, &[ray, ray].into_iter().collect());
             let hit = hits[0].expect("the same ray");
             assert_eq!(
                 (hit.prim_id, hit.t * scale),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Every tree hit equals brute force: all soups, both triangle tests, single rays and packets at every level.
 
-use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build};
+use crate::common::{TESTS, WATERTIGHT, assert_hits, batch, build, run_queries};
 use gnurt_accel::Ray;
 use gnurt_testkit::{OracleInstance, Soup, oracle, rays};
 
@@ -9,7 +9,7 @@ fn check(name: &str, meshes: &[Soup], rays: &[rays::PlainRay]) {
     for (test, margin) in TESTS {
         let object = build(meshes, test);
         let rays = batch(rays);
-        let hits = ask(&object, &rays);
+        let hits = run_queries(&object, &rays);
         let found = hits.iter().flatten().count();
         assert!(found > 0, "{name}: no ray of {} hits anything with {test:?}", rays.len());
         assert_hits(&[OracleInstance::identity(meshes)], &rays, &hits, margin);
@@ -110,7 +110,7 @@ fn slivers() {
     for (test, tolerance) in [(TESTS[0].0, 1e-5), (TESTS[1].0, 1e-3)] {
         let object = build(&meshes, test);
         let rays = batch(&rays::aimed(&meshes[0], [0.1, 0.2, 3.0], 1));
-        let hits = ask(&object, &rays);
+        let hits = run_queries(&object, &rays);
         let (mut found, mut clear) = (0usize, 0usize);
         for (i, hit) in hits.iter().enumerate() {
             let ray = rays.get(i);
@@ -149,7 +149,8 @@ fn slivers() {
 fn copies_of_one_triangle() {
     for kind in WATERTIGHT {
         let object = build(&[Soup::copies(1000)], kind);
-        let hits = ask(&object, &batch(&[([0.1, 0.0, 3.0], [0.0, 0.0, -1.0]), ([3.0; 3], [0.0, 1.0, 0.0])]));
+        let hits =
+            run_queries(&object, &batch(&[([0.1, 0.0, 3.0], [0.0, 0.0, -1.0]), ([3.0; 3], [0.0, 1.0, 0.0])]));
         let hit = hits[0].expect("it aims at all of them");
         assert_eq!((hit.prim_id, hits[1]), (0, None), "the first of equals is reported");
         assert!(object.stats().references <= 6000, "{:?} keeps the budget", object.stats());
@@ -164,7 +165,7 @@ fn nothing_is_hit_in_nothing() {
         {
             let object = build(&meshes, kind);
             assert!(object.bounds().is_empty(), "no triangle, no box");
-            let hits = ask(&object, &batch(&rays::random(20, 20)));
+            let hits = run_queries(&object, &batch(&rays::random(20, 20)));
             assert!(hits.iter().all(Option::is_none), "and no hit");
         }
     }
@@ -183,6 +184,6 @@ fn far_from_the_origin() {
         let meshes = [soup];
         let object = build(&meshes, kind);
         let rays = batch(&rays);
-        assert_hits(&[OracleInstance::identity(&meshes)], &rays, &ask(&object, &rays), 1e-4);
+        assert_hits(&[OracleInstance::identity(&meshes)], &rays, &run_queries(&object, &rays), 1e-4);
     }
 }

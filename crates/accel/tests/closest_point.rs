@@ -59,7 +59,7 @@ fn distances(instances: &[(&[Soup], Columns)], point: [f64; 3]) -> Vec<(f64, [u3
 
 /// The same answer at every level; it is as near as the nearest of `all`, and on the primitive that it names.
 fn check(
-    ask: impl Fn(&Query, f64) -> Option<PointHit>,
+    run_queries: impl Fn(&Query, f64) -> Option<PointHit>,
     all: &[(f64, [u32; 3])],
     point: [f64; 3],
     tolerance: f64,
@@ -68,7 +68,7 @@ fn check(
     let mut first = None;
     for level in Level::available() {
         let query = Query { level, ..Query::default() };
-        let hit = ask(&query, f64::INFINITY).expect("something is nearest");
+        let hit = run_queries(&query, f64::INFINITY).expect("something is nearest");
         assert_eq!(*first.get_or_insert(hit), hit, "{point:?} at {level}");
         assert!((hit.distance - nearest).abs() < tolerance, "{hit:?} of {point:?}, not {nearest}");
         let off = [0, 1, 2].map(|k| hit.point[k] - point[k]).iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -77,11 +77,15 @@ fn check(
         let own = all.iter().find(|(_, known)| *known == ids).expect("a known triangle").0;
         assert!((own - hit.distance).abs() < tolerance, "{hit:?} is {own} away from {point:?}");
         assert_eq!(
-            ask(&query, hit.distance * (1.0 + 1e-9)),
+            run_queries(&query, hit.distance * (1.0 + 1e-9)),
             Some(hit),
             "within a radius that is just enough"
         );
-        assert_eq!(ask(&query, hit.distance * (1.0 - 1e-9) - 1e-300), None, "and not within a smaller one");
+        assert_eq!(
+            run_queries(&query, hit.distance * (1.0 - 1e-9) - 1e-300),
+            None,
+            "and not within a smaller one"
+        );
     }
 }
 
@@ -161,8 +165,8 @@ fn scenes_equal_brute_force() {
                 let linear = |v: &[f64; 3]| {
                     [0, 1, 2].map(|k| outer[0][k] * v[0] + outer[1][k] * v[1] + outer[2][k] * v[2])
                 };
-                let place = linear(&map[3]);
-                let moved = [0, 1, 2].map(|k| place[k] + outer[3][k]);
+                let placement = linear(&map[3]);
+                let moved = [0, 1, 2].map(|k| placement[k] + outer[3][k]);
                 [linear(&map[0]), linear(&map[1]), linear(&map[2]), moved]
             };
             let composed: Vec<(&[Soup], Columns)> =
@@ -172,12 +176,12 @@ fn scenes_equal_brute_force() {
                 let all = distances(&plain, point);
                 check(|query, radius| scene.closest_point_with(query, point, radius), &all, point, tolerance);
                 let all = distances(&composed, point);
-                let ask = |query: &Query, radius: f64| {
+                let run_queries = |query: &Query, radius: f64| {
                     let hit = nested.closest_point_with(query, point, radius)?;
                     assert_eq!(hit.inst_id, 1, "the outer instance");
                     Some(PointHit { inst_id: hit.leaf_id, ..hit })
                 };
-                check(ask, &all, point, tolerance);
+                check(run_queries, &all, point, tolerance);
             }
         }
     }
@@ -211,8 +215,11 @@ fn spheres_quads_and_masks() {
             for level in Level::available() {
                 let query = Query { level, mask: 1, ..Query::default() };
                 let hit = object.closest_point_with(&query, point, f64::INFINITY).expect("something");
-                let wanted = spheres.min(quad);
-                assert!((hit.distance - wanted).abs() < 1e-9 * (1.0 + wanted), "{hit:?}: {spheres}, {quad}");
+                let expected = spheres.min(quad);
+                assert!(
+                    (hit.distance - expected).abs() < 1e-9 * (1.0 + expected),
+                    "{hit:?}: {spheres}, {quad}"
+                );
                 assert_eq!(hit.geom_id, if spheres < quad { 1 } else { 2 }, "{hit:?}");
                 if hit.geom_id == 2 {
                     let [u, v] = [hit.u, hit.v].map(|x| f64::from(4.0 * x - 2.0));

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{Ask, ask, batch, scene_of};
+use crate::common::{QueryTarget, batch, run_queries, scene_of};
 use gnurt_accel::{
     Aabb, BuildOptions, Geometry, Instance, Memory, ObjectTree, Quads, Quality, Query, Ray, RayBatch,
     Spheres, Threads, Triangles, UserGeometry, UserHit,
@@ -24,10 +24,10 @@ fn bytes(tree: &ObjectTree) -> u64 {
 }
 
 /// Closest and any hits in all ways, all hits, filtered ones.
-fn assert_same<T: Ask>(name: &str, [fast, compact]: [&T; 2], rays: &RayBatch) {
-    let hits = ask(fast, rays);
+fn assert_same<T: QueryTarget>(name: &str, [fast, compact]: [&T; 2], rays: &RayBatch) {
+    let hits = run_queries(fast, rays);
     assert!(hits.iter().flatten().count() > 0, "{name}: rays hit");
-    assert_eq!(hits, ask(compact, rays), "{name}: closest hits");
+    assert_eq!(hits, run_queries(compact, rays), "{name}: closest hits");
     for i in 0..rays.len() {
         let ray = rays.get(i);
         assert_eq!(fast.all(&ray), compact.all(&ray), "{name}: all hits of {ray:?}");
@@ -156,12 +156,12 @@ fn all_kinds_are_hit_alike() {
         assert_eq!(others(&trees[0]), others(&trees[1]), "the next of {ray:?}");
     }
     let scenes = trees.map(|tree| {
-        let place = |i: u32| {
-            let turn = [[0.0, 0.5, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.0, 0.7]];
+        let placement = |i: u32| {
+            let rotation = [[0.0, 0.5, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.0, 0.7]];
             let at = [f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, 0.3 * f64::from(i)];
-            Instance::new(Arc::clone(&tree), [turn[0], turn[1], turn[2], at])
+            Instance::new(Arc::clone(&tree), [rotation[0], rotation[1], rotation[2], at])
         };
-        let row = Arc::new(scene_of(&(0..9).map(place).collect::<Vec<_>>()));
+        let row = Arc::new(scene_of(&(0..9).map(placement).collect::<Vec<_>>()));
         scene_of(&[Instance::identity(row)])
     });
     let rays = around(&scenes[0].bounds(), 10, 500);

@@ -14,10 +14,10 @@ use gnurt_testkit::{Soup, closed};
 /// Notes what it is told, and stops a build.
 #[derive(Default)]
 struct Notes {
-    told: Mutex<Vec<f32>>,
+    reported: Mutex<Vec<f32>>,
     peak: AtomicU64,
     last: AtomicU64,
-    asked: AtomicU64,
+    requests: AtomicU64,
     /// Says no when it is asked so often; 0 for never.
     no: u64,
     budget: Option<u64>,
@@ -25,11 +25,11 @@ struct Notes {
 
 impl BuildControl for Notes {
     fn keep_going(&self) -> bool {
-        self.asked.fetch_add(1, Relaxed) + 1 != self.no
+        self.requests.fetch_add(1, Relaxed) + 1 != self.no
     }
 
     fn progress(&self, done: f32) {
-        self.told.lock().expect("nobody panics").push(done);
+        self.reported.lock().expect("nobody panics").push(done);
     }
 
     fn memory(&self, bytes: u64) {
@@ -62,9 +62,12 @@ fn who_listens_does_not_change_the_tree() {
             let notes = Notes::default();
             let tree = try_build(&mesh, kind, threads, &notes).expect("nobody stops it");
             assert!(tree.same_tree(&plain), "{kind:?}: node for node");
-            let told = notes.told.into_inner().expect("nobody panics");
-            assert!(told.len() > 1, "{kind:?}: {told:?} is not much");
-            assert!(told.is_sorted() && told.last() == Some(&1.0), "{kind:?}: {told:?} goes to 1");
+            let reported = notes.reported.into_inner().expect("nobody panics");
+            assert!(reported.len() > 1, "{kind:?}: {reported:?} is not much");
+            assert!(
+                reported.is_sorted() && reported.last() == Some(&1.0),
+                "{kind:?}: {reported:?} goes to 1"
+            );
             let stats = tree.stats();
             let (result, last) = (stats.tree_bytes + stats.primitive_bytes, notes.last.into_inner());
             let peak = notes.peak.into_inner();
@@ -78,18 +81,18 @@ fn who_listens_does_not_change_the_tree() {
 /// Counts how often it is asked before it is told something new.
 #[derive(Default)]
 struct Patience {
-    asked: AtomicU64,
+    requests: AtomicU64,
     most: AtomicU64,
 }
 
 impl BuildControl for Patience {
     fn keep_going(&self) -> bool {
-        self.most.fetch_max(self.asked.fetch_add(1, Relaxed) + 1, Relaxed);
+        self.most.fetch_max(self.requests.fetch_add(1, Relaxed) + 1, Relaxed);
         true
     }
 
     fn progress(&self, _: f32) {
-        self.asked.store(0, Relaxed);
+        self.requests.store(0, Relaxed);
     }
 }
 
@@ -116,7 +119,7 @@ fn any_no_ends_a_build() {
         for threads in [Threads::Single, Threads::Pool(&pool)] {
             let all = Notes::default();
             try_build(&mesh, kind, threads, &all).expect("nobody stops it");
-            let all = all.asked.into_inner();
+            let all = all.requests.into_inner();
             assert!(all > 4, "{kind:?}: asked {all} times only");
             for no in [1, 2, 3, all / 2, all - 1] {
                 let notes = Notes { no, ..Notes::default() };
@@ -126,8 +129,8 @@ fn any_no_ends_a_build() {
                     Some(BuildError::Cancelled),
                     "{kind:?}: no, when asked for the {no}th time"
                 );
-                let told = notes.told.into_inner().expect("nobody panics");
-                assert!(told.last() != Some(&1.0), "{kind:?}: not finished");
+                let reported = notes.reported.into_inner().expect("nobody panics");
+                assert!(reported.last() != Some(&1.0), "{kind:?}: not finished");
             }
         }
     }
@@ -176,13 +179,16 @@ fn scenes_are_built_under_control() {
             let build = |notes: &Notes| SceneTree::try_build(&list, &options, threads, notes);
             let free = Notes::default();
             let stats = build(&free).expect("nobody stops it").stats();
-            let told = free.told.into_inner().expect("nobody panics");
-            assert!(told.len() > 2 && told.is_sorted() && told.last() == Some(&1.0), "{told:?} goes to 1");
+            let reported = free.reported.into_inner().expect("nobody panics");
+            assert!(
+                reported.len() > 2 && reported.is_sorted() && reported.last() == Some(&1.0),
+                "{reported:?} goes to 1"
+            );
             let (peak, last) = (free.peak.into_inner(), free.last.into_inner());
             let result = stats.tree_bytes + stats.primitive_bytes;
             assert!(peak > result, "{peak} at its peak for {result}");
             assert!((result * 9 / 10..result * 3 / 2).contains(&last), "{last} at the end for {result}");
-            for no in [1, 2, free.asked.into_inner() - 1] {
+            for no in [1, 2, free.requests.into_inner() - 1] {
                 let notes = Notes { no, ..Notes::default() };
                 let error = build(&notes).err();
                 assert_eq!(

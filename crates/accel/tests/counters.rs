@@ -31,8 +31,8 @@ fn packets_count_what_single_rays_do() {
             object.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut closest);
             object.occluded_batch(&query, &rays, &mut Vec::new(), &mut any);
             let counted = [closest.counters, any.counters];
-            let wanted = *first.get_or_insert(counted);
-            assert!(!exact || wanted == counted, "{query:?}: {counted:?}, not {wanted:?} of single rays");
+            let expected = *first.get_or_insert(counted);
+            assert!(!exact || expected == counted, "{query:?}: {counted:?}, not {expected:?} of single rays");
             let [all, any] = counted;
             assert_eq!((all.rays, any.rays), (rays.len() as u64, rays.len() as u64), "rays asked for");
             assert!(all.nodes > all.rays / 2 && all.triangles > all.rays / 4, "{all:?} for many rays");
@@ -49,12 +49,12 @@ fn all_levels_with_tiles_count_the_same_in_a_scene() {
     for kind in &WATERTIGHT[3..4] {
         let rays = some_rays();
         let object = Arc::new(build(&[closed::sphere(8)], *kind));
-        let place = |i: u32| {
+        let placement = |i: u32| {
             let mut instance = Instance::identity(Arc::clone(&object));
             instance.world_from_object[3] = [f64::from(i % 3) - 1.0, f64::from(i / 3) - 1.0, 0.25];
             instance
         };
-        let scene = scene_of(&(0..9).map(place).collect::<Vec<_>>());
+        let scene = scene_of(&(0..9).map(placement).collect::<Vec<_>>());
         let of = |query: &Query| {
             let mut record = Record::default();
             scene.intersect_batch(query, &rays, &mut HitBatch::default(), &mut record);
@@ -73,10 +73,10 @@ fn all_levels_with_tiles_count_the_same_in_a_scene() {
         let triangles: Vec<u64> = narrow.map(|(_, counted)| counted.triangles).collect();
         let is_near = |&n: &u64| n.abs_diff(triangles[0]) * 50 < triangles[0];
         assert!(triangles.iter().all(is_near), "{counted:?} at all levels but the widest");
-        let alone: Vec<Counters> = [Coherence::Coherent, Coherence::Incoherent]
+        let single: Vec<Counters> = [Coherence::Coherent, Coherence::Incoherent]
             .map(|coherence| of(&Query { level: Level::Scalar, coherence, ..Query::default() }))
             .into();
-        assert_eq!(alone[0], alone[1], "without tiles, coherence does not matter");
+        assert_eq!(single[0], single[1], "without tiles, coherence does not matter");
     }
 }
 
@@ -85,27 +85,27 @@ fn all_levels_with_tiles_count_the_same_in_a_scene() {
 fn rays_that_part_at_once_do_little_more_together() {
     let object = Arc::new(build(&[Soup::random(2, 1, 1.0)], WATERTIGHT[0]));
     let mut random = Random::new(5);
-    let mut place = |_| {
+    let mut placement = |_| {
         let mut instance = Instance::identity(Arc::clone(&object));
         instance.world_from_object = [[0.05, 0.0, 0.0], [0.0, 0.05, 0.0], [0.0, 0.0, 0.05], [0.0; 3]];
         instance.world_from_object[3] = random.point().map(|x| f64::from(10.0 * x));
         instance
     };
-    let scene = scene_of(&(0..5000).map(&mut place).collect::<Vec<_>>());
+    let scene = scene_of(&(0..5000).map(&mut placement).collect::<Vec<_>>());
     let mut random = Random::new(6);
     let rays: Vec<_> = (0..2000).map(|_| (random.point().map(|x| 10.0 * x), random.point())).collect();
     let rays = batch(&rays);
     for level in Level::available() {
-        let [together, alone] = [Coherence::Coherent, Coherence::Incoherent].map(|coherence| {
+        let [joint, single] = [Coherence::Coherent, Coherence::Incoherent].map(|coherence| {
             let query = Query { level, coherence, ..Query::default() };
             let (mut closest, mut any) = (Record::default(), Record::default());
             scene.intersect_batch(&query, &rays, &mut HitBatch::default(), &mut closest);
             scene.occluded_batch(&query, &rays, &mut Vec::new(), &mut any);
             [closest.counters, any.counters]
         });
-        for (together, alone) in together.iter().zip(alone) {
-            assert!(together.nodes <= 2 * alone.nodes, "{level}: {together:?}, {alone:?} one by one");
-            assert!(together.triangles <= 2 * alone.triangles, "{level}: {together:?}, {alone:?} one by one");
+        for (joint, single) in joint.iter().zip(single) {
+            assert!(joint.nodes <= 2 * single.nodes, "{level}: {joint:?}, {single:?} one by one");
+            assert!(joint.triangles <= 2 * single.triangles, "{level}: {joint:?}, {single:?} one by one");
         }
     }
 }
@@ -119,8 +119,8 @@ fn costs_add_up_and_records_go_on() {
         for round in 1..3 {
             object.intersect_batch(&Query::default(), &rays, &mut HitBatch::default(), &mut record);
             let costs: u64 = record.costs.iter().flatten().map(|&cost| u64::from(cost)).sum();
-            let Counters { rays: asked, nodes, triangles } = record.counters;
-            assert_eq!(asked, round * rays.len() as u64, "sums go on from batch to batch");
+            let Counters { rays: traced, nodes, triangles } = record.counters;
+            assert_eq!(traced, round * rays.len() as u64, "sums go on from batch to batch");
             assert_eq!(round * costs, nodes + triangles, "costs are the last batch's");
             assert_eq!(record.costs.as_ref().map(Vec::len), Some(rays.len()), "one for each ray");
         }

@@ -4,14 +4,14 @@
 
 use std::sync::Arc;
 
-use crate::common::{Ask, WATERTIGHT, batch, build, scene_of};
+use crate::common::{QueryTarget, WATERTIGHT, batch, build, scene_of};
 use gnurt_accel::{Instance, Level, Query, Ray, Ray64};
 use gnurt_testkit::{Random, Soup, closed, rays};
 
 const FAR: [f64; 3] = [1e7 + 0.3, -2e7 - 0.7, 0.9e7 + 0.123_456_7];
 
-fn at(far: f64, place: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|k| far * FAR[k] + place[k])
+fn at(far: f64, placement: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| far * FAR[k] + placement[k])
 }
 
 #[test]
@@ -20,15 +20,15 @@ fn far_scenes_are_as_precise_as_near_ones() {
         let objects =
             [closed::sphere(9), Soup::random(1, 60, 0.5)].map(|soup| Arc::new(build(&[soup], kind)));
         let mut random = Random::new(3);
-        let places: Vec<([f64; 3], f64)> =
+        let placements: Vec<([f64; 3], f64)> =
             (0..40).map(|_| (random.point().map(f64::from), f64::from(random.between(0.05, 0.3)))).collect();
         let scene = |far: f64| {
-            let instance = |(i, &(place, size)): (usize, &([f64; 3], f64))| {
+            let instance = |(i, &(placement, size)): (usize, &([f64; 3], f64))| {
                 let axes = [[0.0, size, 0.0], [-size, 0.0, 0.0], [0.0, 0.0, size]];
-                let columns = [axes[0], axes[1], axes[2], at(far, place)];
+                let columns = [axes[0], axes[1], axes[2], at(far, placement)];
                 Instance::new(Arc::clone(&objects[i % 2]), columns)
             };
-            scene_of(&places.iter().enumerate().map(instance).collect::<Vec<_>>())
+            scene_of(&placements.iter().enumerate().map(instance).collect::<Vec<_>>())
         };
         let (near, away) = (scene(0.0), scene(1.0));
         // A scene that lies far away and is brought back, and one that is near and is brought there.
@@ -48,8 +48,8 @@ fn far_scenes_are_as_precise_as_near_ones() {
         for (org, dir) in plain {
             let length = dir.iter().map(|x| x * x).sum::<f32>().sqrt();
             let dir = dir.map(|x| x / length);
-            let wanted = near.intersect(&Ray::new(org, dir));
-            found += usize::from(wanted.is_some());
+            let expected = near.intersect(&Ray::new(org, dir));
+            found += usize::from(expected.is_some());
             for level in Level::available() {
                 let query = Query { level, ..Query::default() };
                 for (name, scene, far) in
@@ -59,7 +59,7 @@ fn far_scenes_are_as_precise_as_near_ones() {
                     let hit = scene.intersect_with(&query, &ray);
                     let any = scene.occluded_with(&query, &ray);
                     assert_eq!(hit.is_some(), any, "{name}: closest and any hit of {ray:?} at {level}");
-                    let same = match (hit, wanted) {
+                    let same = match (hit, expected) {
                         (Some(a), Some(b)) => {
                             a.primitive() == b.primitive() && (a.t - b.t).abs() < 1e-6 * 2.0 * (1.0 + b.t)
                         }
@@ -80,18 +80,18 @@ fn rays_of_single_precision_see_far_scenes() {
     // Their origins are multiples of one unit there; tiles and single rays agree, and find what is in front of them.
     let object = Arc::new(build(&[closed::sphere(9)], WATERTIGHT[0]));
     let far = [1e7, -2e7, 0.5e7];
-    let place = |i: u32| {
+    let placement = |i: u32| {
         let at = [f64::from(i % 5) * 4.0, f64::from(i / 5) * 4.0, 0.0];
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0, 1, 2].map(|k| far[k] + at[k])];
         Instance::new(Arc::clone(&object), columns)
     };
-    let scene = scene_of(&(0..25).map(place).collect::<Vec<_>>());
+    let scene = scene_of(&(0..25).map(placement).collect::<Vec<_>>());
     let bounds = scene.bounds();
     assert!(bounds.min[0] < 1e7 && bounds.max[0] > 1e7 + 16.0 && bounds.max[0] < 1e7 + 20.0, "{bounds:?}");
     let plain: Vec<_> = (0..25)
         .map(|i| ([1e7 + (i % 5) as f32 * 4.0, -2e7 + (i / 5) as f32 * 4.0, 0.5e7 + 30.0], [0.0, 0.0, -1.0]))
         .collect();
-    let hits = crate::common::ask(&scene, &batch(&plain));
+    let hits = crate::common::run_queries(&scene, &batch(&plain));
     for (i, hit) in hits.iter().enumerate() {
         let hit = hit.unwrap_or_else(|| panic!("ray {i} looks at a sphere"));
         assert!(hit.inst_id == i as u32 && (hit.t - 29.0).abs() < 0.1, "ray {i}: {hit:?}");

@@ -7,7 +7,7 @@ use crate::common::{WATERTIGHT, batch, build, scene_of};
 use gnurt_accel::{Hit, HitBatch, Instance, Level, ObjectTree, Query, Ray, RayBatch, SceneTree};
 use gnurt_testkit::{Soup, closed, rays};
 
-fn check(what: &str, rays: &RayBatch, ask: &dyn Questions) {
+fn check(what: &str, rays: &RayBatch, target: &dyn Questions) {
     let accept = |ray: &Ray, hit: &Hit| (hit.prim_id + hit.inst_id) % 3 == 1 && ray.at(hit.t)[0] > -0.5;
     let mut rejected = 0;
     for level in Level::available() {
@@ -15,21 +15,21 @@ fn check(what: &str, rays: &RayBatch, ask: &dyn Questions) {
         let mut hits = Vec::new();
         for i in 0..rays.len() {
             let ray = rays.get(i);
-            ask.all(&query, &ray, &mut hits);
-            let wanted = hits.iter().copied().find(|hit| accept(&ray, hit));
-            rejected += usize::from(wanted != hits.first().copied());
-            let found = ask.filtered(&query, &ray, &accept);
-            assert_eq!(found, (wanted, wanted.is_some()), "{what}: {ray:?} at {level}");
+            target.all(&query, &ray, &mut hits);
+            let expected = hits.iter().copied().find(|hit| accept(&ray, hit));
+            rejected += usize::from(expected != hits.first().copied());
+            let found = target.filtered(&query, &ray, &accept);
+            assert_eq!(found, (expected, expected.is_some()), "{what}: {ray:?} at {level}");
             let Some(first) = hits.first() else { continue };
             let next = hits.iter().copied().find(|hit| hit.primitive() != first.primitive());
-            let found = ask.ignoring(&query, &ray, first);
+            let found = target.ignoring(&query, &ray, first);
             assert_eq!(found, (next, next.is_some()), "{what}: {ray:?} without {first:?} at {level}");
         }
-        let (found, any) = ask.batch_filtered(&query, rays, &accept);
+        let (found, any) = target.batch_filtered(&query, rays, &accept);
         assert_eq!(any.len(), rays.len(), "{what}: one answer for each ray");
         for (i, &any) in any.iter().enumerate() {
-            let alone = ask.filtered(&query, &rays.get(i), &accept);
-            assert_eq!((found.get(i), any), alone, "{what}: ray {i} of a batch at {level}");
+            let single = target.filtered(&query, &rays.get(i), &accept);
+            assert_eq!((found.get(i), any), single, "{what}: ray {i} of a batch at {level}");
         }
     }
     assert!(rejected > 50, "{what}: only {rejected} closest hits were rejected");
@@ -77,12 +77,12 @@ fn filters_see_every_candidate() {
         let object = Arc::new(build(&meshes, kind));
         let rays = batch(&rays::random(2, 100));
         check("object", &rays, &*object);
-        let place = |i: u32| {
+        let placement = |i: u32| {
             let mut instance = Instance::identity(Arc::clone(&object));
             instance.world_from_object[3] = [f64::from(i) * 0.3 - 0.5, 0.1, f64::from(i % 2)];
             instance
         };
-        let scene = scene_of(&(0..5).map(place).collect::<Vec<_>>());
+        let scene = scene_of(&(0..5).map(placement).collect::<Vec<_>>());
         check("scene", &rays, &scene);
     }
 }

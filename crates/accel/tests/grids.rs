@@ -8,7 +8,7 @@ use gnurt_accel::{
 };
 use gnurt_testkit::{Random, Soup, closed, rays};
 
-use crate::common::{GRID, WATERTIGHT, ask, batch, build, options};
+use crate::common::{GRID, WATERTIGHT, batch, build, options, run_queries};
 use crate::intervals::{check, stadium, triangles};
 
 /// Tiles of rays that stay together: out of a point, side by side, or both; along the axes and across them; of which some start beside
@@ -22,10 +22,10 @@ fn beams(seed: u64, count: usize) -> RayBatch {
             let axis = beam / 3 % 3;
             dir = [0, 1, 2].map(|k| if k == axis { dir[k] } else { 0.02 * dir[k] });
         }
-        let [wide, apart] = [[0.02, 0.0], [0.0, 0.05], [0.01, 0.03]][beam / 5 % 3];
+        let [wide, separation] = [[0.02, 0.0], [0.0, 0.05], [0.01, 0.03]][beam / 5 % 3];
         for _ in 0..64 {
             let (a, b) = (random.point(), random.point());
-            let org = [0, 1, 2].map(|k| org[k] + apart * a[k]);
+            let org = [0, 1, 2].map(|k| org[k] + separation * a[k]);
             all.push(Ray::new(org, [0, 1, 2].map(|k| dir[k] + wide * b[k])));
         }
     }
@@ -51,7 +51,11 @@ fn hits_are_those_of_others() {
         let grid = build(meshes, GRID);
         check(&grid, meshes, GRID, i as u64);
         let rays = beams(i as u64, 30);
-        assert_eq!(ask(&grid, &rays), ask(&build(meshes, WATERTIGHT[0]), &rays), "beams through soup {i}");
+        assert_eq!(
+            run_queries(&grid, &rays),
+            run_queries(&build(meshes, WATERTIGHT[0]), &rays),
+            "beams through soup {i}"
+        );
     }
 }
 
@@ -66,7 +70,7 @@ fn nothing_leaks() {
             for from in [[0.0f32; 3], [0.3, 0.1, -0.5], [0.5, 0.5, 0.25]] {
                 let from = [0, 1, 2].map(|k| size * from[k] + offset[k]);
                 let rays = batch(&rays::aimed(&mesh, from, 1));
-                let leaks = ask(&object, &rays).iter().filter(|hit| hit.is_none()).count();
+                let leaks = run_queries(&object, &rays).iter().filter(|hit| hit.is_none()).count();
                 assert_eq!(leaks, 0, "of {} rays from {from:?}, {distance} away, size {size}", rays.len());
             }
         }
@@ -87,12 +91,12 @@ fn threads_make_no_difference() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");
     let meshes = [Soup::random(7, 40_000, 0.05)];
     let of = |threads| ObjectTree::build(&triangles(&meshes), &options(GRID), threads);
-    let alone = of(Threads::Single);
-    assert!(of(Threads::Pool(&pool)).same_tree(&alone), "cell by cell");
-    for asked in [1, 2, 4, 20] {
-        let no = No(asked.into());
+    let single = of(Threads::Single);
+    assert!(of(Threads::Pool(&pool)).same_tree(&single), "cell by cell");
+    for requests in [1, 2, 4, 20] {
+        let no = No(requests.into());
         let stopped = ObjectTree::try_build(&triangles(&meshes), &options(GRID), Threads::Pool(&pool), &no);
-        assert_eq!(stopped.err(), Some(BuildError::Cancelled), "it was told so at the {asked}th question");
+        assert_eq!(stopped.err(), Some(BuildError::Cancelled), "it was told so at the {requests}th question");
     }
 }
 
@@ -108,7 +112,11 @@ fn large_triangles_lie_in_few_cells() {
     assert!(stats.references as f32 <= most, "{stats:?} keeps the budget");
     assert!(stats.nodes > 100 && stats.empty_leaves < stats.leaves, "and is one: {stats:?}");
     let rays = beams(3, 20);
-    assert_eq!(ask(&grid, &rays), ask(&build(&meshes, WATERTIGHT[0]), &rays), "with the hits of others");
+    assert_eq!(
+        run_queries(&grid, &rays),
+        run_queries(&build(&meshes, WATERTIGHT[0]), &rays),
+        "with the hits of others"
+    );
     let few = build_with_budget(&meshes, 0.0);
     assert_eq!(
         (few.nodes, few.references),

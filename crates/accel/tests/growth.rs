@@ -15,7 +15,7 @@ use peak_alloc::PeakAlloc;
 static ALLOCATIONS: PeakAlloc = PeakAlloc;
 
 /// What reading takes of any file: a buffer.
-const ROOM: usize = 1 << 20;
+const SPACE: usize = 1 << 20;
 const GROWTH: usize = 3;
 
 /// Numbers in place of two words: of a list of many bytes, of more than memory has, and of more than can be counted.
@@ -48,7 +48,7 @@ fn trees_cost_what_their_lengths_account_for() {
         ];
         let others = ObjectTree::build_from(&geometries, &options(kind), Threads::Single);
         for sound in [save(&build(std::slice::from_ref(&mesh), kind)), save(&others)] {
-            let allowed = ROOM + GROWTH * sound.len();
+            let allowed = SPACE + GROWTH * sound.len();
             // Any two words may be a number of things.
             for at in (0..sound.len() - 16).step_by(4) {
                 for number in NUMBERS {
@@ -62,11 +62,11 @@ fn trees_cost_what_their_lengths_account_for() {
         }
         let large = save(&build(&[closed::torus(60)], kind));
         let peak = cost(&large);
-        assert!(peak <= ROOM + GROWTH * large.len(), "{kind:?}: {peak} bytes for {}", large.len());
+        assert!(peak <= SPACE + GROWTH * large.len(), "{kind:?}: {peak} bytes for {}", large.len());
         // It says what it had, but ends.
         let half = cost(&large[..large.len() / 2]);
         assert!(
-            half <= ROOM + GROWTH * large.len() / 2,
+            half <= SPACE + GROWTH * large.len() / 2,
             "{kind:?}: {half} bytes for half of {}",
             large.len()
         );

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of};
+use crate::common::{TESTS, WATERTIGHT, assert_hits, batch, build, run_queries, scene_of};
 use gnurt_accel::{Instance, ObjectTree};
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 
@@ -37,7 +37,7 @@ fn scenes_equal_brute_force() {
             }
             let scene = scene_of(&instances);
             let rays = batch(&rays::random(2, 300));
-            assert_hits(&oracles, &rays, &ask(&scene, &rays), 10.0 * margin);
+            assert_hits(&oracles, &rays, &run_queries(&scene, &rays), 10.0 * margin);
         }
     }
 }
@@ -49,22 +49,22 @@ fn many_tiny_instances_equal_brute_force() {
     for shape in [[Soup::random(3, 1, 1.0)], [closed::cube(1)]] {
         let object = Arc::new(build(&shape, kind));
         let mut random = Random::new(4);
-        let place = |random: &mut Random| {
-            let mut place = any_transform(random);
-            place[3] = place[3].map(|x| 4.0 * x);
-            place
+        let placement = |random: &mut Random| {
+            let mut placement = any_transform(random);
+            placement[3] = placement[3].map(|x| 4.0 * x);
+            placement
         };
-        let places: Vec<[[f64; 3]; 4]> = (0..1200).map(|_| place(&mut random)).collect();
+        let placements: Vec<[[f64; 3]; 4]> = (0..1200).map(|_| placement(&mut random)).collect();
         let instances: Vec<Instance> =
-            places.iter().map(|&place| Instance::new(Arc::clone(&object), place)).collect();
-        let oracles: Vec<OracleInstance> = places
+            placements.iter().map(|&placement| Instance::new(Arc::clone(&object), placement)).collect();
+        let oracles: Vec<OracleInstance> = placements
             .iter()
             .map(|&world_from_object| OracleInstance { meshes: &shape, world_from_object })
             .collect();
         let rays: Vec<rays::PlainRay> =
             (0..400).map(|_| (random.point().map(|x| 4.0 * x), random.point())).collect();
         let rays = batch(&rays);
-        let hits = ask(&scene_of(&instances), &rays);
+        let hits = run_queries(&scene_of(&instances), &rays);
         assert!(hits.iter().flatten().count() > 30, "some are hit");
         assert_hits(&oracles, &rays, &hits, 10.0 * margin);
     }
@@ -80,8 +80,10 @@ fn instances_that_cannot_be_undone_are_counted() {
         instances[3].world_from_object[3][2] = 5.0;
         let scene = scene_of(&instances);
         assert_eq!(scene.dropped_instances(), 2, "one is flat, one is nowhere");
-        let hits =
-            ask(&scene, &batch(&[([0.1, 0.2, -3.0], [0.0, 0.0, 1.0]), ([0.1, 0.2, 9.0], [0.0, 0.0, -1.0])]));
+        let hits = run_queries(
+            &scene,
+            &batch(&[([0.1, 0.2, -3.0], [0.0, 0.0, 1.0]), ([0.1, 0.2, 9.0], [0.0, 0.0, -1.0])]),
+        );
         let ids: Vec<_> = hits.iter().flatten().map(|hit| (hit.inst_id, hit.t)).collect();
         assert_eq!(ids, [(1, 2.0), (3, 3.0)], "the others keep their ids");
     }
@@ -91,5 +93,5 @@ fn instances_that_cannot_be_undone_are_counted() {
 fn an_empty_scene_is_a_scene() {
     let scene = scene_of(&[]);
     assert!(scene.bounds().is_empty(), "no instance, no box");
-    assert!(ask(&scene, &batch(&rays::random(3, 20))).iter().all(Option::is_none), "and no hit");
+    assert!(run_queries(&scene, &batch(&rays::random(3, 20))).iter().all(Option::is_none), "and no hit");
 }

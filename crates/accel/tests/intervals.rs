@@ -7,7 +7,7 @@ use gnurt_accel::{
 };
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 
-use crate::common::{Kind, WATERTIGHT, ask, assert_hits, batch, build};
+use crate::common::{Kind, WATERTIGHT, assert_hits, batch, build, run_queries};
 
 const fn kind(structure: Structure) -> Kind {
     Kind(structure, Quality::Medium, TriangleTest::Watertight, Memory::Fast)
@@ -23,15 +23,15 @@ pub(crate) fn triangles(meshes: &[Soup]) -> Vec<Triangles<'_>> {
 pub(crate) fn stadium(ratio: f32) -> [Soup; 2] {
     let mut small = closed::torus(40);
     small.positions.iter_mut().for_each(|p| *p = p.map(|x| 0.3 * x));
-    let mut room = closed::cube(12);
-    let (low, high) = room
+    let mut space = closed::cube(12);
+    let (low, high) = space
         .positions
         .iter()
         .flatten()
         .fold((f32::MAX, f32::MIN), |(low, high), &x| (low.min(x), high.max(x)));
     let middle = 0.5 * (low + high);
-    room.positions.iter_mut().for_each(|p| *p = p.map(|x| ratio * (x - middle) / (high - low)));
-    [small, room]
+    space.positions.iter_mut().for_each(|p| *p = p.map(|x| ratio * (x - middle) / (high - low)));
+    [small, space]
 }
 
 pub(crate) fn check(tree: &ObjectTree, meshes: &[Soup], kind: Kind, seed: u64) {
@@ -39,8 +39,8 @@ pub(crate) fn check(tree: &ObjectTree, meshes: &[Soup], kind: Kind, seed: u64) {
     all.extend(rays::axis_parallel(seed, 2));
     let rays = batch(&all);
     let bvh = build(meshes, WATERTIGHT[0]);
-    let hits = ask(tree, &rays);
-    assert_eq!(hits, ask(&bvh, &rays), "those of a BVH: {kind:?}");
+    let hits = run_queries(tree, &rays);
+    assert_eq!(hits, run_queries(&bvh, &rays), "those of a BVH: {kind:?}");
     assert_hits(&[OracleInstance::identity(meshes)], &rays, &hits, 2e-5);
     assert_eq!(tree.bad_primitives(), bvh.bad_primitives(), "{kind:?}");
     assert_eq!((tree.bounds(), tree.stats().primitives), (bvh.bounds(), bvh.stats().primitives), "{kind:?}");
@@ -84,12 +84,12 @@ fn threads_make_no_difference() {
     for Kind(structure, ..) in KINDS {
         let options = BuildOptions { structure, ..BuildOptions::default() };
         let of = |threads| ObjectTree::build(&triangles(&meshes), &options, threads);
-        let alone = of(Threads::Single);
-        assert!(of(Threads::Pool(&pool)).same_tree(&alone), "{structure:?}");
+        let single = of(Threads::Single);
+        assert!(of(Threads::Pool(&pool)).same_tree(&single), "{structure:?}");
         let refitted =
-            |threads| alone.clone().refit(&triangles(&meshes), threads).expect("nothing has moved");
-        assert!(refitted(Threads::Pool(&pool)).same_tree(&alone), "{structure:?}");
-        assert!(refitted(Threads::Single).same_tree(&alone), "node for node: {structure:?}");
+            |threads| single.clone().refit(&triangles(&meshes), threads).expect("nothing has moved");
+        assert!(refitted(Threads::Pool(&pool)).same_tree(&single), "{structure:?}");
+        assert!(refitted(Threads::Single).same_tree(&single), "node for node: {structure:?}");
         assert_eq!(refitted(Threads::Single).cost_growth(), 1.0, "{structure:?}");
     }
 }

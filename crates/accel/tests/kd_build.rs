@@ -10,13 +10,13 @@ fn any_number_of_threads_builds_the_same_tree() {
     for soup in [Soup::random(1, 20_000, 0.05), Soup::grid(2, 8_000), closed::torus(90)] {
         let meshes = [soup];
         let options = BuildOptions { structure: Structure::Kd, ..BuildOptions::default() };
-        let alone = build_with(&meshes, &options, Threads::Single);
+        let single = build_with(&meshes, &options, Threads::Single);
         for threads in [1, 2, 7] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            let together = build_with(&meshes, &options, Threads::Pool(&pool));
-            assert!(alone.same_tree(&together), "{threads} threads build {:?}", together.stats());
+            let joint = build_with(&meshes, &options, Threads::Pool(&pool));
+            assert!(single.same_tree(&joint), "{threads} threads build {:?}", joint.stats());
             let from_inside = pool.install(|| build_with(&meshes, &options, Threads::Pool(&pool)));
-            assert!(alone.same_tree(&from_inside), "called from inside a pool of {threads}");
+            assert!(single.same_tree(&from_inside), "called from inside a pool of {threads}");
         }
     }
 }

@@ -44,11 +44,11 @@ fn it_hits_what_the_exact_tree_hits() {
 fn any_number_of_threads_builds_the_same_tree() {
     for soup in [Soup::random(1, 20_000, 0.05), Soup::grid(2, 8_000), closed::torus(90)] {
         let meshes = [soup];
-        let alone = build_with(&meshes, &options(Quality::Fast), Threads::Single);
+        let single = build_with(&meshes, &options(Quality::Fast), Threads::Single);
         for threads in [1, 2, 7] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            let together = build_with(&meshes, &options(Quality::Fast), Threads::Pool(&pool));
-            assert!(alone.same_tree(&together), "{threads} threads build {:?}", together.stats());
+            let joint = build_with(&meshes, &options(Quality::Fast), Threads::Pool(&pool));
+            assert!(single.same_tree(&joint), "{threads} threads build {:?}", joint.stats());
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{TESTS, WATERTIGHT, ask, build, queries, scene_of};
+use crate::common::{TESTS, WATERTIGHT, build, queries, run_queries, scene_of};
 use gnurt_accel::{
     HitBatch, Instance, Level, ObjectTree, Pencil, Query, Ray, Ray64, RayBatch, Record, Spheres,
 };
@@ -37,7 +37,7 @@ fn origins_beyond_1e19_are_alike_at_every_level() {
         }
         for (kind, _) in TESTS {
             // Where the objects are far larger than a float's steps at the rays' distance, they are hit.
-            let hits = ask(&build(std::slice::from_ref(&soup), kind), &batch);
+            let hits = run_queries(&build(std::slice::from_ref(&soup), kind), &batch);
             let count = hits.iter().flatten().count();
             assert!(size < 1e18 || count > batch.len() / 3, "{kind:?}: {count} hits of {}", batch.len());
         }
@@ -53,20 +53,20 @@ fn directions_of_any_length_hit() {
     let batch: RayBatch = lengths.iter().map(|&length| Ray::new([0.0; 3], [0.0, 0.0, length])).collect();
     for (kind, _) in TESTS {
         let object = Arc::new(build(std::slice::from_ref(&soup), kind));
-        let apart = |x: f64| {
+        let instance_at = |x: f64| {
             Instance::new(
                 Arc::clone(&object),
                 [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.0, 0.0]],
             )
         };
-        let scene = scene_of(&[apart(0.0), apart(1.0)]);
-        for hits in [ask(&*object, &batch), ask(&scene, &batch)] {
+        let scene = scene_of(&[instance_at(0.0), instance_at(1.0)]);
+        for hits in [run_queries(&*object, &batch), run_queries(&scene, &batch)] {
             for (hit, length) in hits.iter().zip(&lengths) {
                 let t = hit.unwrap_or_else(|| panic!("{length:e} misses, {kind:?}")).t;
-                let wanted = (1e-8 / f64::from(*length)) as f32;
+                let expected_t = (1e-8 / f64::from(*length)) as f32;
                 assert!(
-                    (t - wanted).abs() <= 1e-6 * wanted,
-                    "{t:e}, not {wanted:e}, for {length:e}, {kind:?}"
+                    (t - expected_t).abs() <= 1e-6 * expected_t,
+                    "{t:e}, not {expected_t:e}, for {length:e}, {kind:?}"
                 );
             }
         }
@@ -85,7 +85,7 @@ fn near_ends_below_zero_see_what_is_behind() {
     // The same line from eight steps behind, on the same floats as far as these reach.
     for kind in WATERTIGHT {
         let tree = build(std::slice::from_ref(&soup), kind);
-        let found = ask(&tree, &forwards);
+        let found = run_queries(&tree, &forwards);
         let behind = found.iter().flatten().filter(|hit| hit.t < 0.0).count();
         assert!(behind > 20, "{behind} hits lie behind");
         for (i, hit) in found.iter().enumerate() {
@@ -124,14 +124,14 @@ fn small_stacks_are_enough() {
     ]));
     for level in 1..gnurt_accel::DEEPEST_SCENE {
         // What is beside is too far away to take time.
-        let beside = Instance::new(Arc::clone(&scene), at(1000.0 * f64::from(level)));
-        scene = Arc::new(scene_of(&[Instance::new(scene, at(0.001)), beside]));
+        let offset = Instance::new(Arc::clone(&scene), at(1000.0 * f64::from(level)));
+        scene = Arc::new(scene_of(&[Instance::new(scene, at(0.001)), offset]));
     }
     assert_eq!(scene.depth(), gnurt_accel::DEEPEST_SCENE, "scenes in one another");
     let mut plain = rays::random(1, 200);
     plain.extend(rays::aimed(&closed::sphere(4), [0.2, -0.1, 3.0], 1));
     let batch = crate::common::batch(&plain);
-    let asked = std::thread::Builder::new().stack_size(128 << 10).spawn(move || {
+    let requests = std::thread::Builder::new().stack_size(128 << 10).spawn(move || {
         let mut hit = 0;
         for query in queries() {
             let (mut hits, mut occluded, mut record) = (HitBatch::default(), Vec::new(), Record::default());
@@ -158,7 +158,7 @@ fn small_stacks_are_enough() {
         }
         hit
     });
-    let hit = asked.expect("threads start").join().expect("nothing is wrong");
+    let hit = requests.expect("threads start").join().expect("nothing is wrong");
     assert!(hit > 1000, "{hit} hits");
 }
 

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{Ask, WATERTIGHT, options, queries, scene_of};
+use crate::common::{QueryTarget, WATERTIGHT, options, queries, scene_of};
 use gnurt_accel::{Geometry, Hit, Instance, ObjectTree, Query, Ray, RayBatch, Threads, Triangles};
 use gnurt_testkit::{Random, Soup, closed, rays};
 
@@ -31,37 +31,42 @@ fn rays_see_what_their_masks_say() {
     let meshes: Vec<Soup> = (0..6).map(|seed| Soup::random(seed, 40, 0.5)).collect();
     for kind in WATERTIGHT {
         let object = Arc::new(object(&meshes, kind));
-        let place = |i: u32| {
+        let placement = |i: u32| {
             let mut instance = Instance::identity(Arc::clone(&object)).with_mask(!(1 << (i % 3)));
             instance.world_from_object[3] = [f64::from(i) * 0.4 - 1.0, 0.1, f64::from(i % 2)];
             instance
         };
-        let scene = scene_of(&(0..6).map(place).collect::<Vec<_>>());
+        let scene = scene_of(&(0..6).map(placement).collect::<Vec<_>>());
         let in_object = |hit: &Hit| MASKS[hit.geom_id as usize % 4];
         check(&*object, |mask, hit| in_object(hit) & mask != 0);
         check(&scene, |mask, hit| in_object(hit) & mask != 0 && !(1 << (hit.inst_id % 3)) & mask != 0);
     }
 }
 
-fn check(tree: &impl Ask, sees: impl Fn(u32, &Hit) -> bool) {
+fn check(tree: &impl QueryTarget, sees: impl Fn(u32, &Hit) -> bool) {
     for (masked, common_mask) in [(true, !0), (false, 2), (true, 5), (false, 0)] {
         let rays = some_rays(masked);
-        let wanted: Vec<Option<Hit>> = (0..rays.len())
+        let expected: Vec<Option<Hit>> = (0..rays.len())
             .map(|i| {
                 let ray = rays.get(i);
                 let mask = ray.mask & common_mask;
                 tree.all(&ray.with_mask(!0)).into_iter().find(|hit| sees(mask, hit))
             })
             .collect();
-        let seen = wanted.iter().flatten().count();
-        assert_eq!(seen > 50, common_mask != 0, "{seen} hits with {common_mask:b}");
+        let found = expected.iter().flatten().count();
+        assert_eq!(found > 50, common_mask != 0, "{found} hits with {common_mask:b}");
         for query in queries() {
             let query = Query { mask: common_mask, ..query };
-            let (hits, any) = tree.ask(&query, &rays);
-            for (i, wanted) in wanted.iter().enumerate() {
-                assert_eq!(hits.get(i), *wanted, "{query:?}: {:?}", rays.get(i));
-                assert_eq!(any[i], wanted.is_some(), "{query:?}, any hit: {:?}", rays.get(i));
-                assert_eq!(tree.one(&query, &rays.get(i)), *wanted, "{query:?}, one ray: {:?}", rays.get(i));
+            let (hits, any) = tree.run_queries(&query, &rays);
+            for (i, expected) in expected.iter().enumerate() {
+                assert_eq!(hits.get(i), *expected, "{query:?}: {:?}", rays.get(i));
+                assert_eq!(any[i], expected.is_some(), "{query:?}, any hit: {:?}", rays.get(i));
+                assert_eq!(
+                    tree.one(&query, &rays.get(i)),
+                    *expected,
+                    "{query:?}, one ray: {:?}",
+                    rays.get(i)
+                );
             }
         }
     }

@@ -18,9 +18,9 @@ fn status(line: &str) -> Option<u64> {
 }
 
 /// The most that a build said it held.
-struct Told(AtomicU64);
+struct Reported(AtomicU64);
 
-impl BuildControl for Told {
+impl BuildControl for Reported {
     fn memory(&self, bytes: u64) {
         self.0.fetch_max(bytes, Relaxed);
     }
@@ -32,17 +32,17 @@ fn a_build_peaks_below_three_times_its_data() {
     let mesh = closed::torus(230);
     let input = (size_of_val(&mesh.positions[..]) + size_of_val(&mesh.indices[..])) as u64;
     let mesh = Triangles { positions: &mesh.positions, indices: &mesh.indices };
-    let told = Told(AtomicU64::new(0));
+    let reported = Reported(AtomicU64::new(0));
     let (Some(before), Some(_)) = (status("VmRSS:"), status("VmHWM:")) else {
         eprintln!("SKIPPED: this system does not tell how much memory a process takes");
         return;
     };
-    let tree = ObjectTree::try_build(&[mesh], &BuildOptions::default(), Threads::Pool(&pool), &told);
+    let tree = ObjectTree::try_build(&[mesh], &BuildOptions::default(), Threads::Pool(&pool), &reported);
     let stats = tree.expect("nobody stops it").stats();
     let taken = status("VmHWM:").unwrap_or(0).saturating_sub(before);
-    let told = told.0.into_inner();
-    let ratio = told as f64 / taken as f64;
-    assert!((0.8..1.2).contains(&ratio), "{told} bytes told, {taken} taken, {ratio:.2} times");
+    let reported = reported.0.into_inner();
+    let ratio = reported as f64 / taken as f64;
+    assert!((0.8..1.2).contains(&ratio), "{reported} bytes told, {taken} taken, {ratio:.2} times");
     let peak = taken + input;
     let data = input + stats.tree_bytes + stats.primitive_bytes;
     assert!(peak > data, "{peak} bytes hold at least the {data} that come out");

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{Ask, WATERTIGHT, ask, batch, options, scene_of};
+use crate::common::{QueryTarget, WATERTIGHT, batch, options, run_queries, scene_of};
 use gnurt_accel::{
     Aabb, BadPrimitives, Geometry, Hit, Instance, ObjectTree, Quads, Ray, RayBatch, Spheres, Threads,
     Triangles, UserGeometry, UserHit,
@@ -119,7 +119,7 @@ fn spheres_equal_double_precision() {
         let geometry = Geometry::from(Spheres { centers: &balls.centers, radii: &balls.radii });
         let object = build(std::slice::from_ref(&geometry), WATERTIGHT[0]);
         let rays = some_rays();
-        let closest = ask(&object, &rays);
+        let closest = run_queries(&object, &rays);
         let all = |i: usize| object.all(&rays.get(i));
         for (i, hit) in closest.iter().enumerate() {
             assert_eq!(*hit, all(i).first().copied(), "the closest is the first of all");
@@ -146,9 +146,9 @@ fn bad_spheres_are_counted() {
         radii: &[1.0, 1.0, 0.0, 1.0, -1.0, 1.0],
     };
     let object = build(&[geometry.into()], WATERTIGHT[0]);
-    let wanted =
+    let expected =
         BadPrimitives { nan: 1, zero_area: 2, infinite: 1, too_large: 1, ..BadPrimitives::default() };
-    assert_eq!(object.bad_primitives(), wanted, "all but one; what has no radius is not counted");
+    assert_eq!(object.bad_primitives(), expected, "all but one; what has no radius is not counted");
     assert_eq!(object.stats().primitives, 1, "one is left");
 }
 
@@ -157,7 +157,7 @@ fn user_geometry_equals_spheres() {
     let balls = Balls::random(5, 200, 0.3);
     let user = build(&[Geometry::user(Arc::new(balls.clone()))], WATERTIGHT[0]);
     let rays = some_rays();
-    let closest = ask(&user, &rays);
+    let closest = run_queries(&user, &rays);
     let all = |i: usize| user.all(&rays.get(i));
     for (i, hit) in closest.iter().enumerate() {
         assert_eq!(*hit, all(i).first().copied(), "the closest is the first of all");
@@ -190,7 +190,7 @@ fn quads_are_their_halves() {
     for kind in WATERTIGHT {
         let object = build(&[Quads { positions: &positions, indices: &indices }.into()], kind);
         let twin = build(&[Triangles { positions: &positions, indices: &halves }.into()], kind);
-        let (hits, halves) = (ask(&object, &rays), ask(&twin, &rays));
+        let (hits, halves) = (run_queries(&object, &rays), run_queries(&twin, &rays));
         for (i, (hit, half)) in hits.iter().zip(&halves).enumerate() {
             let whole = half.map(|half| {
                 let (u, v) =
@@ -203,13 +203,13 @@ fn quads_are_their_halves() {
             let [a, b, c, d] = indices[hit.prim_id as usize].map(|i| positions[i as usize]);
             let (u, v) = (hit.u, hit.v);
             for k in 0..3 {
-                let place = if u + v <= 1.0 {
+                let placement = if u + v <= 1.0 {
                     a[k] + u * (b[k] - a[k]) + v * (d[k] - a[k])
                 } else {
                     c[k] + (1.0 - u) * (d[k] - c[k]) + (1.0 - v) * (b[k] - c[k])
                 };
                 let at = rays.get(i).at(hit.t)[k];
-                assert!((place - at).abs() < 1e-4, "{hit:?} is at {place}, not {at}");
+                assert!((placement - at).abs() < 1e-4, "{hit:?} is at {placement}, not {at}");
             }
         }
         let found = hits.iter().flatten().count();
@@ -249,23 +249,23 @@ fn mixed_kinds_are_one_object() {
     let rays = some_rays();
     for kind in WATERTIGHT {
         let object = Arc::new(build(&geometries, kind));
-        let alone: Vec<ObjectTree> =
+        let single: Vec<ObjectTree> =
             geometries.iter().map(|geometry| build(std::slice::from_ref(geometry), kind)).collect();
-        let total: u64 = alone.iter().map(|object| object.stats().primitives).sum();
+        let total: u64 = single.iter().map(|object| object.stats().primitives).sum();
         assert_eq!(object.stats().primitives, total, "all are in it");
-        let hits = ask(&*object, &rays);
+        let hits = run_queries(&*object, &rays);
         let mut kinds = [0; 6];
         for (i, hit) in hits.iter().enumerate() {
             let ray = rays.get(i);
-            let mut wanted: Vec<Hit> = Vec::new();
-            for (geom_id, object) in alone.iter().enumerate() {
+            let mut expected: Vec<Hit> = Vec::new();
+            for (geom_id, object) in single.iter().enumerate() {
                 let own = object.all(&ray).into_iter();
-                wanted.extend(own.map(|hit| Hit { geom_id: geom_id as u32, ..hit }));
+                expected.extend(own.map(|hit| Hit { geom_id: geom_id as u32, ..hit }));
             }
-            wanted.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive().cmp(&b.primitive())));
-            assert_eq!(*hit, wanted.first().copied(), "the nearest of all kinds for {ray:?}");
-            assert_eq!(object.all(&ray), wanted, "all of all kinds for {ray:?}");
-            wanted.iter().for_each(|hit| kinds[hit.geom_id as usize] += 1);
+            expected.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive().cmp(&b.primitive())));
+            assert_eq!(*hit, expected.first().copied(), "the nearest of all kinds for {ray:?}");
+            assert_eq!(object.all(&ray), expected, "all of all kinds for {ray:?}");
+            expected.iter().for_each(|hit| kinds[hit.geom_id as usize] += 1);
         }
         assert!(kinds.iter().all(|&n| n > 20), "all kinds are hit: {kinds:?}");
 
@@ -273,7 +273,7 @@ fn mixed_kinds_are_one_object() {
         instances[1].world_from_object =
             [[0.0, 0.5, 0.0], [-0.5, 0.0, 0.0], [0.0, 0.0, 0.5], [1.0, 0.0, 0.5]];
         instances[2].world_from_object[3] = [0.0, 2.0, 0.0];
-        let found = ask(&scene_of(&instances), &rays).iter().flatten().count();
+        let found = run_queries(&scene_of(&instances), &rays).iter().flatten().count();
         assert!(found > hits.iter().flatten().count(), "instances of it are hit, too");
     }
 }

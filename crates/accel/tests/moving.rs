@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{ask, batch};
+use crate::common::{batch, run_queries};
 use gnurt_accel::{
     BuildOptions, Geometry, Hit, Motion, MovingTree, ObjectTree, Quality, Structure, Threads, Triangles,
     Update,
@@ -44,8 +44,8 @@ fn every_frame_has_the_hits_of_a_fresh_tree() {
                     "{update:?} of {motion:?}, frame {frame}"
                 );
                 let fresh = ObjectTree::build_from(&mesh(&soup), &options, Threads::Single);
-                let hits = ask(&**moving.tree(), &rays);
-                assert_eq!(hits, ask(&fresh, &rays), "frame {frame} of {motion:?}");
+                let hits = run_queries(&**moving.tree(), &rays);
+                assert_eq!(hits, run_queries(&fresh, &rays), "frame {frame} of {motion:?}");
                 if random.below(2) == 0 {
                     in_flight.push((moving.tree().clone(), hits));
                 }
@@ -53,7 +53,7 @@ fn every_frame_has_the_hits_of_a_fresh_tree() {
                     in_flight.clear();
                 }
                 for (tree, hits) in &in_flight {
-                    assert_eq!(&ask(&**tree, &rays), hits, "a frame in flight, {motion:?}");
+                    assert_eq!(&run_queries(&**tree, &rays), hits, "a frame in flight, {motion:?}");
                 }
             }
         }

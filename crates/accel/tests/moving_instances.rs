@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{WATERTIGHT, ask, batch, build, scene_of};
+use crate::common::{WATERTIGHT, batch, build, run_queries, scene_of};
 use gnurt_accel::{
     BuildOptions, DEEPEST_SCENE, Hit, Instance, ObjectTree, Quality, RayBatch, SceneTree, Shape, Threads,
 };
@@ -27,7 +27,7 @@ impl Following {
         let (cube, soup) = (object(closed::cube(1)), object(Soup::random(1, 10, 0.5)));
         let nothing = object(Soup::default());
         let row = |n: usize| -> Vec<Instance> {
-            (0..n).map(|i| Instance::new(cube.clone(), place([i as f64 - 1.0, 0.0, 0.5], 0.3))).collect()
+            (0..n).map(|i| Instance::new(cube.clone(), placement([i as f64 - 1.0, 0.0, 0.5], 0.3))).collect()
         };
         let shapes = vec![
             Shape::from(cube.clone()),
@@ -53,7 +53,7 @@ impl Following {
         let plain = [0, 0, 0, 1, 1, 2];
         let shape = if nested { random.pick(&[0, 1, 2, 3, 4, 5]) } else { random.pick(&plain) };
         let at = random.point().map(|x| f64::from(2.0 * x - 1.0));
-        let mut instance = Instance::new(self.shapes[shape].clone(), place(at, f64::from(self.size)));
+        let mut instance = Instance::new(self.shapes[shape].clone(), placement(at, f64::from(self.size)));
         instance.mask = random.pick(&[1, 2, u32::MAX]);
         match (random.unit() * 23.0) as u32 {
             1 => instance.world_from_object[1] = [0.0; 3],
@@ -66,8 +66,8 @@ impl Following {
 
     fn edit(&mut self, len: usize, edits: &[(u32, Option<Instance>)], threads: Threads) {
         self.list.resize(len, None);
-        for (place, instance) in edits {
-            self.list[*place as usize].clone_from(instance);
+        for (placement, instance) in edits {
+            self.list[*placement as usize].clone_from(instance);
         }
         self.scene = self.scene.updated(len, edits, threads);
     }
@@ -82,9 +82,9 @@ impl Following {
         };
         let many = self.random.pick(&[1, 1, 2, 3, 10, before / 30 + 1, before / 3 + 1]);
         let edits = (0..many).map(|_| {
-            let place = (self.random.unit() * len as f32) as usize % len;
+            let placement = (self.random.unit() * len as f32) as usize % len;
             let kind = self.random.pick(&[0, 0, 0, 1, 1, 2]);
-            let old = self.list.get(place).cloned().flatten();
+            let old = self.list.get(placement).cloned().flatten();
             let instance = match (kind, old) {
                 (0, Some(mut old)) => {
                     let step = self.random.point().map(|x| f64::from(0.1 * (x - 0.5)));
@@ -94,7 +94,7 @@ impl Following {
                 (2, _) => None,
                 _ => Some(self.any(nested)),
             };
-            (place as u32, instance)
+            (placement as u32, instance)
         });
         let edits = edits.collect();
         (len, edits)
@@ -104,9 +104,9 @@ impl Following {
         let hidden = || Instance::identity(self.nothing.clone());
         let list: Vec<Instance> = self.list.iter().map(|i| i.clone().unwrap_or_else(hidden)).collect();
         let fresh = scene_of(&list);
-        let (hits, wanted) = (ask(&self.scene, rays), ask(&fresh, rays));
-        for (i, (hit, wanted)) in hits.iter().zip(&wanted).enumerate() {
-            assert_eq!(hit, wanted, "step {step}: {:?}", rays.get(i));
+        let (hits, reference) = (run_queries(&self.scene, rays), run_queries(&fresh, rays));
+        for (i, (hit, reference)) in hits.iter().zip(&reference).enumerate() {
+            assert_eq!(hit, reference, "step {step}: {:?}", rays.get(i));
             let path = |scene: &SceneTree| hit.and_then(|hit| scene.instance_path(hit.leaf_id));
             assert_eq!(path(&self.scene), path(&fresh), "step {step}: the way to {hit:?}");
         }
@@ -115,16 +115,16 @@ impl Following {
         let shown = |scene: &SceneTree| scene.stats().primitives;
         assert_eq!(shown(&self.scene), shown(&fresh), "step {step}: instances in the tree");
         // Relative to another point it may be rounded differently.
-        let (bounds, wanted) = (self.scene.bounds(), fresh.bounds());
+        let (bounds, reference) = (self.scene.bounds(), fresh.bounds());
         let same =
             |a: [f32; 3], b: [f32; 3]| (0..3).all(|k| (a[k] - b[k]).abs() <= 1e-6 * b[k].abs().max(1.0));
-        let same = bounds == wanted || same(bounds.min, wanted.min) && same(bounds.max, wanted.max);
-        assert!(same, "step {step}: the box around all is {bounds:?}, not {wanted:?}");
+        let same = bounds == reference || same(bounds.min, reference.min) && same(bounds.max, reference.max);
+        assert!(same, "step {step}: the box around all is {bounds:?}, not {reference:?}");
         hits
     }
 }
 
-fn place(at: [f64; 3], size: f64) -> [[f64; 3]; 4] {
+fn placement(at: [f64; 3], size: f64) -> [[f64; 3]; 4] {
     [[size, 0.0, 0.0], [0.0, 0.0, size], [0.0, -size, 0.0], at]
 }
 
@@ -147,7 +147,7 @@ fn a_few_instances_follow_their_list() {
             let hits = following.check(&rays, step);
             found += hits.iter().flatten().count();
             if let Some((scene, hits)) = &before {
-                assert_eq!(&ask(scene, &rays), hits, "step {step}: the scene before stays as it was");
+                assert_eq!(&run_queries(scene, &rays), hits, "step {step}: the scene before stays as it was");
             }
             before = Some((following.scene.clone(), hits));
         }

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{TESTS, WATERTIGHT, ask, assert_hits, batch, build, scene_of, try_scene_of};
+use crate::common::{TESTS, WATERTIGHT, assert_hits, batch, build, run_queries, scene_of, try_scene_of};
 use gnurt_accel::{
     BuildOptions, DEEPEST_SCENE, Instance, MovingTriangles, ObjectTree, SceneError, SceneTree, Shape, Threads,
 };
@@ -26,8 +26,8 @@ fn turned(random: &mut Random, size: f32) -> Columns {
 /// `a` after `b`.
 fn compose(a: &Columns, b: &Columns) -> Columns {
     let linear = |v: [f64; 3]| [0, 1, 2].map(|k| a[0][k] * v[0] + a[1][k] * v[1] + a[2][k] * v[2]);
-    let [x, y, z, place] = b.map(linear);
-    [x, y, z, [0, 1, 2].map(|k| place[k] + a[3][k])]
+    let [x, y, z, placement] = b.map(linear);
+    [x, y, z, [0, 1, 2].map(|k| placement[k] + a[3][k])]
 }
 
 /// Where each object is, and the path to it.
@@ -39,14 +39,14 @@ fn flatten(
     out: &mut Vec<(Columns, Vec<u32>, *const ObjectTree)>,
 ) {
     for (id, instance) in instances.iter().enumerate() {
-        let place = compose(outer, &instance.world_from_object);
+        let placement = compose(outer, &instance.world_from_object);
         let path: Vec<u32> = path.iter().copied().chain([id as u32]).collect();
         match &instance.shape {
-            Shape::Object(object) => out.push((place, path, Arc::as_ptr(object))),
+            Shape::Object(object) => out.push((placement, path, Arc::as_ptr(object))),
             Shape::Scene(scene) => {
                 let (_, inner) =
                     lists.iter().find(|(known, _)| Arc::ptr_eq(known, scene)).expect("a known scene");
-                flatten(inner, lists, &place, &path, out);
+                flatten(inner, lists, &placement, &path, out);
             }
         }
     }
@@ -69,12 +69,12 @@ fn nested_scenes_equal_flat_ones() {
                     Some((scene, _)) if i % 2 == 0 => Arc::clone(scene).into(),
                     _ => Arc::clone(&objects[i % 2]).into(),
                 };
-                let place = if i == 1 { IDENTITY } else { turned(&mut random, 0.9) };
-                instances.push(Instance::new(shape, place));
+                let placement = if i == 1 { IDENTITY } else { turned(&mut random, 0.9) };
+                instances.push(Instance::new(shape, placement));
             }
             instances.push(Instance::identity(Arc::new(scene_of(&[]))));
-            let kept = instances[..instances.len() - 1].to_vec();
-            lists.push((Arc::new(try_scene_of(&instances).expect("fine instances")), kept));
+            let retained = instances[..instances.len() - 1].to_vec();
+            lists.push((Arc::new(try_scene_of(&instances).expect("fine instances")), retained));
         }
         let (scene, instances) = lists.last().expect("four scenes");
         assert_eq!(scene.depth(), 4, "each holds the one before");
@@ -82,9 +82,9 @@ fn nested_scenes_equal_flat_ones() {
         flatten(instances, &lists, &IDENTITY, &[], &mut flat);
         let oracles: Vec<OracleInstance> = flat
             .iter()
-            .map(|(place, _, object)| {
+            .map(|(placement, _, object)| {
                 let shape = objects.iter().position(|o| Arc::as_ptr(o) == *object).expect("a known object");
-                OracleInstance { meshes: &shapes[shape], world_from_object: *place }
+                OracleInstance { meshes: &shapes[shape], world_from_object: *placement }
             })
             .collect();
         for (leaf_id, (_, path, _)) in flat.iter().enumerate() {
@@ -99,7 +99,7 @@ fn nested_scenes_equal_flat_ones() {
         let mut plain = rays::aimed(&closed::sphere(5), [0.2, -0.1, 3.0], 2);
         plain.extend(rays::random(2, 300));
         let rays = batch(&plain);
-        let mut hits = ask(&**scene, &rays);
+        let mut hits = run_queries(&**scene, &rays);
         for hit in hits.iter_mut().flatten() {
             let (_, path, _) = &flat[hit.leaf_id as usize];
             assert_eq!(hit.inst_id, path[0], "{hit:?}: the outermost instance");
@@ -123,8 +123,8 @@ fn what_is_shared_is_stopped_once() {
     let object = Arc::new(ObjectTree::build_from(&[moving.into()], &options, Threads::Single));
     // Side by side, and those side by side.
     let row = |shape: Shape, step: f64| -> Vec<Instance> {
-        let place = |i: u32| [IDENTITY[0], IDENTITY[1], IDENTITY[2], [step * f64::from(i), 0.0, 0.0]];
-        (0..100).map(|i| Instance::new(shape.clone(), place(i))).collect()
+        let placement = |i: u32| [IDENTITY[0], IDENTITY[1], IDENTITY[2], [step * f64::from(i), 0.0, 0.0]];
+        (0..100).map(|i| Instance::new(shape.clone(), placement(i))).collect()
     };
     let mut scene = scene_of(&row(object.clone().into(), 2.0));
     for step in [2e2, 2e4, 2e6] {
@@ -152,9 +152,9 @@ fn masks_count_at_each_level() {
     let inner = scene_of(&[Instance::identity(object).with_mask(3)]);
     let scene = scene_of(&[Instance::identity(Arc::new(inner)).with_mask(6)]);
     let ray = gnurt_accel::Ray::new([0.1, 0.2, 3.0], [0.0, 0.0, -1.0]);
-    let seen: Vec<bool> = [1, 2, 4, 5].iter().map(|&mask| scene.occluded(&ray.with_mask(mask))).collect();
+    let found: Vec<bool> = [1, 2, 4, 5].iter().map(|&mask| scene.occluded(&ray.with_mask(mask))).collect();
     // 5 has a bit in common with each of them.
-    assert_eq!(seen, [false, true, false, true], "one bit in common at each level");
+    assert_eq!(found, [false, true, false, true], "one bit in common at each level");
 }
 
 #[test]

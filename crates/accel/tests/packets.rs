@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{Ask, WATERTIGHT, build, queries, scene_of};
+use crate::common::{QueryTarget, WATERTIGHT, build, queries, scene_of};
 use gnurt_accel::{
     Geometry, GeometryKind, Hit, Instance, ObjectTree, Packet, Query, Ray, SceneTree, Threads, Triangles,
 };
@@ -27,7 +27,7 @@ fn some(random: &mut Random, count: usize, round: usize) -> Vec<Ray> {
         .collect()
 }
 
-fn check<T: Ask>(tree: &T, packets: impl Fn(&Query, Packet) -> (Vec<(usize, Hit)>, u64), seed: u64) {
+fn check<T: QueryTarget>(tree: &T, packets: impl Fn(&Query, Packet) -> (Vec<(usize, Hit)>, u64), seed: u64) {
     let mut random = Random::new(seed);
     let mut hits = 0;
     for query in queries() {
@@ -36,12 +36,12 @@ fn check<T: Ask>(tree: &T, packets: impl Fn(&Query, Packet) -> (Vec<(usize, Hit)
             let mut packet = Packet::new();
             rays.iter().for_each(|ray| packet.push(ray));
             assert_eq!(packet.len(), rays.len(), "all are in");
-            let (told, bits) = packets(&query, packet);
-            let alone: Vec<(usize, Hit)> =
+            let (reported, bits) = packets(&query, packet);
+            let single: Vec<(usize, Hit)> =
                 rays.iter().enumerate().filter_map(|(i, ray)| Some((i, tree.one(&query, ray)?))).collect();
-            assert_eq!(told, alone, "{query:?}, {rays:?}");
-            assert_eq!(bits, alone.iter().map(|(i, _)| 1 << i).sum::<u64>(), "{query:?}, {rays:?}");
-            hits += told.len();
+            assert_eq!(reported, single, "{query:?}, {rays:?}");
+            assert_eq!(bits, single.iter().map(|(i, _)| 1 << i).sum::<u64>(), "{query:?}, {rays:?}");
+            hits += reported.len();
         }
     }
     assert!(hits > 300, "{hits} hits are enough to tell");
@@ -50,9 +50,9 @@ fn check<T: Ask>(tree: &T, packets: impl Fn(&Query, Packet) -> (Vec<(usize, Hit)
 macro_rules! of {
     ($tree:expr) => {
         |query: &Query, packet: Packet| {
-            let mut told = Vec::new();
-            $tree.intersect_packet(query, packet.clone(), |i, hit| told.push((i, hit)));
-            (told, $tree.occluded_packet(query, packet))
+            let mut reported = Vec::new();
+            $tree.intersect_packet(query, packet.clone(), |i, hit| reported.push((i, hit)));
+            (reported, $tree.occluded_packet(query, packet))
         }
     };
 }

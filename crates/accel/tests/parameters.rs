@@ -3,7 +3,7 @@
 //! every structure, at every level, in every mode. The truth is computed in integers.
 //! Corners, origins and directions are on a lattice of 2^-20, so that all products fit 128 bits.
 
-use crate::common::{GRID, WATERTIGHT, ask, build};
+use crate::common::{GRID, WATERTIGHT, build, run_queries};
 use gnurt_accel::{Ray, RayBatch};
 use gnurt_testkit::{Random, Soup};
 
@@ -55,12 +55,12 @@ fn soup(random: &mut Random, count: usize) -> Soup {
 fn every_parameter_is_right() {
     let mut random = Random::new(5);
     let soup = soup(&mut random, 150);
-    let place = |i: usize| soup.corners(i).expect("there are as many").map(lattice);
+    let placement = |i: usize| soup.corners(i).expect("there are as many").map(lattice);
     let mut rays = RayBatch::default();
     for _ in 0..800 {
         // From near one triangle to a point of another, or of the same.
         let mut point = || {
-            let [a, b, c] = place(random.below(150));
+            let [a, b, c] = placement(random.below(150));
             let (u, v) = (random.below(257) as i128, random.below(257) as i128);
             let (u, v) = if u + v > 256 { (256 - u, 256 - v) } else { (u, v) };
             [0, 1, 2].map(|k| a[k] + (u * (b[k] - a[k]) + v * (c[k] - a[k])) / 256)
@@ -77,11 +77,11 @@ fn every_parameter_is_right() {
     let mut hits_of_all = 0;
     for kind in WATERTIGHT.into_iter().chain([GRID]) {
         let object = build(std::slice::from_ref(&soup), kind);
-        let hits = ask(&object, &rays);
+        let hits = run_queries(&object, &rays);
         for (i, hit) in hits.iter().enumerate().filter_map(|(i, hit)| Some((i, hit.as_ref()?))) {
             let ray = rays.get(i);
             let (org, dir) = (lattice(ray.org), lattice(ray.dir));
-            let Some(exact) = exact_t(place(hit.prim_id as usize), org, dir) else { continue };
+            let Some(exact) = exact_t(placement(hit.prim_id as usize), org, dir) else { continue };
             let off = (f64::from(hit.t) - exact).abs();
             assert!(
                 off <= 1e-5 * exact.abs(),

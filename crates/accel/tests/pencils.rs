@@ -8,7 +8,7 @@ use gnurt_accel::{Instance, Level, Pencil, Query, Ray, Record};
 use gnurt_testkit::{Random, Soup};
 
 /// About `width` wide around one direction, each up to somewhere; some lanes hold no ray, or one that cannot hit.
-fn pencil(random: &mut Random, width: f32, holes: f32) -> Pencil {
+fn pencil(random: &mut Random, width: f32, gaps: f32) -> Pencil {
     let org = random.point().map(|x| 2.0 * x);
     let mut pencil = Pencil::EMPTY;
     pencil.org = org;
@@ -19,7 +19,7 @@ fn pencil(random: &mut Random, width: f32, holes: f32) -> Pencil {
             dir[k][i] = aim[k] + width * there[k] - org[k];
         }
         t_far[i] = random.between(0.2, 2.0);
-        if random.between(0.0, 1.0) < holes {
+        if random.between(0.0, 1.0) < gaps {
             match i % 4 {
                 0 => (0..3).for_each(|k| dir[k][i] = 0.0),
                 1 => dir[i % 3][i] = f32::NAN,
@@ -31,7 +31,7 @@ fn pencil(random: &mut Random, width: f32, holes: f32) -> Pencil {
     pencil
 }
 
-fn alone(pencil: &Pencil, occluded: impl Fn(&Ray) -> bool) -> u64 {
+fn single(pencil: &Pencil, occluded: impl Fn(&Ray) -> bool) -> u64 {
     let (org, mut pencil) = (pencil.org, pencil.clone());
     let (dir, t_far) = pencil.lanes();
     let ray = |i: usize| Ray::new(org, [0, 1, 2].map(|k| dir[k][i])).within(0.0, t_far[i]);
@@ -49,37 +49,37 @@ fn pencils_hit_what_rays_hit() {
         let (mut random, mut hit, mut missed) = (Random::new(5), 0, 0);
         for n in 0..120 {
             let width = [0.02, 0.2, 1.0][n % 3];
-            let holes = [0.0, 0.1, 0.7, 1.0][n / 3 % 4];
-            let pencil = pencil(&mut random, width, holes);
+            let gaps = [0.0, 0.1, 0.7, 1.0][n / 3 % 4];
+            let pencil = pencil(&mut random, width, gaps);
             for level in Level::available() {
                 let query = Query { level, ..Query::default() };
                 let mut record = Record::default();
-                let wanted = alone(&pencil, |ray| object.occluded(ray));
+                let expected = single(&pencil, |ray| object.occluded(ray));
                 assert_eq!(
                     object.occluded_pencil(&query, &mut pencil.clone(), &mut record),
-                    wanted,
+                    expected,
                     "{kind:?} {level}: {n}"
                 );
                 assert_eq!(
                     one.occluded_pencil(&query, &mut pencil.clone(), &mut record),
-                    wanted,
+                    expected,
                     "in a scene"
                 );
-                let wanted = alone(&pencil, |ray| two.occluded(ray));
+                let expected = single(&pencil, |ray| two.occluded(ray));
                 assert_eq!(
                     two.occluded_pencil(&query, &mut pencil.clone(), &mut record),
-                    wanted,
+                    expected,
                     "in a scene of two: {n}"
                 );
                 let query = Query { mask: 2, ..query };
-                let wanted = alone(&pencil, |ray| two.occluded(&ray.with_mask(2)));
+                let expected = single(&pencil, |ray| two.occluded(&ray.with_mask(2)));
                 assert_eq!(
                     two.occluded_pencil(&query, &mut pencil.clone(), &mut record),
-                    wanted,
+                    expected,
                     "with a mask: {n}"
                 );
             }
-            let hits = alone(&pencil, |ray| object.occluded(ray)).count_ones();
+            let hits = single(&pencil, |ray| object.occluded(ray)).count_ones();
             (hit, missed) = (hit + hits, missed + Pencil::MOST as u32 - hits);
         }
         assert!(hit > 500 && missed > 500, "{hit} hits and {missed} misses are something to test");

@@ -12,7 +12,7 @@ use gnurt_accel::{
 use gnurt_testkit::{OracleInstance, Random, Soup, closed, rays};
 use rayon::prelude::*;
 
-use crate::common::{Kind, WATERTIGHT, ask, assert_hits, batch, build, options, scene_of};
+use crate::common::{Kind, WATERTIGHT, assert_hits, batch, build, options, run_queries, scene_of};
 
 fn triangles(meshes: &[Soup]) -> Vec<Triangles<'_>> {
     meshes.iter().map(|m| Triangles { positions: &m.positions, indices: &m.indices }).collect()
@@ -36,8 +36,8 @@ fn bent(meshes: &[Soup], angle: f32) -> Vec<Soup> {
 fn check(tree: &ObjectTree, meshes: &[Soup], kind: Kind, seed: u64) {
     let rays = batch(&rays::random(seed, 60));
     let fresh = build(meshes, kind);
-    let hits = ask(tree, &rays);
-    assert_eq!(hits, ask(&fresh, &rays), "a fresh tree's hits: {kind:?}");
+    let hits = run_queries(tree, &rays);
+    assert_eq!(hits, run_queries(&fresh, &rays), "a fresh tree's hits: {kind:?}");
     assert_hits(&[OracleInstance::identity(meshes)], &rays, &hits, 2e-5);
     assert_eq!(tree.bad_primitives(), fresh.bad_primitives(), "{kind:?}");
     assert_eq!(tree.stats().primitives, fresh.stats().primitives, "{kind:?}");
@@ -63,8 +63,8 @@ fn poses_are_as_good_as_builds() {
         for (i, angle) in [0.0, 0.5, 2.0].into_iter().enumerate() {
             let meshes = bent(&rest, angle);
             let tree = first.posed(&triangles(&meshes), Threads::Single).expect("it shares");
-            let together = first.posed(&triangles(&meshes), Threads::Pool(&pool)).expect("it shares");
-            assert!(tree.same_tree(&together), "threads make no difference: {kind:?}");
+            let joint = first.posed(&triangles(&meshes), Threads::Pool(&pool)).expect("it shares");
+            assert!(tree.same_tree(&joint), "threads make no difference: {kind:?}");
             check(&tree, &meshes, kind, 10 + i as u64);
             poses.push((meshes, tree));
         }
@@ -80,7 +80,7 @@ fn poses_are_as_good_as_builds() {
         let loaded = ObjectTree::load(&mut &file[..]).expect("it is sound");
         assert!(!loaded.is_posed(), "a tree by itself");
         let rays = batch(&rays::random(5, 60));
-        assert_eq!(ask(&loaded, &rays), ask(&last, &rays), "of the same hits: {kind:?}");
+        assert_eq!(run_queries(&loaded, &rays), run_queries(&last, &rays), "of the same hits: {kind:?}");
         for (i, (meshes, tree)) in poses.iter().enumerate() {
             check(tree, meshes, kind, 20 + i as u64);
         }
@@ -123,8 +123,8 @@ fn a_crowd_in_a_scene() {
     let separate: Vec<Arc<ObjectTree>> =
         bodies.iter().map(|body| Arc::new(build(body, WATERTIGHT[0]))).collect();
     let rays = batch(&rays::random(4, 150));
-    let hits = ask(&scene_of(&placed(&trees)), &rays);
-    assert_eq!(hits, ask(&scene_of(&placed(&separate)), &rays), "those of separate trees");
+    let hits = run_queries(&scene_of(&placed(&trees)), &rays);
+    assert_eq!(hits, run_queries(&scene_of(&placed(&separate)), &rays), "those of separate trees");
     assert!(hits.iter().flatten().count() > 20, "there is something to hit");
     drop((trees, hits));
     assert_eq!(crowd.poses(), 0, "nobody shows them");
@@ -203,10 +203,14 @@ fn what_cannot_share_is_built() {
         let tree = pose(&meshes);
         assert!(!tree.is_posed(), "{what}");
         let rays = batch(&rays::random(4, 40));
-        assert_eq!(ask(&*tree, &rays), ask(&build(&meshes, WATERTIGHT[0]), &rays), "{what}");
+        assert_eq!(run_queries(&*tree, &rays), run_queries(&build(&meshes, WATERTIGHT[0]), &rays), "{what}");
     }
     let rays = batch(&rays::random(4, 40));
-    assert_eq!(ask(&*pose(&flat), &rays), ask(&build(&flat, WATERTIGHT[0]), &rays), "all in one plane");
+    assert_eq!(
+        run_queries(&*pose(&flat), &rays),
+        run_queries(&build(&flat, WATERTIGHT[0]), &rays),
+        "all in one plane"
+    );
     assert!(pose(&rest).is_posed(), "those that came between make no difference");
 
     let kd = build(&rest, WATERTIGHT[3]);
@@ -265,7 +269,7 @@ fn other_kinds_go_along() {
     geometries(&b, &mut |geometries| {
         let tree = first.posed_from(geometries, Threads::Single).expect("it shares");
         let fresh = ObjectTree::build_from(geometries, &BuildOptions::default(), Threads::Single);
-        assert_eq!(ask(&tree, &rays), ask(&fresh, &rays), "quads, triangles and spheres");
+        assert_eq!(run_queries(&tree, &rays), run_queries(&fresh, &rays), "quads, triangles and spheres");
     });
 }
 

@@ -3,7 +3,7 @@
 //! every structure that can be refitted, at every level, however wildly things move, and when some of them go bad for a
 //! while.
 
-use crate::common::{Kind, WATERTIGHT, ask, assert_hits, batch, build, options};
+use crate::common::{Kind, WATERTIGHT, assert_hits, batch, build, options, run_queries};
 use gnurt_accel::{
     BadPrimitives, BuildOptions, Geometry, ObjectTree, Quads, RefitError, Spheres, Structure, Threads,
     Triangles,
@@ -40,14 +40,14 @@ fn moved_soups() {
         let rays = batch(&rays::random(4, 80));
         for far in [0.0, 0.05, 1.0] {
             meshes.iter_mut().for_each(|mesh| move_all(mesh, &mut random, far));
-            let together = tree.clone().refit(&triangles(&meshes), Threads::Pool(&pool)).expect("it can be");
+            let joint = tree.clone().refit(&triangles(&meshes), Threads::Pool(&pool)).expect("it can be");
             tree = tree.refit(&triangles(&meshes), Threads::Single).expect("it can be");
-            assert!(tree.same_tree(&together), "threads make no difference: {kind:?}");
+            assert!(tree.same_tree(&joint), "threads make no difference: {kind:?}");
             let fresh = build(&meshes, kind);
             assert_eq!(tree.bad_primitives(), fresh.bad_primitives(), "{kind:?}, {far}");
             assert_eq!(tree.stats().primitives, fresh.stats().primitives, "{kind:?}, {far}");
-            let hits = ask(&tree, &rays);
-            assert_eq!(hits, ask(&fresh, &rays), "a fresh tree's hits: {kind:?}, {far}");
+            let hits = run_queries(&tree, &rays);
+            assert_eq!(hits, run_queries(&fresh, &rays), "a fresh tree's hits: {kind:?}, {far}");
             assert_hits(&[OracleInstance::identity(&meshes)], &rays, &hits, 2e-5);
             let point = random.point().map(f64::from);
             let (a, b) = (tree.closest_point(point, 9.0), fresh.closest_point(point, 9.0));
@@ -113,7 +113,7 @@ fn triangles_go_bad_and_come_back() {
             went_bad += usize::from(fresh.bad_primitives().total() > 0);
             assert_eq!(tree.bad_primitives(), fresh.bad_primitives(), "round {round} of {kind:?}");
             assert_eq!(tree.stats().primitives, fresh.stats().primitives, "round {round} of {kind:?}");
-            assert_eq!(ask(&tree, &rays), ask(&fresh, &rays), "round {round} of {kind:?}");
+            assert_eq!(run_queries(&tree, &rays), run_queries(&fresh, &rays), "round {round} of {kind:?}");
         }
         let may_go_bad = kind.3 == gnurt_accel::Memory::Fast && kind.1 != gnurt_accel::Quality::Fast;
         assert!(went_bad >= 2 || !may_go_bad, "{went_bad} rounds of {kind:?}");
@@ -129,8 +129,8 @@ fn slivers_in_many_leaves_count_once() {
     for i in 0..4000_u32 {
         let (from, to) = (random.point(), random.point());
         let by = random.point();
-        let beside = [0, 1, 2].map(|k| from[k] + 0.001 * by[k]);
-        mesh.positions.extend([from, to, beside]);
+        let offset = [0, 1, 2].map(|k| from[k] + 0.001 * by[k]);
+        mesh.positions.extend([from, to, offset]);
         mesh.indices.push([3 * i, 3 * i + 1, 3 * i + 2]);
     }
     let good = [mesh];
@@ -148,7 +148,11 @@ fn slivers_in_many_leaves_count_once() {
     let back = moved.refit(&triangles(&good), Threads::Single).expect("they come back");
     assert_eq!((back.bad_primitives().total(), back.stats().primitives), (0, 4000), "all of them");
     let rays = batch(&rays::random(7, 80));
-    assert_eq!(ask(&back, &rays), ask(&build(&good, WATERTIGHT[1]), &rays), "where they were");
+    assert_eq!(
+        run_queries(&back, &rays),
+        run_queries(&build(&good, WATERTIGHT[1]), &rays),
+        "where they were"
+    );
 }
 
 #[test]
@@ -218,7 +222,7 @@ fn other_kinds() {
             assert!(tree.same_tree(&loaded), "from a file, too: {kind:?}");
             let fresh = ObjectTree::build_from(&geometries, &options, Threads::Single);
             assert_eq!(tree.bad_primitives(), fresh.bad_primitives(), "{kind:?}");
-            assert_eq!(ask(&tree, &rays), ask(&fresh, &rays), "{kind:?}");
+            assert_eq!(run_queries(&tree, &rays), run_queries(&fresh, &rays), "{kind:?}");
         }
     }
 }

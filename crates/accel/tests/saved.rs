@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Trees that were saved and loaded are the same, and files that are no trees are refused.
 
-use crate::common::{Ask, TESTS, ask, batch, build};
+use crate::common::{QueryTarget, TESTS, batch, build, run_queries};
 use std::sync::Arc;
 
 use gnurt_accel::{
@@ -38,7 +38,7 @@ fn what_is_loaded_is_what_was_saved() {
             assert_eq!(loaded.stats(), tree.stats(), "{kind:?}: measured alike");
             assert_eq!(loaded.bounds(), tree.bounds(), "{kind:?}: bounds");
             assert_eq!(loaded.bad_primitives(), tree.bad_primitives(), "{kind:?}: what was left out");
-            assert_eq!(ask(&loaded, &rays), ask(&tree, &rays), "{kind:?}: hits");
+            assert_eq!(run_queries(&loaded, &rays), run_queries(&tree, &rays), "{kind:?}: hits");
             assert_eq!(save(&loaded), file[..file.len() - 1], "{kind:?}: saved again");
         }
     }
@@ -61,14 +61,14 @@ fn quads_and_spheres_are_saved_but_no_user_geometry() {
         let loaded = ObjectTree::load(&mut &file[..]).expect("it was saved");
         assert!(loaded.same_tree(&tree), "{kind:?}: node for node");
         assert_eq!(loaded.stats(), tree.stats(), "{kind:?}: measured alike");
-        assert_eq!(ask(&loaded, &rays), ask(&tree, &rays), "{kind:?}: hits");
+        assert_eq!(run_queries(&loaded, &rays), run_queries(&tree, &rays), "{kind:?}: hits");
         for _ in 0..500 {
             let mut file = file.clone();
             let at = random.below(file.len() - 8);
             file[at] ^= 1 << random.below(8);
             crate::signed::sign(&mut file);
             if let Ok(tree) = ObjectTree::load(&mut &file[..]) {
-                tree.ask(
+                tree.run_queries(
                     &Query { level: Level::best(), coherence: Coherence::Coherent, mask: u32::MAX },
                     &rays,
                 );
@@ -134,11 +134,12 @@ fn geometries_in_two_trees_are_refused() {
         let file = save(&ObjectTree::build_from(&geometries, &options, Threads::Single));
         // The last triangle of the first mesh becomes the first one of the second, in each place where its number may be.
         let count = mesh.indices.len() as u32;
-        let places: Vec<usize> = (0..file.len() / 4 - 2).filter(|&at| word(&file, at) == count - 1).collect();
+        let placements: Vec<usize> =
+            (0..file.len() / 4 - 2).filter(|&at| value(&file, at) == count - 1).collect();
         let mut refused = 0;
-        for at in places {
+        for at in placements {
             let mut changed = file.clone();
-            set_word(&mut changed, at, count);
+            set_value(&mut changed, at, count);
             crate::signed::sign(&mut changed);
             match ObjectTree::load(&mut &changed[..]) {
                 Err(error) => refused += usize::from(error.to_string().contains("several trees")),
@@ -181,12 +182,12 @@ fn any_change_is_found() {
     }
 }
 
-fn word(file: &[u8], at: usize) -> u32 {
+fn value(file: &[u8], at: usize) -> u32 {
     u32::from_le_bytes([file[4 * at], file[4 * at + 1], file[4 * at + 2], file[4 * at + 3]])
 }
 
-fn set_word(file: &mut [u8], at: usize, word: u32) {
-    file[4 * at..4 * at + 4].copy_from_slice(&word.to_le_bytes());
+fn set_value(file: &mut [u8], at: usize, value: u32) {
+    file[4 * at..4 * at + 4].copy_from_slice(&value.to_le_bytes());
 }
 
 #[test]
@@ -206,14 +207,14 @@ fn signed_changes_are_found_or_harmless() {
             } else {
                 // Copies of other words are what a tree takes for its own.
                 let [to, from] = [0; 2].map(|_: i32| random.below(again.len() / 4 - 2));
-                let copied = word(&file, from);
-                set_word(&mut file, to, copied);
+                let copied = value(&file, from);
+                set_value(&mut file, to, copied);
             }
             crate::signed::sign(&mut file);
             match ObjectTree::load(&mut &file[..]) {
                 Ok(tree) => {
                     for coherence in [Coherence::Incoherent, Coherence::Coherent] {
-                        tree.ask(&Query { level: Level::best(), coherence, mask: u32::MAX }, &rays);
+                        tree.run_queries(&Query { level: Level::best(), coherence, mask: u32::MAX }, &rays);
                     }
                     assert!(tree.bad_primitives().total() < 1 << 63, "counts stay counts");
                     taken += 1;
@@ -235,23 +236,24 @@ fn nodes_that_share_a_child_are_refused() {
         let mut file = save(&build(&[closed::torus(20)], kind));
         match kind.0 {
             Structure::Bvh => {
-                let inner = |&at: &usize| word(&file, at) >> 31 == 0;
+                let inner = |&at: &usize| value(&file, at) >> 31 == 0;
                 let children = NODES + if kind.3 == Memory::Fast { 48 } else { 18 };
                 let inner: Vec<usize> = (children..children + 8).filter(inner).collect();
-                let child = word(&file, inner[0]);
-                set_word(&mut file, inner[1], child);
+                let child = value(&file, inner[0]);
+                set_value(&mut file, inner[1], child);
             }
             // The children of the root's left child become those of its right one.
             _ => {
-                let children = word(&file, NODES + 2);
-                assert!(children > 0 && word(&file, NODES + 4) > 0, "both are no leaves");
-                set_word(&mut file, NODES + 4, children);
+                let children = value(&file, NODES + 2);
+                assert!(children > 0 && value(&file, NODES + 4) > 0, "both are no leaves");
+                set_value(&mut file, NODES + 4, children);
             }
         }
         crate::signed::sign(&mut file);
         let error = ObjectTree::load(&mut &file[..]).expect_err("no tree").to_string();
-        let is_told = error.contains("child of several") || error.contains("not where a walk comes to it");
-        assert!(is_told, "{kind:?}: {error}");
+        let is_reported =
+            error.contains("child of several") || error.contains("not where a walk comes to it");
+        assert!(is_reported, "{kind:?}: {error}");
     }
 }
 

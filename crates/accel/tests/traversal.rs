@@ -2,7 +2,7 @@
 //! What a traversal promises: it skips no triangle that the test alone would hit, not by one rounding, and it stops at
 //! the first leaf with a hit.
 
-use crate::common::{GRID, Kind, TESTS, WATERTIGHT, ask, batch, build_with, options, queries};
+use crate::common::{GRID, Kind, TESTS, WATERTIGHT, batch, build_with, options, queries, run_queries};
 use gnurt_accel::{
     BuildOptions, HitBatch, ObjectTree, Ray, RayBatch, Record, Structure, Threads, TriangleTest,
 };
@@ -34,13 +34,13 @@ fn a_tree_hits_what_testing_every_triangle_hits() {
         for test in [TriangleTest::Watertight, TriangleTest::Projected] {
             let flat = flat(&soup, test);
             assert_eq!(flat.stats().depth, 0, "{:?}", flat.stats());
-            let truth = views.each_ref().map(|rays| ask(&flat, rays));
+            let truth = views.each_ref().map(|rays| run_queries(&flat, rays));
             let kinds = TESTS.into_iter().map(|(kind, _)| kind).chain([GRID]);
             for kind in kinds.filter(|kind| kind.2 == test) {
                 let tree = deep(&soup, kind);
                 assert!(tree.stats().depth > 1 || tree.stats().nodes > 20, "{:?}", tree.stats());
                 for (rays, truth) in views.iter().zip(&truth) {
-                    for (i, (a, b)) in ask(&tree, rays).iter().zip(truth).enumerate() {
+                    for (i, (a, b)) in run_queries(&tree, rays).iter().zip(truth).enumerate() {
                         assert_eq!(a, b, "tree and plain list, {kind:?}, {:?}", rays.get(i));
                     }
                 }

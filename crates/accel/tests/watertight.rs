@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::common::{WATERTIGHT, ask, batch, build, scene_of};
+use crate::common::{WATERTIGHT, batch, build, run_queries, scene_of};
 use gnurt_accel::Instance;
 use gnurt_testkit::{Soup, closed, rays};
 
@@ -25,7 +25,7 @@ fn nothing_leaks_near_the_origin() {
             let object = build(std::slice::from_ref(&mesh), kind);
             for from in inside {
                 let rays = batch(&rays::aimed(&mesh, from, 2));
-                let leaks = ask(&object, &rays).iter().filter(|hit| hit.is_none()).count();
+                let leaks = run_queries(&object, &rays).iter().filter(|hit| hit.is_none()).count();
                 assert_eq!(leaks, 0, "of {} rays from {from:?} in the {name}", rays.len());
             }
         }
@@ -44,7 +44,7 @@ fn nothing_leaks_far_away_in_the_mesh() {
                 for from in inside {
                     let from = [0, 1, 2].map(|k| size * from[k] + offset[k]);
                     let rays = batch(&rays::aimed(&mesh, from, 1));
-                    let leaks = ask(&object, &rays).iter().filter(|hit| hit.is_none()).count();
+                    let leaks = run_queries(&object, &rays).iter().filter(|hit| hit.is_none()).count();
                     assert_eq!(leaks, 0, "of {} rays from {from:?} in the {name}", rays.len());
                 }
             }
@@ -70,7 +70,8 @@ fn nothing_leaks_far_away_as_an_instance() {
                     let plain = rays::aimed(&mesh, from, 1);
                     let world: Vec<_> =
                         plain.into_iter().map(|(org, dir)| (carry(org, 1.0), carry(dir, 0.0))).collect();
-                    let leaks = ask(&scene, &batch(&world)).iter().filter(|hit| hit.is_none()).count();
+                    let leaks =
+                        run_queries(&scene, &batch(&world)).iter().filter(|hit| hit.is_none()).count();
                     assert_eq!(
                         leaks,
                         0,

@@ -28,7 +28,7 @@ const RUNS: usize = 5;
 const BALLS: u32 = 16;
 const MATERIALS: u32 = 100;
 /// Squares along an edge of the lamp.
-const LAMP: u32 = 71;
+const LIGHT_MESH: u32 = 71;
 
 /// What is edited, by the number of the run.
 type Change = fn(&mut Scene, usize);
@@ -78,23 +78,23 @@ fn main() -> Result<(), Box<dyn Error>> {
     for count in counts {
         let mut scene = scene_of(count);
         let mut world = World::new();
-        let (first, cpu, wall) = timed(|| commit(&mut world, &scene, &pool));
+        let (first, cpu, wall_time) = timed(|| commit(&mut world, &scene, &pool));
         first?;
         let sample = first_sample(&world, &scene, &pool)?;
-        println!("| {count} | all of it | {:.2} | {:.2} | {sample:.2} |", cpu, wall);
+        println!("| {count} | all of it | {:.2} | {:.2} | {sample:.2} |", cpu, wall_time);
         for (name, change) in EDITS {
             let mut times = [const { Vec::new() }; 3];
             for run in 0..RUNS {
                 change(&mut scene, run);
                 let snapshot = world.clone();
-                let (done, cpu, wall) = timed(|| commit(&mut world, &scene, &pool));
+                let (done, cpu, wall_time) = timed(|| commit(&mut world, &scene, &pool));
                 done?;
                 drop(snapshot);
                 let sample = first_sample(&world, &scene, &pool)?;
-                times.iter_mut().zip([cpu, wall, sample]).for_each(|(times, time)| times.push(time));
+                times.iter_mut().zip([cpu, wall_time, sample]).for_each(|(times, time)| times.push(time));
             }
-            let [cpu, wall, sample] = times.map(median);
-            println!("| {count} | {name} | {cpu:.3} | {wall:.3} | {sample:.2} |");
+            let [cpu, wall_time, sample] = times.map(median);
+            println!("| {count} | {name} | {cpu:.3} | {wall_time:.3} | {sample:.2} |");
         }
     }
     Ok(())
@@ -117,9 +117,9 @@ fn first_sample(world: &World, scene: &Scene, pool: &ThreadPool) -> Result<f64, 
 
 /// A result, with milliseconds of all processors and on the wall.
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64, f64) {
-    let (cpu, wall) = (process_seconds(), Instant::now());
+    let (cpu, wall_time) = (process_seconds(), Instant::now());
     let result = work();
-    (result, 1e3 * (process_seconds() - cpu), 1e3 * wall.elapsed().as_secs_f64())
+    (result, 1e3 * (process_seconds() - cpu), 1e3 * wall_time.elapsed().as_secs_f64())
 }
 
 fn median(mut times: Vec<f64>) -> f64 {
@@ -135,10 +135,10 @@ fn scene_of(count: u32) -> Scene {
     }
     let shining = Material { emission: [20.0; 3], ..Material::matte("lamp", [0.5; 3]) };
     let shining = scene.add_material(shining);
-    let lamp = grid_mesh(LAMP, shining, |u, v| [200.0 * u - 100.0, 60.0, 200.0 * v - 100.0]);
-    let lamp = scene.add_mesh(lamp);
-    let lamp = scene.add_object_of("lamp", vec![lamp]);
-    scene.instantiate(lamp, Affine::IDENTITY);
+    let light_mesh = grid_mesh(LIGHT_MESH, shining, |u, v| [200.0 * u - 100.0, 60.0, 200.0 * v - 100.0]);
+    let light_mesh = scene.add_mesh(light_mesh);
+    let light_mesh = scene.add_object_of("lamp", vec![light_mesh]);
+    scene.instantiate(light_mesh, Affine::IDENTITY);
     let mut balls = Vec::new();
     for i in 0..BALLS {
         let ball = grid_mesh(64, MaterialId(i % MATERIALS), |u, v| {
@@ -151,8 +151,11 @@ fn scene_of(count: u32) -> Scene {
     }
     let side = f64::from(count).sqrt().ceil() as u32;
     for i in 0..count {
-        let place = [i % side, i / side].map(|x| f64::from(x) - 0.5 * f64::from(side));
-        scene.instantiate(balls[(i % BALLS) as usize], Affine::translation([place[0], 0.0, place[1]]));
+        let grid_position = [i % side, i / side].map(|x| f64::from(x) - 0.5 * f64::from(side));
+        scene.instantiate(
+            balls[(i % BALLS) as usize],
+            Affine::translation([grid_position[0], 0.0, grid_position[1]]),
+        );
     }
     let texture = scene.add_texture(sky());
     scene.add_light(sky_light(texture));
@@ -170,11 +173,11 @@ fn scene_of(count: u32) -> Scene {
     scene
 }
 
-/// A square of `side` x `side` quadrangles, bent by `place`.
-fn grid_mesh(side: u32, material: MaterialId, place: impl Fn(f32, f32) -> [f32; 3]) -> Mesh {
+/// A square of `side` x `side` quadrangles, bent by `grid_position`.
+fn grid_mesh(side: u32, material: MaterialId, grid_position: impl Fn(f32, f32) -> [f32; 3]) -> Mesh {
     let at = |i: u32| i as f32 / side as f32;
     let positions = (0..=side).flat_map(|j| (0..=side).map(move |i| (i, j)));
-    let positions = positions.map(|(i, j)| place(at(i), at(j))).collect();
+    let positions = positions.map(|(i, j)| grid_position(at(i), at(j))).collect();
     let quad = |i: u32, j: u32| {
         let a = j * (side + 1) + i;
         let b = a + side + 1;

@@ -85,9 +85,9 @@ fn rays_through(tree: &ObjectTree) -> RayBatch {
     let bounds = tree.bounds();
     let point =
         |i: u32| [0.819_172_5_f64, 0.671_043_6, 0.549_700_5].map(|step| (f64::from(i) * step).fract() as f32);
-    let place = |at: [f32; 3]| [0, 1, 2].map(|k| bounds.min[k] + at[k] * (bounds.max[k] - bounds.min[k]));
+    let position = |at: [f32; 3]| [0, 1, 2].map(|k| bounds.min[k] + at[k] * (bounds.max[k] - bounds.min[k]));
     let ray = |i: u32| {
-        let (from, to) = (place(point(2 * i)), place(point(2 * i + 1).map(|x| 1.0 - x)));
+        let (from, to) = (position(point(2 * i)), position(point(2 * i + 1).map(|x| 1.0 - x)));
         Ray::new(from, [0, 1, 2].map(|k| to[k] - from[k]))
     };
     (0..100_000).map(ray).collect()

@@ -84,12 +84,12 @@ fn trace(world: &World, side: u32) -> usize {
     let extent = (side * side) as f32;
     let pixel = |i: u32| (i as f32 + 0.5) / PIXELS as f32;
     let rays = (0..PIXELS).flat_map(|y| (0..PIXELS).map(move |x| (pixel(x), pixel(y))));
-    let seen = rays.filter(|&(x, y)| {
+    let visible = rays.filter(|&(x, y)| {
         let from = [0.5 * extent, 0.3 * extent, -0.2 * extent];
         let to = [x * extent, 0.0, y * extent];
         world.intersect(&Ray::new(from, [0, 1, 2].map(|k| to[k] - from[k]))).is_some()
     });
-    seen.count()
+    visible.count()
 }
 
 /// A result, with milliseconds of all processors.
@@ -156,7 +156,7 @@ fn nested(side: u32) -> Scene {
     let all = side * side;
     let members = (0..all).map(|i| Member::new(ObjectId(0), at(i % side, i / side)));
     let object = scene.add_object_of_members("square", members.collect());
-    square(side, side).for_each(|place| _ = scene.instantiate(object, place));
+    square(side, side).for_each(|position| _ = scene.instantiate(object, position));
     scene
 }
 
@@ -166,8 +166,8 @@ fn deep(side: u32) -> Scene {
     let mut object = ObjectId(0);
     let steps = [(at(0, 0), [1, 0]), (Affine::IDENTITY, [0, 1]), (Affine::IDENTITY, [side, 0])];
     for (first, [x, z]) in steps {
-        let place = |i: u32| Affine::translation([x * i, 0, z * i].map(f64::from)) * first;
-        let members = (0..side).map(|i| Member::new(object, place(i)));
+        let position = |i: u32| Affine::translation([x * i, 0, z * i].map(f64::from)) * first;
+        let members = (0..side).map(|i| Member::new(object, position(i)));
         object = scene.add_object_of_members("row", members.collect());
     }
     for i in 0..side {

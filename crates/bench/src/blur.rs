@@ -40,7 +40,7 @@ pub struct BlurRow {
 }
 
 /// Embree's flags: none, and RTC_SCENE_FLAG_ROBUST.
-const RIVALS: [(&str, i32); 2] = [("embree4", 0), ("embree4 robust", 4)];
+const REFERENCES: [(&str, i32); 2] = [("embree4", 0), ("embree4 robust", 4)];
 
 enum Engine<'a> {
     Ours(Box<ObjectTree>),
@@ -77,7 +77,7 @@ pub fn run(
         engines.push((name, Engine::Ours(tree), process_seconds() - before));
     }
     if let (Some(device), Some(library)) = (&device, embree) {
-        for (name, flags) in RIVALS {
+        for (name, flags) in REFERENCES {
             let before = process_seconds();
             let scene = Scene::build_moving(device, &lists, &subject.indices, flags);
             let scene = scene.map_err(|why| library.failed(why))?;
@@ -97,11 +97,11 @@ pub fn run(
         let mut seconds = vec![Vec::new(); engines.len()];
         let mut found = vec![vec![HitBatch::default(); batches.len()]; engines.len()];
         for round in 0..rounds {
-            for turn in 0..engines.len() {
-                let i = (turn + round) % engines.len();
+            for engine_index in 0..engines.len() {
+                let i = (engine_index + round) % engines.len();
                 let before = thread_seconds();
                 for (rays, hits) in batches.iter().zip(&mut found[i]) {
-                    ask(&engines[i].1, rays, hits);
+                    run_query(&engines[i].1, rays, hits);
                 }
                 seconds[i].push(thread_seconds() - before);
             }
@@ -130,7 +130,7 @@ pub fn run(
 }
 
 /// Closest hits, ray by ray.
-fn ask(engine: &Engine, rays: &RayBatch, hits: &mut HitBatch) {
+fn run_query(engine: &Engine, rays: &RayBatch, hits: &mut HitBatch) {
     match engine {
         Engine::Ours(tree) => {
             let query = Query { coherence: Coherence::Incoherent, ..Query::default() };

@@ -25,57 +25,58 @@ use crate::single::{agree, closest, hit_count};
 use crate::top::{ball, rays};
 
 /// A way: its size, and angle and place at both ends of the time.
-struct Way {
+struct RigidMotion {
     size: f32,
     ends: [(f32, [f32; 3]); 2],
 }
 
-impl Way {
-    fn new(random: &mut Random, spread: f32, turn: f32) -> Self {
+impl RigidMotion {
+    fn new(random: &mut Random, spread: f32, turn_angle: f32) -> Self {
         let mut next = || random.unit();
         let (size, angle) = (0.5 + next(), std::f32::consts::TAU * next());
-        let place = [spread * next(), spread * next(), spread * next()];
+        let position = [spread * next(), spread * next(), spread * next()];
         let by = [0, 1, 2].map(|_| size * (next() - 0.5));
-        let to = [place[0] + by[0], place[1] + by[1], place[2] + by[2]];
-        Self { size, ends: [(angle, place), (angle + turn, to)] }
+        let to = [position[0] + by[0], position[1] + by[1], position[2] + by[2]];
+        Self { size, ends: [(angle, position), (angle + turn_angle, to)] }
     }
 
     fn columns(&self, end: usize) -> [[f64; 3]; 4] {
-        let ((angle, place), size) = (self.ends[end], f64::from(self.size));
+        let ((angle, position), size) = (self.ends[end], f64::from(self.size));
         let (s, c) = f64::from(angle).sin_cos();
-        [[size * c, 0.0, -size * s], [0.0, size, 0.0], [size * s, 0.0, size * c], place.map(f64::from)]
+        [[size * c, 0.0, -size * s], [0.0, size, 0.0], [size * s, 0.0, size * c], position.map(f64::from)]
     }
 
     fn steps(&self) -> Vec<Turned> {
-        self.ends.iter().map(|&(angle, place)| Turned::about_y(self.size, angle, place)).collect()
+        self.ends.iter().map(|&(angle, position)| Turned::about_y(self.size, angle, position)).collect()
     }
 }
 
-/// Measures `count` instances that turn by `turn` radians while the shutter is open.
+/// Measures `count` instances that turn by `turn_angle` radians while the shutter is open.
 ///
 /// # Errors
 /// [`Error::Embree`] if Embree fails, or if its answers are others than ours.
 pub fn run(
     count: usize,
-    turn: f32,
+    turn_angle: f32,
     rounds: usize,
     embree: Option<&EmbreeLibrary>,
 ) -> Result<Vec<BlurRow>, Error> {
     let (positions, indices) = ball();
     let spread = 2.0 * (count as f32).cbrt();
     let mut random = Random::new(1);
-    let ways: Vec<Way> = (0..count).map(|_| Way::new(&mut random, spread, turn)).collect();
+    let paths: Vec<RigidMotion> =
+        (0..count).map(|_| RigidMotion::new(&mut random, spread, turn_angle)).collect();
     let mut batch = rays(&mut random, spread);
     batch.time = (0..batch.len()).map(|_| random.unit()).collect();
     let mesh = Triangles { positions: &positions, indices: &indices };
     let options = BuildOptions::default();
     let object = Arc::new(ObjectTree::build(&[mesh], &options, Threads::Single));
-    let moving = |way: &Way| {
-        let path = MotionPath::new(&[way.columns(0), way.columns(1)]).expect("a ball is not flat");
+    let moving = |motion: &RigidMotion| {
+        let path = MotionPath::new(&[motion.columns(0), motion.columns(1)]).expect("a ball is not flat");
         Instance::moving(object.clone(), Arc::new(path))
     };
-    let still = |way: &Way| Instance::new(object.clone(), way.columns(0));
-    let lists: [Vec<Instance>; 2] = [ways.iter().map(moving).collect(), ways.iter().map(still).collect()];
+    let still = |motion: &RigidMotion| Instance::new(object.clone(), motion.columns(0));
+    let lists: [Vec<Instance>; 2] = [paths.iter().map(moving).collect(), paths.iter().map(still).collect()];
     let mut ours = Vec::new();
     for (name, list) in ["gnurt", "gnurt still"].into_iter().zip(&lists) {
         let before = process_seconds();
@@ -89,9 +90,9 @@ pub fn run(
         (Some(device), Some(library)) => {
             let shown = Scene::build(device, &padded, &indices, 1, 0).map_err(|e| library.failed(e))?;
             let mut theirs = Instances::new(device, &shown, count, 1, 0);
-            let steps: Vec<Vec<Turned>> = ways.iter().map(Way::steps).collect();
+            let steps: Vec<Vec<Turned>> = paths.iter().map(RigidMotion::steps).collect();
             let before = process_seconds();
-            theirs.place_moving(&steps);
+            theirs.set_moving_matrices(&steps);
             theirs.commit();
             device.check().map_err(|e| library.failed(e))?;
             Some((theirs, process_seconds() - before))

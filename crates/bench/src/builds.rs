@@ -11,12 +11,12 @@ use gnurt::simd::Level;
 use serde_json::{Value, json};
 
 use crate::clock::{process_seconds, thread_seconds};
-use crate::contest::check;
+use crate::comparison::check;
 use crate::embree::EmbreeEngine;
+use crate::event::BenchEvent;
 use crate::ffi_embree::{Device, Scene};
-use crate::job::{Asked, ENGINES, EmbreeKind, OwnKind, Packets};
+use crate::job::{ENGINES, EmbreeKind, OwnKind, Packets, QueryKind};
 use crate::memory::growth;
-use crate::news::News;
 use crate::options::Options as RayOptions;
 use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
@@ -129,7 +129,7 @@ pub fn run(
     options: &Options,
     embree: Option<&EmbreeLibrary>,
     pool: &ThreadPool,
-    tell: &mut dyn FnMut(News),
+    report: &mut dyn FnMut(BenchEvent),
 ) -> Result<Vec<BuildRow>, Error> {
     let mut plans = plans(&options.filter)?;
     plans.retain(|plan| embree.is_some() || matches!(plan, Plan::Own(..)));
@@ -143,7 +143,7 @@ pub fn run(
         let device = embree.map(|library| library.device(options.level, threads)).transpose()?;
         let site = Site { subject, threads, pool, device: device.as_ref(), level: options.level };
         if rows.is_empty() {
-            site.check(&plans, tell)?;
+            site.check(&plans, report)?;
         }
         let mut builds: Vec<Vec<Build>> = plans.iter().map(|_| Vec::new()).collect();
         for _ in 0..options.rounds {
@@ -175,7 +175,7 @@ enum Built<'a> {
 #[derive(Clone, Copy)]
 struct Build {
     cpu: f64,
-    wall: f64,
+    wall_time: f64,
     bytes: u64,
     peak: Option<u64>,
     sah_cost: Option<f64>,
@@ -185,7 +185,7 @@ struct Build {
 impl<'a> Site<'a> {
     fn build(&self, plan: Plan) -> Result<(Built<'a>, Build), Error> {
         let held_before = self.device.map_or(0, |device| device.memory().0);
-        let ((built, cpu, wall), growth) = growth(|| {
+        let ((built, cpu, wall_time), growth) = growth(|| {
             // One thread builds where it is called. Idle workers of Embree's may spin beside it.
             let cpu_seconds = if self.threads == 1 { thread_seconds } else { process_seconds };
             let (start, before) = (Instant::now(), cpu_seconds());
@@ -198,12 +198,19 @@ impl<'a> Site<'a> {
                 let stats = tree.stats();
                 let bytes = stats.tree_bytes + stats.primitive_bytes;
                 let (sah_cost, nodes) = (Some(stats.sah_cost), Some(stats.nodes));
-                Build { cpu, wall, bytes, peak: growth, sah_cost, nodes }
+                Build { cpu, wall_time, bytes, peak: growth, sah_cost, nodes }
             }
             Built::Embree(_) => {
                 let (held, peak) = self.device.map_or((0, 0), Device::memory);
                 let above = |bytes: i64| (bytes - held_before).max(0).unsigned_abs();
-                Build { cpu, wall, bytes: above(held), peak: Some(above(peak)), sah_cost: None, nodes: None }
+                Build {
+                    cpu,
+                    wall_time,
+                    bytes: above(held),
+                    peak: Some(above(peak)),
+                    sah_cost: None,
+                    nodes: None,
+                }
             }
         };
         Ok((built, build))
@@ -227,7 +234,7 @@ impl<'a> Site<'a> {
     }
 
     /// Builds each once and compares what the trees answer.
-    fn check(&self, plans: &[Plan], tell: &mut dyn FnMut(News)) -> Result<(), Error> {
+    fn check(&self, plans: &[Plan], report: &mut dyn FnMut(BenchEvent)) -> Result<(), Error> {
         let built =
             plans.iter().map(|plan| Ok((*plan, self.build(*plan)?.0))).collect::<Result<Vec<_>, _>>()?;
         let reference = ObjectTree::build(
@@ -236,7 +243,7 @@ impl<'a> Site<'a> {
             Threads::Pool(self.pool),
         );
         let maker = RayMaker::new(self.subject, 128, &reference, self.level)?;
-        let asked = Asked::Batch(Coherence::Incoherent);
+        let query_kind = QueryKind::Batch(Coherence::Incoherent);
         let contestants: Vec<Contestant> = built
             .iter()
             .map(|(plan, built)| Contestant {
@@ -244,7 +251,7 @@ impl<'a> Site<'a> {
                 mode: plan.mode(),
                 isa: self.level.name(),
                 tracer: match built {
-                    Built::Own(tree) => Box::new(OwnEngine { tree, asked, level: self.level }),
+                    Built::Own(tree) => Box::new(OwnEngine { tree, query_kind, level: self.level }),
                     Built::Embree(scene) => {
                         Box::new(EmbreeEngine { scene, packets: Packets { size: 1, coherent: false } })
                     }
@@ -256,7 +263,7 @@ impl<'a> Site<'a> {
             let rays =
                 Rays::new(maker.rays(class, options.batch), class.is_any_hit(), self.subject.triangles());
             let what = format!("{} {class}", self.subject.name);
-            check(&what, &rays, &contestants, options.tolerance, tell)?;
+            check(&what, &rays, &contestants, options.tolerance, report)?;
         }
         Ok(())
     }
@@ -272,7 +279,7 @@ impl<'a> Site<'a> {
             threads: self.threads,
             triangles: self.subject.triangle_count() as u64,
             cpu_s: median(&cpu),
-            wall_s: median(&of(|build| build.wall)),
+            wall_s: median(&of(|build| build.wall_time)),
             min: cpu.iter().copied().fold(f64::INFINITY, f64::min),
             max: cpu.iter().copied().fold(0.0, f64::max),
             runs: builds.len(),

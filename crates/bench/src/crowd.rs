@@ -124,14 +124,14 @@ impl Follower {
     }
 
     /// Trees by `tree` and the tree over them.
-    fn follow(&mut self, places: &[[[f64; 3]; 4]], tree: impl Fn(usize) -> Arc<ObjectTree>) {
+    fn follow(&mut self, matrices: &[[[f64; 3]; 4]], tree: impl Fn(usize) -> Arc<ObjectTree>) {
         let before = process_seconds();
-        self.trees = (0..places.len()).map(tree).collect();
+        self.trees = (0..matrices.len()).map(tree).collect();
         let instances: Vec<Instance> = self
             .trees
             .iter()
-            .zip(places)
-            .map(|(tree, &place)| Instance::new(Arc::clone(tree), place))
+            .zip(matrices)
+            .map(|(tree, &matrix_of)| Instance::new(Arc::clone(tree), matrix_of))
             .collect();
         self.scene = SceneTree::build(&instances, &BuildOptions::default(), Threads::Single);
         self.update.push(process_seconds() - before);
@@ -163,7 +163,7 @@ impl Follower {
 /// That hits differ, which is a bug.
 pub fn run(case: &'static str, poses: usize, options: &Options) -> Result<Vec<DynamicRow>, Error> {
     let indices = indices();
-    let places = places(options.characters);
+    let matrices = matrices(options.characters);
     let rays = rays(options.characters, options.size);
     let mut followers = [Follower::new("instanced"), Follower::new("separate")];
     let crowd = Crowd::default();
@@ -174,13 +174,13 @@ pub fn run(case: &'static str, poses: usize, options: &Options) -> Result<Vec<Dy
         let phase = |i: usize| std::f32::consts::TAU * i as f32 / poses as f32 + 0.15 * frame as f32;
         let bodies: Vec<Vec<[f32; 3]>> = (0..poses).map(|i| pose(phase(i))).collect();
         vertices = bodies[0].len();
-        for turn in 0..2 {
-            let i = (turn + frame) % 2;
+        for angle in 0..2 {
+            let i = (angle + frame) % 2;
             let mesh = |character: usize| {
                 // Neighbours are in different poses.
                 Triangles { positions: &bodies[character * 7 % poses], indices: &indices }
             };
-            followers[i].follow(&places, |character| match i {
+            followers[i].follow(&matrices, |character| match i {
                 0 => crowd.pose(&[mesh(character).into()], &medium, Threads::Single),
                 _ => Arc::new(ObjectTree::build(&[mesh(character)], &fast, Threads::Single)),
             });
@@ -217,15 +217,15 @@ fn columns(characters: usize) -> usize {
 }
 
 /// Where characters stand: in rows, each turned its own way.
-fn places(characters: usize) -> Vec<[[f64; 3]; 4]> {
+fn matrices(characters: usize) -> Vec<[[f64; 3]; 4]> {
     let mut random = Random::new(1);
     let columns = columns(characters);
-    let place = |i: usize, turn: f32| {
-        let (sin, cos) = (std::f64::consts::TAU * f64::from(turn)).sin_cos();
+    let matrix_of = |i: usize, angle: f32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(angle)).sin_cos();
         let at = [1.2 * (i % columns) as f64, 0.0, 1.2 * (i / columns) as f64];
         [[cos, 0.0, -sin], [0.0, 1.0, 0.0], [sin, 0.0, cos], at]
     };
-    (0..characters).map(|i| place(i, random.unit())).collect()
+    (0..characters).map(|i| matrix_of(i, random.unit())).collect()
 }
 
 /// Rays of a camera that looks over all of them from one side.

@@ -12,12 +12,12 @@ use gnurt::accel::{
 use gnurt::simd::Level;
 
 use crate::clock::process_seconds;
-use crate::contest::check;
+use crate::comparison::check;
 use crate::dynamic_row::DynamicRow;
 use crate::embree::EmbreeEngine;
+use crate::event::BenchEvent;
 use crate::ffi_embree::{MovingScene, Scene};
-use crate::job::{Asked, OwnKind, Packets};
-use crate::news::News;
+use crate::job::{OwnKind, Packets, QueryKind};
 use crate::options::Options as RayOptions;
 use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
@@ -94,7 +94,7 @@ pub fn run(
     options: &Options,
     embree: Option<&EmbreeLibrary>,
     pool: &ThreadPool,
-    tell: &mut dyn FnMut(News),
+    report: &mut dyn FnMut(BenchEvent),
 ) -> Result<Vec<DynamicRow>, Error> {
     let failed = |why: String| Error::Embree { library: "embree4".into(), why };
     let count = subject.padded.len() - 1;
@@ -121,8 +121,8 @@ pub fn run(
     let mut rebuilds = vec![0; followers.len()];
     for frame in 1..=options.frames {
         deformed(subject, frame as f32 / options.frames as f32, &mut moved.padded[..count]);
-        for turn in 0..followers.len() {
-            let i = (turn + frame) % followers.len();
+        for engine_index in 0..followers.len() {
+            let i = (engine_index + frame) % followers.len();
             if let Follower::EmbreeRefit(scene) = &mut followers[i] {
                 scene.move_to(&moved.padded);
             }
@@ -168,7 +168,7 @@ pub fn run(
         times.push(taken);
     }
     rebuilds.resize(followers.len(), 0);
-    rows(&last_frame, options, &followers, &times, &rebuilds, tell)
+    rows(&last_frame, options, &followers, &times, &rebuilds, report)
 }
 
 /// Brings one up to date.
@@ -201,17 +201,18 @@ fn rows(
     followers: &[Follower],
     times: &[Vec<f64>],
     rebuilds: &[usize],
-    tell: &mut dyn FnMut(News),
+    report: &mut dyn FnMut(BenchEvent),
 ) -> Result<Vec<DynamicRow>, Error> {
     let reference = ObjectTree::build(&[moved.triangles()], &BuildOptions::default(), Threads::Single);
     let maker = RayMaker::new(moved, options.size, &reference, options.level)?;
-    let asked = Asked::Batch(Coherence::Incoherent);
+    let query_kind = QueryKind::Batch(Coherence::Incoherent);
     let contestants: Vec<Contestant> = followers
         .iter()
         .map(|follower| {
             let (_, strategy, engine) = follower.names();
-            let own = |tree| OwnEngine { tree, asked, level: options.level };
-            let rival = |scene| EmbreeEngine { scene, packets: Packets { size: 1, coherent: false } };
+            let own = |tree| OwnEngine { tree, query_kind, level: options.level };
+            let reference_engine =
+                |scene| EmbreeEngine { scene, packets: Packets { size: 1, coherent: false } };
             Contestant {
                 engine,
                 mode: strategy.into(),
@@ -219,19 +220,20 @@ fn rows(
                 tracer: match follower {
                     Follower::Refit(tree) | Follower::Build(_, tree) => Box::new(own(tree)),
                     Follower::Moving(_, moving) => Box::new(own(moving.tree())),
-                    Follower::EmbreeRefit(scene) => Box::new(rival(scene.scene())),
-                    Follower::EmbreeBuild(_, scene) => Box::new(rival(scene)),
+                    Follower::EmbreeRefit(scene) => Box::new(reference_engine(scene.scene())),
+                    Follower::EmbreeBuild(_, scene) => Box::new(reference_engine(scene)),
                 },
             }
         })
         .collect();
     let ray_options = RayOptions::default();
     let rays = Rays::new(maker.rays(Class::Diffuse, ray_options.batch), false, moved.triangles());
-    let sums = check(&format!("{} deformed", moved.name), &rays, &contestants, ray_options.tolerance, tell)?;
+    let sums =
+        check(&format!("{} deformed", moved.name), &rays, &contestants, ray_options.tolerance, report)?;
     let mut seconds = vec![Vec::new(); contestants.len()];
     for round in 0..options.rounds {
-        for turn in 0..contestants.len() {
-            let i = (turn + round) % contestants.len();
+        for engine_index in 0..contestants.len() {
+            let i = (engine_index + round) % contestants.len();
             seconds[i].push(time(&*contestants[i].tracer, &rays, 1).cpu);
         }
     }

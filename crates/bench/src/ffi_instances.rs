@@ -67,7 +67,7 @@ impl<'a> Instances<'a> {
     }
 
     /// Puts the instances at these places: columns of affine maps, one for each instance.
-    pub(crate) fn place(&self, columns: &[[[f32; 3]; 4]]) {
+    pub(crate) fn set_matrices(&self, columns: &[[[f32; 3]; 4]]) {
         assert_eq!(columns.len(), self.geometries.len(), "a place for each instance");
         let first: c_uint = 0;
         for (geometry, columns) in self.geometries.iter().zip(columns) {
@@ -85,14 +85,14 @@ impl<'a> Instances<'a> {
     }
 
     /// Puts each instance at places evenly spaced over the time, between which it turns along the arc.
-    pub(crate) fn place_moving(&self, ways: &[Vec<Turned>]) {
-        assert_eq!(ways.len(), self.geometries.len(), "a way for each instance");
+    pub(crate) fn set_moving_matrices(&self, paths: &[Vec<Turned>]) {
+        assert_eq!(paths.len(), self.geometries.len(), "a way for each instance");
         let library = self.scene.library;
-        for (geometry, way) in self.geometries.iter().zip(ways) {
+        for (geometry, path) in self.geometries.iter().zip(paths) {
             // SAFETY: the scene holds the geometry; a structure of sixteen floats is read at each step, and copied.
             unsafe {
-                (library.set_time_steps)(*geometry, way.len() as c_uint);
-                for (step, turned) in (0..).zip(way) {
+                (library.set_time_steps)(*geometry, path.len() as c_uint);
+                for (step, turned) in (0..).zip(path) {
                     (library.set_turned)(*geometry, step, (&raw const *turned).cast());
                 }
                 (library.commit_geometry)(*geometry);

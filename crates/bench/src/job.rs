@@ -16,7 +16,7 @@ pub enum Job {
         /// What is built.
         kind: OwnKind,
         /// How it is asked.
-        asked: Asked,
+        query_kind: QueryKind,
     },
     /// A scene of Embree's.
     Embree {
@@ -40,7 +40,7 @@ pub struct OwnKind {
 
 /// How one of our trees is asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Asked {
+pub enum QueryKind {
     /// One ray per call.
     One,
     /// A batch per call, of which this is said.
@@ -143,14 +143,14 @@ impl Job {
     #[must_use]
     pub fn mode(&self) -> String {
         match self {
-            Self::Own { kind, asked } => {
-                let asked = match asked {
-                    Asked::One => "one",
-                    Asked::Batch(Coherence::Coherent) => "coherent",
-                    Asked::Batch(Coherence::Fanned) => "fanned",
-                    Asked::Batch(Coherence::Incoherent) => "incoherent",
+            Self::Own { kind, query_kind } => {
+                let query_kind = match query_kind {
+                    QueryKind::One => "one",
+                    QueryKind::Batch(Coherence::Coherent) => "coherent",
+                    QueryKind::Batch(Coherence::Fanned) => "fanned",
+                    QueryKind::Batch(Coherence::Incoherent) => "incoherent",
                 };
-                format!("{}-{asked}", kind.name())
+                format!("{}-{query_kind}", kind.name())
             }
             Self::Embree { kind, packets } => {
                 let coherent = if packets.coherent { "-coherent" } else { "" };
@@ -164,9 +164,10 @@ impl Job {
     pub fn all() -> Vec<Self> {
         let mut jobs = Vec::new();
         for kind in OwnKind::ALL {
-            let batches = [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent].map(Asked::Batch);
-            let asked = [Asked::One].into_iter().chain(batches);
-            jobs.extend(asked.map(|asked| Self::Own { kind, asked }));
+            let batches =
+                [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent].map(QueryKind::Batch);
+            let query_kind = [QueryKind::One].into_iter().chain(batches);
+            jobs.extend(query_kind.map(|query_kind| Self::Own { kind, query_kind }));
         }
         for kind in EmbreeKind::ALL {
             jobs.push(Self::Embree { kind, packets: Packets { size: 1, coherent: false } });

@@ -10,17 +10,19 @@
 //! are what they reach if each has a core to itself.
 #![deny(unsafe_code)]
 
+mod agreement;
 pub mod blur;
 pub mod blur_top;
 pub mod builds;
 mod clock;
-mod contest;
+mod comparison;
 pub mod crowd;
 pub mod dynamic;
 pub mod dynamic_plot;
 pub mod dynamic_row;
 mod embree;
 mod error;
+mod event;
 mod exact;
 #[allow(unsafe_code, reason = "the same library's triangles with several time steps")]
 mod ffi_blur;
@@ -34,7 +36,6 @@ mod job;
 pub mod light;
 pub mod light_plot;
 mod memory;
-mod news;
 mod options;
 mod own;
 pub mod paper;
@@ -56,10 +57,9 @@ pub mod tiny;
 pub mod top;
 mod trees;
 mod vector;
-mod verdict;
 
 pub use clock::{process_seconds, thread_seconds};
-pub use contest::Contestant;
+pub use comparison::Contestant;
 pub use embree::EmbreeLibrary;
 pub use error::Error;
 pub use job::{ENGINES, Filter, Job};

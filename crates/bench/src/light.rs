@@ -172,7 +172,7 @@ impl Truth {
 /// Seed of the truth's first picture, far from those that are measured.
 const SEED: u64 = 1 << 40;
 
-/// Renders and measures: seed by seed, the integrators in turns. `tell` hears of each point: at 1, 2, 4, ... samples, and
+/// Renders and measures: seed by seed, the integrators in turns. `report` hears of each point: at 1, 2, 4, ... samples, and
 /// of the last.
 ///
 /// # Errors
@@ -183,7 +183,7 @@ pub fn run(
     options: &Options,
     truth: &Truth,
     pool: &ThreadPool,
-    tell: &mut dyn FnMut(&Point, &Picture),
+    report: &mut dyn FnMut(&Point, &Picture),
 ) -> Result<Vec<Point>, gnurt::render::RenderError> {
     let mut points = Vec::new();
     for seed in 0..options.seeds {
@@ -216,7 +216,7 @@ pub fn run(
                         truth.in_common(&picture, &twin.colors())
                     });
                     let point = Point { integrator, seed, samples, seconds, rel_mse, mean_error, of_lights };
-                    tell(&point, &picture);
+                    report(&point, &picture);
                     points.push(point);
                 }
                 if over {

@@ -123,11 +123,11 @@ fn diagram(body: &mut String, left: f64, title: &str, curves: &[(Integrator, Vec
             r##"<line x1="{:.1}" y1="{:.1}" x2="{:.1}" y2="{:.1}" stroke="#999999" stroke-dasharray="3"/>"##,
             ideal.0, ideal.1, ideal.2, ideal.3
         );
-        let places: Vec<String> = curve.iter().map(|&(n, v)| format!("{:.1},{:.1}", x(n), y(v))).collect();
+        let positions: Vec<String> = curve.iter().map(|&(n, v)| format!("{:.1},{:.1}", x(n), y(v))).collect();
         let _ = writeln!(
             body,
             r#"<polyline points="{}" fill="none" stroke="{}" stroke-width="2"/>"#,
-            places.join(" "),
+            positions.join(" "),
             color(*integrator)
         );
     }

@@ -4,13 +4,13 @@
 use gnurt::accel::{Coherence, INVALID_ID, ObjectTree, Query, Ray, RayBatch};
 use gnurt::simd::Level;
 
-use crate::job::Asked;
+use crate::job::QueryKind;
 use crate::timing::{Answers, Engine};
 
 /// A tree, and how it is asked.
 pub(crate) struct OwnEngine<'a> {
     pub(crate) tree: &'a ObjectTree,
-    pub(crate) asked: Asked,
+    pub(crate) query_kind: QueryKind,
     pub(crate) level: Level,
 }
 
@@ -22,7 +22,7 @@ impl OwnEngine<'_> {
 
 /// Takes the rays out one by one, for as little as it costs to take them out for Embree.
 #[inline(always)]
-fn each(rays: &RayBatch, mut ask: impl FnMut(usize, Ray)) {
+fn each(rays: &RayBatch, mut run_query: impl FnMut(usize, Ray)) {
     let count = rays.len();
     let ([x, y, z], [dx, dy, dz]) = (&rays.org, &rays.dir);
     let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
@@ -30,18 +30,18 @@ fn each(rays: &RayBatch, mut ask: impl FnMut(usize, Ray)) {
     let (t_near, t_far) = (&rays.t_near[..count], &rays.t_far[..count]);
     for i in 0..count {
         let ray = Ray::new([x[i], y[i], z[i]], [dx[i], dy[i], dz[i]]);
-        ask(i, ray.within(t_near[i], t_far[i]));
+        run_query(i, ray.within(t_near[i], t_far[i]));
     }
 }
 
 impl Engine for OwnEngine<'_> {
     fn closest(&self, rays: &RayBatch, answers: &mut Answers) {
-        match self.asked {
-            Asked::Batch(coherence) => {
+        match self.query_kind {
+            QueryKind::Batch(coherence) => {
                 let query = self.query(coherence);
                 self.tree.intersect_batch(&query, rays, &mut answers.hits, &mut answers.record);
             }
-            Asked::One => {
+            QueryKind::One => {
                 let query = self.query(Coherence::default());
                 answers.resize(rays.len());
                 let (t, prim_id) =
@@ -55,12 +55,12 @@ impl Engine for OwnEngine<'_> {
     }
 
     fn any(&self, rays: &RayBatch, answers: &mut Answers) {
-        match self.asked {
-            Asked::Batch(coherence) => {
+        match self.query_kind {
+            QueryKind::Batch(coherence) => {
                 let query = self.query(coherence);
                 self.tree.occluded_batch(&query, rays, &mut answers.occluded, &mut answers.record);
             }
-            Asked::One => {
+            QueryKind::One => {
                 let query = self.query(Coherence::default());
                 answers.resize(rays.len());
                 let occluded = &mut answers.occluded[..rays.len()];

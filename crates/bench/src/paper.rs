@@ -13,9 +13,9 @@ use gnurt::simd::Level;
 use serde_json::{Value, json};
 
 use crate::clock::thread_seconds;
-use crate::contest::hold;
-use crate::job::Asked;
-use crate::news::News;
+use crate::comparison::hold;
+use crate::event::BenchEvent;
+use crate::job::QueryKind;
 use crate::options::Options;
 use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
@@ -104,39 +104,43 @@ pub struct PaperRow {
 ///
 /// # Errors
 /// [`Error::Scene`] without a view, [`Error::Differ`] if the levels disagree.
-pub fn run(subject: &Subject, options: &Options, tell: &mut dyn FnMut(News)) -> Result<PaperRow, Error> {
+pub fn run(
+    subject: &Subject,
+    options: &Options,
+    report: &mut dyn FnMut(BenchEvent),
+) -> Result<PaperRow, Error> {
     let build = |quality| {
         let settings = BuildOptions { structure: Structure::Kd, quality, ..BuildOptions::default() };
         let (start, before) = (Instant::now(), thread_seconds());
         let tree = ObjectTree::build(&[subject.triangles()], &settings, Threads::Single);
         (tree, thread_seconds() - before, start.elapsed().as_secs_f64())
     };
-    let (mut fast, mut cpu, mut wall) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut fast, mut cpu, mut wall_time) = (Vec::new(), Vec::new(), Vec::new());
     let (tree, ..) = build(Quality::Medium);
     for _ in 0..options.rounds {
         fast.push(build(Quality::Fast).1);
         let (_, cpu_s, wall_s) = build(Quality::Medium);
         cpu.push(cpu_s);
-        wall.push(wall_s);
+        wall_time.push(wall_s);
     }
 
     // Where a level is missing (NEON machines), the one below it runs: what the row's level says.
     let (simd, best) = (Level::Sse42, Level::best());
-    let asked = [
+    let query_kind = [
         ("scalar", Level::Scalar, Coherence::Incoherent),
         ("simd", simd, Coherence::Coherent),
         ("best", best, Coherence::Coherent),
     ];
-    let contestants = asked.map(|(mode, level, coherence)| Contestant {
+    let contestants = query_kind.map(|(mode, level, coherence)| Contestant {
         engine: "gnurt",
         mode: format!("kd-medium-{mode}"),
         isa: level.name(),
-        tracer: Box::new(OwnEngine { tree: &tree, asked: Asked::Batch(coherence), level }),
+        tracer: Box::new(OwnEngine { tree: &tree, query_kind: QueryKind::Batch(coherence), level }),
     });
     let maker = RayMaker::new(subject, options.size, &tree, best)?;
     let rays = Rays::new(maker.rays(Class::Primary, options.batch), false, subject.triangles());
     let options = Options { threads: 1, ..options.clone() };
-    let rows = hold(&subject.name, Class::Primary, &rays, &contestants, &options, tell)?;
+    let rows = hold(&subject.name, Class::Primary, &rays, &contestants, &options, report)?;
     let name = subject.name.to_lowercase();
     let is_it = |figures: &&Figures| figures.names.iter().any(|known| name.starts_with(known));
     Ok(PaperRow {
@@ -144,7 +148,7 @@ pub fn run(subject: &Subject, options: &Options, tell: &mut dyn FnMut(News)) -> 
         paper: TABLE.iter().find(is_it).copied(),
         triangles: subject.triangle_count() as u64,
         build_cpu_s: median(&cpu),
-        build_wall_s: median(&wall),
+        build_wall_s: median(&wall_time),
         fast_cpu_s: median(&fast),
         scalar: rows[0].mrays_cpu,
         simd: rows[1].mrays_cpu,

@@ -48,18 +48,21 @@ impl Pool {
     pub(crate) fn of<'a>(&self, rows: &'a [Row]) -> Sides<'a> {
         let mut sides = Sides { own: Vec::new(), embree: Vec::new() };
         for (own, embree) in self.pairs {
-            let find = |engine: &str, kind: &str, way: &str| {
+            let find = |engine: &str, kind: &str, kind_name: &str| {
                 rows.iter().find(|row| {
                     row.engine == engine
-                        && row.mode.strip_prefix(kind).and_then(|rest| rest.strip_prefix('-')) == Some(way)
+                        && row.mode.strip_prefix(kind).and_then(|rest| rest.strip_prefix('-'))
+                            == Some(kind_name)
                 })
             };
-            let has_wide = EMBREE[..2].iter().any(|way| find("embree4", embree, way).is_some());
-            let ways: &[&str] = if has_wide { &EMBREE_WIDE } else { &EMBREE };
-            let (own_ways, ways): (&[&str], &[&str]) =
-                if self.one { (&["one"], &["1"]) } else { (&OWN, ways) };
-            let mut ours: Vec<&Row> = own_ways.iter().filter_map(|way| find("gnurt", own, way)).collect();
-            let mut theirs: Vec<&Row> = ways.iter().filter_map(|way| find("embree4", embree, way)).collect();
+            let has_wide = EMBREE[..2].iter().any(|kind_name| find("embree4", embree, kind_name).is_some());
+            let kind_names: &[&str] = if has_wide { &EMBREE_WIDE } else { &EMBREE };
+            let (own_kinds, kind_names): (&[&str], &[&str]) =
+                if self.one { (&["one"], &["1"]) } else { (&OWN, kind_names) };
+            let mut ours: Vec<&Row> =
+                own_kinds.iter().filter_map(|kind_name| find("gnurt", own, kind_name)).collect();
+            let mut theirs: Vec<&Row> =
+                kind_names.iter().filter_map(|kind_name| find("embree4", embree, kind_name)).collect();
             let size = ours.len().min(theirs.len());
             ours.truncate(size);
             theirs.truncate(size);

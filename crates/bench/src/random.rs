@@ -37,7 +37,7 @@ mod tests {
     fn shuffling_loses_nothing() {
         let mut values: Vec<u32> = (0..1000).collect();
         Random::new(1).shuffle(&mut values);
-        let moved = values.iter().zip(0..).filter(|(value, place)| **value != *place).count();
+        let moved = values.iter().zip(0..).filter(|(value, position)| **value != *position).count();
         assert!(moved > 950, "{moved} of 1000 have a new place");
         values.sort_unstable();
         assert!(values.iter().copied().eq(0..1000), "each is still there");

@@ -98,8 +98,8 @@ impl<'a> RayMaker<'a> {
         let query = Query { level, ..Query::default() };
         let mut hits = HitBatch::default();
         tree.intersect_batch(&query, &primary.iter().copied().collect(), &mut hits, &mut Record::default());
-        let seen = (0..hits.len()).filter_map(|i| hits.get(i).map(|hit| (primary[i], hit)));
-        let points = seen.map(|(ray, hit)| point(subject, &ray, hit.t, hit.prim_id)).collect();
+        let visible = (0..hits.len()).filter_map(|i| hits.get(i).map(|hit| (primary[i], hit)));
+        let points = visible.map(|(ray, hit)| point(subject, &ray, hit.t, hit.prim_id)).collect();
         Ok(Self { subject, primary, points })
     }
 
@@ -145,8 +145,8 @@ fn primary_rays(subject: &Subject, size: u32) -> Option<Vec<Ray>> {
     let tiles = size.div_ceil(TILE);
     for tile in 0..tiles * tiles {
         let (left, top) = (tile % tiles * TILE, tile / tiles * TILE);
-        for place in 0..TILE * TILE {
-            let (x, y) = (left + even_bits(place), top + even_bits(place >> 1));
+        for position in 0..TILE * TILE {
+            let (x, y) = (left + even_bits(position), top + even_bits(position >> 1));
             if x < size && y < size {
                 let sx = half * (2.0 * (x as f32 + 0.5) / size as f32 - 1.0);
                 let sy = half * (1.0 - 2.0 * (y as f32 + 0.5) / size as f32);
@@ -159,8 +159,8 @@ fn primary_rays(subject: &Subject, size: u32) -> Option<Vec<Ray>> {
 }
 
 /// Bits 0, 2 and 4, side by side.
-fn even_bits(place: u32) -> u32 {
-    place & 1 | place >> 1 & 2 | place >> 2 & 4
+fn even_bits(position: u32) -> u32 {
+    position & 1 | position >> 1 & 2 | position >> 2 & 4
 }
 
 /// Where a ray sees triangle `prim_id` at `t`.
@@ -196,10 +196,10 @@ mod tests {
         for size in [8, 13, 32] {
             let rays = primary_rays(&subject, size).expect("a view");
             assert_eq!(rays.len(), (size * size) as usize, "one ray per pixel of {size}");
-            let mut seen: Vec<_> = rays.iter().map(|ray| ray.dir.map(f32::to_bits)).collect();
-            seen.sort_unstable();
-            seen.dedup();
-            assert_eq!(seen.len(), rays.len(), "no direction twice");
+            let mut visible: Vec<_> = rays.iter().map(|ray| ray.dir.map(f32::to_bits)).collect();
+            visible.sort_unstable();
+            visible.dedup();
+            assert_eq!(visible.len(), rays.len(), "no direction twice");
         }
         // The first four of a tile are a square.
         let rays = primary_rays(&subject, 8).expect("a view");

@@ -4,8 +4,8 @@
 
 use gnurt::ThreadPool;
 
-use crate::contest::{Contestant, hold};
-pub use crate::news::News;
+use crate::comparison::{Contestant, hold};
+pub use crate::event::BenchEvent;
 pub use crate::options::Options;
 use crate::ray_classes::RayMaker;
 use crate::timing::Rays;
@@ -23,12 +23,12 @@ pub fn run(
     embree: Option<&EmbreeLibrary>,
     others: Vec<Contestant>,
     pool: &ThreadPool,
-    tell: &mut dyn FnMut(News),
+    report: &mut dyn FnMut(BenchEvent),
 ) -> Result<Vec<Row>, Error> {
     let mut jobs = options.filter.jobs()?;
     jobs.retain(|job| embree.is_some() || matches!(job, Job::Own { .. }));
     let device = embree.map(|library| library.device(options.level, 0)).transpose()?;
-    let trees = Trees::build(subject, &jobs, embree.zip(device.as_ref()), pool, tell)?;
+    let trees = Trees::build(subject, &jobs, embree.zip(device.as_ref()), pool, report)?;
     let ours = jobs.into_iter().filter_map(|job| trees.contestant(job, options.level));
     let contestants: Vec<Contestant> = ours.chain(others).collect();
     if contestants.is_empty() {
@@ -39,8 +39,8 @@ pub fn run(
     for &class in &options.classes {
         let rays = Rays::new(maker.rays(class, options.batch), class.is_any_hit(), subject.triangles());
         let first = rows.len();
-        rows.extend(hold(&subject.name, class, &rays, &contestants, options, tell)?);
-        tell(News::Class(&rows[first..]));
+        rows.extend(hold(&subject.name, class, &rays, &contestants, options, report)?);
+        report(BenchEvent::Class(&rows[first..]));
     }
     Ok(rows)
 }
@@ -64,10 +64,10 @@ mod tests {
         };
         let pool = gnurt::thread_pool(2).expect("threads");
         let mut classes = Vec::new();
-        let rows = run(&subject, &options, None, Vec::new(), &pool, &mut |news| match news {
-            News::Class(rows) => classes.push(rows[0].class),
-            News::Differs(what) => panic!("our own trees agree: {what}"),
-            News::Built(_) => {}
+        let rows = run(&subject, &options, None, Vec::new(), &pool, &mut |event| match event {
+            BenchEvent::Class(rows) => classes.push(rows[0].class),
+            BenchEvent::Differs(what) => panic!("our own trees agree: {what}"),
+            BenchEvent::Built(_) => {}
         })
         .expect("it can be measured");
         assert_eq!(classes, Class::ALL, "each class is told");

@@ -27,8 +27,8 @@ fn processor() -> Option<String> {
 /// `load_before` what [`load`] said before the run.
 #[must_use]
 pub fn to_json(options: &Options, embree: Option<i64>, load_before: Option<f64>, rows: &[Row]) -> Value {
-    let mut told = rows_to_json(rows);
-    for (value, row) in told.as_array_mut().into_iter().flatten().zip(rows) {
+    let mut reported = rows_to_json(rows);
+    for (value, row) in reported.as_array_mut().into_iter().flatten().zip(rows) {
         value["rates"] = json!(row.rates);
     }
     json!({
@@ -45,7 +45,7 @@ pub fn to_json(options: &Options, embree: Option<i64>, load_before: Option<f64>,
         "rounds": options.rounds,
         "batch": options.batch,
         "order": "rotated each round, every other one backwards",
-        "rows": told,
+        "rows": reported,
         "ratios": ratios(rows),
     })
 }
@@ -67,11 +67,11 @@ fn ratios(rows: &[Row]) -> Value {
             for pool in POOLS {
                 let sides = pool.of(&these);
                 if let Some([own, embree]) = sides.winners() {
-                    let told = json!({
+                    let reported = json!({
                         "gnurt": own.mode, "embree4": embree.mode, "modes": sides.own.len(),
                         "ratio": own.mrays_cpu / embree.mrays_cpu,
                     });
-                    value.insert(pool.name.into(), told);
+                    value.insert(pool.name.into(), reported);
                 }
             }
             all.push(json!({ "class": class.name(), "scene": scene, "pools": value }));

@@ -10,10 +10,10 @@ use gnurt::scene::{Affine, Camera, Material, Mesh, Scene};
 use gnurt::simd::Level;
 
 use crate::clock::process_seconds;
-use crate::contest::check;
+use crate::comparison::check;
 use crate::dynamic_row::DynamicRow;
-use crate::job::Asked;
-use crate::news::News;
+use crate::event::BenchEvent;
+use crate::job::QueryKind;
 use crate::options::Options as RayOptions;
 use crate::own::OwnEngine;
 use crate::ray_classes::RayMaker;
@@ -48,15 +48,15 @@ fn tube(rows: u32, columns: u32, at: impl Fn(f32, f32) -> [f32; 3]) -> Mesh {
     let mut mesh = Mesh::default();
     for row in 0..=rows {
         for column in 0..columns {
-            let turn = std::f32::consts::TAU * column as f32 / columns as f32;
-            mesh.positions.push(at(row as f32 / rows as f32, turn));
+            let angle = std::f32::consts::TAU * column as f32 / columns as f32;
+            mesh.positions.push(at(row as f32 / rows as f32, angle));
         }
     }
     for row in 0..rows {
         for column in 0..columns {
-            let place = |row: u32, column: u32| row * columns + column % columns;
-            let [a, b] = [place(row, column), place(row, column + 1)];
-            let [c, d] = [place(row + 1, column), place(row + 1, column + 1)];
+            let position = |row: u32, column: u32| row * columns + column % columns;
+            let [a, b] = [position(row, column), position(row, column + 1)];
+            let [c, d] = [position(row + 1, column), position(row + 1, column + 1)];
             mesh.indices.extend([[a, b, d], [a, d, c]]);
         }
     }
@@ -67,23 +67,23 @@ fn tube(rows: u32, columns: u32, at: impl Fn(f32, f32) -> [f32; 3]) -> Mesh {
 fn stadium(ratio: f32) -> Scene {
     let mut scene = Scene::new();
     let material = scene.add_material(Material::matte("", [0.5; 3]));
-    let pot = tube(80, 80, |along, turn| {
-        let (sin, cos) = turn.sin_cos();
+    let pot = tube(80, 80, |along, angle| {
+        let (sin, cos) = angle.sin_cos();
         let height = 1.6 * along;
-        let radius = (0.35 + 0.65 * (2.6 * along + 0.3).sin()) * (1.0 + 0.02 * (9.0 * turn).sin());
+        let radius = (0.35 + 0.65 * (2.6 * along + 0.3).sin()) * (1.0 + 0.02 * (9.0 * angle).sin());
         [radius * cos, height, radius * sin]
     });
     // Steps, whose treads and risers are long and thin.
     let steps = 48;
-    let bowl = tube(2 * steps, 96, |along, turn| {
+    let bowl = tube(2 * steps, 96, |along, angle| {
         let row = (along * 2.0 * steps as f32).round();
         let (out, up) = (((row + 1.0) / 2.0).floor(), (row / 2.0).floor());
         let radius = ratio * (0.55 + 0.45 * out / steps as f32);
-        [1.3 * radius * turn.cos(), 0.4 * ratio * up / steps as f32, radius * turn.sin()]
+        [1.3 * radius * angle.cos(), 0.4 * ratio * up / steps as f32, radius * angle.sin()]
     });
-    let field = tube(1, 4, |along, turn| {
+    let field = tube(1, 4, |along, angle| {
         let radius = ratio * (0.001 + 0.75 * along);
-        [1.3 * radius * turn.cos(), -1e-3, radius * turn.sin()]
+        [1.3 * radius * angle.cos(), -1e-3, radius * angle.sin()]
     });
     for mesh in [pot, bowl, field] {
         let mesh = scene.add_mesh(Mesh { material, ..mesh });
@@ -105,11 +105,15 @@ fn stadium(ratio: f32) -> Scene {
 ///
 /// # Errors
 /// As [`rays::run`](crate::rays::run).
-pub fn run(ratios: &[f32], options: &Options, tell: &mut dyn FnMut(News)) -> Result<Vec<DynamicRow>, Error> {
+pub fn run(
+    ratios: &[f32],
+    options: &Options,
+    report: &mut dyn FnMut(BenchEvent),
+) -> Result<Vec<DynamicRow>, Error> {
     let mut rows = Vec::new();
     for &ratio in ratios {
         let subject = Subject::new(&format!("stadium-{ratio}"), &stadium(ratio));
-        rows.extend(measure(&subject, options, tell)?);
+        rows.extend(measure(&subject, options, report)?);
     }
     Ok(rows)
 }
@@ -117,7 +121,7 @@ pub fn run(ratios: &[f32], options: &Options, tell: &mut dyn FnMut(News)) -> Res
 fn measure(
     subject: &Subject,
     options: &Options,
-    tell: &mut dyn FnMut(News),
+    report: &mut dyn FnMut(BenchEvent),
 ) -> Result<Vec<DynamicRow>, Error> {
     let build = |structure| {
         let options = BuildOptions { structure, ..BuildOptions::default() };
@@ -136,7 +140,7 @@ fn measure(
     }
     let reference = &trees[trees.len() - 1];
     let maker = RayMaker::new(subject, options.size, reference, options.level)?;
-    let asked = Asked::Batch(Coherence::Incoherent);
+    let query_kind = QueryKind::Batch(Coherence::Incoherent);
     let contestants: Vec<Contestant> = trees
         .iter()
         .zip(STRUCTURES)
@@ -144,7 +148,7 @@ fn measure(
             engine: "gnurt",
             mode: strategy.into(),
             isa: options.level.name(),
-            tracer: Box::new(OwnEngine { tree, asked, level: options.level }),
+            tracer: Box::new(OwnEngine { tree, query_kind, level: options.level }),
         })
         .collect();
     let ray_options = RayOptions::default();
@@ -153,14 +157,14 @@ fn measure(
     for class in [Class::Primary, Class::Diffuse] {
         let rays = Rays::new(maker.rays(class, ray_options.batch), false, subject.triangles());
         let what = format!("{} {class}", subject.name);
-        let sums = check(&what, &rays, &contestants, ray_options.tolerance, tell)?;
+        let sums = check(&what, &rays, &contestants, ray_options.tolerance, report)?;
         count += rays.len();
         for (hits, sums) in hits.iter_mut().zip(sums) {
             *hits += sums.hits;
         }
-        for turn in 0..options.rounds * trees.len() {
-            let round = turn / trees.len();
-            let i = (turn + round) % trees.len();
+        for angle in 0..options.rounds * trees.len() {
+            let round = angle / trees.len();
+            let i = (angle + round) % trees.len();
             seconds[i][round] += time(&*contestants[i].tracer, &rays, 1).cpu;
         }
     }

@@ -70,7 +70,7 @@ impl Subject {
                 .unwrap_or_else(|| gnurt::defaults::framing(gnurt::defaults::bounds_of(scene), 1.0)),
         };
         let (low, high) = (bounds.min, bounds.max);
-        let light = known.map_or_else(|| lamp(low, high, &camera), |view| view.light);
+        let light = known.map_or_else(|| light_mesh(low, high, &camera), |view| view.light);
         Self { name: name.to_owned(), padded, indices, camera, light, diagonal: length(minus(high, low)) }
     }
 
@@ -88,7 +88,7 @@ impl Subject {
 }
 
 /// Where a lamp hangs in a scene that nobody knows: under its ceiling if the camera is inside, else beside the camera.
-fn lamp(low: V3, high: V3, camera: &Camera) -> V3 {
+fn light_mesh(low: V3, high: V3, camera: &Camera) -> V3 {
     let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
     let up = unit(camera.up);
     let is_inside = (0..3).all(|k| low[k] < camera.eye[k] && camera.eye[k] < high[k]);

@@ -75,10 +75,10 @@ impl<'a> Rays<'a> {
 pub(crate) struct Seconds {
     /// Mean over the threads of their processor time.
     pub(crate) cpu: f64,
-    pub(crate) wall: f64,
+    pub(crate) wall_time: f64,
 }
 
-fn ask(engine: &dyn Engine, any: bool, chunk: &RayBatch, answers: &mut Answers) {
+fn run_query(engine: &dyn Engine, any: bool, chunk: &RayBatch, answers: &mut Answers) {
     if any {
         engine.any(chunk, answers);
         black_box(&answers.occluded);
@@ -98,7 +98,7 @@ pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds 
         barrier.wait();
         let (start, before) = (Instant::now(), thread_seconds());
         while let Some(chunk) = rays.chunks.get(next.fetch_add(1, Ordering::Relaxed)) {
-            ask(engine, rays.any, chunk, &mut answers);
+            run_query(engine, rays.any, chunk, &mut answers);
         }
         (thread_seconds() - before, start.elapsed().as_secs_f64())
     };
@@ -114,10 +114,10 @@ pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds 
         })
     };
     let cpu = times.iter().map(|(cpu, _)| cpu).sum::<f64>() / threads as f64;
-    Seconds { cpu, wall: times.iter().fold(0.0, |longest, (_, wall)| wall.max(longest)) }
+    Seconds { cpu, wall_time: times.iter().fold(0.0, |longest, (_, wall_time)| wall_time.max(longest)) }
 }
 
-/// The answers to all rays: what [`compare`](crate::verdict::compare) looks at.
+/// The answers to all rays: what [`compare`](crate::agreement::compare) looks at.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Answered {
     /// Infinite for a miss; of any-hit rays 1 for a hit.
@@ -131,7 +131,7 @@ pub(crate) fn answers(engine: &dyn Engine, rays: &Rays) -> Answered {
     let mut all = Answered::default();
     let mut answers = Answers::default();
     for chunk in &rays.chunks {
-        ask(engine, rays.any, chunk, &mut answers);
+        run_query(engine, rays.any, chunk, &mut answers);
         if rays.any {
             all.t.extend(answers.occluded.iter().map(|&occluded| if occluded { 1.0 } else { f32::INFINITY }));
             all.prim_id.resize(all.t.len(), INVALID_ID);
@@ -171,7 +171,7 @@ mod tests {
             let counter = Counter(AtomicUsize::new(0));
             let seconds = time(&counter, &rays, threads);
             assert_eq!(counter.0.into_inner(), 207, "all rays by {threads} threads");
-            assert!(seconds.cpu >= 0.0 && seconds.wall > 0.0, "it takes time: {seconds:?}");
+            assert!(seconds.cpu >= 0.0 && seconds.wall_time > 0.0, "it takes time: {seconds:?}");
         }
         let t = answers(&Counter(AtomicUsize::new(0)), &rays);
         assert!(t.t.iter().copied().eq((0..207).map(|i| i as f32)), "in the order of the rays");

@@ -17,7 +17,7 @@ use crate::embree::{EmbreeEngine, EmbreeLibrary};
 use crate::error::Error;
 use crate::ffi_embree::Scene as EmbreeScene;
 use crate::ffi_instances::Instances;
-use crate::job::{Asked, Packets};
+use crate::job::{Packets, QueryKind};
 use crate::own::OwnEngine;
 use crate::random::Random;
 use crate::ray_classes::RayMaker;
@@ -91,14 +91,14 @@ pub fn run(options: &Options, embree: Option<&EmbreeLibrary>) -> Result<Vec<Tiny
     let (positions, indices) = object(options.triangles);
     let spread = 2.0 * (options.count as f32).cbrt();
     let mut random = Random::new(1);
-    let places: Vec<[[f32; 3]; 4]> = (0..options.count).map(|_| somewhere(&mut random, spread)).collect();
+    let matrices: Vec<[[f32; 3]; 4]> = (0..options.count).map(|_| somewhere(&mut random, spread)).collect();
     let mesh = Triangles { positions: &positions, indices: &indices };
     let build = BuildOptions::default();
     let shown = Arc::new(ObjectTree::build(&[mesh], &build, Threads::Single));
-    let place = |columns: &[[f32; 3]; 4]| Instance::new(shown.clone(), columns.map(|c| c.map(f64::from)));
-    let scene = SceneTree::build(&places.iter().map(place).collect::<Vec<_>>(), &build, Threads::Single);
+    let position = |columns: &[[f32; 3]; 4]| Instance::new(shown.clone(), columns.map(|c| c.map(f64::from)));
+    let scene = SceneTree::build(&matrices.iter().map(position).collect::<Vec<_>>(), &build, Threads::Single);
 
-    let subject = as_one_mesh(&positions, &indices, &places);
+    let subject = as_one_mesh(&positions, &indices, &matrices);
     let whole = ObjectTree::build(&[subject.triangles()], &build, Threads::Single);
     let maker = RayMaker::new(&subject, options.size, &whole, Level::best())?;
 
@@ -109,7 +109,7 @@ pub fn run(options: &Options, embree: Option<&EmbreeLibrary>) -> Result<Vec<Tiny
         (Some(device), Some(library)) => {
             let shown = EmbreeScene::build(device, &padded, &indices, 1, 0).map_err(|e| library.failed(e))?;
             let mut theirs = Instances::new(device, &shown, options.count, 1, 0);
-            theirs.place(&places);
+            theirs.set_matrices(&matrices);
             theirs.commit();
             Some(theirs)
         }
@@ -120,8 +120,8 @@ pub fn run(options: &Options, embree: Option<&EmbreeLibrary>) -> Result<Vec<Tiny
     let mut add = |engine, mode: String, tracer| {
         contestants.push(Contestant { engine, mode, isa: Level::best().name(), tracer });
     };
-    let asked = Asked::Batch(Coherence::Coherent);
-    add("gnurt", "mesh".into(), Box::new(OwnEngine { tree: &whole, asked, level: Level::best() }));
+    let query_kind = QueryKind::Batch(Coherence::Coherent);
+    add("gnurt", "mesh".into(), Box::new(OwnEngine { tree: &whole, query_kind, level: Level::best() }));
     for coherence in [Coherence::Coherent, Coherence::Fanned, Coherence::Incoherent] {
         let name = format!("{coherence:?}").to_lowercase();
         add("gnurt", name, Box::new(SceneEngine { scene: &scene, coherence }));
@@ -141,8 +141,8 @@ pub fn run(options: &Options, embree: Option<&EmbreeLibrary>) -> Result<Vec<Tiny
         check(class, &rays, &contestants)?;
         let mut seconds = vec![Vec::new(); contestants.len()];
         for round in 0..options.rounds {
-            for turn in 0..contestants.len() {
-                let i = (turn + round) % contestants.len();
+            for angle in 0..contestants.len() {
+                let i = (angle + round) % contestants.len();
                 seconds[i].push(time(&*contestants[i].tracer, &rays, 1).cpu);
             }
         }
@@ -157,9 +157,9 @@ pub fn run(options: &Options, embree: Option<&EmbreeLibrary>) -> Result<Vec<Tiny
 }
 
 /// The instances copied, seen from outside.
-fn as_one_mesh(positions: &[[f32; 3]], indices: &[[u32; 3]], places: &[[[f32; 3]; 4]]) -> Subject {
+fn as_one_mesh(positions: &[[f32; 3]], indices: &[[u32; 3]], matrices: &[[[f32; 3]; 4]]) -> Subject {
     let mut mesh = Mesh::default();
-    for columns in places {
+    for columns in matrices {
         let first = mesh.positions.len() as u32;
         let placed = |p: &[f32; 3]| {
             [0, 1, 2]

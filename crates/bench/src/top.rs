@@ -2,7 +2,7 @@
 //! What the tree over the instances of a scene costs to build and to update, and how fast rays are through it, beside
 //! Embree's. Source: two levels after WBS03a (docs/papers.bib).
 //! Times are processor seconds of the whole program. Ours holds all that is done for a list of instances: inverses, boxes, the
-//! tree. Embree's is told apart: `place` is what the program calls for each instance, `build` the commit of the scene.
+//! tree. Embree's is told apart: `position` is what the program calls for each instance, `build` the commit of the scene.
 //! Both are asked for the same rays, and must hit the same instances at the same distances, but for ties.
 //! Tests: `tests::both_hit_the_same`.
 
@@ -29,7 +29,7 @@ use crate::single::{agree, closest, hit_count};
 /// One measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TopRow {
-    /// What was done: `build`, `place`, `move-all`, `move-1000` or `move-one`.
+    /// What was done: `build`, `position`, `move-all`, `move-1000` or `move-one`.
     pub what: &'static str,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,
@@ -39,7 +39,7 @@ pub struct TopRow {
     pub cpu_ms: f64,
     /// Median of the time on the wall, in milliseconds.
     pub wall_ms: f64,
-    /// Millions of rays in a second of one thread's processor time, through what came of it; 0 of `place`.
+    /// Millions of rays in a second of one thread's processor time, through what came of it; 0 of `position`.
     pub mrays_cpu: f64,
     /// Of the rays.
     pub hits: u64,
@@ -47,7 +47,7 @@ pub struct TopRow {
     pub bytes: Option<u64>,
 }
 
-/// Rows as `bench dynamic` shows them, but for `place`.
+/// Rows as `bench dynamic` shows them, but for `position`.
 #[must_use]
 pub fn dynamic_rows(rows: &[TopRow], count: usize) -> Vec<DynamicRow> {
     let triangles = (count * ball().1.len()) as u64;
@@ -75,10 +75,10 @@ const PLACE: &str = "place";
 /// Columns of a map: turned about, between half and one and a half times as large.
 pub(crate) fn somewhere(random: &mut Random, spread: f32) -> [[f32; 3]; 4] {
     let mut next = || random.unit();
-    let (turn, size) = (std::f32::consts::TAU * next(), 0.5 + next());
-    let (s, c) = turn.sin_cos();
-    let place = [spread * next(), spread * next(), spread * next()];
-    [[size * c, 0.0, -size * s], [0.0, size, 0.0], [size * s, 0.0, size * c], place]
+    let (angle, size) = (std::f32::consts::TAU * next(), 0.5 + next());
+    let (s, c) = angle.sin_cos();
+    let position = [spread * next(), spread * next(), spread * next()];
+    [[size * c, 0.0, -size * s], [0.0, size, 0.0], [size * s, 0.0, size * c], position]
 }
 
 /// A ball of 8 x 8 quadrangles.
@@ -110,13 +110,14 @@ pub fn run(
     let (positions, indices) = ball();
     let spread = 2.0 * (count as f32).cbrt();
     let mut random = Random::new(1);
-    let places: Vec<[[f32; 3]; 4]> = (0..count).map(|_| somewhere(&mut random, spread)).collect();
+    let matrices: Vec<[[f32; 3]; 4]> = (0..count).map(|_| somewhere(&mut random, spread)).collect();
     let rays = rays(&mut random, spread);
     let mesh = Triangles { positions: &positions, indices: &indices };
     let options = BuildOptions::default();
     let object = Arc::new(ObjectTree::build(&[mesh], &options, Threads::Single));
-    let instance = |place: &[[f32; 3]; 4]| Instance::new(object.clone(), place.map(|c| c.map(f64::from)));
-    let list: Vec<Instance> = places.iter().map(instance).collect();
+    let instance =
+        |position: &[[f32; 3]; 4]| Instance::new(object.clone(), position.map(|c| c.map(f64::from)));
+    let list: Vec<Instance> = matrices.iter().map(instance).collect();
     let mut padded = positions.clone();
     padded.push([0.0; 3]);
 
@@ -137,15 +138,15 @@ pub fn run(
         for round in 0..rounds {
             scene = table.time(BUILD, "gnurt", threads, || SceneTree::build(&list, &options, ours));
             if let Some(theirs) = &mut theirs {
-                table.time(PLACE, "embree4", threads, || theirs.place(&places));
+                table.time(PLACE, "embree4", threads, || theirs.set_matrices(&matrices));
                 table.time(BUILD, "embree4", threads, || theirs.commit());
             }
             updated.clear();
             for (what, step) in [("move-all", 1), ("move-1000", count.div_ceil(1000)), ("move-one", count)] {
-                let moved = |place: usize| {
-                    let mut instance = list[place].clone();
+                let moved = |position: usize| {
+                    let mut instance = list[position].clone();
                     instance.world_from_object[3][1] += 0.1 * (round + 1) as f64;
-                    (place as u32, Some(instance))
+                    (position as u32, Some(instance))
                 };
                 let changed: Vec<_> = (0..count).step_by(step).map(moved).collect();
                 let tree = table.time(what, "gnurt", threads, || scene.updated(count, &changed, ours));
@@ -158,14 +159,14 @@ pub fn run(
             let (mut hits, mut found) = (HitBatch::default(), HitBatch::default());
             for _ in 0..rounds {
                 for (what, tree) in &updated {
-                    let ask = || tree.intersect_batch(&query, &rays, &mut hits, &mut Record::default());
-                    traces.time(what, "gnurt", 1, ask);
+                    let run_query = || tree.intersect_batch(&query, &rays, &mut hits, &mut Record::default());
+                    traces.time(what, "gnurt", 1, run_query);
                     let stats = tree.stats();
                     let bytes = stats.tree_bytes + stats.primitive_bytes;
                     traces.note(what, "gnurt", hit_count(&hits) as u64, Some(bytes));
                     if let (BUILD, Some(theirs), Some(library)) = (*what, &theirs, embree) {
-                        let ask = || closest(&theirs.scene, &rays, &mut found);
-                        traces.time(BUILD, "embree4", 1, ask);
+                        let run_query = || closest(&theirs.scene, &rays, &mut found);
+                        traces.time(BUILD, "embree4", 1, run_query);
                         agree(&hits, &found, 1e-4, 1000).map_err(|e| library.failed(e))?;
                         traces.note(BUILD, "embree4", hit_count(&found) as u64, None);
                     }

@@ -5,16 +5,16 @@ use gnurt::ThreadPool;
 use gnurt::accel::{ObjectTree, Threads};
 use gnurt::simd::Level;
 
-use crate::contest::Contestant;
+use crate::comparison::Contestant;
 use crate::embree::EmbreeEngine;
+use crate::event::BenchEvent;
 use crate::ffi_embree::{Device, Scene};
-use crate::job::{Asked, EmbreeKind, OwnKind};
-use crate::news::News;
+use crate::job::{EmbreeKind, OwnKind, QueryKind};
 use crate::own::OwnEngine;
 use crate::{EmbreeLibrary, Error, Job, Subject};
 
 /// A library, and a device of it.
-pub(crate) type Rival<'a> = (&'a EmbreeLibrary, &'a Device<'a>);
+pub(crate) type Reference<'a> = (&'a EmbreeLibrary, &'a Device<'a>);
 
 /// All that is asked.
 pub(crate) struct Trees<'a> {
@@ -28,26 +28,33 @@ impl<'a> Trees<'a> {
     pub(crate) fn build(
         subject: &'a Subject,
         jobs: &[Job],
-        rival: Option<Rival<'a>>,
+        reference_engine: Option<Reference<'a>>,
         pool: &ThreadPool,
-        tell: &mut dyn FnMut(News),
+        report: &mut dyn FnMut(BenchEvent),
     ) -> Result<Self, Error> {
-        let mut trees = Self { own: Vec::new(), embree: Vec::new(), device: rival.map(|(_, device)| device) };
+        let mut trees =
+            Self { own: Vec::new(), embree: Vec::new(), device: reference_engine.map(|(_, device)| device) };
         // The tree that decides what primary rays see comes first: the same whatever is measured.
-        trees.add_own(subject, OwnKind::MEDIUM, pool, tell);
+        trees.add_own(subject, OwnKind::MEDIUM, pool, report);
         for job in jobs {
             match *job {
-                Job::Own { kind, .. } => trees.add_own(subject, kind, pool, tell),
-                Job::Embree { kind, .. } => trees.add_embree(subject, kind, rival, tell)?,
+                Job::Own { kind, .. } => trees.add_own(subject, kind, pool, report),
+                Job::Embree { kind, .. } => trees.add_embree(subject, kind, reference_engine, report)?,
             }
         }
         Ok(trees)
     }
 
-    fn add_own(&mut self, subject: &Subject, kind: OwnKind, pool: &ThreadPool, tell: &mut dyn FnMut(News)) {
+    fn add_own(
+        &mut self,
+        subject: &Subject,
+        kind: OwnKind,
+        pool: &ThreadPool,
+        report: &mut dyn FnMut(BenchEvent),
+    ) {
         if self.own(kind).is_none() {
             let tree = ObjectTree::build(&[subject.triangles()], &kind.options(), Threads::Pool(pool));
-            tell(News::Built(format!("{}: gnurt {}", subject.name, kind.name())));
+            report(BenchEvent::Built(format!("{}: gnurt {}", subject.name, kind.name())));
             self.own.push((kind, tree));
         }
     }
@@ -56,17 +63,17 @@ impl<'a> Trees<'a> {
         &mut self,
         subject: &'a Subject,
         kind: EmbreeKind,
-        rival: Option<Rival<'a>>,
-        tell: &mut dyn FnMut(News),
+        reference_engine: Option<Reference<'a>>,
+        report: &mut dyn FnMut(BenchEvent),
     ) -> Result<(), Error> {
-        let Some((library, device)) = rival else { return Ok(()) };
+        let Some((library, device)) = reference_engine else { return Ok(()) };
         if self.embree.iter().any(|(known, _)| *known == kind) {
             return Ok(());
         }
         let (quality, flags) = kind.settings();
         let scene = Scene::build(device, &subject.padded, &subject.indices, quality, flags);
         self.embree.push((kind, scene.map_err(|why| library.failed(why))?));
-        tell(News::Built(format!("{}: embree4 {}", subject.name, kind.name())));
+        report(BenchEvent::Built(format!("{}: embree4 {}", subject.name, kind.name())));
         Ok(())
     }
 
@@ -83,10 +90,15 @@ impl<'a> Trees<'a> {
     pub(crate) fn contestant(&'a self, job: Job, level: Level) -> Option<Contestant<'a>> {
         let (engine, mode, isa) = (job.engine(), job.mode(), level.name());
         match job {
-            Job::Own { kind, asked } => {
-                let is_possible = asked != Asked::One || level == Level::best();
+            Job::Own { kind, query_kind } => {
+                let is_possible = query_kind != QueryKind::One || level == Level::best();
                 let tree = self.own(kind).filter(|_| is_possible)?;
-                Some(Contestant { engine, mode, isa, tracer: Box::new(OwnEngine { tree, asked, level }) })
+                Some(Contestant {
+                    engine,
+                    mode,
+                    isa,
+                    tracer: Box::new(OwnEngine { tree, query_kind, level }),
+                })
             }
             Job::Embree { kind, packets } => {
                 // Packets of four are for CPUs that have none of sixteen: the two widest take part.

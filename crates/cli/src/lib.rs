@@ -9,6 +9,7 @@
 mod arguments;
 mod checkpoint;
 mod clips;
+mod command_line;
 mod commands;
 mod display;
 mod environment;
@@ -26,13 +27,12 @@ mod signals;
 mod source;
 mod statistics;
 mod view;
-mod words;
 mod workers;
 
-/// Runs the program and gives back its exit status: 0 done, 1 bad data, 2 bad arguments. `words` are the command line, the
+/// Runs the program and gives back its exit status: 0 done, 1 bad data, 2 bad arguments. `command_line` are the command line, the
 /// program's name first. It is meant for a process of its own: it listens to signals, says panics in a line of its own, and
 /// a second Ctrl-C ends the process. Only the first call's words count.
-pub fn run(words: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
-    words::keep(words.into_iter().collect());
+pub fn run(command_line: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
+    command_line::keep(command_line.into_iter().collect());
     program::run()
 }

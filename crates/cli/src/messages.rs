@@ -37,9 +37,9 @@ impl Messages {
     /// A speaker for standard error as it is.
     pub(crate) fn new(verbosity: Verbosity) -> Self {
         let terminal = io::stderr().is_terminal();
-        let wanted = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+        let expected = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
         let able = std::env::var_os("TERM").is_none_or(|term| term != "dumb");
-        Self { verbosity, color: terminal && wanted && able, terminal }
+        Self { verbosity, color: terminal && expected && able, terminal }
     }
 
     /// Whether a progress bar would be seen and is wanted.

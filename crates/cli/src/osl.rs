@@ -7,17 +7,17 @@ use std::path::Path;
 
 use gnurt_sl::tools::{Console, tool};
 
-use crate::words::words;
+use crate::command_line::command_line;
 
 /// Runs the tool that is asked for; none if it is another command. It gives back its exit status.
 pub(crate) fn run() -> Option<u8> {
-    let mut words = words().iter().map(|word| word.to_string_lossy().into_owned());
-    let called = words.next()?;
+    let mut command_line = command_line().iter().map(|argument| argument.to_string_lossy().into_owned());
+    let called = command_line.next()?;
     let called = Path::new(&called).file_stem()?.to_string_lossy().into_owned();
     let link = tool(&called).is_some();
-    let name = if link { called } else { words.next()? };
+    let name = if link { called } else { command_line.next()? };
     let run = tool(&name)?;
-    let rest: Vec<String> = words.collect();
+    let rest: Vec<String> = command_line.collect();
     let (mut out, mut err) = (BufWriter::new(stdout()), stderr());
     let mut console = Console::new(&mut out, &mut err, link);
     console.engine = Some(gnurt_jit::engine);

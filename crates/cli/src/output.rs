@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gnurt::Numbered;
 use gnurt::image::{self, ExrPixels, OutputFormat, Picture, WriteOptions};
 
-use crate::arguments::{LightArguments, Look};
+use crate::arguments::{DisplayOptions, LightArguments};
 use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
 use crate::nearest::unknown;
@@ -70,11 +70,11 @@ impl Output {
     /// Writes it with the look that was asked for, which is chosen from the picture if that is left open; says so.
     pub(crate) fn write_with(&self, picture: &Picture, light: LightArguments, messages: Messages) -> Outcome {
         if !self.is_for_screens() {
-            return self.write(picture, Look::default());
+            return self.write(picture, DisplayOptions::default());
         }
-        let (look, note) = light.look(picture);
+        let (display_options, note) = light.display_options(picture);
         note.iter().for_each(|note| messages.note(note));
-        self.write(picture, look)
+        self.write(picture, display_options)
     }
 
     /// Its name, if that has a place for a number.
@@ -94,8 +94,12 @@ impl Output {
     }
 
     /// Writes it, whole or not at all.
-    pub(crate) fn write(&self, picture: &Picture, look: Look) -> Outcome {
-        let options = WriteOptions { tone: look.tone, exposure: look.exposure, ..WriteOptions::default() };
+    pub(crate) fn write(&self, picture: &Picture, display_options: DisplayOptions) -> Outcome {
+        let options = WriteOptions {
+            tone: display_options.tone,
+            exposure: display_options.exposure,
+            ..WriteOptions::default()
+        };
         self.put(picture, &options)
     }
 
@@ -116,12 +120,12 @@ impl Output {
 pub(crate) fn is_same_file(a: &Path, b: &Path) -> bool {
     match (std::fs::canonicalize(a), std::fs::canonicalize(b)) {
         (Ok(a), Ok(b)) => a == b || is_same_node(&a, &b),
-        _ => place(a) == place(b),
+        _ => target_folder(a) == target_folder(b),
     }
 }
 
 /// The name in the true folder.
-fn place(path: &Path) -> Option<PathBuf> {
+fn target_folder(path: &Path) -> Option<PathBuf> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     Some(std::fs::canonicalize(folder).ok()?.join(path.file_name()?))
 }

@@ -12,7 +12,7 @@ use gnurt::render::{CameraMatrices, RenderStats};
 use gnurt::scene::Camera;
 
 use crate::arguments::FrameArguments;
-use crate::words::words;
+use crate::command_line::command_line;
 
 /// Says what the picture depends on.
 pub(crate) fn describe(picture: &mut Picture, frame: &FrameArguments) {
@@ -38,22 +38,26 @@ pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f3
 
 /// The words of this call.
 pub(crate) fn command() -> String {
-    command_line(words().iter())
+    command_text(command_line().iter())
 }
 
 /// The words of a call; of paths only the last part, for a picture need not tell where its maker's files lie.
-fn command_line<'a>(words: impl Iterator<Item = &'a OsString>) -> String {
-    let shorten = |word: &OsString| {
-        let text = word.to_string_lossy().into_owned();
+fn command_text<'a>(command_line: impl Iterator<Item = &'a OsString>) -> String {
+    let shorten = |argument: &OsString| {
+        let text = argument.to_string_lossy().into_owned();
         let (option, value) = match text.split_once('=') {
             Some((option, value)) if option.starts_with("--") => (format!("{option}="), value),
             _ => (String::new(), &text[..]),
         };
         let last = Path::new(value).file_name().map_or(value.into(), |name| name.to_string_lossy());
-        let word = format!("{option}{last}");
-        if word.contains(char::is_whitespace) || word.is_empty() { format!("'{word}'") } else { word }
+        let argument = format!("{option}{last}");
+        if argument.contains(char::is_whitespace) || argument.is_empty() {
+            format!("'{argument}'")
+        } else {
+            argument
+        }
     };
-    words.map(shorten).collect::<Vec<_>>().join(" ")
+    command_line.map(shorten).collect::<Vec<_>>().join(" ")
 }
 
 fn numbers(matrix: &[f64; 16]) -> String {
@@ -66,9 +70,9 @@ mod tests {
 
     #[test]
     fn the_command_line_tells_no_folders() {
-        let words =
+        let command_line =
             ["/usr/bin/gnurt", "render", "/home/me/my scene.obj", "--heatmap=/tmp/h.png", "--eye", "1,2,3"];
-        let line = command_line(words.map(OsString::from).iter());
+        let line = command_text(command_line.map(OsString::from).iter());
         assert_eq!(line, "gnurt render 'my scene.obj' --heatmap=h.png --eye 1,2,3", "last parts only");
     }
 }

@@ -9,22 +9,22 @@ use std::sync::{Mutex, Once, PoisonError};
 use clap::{CommandFactory, FromArgMatches};
 use gnurt::image::expects_panics;
 
-use crate::arguments::{Arguments, Command, Refusal, explain, talk_behind_command, without_effect};
+use crate::arguments::{Arguments, Command, Refusal, explain, verbosity_behind_command, without_effect};
+use crate::command_line::command_line;
 use crate::commands;
 use crate::environment::{Environment, Overridden};
 use crate::failure::{Failure, Outcome};
 use crate::heap::HEAP;
 use crate::messages::{Messages, Verbosity, print};
 use crate::osl;
-use crate::words::words;
 
 /// Runs the program and gives back its exit status.
 pub(crate) fn run() -> u8 {
     announce_bugs_in_one_line();
     catch_unwind(parse_and_run).unwrap_or_else(|_| {
         // The hook has told what happened, unless a picture was being decoded elsewhere.
-        let kept = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take();
-        tell_once(&kept.unwrap_or_else(|| "internal: please report this".into()));
+        let retained = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take();
+        tell_once(&retained.unwrap_or_else(|| "internal: please report this".into()));
         1
     })
 }
@@ -41,8 +41,8 @@ fn parse_and_run() -> u8 {
     if let Some(status) = osl::run() {
         return status;
     }
-    let words = talk_behind_command(words().to_vec(), &Arguments::command());
-    let parsed = Arguments::command().try_get_matches_from(words);
+    let command_line = verbosity_behind_command(command_line().to_vec(), &Arguments::command());
+    let parsed = Arguments::command().try_get_matches_from(command_line);
     let (arguments, matches) = match parsed
         .and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)))
     {
@@ -56,18 +56,18 @@ fn parse_and_run() -> u8 {
             };
         }
     };
-    let asked = arguments.command.talk().verbosity();
+    let requested = arguments.command.verbosity_arguments().verbosity();
     let machine = arguments.command.machine();
     let overridden = Overridden {
         threads: machine.is_some_and(|machine| machine.threads.is_some()),
         isa: machine.is_some_and(|machine| machine.isa.is_some()),
-        log: asked.is_some(),
+        log: requested.is_some(),
     };
     let environment = match Environment::read(overridden) {
         Ok(environment) => environment,
-        Err(failure) => return conclude(Err(failure), Messages::new(asked.unwrap_or_default())),
+        Err(failure) => return conclude(Err(failure), Messages::new(requested.unwrap_or_default())),
     };
-    let messages = Messages::new(asked.or(environment.log).unwrap_or_default());
+    let messages = Messages::new(requested.or(environment.log).unwrap_or_default());
     if let Some(folder) = arguments.command.machine().and_then(|machine| machine.out_of_core.as_deref())
         && let Err(error) = HEAP.page_to(folder)
     {
@@ -123,12 +123,12 @@ fn announce_bugs_in_one_line() {
 
 /// What is said of a panic.
 fn bug(panic: &PanicHookInfo<'_>) -> String {
-    let place = panic.location().map(|place| format!(" ({}:{})", place.file(), place.line()));
+    let position = panic.location().map(|position| format!(" ({}:{})", position.file(), position.line()));
     let payload = panic.payload();
     let text = payload.downcast_ref::<&str>().copied();
     let what = text.or_else(|| payload.downcast_ref::<String>().map(|text| &text[..]));
     let what = what.unwrap_or("no reason was given");
-    format!("internal: {what}{}; please report this", place.unwrap_or_default())
+    format!("internal: {what}{}; please report this", position.unwrap_or_default())
 }
 
 #[cfg(test)]
@@ -140,8 +140,8 @@ mod tests {
 
     #[test]
     fn a_bug_is_told_in_one_line() {
-        let told = Arc::new(Mutex::new(Vec::new()));
-        let (before, heard) = (take_hook(), Arc::clone(&told));
+        let reported = Arc::new(Mutex::new(Vec::new()));
+        let (before, heard) = (take_hook(), Arc::clone(&reported));
         set_hook(Box::new(move |panic| {
             if current().name() == Some("one with bugs") {
                 heard.lock().expect("nobody panics with it").push(bug(panic));
@@ -155,13 +155,13 @@ mod tests {
             let _ = catch_unwind(|| std::panic::panic_any(7));
         });
         worker.expect("it starts").join().expect("all were caught");
-        let told = told.lock().expect("nobody panics with it");
-        let line = &told[0];
+        let reported = reported.lock().expect("nobody panics with it");
+        let line = &reported[0];
         assert!(
             line.starts_with("internal: 7 of 6 (") && line.contains("program.rs:"),
             "what and where: {line}"
         );
         assert!(line.ends_with("; please report this") && !line.contains('\n'), "one line: {line}");
-        assert!(told[1].contains("no reason was given"), "{told:?}");
+        assert!(reported[1].contains("no reason was given"), "{reported:?}");
     }
 }

@@ -69,8 +69,8 @@ impl Shaders {
 
     /// Those that the scene's file names.
     fn put_named(&mut self, scene: &mut Scene, messages: Messages) {
-        let (scripts, told) = gnurt::put_named_shaders(scene, &mut self.table);
-        told.iter().for_each(|line| messages.warning(line));
+        let (scripts, reported) = gnurt::put_named_shaders(scene, &mut self.table);
+        reported.iter().for_each(|line| messages.warning(line));
         let surfaces = self.table.surfaces.iter().cloned();
         self.made.extend(
             scripts.into_iter().zip(surfaces).map(|(script, surface)| SceneShader::of(script, surface)),
@@ -135,9 +135,9 @@ impl Shaders {
 impl Watched {
     /// What they did wrong, of each once: as much of it as is known when it is asked for first.
     pub(crate) fn new_faults(&self) -> Vec<String> {
-        let new = |(made, is_told): &(SceneShader, AtomicBool)| {
-            let faults = if is_told.load(Ordering::Relaxed) { Vec::new() } else { made.faults() };
-            is_told.fetch_or(!faults.is_empty(), Ordering::Relaxed);
+        let new = |(made, is_reported): &(SceneShader, AtomicBool)| {
+            let faults = if is_reported.load(Ordering::Relaxed) { Vec::new() } else { made.faults() };
+            is_reported.fetch_or(!faults.is_empty(), Ordering::Relaxed);
             faults
         };
         self.0.iter().flat_map(new).collect()

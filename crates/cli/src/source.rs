@@ -52,8 +52,8 @@ impl Source {
         let elsewhere = environment.path.iter().map(|folder| folder.join(path));
         let candidates = std::iter::once(path.to_owned()).chain(elsewhere);
         // A name with a leading `/`, `.` or `..` says where the file is; others are looked for.
-        let is_placed = path.is_absolute() || path.starts_with(".") || path.starts_with("..");
-        let found = candidates.take(if is_placed { 1 } else { usize::MAX }).find(|path| path.exists());
+        let has_transform = path.is_absolute() || path.starts_with(".") || path.starts_with("..");
+        let found = candidates.take(if has_transform { 1 } else { usize::MAX }).find(|path| path.exists());
         match found {
             Some(path) => Ok(Self { found: path.into_os_string(), options, numbered: None }),
             None => match Numbered::of(path) {

@@ -174,13 +174,13 @@ pub(crate) fn aim(
 }
 
 /// The way of that camera while the shutter is open, and its rays, if it moves then.
-pub(crate) fn way(
+pub(crate) fn motion(
     scene: &Scene,
     exposure: &Exposure,
     view: &ViewArguments,
     shader: Option<&CameraShaderChoice>,
     resolution: Resolution,
-) -> Result<Option<Way>, Failure> {
+) -> Result<Option<CameraMotion>, Failure> {
     let named = find_named(scene, view)?.unwrap_or(0);
     let keys = exposure.cameras.iter().find(|(id, _)| id.index() == named).map(|(_, keys)| keys);
     let keys = keys.into_iter().flatten().map(|camera| replaced(camera, view));
@@ -190,11 +190,11 @@ pub(crate) fn way(
     }
     let size = [resolution.width, resolution.height];
     let rays = camera_rays_along(&keys, shader.map(|shader| &shader.camera), size).ok_or_else(no_view)?;
-    Ok(Some(Way { keys, rays }))
+    Ok(Some(CameraMotion { keys, rays }))
 }
 
 /// A camera that moves while the shutter is open.
-pub(crate) struct Way {
+pub(crate) struct CameraMotion {
     pub(crate) keys: Vec<Camera>,
     pub(crate) rays: Arc<dyn CameraShader>,
 }
@@ -225,13 +225,13 @@ fn replaced(camera: &Camera, view: &ViewArguments) -> Result<Camera, Failure> {
         },
         ..camera.clone()
     };
-    let kept = match camera.projection {
+    let retained = match camera.projection {
         Projection::Orthographic { height } => Some(height),
         _ => None,
     };
     let like_perspective = replaced.height_at_target();
     if let Projection::Orthographic { height } = &mut replaced.projection {
-        *height = view.view_height.or(kept).unwrap_or(like_perspective);
+        *height = view.view_height.or(retained).unwrap_or(like_perspective);
     } else if view.view_height.is_some() {
         let message =
             format!("--view-height is of orthographic cameras, and this is a {}", replaced.projection);

@@ -16,7 +16,7 @@
 use gnurt_simd::Level;
 
 use crate::details;
-use crate::explain::{Explained, Seen};
+use crate::explain::{Explained, Layers};
 use crate::light::Light;
 use crate::noisy::{Noisy, Triple};
 use crate::outliers::Outliers;
@@ -48,13 +48,13 @@ pub(crate) fn filter(
             variance = variance::spatial(&color, width, height);
         }
         let smooth = variance::smooth(&variance, &noisy.normal, width);
-        let near = Explained::of(level, &Seen { noisy, color: &color, variance: &smooth }, NEAR, stop)?;
+        let near = Explained::of(level, &Layers { noisy, color: &color, variance: &smooth }, NEAR, stop)?;
         let left: Vec<Triple> = smooth
             .iter()
             .zip(&near.support)
             .map(|(variance, support)| variance.map(|v| v * LEFT / support.max(1.0)))
             .collect();
-        let wide = Explained::of(level, &Seen { noisy, color: &near.color, variance: &left }, WIDE, stop)?;
+        let wide = Explained::of(level, &Layers { noisy, color: &near.color, variance: &left }, WIDE, stop)?;
         let mut clean = near.color;
         for (p, clean) in clean.iter_mut().enumerate() {
             let share = (wide.support[p] / FEW).min(1.0);

@@ -30,14 +30,14 @@ pub(crate) fn bring_back(
     // How much of the difference is signal; its sign says whether the noisy pixel is brighter.
     let share = |p: usize, clean: &Triple| {
         [0, 1, 2].map(|k| {
-            let apart = color[p][k] - clean[k];
+            let difference = color[p][k] - clean[k];
             let mut noise = smooth[p][k].max(variance[p][k]);
-            if apart < 0.0 {
+            if difference < 0.0 {
                 let rare = (around.noise(p) - RARE).max(0.0);
                 noise = noise.max(HARDLY_KNOWN * rare * clean[k] * clean[k]);
             }
             let noise = STANDS_OUT * STANDS_OUT * noise;
-            (1.0 - noise / (apart * apart).max(f32::MIN_POSITIVE)).max(0.0).copysign(apart)
+            (1.0 - noise / (difference * difference).max(f32::MIN_POSITIVE)).max(0.0).copysign(difference)
         })
     };
     let shares: Vec<Triple> = clean.iter().enumerate().map(|(p, clean)| share(p, clean)).collect();
@@ -50,9 +50,9 @@ pub(crate) fn bring_back(
         for row in y.saturating_sub(1)..(y + 2).min(height) {
             for column in x.saturating_sub(1)..(x + 2).min(width) {
                 if [column, row] != [x, y] {
-                    let beside = &shares[row * width + column];
+                    let neighbour = &shares[row * width + column];
                     (0..3).for_each(|k| {
-                        company[k] = company[k].max(beside[k] * shares[p][k].signum());
+                        company[k] = company[k].max(neighbour[k] * shares[p][k].signum());
                     });
                 }
             }
@@ -82,10 +82,10 @@ impl Around {
         }
         let noise = |at: usize| {
             let (x, y) = (at % columns, at / columns);
-            let beside = (y.saturating_sub(1)..(y + 2).min(rows)).flat_map(|row| {
+            let neighbour = (y.saturating_sub(1)..(y + 2).min(rows)).flat_map(|row| {
                 (x.saturating_sub(1)..(x + 2).min(columns)).map(move |column| row * columns + column)
             });
-            let [noise, square] = beside.fold([0.0; 2], |[a, b], at| [a + sums[at][0], b + sums[at][1]]);
+            let [noise, square] = neighbour.fold([0.0; 2], |[a, b], at| [a + sums[at][0], b + sums[at][1]]);
             if square > 0.0 { noise / square } else { 0.0 }
         };
         Self { width, columns, cells: (0..sums.len()).map(noise).collect() }

@@ -22,7 +22,7 @@ const LEAST: f32 = 1e-3;
 const UNSURE: f32 = 0.02;
 
 /// A picture that is explained.
-pub(crate) struct Seen<'a> {
+pub(crate) struct Layers<'a> {
     /// What rays met.
     pub(crate) noisy: &'a Noisy,
     /// Light, both what is explained and what tells who looks alike.
@@ -45,13 +45,13 @@ impl Explained {
     /// Explains the picture; `None` if `stop` has said so. Call within a pool of threads.
     pub(crate) fn of(
         level: Level,
-        seen: &Seen,
+        layers: &Layers,
         reach: Reach,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Option<Self> {
-        let (width, height) = (seen.noisy.width, seen.noisy.height);
-        let planes = Planes::new(reach, width, seen.color, seen.variance);
-        let rows: Vec<Row> = (0..seen.color.len()).map(|p| row(seen, p)).collect();
+        let (width, height) = (layers.noisy.width, layers.noisy.height);
+        let planes = Planes::new(reach, width, layers.color, layers.variance);
+        let rows: Vec<Row> = (0..layers.color.len()).map(|p| row(layers, p)).collect();
         let around = Around { reach, planes: &planes, rows: &rows, size: [width, height], stop };
         let mut sums = vec![[0.0; 5]; width * height];
         // A band's fits reach half a band beyond it: those with even numbers do not meet, nor do those with odd ones.
@@ -69,20 +69,20 @@ impl Explained {
             bands.into_par_iter().map(explain).collect::<Option<Vec<()>>>()?;
         }
         let support = |sum: &Sum| if sum[3] > LEAST { sum[3].min(sum[4] / sum[3]) } else { 0.0 };
-        let color = |(sum, seen): (&Sum, &Triple)| {
-            if sum[3] > LEAST { [0, 1, 2].map(|k| sum[k] / sum[3]) } else { *seen }
+        let color = |(sum, layers): (&Sum, &Triple)| {
+            if sum[3] > LEAST { [0, 1, 2].map(|k| sum[k] / sum[3]) } else { *layers }
         };
         Some(Self {
             support: sums.iter().map(support).collect(),
-            color: sums.iter().zip(seen.color).map(color).collect(),
+            color: sums.iter().zip(layers.color).map(color).collect(),
         })
     }
 }
 
 /// What describes a pixel.
-fn row(seen: &Seen, p: usize) -> Row {
-    let (n, a, c) = (seen.noisy.normal[p], seen.noisy.albedo[p], seen.color[p]);
-    let (column, row) = (p % seen.noisy.width, p / seen.noisy.width);
+fn row(layers: &Layers, p: usize) -> Row {
+    let (n, a, c) = (layers.noisy.normal[p], layers.noisy.albedo[p], layers.color[p]);
+    let (column, row) = (p % layers.noisy.width, p / layers.noisy.width);
     [1.0, n[0], n[1], n[2], a[0], a[1], a[2], column as f32, row as f32, c[0], c[1], c[2]]
 }
 
@@ -183,18 +183,18 @@ mod tests {
     #[test]
     fn all_levels_and_numbers_of_threads_give_the_same_bits() {
         let noisy = noisy(61, 47, 0.1);
-        let seen = Seen { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
         let reach = Reach { side: 3, step: 3, patch: 1, sharpness: 0.6 };
         let explain = |level: Level, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| Explained::of(level, &seen, reach, &|| false)).expect("nobody says stop")
+            pool.install(|| Explained::of(level, &layers, reach, &|| false)).expect("nobody says stop")
         };
-        let wanted = explain(Level::Scalar, 1);
+        let expected = explain(Level::Scalar, 1);
         for level in Level::available() {
             for threads in [1, 3] {
                 let found = explain(level, threads);
-                assert!(found.color == wanted.color, "{} on {threads} threads", level.name());
-                assert!(found.support == wanted.support, "{} on {threads} threads", level.name());
+                assert!(found.color == expected.color, "{} on {threads} threads", level.name());
+                assert!(found.support == expected.support, "{} on {threads} threads", level.name());
             }
         }
     }
@@ -203,10 +203,10 @@ mod tests {
     fn the_variance_of_a_slope_falls_by_the_pixels_that_look_alike() {
         let variance = 0.01;
         let noisy = noisy(64, 64, variance);
-        let seen = Seen { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
         let reach = Reach { side: 5, step: 1, patch: 2, sharpness: 0.6 };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads");
-        let found = pool.install(|| Explained::of(Level::default(), &seen, reach, &|| false));
+        let found = pool.install(|| Explained::of(Level::default(), &layers, reach, &|| false));
         let found = found.expect("nobody says stop");
         let truth = |p: usize| 1.0 + 0.01 * (p % 64) as f32;
         let squares: f32 = (0..64 * 64).map(|p| (found.color[p][0] - truth(p)).powi(2)).sum();
@@ -223,8 +223,8 @@ mod tests {
     #[test]
     fn who_says_stop_gets_nothing() {
         let noisy = noisy(20, 20, 0.1);
-        let seen = Seen { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
+        let layers = Layers { noisy: &noisy, color: &noisy.color, variance: &noisy.variance };
         let reach = Reach { side: 3, step: 1, patch: 1, sharpness: 0.6 };
-        assert!(Explained::of(Level::default(), &seen, reach, &|| true).is_none(), "at once");
+        assert!(Explained::of(Level::default(), &layers, reach, &|| true).is_none(), "at once");
     }
 }

@@ -71,9 +71,9 @@ impl Light {
 
     /// A lamp that a single sample of a pixel met is seen by its neighbours along the lamp's edge as much: light is shared.
     fn share_stray_light(&mut self, noisy: &Noisy) {
-        let seen = |q: usize| mean(&noisy.emission[q]);
+        let emission_at = |q: usize| mean(&noisy.emission[q]);
         let stray = |p: usize| {
-            let emission = seen(p);
+            let emission = emission_at(p);
             if emission <= 0.0 {
                 return None;
             }
@@ -89,13 +89,15 @@ impl Light {
         let mut shares = Vec::new();
         for (p, taken) in &stray {
             // On which sides the lamp is: the edge goes on where it is on one of those, too.
-            let lamp =
-                |q: usize| sides(noisy, q).map(|side| side.is_some_and(|r| seen(r) > 2.0 * mean(taken)));
-            let of_edge = lamp(*p);
+            let is_emitter = |q: usize| {
+                sides(noisy, q).map(|side| side.is_some_and(|r| emission_at(r) > 2.0 * mean(taken)))
+            };
+            let of_edge = is_emitter(*p);
             shares.clear();
             for q in around(noisy, *p, SHARED) {
-                let is_known = seen(q) > 0.0 && mean(&noisy.variance[q]) < HARDLY_SEEN * seen(q) * seen(q);
-                let goes_on = || lamp(q).iter().zip(of_edge).any(|(&a, b)| a && b);
+                let is_known = emission_at(q) > 0.0
+                    && mean(&noisy.variance[q]) < HARDLY_SEEN * emission_at(q) * emission_at(q);
+                let goes_on = || is_emitter(q).iter().zip(of_edge).any(|(&a, b)| a && b);
                 if q == *p || (!is_known && goes_on()) {
                     let dx = (q % noisy.width).abs_diff(*p % noisy.width);
                     let dy = (q / noisy.width).abs_diff(*p / noisy.width);
@@ -145,10 +147,10 @@ mod tests {
     use super::*;
 
     /// A dim wall beside a lamp of radiance 17, from column 5 on; in column 4 every third pixel met it by one sample of 16.
-    fn lamp() -> Noisy {
+    fn is_emitter() -> Noisy {
         let (width, height) = (10, 12);
         let pixels = || (0..width * height).map(|p| [p % width, p / width]);
-        let seen = |[x, y]: [usize; 2]| -> f32 {
+        let emission_at = |[x, y]: [usize; 2]| -> f32 {
             match x {
                 0..4 => 0.0,
                 4 if y % 3 == 0 => 17.0 / 16.0,
@@ -158,21 +160,21 @@ mod tests {
         };
         let rest = |[x, _]: [usize; 2]| if x < 5 { 0.2 } else { 0.0 };
         // Of the mean of sixteen samples, of which one is 17 and the others are none.
-        let variance = |p: [usize; 2]| if p[0] == 4 { seen(p).powi(2) } else { 1e-3 };
+        let variance = |p: [usize; 2]| if p[0] == 4 { emission_at(p).powi(2) } else { 1e-3 };
         Noisy {
             width,
             height,
-            color: pixels().map(|p| [seen(p) + rest(p); 3]).collect(),
+            color: pixels().map(|p| [emission_at(p) + rest(p); 3]).collect(),
             variance: pixels().map(|p| [variance(p).max(1e-3); 3]).collect(),
             albedo: pixels().map(|p| [if p[0] < 5 { 0.7 } else { 0.0 }; 3]).collect(),
             normal: vec![[0.0, 0.0, 1.0]; width * height],
-            emission: pixels().map(|p| [seen(p); 3]).collect(),
+            emission: pixels().map(|p| [emission_at(p); 3]).collect(),
         }
     }
 
     #[test]
     fn parts_make_up_the_picture() {
-        let noisy = lamp();
+        let noisy = is_emitter();
         let light = Light::of(&noisy);
         let whole = |p: usize| light.color[p][1] * light.divisor[p][1] + light.direct[p][1];
         let [mut before, mut after] = [0.0, 0.0];
@@ -188,7 +190,7 @@ mod tests {
 
     #[test]
     fn a_lamp_met_by_chance_is_shared_along_its_edge() {
-        let noisy = lamp();
+        let noisy = is_emitter();
         let light = Light::of(&noisy);
         let edge: Vec<f32> = (0..noisy.height).map(|y| light.direct[y * noisy.width + 4][0]).collect();
         let most = edge.iter().fold(0.0f32, |a, &b| a.max(b));
@@ -198,11 +200,11 @@ mod tests {
 
     #[test]
     fn lamps_do_not_spread_their_variance() {
-        let noisy = lamp();
+        let noisy = is_emitter();
         let light = Light::of(&noisy);
-        let wall = (light.divisor[0][0]).powi(2);
+        let surface = (light.divisor[0][0]).powi(2);
         for y in 0..noisy.height {
-            let of_edge = light.variance[y * noisy.width + 4][0] * wall;
+            let of_edge = light.variance[y * noisy.width + 4][0] * surface;
             assert!(of_edge < 2e-3 || y % 3 != 0, "row {y}: {of_edge} where the wall beside has 0.001");
         }
     }

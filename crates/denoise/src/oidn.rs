@@ -144,9 +144,9 @@ mod tests {
             let (x, y) = (i % 5, i / 5);
             for k in 0..3 {
                 let ramp = |shift: usize| ((i * 3 + k + shift) % 16) as f32 / 16.0;
-                let wanted = 2.0 * before[k] + ramp("albedo".len()) + ramp("N".len());
+                let expected = 2.0 * before[k] + ramp("albedo".len()) + ramp("N".len());
                 let inside = (1..4).contains(&x) && (1..3).contains(&y);
-                assert_eq!(after[k], if inside { wanted } else { before[k] }, "pixel {x}, {y}");
+                assert_eq!(after[k], if inside { expected } else { before[k] }, "pixel {x}, {y}");
             }
         }
     }

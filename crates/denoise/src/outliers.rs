@@ -46,10 +46,10 @@ impl Outliers {
             (0..width).filter_map(find).collect()
         };
         let found: Vec<Vec<(usize, f32)>> = (0..height).into_par_iter().map_init(Vec::new, of_row).collect();
-        let take = |(p, kept): (usize, f32)| {
+        let take = |(p, retained): (usize, f32)| {
             let before = color[p];
-            color[p] = before.map(|x| x * kept);
-            variance[p] = variance[p].map(|x| x * kept * kept);
+            color[p] = before.map(|x| x * retained);
+            variance[p] = variance[p].map(|x| x * retained * retained);
             (p, [0, 1, 2].map(|k| before[k] - color[p][k]))
         };
         Self { taken: found.into_iter().flatten().map(take).collect() }
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     /// A grey wall with a few pixels that are far too bright.
-    fn wall(width: usize, height: usize, light: f32) -> Vec<Triple> {
+    fn surface(width: usize, height: usize, light: f32) -> Vec<Triple> {
         let mut color = vec![[light; 3]; width * height];
         for p in (17..color.len()).step_by(331) {
             color[p] = [40.0 * light; 3];
@@ -160,7 +160,7 @@ mod tests {
     fn light_is_taken_from_single_pixels_and_given_to_all() {
         let (width, height) = (96, 80);
         for light in [1.0, 1e-6] {
-            let (normal, before) = (vec![[0.0, 0.0, 1.0]; width * height], wall(width, height, light));
+            let (normal, before) = (vec![[0.0, 0.0, 1.0]; width * height], surface(width, height, light));
             let (mut color, mut variance) = (before.clone(), vec![[light * light; 3]; width * height]);
             let outliers = Outliers::take(width, &normal, &mut color, &mut variance);
             let brightest = color.iter().map(|c| c[0] / light).fold(0.0, f32::max);
@@ -169,8 +169,8 @@ mod tests {
             assert!(variance.iter().all(|v| v[0] <= light * light), "variances shrink with the light");
             assert!(sum(&color) < 0.95 * sum(&before), "there was something to take");
             outliers.give_back(width, &vec![[1.0; 3]; width * height], &mut color);
-            let kept = sum(&color) / sum(&before);
-            assert!((kept - 1.0).abs() < 0.05, "of all light there is {kept}");
+            let retained = sum(&color) / sum(&before);
+            assert!((retained - 1.0).abs() < 0.05, "of all light there is {retained}");
             let brightest = color.iter().map(|c| c[0] / light).fold(0.0, f32::max);
             assert!(brightest < 0.15 * 40.0, "nobody gets it all: {brightest}");
         }

@@ -110,11 +110,11 @@ impl Planes {
         let (q, var_q) = (&self.color[k][other..other + length], &self.variance[k][other..other + length]);
         let sharp = self.reach.sharpness * self.reach.sharpness;
         for i in 0..length {
-            let apart = p[i] - q[i];
+            let difference = p[i] - q[i];
             let unseen = UNSEEN * (p[i].abs() + q[i].abs());
             let explained = var_p[i] + if var_q[i] < var_p[i] { var_q[i] } else { var_p[i] };
             let all = unseen * unseen + 1e-30 + sharp * (var_p[i] + var_q[i]);
-            sums[i] += (apart * apart - explained) / all;
+            sums[i] += (difference * difference - explained) / all;
         }
     }
 }
@@ -147,7 +147,7 @@ mod tests {
         variance: &[Triple],
         size: [isize; 2],
         p: [isize; 2],
-        apart: [isize; 2],
+        difference: [isize; 2],
     ) -> f32 {
         let index =
             |x: isize, y: isize| (y.clamp(0, size[1] - 1) * size[0] + x.clamp(0, size[0] - 1)) as usize;
@@ -156,7 +156,7 @@ mod tests {
         for y in -patch..=patch {
             for x in -patch..=patch {
                 let i = index(p[0] + x, p[1] + y);
-                let j = index(p[0] + x + apart[0], p[1] + y + apart[1]);
+                let j = index(p[0] + x + difference[0], p[1] + y + difference[1]);
                 let mut of_pixel = 0.0;
                 for k in 0..3 {
                     let (p, q, var_p, var_q) = (color[i][k], color[j][k], variance[i][k], variance[j][k]);
@@ -184,11 +184,11 @@ mod tests {
         for y in 0..height {
             planes.weights(y, 2, &mut memory, &mut weights);
             for (i, found) in weights.iter().enumerate() {
-                let (x, apart) = (i / REACH.count() * 2, REACH.offset(i % REACH.count()));
+                let (x, difference) = (i / REACH.count() * 2, REACH.offset(i % REACH.count()));
                 let p = [x as isize, y as isize];
-                let wanted = slow(&color, &variance, [width as isize, height as isize], p, apart);
+                let expected = slow(&color, &variance, [width as isize, height as isize], p, difference);
                 positive += usize::from(*found > 0.1 && *found < 0.9);
-                assert!((found - wanted).abs() < 0.04, "{p:?} {apart:?}: {found}, not {wanted}");
+                assert!((found - expected).abs() < 0.04, "{p:?} {difference:?}: {found}, not {expected}");
             }
         }
         assert!(positive > 1000, "the test sees weights that are neither 0 nor 1: {positive}");

@@ -14,9 +14,11 @@ pub(crate) fn smooth(variance: &[Triple], normal: &[Triple], width: usize) -> Ve
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for y in around(p / width, height) {
             for q in around(p % width, width).map(|x| y * width + x) {
-                let apart = [0, 1, 2].map(|k| normal[p][k] - normal[q][k]);
-                let apart = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
-                let weight = (1.0 - 2.0 * apart).max(1e-3);
+                let normal_difference = [0, 1, 2].map(|k| normal[p][k] - normal[q][k]);
+                let normal_difference = normal_difference[0] * normal_difference[0]
+                    + normal_difference[1] * normal_difference[1]
+                    + normal_difference[2] * normal_difference[2];
+                let weight = (1.0 - 2.0 * normal_difference).max(1e-3);
                 (0..3).for_each(|k| sum[k] += weight * variance[q][k]);
                 weights += weight;
             }

@@ -162,23 +162,23 @@ fn lamps_keep_their_edges_and_leave_no_noise_around() {
             std::cmp::Ordering::Greater => 1.0,
         })
         .collect();
-    let lamp = 50.0;
+    let emitter = 50.0;
     let [mut truth, mut noisy] = pictures(0.6, |x, y| {
-        let wall = 1.0 - covered[(y * SIZE + x) as usize];
-        Pixel { light: 0.5, albedo: [0.8 * wall; 3], normal: [0.0, 0.0, 1.0] }
+        let surface = 1.0 - covered[(y * SIZE + x) as usize];
+        Pixel { light: 0.5, albedo: [0.8 * surface; 3], normal: [0.0, 0.0, 1.0] }
     });
     for picture in [&mut truth, &mut noisy] {
         for (pixel, covered) in picture.color.iter_mut().zip(&covered) {
-            pixel[..3].iter_mut().for_each(|x| *x += lamp * covered);
+            pixel[..3].iter_mut().for_each(|x| *x += emitter * covered);
         }
     }
     for channel in &mut noisy.layers[1].channels {
         let ChannelData::F32(variance) = &mut channel.data else { unreachable!("floats were written") };
         for (variance, covered) in variance.iter_mut().zip(&covered) {
-            *variance += lamp * lamp * covered * (1.0 - covered) / 15.0;
+            *variance += emitter * emitter * covered * (1.0 - covered) / 15.0;
         }
     }
-    let emission = |_: usize| covered.iter().map(|c| lamp * c).collect::<Vec<f32>>();
+    let emission = |_: usize| covered.iter().map(|c| emitter * c).collect::<Vec<f32>>();
     noisy
         .layers
         .push(Layer::floats("emission", [("R", emission(0)), ("G", emission(1)), ("B", emission(2))]));
@@ -190,8 +190,8 @@ fn lamps_keep_their_edges_and_leave_no_noise_around() {
         };
         columns.flat_map(|x| (0..SIZE).map(move |y| [x, y])).map(|[x, y]| at(x, y)).fold(0.0, f32::max)
     };
-    let beside = worst(&after, SIZE / 2 - 4..SIZE / 2);
-    assert!(beside < 0.35, "beside the lamp, noise of 0.6 became {beside}");
+    let neighbour = worst(&after, SIZE / 2 - 4..SIZE / 2);
+    assert!(neighbour < 0.35, "beside the lamp, noise of 0.6 became {neighbour}");
     let edge = worst(&after, SIZE / 2..SIZE);
     assert!(edge < 0.02, "the lamp and its edge stay what they are: {edge}");
 }
@@ -251,9 +251,9 @@ fn rare_bright_samples_go_and_their_light_stays() {
     let (before, left) = (error(&noisy, &even), error(&after, &even));
     assert!(left < 0.06 * before, "of {before} there is left {left}");
     let mean = |picture: &Picture| picture.color.iter().map(|p| p[0]).sum::<f32>();
-    let kept = mean(&after) / mean(&noisy);
+    let retained = mean(&after) / mean(&noisy);
     // Fifteen pixels do not tell for sure how much light is missing.
-    assert!((kept - 1.0).abs() < 0.12, "of all light there is {kept}");
+    assert!((retained - 1.0).abs() < 0.12, "of all light there is {retained}");
 }
 
 #[test]

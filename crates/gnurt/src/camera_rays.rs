@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use gnurt_sl_shading::{CameraPlace, CameraScript};
+use gnurt_sl_shading::{CameraFrame, CameraScript};
 
 use crate::render::{MovingCamera, SceneCamera};
 use crate::scene::Camera;
@@ -29,8 +29,9 @@ pub fn camera_rays_along(
 ) -> Option<Arc<dyn CameraShader>> {
     match (script, keys) {
         (Some(script), keys) => {
-            let places: Vec<CameraPlace> = keys.iter().map(|key| place(key, size)).collect::<Option<_>>()?;
-            script.at(&places)
+            let frames: Vec<CameraFrame> =
+                keys.iter().map(|key| frame_of(key, size)).collect::<Option<_>>()?;
+            script.at(&frames)
         }
         (None, [camera]) => Some(Arc::new(SceneCamera::new(camera)?)),
         (None, keys) => Some(Arc::new(MovingCamera::new(keys)?)),
@@ -38,10 +39,10 @@ pub fn camera_rays_along(
 }
 
 /// Where a camera stands.
-fn place(camera: &Camera, pixels: [u32; 2]) -> Option<CameraPlace> {
+fn frame_of(camera: &Camera, pixels: [u32; 2]) -> Option<CameraFrame> {
     let frame = camera.frame().filter(|_| camera.eye.iter().all(|x| x.is_finite()))?;
     let back = frame.forward.map(|x| -x);
-    Some(CameraPlace { eye: camera.eye, right: frame.right, up: frame.up, back, pixels })
+    Some(CameraFrame { eye: camera.eye, right: frame.right, up: frame.up, back, pixels })
 }
 
 #[cfg(test)]
@@ -62,15 +63,15 @@ mod tests {
         let script = script.camera_anywhere().expect("a camera");
         let first = Camera { eye: [1.0, 2.0, 3.0], target: [4.0, 2.5, 1.0], ..Camera::default() };
         let last = Camera { eye: [2.0, 2.0, 3.0], target: [4.5, 2.5, 1.0], ..Camera::default() };
-        let places: Vec<[f32; 2]> = (0..40).map(|i| [i as f32 / 39.0, (i * 7 % 40) as f32 / 39.0]).collect();
+        let frames: Vec<[f32; 2]> = (0..40).map(|i| [i as f32 / 39.0, (i * 7 % 40) as f32 / 39.0]).collect();
         let times: Vec<f32> = (0..40).map(|i| i as f32 / 40.0).collect();
         for (keys, times) in [(vec![first.clone()], &[][..]), (vec![first.clone(), last], &times)] {
             let [mut built_in, mut scripted] = [RayBatch::default(), RayBatch::default()];
             for (script, rays) in [(None, &mut built_in), (Some(&script), &mut scripted)] {
                 let camera = camera_rays_along(&keys, script, [60, 40]).expect("a view");
-                camera.rays(&CameraSamples { places: &places, lens: &[], times }, 1.5, rays);
+                camera.rays(&CameraSamples { positions: &frames, lens: &[], times }, 1.5, rays);
             }
-            for i in 0..places.len() {
+            for i in 0..frames.len() {
                 let (a, b) = (built_in.get(i), scripted.get(i));
                 let apart = |a: [f32; 3], b: [f32; 3]| (0..3).any(|k| (a[k] - b[k]).abs() > 2e-6);
                 assert!(!apart(a.org, b.org) && !apart(a.dir, b.dir), "ray {i}: {a:?}, {b:?}");

@@ -16,7 +16,7 @@ use std::sync::{Mutex, PoisonError};
 /// Arrays from this size on go to the file.
 const LARGE: usize = 16 << 10;
 /// Ranges begin and end at multiples of this.
-const GRAIN: usize = 4 << 10;
+const PAGE: usize = 4 << 10;
 /// Lengths of the file that are tried, in bytes; blocks are taken only as arrays are.
 #[cfg(target_os = "linux")]
 const LENGTHS: [u64; 4] = [1 << 42, 1 << 38, 1 << 34, 1 << 30];
@@ -97,10 +97,10 @@ impl FileHeap {
     /// A range of the file; `None` if the array belongs elsewhere, or the disk is full.
     fn take(&self, layout: Layout) -> Option<*mut u8> {
         let base = self.base.load(Ordering::Acquire);
-        if base == 0 || layout.size() < LARGE || layout.align() > GRAIN {
+        if base == 0 || layout.size() < LARGE || layout.align() > PAGE {
             return None;
         }
-        let length = layout.size().checked_next_multiple_of(GRAIN)?;
+        let length = layout.size().checked_next_multiple_of(PAGE)?;
         if self.owner.load(Ordering::Relaxed) != std::process::id() as usize {
             return None;
         }
@@ -111,20 +111,20 @@ impl FileHeap {
     }
 
     /// The place in the file of an array that lies there.
-    fn place(&self, array: *mut u8) -> Option<usize> {
+    fn slot_of(&self, array: *mut u8) -> Option<usize> {
         let base = self.base.load(Ordering::Acquire);
-        let place = (array as usize).checked_sub(base)?;
-        (base != 0 && place < self.length.load(Ordering::Relaxed)).then_some(place)
+        let slot_of = (array as usize).checked_sub(base)?;
+        (base != 0 && slot_of < self.length.load(Ordering::Relaxed)).then_some(slot_of)
     }
 
     /// Gives a range back.
-    fn give(&self, place: usize, layout: Layout) {
+    fn give(&self, slot_of: usize, layout: Layout) {
         if self.owner.load(Ordering::Relaxed) != std::process::id() as usize {
             return;
         }
         self.in_use.fetch_sub(layout.size(), Ordering::Relaxed);
         if let Some(area) = self.area.lock().unwrap_or_else(PoisonError::into_inner).as_mut() {
-            area.give(place, layout.size().next_multiple_of(GRAIN));
+            area.give(slot_of, layout.size().next_multiple_of(PAGE));
         }
     }
 }
@@ -132,11 +132,11 @@ impl FileHeap {
 impl Area {
     /// Of the ranges that fit best the first one, with blocks on the disk.
     fn take(&mut self, length: usize) -> Option<usize> {
-        let &(room, start) = self.by_length.range((length, 0)..).next()?;
+        let &(space, start) = self.by_length.range((length, 0)..).next()?;
         give_blocks(&self.file, start, length).ok()?;
-        self.remove(start, room);
-        if room > length {
-            self.add(start + length, room - length);
+        self.remove(start, space);
+        if space > length {
+            self.add(start + length, space - length);
         }
         Some(start)
     }
@@ -157,15 +157,15 @@ impl Area {
             // What it holds must not be taken for zeros: nobody gets it again.
             return;
         }
-        if let Some(&room) = self.free.get(&(start + length)) {
-            self.remove(start + length, room);
-            length += room;
+        if let Some(&space) = self.free.get(&(start + length)) {
+            self.remove(start + length, space);
+            length += space;
         }
-        if let Some((&before, &room)) = self.free.range(..start).next_back()
-            && before + room == start
+        if let Some((&before, &space)) = self.free.range(..start).next_back()
+            && before + space == start
         {
-            self.remove(before, room);
-            (start, length) = (before, length + room);
+            self.remove(before, space);
+            (start, length) = (before, length + space);
         }
         self.add(start, length);
     }
@@ -192,8 +192,8 @@ unsafe impl GlobalAlloc for FileHeap {
     }
 
     unsafe fn dealloc(&self, array: *mut u8, layout: Layout) {
-        match self.place(array) {
-            Some(place) => self.give(place, layout),
+        match self.slot_of(array) {
+            Some(slot_of) => self.give(slot_of, layout),
             // SAFETY: as of the caller; the array is the system's.
             None => unsafe { System.dealloc(array, layout) },
         }
@@ -201,13 +201,13 @@ unsafe impl GlobalAlloc for FileHeap {
 
     unsafe fn realloc(&self, array: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         let is_mapped = self.base.load(Ordering::Relaxed) != 0 && size >= LARGE;
-        let place = self.place(array);
-        if !is_mapped && place.is_none() {
+        let slot_of = self.slot_of(array);
+        if !is_mapped && slot_of.is_none() {
             // SAFETY: as of the caller; the array is the system's.
             return unsafe { System.realloc(array, layout, size) };
         }
-        let grain = |bytes: usize| bytes.next_multiple_of(GRAIN);
-        if place.is_some() && size >= LARGE && grain(size) == grain(layout.size()) {
+        let grain = |bytes: usize| bytes.next_multiple_of(PAGE);
+        if slot_of.is_some() && size >= LARGE && grain(size) == grain(layout.size()) {
             self.in_use.fetch_add(size.wrapping_sub(layout.size()), Ordering::Relaxed);
             return array;
         }
@@ -236,8 +236,8 @@ fn mapped(folder: &Path) -> io::Result<(File, usize, usize)> {
             error = why;
             continue;
         }
-        give_blocks(&file, 0, GRAIN)?;
-        take_blocks(&file, 0, GRAIN)?;
+        give_blocks(&file, 0, PAGE)?;
+        take_blocks(&file, 0, PAGE)?;
         let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED | MapFlags::NORESERVE);
         // SAFETY: the system chooses a place where nothing else is; the file is ours alone, for it has no name.
         match unsafe { mmap(std::ptr::null_mut(), bytes, access, flags, &file, 0) } {

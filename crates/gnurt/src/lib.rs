@@ -79,11 +79,11 @@
 
 mod camera_rays;
 pub mod defaults;
+pub mod display_rules;
 mod error;
 #[expect(unsafe_code, reason = "a global allocator")]
 mod ffi_heap;
 mod load;
-pub mod look;
 pub mod memory;
 mod named_shaders;
 mod numbered;

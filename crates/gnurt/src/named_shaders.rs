@@ -34,7 +34,7 @@ pub fn named_camera_shader(
 pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable) -> (Vec<Script>, Vec<String>) {
     let named: Vec<(MaterialId, ShaderFile)> =
         scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
-    let (mut scripts, mut told) = (Vec::new(), Vec::new());
+    let (mut scripts, mut reported) = (Vec::new(), Vec::new());
     for (id, ShaderFile { file, parameters, confined_to }) in named {
         let access = Access { confined_to, ..Access::default() };
         let made = Script::open(&file, &access).and_then(|mut script| {
@@ -43,7 +43,7 @@ pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable) -> (Vec<Scr
         });
         match made {
             Ok((surface, script)) => {
-                told.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+                reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
                 // What it is without the shader still stands for it where all is forced to be diffuse.
                 let diffuse = scene.material(id).diffuse_color();
                 let material = scene.edit_material(id);
@@ -54,11 +54,11 @@ pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable) -> (Vec<Scr
             }
             Err(why) => {
                 let name = &scene.material(id).name;
-                told.push(format!("material '{name}' is shown without its shader: {why}"));
+                reported.push(format!("material '{name}' is shown without its shader: {why}"));
             }
         }
     }
-    (scripts, told)
+    (scripts, reported)
 }
 
 #[cfg(test)]
@@ -82,15 +82,17 @@ mod tests {
         let good = named(&[("k", "0.25")], file.clone());
         let bad = [named(&[("j", "1")], file), named(&[], folder.path().join("none.osl"))];
         let mut table = ShaderTable::default();
-        let (scripts, told) = put_named_shaders(&mut scene, &mut table);
+        let (scripts, reported) = put_named_shaders(&mut scene, &mut table);
         assert_eq!((scripts.len(), table.surfaces.len()), (1, 1));
         assert!(matches!(scene.material(good).surface, Surface::Shader(0)), "the good one");
         for id in bad {
             assert_eq!(scene.material(id).surface, Material::matte("", [0.5; 3]).surface, "as it was");
         }
         assert!(
-            told.len() == 2 && told[0].contains("no parameter 'j'") && told[1].contains("none.osl"),
-            "{told:?}"
+            reported.len() == 2
+                && reported[0].contains("no parameter 'j'")
+                && reported[1].contains("none.osl"),
+            "{reported:?}"
         );
     }
 }

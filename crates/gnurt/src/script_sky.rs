@@ -43,47 +43,47 @@ fn picture(sky: &dyn EnvironmentShader) -> Texels {
     let mut texels = vec![[0.0_f32; 4]; width * height];
     let middles = [[0.5; 2]];
     let all: Vec<usize> = (0..texels.len()).collect();
-    for (place, seen) in all.iter().zip(means(sky, &all, &middles)) {
-        texels[*place] = seen;
+    for (index, sampled) in all.iter().zip(means(sky, &all, &middles)) {
+        texels[*index] = sampled;
     }
     let differs = |a: [f32; 4], b: [f32; 4]| (0..3).any(|k| (a[k] - b[k]).abs() > EVEN * a[k].max(b[k]));
-    let is_edge = |&place: &usize| {
-        let (row, column) = (place / width, place % width);
+    let is_edge = |&index: &usize| {
+        let (row, column) = (index / width, index % width);
         let beside = [row * width + (column + 1) % width, row * width + (column + width - 1) % width];
         let over = [row.saturating_sub(1), (row + 1).min(height - 1)].map(|row| row * width + column);
-        beside.into_iter().chain(over).any(|other| differs(texels[place], texels[other]))
+        beside.into_iter().chain(over).any(|other| differs(texels[index], texels[other]))
     };
     let edges: Vec<usize> = all.into_iter().filter(is_edge).collect();
     let parts: Vec<[f32; 2]> =
         (0..PARTS * PARTS).map(|k| [k % PARTS, k / PARTS].map(|n| (n as f32 + 0.5) / PARTS as f32)).collect();
-    for (place, seen) in edges.iter().zip(means(sky, &edges, &parts)) {
-        texels[*place] = seen;
+    for (index, sampled) in edges.iter().zip(means(sky, &edges, &parts)) {
+        texels[*index] = sampled;
     }
     Texels { width: SIZE[0], height: SIZE[1], data: TexelData::Float(texels) }
 }
 
 /// What is seen in texels, the mean of these parts of each, by all cores.
-fn means(sky: &dyn EnvironmentShader, places: &[usize], parts: &[[f32; 2]]) -> Vec<[f32; 4]> {
-    let of_one = places.len().div_ceil(cores().clamp(1, 64)).max(1);
-    let mut found = vec![[0.0, 0.0, 0.0, 1.0]; places.len()];
+fn means(sky: &dyn EnvironmentShader, indices: &[usize], parts: &[[f32; 2]]) -> Vec<[f32; 4]> {
+    let of_one = indices.len().div_ceil(cores().clamp(1, 64)).max(1);
+    let mut found = vec![[0.0, 0.0, 0.0, 1.0]; indices.len()];
     std::thread::scope(|scope| {
-        for (places, found) in places.chunks(of_one).zip(found.chunks_mut(of_one)) {
+        for (indices, found) in indices.chunks(of_one).zip(found.chunks_mut(of_one)) {
             scope.spawn(move || {
-                for (places, found) in places.chunks(AT_ONCE).zip(found.chunks_mut(AT_ONCE)) {
-                    let (mut dirs, mut seen) = (Vec3s::default(), Vec3s::default());
-                    places
+                for (indices, found) in indices.chunks(AT_ONCE).zip(found.chunks_mut(AT_ONCE)) {
+                    let (mut dirs, mut sampled) = (Vec3s::default(), Vec3s::default());
+                    indices
                         .iter()
-                        .flat_map(|&place| parts.iter().map(move |&part| direction(place, part)))
+                        .flat_map(|&index| parts.iter().map(move |&part| direction(index, part)))
                         .for_each(|[x, y, z]| {
                             dirs.x.push(x);
                             dirs.y.push(y);
                             dirs.z.push(z);
                         });
-                    seen.resize(dirs.len());
-                    sky.miss(&dirs, &mut seen);
+                    sampled.resize(dirs.len());
+                    sky.miss(&dirs, &mut sampled);
                     for (i, texel) in found.iter_mut().enumerate() {
                         for k in 0..parts.len() {
-                            let light = seen.get(i * parts.len() + k).to_array();
+                            let light = sampled.get(i * parts.len() + k).to_array();
                             texel.iter_mut().zip(light).for_each(|(sum, x)| *sum += x.max(0.0));
                         }
                         texel[..3].iter_mut().for_each(|sum| *sum /= parts.len() as f32);
@@ -96,12 +96,12 @@ fn means(sky: &dyn EnvironmentShader, places: &[usize], parts: &[[f32; 2]]) -> V
 }
 
 /// Where a part of a texel lies, as the shader sees it: both in [0, 1] from its left upper corner.
-fn direction(place: usize, [x, y]: [f32; 2]) -> [f32; 3] {
+fn direction(index: usize, [x, y]: [f32; 2]) -> [f32; 3] {
     let [width, height] = SIZE;
-    let (row, column) = (place / width as usize, place % width as usize);
+    let (row, column) = (index / width as usize, index % width as usize);
     let (sin, up) = (std::f32::consts::PI * (row as f32 + y) / height as f32).sin_cos();
-    let turn = std::f32::consts::TAU * ((column as f32 + x) / width as f32 - 0.5);
-    [sin * turn.sin(), sin * turn.cos(), up]
+    let rotation = std::f32::consts::TAU * ((column as f32 + x) / width as f32 - 0.5);
+    [sin * rotation.sin(), sin * rotation.cos(), up]
 }
 
 #[cfg(test)]
@@ -117,9 +117,9 @@ mod tests {
         let (sky, backdrop) = texels(&path, &[]).expect("a sky");
         assert!(backdrop.is_none(), "all rays see the same");
         let TexelData::Float(plain) = &sky.data else { panic!("floats") };
-        let near = |at: usize, wanted: [f32; 3]| {
+        let near = |at: usize, expected: [f32; 3]| {
             let found = plain[at];
-            assert!((0..3).all(|k| (found[k] - wanted[k]).abs() < 0.01), "{found:?}, not {wanted:?}");
+            assert!((0..3).all(|k| (found[k] - expected[k]).abs() < 0.01), "{found:?}, not {expected:?}");
         };
         near(0, [0.0, 0.0, 1.0]);
         near(1024 * 256 + 512, [0.0, 1.0, 0.0]);

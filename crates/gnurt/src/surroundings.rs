@@ -46,19 +46,19 @@ impl Surroundings {
     }
 
     /// Puts them around a scene, whose own environment then counts no more; its other lights do. `up` is what is above, of any length,
-    /// +y if it is no direction; `turn` turns them around it, in degrees, counter-clockwise seen from above.
+    /// +y if it is no direction; `yaw` turns them around it, in degrees, counter-clockwise seen from above.
     ///
     /// # Errors
     /// [`Error::Image`] if the picture cannot be read, [`Error::Surroundings`] if the shader does not compile; the scene stays as
     /// it was.
-    pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], turn: f64) -> Result<(), Error> {
+    pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], yaw: f64) -> Result<(), Error> {
         let given = if let Self::Shader(_, given) = self { &given[..] } else { &[] };
         let read = |path: &Path| match script_sky::is_script(path) || !given.is_empty() {
             true => script_sky::texels(path, given).map_err(Error::Surroundings),
             false => Ok((image::read_texture(path)?, None)),
         };
         let texels = self.file().map(read).transpose()?;
-        let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], turn.to_radians());
+        let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians());
         let (radiance, texture) = match (self, texels) {
             (Self::Sky(sky), _) => {
                 sky.add_to(scene, world_from_light);
@@ -105,17 +105,17 @@ mod tests {
     use super::*;
 
     /// Where the environment's up and middle are in the world.
-    fn orientation(up: [f32; 3], turn: f64) -> [[f64; 3]; 2] {
+    fn orientation(up: [f32; 3], yaw: f64) -> [[f64; 3]; 2] {
         let mut scene = Scene::new();
-        Surroundings::Uniform([1.0; 3]).put_around(&mut scene, up, turn).expect("no file is read");
+        Surroundings::Uniform([1.0; 3]).put_around(&mut scene, up, yaw).expect("no file is read");
         let [Light::Environment { world_from_light, .. }] = scene.lights() else { panic!("one environment") };
         [[0.0, 1.0, 0.0], [0.0, 0.0, -1.0]].map(|v| world_from_light.vector(v))
     }
 
     #[track_caller]
-    fn assert_near(found: [[f64; 3]; 2], wanted: [[f64; 3]; 2]) {
-        let near = found.iter().flatten().zip(wanted.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12);
-        assert!(near, "{found:?} instead of {wanted:?}");
+    fn assert_near(found: [[f64; 3]; 2], expected: [[f64; 3]; 2]) {
+        let near = found.iter().flatten().zip(expected.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(near, "{found:?} instead of {expected:?}");
     }
 
     #[test]
@@ -135,8 +135,8 @@ mod tests {
             texture: None,
             world_from_light: Affine::IDENTITY,
         });
-        let lamp = Light::Point { position: [0.0; 3], intensity: [1.0; 3] };
-        scene.add_light(lamp.clone());
+        let emitter = Light::Point { position: [0.0; 3], intensity: [1.0; 3] };
+        scene.add_light(emitter.clone());
         let missing = Surroundings::Picture("no/such/sky.hdr".into());
         let before = scene.lights().to_vec();
         assert!(missing.put_around(&mut scene, [0.0, 1.0, 0.0], 0.0).is_err(), "there is no such file");
@@ -149,7 +149,7 @@ mod tests {
             scene.lights().iter().filter(|light| matches!(light, Light::Environment { .. }));
         let last = environments.next_back().expect("an environment");
         assert!(matches!(last, Light::Environment { texture: Some(_), .. }), "the last one counts: {last:?}");
-        assert!(scene.lights().contains(&lamp), "the lamp stays");
+        assert!(scene.lights().contains(&emitter), "the lamp stays");
     }
 
     #[test]

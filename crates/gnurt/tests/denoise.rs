@@ -9,7 +9,7 @@ use gnurt::render::{
 };
 
 /// A room with lamps of its own or by default, `spp` samples per pixel.
-fn room(name: &str, spp: u32, pool: &gnurt::ThreadPool) -> Picture {
+fn render_scene(name: &str, spp: u32, pool: &gnurt::ThreadPool) -> Picture {
     room_to_depth(name, spp, 5, pool)
 }
 
@@ -36,9 +36,9 @@ fn room_to_depth(name: &str, spp: u32, max_depth: u32, pool: &gnurt::ThreadPool)
 #[test]
 fn denoised_pictures_are_nearer_to_the_truth() {
     let pool = gnurt::thread_pool(2).expect("threads");
-    let mut truth = room("builtin:cornell", 512, &pool);
+    let mut truth = render_scene("builtin:cornell", 512, &pool);
     truth.layers.clear();
-    let noisy = room("builtin:cornell", 8, &pool);
+    let noisy = render_scene("builtin:cornell", 8, &pool);
     let error = |picture: &Picture| compare(picture, &truth).expect("equal sizes").rel_mse;
     let mut clean = noisy.clone();
     let options = Options { method: Method::BuiltIn, ..Options::default() };
@@ -63,8 +63,8 @@ fn emission_is_what_paths_of_one_edge_bring() {
             let ChannelData::F32(values) = &emission.channel(channel).expect("three colours").data else {
                 panic!("floats")
             };
-            for (i, (found, wanted)) in values.iter().zip(&direct.color).enumerate() {
-                assert_eq!(*found, wanted[k], "{name}: pixel {i}");
+            for (i, (found, expected)) in values.iter().zip(&direct.color).enumerate() {
+                assert_eq!(*found, expected[k], "{name}: pixel {i}");
             }
         }
         direct.color.retain(|pixel| pixel[0] > 0.0);

@@ -46,8 +46,8 @@ fn scenes_keep_their_own_light_alone() {
         let file = folder.path().join("a.obj");
         std::fs::write(&file, text).expect("written");
         let scene = gnurt::load_scene(&file).expect("a scene").scene;
-        let wanted = if is_lit { OwnLight::Lights } else { OwnLight::Nothing };
-        assert_eq!(own_light(&scene, &shaders), wanted, "{name}");
+        let expected = if is_lit { OwnLight::Lights } else { OwnLight::Nothing };
+        assert_eq!(own_light(&scene, &shaders), expected, "{name}");
         let camera = framing(gnurt::defaults::bounds_of(&scene), 1.0);
         for purpose in [Purpose::Screen, Purpose::Numbers] {
             let mut lit = scene.clone();

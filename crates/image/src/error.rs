@@ -124,9 +124,9 @@ impl Error {
 #[must_use]
 pub fn system_reason(error: &std::io::Error) -> String {
     let text = error.to_string();
-    let words = text.split(" (os error").next().unwrap_or_default();
+    let message = text.split(" (os error").next().unwrap_or_default();
     // Custom errors wrap the system's in more words, such as a temporary name nobody asked for.
-    let words = words.split(" at path").next().unwrap_or_default();
-    let mut letters = words.chars();
+    let message = message.split(" at path").next().unwrap_or_default();
+    let mut letters = message.chars();
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())
 }

@@ -7,7 +7,7 @@
 //! The rule, with L the luminances above 0 of all pixels, in order:
 //! 1. `dark` and `bright` are the 2nd and the 98th percentile of L, at most ten stops apart: what is darker counts as that;
 //! 2. `mean` is the geometric mean of L, cut to `dark..bright`;
-//! 3. `place` = (2 log mean - log dark - log bright) / (log bright - log dark), -1..1: is the picture mostly bright or dark?
+//! 3. `key` = (2 log mean - log dark - log bright) / (log bright - log dark), -1..1: is the picture mostly bright or dark?
 //! 4. the mean shows as 0.18 * 2^place: mid-grey, up to a stop more or less, so that snow stays white and night stays dark;
 //! 5. if the 90th percentile then shows brighter than 2, the exposure falls until it does not, by a stop and a half at most.
 //!
@@ -45,8 +45,8 @@ pub fn exposure_for(picture: &Picture) -> f32 {
     let dark = dark.max(bright - MOST_CONTRAST);
     let mean = logs.iter().map(|log| log.clamp(dark, bright)).sum::<f64>() / logs.len() as f64;
     let contrast = bright - dark;
-    let place = if contrast > 0.0 { (2.0 * mean - dark - bright) / contrast } else { 0.0 };
-    let stops = MID_GREY.log2() + KEY_RANGE * place.clamp(-1.0, 1.0) - mean;
+    let key = if contrast > 0.0 { (2.0 * mean - dark - bright) / contrast } else { 0.0 };
+    let stops = MID_GREY.log2() + KEY_RANGE * key.clamp(-1.0, 1.0) - mean;
     let (share, most, cost) = HIGHLIGHTS;
     let excess = (at(share) + stops - most.log2()).clamp(0.0, cost);
     let stops = (stops - excess).clamp(-MOST_STOPS, MOST_STOPS);

@@ -19,9 +19,9 @@ const STOPS: [[f32; 3]; 6] = [
 #[must_use]
 pub fn heat_color(measure: f32) -> [f32; 3] {
     // `clamp` keeps a NaN; `max` answers the number beside it.
-    let place = measure.clamp(0.0, 1.0).max(0.0) * (STOPS.len() - 1) as f32;
-    let stop = (place as usize).min(STOPS.len() - 2);
-    let share = place - stop as f32;
+    let position = measure.clamp(0.0, 1.0).max(0.0) * (STOPS.len() - 1) as f32;
+    let stop = (position as usize).min(STOPS.len() - 2);
+    let share = position - stop as f32;
     std::array::from_fn(|c| srgb::decode(STOPS[stop][c] + share * (STOPS[stop + 1][c] - STOPS[stop][c])))
 }
 

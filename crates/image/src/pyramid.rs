@@ -144,9 +144,9 @@ fn collect<T>(
 
 /// A direction of any length, as a unit one.
 fn unit([x, y, z, a]: [f32; 4]) -> [f32; 4] {
-    let way = [x, y, z].map(|x| 2.0 * x - 1.0);
-    let length = way.iter().map(|x| x * x).sum::<f32>().sqrt();
-    let [x, y, z] = if length > 0.0 { way.map(|x| 0.5 + 0.5 * x / length) } else { [0.5, 0.5, 1.0] };
+    let direction = [x, y, z].map(|x| 2.0 * x - 1.0);
+    let length = direction.iter().map(|x| x * x).sum::<f32>().sqrt();
+    let [x, y, z] = if length > 0.0 { direction.map(|x| 0.5 + 0.5 * x / length) } else { [0.5, 0.5, 1.0] };
     [x, y, z, a]
 }
 

@@ -85,12 +85,12 @@ impl Tiled {
     }
 }
 
-fn bytes([word, _]: [u64; 2]) -> [u8; 4] {
-    (word as u32).to_le_bytes()
+fn bytes([texel_bits, _]: [u64; 2]) -> [u8; 4] {
+    (texel_bits as u32).to_le_bytes()
 }
 
-fn numbers([word, _]: [u64; 2]) -> [u16; 4] {
-    [0, 16, 32, 48].map(|shift| (word >> shift) as u16)
+fn numbers([texel_bits, _]: [u64; 2]) -> [u16; 4] {
+    [0, 16, 32, 48].map(|shift| (texel_bits >> shift) as u16)
 }
 
 /// What could not be read is all ones: white, as other numbers are that.

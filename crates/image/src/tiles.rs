@@ -20,7 +20,7 @@ use crate::tile_file::{Cutter, TILE_BYTES, TileFile, WORDS, tile_size};
 /// Tiles in memory at least, so that threads do not take them from each other while they are read.
 const LEAST_TILES: usize = 64;
 /// Tiles that take their memory together, when the first of them is wanted: 16 MiB.
-const TOGETHER: usize = 1024;
+const GROUP: usize = 1024;
 
 /// Tiles of textures: a part of them in memory, all of them in a temporary file. Clones share it.
 #[derive(Clone)]
@@ -30,7 +30,7 @@ struct Shared {
     file: TileFile,
     /// So many tiles may be in memory.
     most: usize,
-    /// [`TOGETHER`] each, the last of fewer.
+    /// [`GROUP`] each, the last of fewer.
     slots: Box<[OnceLock<Box<[Slot]>>]>,
     clock: Mutex<Clock>,
     read: AtomicU64,
@@ -43,17 +43,17 @@ struct Slot {
     version: AtomicU32,
     /// Whether it was read from since the hand passed.
     was_read: AtomicBool,
-    words: Box<[AtomicU64]>,
+    cells: Box<[AtomicU64]>,
 }
 
 /// Which slot is next, and whose tiles they hold: as many as were wanted so far.
 struct Clock {
     hand: usize,
-    owners: Vec<Option<(Arc<Places>, usize)>>,
+    owners: Vec<Option<(Arc<Slots>, usize)>>,
 }
 
 /// Where a picture's tiles are.
-struct Places {
+struct Slots {
     /// In the file, of the first tile.
     offset: u64,
     /// Slot of each tile and 1, row by row; 0 = not in memory.
@@ -64,7 +64,7 @@ struct Places {
 #[derive(Clone)]
 pub(crate) struct Tiles {
     cache: TileCache,
-    places: Arc<Places>,
+    tile_slots: Arc<Slots>,
     /// Of a texel: 4, 8 or 16.
     bytes: usize,
     /// Tiles beside each other.
@@ -95,7 +95,7 @@ impl TileCache {
         Ok(Self(Arc::new(Shared {
             file: TileFile::new()?,
             most: count,
-            slots: (0..count.div_ceil(TOGETHER)).map(|_| OnceLock::new()).collect(),
+            slots: (0..count.div_ceil(GROUP)).map(|_| OnceLock::new()).collect(),
             clock: Mutex::new(Clock { hand: 0, owners: Vec::new() }),
             read: AtomicU64::new(0),
             failed: AtomicU64::new(0),
@@ -124,23 +124,23 @@ impl TileCache {
         push_rows(&mut cutter)?;
         let Cutter { across, down, offset, .. } = cutter.finish()?;
         let slots = (0..across * down).map(|_| AtomicU32::new(0)).collect();
-        Ok(Tiles { cache: self.clone(), places: Arc::new(Places { offset, slots }), bytes, across })
+        Ok(Tiles { cache: self.clone(), tile_slots: Arc::new(Slots { offset, slots }), bytes, across })
     }
 }
 
 impl Shared {
     /// Reads words `first` and those behind it of a tile; all ones if they are lost.
     #[inline(always)]
-    fn words(&self, places: &Arc<Places>, tile: usize, first: usize, to: &mut [u64]) {
-        let place = &places.slots[tile];
-        let entry = place.load(Ordering::Acquire);
+    fn cells(&self, tile_slots: &Arc<Slots>, tile: usize, first: usize, to: &mut [u64]) {
+        let tile_slot = &tile_slots.slots[tile];
+        let entry = tile_slot.load(Ordering::Acquire);
         if entry != 0 {
             let slot = self.slot(entry as usize - 1);
             let version = slot.version.load(Ordering::Acquire);
             // If the slot is the tile's still, this version is of the tile.
-            if version.is_multiple_of(2) && place.load(Ordering::Acquire) == entry {
-                let words = &slot.words[first..first + to.len()];
-                to.iter_mut().zip(words).for_each(|(to, word)| *to = word.load(Ordering::Relaxed));
+            if version.is_multiple_of(2) && tile_slot.load(Ordering::Acquire) == entry {
+                let cells = &slot.cells[first..first + to.len()];
+                to.iter_mut().zip(cells).for_each(|(to, cell)| *to = cell.load(Ordering::Relaxed));
                 fence(Ordering::Acquire);
                 if slot.version.load(Ordering::Relaxed) == version {
                     if !slot.was_read.load(Ordering::Relaxed) {
@@ -150,23 +150,23 @@ impl Shared {
                 }
             }
         }
-        self.fetch(places, tile, first, to);
+        self.fetch(tile_slots, tile, first, to);
     }
 
     /// The same for a tile that is not in memory: reads it, and finds it a slot.
     #[cold]
-    fn fetch(&self, places: &Arc<Places>, tile: usize, first: usize, to: &mut [u64]) {
+    fn fetch(&self, tile_slots: &Arc<Slots>, tile: usize, first: usize, to: &mut [u64]) {
         let mut bytes = vec![0; TILE_BYTES];
         self.read.fetch_add(1, Ordering::Relaxed);
-        if self.file.read(places.offset + (tile * TILE_BYTES) as u64, &mut bytes).is_err() {
+        if self.file.read(tile_slots.offset + (tile * TILE_BYTES) as u64, &mut bytes).is_err() {
             self.failed.fetch_add(1, Ordering::Relaxed);
             return to.fill(u64::MAX);
         }
-        let words = || bytes.as_chunks().0.iter().map(|&bytes| u64::from_le_bytes(bytes));
-        to.iter_mut().zip(words().skip(first)).for_each(|(to, word)| *to = word);
+        let cells = || bytes.as_chunks().0.iter().map(|&bytes| u64::from_le_bytes(bytes));
+        to.iter_mut().zip(cells().skip(first)).for_each(|(to, cell)| *to = cell);
         // A thread that died here has left a slot with an odd version, which nobody reads and the next one writes.
         let mut clock = self.clock.lock().unwrap_or_else(PoisonError::into_inner);
-        if places.slots[tile].load(Ordering::Acquire) == 0 {
+        if tile_slots.slots[tile].load(Ordering::Acquire) == 0 {
             let number = self.victim(&mut clock);
             let slot = self.slot(number);
             if let Some((before, tile)) = clock.owners[number].take() {
@@ -175,11 +175,11 @@ impl Shared {
             let version = slot.version.load(Ordering::Relaxed) | 1;
             slot.version.store(version, Ordering::Relaxed);
             fence(Ordering::Release);
-            slot.words.iter().zip(words()).for_each(|(to, word)| to.store(word, Ordering::Relaxed));
+            slot.cells.iter().zip(cells()).for_each(|(to, cell)| to.store(cell, Ordering::Relaxed));
             slot.version.store(version.wrapping_add(1), Ordering::Release);
             slot.was_read.store(true, Ordering::Relaxed);
-            clock.owners[number] = Some((places.clone(), tile));
-            places.slots[tile].store(number as u32 + 1, Ordering::Release);
+            clock.owners[number] = Some((tile_slots.clone(), tile));
+            tile_slots.slots[tile].store(number as u32 + 1, Ordering::Release);
         }
     }
 
@@ -188,11 +188,11 @@ impl Shared {
         let slot = |_| Slot {
             version: AtomicU32::new(0),
             was_read: AtomicBool::new(false),
-            words: (0..WORDS).map(|_| AtomicU64::new(0)).collect(),
+            cells: (0..WORDS).map(|_| AtomicU64::new(0)).collect(),
         };
-        let first = number - number % TOGETHER;
-        let slots = || (first..self.most.min(first + TOGETHER)).map(slot).collect();
-        &self.slots[number / TOGETHER].get_or_init(slots)[number % TOGETHER]
+        let first = number - number % GROUP;
+        let slots = || (first..self.most.min(first + GROUP)).map(slot).collect();
+        &self.slots[number / GROUP].get_or_init(slots)[number % GROUP]
     }
 
     /// A slot that was never wanted, or the next one that was not read from since the hand passed it.
@@ -226,24 +226,24 @@ impl Tiles {
         let at = (row % rows * columns + column % columns) * self.bytes;
         let mut found = [0; 2];
         let count = if self.bytes == 16 { 2 } else { 1 };
-        self.cache.0.words(&self.places, tile, at / 8, &mut found[..count]);
+        self.cache.0.cells(&self.tile_slots, tile, at / 8, &mut found[..count]);
         if at % 8 == 4 { [found[0] >> 32, 0] } else { found }
     }
 
     /// What [`texel`](Self::texel) says of each column of a row, tile by tile.
     pub(crate) fn row(&self, row: usize, width: usize, mut take: impl FnMut(usize, [u64; 2])) {
         let [columns, rows] = tile_size(self.bytes);
-        let mut words = [0; 64];
-        let words = &mut words[..columns * self.bytes / 8];
+        let mut cells = [0; 64];
+        let cells = &mut cells[..columns * self.bytes / 8];
         for (tile, first) in (0..width).step_by(columns).enumerate() {
             let tile = row / rows * self.across + tile;
-            self.cache.0.words(&self.places, tile, row % rows * words.len(), words);
+            self.cache.0.cells(&self.tile_slots, tile, row % rows * cells.len(), cells);
             for column in first..width.min(first + columns) {
                 let at = (column - first) * self.bytes / 8;
                 let raw = match self.bytes {
-                    4 => [if column % 2 == 1 { words[at] >> 32 } else { words[at] }, 0],
-                    8 => [words[at], 0],
-                    _ => [words[at], words[at + 1]],
+                    4 => [if column % 2 == 1 { cells[at] >> 32 } else { cells[at] }, 0],
+                    8 => [cells[at], 0],
+                    _ => [cells[at], cells[at + 1]],
                 };
                 take(column, raw);
             }
@@ -252,14 +252,14 @@ impl Tiles {
 
     /// Bytes that they take beside their share of the cache.
     pub(crate) fn memory_bytes(&self) -> usize {
-        size_of_val(&self.places.slots[..])
+        size_of_val(&self.tile_slots.slots[..])
     }
 }
 
 /// Tiles are the same if they are the same ones.
 impl PartialEq for Tiles {
     fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.places, &other.places)
+        Arc::ptr_eq(&self.tile_slots, &other.tile_slots)
     }
 }
 
@@ -279,7 +279,10 @@ impl fmt::Debug for TileCache {
 
 impl fmt::Debug for Tiles {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Tiles").field("bytes", &self.bytes).field("tiles", &self.places.slots.len()).finish()
+        f.debug_struct("Tiles")
+            .field("bytes", &self.bytes)
+            .field("tiles", &self.tile_slots.slots.len())
+            .finish()
     }
 }
 

@@ -130,19 +130,19 @@ struct Bits {
 impl Bits {
     /// Bits of `value`, the lowest first, each into the lowest free place of a byte, as WebP has them.
     fn lowest_first(&mut self, value: u32, count: usize) {
-        (0..count).for_each(|i| self.bit(value >> i & 1, |place| place));
+        (0..count).for_each(|i| self.bit(value >> i & 1, |bit_index| bit_index));
     }
 
     /// Bits of `value`, the highest first, each into the highest free place of a byte, as JPEG has them.
     fn highest_first(&mut self, value: u32, count: usize) {
-        (0..count).rev().for_each(|i| self.bit(value >> i & 1, |place| 7 - place));
+        (0..count).rev().for_each(|i| self.bit(value >> i & 1, |bit_index| 7 - bit_index));
     }
 
-    fn bit(&mut self, bit: u32, place: impl Fn(usize) -> usize) {
+    fn bit(&mut self, bit: u32, bit_index: impl Fn(usize) -> usize) {
         if self.used.is_multiple_of(8) {
             self.bytes.push(0);
         }
-        *self.bytes.last_mut().expect("one was pushed") |= (bit as u8) << place(self.used % 8);
+        *self.bytes.last_mut().expect("one was pushed") |= (bit as u8) << bit_index(self.used % 8);
         self.used += 1;
     }
 }
@@ -265,21 +265,21 @@ type Read = fn(&[u8], &str) -> Result<(), gnurt_image::Error>;
 fn pictures_cost_what_their_lengths_account_for() {
     for (name, file, bytes) in cases() {
         let allowed = BELIEVED + GROWTH * bytes.len() as u64;
-        let ways: [(&str, Read); 3] = [
+        let readers: [(&str, Read); 3] = [
             ("picture", |bytes, name| decode(bytes, name).map(drop)),
             ("texture", |bytes, name| decode_texture(bytes, name).map(drop)),
             ("data texture", |bytes, name| decode_data_texture(bytes, name).map(drop)),
         ];
-        for (way, read) in ways {
+        for (direction, read) in readers {
             let begin = Instant::now();
             ALLOCATIONS.reset_peak_usage();
             let before = ALLOCATIONS.current_usage();
             let said = read(&bytes, &file).map_or_else(|error| error.to_string(), |()| "read".into());
             let peak = (ALLOCATIONS.peak_usage() - before) as u64;
             let (mib, kib, time) = (peak >> 20, bytes.len() >> 10, begin.elapsed());
-            println!("{file} {name} as a {way}: {mib} MiB for {kib} KiB in {time:?}: {said}");
-            assert!(peak <= allowed, "{file} {name} as a {way}: {mib} MiB for {kib} KiB: {said}");
-            assert!(time <= LONGEST, "{file} {name} as a {way}: {time:?}");
+            println!("{file} {name} as a {direction}: {mib} MiB for {kib} KiB in {time:?}: {said}");
+            assert!(peak <= allowed, "{file} {name} as a {direction}: {mib} MiB for {kib} KiB: {said}");
+            assert!(time <= LONGEST, "{file} {name} as a {direction}: {time:?}");
         }
     }
 }

@@ -32,19 +32,20 @@ fn voxels_are_those_of_openvdb() {
     let mut grid = None;
     let mut compared = 0;
     for line in include_str!("data/grids.txt").lines() {
-        let words: Vec<_> = line.split(' ').collect();
-        let whole = |word: &str| word.parse::<i32>().unwrap();
-        if words[0] == "grid" {
+        let parts: Vec<_> = line.split(' ').collect();
+        let whole = |token: &str| token.parse::<i32>().unwrap();
+        if parts[0] == "grid" {
             let next = grids.next().unwrap();
-            assert_eq!(next.name(), words[1]);
-            let active = std::array::from_fn(|k| std::array::from_fn(|i| whole(words[2 + 3 * k + i])));
-            assert_eq!(next.active(), Some(active), "{}", words[1]);
+            assert_eq!(next.name(), parts[1]);
+            let active = std::array::from_fn(|k| std::array::from_fn(|i| whole(parts[2 + 3 * k + i])));
+            assert_eq!(next.active(), Some(active), "{}", parts[1]);
             grid = Some(next);
             continue;
         }
-        let (grid, at) = (grid.unwrap(), std::array::from_fn(|i| whole(words[i])));
+        let (grid, at) = (grid.unwrap(), std::array::from_fn(|i| whole(parts[i])));
         let found = grid.voxel(at);
-        let expected: Vec<f32> = words[3..].iter().map(|word| word.parse::<f64>().unwrap() as f32).collect();
+        let expected: Vec<f32> =
+            parts[3..].iter().map(|token| token.parse::<f64>().unwrap() as f32).collect();
         assert_eq!(found[..grid.channels()], expected, "{} {at:?}", grid.name());
         compared += 1;
     }
@@ -97,14 +98,14 @@ fn small(packing: u32, all: bool, list: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
     file.extend((-1.0_f32).to_le_bytes());
     file.extend([0_u32, 1].iter().flat_map(|n| n.to_le_bytes()));
     file.extend([0; 12]);
-    for places in [32_usize.pow(3), 16_usize.pow(3)] {
+    for cells in [32_usize.pow(3), 16_usize.pow(3)] {
         // The first place has a child; no value is active; what is not is the background.
-        let mut mask = vec![0; places / 8];
+        let mut mask = vec![0; cells / 8];
         mask[0] = 1;
         file.extend(&mask);
         mask[0] = 0;
         file.extend(&mask);
-        let values: Vec<u8> = (0..places).flat_map(|_| (-1.0_f32).to_le_bytes()).collect();
+        let values: Vec<u8> = (0..cells).flat_map(|_| (-1.0_f32).to_le_bytes()).collect();
         file.push(if all { 6 } else { 0 });
         file.extend(list(if all { &values } else { &[] }));
     }
@@ -171,7 +172,7 @@ fn bad_files_are_told() {
     let broken = small(1, true, |_| as_it_is(&[1, 2, 3]));
     assert!(fault(&broken, ENOUGH).contains("3 bytes of values in place of"));
     let mut lines = file.clone();
-    let kind = lines.windows(14).position(|word| word == b"TranslationMap").unwrap();
+    let kind = lines.windows(14).position(|token| token == b"TranslationMap").unwrap();
     lines[kind + 3..kind + 5].copy_from_slice(b"\n\x1b");
     let why = fault(&lines, ENOUGH);
     assert!(why.contains("a map of the kind") && !why.contains(char::is_control), "{why:?}");

@@ -181,9 +181,9 @@ fn main() {
         for (k, &level) in levels.iter().enumerate() {
             let one = Compiled::scalar(plan.clone(), level).expect("code");
             let many = Compiled::new(plan.clone(), level).expect("code");
-            let (alone, together) = (batches(&all, 1), batches(&all, 16));
+            let (single, together) = (batches(&all, 1), batches(&all, 16));
             let (mut a, mut b) = (Lanes::new(&one, &world), Lanes::new(&many, &world));
-            let scalar = time(all.len(), || alone.iter().for_each(|points| a.run(points)));
+            let scalar = time(all.len(), || single.iter().for_each(|points| a.run(points)));
             let wide = time(all.len(), || together.iter().for_each(|points| b.run(points)));
             sums[k] += (scalar / wide).ln();
             let _ = write!(out, "{scalar:>12.1}{wide:>12.1}{:>8.2}", scalar / wide);

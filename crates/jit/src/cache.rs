@@ -3,7 +3,7 @@
 //! Tests: `tests/batches.rs`.
 
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Event, Host, Kept, Plan, Point, Points, Program, Results};
+use gnurt_sl::exec::{Event, Host, Plan, Point, Points, Program, Results, RetainedOutput};
 use std::collections::{HashMap, VecDeque};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -173,11 +173,11 @@ impl Program for Job {
         }
     }
 
-    fn kept(&self) -> &[Kept] {
-        self.plan.kept()
+    fn retained(&self) -> &[RetainedOutput] {
+        self.plan.retained()
     }
 
-    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
-        self.plan.tell(host, point)
+    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        self.plan.tell_point(host, point)
     }
 }

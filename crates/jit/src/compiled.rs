@@ -3,13 +3,13 @@
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_simd::Level;
-use gnurt_sl::exec::{Kept, Plan, Program as _, Slot};
+use gnurt_sl::exec::{Plan, Program as _, RetainedOutput, Slot};
 use std::fmt;
 use std::sync::{Arc, Mutex};
 
-use crate::ffi_call::{Line, words};
+use crate::ffi_call::{Line, cell_values};
 use crate::ffi_memory::Executable;
-use crate::layout::{Layout, Place};
+use crate::layout::{CellAddress, Layout};
 use crate::program::Program;
 use crate::{lower, x86};
 
@@ -47,7 +47,7 @@ pub struct Compiled {
     /// Memories that no batch uses now.
     pub(crate) memories: Mutex<Vec<Vec<Line>>>,
     /// What is kept of each point, and where it is.
-    pub(crate) kept: Vec<(Kept, Slot)>,
+    pub(crate) retained: Vec<(RetainedOutput, Slot)>,
     size: usize,
 }
 
@@ -88,7 +88,7 @@ impl Compiled {
         let code = Executable::new(&made.bytes).map_err(NoCode::Here)?;
         let flat = layout.template(&plan.memory);
         let mut template = vec![Line([0; 16]); flat.len().div_ceil(16)];
-        words(&mut template)[..flat.len()].copy_from_slice(&flat);
+        cell_values(&mut template)[..flat.len()].copy_from_slice(&flat);
         let mut this = Self {
             program,
             layout,
@@ -99,7 +99,7 @@ impl Compiled {
             resets: Vec::new(),
             globals: Vec::new(),
             memories: Mutex::default(),
-            kept: Vec::new(),
+            retained: Vec::new(),
             size: made.bytes.len(),
             plan,
         };
@@ -109,8 +109,8 @@ impl Compiled {
             this.plan.globals.iter().filter(|(_, slot)| used(slot)).map(|(n, s)| (n.clone(), *s)).collect();
         globals.sort_by_key(|(_, slot)| slot.at);
         this.globals = globals;
-        let kept = this.plan.kept().iter();
-        this.kept = kept.filter_map(|k| Some((k.clone(), this.plan.place_of(&k.name)?))).collect();
+        let retained = this.plan.retained().iter();
+        this.retained = retained.filter_map(|k| Some((k.clone(), this.plan.place_of(&k.name)?))).collect();
         Ok(this)
     }
 
@@ -118,7 +118,7 @@ impl Compiled {
         let mut lines: Vec<usize> = Vec::new();
         let mut add = |slot: &Slot| {
             for cell in slot.at..slot.at + slot.cells() as u32 {
-                let (Place::Each(at) | Place::One(at)) = self.layout.place(cell);
+                let (CellAddress::Each(at) | CellAddress::One(at)) = self.layout.address(cell);
                 lines.push(at as usize / 64);
             }
         };
@@ -168,7 +168,7 @@ impl Compiled {
 
     /// Turns of loops that a batch may take: as many as its points have together, for each may take its own while the others wait.
     pub(crate) fn fuel(&self) -> u32 {
-        self.plan.turns.saturating_mul(self.lanes() as u64).min(i32::MAX as u64) as u32
+        self.plan.iterations.saturating_mul(self.lanes() as u64).min(i32::MAX as u64) as u32
     }
 
     /// Bytes of machine code.

@@ -47,10 +47,11 @@ pub fn engine(
     host: &dyn Host,
     with: &mut dyn FnMut(&mut dyn Batch),
 ) -> Result<(), String> {
-    let (word, scalar) = name.strip_suffix("-scalar").map_or((name, false), |word| (word, true));
-    let level: Level = match word {
+    let (level_name, scalar) =
+        name.strip_suffix("-scalar").map_or((name, false), |level_name| (level_name, true));
+    let level: Level = match level_name {
         "machine" => Level::best(),
-        word => word.parse().map_err(|wrong| format!("no engine '{name}': {wrong}"))?,
+        level_name => level_name.parse().map_err(|wrong| format!("no engine '{name}': {wrong}"))?,
     };
     let code =
         if scalar { Compiled::scalar(plan.clone(), level) } else { Compiled::new(plan.clone(), level) };

@@ -14,7 +14,7 @@ use crate::ffi_memory::Executable;
 pub(crate) struct Line(pub(crate) [u32; 16]);
 
 /// The words of lines.
-pub(crate) fn words(lines: &mut [Line]) -> &mut [u32] {
+pub(crate) fn cell_values(lines: &mut [Line]) -> &mut [u32] {
     let count = lines.len() * 16;
     // SAFETY: a line is sixteen words and nothing else.
     unsafe { std::slice::from_raw_parts_mut(lines.as_mut_ptr().cast(), count) }
@@ -57,7 +57,7 @@ pub(crate) fn enter<C: Calls>(code: &Executable, layer: u32, memory: &mut [Line]
         extern "sysv64" fn(*mut Context<'a, C>, u32),
         *const u8,
     );
-    let memory = words(memory);
+    let memory = cell_values(memory);
     let mut context = Context { calls, memory: memory.as_mut_ptr(), length: memory.len(), panic: None };
     #[expect(clippy::disallowed_methods, reason = "an address becomes a function: nothing else does that")]
     // SAFETY: `x86::code` puts a function of this kind at the start of what it makes, and `layer` is one of its offsets. The
@@ -74,7 +74,7 @@ pub(crate) fn enter<C: Calls>(code: &Executable, layer: u32, memory: &mut [Line]
 /// There is no code for this kind of CPU: nothing comes here.
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) fn enter<C: Calls>(code: &Executable, layer: u32, memory: &mut [Line], calls: &mut C) {
-    let memory = words(memory);
+    let memory = cell_values(memory);
     let mut context = Context { calls, memory: memory.as_mut_ptr(), length: memory.len(), panic: None };
     let _ = (code.start(), layer, context.length, context.memory, catch_unwind(AssertUnwindSafe(|| ())));
     if let Some(panic) = context.panic.take() {

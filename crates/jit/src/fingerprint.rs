@@ -25,12 +25,12 @@ pub(crate) fn fingerprint(plan: &Plan) -> u128 {
     let mut hash = Both(DefaultHasher::new(), DefaultHasher::new());
     hash.1.write_u8(1);
     let h = &mut hash;
-    (&plan.name, &plan.memory, plan.debug_layers, plan.turns, &plan.entries).hash(h);
+    (&plan.name, &plan.memory, plan.debug_layers, plan.iterations, &plan.entries).hash(h);
     for number in 0..plan.strings.count() {
         plan.strings.text(number as u32).hash(h);
     }
-    for kept in plan.kept() {
-        (&kept.name, kept.row, kept.ty).hash(h);
+    for retained in plan.retained() {
+        (&retained.name, retained.row, retained.ty).hash(h);
     }
     for layer in &plan.layers {
         (&layer.name, &layer.shader.name, &layer.shader.files, layer.lazy).hash(h);

@@ -5,15 +5,15 @@
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
-    Batch as RunningBatch, Cells, Component, DualRow, Event, Host, Kept, LANES, Machine, Message, Plan,
-    Point, Points, Program, Results, Row, Slot, Step, lanes_of,
+    Batch as RunningBatch, Cells, Component, DualRow, Event, Host, LANES, Machine, Message, Plan, Point,
+    Points, Program, Results, RetainedOutput, Row, Slot, Step, lanes_of,
 };
 use gnurt_sl::hir::Data;
 use gnurt_sl::types::{Base, Type};
 
 use crate::compiled::Compiled;
-use crate::ffi_call::{Calls, Line, enter, words};
-use crate::layout::{Layout, Place};
+use crate::ffi_call::{Calls, Line, cell_values, enter};
+use crate::layout::{CellAddress, Layout};
 use crate::program::{Call, Making};
 
 /// Runs a group for batches of points. One for each thread.
@@ -46,8 +46,8 @@ impl<'a> Lanes<'a> {
 
     /// The same for a plan that means what the code's means.
     fn of(code: &'a Compiled, plan: &'a Plan, host: &'a dyn Host) -> Self {
-        let kept = code.memories.lock().ok().and_then(|mut list| list.pop());
-        let memory = kept.unwrap_or_else(|| code.template.clone());
+        let pooled = code.memories.lock().ok().and_then(|mut list| list.pop());
+        let memory = pooled.unwrap_or_else(|| code.template.clone());
         let machine = Machine::within(plan, host, plan.lend());
         let work =
             Work { code, machine, messages: Vec::new(), events: Vec::new(), lane: usize::MAX, stopped: 0 };
@@ -88,7 +88,7 @@ impl<'a> Lanes<'a> {
         for &(start, count) in &code.resets {
             self.memory[start..start + count].copy_from_slice(&code.template[start..start + count]);
         }
-        let memory = words(&mut self.memory);
+        let memory = cell_values(&mut self.memory);
         memory[Layout::FUEL as usize / 4] = code.fuel();
         for &flag in &code.program.flags {
             memory[Layout::slot(flag) as usize / 4] = 0;
@@ -104,15 +104,15 @@ impl<'a> Lanes<'a> {
             work.lane = usize::MAX;
         }
         for (name, slot) in &code.globals {
-            global(name, slot, points, |cell, row| match code.layout.place(cell) {
-                Place::Each(at) => {
-                    if let Some(words) = memory[at as usize / 4..].first_chunk_mut::<LANES>() {
+            global(name, slot, points, |cell, row| match code.layout.address(cell) {
+                CellAddress::Each(at) => {
+                    if let Some(cell_values) = memory[at as usize / 4..].first_chunk_mut::<LANES>() {
                         for i in 0..LANES {
-                            words[i] = row[i].to_bits();
+                            cell_values[i] = row[i].to_bits();
                         }
                     }
                 }
-                Place::One(at) => memory[at as usize / 4] = row[0].to_bits(),
+                CellAddress::One(at) => memory[at as usize / 4] = row[0].to_bits(),
             });
         }
     }
@@ -130,7 +130,7 @@ impl<'a> Lanes<'a> {
         if all == 0 {
             return;
         }
-        words(&mut self.memory)[Layout::EXEC as usize / 4] = all;
+        cell_values(&mut self.memory)[Layout::EXEC as usize / 4] = all;
         let mut batch = Batch { work: &mut self.work, points };
         enter(&self.code.code, self.code.layers[layer], &mut self.memory, &mut batch);
     }
@@ -153,21 +153,21 @@ impl<'a> Lanes<'a> {
                 code.slots[code.shader.find(name)? as usize]
             }
         };
-        let words = self.words(&slot, lane);
+        let cell_values = self.cell_values(&slot, lane);
         let texts = self.work.machine.texts();
         let data = match slot.ty.base {
-            Base::String => Data::Str(words.iter().map(|&w| texts.text(w).clone()).collect()),
-            Base::Int | Base::Closure => Data::Int(words.iter().map(|&w| w as i32).collect()),
-            _ => Data::Float(words.iter().map(|&w| f32::from_bits(w)).collect()),
+            Base::String => Data::Str(cell_values.iter().map(|&w| texts.text(w).clone()).collect()),
+            Base::Int | Base::Closure => Data::Int(cell_values.iter().map(|&w| w as i32).collect()),
+            _ => Data::Float(cell_values.iter().map(|&w| f32::from_bits(w)).collect()),
         };
         Some((slot.ty, data))
     }
 
-    fn words(&self, slot: &Slot, lane: usize) -> Vec<u32> {
+    fn cell_values(&self, slot: &Slot, lane: usize) -> Vec<u32> {
         let at = |cell: u32| {
-            let at = match self.code.layout.place(cell) {
-                Place::Each(at) => at as usize / 4 + lane,
-                Place::One(at) => at as usize / 4,
+            let at = match self.code.layout.address(cell) {
+                CellAddress::Each(at) => at as usize / 4 + lane,
+                CellAddress::One(at) => at as usize / 4,
             };
             self.memory[at / 16].0[at % 16]
         };
@@ -178,7 +178,7 @@ impl<'a> Lanes<'a> {
     #[must_use]
     pub fn ci(&self, lane: usize) -> u32 {
         let slot = self.code.plan.globals.get("Ci");
-        slot.map_or(0, |slot| self.words(slot, lane).first().copied().unwrap_or(0))
+        slot.map_or(0, |slot| self.cell_values(slot, lane).first().copied().unwrap_or(0))
     }
 
     /// The components of a point's closure with their weights, in order.
@@ -189,23 +189,23 @@ impl<'a> Lanes<'a> {
 }
 
 fn get(layout: &Layout, memory: &[u32], cell: u32, lane: usize) -> u32 {
-    match layout.place(cell) {
-        Place::Each(at) => memory[at as usize / 4 + lane],
-        Place::One(at) => memory[at as usize / 4],
+    match layout.address(cell) {
+        CellAddress::Each(at) => memory[at as usize / 4 + lane],
+        CellAddress::One(at) => memory[at as usize / 4],
     }
 }
 
-fn set(layout: &Layout, memory: &mut [u32], cell: u32, lane: usize, word: u32) {
-    match layout.place(cell) {
-        Place::Each(at) => memory[at as usize / 4 + lane] = word,
-        Place::One(at) => memory[at as usize / 4] = word,
+fn set(layout: &Layout, memory: &mut [u32], cell: u32, lane: usize, bits: u32) {
+    match layout.address(cell) {
+        CellAddress::Each(at) => memory[at as usize / 4 + lane] = bits,
+        CellAddress::One(at) => memory[at as usize / 4] = bits,
     }
 }
 
 fn cells<'m>(layout: &Layout, memory: &'m [u32], cell: u32) -> Cells<'m> {
-    match layout.place(cell) {
-        Place::One(at) => Cells::One(memory[at as usize / 4]),
-        Place::Each(at) => match memory[at as usize / 4..].first_chunk() {
+    match layout.address(cell) {
+        CellAddress::One(at) => Cells::One(memory[at as usize / 4]),
+        CellAddress::Each(at) => match memory[at as usize / 4..].first_chunk() {
             Some(row) => Cells::Each(row),
             None => Cells::One(0),
         },
@@ -223,13 +223,15 @@ impl RunningBatch for Held<'_> {
         cells(self.layout, self.memory, cell)
     }
 
-    fn put(&mut self, cell: u32, lanes: u32, words: &[u32; LANES]) {
-        match self.layout.place(cell) {
-            Place::One(at) => self.memory[at as usize / 4] = words[lanes.trailing_zeros() as usize % LANES],
-            Place::Each(at) => {
+    fn put(&mut self, cell: u32, lanes: u32, cell_values: &[u32; LANES]) {
+        match self.layout.address(cell) {
+            CellAddress::One(at) => {
+                self.memory[at as usize / 4] = cell_values[lanes.trailing_zeros() as usize % LANES]
+            }
+            CellAddress::Each(at) => {
                 let row = &mut self.memory[at as usize / 4..][..LANES];
-                for (lane, (to, &word)) in row.iter_mut().zip(words).enumerate() {
-                    *to = if lanes >> lane & 1 != 0 { word } else { *to };
+                for (lane, (to, &bits)) in row.iter_mut().zip(cell_values).enumerate() {
+                    *to = if lanes >> lane & 1 != 0 { bits } else { *to };
                 }
             }
         }
@@ -283,7 +285,7 @@ impl Compiled {
         out.ci = [0; 16];
         out.rows.clear();
         out.rows.resize(
-            self.kept.iter().map(|(kept, _)| kept.row + kept.ty.size()).max().unwrap_or(0),
+            self.retained.iter().map(|(pooled, _)| pooled.row + pooled.ty.size()).max().unwrap_or(0),
             [0.0; 16],
         );
         if plan.is_left_out() {
@@ -295,15 +297,15 @@ impl Compiled {
         out.events.append(&mut lanes.take_events());
         if let Some(slot) = plan.globals.get("Ci") {
             for (lane, ci) in out.ci.iter_mut().enumerate().take(points.count) {
-                *ci = get(&self.layout, words(&mut lanes.memory), slot.at, lane);
+                *ci = get(&self.layout, cell_values(&mut lanes.memory), slot.at, lane);
             }
         }
-        for (kept, slot) in &self.kept {
-            for k in 0..kept.ty.size() {
-                let row = &mut out.rows[kept.row + k];
+        for (pooled, slot) in &self.retained {
+            for k in 0..pooled.ty.size() {
+                let row = &mut out.rows[pooled.row + k];
                 for (lane, x) in row.iter_mut().enumerate().take(points.count) {
-                    let word = get(&self.layout, words(&mut lanes.memory), slot.at + k as u32, lane);
-                    *x = if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) };
+                    let bits = get(&self.layout, cell_values(&mut lanes.memory), slot.at + k as u32, lane);
+                    *x = if slot.ty.base == Base::Int { bits as i32 as f32 } else { f32::from_bits(bits) };
                 }
             }
         }
@@ -324,12 +326,12 @@ impl Program for Compiled {
         self.run_for(&self.plan, host, points, out);
     }
 
-    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
-        self.plan.tell(host, point)
+    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        self.plan.tell_point(host, point)
     }
 
-    fn kept(&self) -> &[Kept] {
-        self.plan.kept()
+    fn retained(&self) -> &[RetainedOutput] {
+        self.plan.retained()
     }
 }
 
@@ -351,7 +353,7 @@ impl Calls for Batch<'_, '_> {
             }
             Call::Together { layer, step, ins, outs } => {
                 let mut held = Held { layout: &code.layout, memory: &mut *memory };
-                if !work.machine.together(step, running, points, &mut held) {
+                if !work.machine.run_batched(step, running, points, &mut held) {
                     work.one_by_one(memory, (points, running), *layer, step, (ins, outs));
                 }
             }
@@ -388,7 +390,7 @@ impl Calls for Batch<'_, '_> {
             Call::Stopped { layer, at } => {
                 for lane in lanes {
                     work.turn(points, lane);
-                    work.machine.say_stopped(*layer, *at, code.plan.turns);
+                    work.machine.say_stopped(*layer, *at, code.plan.iterations);
                     work.stopped += 1;
                     work.hear(lane);
                 }

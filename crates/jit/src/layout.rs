@@ -7,7 +7,7 @@ use crate::term::QuickMap;
 
 /// Where a cell is, in bytes from the start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Place {
+pub(crate) enum CellAddress {
     /// A word for each lane.
     Each(u32),
     /// One word for all.
@@ -24,7 +24,7 @@ const LARGEST: usize = 256 << 20;
 pub(crate) struct Layout {
     /// Points at once: 16, or 1.
     pub(crate) lanes: usize,
-    cells: Vec<Place>,
+    cells: Vec<CellAddress>,
     constants: QuickMap<u32, u32>,
     list: Vec<u32>,
     /// Words of a constant.
@@ -62,10 +62,10 @@ impl Layout {
         for &v in varying {
             if v && lanes > 1 {
                 at = up(at);
-                cells.push(Place::Each(at as u32));
+                cells.push(CellAddress::Each(at as u32));
                 at += 64;
             } else {
-                cells.push(Place::One(at as u32));
+                cells.push(CellAddress::One(at as u32));
                 at += 4;
             }
             if at > LARGEST {
@@ -85,12 +85,12 @@ impl Layout {
         })
     }
 
-    pub(crate) fn place(&self, cell: u32) -> Place {
+    pub(crate) fn address(&self, cell: u32) -> CellAddress {
         self.cells[cell as usize]
     }
 
     /// The bits of lanes; two rows for work; room for values without a register.
-    pub(crate) const fn rooms(&self) -> [u32; 3] {
+    pub(crate) const fn areas(&self) -> [u32; 3] {
         [self.lane_bits, self.scratch, self.spills]
     }
 
@@ -107,20 +107,20 @@ impl Layout {
     pub(crate) fn template(&self, memory: &[u32]) -> Vec<u32> {
         let end = self.first_constant as usize / 4 + self.copies as usize * self.list.len();
         // What is loaded as a row may begin at the last word.
-        let mut words = vec![0_u32; end.next_multiple_of(16) + 16];
+        let mut cell_values = vec![0_u32; end.next_multiple_of(16) + 16];
         for i in 0..16 {
-            words[self.lane_bits as usize / 4 + i] = 1 << i;
+            cell_values[self.lane_bits as usize / 4 + i] = 1 << i;
         }
-        for (&place, &word) in self.cells.iter().zip(memory) {
-            match place {
-                Place::Each(at) => words[at as usize / 4..][..16].fill(word),
-                Place::One(at) => words[at as usize / 4] = word,
+        for (&address, &cell_value) in self.cells.iter().zip(memory) {
+            match address {
+                CellAddress::Each(at) => cell_values[at as usize / 4..][..16].fill(cell_value),
+                CellAddress::One(at) => cell_values[at as usize / 4] = cell_value,
             }
         }
         for (k, &bits) in self.list.iter().enumerate() {
             let at = self.first_constant as usize / 4 + k * self.copies as usize;
-            words[at..at + self.copies as usize].fill(bits);
+            cell_values[at..at + self.copies as usize].fill(bits);
         }
-        words
+        cell_values
     }
 }

@@ -3,7 +3,7 @@
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Bound, Slot, Step};
-use gnurt_sl::ir::Place as Line;
+use gnurt_sl::ir::SourcePosition as Line;
 use std::sync::{Arc, OnceLock};
 
 use crate::op::Region;

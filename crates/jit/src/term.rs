@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
 
-use gnurt_sl_lib::{Real, Words};
+use gnurt_sl_lib::{Real, UInts};
 
 use crate::op::{Binary, Id, Op, Shift, Unary};
 
@@ -217,7 +217,7 @@ impl Not for Which {
     }
 }
 
-impl Words for Bits {
+impl UInts for Bits {
     type Mask = Which;
 
     fn constant(self, x: u32) -> Self {
@@ -252,7 +252,7 @@ impl Words for Bits {
 }
 
 impl Real for Term {
-    type Words = Bits;
+    type UInts = Bits;
     type Mask = Which;
 
     fn of(self, x: f32) -> Self {
@@ -324,7 +324,7 @@ impl Real for Term {
         Self::from_int(x >> 16) * 65536.0 + Self::from_int(x & 0xffff)
     }
 
-    fn apart<T>(work: impl FnOnce() -> T) -> T {
+    fn outline<T>(work: impl FnOnce() -> T) -> T {
         work()
     }
 }

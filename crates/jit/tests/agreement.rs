@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One text for each thing that can go wrong.
 
-use super::world::{alone, compare, shader};
+use super::world::{compare, shader, single_group};
 use gnurt_sl::group::Group;
 
 /// Statements that write `o`, `f` and `k`; how many operations may be left to the interpreter.
 fn body(left: usize, statements: &str) {
     let text =
         format!("shader test(output color o = 0, output float f = 0, output int k = 0) {{ {statements} }}");
-    assert_eq!(compare(&alone(&text), &text), left, "operations that are left to the interpreter\n{text}");
+    assert_eq!(
+        compare(&single_group(&text), &text),
+        left,
+        "operations that are left to the interpreter\n{text}"
+    );
 }
 
 #[test]
@@ -133,7 +137,7 @@ fn calls() {
     let text = format!(
         "{function} shader test(output color o = 0, output float f = 0, output int k = 0) {{ f = g(P[0], k); int m; o = g(P[1] * 3, m) + m; if (u > 0.5) {{ exit(); }} o[1] = 5; }}"
     );
-    assert_eq!(compare(&alone(&text), &text), 0, "all is code");
+    assert_eq!(compare(&single_group(&text), &text), 0, "all is code");
 }
 
 #[test]
@@ -162,7 +166,7 @@ fn texts_and_messages() {
 #[test]
 fn closures() {
     let text = "surface test(float s = 7 [[int interpolated = 1]], output float f = 0) { f = s; Ci = u * diffuse(N); if (v > 0.5) Ci += diffuse(Ng) * color(u, 0, 1); }";
-    compare(&alone(text), text);
+    compare(&single_group(text), text);
     let all = [
         // Sums, weights that are nothing or all, in some points only, of numbers of other types.
         "closure color c = 0; int k = int (u * 9); for (int i = 0; i < k; ++i) { c += v * diffuse(N); if (i > 3) c = c + emission(); } Ci = c * k + 0 * c + 1 * emission() + color(0) * c;",
@@ -176,7 +180,7 @@ fn closures() {
     ];
     for code in all {
         let text = format!("surface test(output closure color o = 0) {{ {code} o = Ci * 0.5; }}");
-        compare(&alone(&text), &text);
+        compare(&single_group(&text), &text);
     }
 }
 
@@ -206,7 +210,8 @@ fn endless_loops_are_stopped() {
     // Machine code turns sooner than it takes to wait for the interpreter, which says the same.
     use gnurt_jit::{Compiled, Lanes};
     use gnurt_sl::exec::{Event, Plan, PlanOptions};
-    let group = alone("shader test(output float f = 0) { f = 1; if (u > 0.5) while (1) { f += 1; } f = 2; }");
+    let group =
+        single_group("shader test(output float f = 0) { f = 1; if (u > 0.5) while (1) { f += 1; } f = 2; }");
     let plan = std::sync::Arc::new(Plan::new(&group, &PlanOptions::default()).expect("a plan"));
     let level = gnurt_simd::Level::best();
     if !Compiled::can(level) {
@@ -231,5 +236,5 @@ fn endless_loops_are_stopped() {
 #[test]
 fn parameters_are_constants() {
     let text = "shader test(string kind = \"perlin\", int k = 1, float w[3] = {1, 2, 3}, color c = color (1, 2, 3), output float f = 0, output color o = 0) { f = noise (kind, P) + w[k] + c[k] + u; o[k] = f * c[2]; float s = 0; for (int i = 0; i < k; ++i) s += w[2]; f += s; }";
-    assert_eq!(compare(&alone(text), text), 0, "operations that are left to the interpreter");
+    assert_eq!(compare(&single_group(text), text), 0, "operations that are left to the interpreter");
 }

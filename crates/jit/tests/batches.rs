@@ -2,7 +2,7 @@
 //! Code as a program for batches, kept and made by a thread of its own; files that mean harm.
 
 use super::chance::{Dice, mutated};
-use super::world::{World, alone, compare, points, rows, shader};
+use super::world::{World, compare, points, rows, shader, single_group};
 use gnurt_jit::{Cache, Compiled, Lanes, NoCode};
 use gnurt_simd::Level;
 use gnurt_sl::exec::{Event, Plan, PlanOptions, Program, Results};
@@ -15,7 +15,7 @@ const TEXT: &str = "surface test(float s = 7 [[int interpolated = 1]], output fl
 fn plan() -> Arc<Plan> {
     let outputs = vec!["f".into(), "o".into(), "k".into()];
     let options = PlanOptions { outputs, ..PlanOptions::default() };
-    Arc::new(Plan::new(&alone(TEXT), &options).expect("a plan"))
+    Arc::new(Plan::new(&single_group(TEXT), &options).expect("a plan"))
 }
 
 #[test]
@@ -31,16 +31,16 @@ fn a_batch_by_code_is_a_batch_by_the_interpreter() {
     let again = cache.start(plan(), level);
     let code = job.wait().expect("code");
     assert!(std::ptr::eq(code, again.wait().expect("code")), "the same group has the same code");
-    assert_eq!(job.kept(), interpreted.kept(), "what is kept");
+    assert_eq!(job.retained(), interpreted.retained(), "what is kept");
     for count in [16, 5, 16] {
         let batch = rows(&points(count));
-        let (mut wanted, mut found) = (Results::default(), Results::default());
-        interpreted.run(&world, &batch, &mut wanted);
+        let (mut expected, mut found) = (Results::default(), Results::default());
+        interpreted.run(&world, &batch, &mut expected);
         job.run(&world, &batch, &mut found);
         let cut =
             |results: &Results| results.rows.iter().map(|row| row[..count].to_vec()).collect::<Vec<_>>();
-        assert_eq!(cut(&found), cut(&wanted), "{count} points");
-        assert_eq!(found.events, wanted.events, "what is said");
+        assert_eq!(cut(&found), cut(&expected), "{count} points");
+        assert_eq!(found.events, expected.events, "what is said");
         for lane in 0..count {
             let components = |r: &Results| {
                 let parts = r.closures.parts(r.ci[lane], lane).into_iter();
@@ -48,7 +48,7 @@ fn a_batch_by_code_is_a_batch_by_the_interpreter() {
                     parts.map(|(w, part)| (w, part.kind, [0, 1, 2].map(|i| part.cells(i).at(lane))));
                 numbers.collect::<Vec<_>>()
             };
-            assert_eq!(components(&found), components(&wanted), "point {lane}");
+            assert_eq!(components(&found), components(&expected), "point {lane}");
             assert_eq!(
                 components(&found).len(),
                 usize::from(lane > 0),
@@ -69,7 +69,7 @@ fn files_that_mean_harm_do_none() {
         let Ok(shader) = read(&mutated(&text, &mut dice)) else { continue };
         let mut group = Group::default();
         group.add(Arc::new(shader), None, &[], &mut Vec::new());
-        let options = PlanOptions { turns: 500, ..PlanOptions::default() };
+        let options = PlanOptions { iterations: 500, ..PlanOptions::default() };
         let Ok(plan) = Plan::new(&group, &options) else { continue };
         if let Ok(code) = Compiled::new(Arc::new(plan), level) {
             Lanes::new(&code, &world).run(&rows(&points(16)));
@@ -108,7 +108,7 @@ fn what_a_host_answers_for_all_points_is_what_it_answers_for_each() {
         ("c = environment (\"t.png\", P);", 1),
     ] {
         let text = format!("surface test ({outputs}) {{ {body} }}");
-        let found = compare(&alone(&text), &text);
+        let found = compare(&single_group(&text), &text);
         assert!(found == left || !Compiled::can(Level::best()), "{found} operations are left: {body}");
     }
 }
@@ -125,7 +125,8 @@ fn groups_beyond_a_limit_say_once_that_they_are_interpreted() {
     for i in 0..1001 {
         layers.add(layer.clone(), Some(&format!("l{i}")), &[], &mut Vec::new());
     }
-    let large = alone("surface test(int k = 0) { float a[20000]; a[k] = u; Ci = a[k + 1] * diffuse (N); }");
+    let large =
+        single_group("surface test(int k = 0) { float a[20000]; a[k] = u; Ci = a[k + 1] * diffuse (N); }");
     let (cache, world) = (Cache::default(), World::default());
     for (group, limit) in [(layers, "more than 1000 layers"), (large, "more than 16384 numbers")] {
         let plan = Plan::new(&group, &PlanOptions::default()).expect("a plan");
@@ -133,35 +134,35 @@ fn groups_beyond_a_limit_say_once_that_they_are_interpreted() {
         let why = job.wait().err();
         assert!(matches!(&why, Some(NoCode::OfGroup(why)) if why.contains(limit)), "{limit}: {why:?}");
         let mut results = Results::default();
-        let mut said = |job: &dyn Program| {
+        let mut messages = |job: &dyn Program| {
             job.run(&world, &rows(&points(3)), &mut results);
             std::mem::take(&mut results.events)
         };
-        let first = said(&job);
+        let first = messages(&job);
         assert!(
             matches!(&first[..], [(0, Event::Warning(text))] if text.contains(limit)),
             "{limit}: {first:?}"
         );
-        assert_eq!(said(&job), [], "{limit}: once");
+        assert_eq!(messages(&job), [], "{limit}: once");
     }
 }
 
 /// What both give for points that are run one batch after the other in the same memory; what code says of itself.
-fn agree(text: &str, turns: u64) -> Result<(), NoCode> {
+fn agree(text: &str, iterations: u64) -> Result<(), NoCode> {
     let level = Level::best();
     let outputs = vec!["f".into()];
-    let options = PlanOptions { outputs, turns, ..PlanOptions::default() };
-    let plan = || Arc::new(Plan::new(&alone(text), &options).expect("a plan"));
+    let options = PlanOptions { outputs, iterations, ..PlanOptions::default() };
+    let plan = || Arc::new(Plan::new(&single_group(text), &options).expect("a plan"));
     let (cache, world, interpreted) = (Cache::default(), World::default(), plan());
     let job = cache.start(plan(), level);
     job.wait()?;
-    let (mut wanted, mut found) = (Results::default(), Results::default());
+    let (mut expected, mut found) = (Results::default(), Results::default());
     for turn in 0..3 {
         let batch = rows(&points(16));
-        interpreted.run(&world, &batch, &mut wanted);
+        interpreted.run(&world, &batch, &mut expected);
         job.run(&world, &batch, &mut found);
-        assert_eq!(found.rows, wanted.rows, "batch {turn}: {text}");
-        assert_eq!(found.events, wanted.events, "batch {turn}: what is said: {text}");
+        assert_eq!(found.rows, expected.rows, "batch {turn}: {text}");
+        assert_eq!(found.events, expected.events, "batch {turn}: what is said: {text}");
     }
     Ok(())
 }
@@ -248,7 +249,7 @@ fn many_groups_take_few_threads() {
         .map(|i| {
             let lines: String = (0..12).map(|k| format!("f += noise (P * {i}, {k}); ")).collect();
             let text = format!("shader test (output float f = 0) {{ {lines} }}");
-            let plan = Plan::new(&alone(&text), &PlanOptions::default()).expect("a plan");
+            let plan = Plan::new(&single_group(&text), &PlanOptions::default()).expect("a plan");
             cache.start(Arc::new(plan), Level::best())
         })
         .collect();

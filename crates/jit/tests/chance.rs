@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Random programs: the interpreter and machine code agree.
 
-use super::world::{alone, compare};
+use super::world::{compare, single_group};
 
 /// Small numbers that look random.
 pub(crate) struct Dice(u64);
@@ -163,14 +163,14 @@ impl Maker {
             }
             7 | 8 => {
                 let name = format!("n{depth}{}", self.text.len());
-                let (turns, more) = (self.dice.roll(5), self.int(2));
+                let (iterations, more) = (self.dice.roll(5), self.int(2));
                 let head = match self.dice.roll(3) {
-                    0 => format!("for (int {name} = 0; {name} < {turns}; ++{name}) {{\n"),
-                    1 => format!("int {name} = 0; while ({name}++ < {turns} && ({more})) {{\n"),
+                    0 => format!("for (int {name} = 0; {name} < {iterations}; ++{name}) {{\n"),
+                    1 => format!("int {name} = 0; while ({name}++ < {iterations} && ({more})) {{\n"),
                     _ => format!("int {name} = 0; do {{ {name} += 1;\n"),
                 };
                 let tail = if head.contains("do {") {
-                    format!("}} while ({name} < {turns} && ({more}));\n")
+                    format!("}} while ({name} < {iterations} && ({more}));\n")
                 } else {
                     "}\n".into()
                 };
@@ -181,7 +181,7 @@ impl Maker {
                 self.text += &tail;
             }
             _ => {
-                let word = match self.dice.roll(6) {
+                let choice = match self.dice.roll(6) {
                     0 if depth > 0 => "exit();",
                     1 if depth > 0 => "return;",
                     _ if self.loops == 0 => "j += 1;",
@@ -189,7 +189,7 @@ impl Maker {
                     _ => "break;",
                 };
                 let condition = self.int(1);
-                self.text += &format!("if ({condition}) {word}\n");
+                self.text += &format!("if ({condition}) {choice}\n");
             }
         }
     }
@@ -224,7 +224,7 @@ fn random_programs_mean_the_same() {
     // The last one looks at signs of what is no number.
     for seed in (start..start + count).chain([107_421]) {
         let text = program(seed);
-        compare(&alone(&text), &format!("seed {seed}\n{text}"));
+        compare(&single_group(&text), &format!("seed {seed}\n{text}"));
     }
 }
 
@@ -246,5 +246,5 @@ pub(crate) fn mutated(text: &str, dice: &mut Dice) -> String {
             break;
         }
     }
-    lines.iter().map(|words| words.join("\t") + "\n").collect()
+    lines.iter().map(|fields| fields.join("\t") + "\n").collect()
 }

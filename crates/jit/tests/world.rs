@@ -116,12 +116,12 @@ impl Host for World {
 /// The shader of a text.
 pub(crate) fn shader(text: &str) -> Arc<Shader> {
     let compiled = compile("test.osl", text, &Options::default(), &|_| None);
-    let said: Vec<String> = compiled.diagnostics.list.iter().map(|d| d.message.clone()).collect();
-    Arc::new(compiled.shader.unwrap_or_else(|| panic!("it does not compile: {said:?}\n{text}")))
+    let messages: Vec<String> = compiled.diagnostics.list.iter().map(|d| d.message.clone()).collect();
+    Arc::new(compiled.shader.unwrap_or_else(|| panic!("it does not compile: {messages:?}\n{text}")))
 }
 
 /// The group of one text.
-pub(crate) fn alone(text: &str) -> Group {
+pub(crate) fn single_group(text: &str) -> Group {
     let mut group = Group::default();
     group.add(shader(text), Some("layer"), &[], &mut Vec::new());
     group
@@ -193,7 +193,7 @@ pub(crate) fn compare(group: &Group, text: &str) -> usize {
         })
         .collect();
     let mut machine = Machine::new(&plan, &world);
-    let wanted: Vec<Given1> = points
+    let expected: Vec<Given1> = points
         .iter()
         .map(|point| {
             machine.run(point);
@@ -224,7 +224,7 @@ pub(crate) fn compare(group: &Group, text: &str) -> usize {
                 for lane in 0..list.len() {
                     let number = batch * code.lanes() + lane;
                     let how = format!("{level}, {} lanes, point {number}", code.lanes());
-                    let (values, said) = &wanted[number];
+                    let (values, messages) = &expected[number];
                     for (k, (name, value)) in values.iter().enumerate() {
                         let data = match outputs.get(k) {
                             Some((layer, name)) => {
@@ -237,7 +237,7 @@ pub(crate) fn compare(group: &Group, text: &str) -> usize {
                     }
                     let heard: Vec<&Event> =
                         events.iter().filter(|(l, _)| *l == lane).map(|(_, e)| e).collect();
-                    assert_eq!(heard, said.iter().collect::<Vec<_>>(), "{how}: what is said\n{text}");
+                    assert_eq!(heard, messages.iter().collect::<Vec<_>>(), "{how}: what is said\n{text}");
                 }
             }
         }

@@ -45,8 +45,8 @@ impl Tracer for Lights {
 fn lights(count: usize) -> Lights {
     let class = classes::find("SpotLightShader").expect("a built-in class");
     let light = |i: usize| {
-        let place = vec![i as f32, 2.0, 5.0];
-        match class.make(&Values(vec![Value::Floats(vec![9.0; 3]), Value::Floats(place)])) {
+        let point = vec![i as f32, 2.0, 5.0];
+        match class.make(&Values(vec![Value::Floats(vec![9.0; 3]), Value::Floats(point)])) {
             RenderShader::Light(light) => light,
             _ => panic!("it is a light"),
         }
@@ -135,9 +135,9 @@ fn plugins_shade_the_same() {
             shader.radiance().expect("it shades").shade(tracer, &hits, &mut out);
             out
         };
-        let (wanted, seen) = (shade(&*built_in, &mut tracer), shade(&*plugin, &mut tracer));
-        assert!(wanted.x.iter().all(|&x| x > 0.0), "all is lit");
-        assert_eq!(seen, wanted, "{n} lanes, bit for bit");
+        let (expected, read_back) = (shade(&*built_in, &mut tracer), shade(&*plugin, &mut tracer));
+        assert!(expected.x.iter().all(|&x| x > 0.0), "all is lit");
+        assert_eq!(read_back, expected, "{n} lanes, bit for bit");
     }
 }
 

@@ -143,14 +143,14 @@ impl PluginBlock {
 
     /// How trying `prepare` with this version went, if it was tried.
     #[must_use]
-    pub fn verdict(&self, version: u64) -> Option<Result<(), String>> {
+    pub fn outcome(&self, version: u64) -> Option<Result<(), String>> {
         let tried = self.tried.lock().unwrap_or_else(PoisonError::into_inner);
-        tried.as_ref().filter(|(tried, _)| *tried == version).map(|(_, verdict)| verdict.clone())
+        tried.as_ref().filter(|(tried, _)| *tried == version).map(|(_, outcome)| outcome.clone())
     }
 
     /// Remembers how it went.
-    pub fn set_verdict(&self, version: u64, verdict: Result<(), String>) {
-        *self.tried.lock().unwrap_or_else(PoisonError::into_inner) = Some((version, verdict));
+    pub fn set_verdict(&self, version: u64, outcome: Result<(), String>) {
+        *self.tried.lock().unwrap_or_else(PoisonError::into_inner) = Some((version, outcome));
     }
 }
 

@@ -403,8 +403,8 @@ unsafe extern "C" fn texture(
                 return;
             }
             for i in 0..n {
-                let seen = sampler.sample([s.add(i).read_unaligned(), t.add(i).read_unaligned()]);
-                for (array, value) in [rgb.x, rgb.y, rgb.z, alpha].into_iter().zip(seen) {
+                let read_back = sampler.sample([s.add(i).read_unaligned(), t.add(i).read_unaligned()]);
+                for (array, value) in [rgb.x, rgb.y, rgb.z, alpha].into_iter().zip(read_back) {
                     fill(array.wrapping_add(if array.is_null() { 0 } else { i }), 1, value);
                 }
             }
@@ -421,18 +421,18 @@ unsafe extern "C" fn scratch(ctx: *mut Ctx, bytes: usize) -> *mut c_void {
 
 thread_local! {
     /// Messages of a `prepare` that runs on this thread.
-    static SAID: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
+    static MESSAGES: RefCell<Option<Vec<String>>> = const { RefCell::new(None) };
     /// Whether messages are printed.
     static SILENT: RefCell<bool> = const { RefCell::new(false) };
 }
 
 /// Runs `work` and returns what it says through `log` without a context. `aloud` = it is printed as well.
 pub(crate) fn collect_log<T>(work: impl FnOnce() -> T, aloud: bool) -> (T, Vec<String>) {
-    SAID.set(Some(Vec::new()));
+    MESSAGES.set(Some(Vec::new()));
     SILENT.set(!aloud);
     let result = work();
     SILENT.set(false);
-    (result, SAID.take().unwrap_or_default())
+    (result, MESSAGES.take().unwrap_or_default())
 }
 
 /// # Safety
@@ -451,7 +451,7 @@ unsafe extern "C" fn log(ctx: *mut Ctx, level: c_int, message: *const c_char) {
             if !SILENT.with_borrow(|silent| *silent) {
                 say(format_args!("plugin: {grade}{message}"));
             }
-            SAID.with_borrow_mut(|said| said.as_mut().map(|said| said.push(message)));
+            MESSAGES.with_borrow_mut(|messages| messages.as_mut().map(|messages| messages.push(message)));
         });
         // A text that cannot be kept: there is nobody left to tell.
         return drop(printed);

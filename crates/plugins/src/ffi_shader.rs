@@ -232,7 +232,7 @@ impl LightShader for PluginShader {
 
 impl CameraShader for PluginShader {
     fn rays(&self, samples: &CameraSamples, _aspect: f32, out: &mut RayBatch) {
-        let (calls, xy) = (self.shader.class().calls, samples.places);
+        let (calls, xy) = (self.shader.class().calls, samples.positions);
         if xy.is_empty() || (calls.camera.is_none() && calls.camera_lens.is_none()) {
             return;
         }

@@ -338,12 +338,12 @@ mod tests {
             _ => {}
         });
         let crashed = |text: &str| Trial::Crashed(text.to_owned());
-        let wanted = [
+        let expected = [
             Trial::Returned,
             crashed("it aborted (SIGABRT)"),
             crashed("it left the process"),
             Trial::Returned,
         ];
-        assert_eq!(verdicts, wanted, "one after the other");
+        assert_eq!(verdicts, expected, "one after the other");
     }
 }

@@ -110,41 +110,41 @@ impl PluginFrame {
 
 /// Tries those that were not tried with the present values.
 fn try_prepare(candidates: &mut [Candidate]) {
-    let is_due = |c: &Candidate| {
+    let is_pending = |c: &Candidate| {
         c.snapshot.block.class().calls.prepare.is_some()
-            && c.snapshot.block.verdict(c.snapshot.version).is_none()
+            && c.snapshot.block.outcome(c.snapshot.version).is_none()
     };
-    let mut due: Vec<&mut Candidate> = candidates.iter_mut().filter(|c| is_due(c)).collect();
-    let verdicts = try_all(due.len(), |i| {
-        if let Some(prepare) = due[i].snapshot.block.class().calls.prepare {
+    let mut pending: Vec<&mut Candidate> = candidates.iter_mut().filter(|c| is_pending(c)).collect();
+    let verdicts = try_all(pending.len(), |i| {
+        if let Some(prepare) = pending[i].snapshot.block.class().calls.prepare {
             // What it says is said again by the call that counts.
-            let _ = collect_log(|| due[i].snapshot.prepare(&HOST, prepare), false);
+            let _ = collect_log(|| pending[i].snapshot.prepare(&HOST, prepare), false);
         }
     });
-    for (candidate, verdict) in due.iter().zip(verdicts) {
-        let verdict = match verdict {
+    for (candidate, outcome) in pending.iter().zip(verdicts) {
+        let outcome = match outcome {
             Trial::Returned => Ok(()),
             Trial::Crashed(how) => Err(format!("its prepare crashed in a trial: {how}")),
         };
-        candidate.snapshot.block.set_verdict(candidate.snapshot.version, verdict);
+        candidate.snapshot.block.set_verdict(candidate.snapshot.version, outcome);
     }
 }
 
 /// Calls `prepare`, if the trial went well.
 fn prepare(candidate: &mut Candidate) {
     let Some(prepare) = candidate.snapshot.block.class().calls.prepare else { return };
-    let verdict = candidate.snapshot.block.verdict(candidate.snapshot.version);
-    if let Some(Err(crash)) = verdict {
+    let outcome = candidate.snapshot.block.outcome(candidate.snapshot.version);
+    if let Some(Err(crash)) = outcome {
         candidate.problem = Some(crash);
         return;
     }
-    let (status, said) = collect_log(|| candidate.snapshot.prepare(&HOST, prepare), true);
+    let (status, message) = collect_log(|| candidate.snapshot.prepare(&HOST, prepare), true);
     let Ok(status) = status else {
         candidate.problem = Some("an exception left its prepare".to_owned());
         return;
     };
     if status != 0 {
-        let said = if said.is_empty() { String::new() } else { format!(" ({})", said.join("; ")) };
-        candidate.problem = Some(format!("its prepare failed with {status}{said}"));
+        let message = if message.is_empty() { String::new() } else { format!(" ({})", message.join("; ")) };
+        candidate.problem = Some(format!("its prepare failed with {status}{message}"));
     }
 }

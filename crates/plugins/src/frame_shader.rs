@@ -22,10 +22,10 @@ pub(crate) struct FrameShader {
 
 impl FrameShader {
     pub(crate) fn new(snapshot: Snapshot, frame: &Arc<FrameState>, faults: Arc<Faults>) -> Self {
-        let mut places = 0..;
+        let mut indices = 0..;
         let parameters = snapshot.block.class().parameters.iter();
         let varies = parameters.map(|p| p.description.rate != ParameterRate::Shader);
-        let attribute_of = varies.map(|varies| if varies { places.next() } else { None }).collect();
+        let attribute_of = varies.map(|varies| if varies { indices.next() } else { None }).collect();
         Self { snapshot, frame: frame.clone(), faults, attribute_of }
     }
 

@@ -308,19 +308,19 @@ mod tests {
     fn folders_without_leave_to_run_code_are_passed_over() {
         let (_folder, file) = built();
         let mounts = std::fs::read_to_string("/proc/mounts").unwrap_or_default();
-        let places = mounts.lines().filter_map(|line| {
+        let mount_points = mounts.lines().filter_map(|line| {
             let mut words = line.split(' ').skip(1);
-            let (place, _kind, options) = (words.next()?, words.next()?, words.next()?);
-            options.split(',').any(|option| option == "noexec").then_some(place)
+            let (candidate, _kind, options) = (words.next()?, words.next()?, words.next()?);
+            options.split(',').any(|option| option == "noexec").then_some(candidate)
         });
-        let writable = |place: &&str| tempfile::tempfile_in(place).is_ok();
-        let Some(place) = places.into_iter().find(writable) else {
+        let writable = |candidate: &&str| tempfile::tempfile_in(candidate).is_ok();
+        let Some(candidate) = mount_points.into_iter().find(writable) else {
             eprintln!("SKIPPED: no folder here is mounted noexec and may be written to");
             return;
         };
-        let copy = tempfile::Builder::new().suffix(".so").tempfile_in(place).expect("it is writable");
+        let copy = tempfile::Builder::new().suffix(".so").tempfile_in(candidate).expect("it is writable");
         std::fs::copy(&file, copy.path()).expect("there is room");
-        assert!(Library::open(copy.path()).is_err(), "{place} runs no code");
-        assert!(open_anew(&file, &[Path::new(place)]).is_ok(), "the library is loaded all the same");
+        assert!(Library::open(copy.path()).is_err(), "{candidate} runs no code");
+        assert!(open_anew(&file, &[Path::new(candidate)]).is_ok(), "the library is loaded all the same");
     }
 }

@@ -106,7 +106,7 @@ impl SceneShader {
         let mut values = class.defaults();
         let described = Parameter::of_built_in(class);
         for (parameter, value) in parameters {
-            let i = place(parameter, &described)?;
+            let i = index_of(parameter, &described)?;
             let wrong = |why: String| format!("parameter '{parameter}': {why}");
             values.0[i] = match class.parameters[i].kind {
                 ParameterType::Float => {
@@ -133,7 +133,7 @@ impl SceneShader {
         let described: Vec<Parameter> = class.parameters.iter().map(|p| p.description.clone()).collect();
         let (block, mut textures) = (PluginBlock::new(&class)?, BTreeMap::new());
         for (parameter, value) in parameters {
-            let i = place(parameter, &described)?;
+            let i = index_of(parameter, &described)?;
             let wrong = |why: String| format!("{}: parameter '{parameter}': {why}", class.title());
             match described[i].kind {
                 DataType::Text => {
@@ -171,7 +171,7 @@ fn surface(made: RenderShader) -> Result<Arc<dyn SurfaceShader>, String> {
 }
 
 /// The number of the parameter of this name, if people can set it here.
-fn place(name: &str, described: &[Parameter]) -> Result<usize, String> {
+fn index_of(name: &str, described: &[Parameter]) -> Result<usize, String> {
     let Some(i) = described.iter().position(|parameter| parameter.name == name) else {
         let names: Vec<&str> = described.iter().map(|parameter| &parameter.name[..]).collect();
         let list = if names.is_empty() {
@@ -232,7 +232,7 @@ mod tests {
 
     #[test]
     fn what_is_wrong_is_said() {
-        for (class, parameters, said) in [
+        for (class, parameters, message) in [
             ("MateShader", &[][..], "did you mean \"MatteShader\"?"),
             ("PinholeCamera", &[], "no built-in surface class \"PinholeCamera\""),
             ("MatteShader", &[("colour", "1")], "no parameter 'colour'; there are"),
@@ -242,7 +242,7 @@ mod tests {
             ("MatteShader", &[("texture", "@no/such.png")], "no/such.png"),
         ] {
             let found = refused(class, parameters);
-            assert!(found.contains(said), "{class} {parameters:?}: {found}");
+            assert!(found.contains(message), "{class} {parameters:?}: {found}");
         }
     }
 

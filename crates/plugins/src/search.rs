@@ -77,8 +77,8 @@ mod tests {
     #[test]
     fn all_places_are_told() {
         let told = find("none.so", "/nowhere", open).expect_err("there is none");
-        for place in ["\"none.so\"", "/nowhere/none.so", "loader: no good", "./none.so"] {
-            assert!(told.contains(place), "'{place}' in {told}");
+        for plugin_path in ["\"none.so\"", "/nowhere/none.so", "loader: no good", "./none.so"] {
+            assert!(told.contains(plugin_path), "'{plugin_path}' in {told}");
         }
         let told = find("none.so", "", open).expect_err("there is none");
         assert!(told.contains("OPENRT_SHADER_PATH is not set"), "{told}");

@@ -19,12 +19,12 @@ use crate::film::{self, TileFilm};
 use crate::frame::Frame;
 use crate::job::Job;
 use crate::layers;
-use crate::many_lights::interleave::Seen;
-use crate::many_lights::{self, Common, KeptLights};
-use crate::motion::KeptPicture;
+use crate::many_lights::interleave::PatternTexels;
+use crate::many_lights::{self, Common, PersistentLights};
+use crate::motion::PictureHistory;
 use crate::options::RenderOptions;
 use crate::progress::Watch;
-use crate::sampler::{Apart, Sampler};
+use crate::sampler::{Sampler, SplitLight};
 use crate::stats::RenderStats;
 use crate::tile::render_tile;
 use crate::tracer::BatchTracer;
@@ -81,10 +81,10 @@ impl Watch for Watched<'_> {
 /// # let camera = gnurt_scene::Camera { name: String::new(), eye: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov_y: 40.0, ..gnurt_scene::Camera::default() };
 /// # let camera = SceneCamera::new(&camera).expect("a view");
 /// let options = RenderOptions { width: 64, height: 48, spp: 8, ..RenderOptions::default() };
-/// let mut seen = Accumulation::new(options).expect("sound options");
-/// while !seen.is_complete() {
-///     seen.pass(&world, &camera, 1, &pool, &Silent);
-///     let picture = seen.picture(); // show it
+/// let mut visible = Accumulation::new(options).expect("sound options");
+/// while !visible.is_complete() {
+///     visible.pass(&world, &camera, 1, &pool, &Silent);
+///     let picture = visible.picture(); // show it
 /// #   assert_eq!(picture.pixel_count(), 64 * 48);
 /// }
 /// ```
@@ -149,29 +149,29 @@ impl Accumulation {
     /// `render` takes, but like it one with the right mean.
     pub fn pass_in_motion(
         &mut self,
-        kept: &mut KeptLights,
+        persistent: &mut PersistentLights,
         world: &World,
         camera: &dyn CameraShader,
         pool: &rayon::ThreadPool,
         progress: &dyn Progress,
     ) -> bool {
-        self.pass_with(Some(kept), None, world, camera, 1, pool, progress)
+        self.pass_with(Some(persistent), None, world, camera, 1, pool, progress)
     }
 
-    /// As [`pass_in_motion`](Self::pass_in_motion), and where [`KeptPicture::suits`] says so the picture is made of what the pictures
+    /// As [`pass_in_motion`](Self::pass_in_motion), and where [`PictureHistory::suits`] says so the picture is made of what the pictures
     /// before knew of the light, and of fresh samples for a share `fresh` of the pixels, in (0, 1]: of the right mean, but smoothed, and
     /// sparks are cut.
     pub fn pass_remembering(
         &mut self,
-        kept: &mut KeptPicture,
+        persistent: &mut PictureHistory,
         fresh: f32,
         world: &World,
         camera: &Arc<dyn CameraShader>,
         pool: &rayon::ThreadPool,
         progress: &dyn Progress,
     ) -> bool {
-        if !KeptPicture::suits(world, &**camera, &self.options) {
-            return self.pass_in_motion(&mut kept.lights, world, &**camera, pool, progress);
+        if !PictureHistory::suits(world, &**camera, &self.options) {
+            return self.pass_in_motion(&mut persistent.lights, world, &**camera, pool, progress);
         }
         if self.is_complete() {
             return true;
@@ -182,7 +182,7 @@ impl Accumulation {
             world.lights().make_set(pool);
         }
         let job = Job::new(world, &**camera, &options, &watched);
-        let whole = kept.next(&job, camera, fresh, (&mut self.tiles, &mut self.stats), pool);
+        let whole = persistent.next(&job, camera, fresh, (&mut self.tiles, &mut self.stats), pool);
         self.note_pass(begin, pool);
         progress.passed(self);
         whole
@@ -201,7 +201,7 @@ impl Accumulation {
     #[expect(clippy::too_many_arguments, reason = "what all passes have in common")]
     pub(crate) fn pass_with(
         &mut self,
-        mut kept: Option<&mut KeptLights>,
+        mut persistent: Option<&mut PersistentLights>,
         deadline: Option<Instant>,
         world: &World,
         camera: &dyn CameraShader,
@@ -220,12 +220,12 @@ impl Accumulation {
         let has_virtual_lights = self.options.integrator.has_virtual_lights();
         let seed = self.options.seed;
         // Rays have moments of their own, or where lights are a sample's all of it has one.
-        let opened = world.wants_moments().then(|| world.with_moments(seed));
-        let is_of_pass = world.wants_moments() && (has_virtual_lights || world.lights_move());
+        let opened = world.needs_times().then(|| world.with_times(seed));
+        let is_of_pass = world.needs_times() && (has_virtual_lights || world.lights_move());
         let world = opened.as_ref().unwrap_or(world);
         let all_samples = pixels * u64::from(self.options.spp);
-        let way = Way { camera, options: &options, watch: &watched, deadline, all_samples };
-        let mut shared = way.job(world, self.stats.samples);
+        let pass_setup = PassSetup { camera, options: &options, watch: &watched, deadline, all_samples };
+        let mut shared = pass_setup.job(world, self.stats.samples);
         shared.common = self.common.clone();
         // Virtual lights are one sample's.
         let at_once = if has_virtual_lights || is_of_pass { 1 } else { u32::MAX };
@@ -236,12 +236,12 @@ impl Accumulation {
                 if self.options.integrator.needs_light_set() {
                     world.lights().make_set(pool);
                 }
-                way.job(world, self.stats.samples)
+                pass_setup.job(world, self.stats.samples)
             });
             let job = own.as_ref().unwrap_or(&shared);
             done = done.saturating_add(at_once).min(last);
-            let pass = pool.install(|| match &mut kept {
-                Some(kept) => kept.next(job),
+            let pass = pool.install(|| match &mut persistent {
+                Some(persistent) => persistent.next(job),
                 None => many_lights::pass_lights(job, done - 1),
             });
             if let Some(pass) = &pass {
@@ -270,14 +270,14 @@ impl Accumulation {
     #[must_use]
     pub fn samples(&self) -> u32 {
         let spp = self.options.spp;
-        let lacking = self.tiles.iter().filter(|tile| tile.samples < tile.wanted(spp));
+        let lacking = self.tiles.iter().filter(|tile| tile.samples < tile.requested(spp));
         lacking.map(|tile| tile.samples).min().unwrap_or(spp)
     }
 
     /// Whether every pixel has all samples that the options ask for.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        self.tiles.iter().all(|tile| tile.samples >= tile.wanted(self.options.spp))
+        self.tiles.iter().all(|tile| tile.samples >= tile.requested(self.options.spp))
     }
 
     /// What it is rendered with.
@@ -382,7 +382,7 @@ impl Accumulation {
 
 /// What the jobs of all passes have in common.
 #[derive(Clone, Copy)]
-struct Way<'a> {
+struct PassSetup<'a> {
     camera: &'a dyn CameraShader,
     options: &'a RenderOptions,
     watch: &'a dyn Watch,
@@ -390,7 +390,7 @@ struct Way<'a> {
     all_samples: u64,
 }
 
-impl<'a> Way<'a> {
+impl<'a> PassSetup<'a> {
     /// The job in a world, after so many samples.
     fn job<'j>(self, world: &'j World, samples_done: u64) -> Job<'j>
     where
@@ -415,14 +415,14 @@ fn add_interleaved(
     let take = |tracer: &mut BatchTracer, tile: &TileFilm| {
         (!sampler.job.should_stop()).then(|| sampler.sample_apart(tile, tracer, sample))
     };
-    let taken: Option<Vec<Apart>> =
+    let taken: Option<Vec<SplitLight>> =
         pool.install(|| tiles.par_iter().map_init(|| sampler.tracer(), take).collect());
     let taken = taken?;
     let rects: Vec<[u32; 4]> = tiles.iter().map(|tile| tile.rect).collect();
-    let seen = rects.iter().zip(taken.iter().map(|apart| apart.texels.as_slice()));
-    let seen = Seen::new(seen, region, film::tile_size(sampler.job.options), n);
-    let add = |tracer: &mut BatchTracer, (tile, apart): (&mut TileFilm, &Apart)| {
-        sampler.add_apart(tile, tracer, sample, apart, &seen)
+    let visible = rects.iter().zip(taken.iter().map(|split| split.texels.as_slice()));
+    let visible = PatternTexels::new(visible, region, film::tile_size(sampler.job.options), n);
+    let add = |tracer: &mut BatchTracer, (tile, split): (&mut TileFilm, &SplitLight)| {
+        sampler.add_apart(tile, tracer, sample, split, &visible)
     };
     Some(pool.install(|| tiles.par_iter_mut().zip(&taken).map_init(|| sampler.tracer(), add).collect()))
 }

@@ -54,8 +54,12 @@ fn needed(tile: &TileFilm, noise: f32) -> u32 {
         }
     }
     let values = 3.0 * tile.sums.len() as f64;
-    let (variance, wanted) = (variance / values, f64::from(noise) * mean / values);
-    if variance > 0.0 { (variance / (wanted * wanted)).ceil().min(f64::from(u32::MAX)) as u32 } else { 0 }
+    let (variance, requested) = (variance / values, f64::from(noise) * mean / values);
+    if variance > 0.0 {
+        (variance / (requested * requested)).ceil().min(f64::from(u32::MAX)) as u32
+    } else {
+        0
+    }
 }
 
 #[cfg(test)]

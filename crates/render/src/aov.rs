@@ -14,8 +14,8 @@ use glam::Vec3;
 use gnurt_accel::INVALID_ID;
 use gnurt_shading::Vec3s;
 
-use crate::tracer::{BatchTracer, MID_GREY, Wanted};
-use crate::words::{Words, word_f32, word_f64, word_u32};
+use crate::state::{SavedState, put_f32, put_f64, put_u32};
+use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
 use crate::world::HitLanes;
 
 /// The layers of a tile.
@@ -91,21 +91,21 @@ impl TileAovs {
     ) {
         let world = tracer.world;
         let first = range.start;
-        if !tracer.seen.is_empty() {
+        if !tracer.direct.is_empty() {
             for (sum, lane) in self.emission.iter_mut().zip(range.clone()) {
-                let seen = tracer.seen.get(lane);
-                (0..3).for_each(|c| sum[c] += f64::from(seen[c]));
+                let direct = tracer.direct.get(lane);
+                (0..3).for_each(|c| sum[c] += f64::from(direct[c]));
             }
         }
-        let add = |sum: &mut [f64; 4], seen: Vec3| {
-            let seen = if seen.is_finite() { seen } else { Vec3::ZERO };
-            (0..3).for_each(|k| sum[k] += f64::from(seen[k]));
+        let add = |sum: &mut [f64; 4], direct: Vec3| {
+            let direct = if direct.is_finite() { direct } else { Vec3::ZERO };
+            (0..3).for_each(|k| sum[k] += f64::from(direct[k]));
             sum[3] += 1.0;
         };
         for lane in range.clone().filter(|&lane| camera.hits.prim_id[lane] == INVALID_ID) {
             add(&mut self.missed[lane - first], radiance.get(lane));
         }
-        tracer.for_each_surface_in(range, camera, Wanted::Sides, |_, shader, lanes, points| {
+        tracer.for_each_surface_in(range, camera, AttributeRequests::Sides, |_, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
             let backdrop = shader.backdrop();
@@ -136,22 +136,22 @@ impl TileAovs {
     }
 }
 
-impl Words for TileAovs {
-    fn words(&mut self, with: &mut dyn FnMut(&mut u64)) {
+impl SavedState for TileAovs {
+    fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
         for sums in [&mut self.albedo, &mut self.normal, &mut self.emission] {
-            sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+            sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
         }
         for sums in [&mut self.missed, &mut self.caught] {
-            sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+            sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
         }
-        self.behind.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+        self.behind.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
         for hit in &mut self.first {
             let FirstHit { position, depth, z, object, instance, prim, material } = hit;
             for x in [&mut position.x, &mut position.y, &mut position.z, depth, z] {
-                word_f32(x, with);
+                put_f32(x, with);
             }
             for id in [object, instance, prim, material] {
-                word_u32(id, with);
+                put_u32(id, with);
             }
         }
     }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The camera that a description holds, as a shader of rays.
-//! Source: references/README point 5 (frame, vertical angle, square pixels); projections and lens: `gnurt_shading::LookCamera`.
+//! Source: references/README point 5 (frame, vertical angle, square pixels); projections and lens: `gnurt_shading::ProjectiveCamera`.
 //! Space: world. Tests: `tests::{corners_and_centre, degenerate_cameras_see_nothing}`, tests/path.rs (depth of field).
 
 use glam::Vec3;
-use gnurt_accel::{Moment, RayBatch};
+use gnurt_accel::{KeyInterval, RayBatch};
 use gnurt_scene::{Camera, Projection};
-use gnurt_shading::{CameraSamples, CameraShader, Look, LookCamera};
+use gnurt_shading::{CameraProjection, CameraSamples, CameraShader, ProjectiveCamera};
 
 /// The camera of a description: of any projection, with or without a lens; the horizontal angle of view follows from the aspect.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SceneCamera(LookCamera);
+pub struct SceneCamera(ProjectiveCamera);
 
 impl SceneCamera {
     /// The camera of a description; `None` where that has a [`fault`](Camera::fault), which says why.
@@ -21,24 +21,24 @@ impl SceneCamera {
         }
         let frame = camera.frame()?;
         let half_angle = f64::from(camera.fov_y).to_radians() / 2.0;
-        let look = match camera.projection {
-            Projection::Perspective => Look::Perspective { half_height: half_angle.tan() as f32 },
-            Projection::Orthographic { height } => Look::Parallel { half_height: height / 2.0 },
-            Projection::Fisheye => Look::Fisheye { half_angle: half_angle as f32 },
-            Projection::Panorama => Look::Panorama,
+        let camera_projection = match camera.projection {
+            Projection::Perspective => CameraProjection::Perspective { half_height: half_angle.tan() as f32 },
+            Projection::Orthographic { height } => CameraProjection::Parallel { half_height: height / 2.0 },
+            Projection::Fisheye => CameraProjection::Fisheye { half_angle: half_angle as f32 },
+            Projection::Panorama => CameraProjection::Panorama,
         };
         // An angle may round to none, or to one too wide.
-        let usable = match look {
-            Look::Perspective { half_height } => half_height > 0.0 && half_height.is_finite(),
+        let usable = match camera_projection {
+            CameraProjection::Perspective { half_height } => half_height > 0.0 && half_height.is_finite(),
             _ => true,
         };
         usable.then(|| {
-            Self(LookCamera {
+            Self(ProjectiveCamera {
                 eye: camera.eye.into(),
                 right: frame.right.into(),
                 up: frame.up.into(),
                 forward: frame.forward.into(),
-                look,
+                projection: camera_projection,
                 radius: camera.lens.aperture / 2.0,
                 focus: camera.focus_distance(),
             })
@@ -46,29 +46,31 @@ impl SceneCamera {
     }
 
     /// A camera on the way from this one to another of the same projection.
-    pub(crate) fn between(&self, other: &Self, moment: &Moment) -> Self {
+    pub(crate) fn interpolated(&self, other: &Self, interval: &KeyInterval) -> Self {
         let (from, to) = (&self.0, &other.0);
-        let mix = |a: Vec3, b: Vec3| Vec3::from(moment.mix3(a.into(), b.into()));
-        let look = match (from.look, to.look) {
-            (Look::Perspective { half_height: a }, Look::Perspective { half_height: b }) => {
-                Look::Perspective { half_height: moment.mix(a, b) }
+        let mix = |a: Vec3, b: Vec3| Vec3::from(interval.mix3(a.into(), b.into()));
+        let camera_projection = match (from.projection, to.projection) {
+            (
+                CameraProjection::Perspective { half_height: a },
+                CameraProjection::Perspective { half_height: b },
+            ) => CameraProjection::Perspective { half_height: interval.mix(a, b) },
+            (
+                CameraProjection::Parallel { half_height: a },
+                CameraProjection::Parallel { half_height: b },
+            ) => CameraProjection::Parallel { half_height: interval.mix(a, b) },
+            (CameraProjection::Fisheye { half_angle: a }, CameraProjection::Fisheye { half_angle: b }) => {
+                CameraProjection::Fisheye { half_angle: interval.mix(a, b) }
             }
-            (Look::Parallel { half_height: a }, Look::Parallel { half_height: b }) => {
-                Look::Parallel { half_height: moment.mix(a, b) }
-            }
-            (Look::Fisheye { half_angle: a }, Look::Fisheye { half_angle: b }) => {
-                Look::Fisheye { half_angle: moment.mix(a, b) }
-            }
-            (look, _) => look,
+            (camera_projection, _) => camera_projection,
         };
-        Self(LookCamera {
+        Self(ProjectiveCamera {
             eye: mix(from.eye, to.eye),
             right: mix(from.right, to.right).normalize_or(from.right),
             up: mix(from.up, to.up).normalize_or(from.up),
             forward: mix(from.forward, to.forward).normalize_or(from.forward),
-            look,
-            radius: moment.mix(from.radius, to.radius),
-            focus: moment.mix(from.focus, to.focus),
+            projection: camera_projection,
+            radius: interval.mix(from.radius, to.radius),
+            focus: interval.mix(from.focus, to.focus),
         })
     }
 
@@ -94,8 +96,8 @@ impl CameraShader for SceneCamera {
         self.0.has_lens()
     }
 
-    fn place(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
-        self.0.place(p, aspect)
+    fn project(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
+        self.0.project(p, aspect)
     }
 }
 
@@ -128,7 +130,11 @@ mod tests {
             SceneCamera::new(&camera).expect("a view").0
         };
         let parallel = with(Projection::Orthographic { height: 3.0 }, 0.5);
-        assert_eq!(parallel.look, Look::Parallel { half_height: 1.5 }, "half of the height");
+        assert_eq!(
+            parallel.projection,
+            CameraProjection::Parallel { half_height: 1.5 },
+            "half of the height"
+        );
         assert_eq!((parallel.radius, parallel.focus), (0.25, 10.0), "half of the aperture; the target");
         assert!(!with(Projection::Panorama, 0.0).has_lens(), "a pinhole has none");
     }

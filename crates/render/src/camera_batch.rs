@@ -14,7 +14,7 @@ pub(crate) struct CameraBatch {
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,
     /// Where they go through the picture.
-    pub(crate) places: Vec<[f32; 2]>,
+    pub(crate) positions: Vec<[f32; 2]>,
     /// And through the lens; empty if it has no extent.
     pub(crate) lens: Vec<[f32; 2]>,
     /// And when, while the shutter is open; empty if nothing moves.

@@ -8,8 +8,8 @@
 use crate::accumulation::Accumulation;
 use crate::error::CheckpointError;
 use crate::options::RenderOptions;
+use crate::state::SavedState;
 use crate::stats::MOST;
-use crate::words::Words;
 
 const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
 const VERSION: u64 = 4;
@@ -20,14 +20,14 @@ impl Accumulation {
     pub fn to_bytes(&self, fingerprint: u64) -> Vec<u8> {
         let mut bytes = Vec::new();
         let mut sum = 0;
-        let mut put = |word: &mut u64| {
-            sum = checksum(sum, *word);
-            bytes.extend(word.to_le_bytes());
+        let mut put = |value: &mut u64| {
+            sum = checksum(sum, *value);
+            bytes.extend(value.to_le_bytes());
         };
         self.header(fingerprint).iter_mut().for_each(&mut put);
-        self.stats.clone().words(&mut put);
+        self.stats.clone().state(&mut put);
         for tile in &self.tiles {
-            tile.clone().words(&mut put);
+            tile.clone().state(&mut put);
         }
         bytes.extend(sum.to_le_bytes());
         bytes
@@ -36,13 +36,13 @@ impl Accumulation {
     /// How many bytes [`to_bytes`](Self::to_bytes) gives, now and later.
     #[must_use]
     pub fn byte_count(&self) -> u64 {
-        let mut words = self.header(0).len() as u64 + 1;
-        let mut count = |_: &mut u64| words += 1;
-        self.stats.clone().words(&mut count);
+        let mut state = self.header(0).len() as u64 + 1;
+        let mut count = |_: &mut u64| state += 1;
+        self.stats.clone().state(&mut count);
         for tile in &self.tiles {
-            tile.clone().words(&mut count);
+            tile.clone().state(&mut count);
         }
-        8 * words
+        8 * state
     }
 
     /// What [`to_bytes`](Self::to_bytes) wrote, to go on under `options`: those it was made with, but for the number of
@@ -57,41 +57,41 @@ impl Accumulation {
         bytes: &[u8],
     ) -> Result<Self, CheckpointError> {
         let mut accumulation = Self::new(options).map_err(|_| CheckpointError::OtherPicture)?;
-        let (words, rest) = bytes.as_chunks::<8>();
-        let word = |i: usize| words.get(i).map(|word| u64::from_le_bytes(*word));
-        if word(0) != Some(MAGIC) {
+        let (state, rest) = bytes.as_chunks::<8>();
+        let value = |i: usize| state.get(i).map(|value| u64::from_le_bytes(*value));
+        if value(0) != Some(MAGIC) {
             return Err(CheckpointError::NoCheckpoint);
         }
-        if word(1) != Some(VERSION) {
+        if value(1) != Some(VERSION) {
             return Err(CheckpointError::OtherVersion);
         }
         // Who reads a file need not read more than a word too many.
         if bytes.len() as u64 > accumulation.byte_count() {
             return Err(CheckpointError::OtherPicture);
         }
-        let (Some(last), true) = (words.len().checked_sub(1), rest.is_empty()) else {
+        let (Some(last), true) = (state.len().checked_sub(1), rest.is_empty()) else {
             return Err(CheckpointError::Damaged);
         };
-        let sum = words[..last].iter().fold(0, |sum, word| checksum(sum, u64::from_le_bytes(*word)));
-        if word(last) != Some(sum) {
+        let sum = state[..last].iter().fold(0, |sum, value| checksum(sum, u64::from_le_bytes(*value)));
+        if value(last) != Some(sum) {
             return Err(CheckpointError::Damaged);
         }
         let header = accumulation.header(fingerprint);
-        if (0..header.len()).any(|i| word(i) != Some(header[i])) {
+        if (0..header.len()).any(|i| value(i) != Some(header[i])) {
             return Err(CheckpointError::OtherPicture);
         }
         let mut at = header.len();
         let mut enough = true;
-        let mut get = |slot: &mut u64| match word(at).filter(|_| at < last) {
-            Some(word) => {
-                *slot = word;
+        let mut get = |slot: &mut u64| match value(at).filter(|_| at < last) {
+            Some(value) => {
+                *slot = value;
                 at += 1;
             }
             None => enough = false,
         };
-        accumulation.stats.words(&mut get);
+        accumulation.stats.state(&mut get);
         for tile in &mut accumulation.tiles {
-            tile.words(&mut get);
+            tile.state(&mut get);
         }
         let costs = accumulation.tiles.iter().flat_map(|tile| &tile.costs);
         let can_go_on = accumulation.stats.are_sound() && costs.max().is_none_or(|&cost| cost <= MOST);
@@ -100,7 +100,7 @@ impl Accumulation {
         }
         let most = accumulation.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
         if most > accumulation.options.spp {
-            return Err(CheckpointError::MoreSamples { has: most, asked: accumulation.options.spp });
+            return Err(CheckpointError::MoreSamples { has: most, requested: accumulation.options.spp });
         }
         Ok(accumulation)
     }
@@ -112,6 +112,6 @@ impl Accumulation {
     }
 }
 
-fn checksum(sum: u64, word: u64) -> u64 {
-    (sum ^ word).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23)
+fn checksum(sum: u64, value: u64) -> u64 {
+    (sum ^ value).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23)
 }

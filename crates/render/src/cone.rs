@@ -54,7 +54,7 @@ pub(crate) fn fineness(key: SampleKey) -> f32 {
 
 /// Where a cone meets a surface.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Meeting<R> {
+pub(crate) struct ConeHit<R> {
     pub(crate) width: R,
     pub(crate) spread: R,
     /// Of the surface, positive where it bulges towards the ray.
@@ -65,7 +65,7 @@ pub(crate) struct Meeting<R> {
     pub(crate) kind: RayKind,
 }
 
-impl<R: Real> Meeting<R> {
+impl<R: Real> ConeHit<R> {
     /// How fast the cone widens that goes on in a direction of this density; `fineness` is that of its sample.
     #[inline(always)]
     pub(crate) fn spread_after(&self, pdf: R, delta: R::Mask, transmitted: R::Mask, fineness: R) -> R {
@@ -79,7 +79,7 @@ impl<R: Real> Meeting<R> {
     }
 }
 
-impl Meeting<f32> {
+impl ConeHit<f32> {
     /// Of lane `i` of a batch.
     pub(crate) fn of(points: &SurfaceBatch, i: usize) -> Self {
         let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
@@ -106,9 +106,9 @@ impl Cone {
     pub(crate) fn of(camera: &dyn CameraShader, options: &RenderOptions) -> Self {
         let (width, height) = (options.width as f32, options.height as f32);
         let mut rays = RayBatch::default();
-        let beside = [[0.5, 0.5], [0.5 + 1.0 / width, 0.5], [0.5, 0.5 + 1.0 / height]];
-        camera.rays(&CameraSamples::sharp(&beside), width / height, &mut rays);
-        if rays.len() < beside.len() {
+        let neighbours = [[0.5, 0.5], [0.5 + 1.0 / width, 0.5], [0.5, 0.5 + 1.0 / height]];
+        camera.rays(&CameraSamples::sharp(&neighbours), width / height, &mut rays);
+        if rays.len() < neighbours.len() {
             return Self::default();
         }
         let distance = |a: [f32; 3], b: [f32; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f32>().sqrt();
@@ -123,7 +123,7 @@ impl Cone {
 
     /// The cone of a ray that begins without width in a direction of this density, as fine as cones get.
     pub(crate) fn from_point(pdf: f32) -> Self {
-        let spread = Meeting::default().spread_after(pdf, false, false, FINEST);
+        let spread = ConeHit::default().spread_after(pdf, false, false, FINEST);
         Self { spread: if spread.is_finite() { spread } else { 0.0 }, ..Self::default() }
     }
 
@@ -159,8 +159,8 @@ impl Cone {
         let SurfaceBatch { footprint, cone_spread, kinds, t, key, depth, .. } = points;
         [&mut *footprint, &mut *cone_spread].into_iter().for_each(|array| array.resize(lanes.len(), 0.0));
         kinds.clear();
-        let places = footprint.iter_mut().zip(cone_spread).zip(lanes.iter().zip(&*t).zip(key));
-        for ((footprint, cone_spread), ((&lane, &t), &mut key)) in places {
+        let positions = footprint.iter_mut().zip(cone_spread).zip(lanes.iter().zip(&*t).zip(key));
+        for ((footprint, cone_spread), ((&lane, &t), &mut key)) in positions {
             let cone = match cones {
                 Some(cones) => cones.get(lane as usize),
                 None if *depth == 0 => self.of_sample(key).sent_by(RayKind::Camera),
@@ -244,13 +244,13 @@ mod tests {
 
     #[test]
     fn surfaces_widen_cones() {
-        let flat = Meeting { width: 0.1_f32, spread: 0.01, cos: 1.0, ..Meeting::default() };
-        let after = |at: &Meeting<f32>, pdf: f32, delta| at.spread_after(pdf, delta, false, 1.0);
+        let flat = ConeHit { width: 0.1_f32, spread: 0.01, cos: 1.0, ..ConeHit::default() };
+        let after = |at: &ConeHit<f32>, pdf: f32, delta| at.spread_after(pdf, delta, false, 1.0);
         assert_eq!(after(&flat, f32::INFINITY, true), 0.01, "a plane mirror");
         // A ball of radius 2 turns its normal by 0.05 over 0.1, and its image by twice that.
-        let ball = Meeting { curvature: 0.5, ..flat };
+        let ball = ConeHit { curvature: 0.5, ..flat };
         assert!((after(&ball, f32::INFINITY, true) - 0.11).abs() < 1e-6, "a ball spreads");
-        let bowl = Meeting { curvature: -0.5, ..flat };
+        let bowl = ConeHit { curvature: -0.5, ..flat };
         assert!((after(&bowl, f32::INFINITY, true) + 0.09).abs() < 1e-6, "a bowl focuses");
         let rough = |pdf| after(&flat, pdf, false);
         assert!(rough(1e6) < 0.011 && rough(10.0) > 0.1, "by the width of its lobe: {}", rough(10.0));

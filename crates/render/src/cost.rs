@@ -24,8 +24,8 @@ impl TileCosts {
         let [x0, y0, x1, _] = self.rect;
         for (key, &cost) in keys.iter().zip(costs) {
             let (x, y) = (key.pixel % self.picture_width, key.pixel / self.picture_width);
-            let place = u64::from(y.wrapping_sub(y0)) * u64::from(x1 - x0) + u64::from(x.wrapping_sub(x0));
-            if let Some(sum) = self.costs.get_mut(place as usize) {
+            let position = u64::from(y.wrapping_sub(y0)) * u64::from(x1 - x0) + u64::from(x.wrapping_sub(x0));
+            if let Some(sum) = self.costs.get_mut(position as usize) {
                 *sum += u64::from(cost);
             }
         }

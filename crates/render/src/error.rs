@@ -55,12 +55,12 @@ pub enum CheckpointError {
     #[error("it is of another picture: scene, camera or options differ")]
     OtherPicture,
     /// The picture already has more samples than it shall get.
-    #[error("it holds {has} samples per pixel already, {asked} are asked for")]
+    #[error("it holds {has} samples per pixel already, {requested} are asked for")]
     MoreSamples {
         /// How many it holds.
         has: u32,
         /// How many are wanted.
-        asked: u32,
+        requested: u32,
     },
 }
 

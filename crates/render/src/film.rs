@@ -13,7 +13,7 @@ use gnurt_shading::Vec3s;
 use crate::aov::TileAovs;
 use crate::options::RenderOptions;
 use crate::piece::Piece;
-use crate::words::{Words, word_f64, word_u32};
+use crate::state::{SavedState, put_f64, put_u32};
 
 /// A rectangle of pixels that one thread renders at a time.
 #[derive(Clone, Debug)]
@@ -154,7 +154,7 @@ impl TileFilm {
     }
 
     /// Samples that it shall get, where the options say `spp`.
-    pub(crate) fn wanted(&self, spp: u32) -> u32 {
+    pub(crate) fn requested(&self, spp: u32) -> u32 {
         if self.target > 0 { self.target.min(spp) } else { spp }
     }
 
@@ -207,23 +207,23 @@ pub(crate) fn blocks([x0, y0, x1, y1]: [u32; 4]) -> impl Iterator<Item = [u32; 4
         .flat_map(move |y| starts(x0, x1).map(move |x| [x, y, (x + BLOCK).min(x1), (y + BLOCK).min(y1)]))
 }
 
-impl Words for TileFilm {
-    fn words(&mut self, with: &mut dyn FnMut(&mut u64)) {
-        word_u32(&mut self.samples, with);
-        word_u32(&mut self.target, with);
+impl SavedState for TileFilm {
+    fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
+        put_u32(&mut self.samples, with);
+        put_u32(&mut self.target, with);
         let mut sums = if self.samples > 1 && !self.sums.is_empty() {
             std::mem::take(&mut self.sums)
         } else {
             self.first.iter().map(|first| first.map(f64::from)).collect()
         };
-        sums.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+        sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
         // One sample's values are floats, whoever wrote them.
         self.first = sums.iter().map(|sum| sum.map(|x| x as f32)).collect();
         self.sums = if self.samples > 1 { sums } else { Vec::new() };
-        self.squares.as_flattened_mut().iter_mut().for_each(|x| word_f64(x, with));
+        self.squares.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
         self.costs.iter_mut().for_each(&mut *with);
         if let Some(aovs) = &mut self.aovs {
-            aovs.words(with);
+            aovs.state(with);
         }
     }
 }
@@ -241,8 +241,8 @@ mod tests {
                 .flat_map(TileFilm::pixels)
                 .collect();
             pixels.sort_unstable();
-            let wanted: Vec<_> = (x0..x1).flat_map(|x| (y0..y1).map(move |y| [x, y])).collect();
-            assert_eq!(pixels, wanted, "region {region:?}");
+            let requested: Vec<_> = (x0..x1).flat_map(|x| (y0..y1).map(move |y| [x, y])).collect();
+            assert_eq!(pixels, requested, "region {region:?}");
         }
     }
 }

@@ -33,7 +33,7 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
         hash.floats(mesh.texcoords.as_flattened());
         hash.floats(mesh.tangents.as_flattened());
         hash.floats(mesh.colors.as_flattened());
-        mesh.indices.as_flattened().iter().for_each(|&i| hash.word(u64::from(i)));
+        mesh.indices.as_flattened().iter().for_each(|&i| hash.mix_number(u64::from(i)));
         hash.debug(&mesh.attributes);
     }
     for texture in scene.textures() {
@@ -44,10 +44,10 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
         match &resident.as_ref().unwrap_or(&texture.texels).data {
             TexelData::Tiled(_) => {}
             TexelData::Srgb8(texels) | TexelData::Linear8(texels) => {
-                texels.iter().for_each(|&texel| hash.word(u64::from(u32::from_le_bytes(texel))));
+                texels.iter().for_each(|&texel| hash.mix_number(u64::from(u32::from_le_bytes(texel))));
             }
             TexelData::Linear16(texels) => {
-                texels.iter().flatten().for_each(|&number| hash.word(u64::from(number)));
+                texels.iter().flatten().for_each(|&number| hash.mix_number(u64::from(number)));
             }
             TexelData::Float(texels) => hash.floats(texels.as_flattened()),
         }
@@ -58,15 +58,15 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
 struct Hash(u64);
 
 impl Hash {
-    fn word(&mut self, word: u64) {
-        let mixed = (self.0 ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    fn mix_number(&mut self, mix_number: u64) {
+        let mixed = (self.0 ^ mix_number).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         self.0 = mixed ^ (mixed >> 29);
     }
 
     /// Their number counts, too, so that arrays cannot run into each other.
     fn floats(&mut self, floats: &[f32]) {
-        self.word(floats.len() as u64);
-        floats.iter().for_each(|x| self.word(u64::from(x.to_bits())));
+        self.mix_number(floats.len() as u64);
+        floats.iter().for_each(|x| self.mix_number(u64::from(x.to_bits())));
     }
 
     fn debug(&mut self, value: &dyn Debug) {
@@ -77,7 +77,7 @@ impl Hash {
 
 impl Write for Hash {
     fn write_str(&mut self, text: &str) -> fmt::Result {
-        text.bytes().for_each(|byte| self.word(u64::from(byte)));
+        text.bytes().for_each(|byte| self.mix_number(u64::from(byte)));
         Ok(())
     }
 }

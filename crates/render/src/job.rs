@@ -81,10 +81,10 @@ impl<'a> Job<'a> {
         batch: &mut CameraBatch,
     ) {
         let (width, height) = (self.options.width, self.options.height);
-        let CameraBatch { pixels: all, rays, keys, places, lens, times, .. } = batch;
+        let CameraBatch { pixels: all, rays, keys, positions, lens, times, .. } = batch;
         rays.clear();
         keys.clear();
-        places.clear();
+        positions.clear();
         all.clear();
         // An iterator of rows and columns is fast from inside only.
         pixels.for_each(|pixel| all.push(pixel));
@@ -94,16 +94,16 @@ impl<'a> Job<'a> {
         if self.options.pixel_centres {
             let [columns, rows] = self.centres.get_or_init(|| centres(width, height));
             let centre = |&[x, y]: &[u32; 2]| [columns[x as usize], rows[y as usize]];
-            while places.len() < keys.len() {
-                places.extend(all.iter().map(centre));
+            while positions.len() < keys.len() {
+                positions.extend(all.iter().map(centre));
             }
         } else {
-            self.draw(keys, purpose::PIXEL, places);
-            for (place, &[x, y]) in places.iter_mut().zip(all.iter().cycle()) {
-                let [dx, dy] = self.filter.sample(*place).map(f64::from);
+            self.draw(keys, purpose::PIXEL, positions);
+            for (position, &[x, y]) in positions.iter_mut().zip(all.iter().cycle()) {
+                let [dx, dy] = self.filter.sample(*position).map(f64::from);
                 let across = (f64::from(x) + 0.5 + dx) / f64::from(width);
                 let up = 1.0 - (f64::from(y) + 0.5 + dy) / f64::from(height);
-                *place = [across as f32, up as f32];
+                *position = [across as f32, up as f32];
             }
         }
         lens.clear();
@@ -115,7 +115,7 @@ impl<'a> Job<'a> {
         if self.world.is_open() {
             times.extend(keys.iter().map(|&key| self.world.time(key)));
         }
-        let samples = CameraSamples { places, lens, times };
+        let samples = CameraSamples { positions, lens, times };
         self.camera.rays(&samples, width as f32 / height as f32, rays);
         // A camera that gives too few rays leaves the rest dark: a ray without direction hits nothing.
         while rays.len() < keys.len() {

@@ -41,7 +41,7 @@ impl Log {
                 format!("{}  shading {}", triple(points.ng.get(i)), triple(points.ns.get(i))),
             );
             self.line("uv", format!("{} {}", points.texcoord[0][i], points.texcoord[1][i]));
-            for line in shader.tell(points, i) {
+            for line in shader.describe(points, i) {
                 self.line("shader", line);
             }
         }

@@ -3,7 +3,7 @@
 //! Between keys the eye goes straight, and axes are mixed and made units again: keys are to be so close that a turn between
 //! two is a small one, as those of an `Exposure` are. Space: world. Tests: `tests`, crates/render/tests/shutter.rs.
 
-use gnurt_accel::{Moment, RayBatch};
+use gnurt_accel::{KeyInterval, RayBatch};
 use gnurt_scene::Camera;
 use gnurt_shading::{CameraSamples, CameraShader};
 
@@ -26,8 +26,8 @@ impl MovingCamera {
     /// The camera at a moment from 0 to 1.
     #[must_use]
     pub fn at(&self, time: f32) -> SceneCamera {
-        let moment = Moment::of(time, self.keys.len());
-        self.keys[moment.key].between(&self.keys[moment.next], &moment)
+        let interval = KeyInterval::of(time, self.keys.len());
+        self.keys[interval.key].interpolated(&self.keys[interval.next], &interval)
     }
 }
 
@@ -35,7 +35,7 @@ impl CameraShader for MovingCamera {
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
         for i in 0..samples.len() {
             let lens = samples.lens.get(i..=i).unwrap_or(&[]);
-            let one = CameraSamples { places: &samples.places[i..=i], lens, times: &[] };
+            let one = CameraSamples { positions: &samples.positions[i..=i], lens, times: &[] };
             self.at(samples.time(i)).rays(&one, aspect, out);
         }
     }
@@ -61,14 +61,14 @@ mod tests {
         };
         let moving = MovingCamera::new(&[camera(0.0), camera(2.0), camera(6.0)]).expect("views");
         let mut rays = RayBatch::default();
-        let places = [[0.5, 0.5], [0.5, 0.5], [0.25, 1.0]];
-        let samples = CameraSamples { places: &places, lens: &[], times: &[0.25, 0.75, 1.0] };
+        let positions = [[0.5, 0.5], [0.5, 0.5], [0.25, 1.0]];
+        let samples = CameraSamples { positions: &positions, lens: &[], times: &[0.25, 0.75, 1.0] };
         moving.rays(&samples, 1.0, &mut rays);
         assert_eq!([0, 1, 2].map(|i| rays.get(i).org[0]), [1.0, 4.0, 6.0], "along its way");
         assert_eq!(rays.get(1).dir, [0.0, 0.0, -1.0], "the middle looks forward");
         let mut last = RayBatch::default();
         let still = SceneCamera::new(&camera(6.0)).expect("a view");
-        still.rays(&CameraSamples::sharp(&places[2..]), 1.0, &mut last);
+        still.rays(&CameraSamples::sharp(&positions[2..]), 1.0, &mut last);
         assert_eq!(rays.get(2), last.get(0), "at the end as if it stood there");
         assert_eq!(MovingCamera::new(&[]), None, "nowhere");
     }

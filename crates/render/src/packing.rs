@@ -121,24 +121,24 @@ fn blank(channel: &Channel, pixels: usize) -> Channel {
 struct Slots {
     columns: u32,
     rows: u32,
-    place: u32,
+    position: u32,
 }
 
 impl Slots {
     fn of(rects: &[[u32; 4]]) -> Self {
         let count = u32::try_from(rects.len()).unwrap_or(u32::MAX).max(1);
         let columns = f64::from(count).sqrt().ceil() as u32;
-        let place = rects.iter().flat_map(size).max().unwrap_or(1);
-        Self { columns, rows: count.div_ceil(columns), place }
+        let position = rects.iter().flat_map(size).max().unwrap_or(1);
+        Self { columns, rows: count.div_ceil(columns), position }
     }
 
     fn size(&self) -> [u32; 2] {
-        [self.columns * self.place, self.rows * self.place]
+        [self.columns * self.position, self.rows * self.position]
     }
 
     fn corner(&self, i: usize) -> [u32; 2] {
         let i = i as u32;
-        [i % self.columns * self.place, i / self.columns * self.place]
+        [i % self.columns * self.position, i / self.columns * self.position]
     }
 }
 

@@ -57,7 +57,7 @@ pub fn trace_pixel(
     if x >= options.width || y >= options.height {
         return Err(RenderError::NoSuchPixel { x, y, width: options.width, height: options.height });
     }
-    let opened = world.wants_moments().then(|| world.with_moments(options.seed));
+    let opened = world.needs_times().then(|| world.with_times(options.seed));
     let world = opened.as_ref().unwrap_or(world);
     let job = Job::new(world, camera, &options, &Unwatched);
     let pass = many_lights::pass_lights(&job, 0);

@@ -8,7 +8,7 @@
 use gnurt_accel::{Coherence, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::{
-    CameraSamples, LightBatch, Meeting, PixelSamples, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s,
+    CameraSamples, LightBatch, PixelSamples, RayRequest, SampleKey, SurfaceBatch, SurfaceHit, Tracer, Vec3s,
 };
 
 use crate::camera_batch::CameraBatch;
@@ -28,20 +28,20 @@ pub(crate) fn show(
     radiance: &mut Vec3s,
 ) {
     let Some(shader) = job.world.pixel() else { return };
-    let CameraBatch { rays, keys, places, lens, times, hits, .. } = batch;
+    let CameraBatch { rays, keys, positions, lens, times, hits, .. } = batch;
     let (width, height) = (job.options.width as f32, job.options.height as f32);
-    let beside = [[1.0 / width, 0.0], [0.0, -1.0 / height]].map(|[dx, dy]| {
-        let moved: Vec<[f32; 2]> = places.iter().map(|[x, y]| [x + dx, y + dy]).collect();
+    let neighbours = [[1.0 / width, 0.0], [0.0, -1.0 / height]].map(|[dx, dy]| {
+        let moved: Vec<[f32; 2]> = positions.iter().map(|[x, y]| [x + dx, y + dy]).collect();
         let mut there = RayBatch::default();
-        job.camera.rays(&CameraSamples { places: &moved, lens, times }, width / height, &mut there);
+        job.camera.rays(&CameraSamples { positions: &moved, lens, times }, width / height, &mut there);
         there
     });
     let distances: Vec<f32> =
         (0..rays.len()).map(|i| hits.get(i).map_or(f32::INFINITY, |hit| hit.t)).collect();
     let samples = PixelSamples {
         rays,
-        beside: [&beside[0], &beside[1]],
-        camera: CameraSamples { places, lens, times },
+        neighbours: [&neighbours[0], &neighbours[1]],
+        camera: CameraSamples { positions, lens, times },
         size: [job.options.width, job.options.height],
         keys,
         radiance,
@@ -51,7 +51,7 @@ pub(crate) fn show(
     shown.resize(rays.len());
     shader.show(&mut Looking { tracer, pass }, &samples, &mut shown);
     *radiance = shown;
-    tracer.seen = Vec3s::default();
+    tracer.direct = Vec3s::default();
 }
 
 /// A tracer whose rays are those of the camera.
@@ -92,7 +92,7 @@ impl Tracer for Looking<'_, '_> {
         self.tracer.distances_of(RayMask::CAMERA, request, out);
     }
 
-    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<Meeting>>) {
+    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
         self.tracer.meetings_of(RayMask::CAMERA, request, out);
     }
 

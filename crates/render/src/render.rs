@@ -48,7 +48,7 @@ pub fn render_on(
         let until = [deadline, save_at].into_iter().flatten().min();
         let samples = next_pass(accumulation.samples());
         let whole = accumulation.pass_with(None, until, world, camera, samples, pool, progress);
-        if save_at.is_some_and(|moment| Instant::now() >= moment) {
+        if save_at.is_some_and(|instant| Instant::now() >= instant) {
             at_rest(&accumulation);
             saved = Instant::now();
         }

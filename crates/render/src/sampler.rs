@@ -14,7 +14,7 @@ use crate::cost::TileCosts;
 use crate::film::TileFilm;
 use crate::integrators;
 use crate::job::Job;
-use crate::many_lights::interleave::{Seen, Texel};
+use crate::many_lights::interleave::{PatternTexels, Texel};
 use crate::many_lights::{self, PassLights};
 use crate::options::Integrator;
 use crate::pixels;
@@ -33,7 +33,7 @@ pub(crate) struct Sampler<'a> {
 }
 
 /// A sample of each pixel of a tile, light and surfaces apart.
-pub(crate) struct Apart {
+pub(crate) struct SplitLight {
     /// Row by row.
     pub(crate) texels: Vec<Texel>,
     batch: CameraBatch,
@@ -80,7 +80,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// A sample of each pixel of a part of the film, light and surfaces apart; nothing is added to the film.
-    pub(crate) fn sample_apart(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> Apart {
+    pub(crate) fn sample_apart(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> SplitLight {
         let mut batch = CameraBatch::default();
         self.job.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
         tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, self.job.options.width));
@@ -101,7 +101,7 @@ impl<'a> Sampler<'a> {
             texels[((y - y0) * (x1 - x0) + (x - x0)) as usize] = texel;
         }
         let costs = tracer.costs.take().map_or_else(Vec::new, |costs| costs.costs);
-        Apart { texels, batch, costs, stats: tracer.take_stats() }
+        SplitLight { texels, batch, costs, stats: tracer.take_stats() }
     }
 
     /// Adds a sample that was taken apart to the film; `filter` brings its parts together.
@@ -110,21 +110,21 @@ impl<'a> Sampler<'a> {
         tile: &mut TileFilm,
         tracer: &mut BatchTracer,
         sample: u32,
-        apart: &Apart,
-        seen: &Seen,
+        split: &SplitLight,
+        visible: &PatternTexels,
     ) -> RenderStats {
         let mut radiance = Vec3s::default();
-        seen.filtered(tile, &mut radiance);
-        pixels::show(self.job, self.pass, tracer, &apart.batch, &mut radiance);
-        let camera = apart.batch.met();
+        visible.filtered(tile, &mut radiance);
+        pixels::show(self.job, self.pass, tracer, &split.batch, &mut radiance);
+        let camera = split.batch.met();
         if let Some(aovs) = &mut tile.aovs {
             aovs.add(tracer, camera, 0..camera.keys.len(), sample, self.job.forward, &radiance);
         }
-        tile.costs.resize(apart.costs.len(), 0);
-        tile.costs.iter_mut().zip(&apart.costs).for_each(|(sum, cost)| *sum += cost);
+        tile.costs.resize(split.costs.len(), 0);
+        tile.costs.iter_mut().zip(&split.costs).for_each(|(sum, cost)| *sum += cost);
         let bad_samples = tile.add_sample(&radiance, camera.hits, 0..camera.keys.len());
         let mut stats = tracer.take_stats();
-        stats.add(&apart.stats);
+        stats.add(&split.stats);
         stats.bad_samples += bad_samples;
         let done = self.job.samples_done.fetch_add(stats.samples, Ordering::Relaxed) + stats.samples;
         self.job.watch.update(done as f64 / self.job.all_samples as f64, done);

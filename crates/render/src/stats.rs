@@ -2,7 +2,7 @@
 //! Counters of a rendering: what was traced, what it cost.
 //! Counters are per tile and added at the end, in tile order: no thread waits for another one.
 
-use crate::words::{Words, word_f64, word_u32};
+use crate::state::{SavedState, put_f64, put_u32};
 
 /// The largest counter that is believed.
 pub(crate) const MOST: u64 = 1 << 56;
@@ -68,8 +68,8 @@ impl RenderStats {
     }
 }
 
-impl Words for RenderStats {
-    fn words(&mut self, with: &mut dyn FnMut(&mut u64)) {
+impl SavedState for RenderStats {
+    fn state(&mut self, with: &mut dyn FnMut(&mut u64)) {
         for counter in [
             &mut self.camera_rays,
             &mut self.shadow_rays,
@@ -81,8 +81,8 @@ impl Words for RenderStats {
         ] {
             with(counter);
         }
-        word_u32(&mut self.spp_min, with);
-        word_u32(&mut self.spp_max, with);
-        word_f64(&mut self.seconds, with);
+        put_u32(&mut self.spp_min, with);
+        put_u32(&mut self.spp_max, with);
+        put_f64(&mut self.seconds, with);
     }
 }

@@ -25,7 +25,7 @@ pub(crate) fn render_tile(
         }
         tile.target = samples_needed(job, tile.rect, noise, &mut pilot);
     }
-    let last = last.min(tile.wanted(last));
+    let last = last.min(tile.requested(last));
     tracer.costs = job.options.heatmap.then(|| TileCosts::new(tile.rect, job.options.width));
     // Samples are taken in order, so that a tile that was cut short in an earlier pass goes on where it was.
     while tile.samples < last && !job.should_stop() {

@@ -14,7 +14,7 @@ use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::materials::recursive_radiance;
 use gnurt_shading::sampling::{purpose, sample_pair};
 use gnurt_shading::{
-    Detail, EnvironmentShader, LightBatch, Meeting, RayKind, RayRequest, SampleKey, SurfaceBatch,
+    Detail, EnvironmentShader, LightBatch, RayKind, RayRequest, SampleKey, SurfaceBatch, SurfaceHit,
     SurfaceShader, Tracer, Vec3s,
 };
 
@@ -24,7 +24,7 @@ use crate::cost::TileCosts;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
-use crate::transport::{Wavefront, holes};
+use crate::transport::{Wavefront, opacity};
 use crate::world::{HitLanes, World};
 
 /// Albedo of surfaces that do not tell theirs.
@@ -75,7 +75,7 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) cone: Cone,
     record: Record,
     /// What camera rays see without anything scattered, lane by lane; empty if the integrator does not tell or nobody asks.
-    pub(crate) seen: Vec3s,
+    pub(crate) direct: Vec3s,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
     spare: Vec<Group>,
     /// Memory of the camera rays, likewise.
@@ -96,7 +96,7 @@ pub(crate) struct BatchTracer<'w> {
 
 /// What the points of a batch are looked at for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub(crate) enum AttributeRequests {
     /// All that shaders can do.
     Light,
     /// Base colours, places and normals.
@@ -127,7 +127,7 @@ impl<'w> BatchTracer<'w> {
             sharing: Sharing::All,
             cone: Cone::default(),
             record,
-            seen: Vec3s::default(),
+            direct: Vec3s::default(),
             spare: Vec::new(),
             camera: CameraBatch::default(),
             wavefront: Wavefront::default(),
@@ -170,20 +170,20 @@ impl<'w> BatchTracer<'w> {
         hits: &mut HitBatch,
     ) {
         let query = Query { level: self.options.level, coherence, mask: kind.0 };
-        let rays = with_moments(self.world, rays, keys, &mut self.timed);
+        let rays = with_times(self.world, rays, keys, &mut self.timed);
         self.world.tree().intersect_batch(&query, rays, hits, &mut self.record);
         self.note_costs(keys);
     }
 
     /// Calls `with(tracer, material's shader, lanes, their points)` for each material that was hit; the points are as the
-    /// shader's methods that are `wanted` need them.
+    /// shader's methods that are `requested` need them.
     pub(crate) fn for_each_surface(
         &mut self,
         from: HitLanes,
-        wanted: Wanted,
+        requested: AttributeRequests,
         with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
     ) {
-        self.for_each_surface_in(0..from.rays.len(), from, wanted, with);
+        self.for_each_surface_in(0..from.rays.len(), from, requested, with);
     }
 
     /// The same for the lanes in `range`.
@@ -191,14 +191,14 @@ impl<'w> BatchTracer<'w> {
         &mut self,
         range: Range<usize>,
         from: HitLanes,
-        wanted: Wanted,
+        requested: AttributeRequests,
         with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
     ) {
         let mut group = self.spare.pop().unwrap_or_default();
         let mut order = std::mem::take(&mut group.order);
         self.world.sort_by_material(from.hits, range, &mut order);
         self.spare.push(group);
-        self.for_each_surface_of(&order, from, wanted, with);
+        self.for_each_surface_of(&order, from, requested, with);
         if let Some(group) = self.spare.last_mut() {
             group.order = order;
         }
@@ -209,7 +209,7 @@ impl<'w> BatchTracer<'w> {
         &mut self,
         order: &[u64],
         from: HitLanes,
-        wanted: Wanted,
+        requested: AttributeRequests,
         mut with: impl FnMut(&mut Self, &dyn SurfaceShader, &[u32], &SurfaceBatch),
     ) {
         let world = self.world;
@@ -219,8 +219,8 @@ impl<'w> BatchTracer<'w> {
             let Group { lanes, points, .. } = &mut group;
             lanes.clear();
             lanes.extend(same.iter().map(|&lane| lane as u32));
-            let detail = if wanted == Wanted::Light { Detail::Full } else { Detail::Sides };
-            world.places().surface_points(
+            let detail = if requested == AttributeRequests::Light { Detail::Full } else { Detail::Sides };
+            world.surface_points().surface_points(
                 (self.options.level, self.options.ray_epsilon),
                 from,
                 lanes,
@@ -241,7 +241,7 @@ impl<'w> BatchTracer<'w> {
     pub(crate) fn shade(&mut self, from: HitLanes, radiance: &mut Vec3s) {
         radiance.reset(from.rays.len(), Vec3::ZERO);
         self.shade_misses(from, radiance);
-        self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
+        self.for_each_surface(from, AttributeRequests::Light, |tracer, shader, lanes, points| {
             if let Some(log) = &mut tracer.log {
                 log.surface(shader, points);
             }
@@ -257,9 +257,9 @@ impl<'w> BatchTracer<'w> {
 
     fn shade_misses(&mut self, from: HitLanes, radiance: &mut Vec3s) {
         let missed: Vec<usize> = (0..from.rays.len()).filter(|&i| from.hits.get(i).is_none()).collect();
-        let seen = self.environment(from.rays, &missed, |lane| from.is_of_camera(lane));
+        let direct = self.environment(from.rays, &missed, |lane| from.is_of_camera(lane));
         for (k, &lane) in missed.iter().enumerate() {
-            radiance.set(lane, seen.get(k));
+            radiance.set(lane, direct.get(k));
         }
     }
 
@@ -270,24 +270,24 @@ impl<'w> BatchTracer<'w> {
         lanes: &[usize],
         is_of_camera: impl Fn(usize) -> bool,
     ) -> Vec3s {
-        let mut seen = Vec3s::splat(lanes.len(), Vec3::ZERO);
+        let mut direct = Vec3s::splat(lanes.len(), Vec3::ZERO);
         let lights = self.world.lights();
         let Some(environment) = lights.environment.as_ref().filter(|_| !lanes.is_empty()) else {
-            return seen;
+            return direct;
         };
         let mut dirs = Vec3s::default();
         lanes.iter().for_each(|&lane| dirs.push(Vec3::from(rays.get(lane).dir)));
-        environment.miss(&dirs, &mut seen);
+        environment.miss(&dirs, &mut direct);
         if let Some(backdrop) = &lights.backdrop {
-            let mut shown = seen.clone();
+            let mut shown = direct.clone();
             backdrop.miss(&dirs, &mut shown);
             let of_camera = lanes.iter().enumerate().filter(|(_, lane)| is_of_camera(**lane));
-            of_camera.for_each(|(k, _)| seen.set(k, shown.get(k)));
+            of_camera.for_each(|(k, _)| direct.set(k, shown.get(k)));
         }
         // Places of a picture where a camera sees nothing have rays without direction.
         let nowhere = (0..dirs.len()).filter(|&i| dirs.get(i) == Vec3::ZERO);
-        nowhere.for_each(|i| seen.set(i, Vec3::ZERO));
-        seen
+        nowhere.for_each(|i| direct.set(i, Vec3::ZERO));
+        direct
     }
 
     /// How far rays of a kind go.
@@ -314,7 +314,7 @@ impl<'w> BatchTracer<'w> {
         &mut self,
         kind: RayMask,
         request: &RayRequest,
-        out: &mut Vec<Option<Meeting>>,
+        out: &mut Vec<Option<SurfaceHit>>,
     ) {
         self.stats.secondary_rays += request.rays.len() as u64;
         let RayRequest { rays, key: keys, .. } = request;
@@ -323,12 +323,12 @@ impl<'w> BatchTracer<'w> {
         out.resize(rays.len(), None);
         let cones = Some(&self.cones_of(request));
         let from = HitLanes { rays, keys, hits, cones, depth: 1 };
-        self.for_each_surface(from, Wanted::Sides, |tracer, shader, lanes, points| {
+        self.for_each_surface(from, AttributeRequests::Sides, |tracer, shader, lanes, points| {
             let mut albedo = Vec3s::splat(lanes.len(), MID_GREY);
             shader.albedo(points, &mut albedo);
             for (k, &lane) in lanes.iter().enumerate() {
                 let (world, instance) = (tracer.world, points.inst_id[k]);
-                out[lane as usize] = Some(Meeting {
+                out[lane as usize] = Some(SurfaceHit {
                     t: points.t[k],
                     p: points.p.get(k),
                     ng: points.facing_ng(k),
@@ -349,7 +349,7 @@ impl<'w> BatchTracer<'w> {
     /// Whether rays with these keys, neighbours of each other, hit anything.
     pub(crate) fn occluded_batch(&mut self, rays: &RayBatch, keys: &[SampleKey], blocked: &mut Vec<bool>) {
         let query = Query { level: self.options.level, coherence: self.shadows, mask: RayMask::SHADOW.0 };
-        let rays = with_moments(self.world, rays, keys, &mut self.timed);
+        let rays = with_times(self.world, rays, keys, &mut self.timed);
         self.world.tree().occluded_batch(&query, rays, blocked, &mut self.record);
         self.note_costs(keys);
     }
@@ -384,9 +384,9 @@ impl<'w> BatchTracer<'w> {
             let from = HitLanes { rays: &rays, keys: &keys, hits: &hits, cones, depth: 0 };
             let (mut next_rays, mut next_keys, mut next_serves) =
                 (RayBatch::default(), Vec::new(), Vec::new());
-            self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
+            self.for_each_surface(from, AttributeRequests::Light, |tracer, shader, lanes, points| {
                 let mut through = Vec3s::splat(lanes.len(), Vec3::ZERO);
-                if layer >= holes::MOST_LAYERS {
+                if layer >= opacity::MOST_LAYERS {
                 } else if tracer.scatters() {
                     if !shader.is_solid() {
                         shader.gaps(tracer, points, &mut through);
@@ -399,7 +399,7 @@ impl<'w> BatchTracer<'w> {
                     transmittance.set(ray, transmittance.get(ray) * through.get(k));
                     if transmittance.get(ray) != Vec3::ZERO {
                         let onward = points.spawn(k, points.ray_dir.get(k), f32::INFINITY);
-                        next_rays.push(holes::rest(&rays.get(lane as usize), onward));
+                        next_rays.push(opacity::rest(&rays.get(lane as usize), onward));
                         next_keys.push(keys[lane as usize]);
                         next_serves.push(ray as u32);
                     }
@@ -426,7 +426,7 @@ impl<'w> BatchTracer<'w> {
 }
 
 /// The rays, or copies with the moments of their keys where something moves.
-fn with_moments<'a>(
+fn with_times<'a>(
     world: &World,
     rays: &'a RayBatch,
     keys: &[SampleKey],
@@ -491,7 +491,7 @@ impl Tracer for BatchTracer<'_> {
         self.distances_of(RayMask::OTHER, request, out);
     }
 
-    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<Meeting>>) {
+    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
         self.meetings_of(RayMask::OTHER, request, out);
     }
 

@@ -14,9 +14,9 @@ fn corner() -> (World, SceneCamera) {
     let mut scene = floor(0.6, 5.0);
     let mirror = Material::of("", Surface::Mirror { reflectance: Color::constant([0.9; 3]) });
     let mirror = scene.add_material(mirror);
-    place(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 8, mirror));
+    put_mesh(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 8, mirror));
     let light = emitter(&mut scene, [8.0, 7.0, 6.0]);
-    place(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
+    put_mesh(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
     scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3] });
     (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0))
 }

@@ -174,13 +174,13 @@ impl LightShader for Heeding {
 
 /// Adds a light on the side of `up` (1 or -1) of the subject, as wide as it may be.
 fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>> {
-    let place = [0.3, 0.5, 1.4 * up];
+    let placement = [0.3, 0.5, 1.4 * up];
     let opacity = Opacity { factor: 1.0, texture: None, channel: OpacityChannel::Alpha };
     match name {
-        "point" => _ = scene.add_light(Light::Point { position: place, intensity: [3.0; 3] }),
+        "point" => _ = scene.add_light(Light::Point { position: placement, intensity: [3.0; 3] }),
         "spot" => {
             _ = scene.add_light(Light::Spot {
-                position: place,
+                position: placement,
                 direction: [-0.3, -0.5, -1.4 * up],
                 intensity: [3.0; 3],
                 inner_angle: 0.3,
@@ -204,31 +204,31 @@ fn light(scene: &mut Scene, name: &str, up: f32) -> Option<Arc<dyn LightShader>>
             });
         }
         "plugin" => {
-            let point = PointLight { position: place.into(), intensity: [3.0; 3].into() };
+            let point = PointLight { position: placement.into(), intensity: [3.0; 3].into() };
             return Some(Arc::new(Heeding(point)));
         }
         _ => {
-            let lamp = emitter(scene, [4.0; 3]);
+            let area_light = emitter(scene, [4.0; 3]);
             if name == "textured area" {
                 let map = texture(scene, 2, vec![[0.2, 0.2, 0.2, 1.0], [1.0, 0.6, 0.3, 1.0]]);
-                scene.edit_material(lamp).emission_texture = Some(TextureRef::new(map));
+                scene.edit_material(area_light).emission_texture = Some(TextureRef::new(map));
             }
             let edges = [[1.4, 0.0, 0.0], [0.0, 1.4, 0.0]];
             // It shines towards the subject.
             let [a, b] = if up > 0.0 { [edges[1], edges[0]] } else { edges };
-            let mut mesh = quad([-0.4, -0.2, 1.4 * up], a, b, lamp);
+            let mut mesh = quad([-0.4, -0.2, 1.4 * up], a, b, area_light);
             if name == "area with vertex opacity" {
-                scene.edit_material(lamp).alpha = Alpha::Blend { opacity };
+                scene.edit_material(area_light).alpha = Alpha::Blend { opacity };
                 mesh.colors = [0.1, 0.9, 0.5, 0.1].map(|alpha| [1.0, 1.0, 1.0, alpha]).into();
             }
-            crate::common::place(scene, mesh);
+            crate::common::put_mesh(scene, mesh);
         }
     }
     None
 }
 
 /// A sheet of the material seen from above, its mesh's front up or down, beside a matte wall that reaches above and below it.
-fn world(subject: &str, lamp: &str, up: f32, front: bool) -> World {
+fn world(subject: &str, area_light: &str, up: f32, front: bool) -> World {
     let mut scene = Scene::new();
     let of_lobes = LOBES.into_iter().find(|&name| name == subject);
     let sheet = match of_lobes {
@@ -241,10 +241,10 @@ fn world(subject: &str, lamp: &str, up: f32, front: bool) -> World {
     if subject == "veil of vertices" {
         mesh.colors = [0.2, 0.9, 0.4, 0.7].map(|alpha| [1.0, 1.0, 1.0, alpha]).into();
     }
-    place(&mut scene, mesh);
+    put_mesh(&mut scene, mesh);
     let grey = matte(&mut scene, [0.6; 3]);
-    place(&mut scene, quad([-1.2, -1.2, -1.2], [0.0, 2.4, 0.0], [0.0, 0.0, 2.4], grey));
-    let plugin = light(&mut scene, lamp, up);
+    put_mesh(&mut scene, quad([-1.2, -1.2, -1.2], [0.0, 2.4, 0.0], [0.0, 0.0, 2.4], grey));
+    let plugin = light(&mut scene, area_light, up);
     let surfaces =
         of_lobes.map(|name| Arc::new(OfLobes(name)) as Arc<dyn SurfaceShader>).into_iter().collect();
     let lights = plugin.into_iter().collect();
@@ -356,7 +356,7 @@ fn direct(scene: &Scene, lights: Vec<Arc<dyn LightShader>>, integrator: Integrat
 }
 
 fn sheet(scene: &mut Scene, material: MaterialId) {
-    place(scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], material));
+    put_mesh(scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], material));
 }
 
 /// Lights without extent on both sides of rough glass, by the definition: the BSDF times what arrives.
@@ -433,11 +433,11 @@ fn light_is_absorbed_by_its_way_within() {
         let body = scene.add_material(Material::of("tea", clear(thin)));
         let [x, y] = [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
         // Normals point out of it: from height -1 to 1.
-        place(&mut scene, quad([-1.0, -1.0, 1.0], x, y, body));
-        place(&mut scene, quad([-1.0, -1.0, -1.0], y, x, body));
-        let way = if lamp_within {
-            let lamp = emitter(&mut scene, [1.0; 3]);
-            place(&mut scene, quad([-0.5, -0.5, 0.4], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], lamp));
+        put_mesh(&mut scene, quad([-1.0, -1.0, 1.0], x, y, body));
+        put_mesh(&mut scene, quad([-1.0, -1.0, -1.0], y, x, body));
+        let offset = if lamp_within {
+            let area_light = emitter(&mut scene, [1.0; 3]);
+            put_mesh(&mut scene, quad([-0.5, -0.5, 0.4], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], area_light));
             0.6
         } else {
             scene.add_light(environment([1.0; 3]));
@@ -458,10 +458,10 @@ fn light_is_absorbed_by_its_way_within() {
             let view = camera([0.0, 0.1, 4.0], [0.0, 0.1, 0.0], 0.001);
             let picture = render(&world, &view, &options, &pool(1), &Silent).expect("sound options").picture;
             for (found, color) in mean(&picture).into_iter().zip(attenuation_color) {
-                let wanted =
-                    if thin { 1.0 } else { f64::from(color).powf(way / f64::from(attenuation_distance)) };
+                let expected =
+                    if thin { 1.0 } else { f64::from(color).powf(offset / f64::from(attenuation_distance)) };
                 let what = format!("{integrator}, thin: {thin}, lamp within: {lamp_within}");
-                assert_close(found, wanted, 4e-3, &what);
+                assert_close(found, expected, 4e-3, &what);
             }
         }
     }
@@ -506,11 +506,11 @@ fn vertex_opacity_weakens_lamps() {
         let mut scene = floor(0.6, 3.0);
         let opacity = Opacity { factor, texture: None, channel: OpacityChannel::Alpha };
         let alpha = Alpha::Blend { opacity };
-        let lamp =
+        let area_light =
             scene.add_material(Material { emission: [5.0; 3], alpha, ..Material::matte("", [0.0; 3]) });
-        let mut mesh = quad([-0.5, -0.5, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp);
+        let mut mesh = quad([-0.5, -0.5, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], area_light);
         mesh.colors = vec![[1.0, 1.0, 1.0, vertices]; 4];
-        place(&mut scene, mesh);
+        put_mesh(&mut scene, mesh);
         let options = RenderOptions { integrator, max_depth: 2, vpls: 16, ..options(4, 4, 16) };
         mean(&frame(&scene, &camera([2.0, 0.0, 0.5], [0.3, 0.0, 0.0], 2.0), &options).picture)[0]
     };
@@ -535,7 +535,7 @@ impl Sums {
     }
 
     /// Standard errors between them.
-    fn apart(&self) -> f64 {
+    fn difference(&self) -> f64 {
         let off = (self.found - self.paths).abs();
         (off - SLACK * self.paths).max(0.0) / self.error.sqrt().max(1e-9)
     }
@@ -544,7 +544,12 @@ impl Sums {
 impl std::fmt::Display for Sums {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         let Self { found, paths, error } = self;
-        write!(f, "{found:.4}, by paths {paths:.4}, +- {:.4}: {:.1} errors apart", error.sqrt(), self.apart())
+        write!(
+            f,
+            "{found:.4}, by paths {paths:.4}, +- {:.4}: {:.1} errors apart",
+            error.sqrt(),
+            self.difference()
+        )
     }
 }
 
@@ -567,25 +572,25 @@ fn see_the_same(subjects: &[&'static str], lights: &[&'static str], spp: u32) {
     let by = |integrator, spp| RenderOptions { integrator, spp, vpls: 32, max_depth: 4, ..options(5, 5, 1) };
     let mut groups: BTreeMap<String, Sums> = BTreeMap::new();
     let mut mistakes = Vec::new();
-    for (subject, lamp) in subjects.iter().flat_map(|m| lights.iter().map(move |l| (*m, *l))) {
+    for (subject, area_light) in subjects.iter().flat_map(|m| lights.iter().map(move |l| (*m, *l))) {
         let see_through =
             ["glass", "transmitting", "veil", "cut-out"].iter().any(|part| subject.contains(part));
         // What is solid looks alike on both sides, but its lamp may be behind it.
         let cases = [(1.0, true), (-1.0, false), (-1.0, true), (1.0, false)];
         for (up, front) in cases.into_iter().take(if see_through { 4 } else { 2 }) {
-            let world = world(subject, lamp, up, front);
+            let world = world(subject, area_light, up, front);
             let (paths, paths_error) = mean_by(&world, &view, &by(Integrator::Path, spp), &threads);
             for integrator in [Integrator::InstantRadiosity, Integrator::BidirectionalInstantRadiosity] {
                 let (found, error) = mean_by(&world, &view, &by(integrator, spp / 8), &threads);
                 let sums = Sums { found, paths, error: error + paths_error };
-                for group in [subject, lamp] {
+                for group in [subject, area_light] {
                     groups.entry(format!("{group}, {integrator}")).or_default().add(sums);
                 }
-                if sums.apart() > MOST_OF_A_PAIR {
+                if sums.difference() > MOST_OF_A_PAIR {
                     let side = if up > 0.0 { "before" } else { "behind" };
                     let face = if front { "front" } else { "back" };
                     mistakes.push(format!(
-                        "{subject}, {lamp} {side} it, seen from its {face}, {integrator}: {sums}"
+                        "{subject}, {area_light} {side} it, seen from its {face}, {integrator}: {sums}"
                     ));
                 }
             }
@@ -593,7 +598,7 @@ fn see_the_same(subjects: &[&'static str], lights: &[&'static str], spp: u32) {
     }
     for (group, sums) in &groups {
         eprintln!("all of {group}: {sums}");
-        if sums.apart() > MOST_OF_A_GROUP {
+        if sums.difference() > MOST_OF_A_GROUP {
             mistakes.push(format!("all of {group}: {sums}"));
         }
     }

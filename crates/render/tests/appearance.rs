@@ -146,10 +146,10 @@ fn normal_maps_follow_coordinates_tangents_and_mirrors() {
             [[1.0, 0.0], [0.0, 1.0]],
         ),
     ];
-    for (what, found, wanted) in cases {
-        for (color, (found, wanted)) in ["red", "green"].into_iter().zip(found.into_iter().zip(wanted)) {
-            let off = (found[0] - wanted[0]).hypot(found[1] - wanted[1]);
-            assert!(off < 0.03, "{what}: {color} leans to {found:.2?} instead of {wanted:?}");
+    for (what, found, expected) in cases {
+        for (color, (found, expected)) in ["red", "green"].into_iter().zip(found.into_iter().zip(expected)) {
+            let off = (found[0] - expected[0]).hypot(found[1] - expected[1]);
+            assert!(off < 0.03, "{what}: {color} leans to {found:.2?} instead of {expected:?}");
         }
     }
 }
@@ -161,16 +161,16 @@ fn textures_modulate_emission_seen_and_given() {
     let light = emitter(&mut scene, [4.0; 3]);
     scene.edit_material(light).emission_texture = Some(TextureRef::new(map));
     // u runs along y, v along x; only y > 0 shines.
-    place(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
-    let seen = |y| radiance_at(&scene, [0.0, y, 0.5], [0.0, y + 0.01, 1.0], 1);
-    assert_eq!(seen(-0.5), [0.0; 3], "the black half");
-    assert_close(seen(0.5)[1], 2.0, 1e-5, "the bright half shows factor times texel");
+    put_mesh(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
+    let measured = |y| radiance_at(&scene, [0.0, y, 0.5], [0.0, y + 0.01, 1.0], 1);
+    assert_eq!(measured(-0.5), [0.0; 3], "the black half");
+    assert_close(measured(0.5)[1], 2.0, 1e-5, "the bright half shows factor times texel");
     let lit = radiance_at(&scene, [3.0, -3.0, 0.9], [0.0, 0.0, 0.0], 4096);
     // Two corner rectangles of 1 x 1 at height 1.
     let corner = 1.0_f64 / 2.0_f64.sqrt();
-    let wanted = 0.6 / PI * corner * corner.atan() * 2.0 * 4.0;
-    assert_close(lit[0], wanted, 1e-2, "half of the square lights the floor");
-    assert_close(lit[2], wanted / 4.0, 1e-2, "in the texel's colour");
+    let expected = 0.6 / PI * corner * corner.atan() * 2.0 * 4.0;
+    assert_close(lit[0], expected, 1e-2, "half of the square lights the floor");
+    assert_close(lit[2], expected / 4.0, 1e-2, "in the texel's colour");
 }
 
 /// Shows its two attributes and what it gets where there is none.
@@ -220,9 +220,9 @@ fn attributes_change_per_triangle_and_per_vertex() {
     for (x, y, cell) in [(0.6, -0.2, 10.0), (-0.3, 0.4, 20.0), (0.1, -0.8, 10.0)] {
         let camera = camera([x, y, 3.0], [x, y, 0.0], 0.01);
         let frame = render(&world, &camera, &options(1, 1, 1), &pool(1), &Silent).expect("sound options");
-        let [shown, place, default, _] = frame.picture.color[0];
+        let [shown, placement, default, _] = frame.picture.color[0];
         assert_eq!(shown, cell, "per triangle at {x}, {y}");
-        assert_close(f64::from(place), f64::from(x), 1e-2, "per vertex, interpolated");
+        assert_close(f64::from(placement), f64::from(x), 1e-2, "per vertex, interpolated");
         assert_eq!(default, 7.0, "the default where the mesh has none");
     }
 }
@@ -245,7 +245,7 @@ impl SurfaceShader for ByKind {
 #[test]
 fn points_know_what_sent_the_rays() {
     // A small sample in the middle of a shell.
-    let facets = |roughness| Surface::MetallicRoughness {
+    let microfacets = |roughness| Surface::MetallicRoughness {
         base_color: Color::constant([1.0; 3]),
         metallic: 1.0,
         roughness,
@@ -262,15 +262,15 @@ fn points_know_what_sent_the_rays() {
     let matte = Surface::Matte { base_color: Color::constant([1.0; 3]) };
     for (surface, kind) in [
         (matte, RayKind::Diffuse),
-        (facets(0.5), RayKind::Glossy),
+        (microfacets(0.5), RayKind::Glossy),
         (Surface::Mirror { reflectance: Color::constant([1.0; 3]) }, RayKind::Reflection),
         (glass, RayKind::Refraction),
     ] {
         let mut scene = Scene::new();
         let shell = scene.add_material(Material::of("shell", Surface::Shader(0)));
         let probe = scene.add_material(Material::of("probe", surface));
-        place(&mut scene, sphere([0.0; 3], 10.0, 8, shell));
-        place(&mut scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], probe));
+        put_mesh(&mut scene, sphere([0.0; 3], 10.0, 8, shell));
+        put_mesh(&mut scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], probe));
         let table = ShaderTable { surfaces: vec![Arc::new(ByKind)], ..ShaderTable::default() };
         let mut world = World::new();
         world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
@@ -300,15 +300,15 @@ fn meshes_tell_their_area_where_they_stand() {
     let requests = vec![want(AttributeRequest::SURFACE_AREA, 1), want("none", 2), want("none", 1)];
     let table = ShaderTable { surfaces: vec![Arc::new(Show(requests))], ..ShaderTable::default() };
     let mut world = World::new();
-    let turn = |angle| Affine::rotation([0.0, 0.0, 1.0], angle);
-    for (place, area) in [
+    let rotated = |angle| Affine::rotation([0.0, 0.0, 1.0], angle);
+    for (placement, area) in [
         (Affine::IDENTITY, 4.0),
-        (turn(0.3), 4.0),
-        (turn(0.7) * Affine::scale([3.0, 3.0, 3.0]), 36.0),
-        (Affine::scale([2.0, 0.5, 7.0]) * turn(0.4), 4.0),
+        (rotated(0.3), 4.0),
+        (rotated(0.7) * Affine::scale([3.0, 3.0, 3.0]), 36.0),
+        (Affine::scale([2.0, 0.5, 7.0]) * rotated(0.4), 4.0),
         (Affine::scale([2.0, 3.0, 1.0]), 24.0),
     ] {
-        scene.edit_instance(InstanceId(0)).world_from_object = place;
+        scene.edit_instance(InstanceId(0)).world_from_object = placement;
         world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
         let camera = camera([0.1, 0.05, 3.0], [0.1, 0.05, 0.0], 0.01);
         let frame = render(&world, &camera, &options(1, 1, 1), &pool(1), &Silent).expect("sound options");
@@ -335,8 +335,8 @@ fn surfaces_know_the_moment() {
     let mut world = World::new();
     world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
     assert_eq!(shown(&world), 0.0, "nothing moves");
-    let places = vec![Affine::IDENTITY, Affine::translation([0.2, 0.0, 0.0])];
-    let exposure = Exposure { instances: vec![(InstanceId(0), places)], ..Exposure::default() };
+    let positions = vec![Affine::IDENTITY, Affine::translation([0.2, 0.0, 0.0])];
+    let exposure = Exposure { instances: vec![(InstanceId(0), positions)], ..Exposure::default() };
     world
         .commit_exposed(&scene, &exposure, &table, &CommitOptions::default(), &pool(1))
         .expect("the scene is sound");
@@ -364,8 +364,8 @@ fn the_camera_sees_a_backdrop() {
             mean(&frame.expect("sound options").picture)
         };
         let above = shown([0.1, 0.0, 9.0]);
-        let wanted = [0.25, 0.5, 2.0];
-        above.into_iter().zip(wanted).for_each(|(x, wanted)| assert_close(x, wanted, 1e-5, "above"));
+        let expected = [0.25, 0.5, 2.0];
+        above.into_iter().zip(expected).for_each(|(x, expected)| assert_close(x, expected, 1e-5, "above"));
         let floor = shown([0.1, 0.0, 0.0]);
         floor
             .into_iter()

@@ -11,9 +11,9 @@ use gnurt_scene::Scene;
 fn still_life() -> (World, SceneCamera) {
     let mut scene: Scene = floor(0.6, 4.0);
     let red = matte(&mut scene, [0.7, 0.2, 0.1]);
-    place(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 12, red));
-    let lamp = emitter(&mut scene, [30.0, 28.0, 20.0]);
-    place(&mut scene, quad([-2.0, -2.0, 0.7], [0.0, 0.3, 0.0], [0.3, 0.0, 0.0], lamp));
+    put_mesh(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 12, red));
+    let area_light = emitter(&mut scene, [30.0, 28.0, 20.0]);
+    put_mesh(&mut scene, quad([-2.0, -2.0, 0.7], [0.0, 0.3, 0.0], [0.3, 0.0, 0.0], area_light));
     scene.add_light(environment([0.2, 0.3, 0.5]));
     (world_of(&scene, false), camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0))
 }
@@ -58,7 +58,11 @@ fn bad_bytes_are_refused() {
     assert_eq!(read(path(4), 8, &bytes), Err(CheckpointError::OtherPicture), "another fingerprint");
     let other = RenderOptions { width: 44, ..path(4) };
     assert_eq!(read(other, 7, &bytes), Err(CheckpointError::OtherPicture), "another size");
-    assert_eq!(read(path(2), 7, &bytes), Err(CheckpointError::MoreSamples { has: 3, asked: 2 }), "too many");
+    assert_eq!(
+        read(path(2), 7, &bytes),
+        Err(CheckpointError::MoreSamples { has: 3, requested: 2 }),
+        "too many"
+    );
     assert_eq!(read(path(4), 7, b"GNU"), Err(CheckpointError::NoCheckpoint), "short");
     let longer = [&bytes[..], &[0; 8]].concat();
     assert_eq!(read(path(4), 7, &longer), Err(CheckpointError::OtherPicture), "of a larger one");
@@ -82,14 +86,14 @@ fn signed_bytes_change_no_size() {
     let bytes = picture.to_bytes(7);
     let mut taken = 0;
     for at in (0..40).chain((40..bytes.len() / 8 - 1).step_by(1511)) {
-        for word in [(1 << 32) - 1, 1 << 40, u64::MAX] {
+        for value in [(1 << 32) - 1, 1 << 40, u64::MAX] {
             let mut file = bytes.clone();
-            file[8 * at..8 * at + 8].copy_from_slice(&word.to_le_bytes());
+            file[8 * at..8 * at + 8].copy_from_slice(&value.to_le_bytes());
             crate::signed::sign(&mut file);
             let Ok(mut other) = Accumulation::from_bytes(options.clone(), 7, &file) else { continue };
-            assert_eq!(other.byte_count(), bytes.len() as u64, "word {at} is {word:#x}");
+            assert_eq!(other.byte_count(), bytes.len() as u64, "word {at} is {value:#x}");
             other.pass(&world, &view, 1, &pool(1), &Silent);
-            assert_eq!(other.picture().pixel_count(), 45 * 33, "word {at} is {word:#x}");
+            assert_eq!(other.picture().pixel_count(), 45 * 33, "word {at} is {value:#x}");
             taken += 1;
         }
     }
@@ -115,7 +119,7 @@ fn variance_is_that_of_the_mean() {
             render(&world, &view, &options, &pool(2), &Silent).expect("sound").picture
         })
         .collect();
-    let told: f64 =
+    let reported: f64 =
         pictures.iter().flat_map(|p| layer(p, "variance")).map(f64::from).sum::<f64>() / f64::from(N);
     let spread: f64 = (0..pictures[0].pixel_count())
         .map(|i| {
@@ -125,7 +129,7 @@ fn variance_is_that_of_the_mean() {
         })
         .sum();
     // Samples are stratified: the true variance is below that of independent ones, but not by orders.
-    assert!(spread < 1.1 * told && spread > 0.05 * told, "spread {spread}, told {told}");
+    assert!(spread < 1.1 * reported && spread > 0.05 * reported, "spread {spread}, told {reported}");
 }
 
 #[test]

@@ -17,7 +17,7 @@ fn update(world: &mut World, scene: &Scene) -> CommitReport {
 fn two_balls() -> Scene {
     let mut scene = floor(0.5, 5.0);
     for x in [-1.0, 1.0] {
-        place(&mut scene, sphere([x, 0.0, 1.0], 0.5, 8, MaterialId(0)));
+        put_mesh(&mut scene, sphere([x, 0.0, 1.0], 0.5, 8, MaterialId(0)));
     }
     scene
 }
@@ -132,8 +132,8 @@ fn dangling_ids_are_errors() {
     );
     let mut scene = two_balls();
     scene.edit_mesh(MeshId(0)).material = MaterialId(7);
-    let wanted = CommitError::DanglingId { what: "mesh", index: 0, used: "material", id: 7 };
-    assert_eq!(commit(&scene), Some(wanted), "no such material");
+    let expected = CommitError::DanglingId { what: "mesh", index: 0, used: "material", id: 7 };
+    assert_eq!(commit(&scene), Some(expected), "no such material");
 }
 
 /// Objects of the same triangles, each bent its own way, share what they have in common once they are many; hits and what is
@@ -146,42 +146,46 @@ fn many_poses_share() {
         for i in 0..10 {
             let mut mesh = sphere([0.0; 3], 0.5, 75, MaterialId(0));
             bend(&mut mesh.positions, 0.1 * (i % 5) as f32);
-            place(&mut scene, mesh);
+            put_mesh(&mut scene, mesh);
             scene.edit_instance(InstanceId(i)).world_from_object =
                 Affine::translation([f64::from(i), 0.0, 0.0]);
             scene.edit_object(ObjectId(i)).motion = motion;
         }
         scene
     };
-    let (mut together, mut apart) = (crowd(Motion::Auto), crowd(Motion::Static));
+    let (mut crowd_world, mut separate_world) = (crowd(Motion::Auto), crowd(Motion::Static));
     let (mut shared, mut separate) = (World::new(), World::new());
-    update(&mut shared, &together);
-    update(&mut separate, &apart);
+    update(&mut shared, &crowd_world);
+    update(&mut separate, &separate_world);
     let bytes = |world: &World| world.stats().tree_bytes;
     assert!(3 * bytes(&shared) < bytes(&separate), "{} and {} bytes", bytes(&shared), bytes(&separate));
-    let look = |world: &World| -> Vec<_> {
+    let view = |world: &World| -> Vec<_> {
         let ray = |i: u8| Ray::new([f32::from(i) * 0.05, 0.11, 3.0], [0.01, 0.02, -1.0]);
         (0..200).map(|i| world.intersect(&ray(i))).collect()
     };
-    assert_eq!(look(&shared), look(&separate), "the same hits");
-    let (snapshot, before) = (shared.clone(), look(&shared));
-    for scene in [&mut together, &mut apart] {
+    assert_eq!(view(&shared), view(&separate), "the same hits");
+    let (snapshot, before) = (shared.clone(), view(&shared));
+    for scene in [&mut crowd_world, &mut separate_world] {
         for i in [2, 3] {
             bend(&mut scene.edit_mesh(MeshId(i)).positions, -0.4);
         }
     }
-    let report = update(&mut shared, &together);
+    let report = update(&mut shared, &crowd_world);
     assert_eq!((report.built_objects, report.refitted_objects), (0, 2), "two have moved on");
-    update(&mut separate, &apart);
-    assert_eq!(look(&shared), look(&separate), "the same hits again");
-    assert_eq!(look(&snapshot), before, "a frame in flight keeps its poses");
+    update(&mut separate, &separate_world);
+    assert_eq!(view(&shared), view(&separate), "the same hits again");
+    assert_eq!(view(&snapshot), before, "a frame in flight keeps its poses");
     let bad = |scene: &mut Scene| scene.edit_mesh(MeshId(4)).positions[99] = [f32::NAN; 3];
-    bad(&mut together);
-    bad(&mut apart);
-    let report = update(&mut shared, &together);
+    bad(&mut crowd_world);
+    bad(&mut separate_world);
+    let report = update(&mut shared, &crowd_world);
     assert_eq!((report.built_objects, report.refitted_objects), (1, 0), "it gets a tree by itself");
-    assert_eq!(update(&mut separate, &apart).dropped_triangles, report.dropped_triangles, "and is counted");
-    assert_eq!(look(&shared), look(&separate), "with the same hits");
+    assert_eq!(
+        update(&mut separate, &separate_world).dropped_triangles,
+        report.dropped_triangles,
+        "and is counted"
+    );
+    assert_eq!(view(&shared), view(&separate), "with the same hits");
 }
 
 /// Many objects of two kinds, built side by side by more threads than there are processors.
@@ -197,7 +201,7 @@ fn many_threads_commit_many_poses() {
             for i in 0..48 {
                 let mut mesh = sphere([0.0; 3], 0.5, [50, 60][i % 2], MaterialId(0));
                 bend(&mut mesh.positions, 0.02 * (i + round) as f32);
-                place(&mut scene, mesh);
+                put_mesh(&mut scene, mesh);
             }
             let mut world = World::new();
             let options = CommitOptions::default();

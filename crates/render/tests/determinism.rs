@@ -32,10 +32,10 @@ fn still_life() -> (Scene, SceneCamera) {
     };
     for (x, surface) in [(-1.5, glass), (0.0, mirror), (1.5, coat)] {
         let material = scene.add_material(Material::of("", surface));
-        place(&mut scene, sphere([x, 0.0, 0.7], 0.7, 16, material));
+        put_mesh(&mut scene, sphere([x, 0.0, 0.7], 0.7, 16, material));
     }
     let light = emitter(&mut scene, [8.0, 7.0, 6.0]);
-    place(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
+    put_mesh(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], light));
     scene.add_light(environment([0.2, 0.3, 0.5]));
     scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3] });
     (scene, camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0))
@@ -85,8 +85,8 @@ fn crops_show_the_full_picture() {
     assert_eq!((cropped.width, cropped.height), (61, 43), "the picture keeps its size");
     for (x, y) in (0..43).flat_map(|y| (0..61).map(move |x| (x, y))) {
         let inside = x >= crop[0] && x < crop[2] && y >= crop[1] && y < crop[3];
-        let wanted = if inside { full.pixel(x, y) } else { Some([0.0; 4]) };
-        assert_eq!(cropped.pixel(x, y), wanted, "pixel {x},{y}");
+        let expected = if inside { full.pixel(x, y) } else { Some([0.0; 4]) };
+        assert_eq!(cropped.pixel(x, y), expected, "pixel {x},{y}");
     }
 }
 

@@ -23,30 +23,30 @@ use gnurt_shading::{
 };
 
 /// A surface of the shader table.
-struct Glow(Vec3);
+struct ShaderEmission(Vec3);
 
-impl RadianceShader for Glow {
+impl RadianceShader for ShaderEmission {
     fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         (0..hits.len()).for_each(|i| out.set(i, self.0));
     }
 }
 
-impl SurfaceShader for Glow {
+impl SurfaceShader for ShaderEmission {
     fn radiance(&self) -> Option<&dyn RadianceShader> {
         Some(self)
     }
 }
 
 /// A light of the shader table.
-struct Lamp(Vec3);
+struct PluginLight(Vec3);
 
-impl LightShader for Lamp {
+impl LightShader for PluginLight {
     fn illuminate(&self, p: &Vec3s, _: &Vec3s, _: &[[f32; 2]], out: &mut LightBatch) {
         for i in 0..p.len() {
-            let way = self.0 - p.get(i);
-            out.dir.set(i, way.normalize());
-            out.dist[i] = way.length();
-            out.radiance.set(i, Vec3::splat(3.0 / way.length_squared()));
+            let offset = self.0 - p.get(i);
+            out.dir.set(i, offset.normalize());
+            out.dist[i] = offset.length();
+            out.radiance.set(i, Vec3::splat(3.0 / offset.length_squared()));
         }
     }
 }
@@ -96,19 +96,19 @@ fn any_mesh(random: &mut Random) -> Mesh {
 }
 
 fn any_place(random: &mut Random) -> Affine {
-    let mut place = Affine::translation(random.vector(-2.5, 2.5).map(f64::from));
+    let mut transform = Affine::translation(random.vector(-2.5, 2.5).map(f64::from));
     for k in 0..3 {
-        place.columns[k][k] = f64::from(random.within(0.3, 1.2));
-        place.columns[k][(k + 1) % 3] = f64::from(random.within(-0.2, 0.2));
+        transform.columns[k][k] = f64::from(random.within(0.3, 1.2));
+        transform.columns[k][(k + 1) % 3] = f64::from(random.within(-0.2, 0.2));
     }
     match random.below(16) {
         // Mirrored, flat, or no place at all.
-        0 => place.columns[0] = place.columns[0].map(|x| -x),
-        1 => place.columns[1] = [0.0; 3],
-        2 => place.columns[3][0] = f64::NAN,
+        0 => transform.columns[0] = transform.columns[0].map(|x| -x),
+        1 => transform.columns[1] = [0.0; 3],
+        2 => transform.columns[3][0] = f64::NAN,
         _ => {}
     }
-    place
+    transform
 }
 
 /// An object below `end` in another.
@@ -205,7 +205,7 @@ impl Edited {
             fov_y: 40.0,
             ..gnurt_scene::Camera::default()
         });
-        let surface = |x| Arc::new(Glow(Vec3::splat(x))) as Arc<dyn SurfaceShader>;
+        let surface = |x| Arc::new(ShaderEmission(Vec3::splat(x))) as Arc<dyn SurfaceShader>;
         let shaders = ShaderTable { surfaces: vec![surface(0.2), surface(0.7)], ..ShaderTable::default() };
         Self { scene, shaders }
     }
@@ -298,12 +298,12 @@ impl Edited {
             }
             21 => {
                 let number = random.below(2);
-                shaders.surfaces[number] = Arc::new(Glow(Vec3::from(random.vector(0.0, 1.0))));
+                shaders.surfaces[number] = Arc::new(ShaderEmission(Vec3::from(random.vector(0.0, 1.0))));
                 "a shader of the table"
             }
             22 => {
                 match random.below(4) {
-                    0 => shaders.lights.push(Arc::new(Lamp(Vec3::from(random.vector(-3.0, 3.0))))),
+                    0 => shaders.lights.push(Arc::new(PluginLight(Vec3::from(random.vector(-3.0, 3.0))))),
                     1 => shaders.lights.clear(),
                     2 => shaders.environment = Some(Arc::new(Sky(Vec3::from(random.vector(0.0, 0.5))))),
                     _ => shaders.environment = None,
@@ -387,7 +387,7 @@ struct Length {
 
 impl Length {
     /// What `GNURT_EDITS` says: a few scenes where all is looked at, or long lives, looked at some ten thousand times.
-    fn asked() -> Self {
+    fn requests() -> Self {
         let edits: usize = std::env::var("GNURT_EDITS").ok().and_then(|n| n.parse().ok()).unwrap_or(160);
         let of_one_scene = if edits > 10_000 { edits.div_ceil(8) } else { 80 };
         Self { edits, of_one_scene, look_at_each: (edits / 10_000).max(1) }
@@ -396,7 +396,7 @@ impl Length {
 
 #[test]
 fn any_edit_leads_to_the_picture_of_a_fresh_world() {
-    let Length { edits, of_one_scene, look_at_each } = Length::asked();
+    let Length { edits, of_one_scene, look_at_each } = Length::requests();
     let (pool, other_pool) = (pool(2), pool(1));
     for seed in 0..edits.div_ceil(of_one_scene) as u64 {
         let mut random = Random(seed);
@@ -425,9 +425,9 @@ fn any_edit_leads_to_the_picture_of_a_fresh_world() {
             let mut fresh = World::new();
             let whole = edited.commit(&mut fresh, &pool);
             let camera = SceneCamera::new(&edited.scene.cameras()[0]).expect("a view");
-            let [found, wanted] =
+            let [found, expected] =
                 [&world, &fresh].map(|world| bits(&picture(world, &camera, integrator, &pool)));
-            assert!(found == wanted, "{what}: the picture of a fresh world");
+            assert!(found == expected, "{what}: the picture of a fresh world");
             // A tree that was refitted has other nodes than one that was built, and knows more.
             let sizes = |world: &World| WorldStats { tree_nodes: 0, tree_bytes: 0, ..world.stats() };
             assert_eq!(sizes(&world), sizes(&fresh), "{what}: sizes");
@@ -460,8 +460,9 @@ fn what_is_not_due_is_not_made() {
     let (mut edited, mut world, pool) = (Edited::new(&mut random), World::new(), pool(2));
     edited.commit(&mut world, &pool);
     let nothing = |report: CommitReport| {
-        let kept = CommitReport { build_seconds: 0.0, dropped_triangles: 0, dropped_instances: 0, ..report };
-        assert_eq!(kept, CommitReport::default(), "nothing was due");
+        let cached =
+            CommitReport { build_seconds: 0.0, dropped_triangles: 0, dropped_instances: 0, ..report };
+        assert_eq!(cached, CommitReport::default(), "nothing was due");
     };
     nothing(edited.commit(&mut world, &pool));
     edited.scene.edit_camera(CameraId(0)).eye[0] = 1.0;
@@ -501,8 +502,8 @@ fn what_is_not_due_is_not_made() {
     let camera = SceneCamera::new(&copy.scene.cameras()[0]).expect("a view");
     let mut fresh = World::new();
     copy.commit(&mut fresh, &pool);
-    let [found, wanted] = [&world, &fresh].map(|world| picture(world, &camera, Integrator::Path, &pool));
-    assert_eq!(bits(&found), bits(&wanted), "and the world shows it");
+    let [found, expected] = [&world, &fresh].map(|world| picture(world, &camera, Integrator::Path, &pool));
+    assert_eq!(bits(&found), bits(&expected), "and the world shows it");
 }
 
 /// An error leaves the world as it was, and the edits for the next commit.

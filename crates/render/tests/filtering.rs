@@ -89,7 +89,7 @@ fn a_sample_reads_what_it_stands_for() {
     let reflected = |surface: Surface| {
         let mut scene = floor(0.5, 20.0);
         let material = scene.add_material(Material::of("ball", surface));
-        place(&mut scene, sphere([0.0, 0.0, 1.2], 1.0, 32, material));
+        put_mesh(&mut scene, sphere([0.0, 0.0, 1.2], 1.0, 32, material));
         scene
     };
     let view = ([0.0, -8.0, 2.0], [0.0, 0.0, 1.1], 12.0);
@@ -215,10 +215,13 @@ fn what_broad_lobes_see_is_read_from_the_nearest_level() {
         };
         texture.at_hit(&points, 0)[0]
     };
-    let between = 1.0 - 0.5 * 1.5_f32.log2();
+    let interpolated = 1.0 - 0.5 * 1.5_f32.log2();
     for (depth, spread) in [(0, 0.5), (1, 0.05)] {
         let found = read(depth, spread, 12.0);
-        assert!((found - between).abs() < 1e-4, "depth {depth}, spread {spread}: between levels, {found}");
+        assert!(
+            (found - interpolated).abs() < 1e-4,
+            "depth {depth}, spread {spread}: between levels, {found}"
+        );
     }
     let [small, field, more, all] = [0.5, 8.0, 12.0, 1e3].map(|texels| read(1, -0.5, texels));
     assert_eq!([small, field], [1.0; 2], "the picture itself, and the level of fields");

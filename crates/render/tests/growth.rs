@@ -35,10 +35,10 @@ fn checkpoints_cost_what_their_pictures_take() {
     check("sound", sound.clone());
     // The head, the counters, and the first tile: its number of samples among them.
     for at in 0..40 {
-        for word in [1 << 20, (1 << 31) - 1, (1 << 32) - 1, 1 << 40, u64::MAX] {
+        for value in [1 << 20, (1 << 31) - 1, (1 << 32) - 1, 1 << 40, u64::MAX] {
             let mut file = sound.clone();
-            file[8 * at..8 * at + 8].copy_from_slice(&u64::to_le_bytes(word));
-            check(&format!("word {at} is {word:#x}"), file);
+            file[8 * at..8 * at + 8].copy_from_slice(&u64::to_le_bytes(value));
+            check(&format!("word {at} is {value:#x}"), file);
         }
     }
     for length in (0..sound.len()).step_by(sound.len() / 64 / 8 * 8) {

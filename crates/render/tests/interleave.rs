@@ -30,12 +30,12 @@ fn picture((world, camera): &(World, SceneCamera), options: &RenderOptions) -> P
 /// A floor that bounces light of a lamp to a wall, on which the camera looks.
 fn wall() -> (World, SceneCamera) {
     let mut scene = Scene::new();
-    let (wall, ground, lamp) =
+    let (wall, ground, area_light) =
         (matte(&mut scene, [0.7; 3]), matte(&mut scene, [0.8; 3]), emitter(&mut scene, [30.0; 3]));
-    place(&mut scene, quad([-4.0, 4.0, -4.0], [8.0, 0.0, 0.0], [0.0, 0.0, 8.0], wall));
-    place(&mut scene, quad([-4.0, -4.0, -4.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], ground));
+    put_mesh(&mut scene, quad([-4.0, 4.0, -4.0], [8.0, 0.0, 0.0], [0.0, 0.0, 8.0], wall));
+    put_mesh(&mut scene, quad([-4.0, -4.0, -4.0], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], ground));
     // Behind the camera, and it shines down.
-    place(&mut scene, quad([-0.5, -1.5, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], lamp));
+    put_mesh(&mut scene, quad([-0.5, -1.5, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], area_light));
     (world_of(&scene, false), camera([0.0, 0.0, 0.0], [0.0, 4.0, 0.0], 50.0))
 }
 
@@ -59,8 +59,8 @@ fn rooms_show_the_same_light_for_fewer_rays() {
             let options = RenderOptions { vpls: 252, ..by(integrator, n, 4) };
             render(&view.0, &view.1, &options, &pool(2), &Silent).expect("sound options")
         });
-        let [wanted, found] = [&full, &part].map(|frame| mean(&frame.picture));
-        (0..3).for_each(|k| assert_close(found[k], wanted[k], 0.02, integrator.name()));
+        let [expected, found] = [&full, &part].map(|frame| mean(&frame.picture));
+        (0..3).for_each(|k| assert_close(found[k], expected[k], 0.02, integrator.name()));
         let ratio = full.stats.shadow_rays as f64 / part.stats.shadow_rays as f64;
         eprintln!("{integrator}: {ratio:.1} times fewer shadow rays");
         // Chains and candidates are traced in any case.
@@ -74,8 +74,8 @@ fn rooms_show_the_same_light_for_fewer_rays() {
 fn edges_stay_sharp() {
     let mut scene = Scene::new();
     let (bright, dark) = (matte(&mut scene, [0.9; 3]), matte(&mut scene, [0.9; 3]));
-    place(&mut scene, quad([-9.0, 5.0, -9.0], [18.0, 0.0, 0.0], [0.0, 0.0, 18.0], dark));
-    place(&mut scene, quad([-0.5, 2.0, -9.0], [1.0, 0.0, 0.0], [0.0, 0.0, 18.0], bright));
+    put_mesh(&mut scene, quad([-9.0, 5.0, -9.0], [18.0, 0.0, 0.0], [0.0, 0.0, 18.0], dark));
+    put_mesh(&mut scene, quad([-0.5, 2.0, -9.0], [1.0, 0.0, 0.0], [0.0, 0.0, 18.0], bright));
     scene.add_light(gnurt_scene::Light::Point { position: [0.0, -4.0, 0.0], intensity: [9.0; 3] });
     let view = (world_of(&scene, false), camera([0.0, 0.0, 0.0], [0.0, 4.0, 0.0], 40.0));
     let options = RenderOptions { pixel_centres: true, ..by(Integrator::InstantRadiosity, 1, 1) };
@@ -87,10 +87,10 @@ fn edges_stay_sharp() {
     let edge = (1..90).find(|&x| row(&full, x) > 1.5 * row(&full, x - 1)).expect("the strip begins");
     let strip = row(&full, edge);
     for x in edge - 3..edge + 3 {
-        let (found, wanted) = (row(&part, x), row(&full, x));
+        let (found, expected) = (row(&part, x), row(&full, x));
         assert!(
-            (found - wanted).abs() < 0.05 * strip,
-            "column {x}, edge {edge}: {found} instead of {wanted}"
+            (found - expected).abs() < 0.05 * strip,
+            "column {x}, edge {edge}: {found} instead of {expected}"
         );
     }
 }

@@ -21,13 +21,13 @@ enum Lit {
     /// Lights that no scattered ray meets.
     Points,
     /// A few lamps.
-    Lamps,
+    Emitters,
     /// Many lamps, one of them a picture, and the sky.
     All,
 }
 
 /// A room of many things, of many materials.
-fn room(lit: Lit) -> (World, SceneCamera) {
+fn scratch(lit: Lit) -> (World, SceneCamera) {
     let mut scene = Scene::new();
     let texel = |i: usize| [0.2 + 0.15 * (i % 5) as f32, 0.9 - 0.2 * (i % 4) as f32, 0.5, 1.0];
     let texels =
@@ -46,9 +46,9 @@ fn room(lit: Lit) -> (World, SceneCamera) {
     };
     let dark = [0.0; 3];
     let ground = material(&mut scene, [0.7, 0.6, 0.5], true, dark);
-    place(&mut scene, quad([-5.0, -5.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0], ground));
+    put_mesh(&mut scene, quad([-5.0, -5.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0], ground));
     let wall = material(&mut scene, [0.8; 3], false, dark);
-    place(&mut scene, quad([-5.0, 5.0, 0.0], [10.0, 0.0, 0.0], [0.0, 0.0, 6.0], wall));
+    put_mesh(&mut scene, quad([-5.0, 5.0, 0.0], [10.0, 0.0, 0.0], [0.0, 0.0, 6.0], wall));
     // One object in many places, turned, stretched and mirrored.
     let red = material(&mut scene, [0.9, 0.2, 0.1], false, dark);
     let sides = [
@@ -67,7 +67,7 @@ fn room(lit: Lit) -> (World, SceneCamera) {
         let turned = Affine::rotation([0.3, 0.2 * x, 1.0], x) * Affine::scale(stretch);
         scene.instantiate(thing, Affine::translation(at) * turned);
     }
-    place(&mut scene, sphere([2.0, -2.0, 0.8], 0.8, 8, wall));
+    put_mesh(&mut scene, sphere([2.0, -2.0, 0.8], 0.8, 8, wall));
     let (base_color, tint) = (Color { factor: [0.8, 0.5, 0.3], texture: None }, [0.9, 0.8, 0.7]);
     let coated = Principled {
         base_color,
@@ -122,7 +122,7 @@ fn room(lit: Lit) -> (World, SceneCamera) {
         }
         let made = scene.add_material(made);
         let at = [i as f32 * 1.1 - 4.0, -2.5 + 0.5 * (i % 3) as f32, 0.6];
-        place(&mut scene, sphere(at, 0.55, 8, made));
+        put_mesh(&mut scene, sphere(at, 0.55, 8, made));
     }
     if lit == Lit::Points {
         for i in 0..11 {
@@ -131,14 +131,14 @@ fn room(lit: Lit) -> (World, SceneCamera) {
         }
         scene.add_light(Light::Directional { direction: [0.3, 0.4, -1.0], irradiance: [0.5; 3] });
     } else {
-        let lamp = material(&mut scene, [0.1; 3], false, [9.0, 8.0, 7.0]);
-        place(&mut scene, quad([-1.0, -1.0, 6.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], lamp));
+        let area_light = material(&mut scene, [0.1; 3], false, [9.0, 8.0, 7.0]);
+        put_mesh(&mut scene, quad([-1.0, -1.0, 6.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], area_light));
     }
     if lit == Lit::All {
         let screen = material(&mut scene, [0.5; 3], true, [4.0; 3]);
         for i in 0..40 {
             let at = [(i % 8) as f32 - 4.0, (i / 8) as f32 - 2.0, 4.0 + 0.1 * (i % 7) as f32];
-            place(&mut scene, quad(at, [0.0, 0.3, 0.1], [0.4, 0.0, 0.0], screen));
+            put_mesh(&mut scene, quad(at, [0.0, 0.3, 0.1], [0.4, 0.0, 0.0], screen));
         }
         scene.add_light(environment([0.2, 0.3, 0.4]));
     }
@@ -155,8 +155,8 @@ fn by_paths(max_depth: u32, spp: u32) -> RenderOptions {
 
 #[test]
 fn how_many_at_once_does_not_matter() {
-    for (lit, max_depth) in [(Lit::Lamps, 2), (Lit::Points, 7), (Lit::All, 9)] {
-        let (world, camera) = room(lit);
+    for (lit, max_depth) in [(Lit::Emitters, 2), (Lit::Points, 7), (Lit::All, 9)] {
+        let (world, camera) = scratch(lit);
         let options = RenderOptions { clamp: Some(20.0), ..by_paths(max_depth, 4) };
         let of = |level| {
             let options = RenderOptions { level, ..options.clone() };
@@ -175,7 +175,7 @@ fn how_many_at_once_does_not_matter() {
 #[test]
 fn threads_do_not_matter() {
     let options = by_paths(9, 3);
-    let (world, camera) = room(Lit::All);
+    let (world, camera) = scratch(Lit::All);
     let of = |options: &RenderOptions, threads| {
         render(&world, &camera, options, &pool(threads), &Silent).expect("sound options").picture.color
     };
@@ -186,14 +186,14 @@ fn threads_do_not_matter() {
 #[test]
 fn batches_do_not_matter() {
     let options = RenderOptions { aovs: true, ..by_paths(6, 21) };
-    let (world, camera) = room(Lit::All);
+    let (world, camera) = scratch(Lit::All);
     let at_once = render(&world, &camera, &options, &pool(2), &Silent).expect("sound options").picture;
     for samples in [1, 5] {
-        let mut seen = Accumulation::new(options.clone()).expect("sound options");
-        while !seen.is_complete() {
-            seen.pass(&world, &camera, samples, &pool(2), &Silent);
+        let mut measured = Accumulation::new(options.clone()).expect("sound options");
+        while !measured.is_complete() {
+            measured.pass(&world, &camera, samples, &pool(2), &Silent);
         }
-        let other = seen.picture();
+        let other = measured.picture();
         assert!(at_once.color == other.color, "passes of {samples} give other bits");
         assert!(at_once.layers == other.layers, "passes of {samples} give other layers");
     }

@@ -28,14 +28,14 @@ fn a_lamp_on_a_ceiling_is_not_shadowed_by_it() {
     let white = matte(&mut scene, [0.5; 3]);
     // A height that floats cannot hold exactly: the end of a shadow ray may round to either side of the ceiling.
     let height = 2.1_f32;
-    place(&mut scene, quad([-10.0, 10.0, height], [20.0, 0.0, 0.0], [0.0, -20.0, 0.0], white));
+    put_mesh(&mut scene, quad([-10.0, 10.0, height], [20.0, 0.0, 0.0], [0.0, -20.0, 0.0], white));
     scene.add_light(Light::Point { position: [1.0, 1.0, height], intensity: [7.0; 3] });
     for step in 0..40 {
         let x = 0.37 * step as f32 - 7.0;
         let found = radiance_at(&scene, [x, -2.0, 1.5], [x, 0.25, 0.0], 1)[0];
         let d2 = f64::from(x - 1.0).powi(2) + 0.5625 + f64::from(height).powi(2);
-        let wanted = ALBEDO / PI * 7.0 / d2 * (f64::from(height) / d2.sqrt());
-        assert_close(found, wanted, 2e-3, "I cos / d² below a lamp that lies on the ceiling");
+        let expected = ALBEDO / PI * 7.0 / d2 * (f64::from(height) / d2.sqrt());
+        assert_close(found, expected, 2e-3, "I cos / d² below a lamp that lies on the ceiling");
     }
 }
 
@@ -55,8 +55,8 @@ fn spot_light() {
         let cos = |a: f64| a.cos();
         (cos(0.3) - cos(0.4)) / (cos(0.2) - cos(0.4))
     };
-    let between = floor_under(spot([angle.sin(), 0.0, -angle.cos()]));
-    assert_close(between, full * share * share, 5e-3, "between the cones");
+    let interpolated = floor_under(spot([angle.sin(), 0.0, -angle.cos()]));
+    assert_close(interpolated, full * share * share, 5e-3, "between the cones");
     assert_eq!(floor_under(spot([1.0, 0.0, -1.0])), 0.0, "outside");
 }
 
@@ -80,17 +80,17 @@ fn rectangle_light() {
         // Normal down: along y, then along x.
         let mesh = scene.add_mesh(quad([0.5, 0.25, 1.0], [0.0, 2.0, 0.0], [1.5, 0.0, 0.0], light));
         let object = scene.add_object_of("light", vec![mesh]);
-        let turn = if mirrored {
+        let turned = if mirrored {
             // Mirrored at x = 0.5: still above the same corner, still shining down.
             Affine::translation([1.0, 0.0, 0.0]) * Affine::scale([-1.0, 1.0, 1.0])
         } else {
             Affine::IDENTITY
         };
-        scene.instantiate(object, turn);
+        scene.instantiate(object, turned);
         let found = radiance_at(&scene, EYE, [0.5, 0.25, 0.0], 4096);
-        let wanted = ALBEDO * corner_form_factor(2.0, 1.5);
-        assert_close(found[0], 3.0 * wanted, 2e-3, name);
-        assert_close(found[2], wanted, 2e-3, name);
+        let expected = ALBEDO * corner_form_factor(2.0, 1.5);
+        assert_close(found[0], 3.0 * expected, 2e-3, name);
+        assert_close(found[2], expected, 2e-3, name);
     }
 }
 
@@ -98,7 +98,7 @@ fn rectangle_light() {
 fn emission_leaves_the_front_only() {
     let mut scene = floor(0.5, 10.0);
     let light = emitter(&mut scene, [5.0; 3]);
-    place(&mut scene, quad([-1.0, -1.0, 2.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], light));
+    put_mesh(&mut scene, quad([-1.0, -1.0, 2.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], light));
     let below = radiance_at(&scene, [0.0, 0.1, 1.0], [0.0, 0.0, 2.0], 1);
     assert_eq!(below, [0.0; 3], "the back is dark");
     assert_eq!(radiance_at(&scene, [2.0, -2.0, 0.5], [0.0, 0.0, 0.0], 16), [0.0; 3], "and lights nothing");
@@ -110,15 +110,15 @@ fn emission_leaves_the_front_only() {
 fn furnace() {
     let mut scene = Scene::new();
     let white = matte(&mut scene, [0.75, 0.5, 0.25]);
-    place(&mut scene, sphere([0.0; 3], 1.0, 24, white));
+    put_mesh(&mut scene, sphere([0.0; 3], 1.0, 24, white));
     scene.add_light(environment([2.0; 3]));
     let found = radiance_at(&scene, [0.0, -5.0, 0.0], [0.2, 0.0, 0.3], 64);
     // Each triangle of the sphere lies below the horizon of its neighbours: only shading normals lose a little.
     for (found, albedo) in found.into_iter().zip([0.75, 0.5, 0.25]) {
         assert_close(found, 2.0 * albedo, 5e-3, "radiance = albedo times that of the environment");
     }
-    let beside = radiance_at(&scene, [0.0, -5.0, 0.0], [3.0, 0.0, 0.0], 1);
-    assert_close(beside[0], 2.0, 1e-6, "misses see the environment");
+    let neighbours = radiance_at(&scene, [0.0, -5.0, 0.0], [3.0, 0.0, 0.0], 1);
+    assert_close(neighbours[0], 2.0, 1e-6, "misses see the environment");
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn glass_lets_light_through_and_holes_too() {
         if let Some(material) = material {
             let material = scene.add_material(material);
             for z in [1.0, 1.5] {
-                place(&mut scene, quad([-1.0, -1.0, z], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], material));
+                put_mesh(&mut scene, quad([-1.0, -1.0, z], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], material));
             }
         }
         radiance_at(&scene, [0.0, -4.0, 0.5], [0.0; 3], 1)[0]

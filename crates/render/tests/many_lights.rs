@@ -53,11 +53,11 @@ fn mean_and_error(batches: &[Vec<f64>], i: usize) -> (f64, f64) {
 }
 
 /// Asserts that two ways of rendering have the same mean: the whole picture within `tolerance`, tiles within their noise.
-fn assert_same(found: &[Vec<f64>], wanted: &[Vec<f64>], tolerance: f64, what: &str) {
+fn assert_same(found: &[Vec<f64>], expected: &[Vec<f64>], tolerance: f64, what: &str) {
     let count = found[0].len();
     let (mut worst, mut squares, mut sums) = (0.0_f64, 0.0, [0.0; 2]);
     for i in 0..count {
-        let ((a, va), (b, vb)) = (mean_and_error(found, i), mean_and_error(wanted, i));
+        let ((a, va), (b, vb)) = (mean_and_error(found, i), mean_and_error(expected, i));
         let z = (a - b) / (va + vb).sqrt().max(1e-9);
         worst = worst.max(z.abs());
         squares += z * z / count as f64;
@@ -108,16 +108,17 @@ fn shiny() -> Scene {
         ior: 1.5,
         normal_texture: None,
     };
-    let looks = [("white", shiny([0.73; 3], 0.0, 0.4)), ("metal", shiny([0.9, 0.7, 0.4], 1.0, 0.45))];
+    let finishes = [("white", shiny([0.73; 3], 0.0, 0.4)), ("metal", shiny([0.9, 0.7, 0.4], 1.0, 0.45))];
     let of_mesh = [("floor, ceiling and back", 0), ("short block", 1)];
-    let looks = looks
+    let finishes = finishes
         .map(|(name, surface)| scene.add_material(Material { surface, ..Material::matte(name, [0.0; 3]) }));
     let mirror = Surface::Mirror { reflectance: Color::constant([0.9; 3]) };
     let mirror = scene.add_material(Material { surface: mirror, ..Material::matte("mirror", [0.0; 3]) });
-    for (name, look) in of_mesh.map(|(name, n)| (name, looks[n])).into_iter().chain([("tall block", mirror)])
+    for (name, finish) in
+        of_mesh.map(|(name, n)| (name, finishes[n])).into_iter().chain([("tall block", mirror)])
     {
-        let place = scene.meshes().iter().position(|mesh| mesh.name == name).expect("the box has it");
-        scene.edit_mesh(gnurt_scene::MeshId(place as u32)).material = look;
+        let placement = scene.meshes().iter().position(|mesh| mesh.name == name).expect("the box has it");
+        scene.edit_mesh(gnurt_scene::MeshId(placement as u32)).material = finish;
     }
     scene
 }
@@ -168,22 +169,22 @@ fn light_through_glass_counts_once() {
     let below = low[1] - 0.02 * (high[0] - low[0]);
     let corner = [2.0 * low[0] - high[0], below, 2.0 * low[2] - high[2]];
     let edge = |k: usize| 3.0 * (high[k] - low[k]);
-    place(&mut scene, quad(corner, [edge(0), 0.0, 0.0], [0.0, 0.0, edge(2)], clear));
+    put_mesh(&mut scene, quad(corner, [edge(0), 0.0, 0.0], [0.0, 0.0, edge(2)], clear));
     let (bare, glazed) = (cornell(), view(&scene, false));
     let with = |integrator, max_depth, spp| RenderOptions { max_depth, ..by(integrator, spp, 32, None) };
-    let wanted = tiles(&bare, &with(Integrator::Path, 2, 16), 8);
+    let expected = tiles(&bare, &with(Integrator::Path, 2, 16), 8);
     for integrator in [Integrator::Path].into_iter().chain(WITH_VIRTUAL_LIGHTS) {
         let found = tiles(&glazed, &with(integrator, 3, 96), 8);
-        assert_same(&found, &wanted, 0.02, &format!("{integrator} through glass"));
+        assert_same(&found, &expected, 0.02, &format!("{integrator} through glass"));
     }
 }
 
 /// Corners of the box around all that shines.
 fn bounds_of_lamp(scene: &Scene) -> ([f32; 3], [f32; 3]) {
-    let shines = |mesh: &&std::sync::Arc<gnurt_scene::Mesh>| {
+    let emits = |mesh: &&std::sync::Arc<gnurt_scene::Mesh>| {
         scene.materials()[mesh.material.0 as usize].emission != [0.0; 3]
     };
-    let corners = || scene.meshes().iter().filter(shines).flat_map(|mesh| mesh.positions.iter());
+    let corners = || scene.meshes().iter().filter(emits).flat_map(|mesh| mesh.positions.iter());
     let bound = |pick: fn(f32, f32) -> f32, from: f32| {
         [0, 1, 2].map(|k| corners().fold(from, |bound, corner| pick(bound, corner[k])))
     };

@@ -10,11 +10,11 @@ fn hall() -> Scene {
     let mut scene = Scene::new();
     let mirror = Surface::Mirror { reflectance: Color::constant([0.5; 3]) };
     let mirror = scene.add_material(Material::of("mirror", mirror));
-    place(&mut scene, quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], mirror));
+    put_mesh(&mut scene, quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], mirror));
     let (low, high) = (emitter(&mut scene, [1.0; 3]), emitter(&mut scene, [3.0; 3]));
     // Normals along -y.
-    place(&mut scene, quad([-9.0, 4.0, 0.0], [18.0, 0.0, 0.0], [0.0, 0.0, 2.0], low));
-    place(&mut scene, quad([-9.0, 4.0, 2.0], [18.0, 0.0, 0.0], [0.0, 0.0, 2.0], high));
+    put_mesh(&mut scene, quad([-9.0, 4.0, 0.0], [18.0, 0.0, 0.0], [0.0, 0.0, 2.0], low));
+    put_mesh(&mut scene, quad([-9.0, 4.0, 2.0], [18.0, 0.0, 0.0], [0.0, 0.0, 2.0], high));
     scene
 }
 
@@ -22,9 +22,9 @@ fn hall() -> Scene {
 fn mirrors_show_the_right_place() {
     let scene = hall();
     // From (0, -4, 1) to the floor at y: the wall is met at height (4 - y) / (y + 4).
-    let seen = |y: f32| radiance_at(&scene, [0.0, -4.0, 1.0], [0.0, y, 0.0], 1)[0];
-    assert_close(seen(-1.30), 0.5, 1e-5, "height 1.96, below the line");
-    assert_close(seen(-1.35), 1.5, 1e-5, "height 2.02, above it");
+    let measured = |y: f32| radiance_at(&scene, [0.0, -4.0, 1.0], [0.0, y, 0.0], 1)[0];
+    assert_close(measured(-1.30), 0.5, 1e-5, "height 1.96, below the line");
+    assert_close(measured(-1.35), 1.5, 1e-5, "height 2.02, above it");
 }
 
 #[test]
@@ -49,20 +49,20 @@ fn slabs_shift_and_dim() {
     };
     let glass = scene.add_material(Material::of("glass", glass));
     // Faces at z = 1 (normal up) and z = 0 (normal down).
-    place(&mut scene, quad([-9.0, -9.0, 1.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], glass));
-    place(&mut scene, quad([-9.0, -9.0, 0.0], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0], glass));
+    put_mesh(&mut scene, quad([-9.0, -9.0, 1.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], glass));
+    put_mesh(&mut scene, quad([-9.0, -9.0, 0.0], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0], glass));
     let light = emitter(&mut scene, [1.0; 3]);
     // Shines up, from the edge y = 0 on.
-    place(&mut scene, quad([-9.0, 0.0, -1.0], [18.0, 0.0, 0.0], [0.0, 9.0, 0.0], light));
+    put_mesh(&mut scene, quad([-9.0, 0.0, -1.0], [18.0, 0.0, 0.0], [0.0, 9.0, 0.0], light));
     // 45 degrees down from (0, y - 2, 2): without glass it would meet z = -1 at y + 1.
     let inside = (0.5_f64.sqrt() / 1.5).asin().tan();
     let shift = 1.0 - inside;
-    let seen = |landing: f64| {
+    let measured = |landing: f64| {
         let y = (landing + shift - 1.0) as f32;
         radiance_at(&scene, [0.0, y - 2.0, 2.0], [0.0, y, 0.0], 512)[0]
     };
     // Only what is mirrored twice between the faces lands further on, on the light.
-    assert!(seen(-0.05) < 0.01, "just before the edge");
+    assert!(measured(-0.05) < 0.01, "just before the edge");
     let through = {
         let (cos, beyond) = (0.5_f64.sqrt(), (1.0 - 0.5 / 2.25_f64).sqrt());
         let parallel = (1.5 * cos - beyond) / (1.5 * cos + beyond);
@@ -70,8 +70,8 @@ fn slabs_shift_and_dim() {
         1.0 - 0.5 * (parallel * parallel + perpendicular * perpendicular)
     };
     // What is mirrored between the faces an even number of times lands further on, on the light too.
-    let wanted = through * through / (1.0 - (1.0 - through).powi(2));
-    assert_close(seen(0.05), wanted, 0.01, "just behind it");
+    let expected = through * through / (1.0 - (1.0 - through).powi(2));
+    assert_close(measured(0.05), expected, 0.01, "just behind it");
 }
 
 #[test]
@@ -84,7 +84,7 @@ fn glass_balls_keep_the_furnace() {
         interior: Default::default(),
     };
     let glass = scene.add_material(Material::of("glass", glass));
-    place(&mut scene, sphere([0.0; 3], 1.0, 32, glass));
+    put_mesh(&mut scene, sphere([0.0; 3], 1.0, 32, glass));
     scene.add_light(environment([1.0; 3]));
     let frame = frame(&scene, &camera([0.0, -5.0, 0.0], [0.0; 3], 30.0), &options(24, 24, 8));
     for pixel in &frame.picture.color {
@@ -106,11 +106,11 @@ fn smooth_metals_see_lights_once() {
             normal_texture: None,
         };
         let metal = scene.add_material(Material::of("metal", metal));
-        place(&mut scene, quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], metal));
+        put_mesh(&mut scene, quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], metal));
         // Met by mirrored rays and sampled by rough lobes: twice were too bright, never too dark.
         scene.add_light(environment([1.0; 3]));
-        let seen = radiance_at(&scene, [0.0, -2.0, 4.0], [0.0; 3], 1024)[0];
-        assert_close(seen, 1.0, 0.01, &format!("roughness {roughness}: a white metal under white"));
+        let measured = radiance_at(&scene, [0.0, -2.0, 4.0], [0.0; 3], 1024)[0];
+        assert_close(measured, 1.0, 0.01, &format!("roughness {roughness}: a white metal under white"));
     }
 }
 
@@ -126,13 +126,13 @@ fn smooth_coats_show_point_lights() {
         normal_texture: None,
     };
     let metal = scene.add_material(Material::of("metal", metal));
-    place(&mut scene, quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], metal));
+    put_mesh(&mut scene, quad([-9.0, -9.0, 0.0], [18.0, 0.0, 0.0], [0.0, 18.0, 0.0], metal));
     scene.add_light(Light::Point { position: [0.0, 2.0, 2.0], intensity: [1.0; 3] });
-    let seen = radiance_at(&scene, [0.0, -2.0, 2.0], [0.0; 3], 4)[0];
+    let measured = radiance_at(&scene, [0.0, -2.0, 2.0], [0.0; 3], 4)[0];
     // At the mirror direction D = 1 / (pi a^2), G = 1 / (1 + 2 lambda), F = 1, all angles 45 degrees.
     let a2 = 0.04_f64 * 0.04;
     let lambda = 0.5 * ((1.0 + a2).sqrt() - 1.0);
     let cos = 0.5_f64.sqrt();
-    let wanted = 1.0 / (std::f64::consts::PI * a2) / (1.0 + 2.0 * lambda) / (4.0 * cos) / 8.0;
-    assert_close(seen, wanted, 0.01, "the highlight's peak");
+    let expected = 1.0 / (std::f64::consts::PI * a2) / (1.0 + 2.0 * lambda) / (4.0 * cos) / 8.0;
+    assert_close(measured, expected, 0.01, "the highlight's peak");
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::common::pool;
 use gnurt_image::srgb::luminance;
 use gnurt_render::{
-    Accumulation, CommitOptions, Integrator, KeptPicture, RenderOptions, SceneCamera, ShaderTable, Silent,
+    Accumulation, CommitOptions, Integrator, PictureHistory, RenderOptions, SceneCamera, ShaderTable, Silent,
     World, render,
 };
 use gnurt_scene::{Camera, InstanceId, Scene};
@@ -39,7 +39,7 @@ fn camera(scene: &Scene, step: u32) -> Camera {
 struct Moving {
     scene: Scene,
     world: World,
-    kept: KeptPicture,
+    history: PictureHistory,
     pool: rayon::ThreadPool,
 }
 
@@ -47,7 +47,7 @@ impl Moving {
     fn new(threads: usize) -> Self {
         let scene = gnurt_scene::builtin::load("cornell").expect("it is built in");
         let mut moving =
-            Self { scene, world: World::new(), kept: KeptPicture::default(), pool: pool(threads) };
+            Self { scene, world: World::new(), history: PictureHistory::default(), pool: pool(threads) };
         moving.commit();
         moving
     }
@@ -58,14 +58,15 @@ impl Moving {
     }
 
     /// The picture of a step, with fresh samples for a share of the pixels.
-    fn look(&mut self, options: &RenderOptions, step: u32, fresh: f32) -> Vec<[f32; 4]> {
+    fn view(&mut self, options: &RenderOptions, step: u32, fresh: f32) -> Vec<[f32; 4]> {
         let rays = SceneCamera::new(&camera(&self.scene, step)).expect("a view");
         let rays: Arc<dyn CameraShader> = Arc::new(rays);
-        assert!(KeptPicture::suits(&self.world, &*rays, options), "it remembers");
-        let mut seen = Accumulation::new(options.clone()).expect("sound options");
-        let whole = seen.pass_remembering(&mut self.kept, fresh, &self.world, &rays, &self.pool, &Silent);
-        assert!(whole && seen.is_complete(), "nobody stops it");
-        seen.picture().color
+        assert!(PictureHistory::suits(&self.world, &*rays, options), "it remembers");
+        let mut measured = Accumulation::new(options.clone()).expect("sound options");
+        let whole =
+            measured.pass_remembering(&mut self.history, fresh, &self.world, &rays, &self.pool, &Silent);
+        assert!(whole && measured.is_complete(), "nobody stops it");
+        measured.picture().color
     }
 
     /// What it should be.
@@ -91,12 +92,12 @@ fn blocks(colors: &[[f32; 4]]) -> Vec<f32> {
 }
 
 /// The mean, and how far blocks are off in the mean, both as shares of what they should be; lamps count as white.
-fn errors(found: &[[f32; 4]], wanted: &[[f32; 4]]) -> [f32; 2] {
-    let [found, wanted] =
-        [found, wanted].map(|colors| blocks(colors).into_iter().map(|x| x.min(1.0)).collect::<Vec<f32>>());
+fn errors(found: &[[f32; 4]], expected: &[[f32; 4]]) -> [f32; 2] {
+    let [found, expected] =
+        [found, expected].map(|colors| blocks(colors).into_iter().map(|x| x.min(1.0)).collect::<Vec<f32>>());
     let sum = |values: &[f32]| values.iter().sum::<f32>();
-    let off = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).sum::<f32>();
-    [sum(&found) / sum(&wanted), off / sum(&wanted)]
+    let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).sum::<f32>();
+    [sum(&found) / sum(&expected), off / sum(&expected)]
 }
 
 #[test]
@@ -107,7 +108,7 @@ fn remembered_light_is_that_of_fresh_pictures() {
         let mut moving = Moving::new(2);
         let options = options(integrator);
         let last = 30;
-        let found = (0..=last).map(|step| moving.look(&options, step, 1.0 / 8.0)).last().expect("pictures");
+        let found = (0..=last).map(|step| moving.view(&options, step, 1.0 / 8.0)).last().expect("pictures");
         let [mean, off] = errors(&found, &moving.rendered(&options, last));
         eprintln!("{integrator}: mean {mean}, blocks off by {off}");
         assert!((mean - 1.0).abs() < 0.03 && off < 0.12, "{integrator}: mean {mean}, blocks off by {off}");
@@ -119,7 +120,7 @@ fn pictures_do_not_depend_on_threads() {
     for integrator in [Integrator::Path, Integrator::BidirectionalInstantRadiosity] {
         let [one, three] = [1, 3].map(|threads| {
             let mut moving = Moving::new(threads);
-            (0..4).map(|step| moving.look(&options(integrator), step, 0.1)).collect::<Vec<_>>()
+            (0..4).map(|step| moving.view(&options(integrator), step, 0.1)).collect::<Vec<_>>()
         });
         assert!(one == three, "{integrator}");
     }
@@ -130,27 +131,28 @@ fn pictures_do_not_depend_on_threads() {
 fn what_moves_takes_its_light_along() {
     let options = options(Integrator::Path);
     let mut moving = Moving::new(2);
-    (0..12).for_each(|_| drop(moving.look(&options, 0, 0.25)));
+    (0..12).for_each(|_| drop(moving.view(&options, 0, 0.25)));
     let last = InstanceId(moving.scene.instances().len() as u32 - 1);
     let with = moving.rendered(&options, 0);
     moving.scene.edit_instance(last).visible = false;
     moving.commit();
-    let found = (0..10).map(|_| moving.look(&options, 0, 0.25)).last().expect("pictures");
-    let wanted = moving.rendered(&options, 0);
-    let [mean, off] = errors(&found, &wanted);
+    let found = (0..10).map(|_| moving.view(&options, 0, 0.25)).last().expect("pictures");
+    let expected = moving.rendered(&options, 0);
+    let [mean, off] = errors(&found, &expected);
     assert!((mean - 1.0).abs() < 0.05 && off < 0.14, "mean {mean}, blocks off by {off}");
     // Of what has changed little is left.
-    let [with, found, wanted] = [with, found, wanted].map(|colors| blocks(&colors));
-    let changed = |&i: &usize| (with[i] - wanted[i]).abs() > 0.3 * wanted[i];
-    let far =
-        |from: &[f32]| (0..wanted.len()).filter(changed).map(|i| (from[i] - wanted[i]).abs()).sum::<f32>();
+    let [with, found, expected] = [with, found, expected].map(|colors| blocks(&colors));
+    let changed = |&i: &usize| (with[i] - expected[i]).abs() > 0.3 * expected[i];
+    let far = |from: &[f32]| {
+        (0..expected.len()).filter(changed).map(|i| (from[i] - expected[i]).abs()).sum::<f32>()
+    };
     eprintln!(
         "{} blocks have changed: {} before, {} now",
-        (0..wanted.len()).filter(changed).count(),
+        (0..expected.len()).filter(changed).count(),
         far(&with),
         far(&found)
     );
-    assert!((0..wanted.len()).filter(changed).count() > 9, "it is seen that it goes");
+    assert!((0..expected.len()).filter(changed).count() > 9, "it is seen that it goes");
     assert!(far(&found) < 0.35 * far(&with), "{} of {} are left", far(&found), far(&with));
 }
 
@@ -159,6 +161,6 @@ fn cheap_pictures_remember_nothing() {
     let moving = Moving::new(1);
     let rays = SceneCamera::new(&camera(&moving.scene, 0)).expect("a view");
     for integrator in [Integrator::Eyelight, Integrator::Normals, Integrator::Whitted] {
-        assert!(!KeptPicture::suits(&moving.world, &rays, &options(integrator)), "{integrator}");
+        assert!(!PictureHistory::suits(&moving.world, &rays, &options(integrator)), "{integrator}");
     }
 }

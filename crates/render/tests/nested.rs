@@ -41,17 +41,17 @@ fn unfold(scene: &Scene, instance: &Instance, flat: &mut Scene) {
 }
 
 fn turned(x: f64, angle: f64, size: f64) -> Affine {
-    let turn = Affine::rotation([0.2, 1.0, 0.4], angle);
-    Affine::translation([x, 0.3 * x, 0.1]) * turn * Affine::scale([size, -size, 0.8 * size])
+    let rotated = Affine::rotation([0.2, 1.0, 0.4], angle);
+    Affine::translation([x, 0.3 * x, 0.1]) * rotated * Affine::scale([size, -size, 0.8 * size])
 }
 
 /// Lamps, glass and grey things, three levels deep, mirrored and scaled unevenly at each.
 fn clusters() -> Scene {
     let mut scene = Scene::new();
     let grey = scene.add_material(Material::matte("grey", [0.6; 3]));
-    let lamp = scene.add_material(Material { emission: [4.0; 3], ..Material::matte("lamp", [0.3; 3]) });
+    let area_light = scene.add_material(Material { emission: [4.0; 3], ..Material::matte("lamp", [0.3; 3]) });
     let ball = scene.add_mesh(sphere([0.0; 3], 0.5, 8, grey));
-    let panel = scene.add_mesh(quad([0.0; 3], [0.4, 0.0, 0.0], [0.0, 0.4, 0.0], lamp));
+    let panel = scene.add_mesh(quad([0.0; 3], [0.4, 0.0, 0.0], [0.0, 0.4, 0.0], area_light));
     let floor = scene.add_mesh(quad([-4.0, -4.0, -1.2], [8.0, 0.0, 0.0], [0.0, 8.0, 0.0], grey));
     let ball = scene.add_object_of("ball", vec![ball]);
     let panel = scene.add_object_of("panel", vec![panel]);
@@ -72,7 +72,7 @@ fn clusters() -> Scene {
     scene
 }
 
-fn seen(world: &World, integrator: Integrator) -> Vec<[f32; 4]> {
+fn measured(world: &World, integrator: Integrator) -> Vec<[f32; 4]> {
     let camera = Camera {
         eye: [0.0, -6.0, 2.0],
         target: [0.0; 3],
@@ -96,21 +96,21 @@ fn differing(a: &[[f32; 4]], b: &[[f32; 4]]) -> usize {
 fn pictures_are_those_of_the_unfolded_scene() {
     let nested = clusters();
     let (world, flat) = (committed(&nested), committed(&unfolded(&nested)));
-    let (found, wanted) = (world.stats(), flat.stats());
-    assert_eq!(found.instanced_triangles, wanted.instanced_triangles, "all triangles occur");
-    assert_eq!((found.instances, wanted.instances), (4, 2 + 2 * 3 * 2 + 3 + 3), "but few instances");
+    let (found, expected) = (world.stats(), flat.stats());
+    assert_eq!(found.instanced_triangles, expected.instanced_triangles, "all triangles occur");
+    assert_eq!((found.instances, expected.instances), (4, 2 + 2 * 3 * 2 + 3 + 3), "but few instances");
     for integrator in [
         Integrator::Path,
         Integrator::Whitted,
         Integrator::Eyelight,
         Integrator::BidirectionalInstantRadiosity,
     ] {
-        let [found, wanted] = [&world, &flat].map(|world| seen(world, integrator));
-        let different = differing(&found, &wanted);
+        let [found, expected] = [&world, &flat].map(|world| measured(world, integrator));
+        let different = differing(&found, &expected);
         assert!(different < 16, "{integrator}: {different} of {} pixels differ", found.len());
         let mean = |picture: &[[f32; 4]]| picture.iter().map(|p| p[1]).sum::<f32>() / picture.len() as f32;
-        let (found, wanted) = (mean(&found), mean(&wanted));
-        assert!((found - wanted).abs() < 0.01 * wanted, "{integrator}: {found} instead of {wanted}");
+        let (found, expected) = (mean(&found), mean(&expected));
+        assert!((found - expected).abs() < 0.01 * expected, "{integrator}: {found} instead of {expected}");
     }
 }
 
@@ -129,16 +129,16 @@ fn hits_name_the_object_that_was_hit() {
         let from = [number(-3.0, 3.0), number(-3.0, 3.0), 4.0];
         let to = [number(-2.0, 2.0), number(-2.5, 1.5), number(-0.5, 1.5)];
         let ray = Ray::new(from, [0, 1, 2].map(|k| to[k] - from[k]));
-        let (found, wanted) = (world.intersect(&ray), flat.intersect(&ray));
-        let (Some(found), Some(wanted)) = (found, wanted) else {
-            assert_eq!(found.is_some(), wanted.is_some(), "{ray:?}");
+        let (found, expected) = (world.intersect(&ray), flat.intersect(&ray));
+        let (Some(found), Some(expected)) = (found, expected) else {
+            assert_eq!(found.is_some(), expected.is_some(), "{ray:?}");
             continue;
         };
-        assert!((found.t - wanted.t).abs() < 1e-4 * wanted.t.max(1.0), "{found:?} {wanted:?}");
-        assert_eq!((found.leaf_id, found.prim_id), (wanted.inst_id, wanted.prim_id), "{ray:?}");
+        assert!((found.t - expected.t).abs() < 1e-4 * expected.t.max(1.0), "{found:?} {expected:?}");
+        assert_eq!((found.leaf_id, found.prim_id), (expected.inst_id, expected.prim_id), "{ray:?}");
         assert_eq!(
             world.object_of(&found),
-            flat_scene.instances()[wanted.inst_id as usize].object,
+            flat_scene.instances()[expected.inst_id as usize].object,
             "{found:?}"
         );
         objects.insert(world.object_of(&found));

@@ -17,7 +17,7 @@ fn surfaces_do_not_shade_themselves() {
             let mut scene = Scene::new();
             let white = matte(&mut scene, [1.0; 3]);
             let edge = 40.0 * scale;
-            place(&mut scene, quad(at([-20.0, -20.0, 0.0]), [edge, 0.0, 0.0], [0.0, edge, 0.0], white));
+            put_mesh(&mut scene, quad(at([-20.0, -20.0, 0.0]), [edge, 0.0, 0.0], [0.0, edge, 0.0], white));
             let irradiance = std::f32::consts::PI;
             scene.add_light(Light::Directional { direction: [0.3, 0.2, -0.01], irradiance: [irradiance; 3] });
             let view = camera(at([0.0, -6.0, 2.0]), at([0.0, 0.0, 0.0]), 40.0);
@@ -46,8 +46,8 @@ fn boxes_do_not_leak() {
             let meshes = cube(size, white).map(|mesh| scene.add_mesh(mesh));
             let object = scene.add_object_of("box", meshes.into());
             let factor = f64::from(scale / size);
-            let turn = Affine::rotation([1.0, 2.0, 3.0], 0.7);
-            scene.instantiate(object, turn * Affine::scale([factor; 3]));
+            let turned = Affine::rotation([1.0, 2.0, 3.0], 0.7);
+            scene.instantiate(object, turned * Affine::scale([factor; 3]));
             scene.add_light(Light::Point { position: [2.5 * scale; 3], intensity: [scale * scale; 3] });
             scene.add_light(environment([1.0; 3]));
             let view =

@@ -31,7 +31,7 @@ fn faces(low: f32, high: f32, half: f32, material: MaterialId) -> [Mesh; 2] {
 }
 
 fn pane(scene: &mut Scene, low: f32, high: f32, material: MaterialId) {
-    faces(low, high, 20.0, material).into_iter().for_each(|mesh| place(scene, mesh));
+    faces(low, high, 20.0, material).into_iter().for_each(|mesh| put_mesh(scene, mesh));
 }
 
 /// Share of unpolarized light that glass lets through at the cosine outside, and the cosine inside.
@@ -46,7 +46,7 @@ fn with(integrator: Integrator, spp: u32, max_depth: u32) -> RenderOptions {
 }
 
 /// What is seen of the floor's middle from below all glass.
-fn seen(world: &World, options: &RenderOptions) -> f64 {
+fn measured(world: &World, options: &RenderOptions) -> f64 {
     let view = camera([0.01, 0.0, 0.05], [0.0; 3], 0.01);
     mean(&render(world, &view, options, &pool(2), &Silent).expect("sound options").picture)[0]
 }
@@ -79,12 +79,12 @@ fn the_sun_shines_through_windows() {
         let world = world_of(&scene, false);
         let left = f64::from(color).powf(0.2 / inside / distance);
         let one = (once * f64::from(TINT)).powi(2) * left;
-        let wanted = f64::from(ALBEDO) / PI * 2.0 * cos * one.powi(panes as i32);
+        let expected = f64::from(ALBEDO) / PI * 2.0 * cos * one.powi(panes as i32);
         for integrator in ALL {
             let edges = 2 + 2 * panes as u32;
-            let found = seen(&world, &with(integrator, 1, edges));
-            assert_close(found, wanted, 1e-3, &format!("{integrator}, {panes} panes"));
-            assert_eq!(seen(&world, &with(integrator, 1, edges - 1)), 0.0, "{integrator}: too few edges");
+            let found = measured(&world, &with(integrator, 1, edges));
+            assert_close(found, expected, 1e-3, &format!("{integrator}, {panes} panes"));
+            assert_eq!(measured(&world, &with(integrator, 1, edges - 1)), 0.0, "{integrator}: too few edges");
         }
     }
 }
@@ -98,10 +98,10 @@ fn points_shine_through_what_does_not_bend() {
         pane(&mut scene, 0.5, 0.7, glass);
         scene.add_light(Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3] });
         let world = world_of(&scene, false);
-        let wanted = f64::from(ALBEDO) / PI * 7.0 / 6.0 * (2.0 / 6.0_f64.sqrt()) * share;
+        let expected = f64::from(ALBEDO) / PI * 7.0 / 6.0 * (2.0 / 6.0_f64.sqrt()) * share;
         for integrator in ALL {
-            let found = seen(&world, &with(integrator, 1, 4));
-            assert!((found - wanted).abs() <= 1e-3 * wanted, "{integrator}: {found}, not {wanted}");
+            let found = measured(&world, &with(integrator, 1, 4));
+            assert!((found - expected).abs() <= 1e-3 * expected, "{integrator}: {found}, not {expected}");
         }
     }
 }
@@ -120,16 +120,16 @@ fn the_sun_shines_through_panes_with_holes() {
     [&mut pane, &mut veil].into_iter().for_each(half);
     let mut scene = floor(ALBEDO, 20.0);
     let [pane, veil] = [pane, veil].map(|material| scene.add_material(material));
-    faces(0.5, 0.8, 20.0, pane).into_iter().for_each(|mesh| place(&mut scene, mesh));
-    place(&mut scene, quad([-20.0, -20.0, 0.65], [40.0, 0.0, 0.0], [0.0, 40.0, 0.0], veil));
+    faces(0.5, 0.8, 20.0, pane).into_iter().for_each(|mesh| put_mesh(&mut scene, mesh));
+    put_mesh(&mut scene, quad([-20.0, -20.0, 0.65], [40.0, 0.0, 0.0], [0.0, 40.0, 0.0], veil));
     scene.add_light(Light::Directional { direction: [0.0, 0.0, -1.0], irradiance: [2.0; 3] });
     let world = world_of(&scene, false);
     // Straight down a face that is not there is as one that does not bend.
     let face = 0.5 + 0.5 * through(1.0, 1.5).0 * f64::from(TINT);
-    let wanted = f64::from(ALBEDO) / PI * 2.0 * face * face * 0.5;
+    let expected = f64::from(ALBEDO) / PI * 2.0 * face * face * 0.5;
     for integrator in ALL {
         let spp = if integrator == Integrator::Path { 512 } else { 16 };
-        let found = seen(&world, &with(integrator, spp, 6));
-        assert!((found - wanted).abs() < 0.1 * wanted, "{integrator}: {found}, not {wanted}");
+        let found = measured(&world, &with(integrator, spp, 6));
+        assert!((found - expected).abs() < 0.1 * expected, "{integrator}: {found}, not {expected}");
     }
 }

@@ -22,7 +22,7 @@ fn path(width: u32, height: u32, spp: u32, max_depth: u32) -> RenderOptions {
     RenderOptions { integrator: Integrator::Path, max_depth, ..options(width, height, spp) }
 }
 
-fn seen(scene: &Scene, eye: [f32; 3], target: [f32; 3], spp: u32, max_depth: u32) -> [f64; 3] {
+fn measured(scene: &Scene, eye: [f32; 3], target: [f32; 3], spp: u32, max_depth: u32) -> [f64; 3] {
     mean(&frame(scene, &camera(eye, target, 0.01), &path(8, 8, spp, max_depth)).picture)
 }
 
@@ -38,7 +38,7 @@ fn cube(scene: &mut Scene, material: MaterialId) {
         [[a, 1.0, a], [b, 0.0, 0.0], [0.0, 0.0, b]],
     ];
     for [corner, s, t] in sides {
-        place(scene, quad(corner, s, t, material));
+        put_mesh(scene, quad(corner, s, t, material));
     }
 }
 
@@ -50,9 +50,9 @@ fn a_shining_box_is_a_geometric_series() {
         .add_material(Material { emission: [radiance as f32; 3], ..Material::matte("", [rho as f32; 3]) });
     cube(&mut scene, material);
     for (edges, spp, tolerance) in [(1, 1, 1e-5), (2, 64, 5e-3), (5, 64, 5e-3), (64, 64, 1e-2)] {
-        let found = seen(&scene, [0.1, 0.2, 0.3], [1.0, 0.4, -0.2], spp, edges)[0];
-        let wanted = radiance * (1.0 - rho.powi(edges as i32)) / (1.0 - rho);
-        assert_close(found, wanted, tolerance, &format!("{edges} edges"));
+        let found = measured(&scene, [0.1, 0.2, 0.3], [1.0, 0.4, -0.2], spp, edges)[0];
+        let expected = radiance * (1.0 - rho.powi(edges as i32)) / (1.0 - rho);
+        assert_close(found, expected, tolerance, &format!("{edges} edges"));
     }
 }
 
@@ -60,8 +60,8 @@ fn a_shining_box_is_a_geometric_series() {
 fn white_things_vanish_under_a_white_sky() {
     let mut scene = floor(1.0, 3.0);
     let white = matte(&mut scene, [1.0; 3]);
-    place(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 24, white));
-    place(&mut scene, quad([1.5, -2.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0], white));
+    put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 0.9, 24, white));
+    put_mesh(&mut scene, quad([1.5, -2.0, 0.0], [0.0, 4.0, 0.0], [0.0, 0.0, 3.0], white));
     scene.add_light(environment([1.0; 3]));
     let view = camera([-6.0, -4.0, 3.0], [0.0, 0.0, 0.8], 40.0);
     // Face normals: interpolated ones are no closed system, their facets neither keep nor lose light exactly.
@@ -77,7 +77,7 @@ fn lights_without_extent_and_rectangles() {
     let lit = |light: Light| {
         let mut scene = floor(ALBEDO, 10.0);
         scene.add_light(light);
-        seen(&scene, eye, target, 1, 8)[0]
+        measured(&scene, eye, target, 1, 8)[0]
     };
     let d2 = 0.25 + 0.5625 + 4.0_f64;
     let point = Light::Point { position: [1.0, 1.0, 2.0], intensity: [7.0; 3] };
@@ -90,8 +90,8 @@ fn lights_without_extent_and_rectangles() {
         let mut scene = floor(ALBEDO, 10.0);
         let light = emitter(&mut scene, [5.0, 1.0, 2.0]);
         let h = height as f32;
-        place(&mut scene, quad([0.0, 0.0, h], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], light));
-        let found = seen(&scene, [-0.1 * h, -0.1 * h, 0.5 * h], [0.0; 3], 512, 2);
+        put_mesh(&mut scene, quad([0.0, 0.0, h], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], light));
+        let found = measured(&scene, [-0.1 * h, -0.1 * h, 0.5 * h], [0.0; 3], 512, 2);
         let (a, b) = (1.0 / height, 2.0 / height);
         let (x, y) = ((1.0 + a * a).sqrt(), (1.0 + b * b).sqrt());
         let form = (a / x * (b / x).atan() + b / y * (a / y).atan()) / (2.0 * PI);
@@ -120,8 +120,9 @@ impl SurfaceShader for Tells {
 fn a_shader_may_shine_beside_what_it_tells() {
     let lit = |surface: Surface, radiance: f32| {
         let mut scene = floor(ALBEDO, 10.0);
-        let lamp = scene.add_material(Material { emission: [radiance; 3], ..Material::of("", surface) });
-        place(&mut scene, quad([0.0, 0.0, 0.5], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], lamp));
+        let area_light =
+            scene.add_material(Material { emission: [radiance; 3], ..Material::of("", surface) });
+        put_mesh(&mut scene, quad([0.0, 0.0, 0.5], [0.0, 2.0, 0.0], [1.0, 0.0, 0.0], area_light));
         let table = ShaderTable { surfaces: vec![Arc::new(Tells(3.0))], ..ShaderTable::default() };
         let mut world = World::new();
         world.commit(&scene, &table, &CommitOptions::default(), &pool(1)).expect("the scene is sound");
@@ -139,7 +140,7 @@ fn a_shader_may_shine_beside_what_it_tells() {
 fn a_lamp_in_a_hollow_sphere() {
     let rho = 0.8_f64;
     let mut scene = Scene::new();
-    let (wall, lamp) = (matte(&mut scene, [rho as f32; 3]), emitter(&mut scene, [10.0; 3]));
+    let (wall, area_light) = (matte(&mut scene, [rho as f32; 3]), emitter(&mut scene, [10.0; 3]));
     let whole = sphere([0.0; 3], 1.0, 48, wall);
     // Wound to look inward; face normals; the lamp is the cap around +z.
     let part = |lit: bool, material| {
@@ -147,18 +148,18 @@ fn a_lamp_in_a_hollow_sphere() {
         let indices = whole.indices.iter().filter(is_lit).map(|[a, b, c]| [*a, *c, *b]).collect();
         Mesh { indices, normals: Vec::new(), material, ..whole.clone() }
     };
-    let (lamp, wall) = (part(true, lamp), part(false, wall));
+    let (area_light, wall) = (part(true, area_light), part(false, wall));
     let area = |mesh: &Mesh| -> f64 {
         let at = |i: u32| glam::DVec3::from(mesh.positions[i as usize].map(f64::from));
         mesh.indices.iter().map(|[a, b, c]| (at(*b) - at(*a)).cross(at(*c) - at(*a)).length() / 2.0).sum()
     };
-    let share = area(&lamp) / (area(&lamp) + area(&wall));
-    place(&mut scene, lamp);
-    place(&mut scene, wall);
-    let wanted = 10.0 * share * rho / (1.0 - rho * (1.0 - share));
+    let share = area(&area_light) / (area(&area_light) + area(&wall));
+    put_mesh(&mut scene, area_light);
+    put_mesh(&mut scene, wall);
+    let expected = 10.0 * share * rho / (1.0 - rho * (1.0 - share));
     for target in [[1.0, 0.3, -0.4], [0.2, 0.1, -1.0]] {
-        let found = seen(&scene, [0.0, 0.1, -0.1], target, 256, 200)[0];
-        assert_close(found, wanted, 1e-2, "light is even");
+        let found = measured(&scene, [0.0, 0.1, -0.1], target, 256, 200)[0];
+        assert_close(found, expected, 1e-2, "light is even");
     }
 }
 
@@ -171,33 +172,33 @@ fn holes_let_light_through() {
             emission: [emission; 3],
             ..Material::matte("veil", [0.0; 3])
         });
-        place(scene, quad([-9.0, -9.0, height], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0], material));
+        put_mesh(scene, quad([-9.0, -9.0, height], [0.0, 18.0, 0.0], [18.0, 0.0, 0.0], material));
     };
     // A light behind a veil, by light samples.
     let mut scene = floor(ALBEDO, 10.0);
     veil(&mut scene, 0.0, 1.0);
     scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
-    let found = seen(&scene, [0.5, 0.0, 0.9], [0.0; 3], 16, 2)[0];
+    let found = measured(&scene, [0.5, 0.0, 0.9], [0.0; 3], 16, 2)[0];
     assert_close(found, f64::from(ALBEDO) / PI * 0.75, 1e-3, "three quarters of it");
     // A lamp behind three: shadow rays end before it though they leave each veil a little ahead of that.
     let lit = |veils: i32| {
         let mut scene = floor(ALBEDO, 10.0);
         (0..veils).for_each(|k| veil(&mut scene, 0.0, 1.0 + 0.25 * k as f32));
-        let lamp = emitter(&mut scene, [5.0; 3]);
-        place(&mut scene, quad([-0.1, -0.1, 2.0], [0.0, 0.2, 0.0], [0.2, 0.0, 0.0], lamp));
-        seen(&scene, [0.5, 0.0, 0.9], [0.0; 3], 64, 2)[0]
+        let area_light = emitter(&mut scene, [5.0; 3]);
+        put_mesh(&mut scene, quad([-0.1, -0.1, 2.0], [0.0, 0.2, 0.0], [0.2, 0.0, 0.0], area_light));
+        measured(&scene, [0.5, 0.0, 0.9], [0.0; 3], 64, 2)[0]
     };
     assert_close(lit(3), lit(0) * 0.75_f64.powi(3), 0.02, "three times three quarters");
     // The sky behind it, by both kinds of sample; two veils in a row.
     let mut scene = floor(ALBEDO, 10.0);
     veil(&mut scene, 0.0, 1.0);
     scene.add_light(environment([1.0; 3]));
-    let found = seen(&scene, [0.1, 0.0, 0.05], [0.0; 3], 1024, 2)[0];
+    let found = measured(&scene, [0.1, 0.0, 0.05], [0.0; 3], 1024, 2)[0];
     assert_close(found, f64::from(ALBEDO) * 0.75, 0.02, "three quarters of the sky");
     // A veil that shines itself.
     let mut scene = floor(ALBEDO, 1000.0);
     veil(&mut scene, 2.0, 1.0);
-    let found = seen(&scene, [0.01, 0.0, 0.05], [0.0; 3], 1024, 2)[0];
+    let found = measured(&scene, [0.01, 0.0, 0.05], [0.0; 3], 1024, 2)[0];
     let (a, x) = (9.0_f64, (1.0 + 81.0_f64).sqrt());
     let form = 4.0 * (2.0 * a / x * (a / x).atan()) / (2.0 * PI);
     assert_close(found, f64::from(ALBEDO) * 0.25 * 2.0 * form, 0.02, "a quarter of its radiance");
@@ -215,20 +216,20 @@ fn lights_of_plugins_count_as_those_of_the_scene() {
         mean(&render(&world, &view, &path(4, 4, 1, 3), &pool(2), &Silent).expect("sound").picture)
     };
     scene.add_light(Light::Point { position: [0.0, 0.0, 2.0], intensity: [4.0; 3] });
-    assert_close(by_table[0], seen(&scene, [0.5, 0.0, 1.0], [0.0; 3], 1, 3)[0], 1e-5, "the same light");
+    assert_close(by_table[0], measured(&scene, [0.5, 0.0, 1.0], [0.0; 3], 1, 3)[0], 1e-5, "the same light");
 }
 
 /// A room of many things: mirrors, glass, holes, lamps, sky.
-fn room() -> (Scene, SceneCamera) {
+fn scratch() -> (Scene, SceneCamera) {
     let mut scene = floor(ALBEDO, 4.0);
     let red = matte(&mut scene, [0.7, 0.2, 0.1]);
-    place(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 12, red));
-    let lamp = emitter(&mut scene, [8.0, 7.0, 6.0]);
-    place(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], lamp));
+    put_mesh(&mut scene, sphere([0.0, 0.0, 0.7], 0.7, 12, red));
+    let area_light = emitter(&mut scene, [8.0, 7.0, 6.0]);
+    put_mesh(&mut scene, quad([-1.0, -1.0, 4.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], area_light));
     let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Alpha };
     let veil = scene
         .add_material(Material { alpha: Alpha::Blend { opacity }, ..Material::matte("", [0.1, 0.5, 0.1]) });
-    place(&mut scene, quad([-2.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0], veil));
+    put_mesh(&mut scene, quad([-2.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 2.0], veil));
     scene.add_light(environment([0.2, 0.3, 0.5]));
     scene.add_light(Light::Point { position: [-3.0, -3.0, 2.0], intensity: [4.0; 3] });
     (scene, camera([0.5, -6.0, 2.5], [0.0, 0.0, 0.6], 40.0))
@@ -236,7 +237,7 @@ fn room() -> (Scene, SceneCamera) {
 
 #[test]
 fn threads_and_neighbours_do_not_matter() {
-    let (scene, view) = room();
+    let (scene, view) = scratch();
     let world = world_of(&scene, false);
     let picture = |options: &RenderOptions, threads| -> Picture {
         render(&world, &view, options, &pool(threads), &Silent).expect("sound options").picture
@@ -272,7 +273,7 @@ fn clamping_leaves_many_small_contributions() {
 
 #[test]
 fn clamping_only_takes_light_away() {
-    let (scene, view) = room();
+    let (scene, view) = scratch();
     let world = world_of(&scene, false);
     let with = |clamp| {
         let options = RenderOptions { clamp, ..path(32, 24, 8, 8) };
@@ -282,8 +283,8 @@ fn clamping_only_takes_light_away() {
     let sums = [&all, &less, &direct].map(|picture| mean(picture)[0]);
     assert!(sums[0] > sums[1] && sums[1] > sums[2], "less and less: {sums:?}");
     let options = path(32, 24, 8, 2);
-    let wanted = render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture;
-    assert_close(sums[2], mean(&wanted)[0], 1e-5, "direct light is never clamped");
+    let expected = render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture;
+    assert_close(sums[2], mean(&expected)[0], 1e-5, "direct light is never clamped");
 }
 
 /// A small lamp out of focus is a disc as wide as the circle of confusion, and its light is spread over it.
@@ -291,16 +292,16 @@ fn clamping_only_takes_light_away() {
 #[test]
 fn lamps_out_of_focus_are_discs() {
     const SIDE: u32 = 61;
-    let (half, distance, focus, aperture, seen) = (0.03_f32, 8.0_f32, 5.0_f32, 0.4_f32, 0.5_f32);
+    let (half, distance, focus, aperture, measured) = (0.03_f32, 8.0_f32, 5.0_f32, 0.4_f32, 0.5_f32);
     let mut scene = Scene::new();
     let shine = emitter(&mut scene, [1000.0; 3]);
     let edge = 2.0 * half;
-    place(&mut scene, quad([-half, -half, -distance], [edge, 0.0, 0.0], [0.0, edge, 0.0], shine));
+    put_mesh(&mut scene, quad([-half, -half, -distance], [edge, 0.0, 0.0], [0.0, edge, 0.0], shine));
     let world = world_of(&scene, false);
-    let fov_y = 2.0 * (seen / 2.0 / focus).atan().to_degrees();
+    let fov_y = 2.0 * (measured / 2.0 / focus).atan().to_degrees();
     let lens = Lens { aperture, focus: Some(focus) };
     for (projection, scale) in
-        [(Projection::Perspective, focus / distance), (Projection::Orthographic { height: seen }, 1.0)]
+        [(Projection::Perspective, focus / distance), (Projection::Orthographic { height: measured }, 1.0)]
     {
         let camera = Camera { fov_y, projection, lens, ..Camera::default() };
         let camera = SceneCamera::new(&camera).expect("a view");
@@ -311,15 +312,15 @@ fn lamps_out_of_focus_are_discs() {
             let lit: Vec<f64> = frame.picture.color.iter().map(|c| f64::from(c[0])).collect();
             let sum: f64 = lit.iter().sum();
             let across = |i: usize| f64::from(i as u32 % SIDE) - f64::from(SIDE / 2);
-            let moment = lit.iter().enumerate().map(|(i, x)| x * across(i).powi(2)).sum::<f64>() / sum;
-            let pixel = f64::from(seen) / f64::from(SIDE);
+            let second_moment = lit.iter().enumerate().map(|(i, x)| x * across(i).powi(2)).sum::<f64>() / sum;
+            let pixel = f64::from(measured) / f64::from(SIDE);
             let [radius, half] =
                 [aperture / 2.0 * (distance - focus) / focus, half].map(|x| f64::from(x * scale));
             // Of a disc, the lamp and a pixel; variances add up where shapes are smeared over each other.
-            let wanted = radius * radius / 4.0 + half * half / 3.0 + pixel * pixel / 12.0;
+            let expected = radius * radius / 4.0 + half * half / 3.0 + pixel * pixel / 12.0;
             assert_close(
-                moment * pixel * pixel,
-                wanted,
+                second_moment * pixel * pixel,
+                expected,
                 0.03,
                 &format!("{projection} {integrator}: its size"),
             );

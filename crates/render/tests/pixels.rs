@@ -8,7 +8,7 @@ use gnurt_render::{
     Accumulation, CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
     trace_pixel,
 };
-use gnurt_shading::{Meeting, PixelSamples, PixelShader, RayRequest, Tracer, Vec3s};
+use gnurt_shading::{PixelSamples, PixelShader, RayRequest, SurfaceHit, Tracer, Vec3s};
 
 use crate::common::*;
 
@@ -27,7 +27,7 @@ impl PixelShader for Shows {
     }
 }
 
-fn room(shader: Option<Shows>) -> (World, SceneCamera) {
+fn scratch(shader: Option<Shows>) -> (World, SceneCamera) {
     let scene = gnurt_scene::builtin::load("cornell").expect("it is built in");
     let table = ShaderTable { pixel: shader.map(|shader| Arc::new(shader) as _), ..ShaderTable::default() };
     let mut world = World::new();
@@ -46,7 +46,7 @@ fn picture((world, camera): &(World, SceneCamera), options: &RenderOptions, thre
 #[test]
 fn the_radiance_along_its_ray_is_what_there_is_without() {
     let same = Shows(|_, samples, _, out| out.clone_from(samples.radiance));
-    let (plain, shown) = (room(None), room(Some(same)));
+    let (plain, shown) = (scratch(None), scratch(Some(same)));
     for integrator in Integrator::ALL {
         for interleave in [1, 3] {
             let options = RenderOptions { interleave, ..by(integrator, 2) };
@@ -59,7 +59,7 @@ fn the_radiance_along_its_ray_is_what_there_is_without() {
 #[test]
 fn its_rays_are_samples_of_the_integrator() {
     let again = Shows(|tracer, _, request, out| tracer.trace(0, request, out));
-    let (plain, shown) = (room(None), room(Some(again)));
+    let (plain, shown) = (scratch(None), scratch(Some(again)));
     let all = [Integrator::Eyelight, Integrator::Whitted, Integrator::Path, Integrator::InstantRadiosity];
     for integrator in all {
         let options = by(integrator, if integrator == Integrator::Path { 64 } else { 4 });
@@ -71,7 +71,7 @@ fn its_rays_are_samples_of_the_integrator() {
 #[test]
 fn what_rays_meet_is_what_layers_hold() {
     let met = Shows(|tracer, samples, request, out| {
-        let (mut met, mut far) = (Vec::<Option<Meeting>>::new(), Vec::new());
+        let (mut met, mut far) = (Vec::<Option<SurfaceHit>>::new(), Vec::new());
         tracer.meet(request, &mut met);
         tracer.distances(request, &mut far);
         for (i, met) in met.iter().enumerate() {
@@ -81,7 +81,7 @@ fn what_rays_meet_is_what_layers_hold() {
         }
     });
     let options = RenderOptions { aovs: true, ..by(Integrator::Eyelight, 3) };
-    let picture = picture(&room(Some(met)), &options, 2);
+    let picture = picture(&scratch(Some(met)), &options, 2);
     let layer = |name: &str, channel: usize| match &picture.layers.iter().find(|l| l.name == name) {
         Some(layer) => match &layer.channels[channel].data {
             gnurt_image::ChannelData::F32(list) => list.clone(),
@@ -92,8 +92,8 @@ fn what_rays_meet_is_what_layers_hold() {
     for k in 0..3 {
         let (normal, albedo) = (layer("N", k), layer("albedo", k));
         for (i, pixel) in picture.color.iter().enumerate() {
-            let wanted = 0.5 * normal[i] + albedo[i];
-            assert!((pixel[k] - wanted).abs() < 1e-5, "pixel {i}: {} is not {wanted}", pixel[k]);
+            let expected = 0.5 * normal[i] + albedo[i];
+            assert!((pixel[k] - expected).abs() < 1e-5, "pixel {i}: {} is not {expected}", pixel[k]);
         }
     }
 }
@@ -104,16 +104,16 @@ fn neighbours_are_a_pixel_away_and_traces_show_it() {
         for i in 0..out.len() {
             let at = |rays: &gnurt_accel::RayBatch| glam::Vec3::from(rays.get(i).dir);
             let here = at(samples.rays);
-            let [right, below] = samples.beside.map(|rays| at(rays) - here);
+            let [right, below] = samples.neighbours.map(|rays| at(rays) - here);
             assert!(right.length() > 1e-4 && right.dot(below).abs() < 0.2 * right.length_squared());
             out.set(i, right.cross(below).normalize());
         }
     });
-    let (world, camera) = room(Some(steps));
+    let (world, camera) = scratch(Some(steps));
     let trace = trace_pixel(&world, &camera, &by(Integrator::Path, 1), 20, 20).expect("it is inside");
-    let mut seen = Accumulation::new(by(Integrator::Eyelight, 1)).expect("sound options");
-    assert!(seen.pass(&world, &camera, 1, &pool(1), &Silent), "nobody stops it");
-    let pixel = seen.picture().color[20 * 40 + 20];
+    let mut measured = Accumulation::new(by(Integrator::Eyelight, 1)).expect("sound options");
+    assert!(measured.pass(&world, &camera, 1, &pool(1), &Silent), "nobody stops it");
+    let pixel = measured.picture().color[20 * 40 + 20];
     let forward = glam::Vec3::from(camera.forward());
     for found in [glam::Vec3::from(trace.radiance), glam::Vec3::from_slice(&pixel[..3])] {
         assert!(found.dot(forward) > 0.99, "right and down span the picture: {found} along {forward}");

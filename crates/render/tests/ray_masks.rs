@@ -8,7 +8,7 @@ use gnurt_scene::{InstanceId, Light, Material, RayMask, Scene, Surface};
 const INTEGRATORS: [Integrator; 2] = [Integrator::Path, Integrator::Whitted];
 
 /// What a narrow camera sees.
-fn seen(world: &World, camera: &SceneCamera, integrator: Integrator) -> f32 {
+fn measured(world: &World, camera: &SceneCamera, integrator: Integrator) -> f32 {
     let options =
         RenderOptions { width: 2, height: 2, spp: 4, max_depth: 3, integrator, ..RenderOptions::default() };
     let frame = render(world, camera, &options, &pool(1), &Silent).expect("sound options");
@@ -30,7 +30,7 @@ fn with_and_without(
         (instance.mask, instance.visible) = (mask, visible);
         let made = world.commit(scene, &Default::default(), &Default::default(), &pool(1));
         made.expect("all ids name something");
-        seen(&world, &camera, integrator)
+        measured(&world, &camera, integrator)
     })
 }
 
@@ -47,7 +47,7 @@ fn the_camera_sees_through_what_its_rays_do_not_see() {
         let mut scene = lit_floor();
         let black = matte(&mut scene, [0.0; 3]);
         // Between the camera and the floor, upright: no shadow falls on what is looked at.
-        place(&mut scene, quad([-1.0, -2.0, 0.5], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], black));
+        put_mesh(&mut scene, quad([-1.0, -2.0, 0.5], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], black));
         let view = [[0.0, -4.0, 2.0], [0.0, 0.0, 0.0]];
         let [hidden, shown, gone] = with_and_without(&mut scene, RayMask::CAMERA, view, integrator);
         assert!(gone > 0.1, "the floor is lit: {gone}");
@@ -61,12 +61,12 @@ fn nothing_casts_a_shadow_that_shadow_rays_do_not_see() {
     for integrator in INTEGRATORS {
         let mut scene = lit_floor();
         let black = matte(&mut scene, [0.0; 3]);
-        place(&mut scene, quad([-1.0, -1.0, 5.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], black));
+        put_mesh(&mut scene, quad([-1.0, -1.0, 5.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], black));
         let view = [[0.0, -4.0, 2.0], [0.0, 0.0, 0.0]];
-        let [unseen, seen, gone] = with_and_without(&mut scene, RayMask::SHADOW, view, integrator);
+        let [unseen, measured, gone] = with_and_without(&mut scene, RayMask::SHADOW, view, integrator);
         assert!(gone > 0.1, "the floor is lit: {gone}");
         assert!(unseen > 0.9 * gone, "{integrator:?}: no shadow: {unseen}, not {gone}");
-        assert!(seen < 1e-6, "{integrator:?}: in the shadow: {seen}");
+        assert!(measured < 1e-6, "{integrator:?}: in the shadow: {measured}");
     }
 }
 
@@ -76,14 +76,14 @@ fn mirrors_show_what_other_rays_see() {
         let mut scene = Scene::new();
         let reflectance = gnurt_scene::material::Color::constant([1.0; 3]);
         let mirror = scene.add_material(Material::of("mirror", Surface::Mirror { reflectance }));
-        place(&mut scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], mirror));
+        put_mesh(&mut scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], mirror));
         let shining = emitter(&mut scene, [3.0; 3]);
         // Its light side looks down.
-        place(&mut scene, quad([-1.0, 1.0, 3.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], shining));
+        put_mesh(&mut scene, quad([-1.0, 1.0, 3.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], shining));
         let view = [[0.0, -2.0, 3.0], [0.0, 0.0, 0.0]];
-        let [unseen, seen, gone] = with_and_without(&mut scene, RayMask::OTHER, view, integrator);
+        let [unseen, measured, gone] = with_and_without(&mut scene, RayMask::OTHER, view, integrator);
         assert_eq!((unseen, gone), (0.0, 0.0), "{integrator:?}: not in the mirror");
-        assert!((seen - 3.0).abs() < 1e-4, "{integrator:?}: in the mirror: {seen}");
+        assert!((measured - 3.0).abs() < 1e-4, "{integrator:?}: in the mirror: {measured}");
     }
 }
 
@@ -91,11 +91,11 @@ fn mirrors_show_what_other_rays_see() {
 fn lamps_that_other_rays_do_not_see_give_no_light() {
     let mut scene = floor(0.5, 10.0);
     let shining = emitter(&mut scene, [3.0; 3]);
-    place(&mut scene, quad([-1.0, -1.0, 3.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], shining));
+    put_mesh(&mut scene, quad([-1.0, -1.0, 3.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], shining));
     let view = [[0.0, -4.0, 2.0], [0.0, 0.0, 0.0]];
-    let [unseen, seen, gone] = with_and_without(&mut scene, RayMask::OTHER, view, Integrator::Path);
+    let [unseen, measured, gone] = with_and_without(&mut scene, RayMask::OTHER, view, Integrator::Path);
     assert_eq!((unseen, gone), (0.0, 0.0), "it does not shine on the floor");
-    assert!(seen > 0.1, "it does: {seen}");
+    assert!(measured > 0.1, "it does: {measured}");
     let camera = camera([0.0, 0.0, 0.5], [0.0, 0.1, 3.0], 0.5);
     let last = scene.edit_instance(InstanceId(1));
     (last.mask, last.visible) = (RayMask::CAMERA, true);
@@ -103,5 +103,5 @@ fn lamps_that_other_rays_do_not_see_give_no_light() {
 }
 
 fn seen_of(scene: &Scene, camera: &SceneCamera) -> f32 {
-    seen(&world_of(scene, false), camera, Integrator::Path)
+    measured(&world_of(scene, false), camera, Integrator::Path)
 }

@@ -104,7 +104,7 @@ fn tile_sum(picture: &Picture, [column, row]: [u32; 2], channel: usize) -> f64 {
 
 /// What a comparison found.
 #[derive(Debug, Default)]
-struct Verdict {
+struct Comparison {
     /// Candidate over reference, minus one, per channel.
     mean_error: [f64; 3],
     tiles_off: usize,
@@ -113,13 +113,13 @@ struct Verdict {
     z_deviation: f64,
 }
 
-fn compare(batches: &[Picture], reference: &Picture, variance: &Picture) -> Verdict {
+fn compare(batches: &[Picture], reference: &Picture, variance: &Picture) -> Comparison {
     let n = batches.len() as f64;
-    let mut verdict = Verdict::default();
-    let wanted = mean(reference);
+    let mut comparison = Comparison::default();
+    let expected = mean(reference);
     let means: Vec<[f64; 3]> = batches.iter().map(mean).collect();
-    let relative = |k: usize| means.iter().map(|mean| mean[k]).sum::<f64>() / n / wanted[k] - 1.0;
-    verdict.mean_error = [relative(0), relative(1), relative(2)];
+    let relative = |k: usize| means.iter().map(|mean| mean[k]).sum::<f64>() / n / expected[k] - 1.0;
+    comparison.mean_error = [relative(0), relative(1), relative(2)];
     let (mut z_sum, mut z_squares, mut z_count) = (0.0, 0.0, 0.0);
     let pixels = f64::from(TILE * TILE);
     let grid = (0..reference.height / TILE).flat_map(|r| (0..reference.width / TILE).map(move |c| [c, r]));
@@ -129,23 +129,23 @@ fn compare(batches: &[Picture], reference: &Picture, variance: &Picture) -> Verd
             let sums: Vec<f64> = batches.iter().map(|batch| tile_sum(batch, tile, k) / pixels).collect();
             let found = sums.iter().sum::<f64>() / n;
             let own = sums.iter().map(|s| (s - found).powi(2)).sum::<f64>() / (n * (n - 1.0));
-            let wanted = tile_sum(reference, tile, k) / pixels;
+            let expected = tile_sum(reference, tile, k) / pixels;
             let error = (own + tile_sum(variance, tile, k) / (pixels * pixels)).sqrt();
-            let difference = found - wanted;
-            off |= difference.abs() > 3.0 * error + 0.005 * wanted;
-            if error > 1e-3 * wanted && wanted > 0.0 {
+            let difference = found - expected;
+            off |= difference.abs() > 3.0 * error + 0.005 * expected;
+            if error > 1e-3 * expected && expected > 0.0 {
                 let z = difference / error;
                 (z_sum, z_squares, z_count) = (z_sum + z, z_squares + z * z, z_count + 1.0);
             }
         }
-        verdict.tiles += 1;
-        verdict.tiles_off += usize::from(off);
+        comparison.tiles += 1;
+        comparison.tiles_off += usize::from(off);
     }
     if z_count > 0.0 {
-        verdict.z_mean = z_sum / z_count;
-        verdict.z_deviation = (z_squares / z_count - verdict.z_mean * verdict.z_mean).sqrt();
+        comparison.z_mean = z_sum / z_count;
+        comparison.z_deviation = (z_squares / z_count - comparison.z_mean * comparison.z_mean).sqrt();
     }
-    verdict
+    comparison
 }
 
 /// `kind` is "direct" or "path9". Different batches must differ by more than luck: enough of them, enough samples.
@@ -163,17 +163,20 @@ fn check(scenes: &[&str], kind: &str, like: &RenderOptions, batches: u64, mean_t
         };
         let read =
             |name: String| gnurt_image::read(&references.join(name)).expect("the reference can be read");
-        let (wanted, variance) =
+        let (expected, variance) =
             (read(format!("{scene}-{kind}.exr")), read(format!("{scene}-{kind}-var.exr")));
         let start = std::time::Instant::now();
-        let verdict = compare(&render_batches(reference, &folder, like, batches), &wanted, &variance);
+        let comparison = compare(&render_batches(reference, &folder, like, batches), &expected, &variance);
         let spp = u64::from(like.spp) * batches;
-        eprintln!("{scene}-{kind}, {spp} spp, {:.1} s: {verdict:?}", start.elapsed().as_secs_f64());
+        eprintln!("{scene}-{kind}, {spp} spp, {:.1} s: {comparison:?}", start.elapsed().as_secs_f64());
         assert!(
-            verdict.mean_error.iter().all(|e| e.abs() < mean_tolerance),
-            "{scene}: means are off: {verdict:?}"
+            comparison.mean_error.iter().all(|e| e.abs() < mean_tolerance),
+            "{scene}: means are off: {comparison:?}"
         );
-        assert!(verdict.tiles_off * 50 < verdict.tiles, "{scene}: 2 % of tiles or more are off: {verdict:?}");
+        assert!(
+            comparison.tiles_off * 50 < comparison.tiles,
+            "{scene}: 2 % of tiles or more are off: {comparison:?}"
+        );
     }
 }
 

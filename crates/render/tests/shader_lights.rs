@@ -24,20 +24,20 @@ const ALL: [Integrator; 3] = [
 ];
 
 /// A light at a point that sends more upwards, or one far away.
-struct Lamp {
-    place: Vec3,
+struct PluginLight {
+    placement: Vec3,
     is_far: bool,
     strength: f32,
 }
 
-impl LightShader for Lamp {
+impl LightShader for PluginLight {
     fn illuminate(&self, p: &Vec3s, _: &Vec3s, _: &[[f32; 2]], out: &mut LightBatch) {
         for i in 0..p.len() {
-            let way = if self.is_far { self.place } else { self.place - p.get(i) };
-            let dir = way.normalize();
+            let offset = if self.is_far { self.placement } else { self.placement - p.get(i) };
+            let dir = offset.normalize();
             out.dir.set(i, dir);
-            out.dist[i] = if self.is_far { f32::INFINITY } else { way.length() };
-            let falls = if self.is_far { 1.0 } else { (1.5 - dir.z) / way.length_squared() };
+            out.dist[i] = if self.is_far { f32::INFINITY } else { offset.length() };
+            let falls = if self.is_far { 1.0 } else { (1.5 - dir.z) / offset.length_squared() };
             out.radiance.set(i, Vec3::splat(self.strength * falls));
         }
     }
@@ -114,12 +114,12 @@ fn view(by: By, white: f32, is_far: bool) -> (World, SceneCamera) {
     ];
     for (color, corner, a, b) in walls {
         let material = matter(&mut scene, color);
-        place(&mut scene, quad(corner, a, b, material));
+        put_mesh(&mut scene, quad(corner, a, b, material));
     }
-    let place = if is_far { Vec3::new(0.3, -1.0, 0.6) } else { Vec3::new(-0.5, -0.3, 1.6) };
+    let placement = if is_far { Vec3::new(0.3, -1.0, 0.6) } else { Vec3::new(-0.5, -0.3, 1.6) };
     // In a light model without pi the same lamp is said to be weaker.
     let strength = if by == By::Materials { 3.0 } else { 3.0 / (PI * white) };
-    shaders.lights.push(Arc::new(Lamp { place, is_far, strength }));
+    shaders.lights.push(Arc::new(PluginLight { placement, is_far, strength }));
     shaders.environment = Some(Arc::new(Sky));
     let mut world = World::new();
     world.commit(&scene, &shaders, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
@@ -152,11 +152,11 @@ fn parts((world, camera): &(World, SceneCamera), options: &RenderOptions) -> Vec
 }
 
 #[track_caller]
-fn assert_same(found: &[[f64; 2]], wanted: &[[f64; 2]], what: &str) {
-    let sums = [found, wanted].map(|parts| parts.iter().map(|[mean, _]| mean).sum::<f64>());
+fn assert_same(found: &[[f64; 2]], expected: &[[f64; 2]], what: &str) {
+    let sums = [found, expected].map(|parts| parts.iter().map(|[mean, _]| mean).sum::<f64>());
     // Few batches say little about small errors: those do not count below one per cent.
     let z = |([a, va], [b, vb]): (&[f64; 2], &[f64; 2])| ((a - b) / (va + vb).sqrt().max(0.01 * b)).abs();
-    let worst = found.iter().zip(wanted).map(z).fold(0.0, f64::max);
+    let worst = found.iter().zip(expected).map(z).fold(0.0, f64::max);
     let off = sums[0] / sums[1] - 1.0;
     eprintln!("{what}: mean {off:+.4}, worst z {worst:.2}");
     assert!(off.abs() < 0.025 && worst < 5.0, "{what}: mean off by {off:+.4}, worst z {worst:.2}");
@@ -170,16 +170,17 @@ fn by(integrator: Integrator, spp: u32) -> RenderOptions {
 fn shaders_show_what_materials_show() {
     for is_far in [false, true] {
         let paths = parts(&view(By::Materials, 1.0, is_far), &by(Integrator::Path, 64));
-        let ways = [(By::Materials, 1.0), (By::Shaders, 1.0), (By::Shaders, 1.0 / PI), (By::Both, 1.0 / PI)];
-        for (integrator, ways) in ALL.into_iter().zip([&ways[..], &ways[1..2], &ways[2..3]]) {
-            for &(way, white) in ways {
+        let variants =
+            [(By::Materials, 1.0), (By::Shaders, 1.0), (By::Shaders, 1.0 / PI), (By::Both, 1.0 / PI)];
+        for (integrator, variants) in ALL.into_iter().zip([&variants[..], &variants[1..2], &variants[2..3]]) {
+            for &(offset, white) in variants {
                 let options = RenderOptions { white, ..by(integrator, 8) };
-                let found = parts(&view(way, white, is_far), &options);
-                let place = if is_far { "far away" } else { "near" };
+                let found = parts(&view(offset, white, is_far), &options);
+                let placement = if is_far { "far away" } else { "near" };
                 assert_same(
                     &found,
                     &paths,
-                    &format!("{integrator}, a lamp {place}: {way:?}, white shows {white}"),
+                    &format!("{integrator}, a lamp {placement}: {offset:?}, white shows {white}"),
                 );
             }
         }
@@ -205,31 +206,31 @@ impl SurfaceShader for Glowing {
 #[test]
 fn lamps_may_show_more_than_they_emit() {
     let mut scene = floor(0.8, 4.0);
-    let lamp = Material { emission: [1.0; 3], ..Material::of("lamp", Surface::Shader(0)) };
-    let lamp = scene.add_material(lamp);
-    place(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], lamp));
+    let area_light = Material { emission: [1.0; 3], ..Material::of("lamp", Surface::Shader(0)) };
+    let area_light = scene.add_material(area_light);
+    put_mesh(&mut scene, quad([-1.0, -1.0, 1.0], [0.0, 2.0, 0.0], [2.0, 0.0, 0.0], area_light));
     let shaders = ShaderTable { surfaces: vec![Arc::new(Glowing)], ..ShaderTable::default() };
     let mut world = World::new();
     world.commit(&scene, &shaders, &CommitOptions::default(), &pool(2)).expect("the scene is sound");
     let view = camera([2.5, 0.0, 0.4], [0.0, 0.0, 0.0], 1.0);
-    let seen = |integrator, spp| {
+    let measured = |integrator, spp| {
         let options = RenderOptions { width: 4, height: 4, max_depth: 2, ..by(integrator, spp) };
         mean(&render(&world, &view, &options, &pool(2), &Silent).expect("sound options").picture)[0]
     };
-    let wanted = seen(Integrator::Path, 1024);
+    let expected = measured(Integrator::Path, 1024);
     for integrator in ALL {
-        assert_close(seen(integrator, 1024), wanted, 0.02, &format!("{integrator}"));
+        assert_close(measured(integrator, 1024), expected, 0.02, &format!("{integrator}"));
     }
 }
 
 /// Whatever the bound leaves to rays comes back.
 #[test]
 fn the_bound_takes_nothing_away() {
-    let wanted = parts(&view(By::Materials, 1.0, false), &by(Integrator::Path, 64));
+    let expected = parts(&view(By::Materials, 1.0, false), &by(Integrator::Path, 64));
     let shaders = view(By::Shaders, 1.0, false);
     for (clamp, spp) in [(0.0, 40), (0.3, 8), (30.0, 8)] {
         let options = RenderOptions { clamp: Some(clamp), ..by(Integrator::InstantRadiosity, spp) };
-        assert_same(&parts(&shaders, &options), &wanted, &format!("bound {clamp}"));
+        assert_same(&parts(&shaders, &options), &expected, &format!("bound {clamp}"));
     }
 }
 
@@ -241,8 +242,8 @@ fn shaders_are_interleaved() {
         let options = RenderOptions { interleave, width: 60, height: 60, vpls: 360, ..by(ALL[0], 2) };
         render(&world, &camera, &options, &pool(2), &Silent).expect("sound options")
     });
-    let [wanted, found] = [&full, &part].map(|frame| mean(&frame.picture));
-    (0..3).for_each(|k| assert_close(found[k], wanted[k], 0.02, "light"));
+    let [expected, found] = [&full, &part].map(|frame| mean(&frame.picture));
+    (0..3).for_each(|k| assert_close(found[k], expected[k], 0.02, "light"));
     let [many, few] = [&full, &part].map(|frame| frame.stats.shadow_rays);
     assert!(few * 6 < many, "{few} and {many} shadow rays");
 }

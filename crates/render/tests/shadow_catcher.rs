@@ -13,10 +13,10 @@ const ALBEDO: f32 = 0.6;
 fn scene(floor: Surface, ball: bool) -> Scene {
     let mut scene = Scene::new();
     let floor = scene.add_material(Material::of("floor", floor));
-    place(&mut scene, quad([-50.0, -50.0, 0.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], floor));
+    put_mesh(&mut scene, quad([-50.0, -50.0, 0.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], floor));
     if ball {
         let red = scene.add_material(Material::matte("red", [0.7, 0.1, 0.1]));
-        place(&mut scene, sphere([0.0, 0.0, 1.0], 1.0, 24, red));
+        put_mesh(&mut scene, sphere([0.0, 0.0, 1.0], 1.0, 24, red));
     }
     scene.add_light(environment([SKY; 3]));
     scene
@@ -41,7 +41,7 @@ fn it_may_be_there_in_part() {
     let with = |alpha: Alpha| {
         let mut scene = Scene::new();
         let floor = scene.add_material(Material { alpha, ..Material::of("floor", catcher()) });
-        place(&mut scene, quad([-50.0, -50.0, 0.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], floor));
+        put_mesh(&mut scene, quad([-50.0, -50.0, 0.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], floor));
         scene.add_light(environment([SKY; 3]));
         picture(&scene, Integrator::Path, 64)
     };
@@ -50,8 +50,8 @@ fn it_may_be_there_in_part() {
     assert_eq!(part.opacity, whole.opacity, "still a picture with opacity");
     let row = 22 * 32..23 * 32;
     let mean = |picture: &Picture| picture.color[row.clone()].iter().map(|p| p[0] / 32.0).sum::<f32>();
-    let wanted = 0.99 * mean(&whole) + 0.01 * SKY;
-    assert!((mean(&part) - wanted).abs() < 4e-3 * wanted, "{} in place of {wanted}", mean(&part));
+    let expected = 0.99 * mean(&whole) + 0.01 * SKY;
+    assert!((mean(&part) - expected).abs() < 4e-3 * expected, "{} in place of {expected}", mean(&part));
     for (i, pixel) in part.color[row].iter().enumerate() {
         // A sample in a hundred sees the sky below; no other noise is there.
         let off = (pixel[0] - ALBEDO * SKY) / SKY;

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use gnurt_accel::{Moment, MotionPath};
+use gnurt_accel::{KeyInterval, MotionPath};
 use gnurt_image::Picture;
 use gnurt_render::{
     CommitOptions, Integrator, MovingCamera, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
@@ -39,11 +39,11 @@ fn camera_at(x: f32) -> Camera {
 
 /// The way of the box: a turn and a half in all, by thirds.
 fn turned(share: f64) -> Affine {
-    let turn = Affine::rotation([0.0, 1.0, 0.2], share * 3.0 * std::f64::consts::PI);
-    Affine::translation([1.1, 0.6 + 0.2 * share, 0.0]) * turn * Affine::scale([0.5, 0.9, 0.5])
+    let rotated = Affine::rotation([0.0, 1.0, 0.2], share * 3.0 * std::f64::consts::PI);
+    Affine::translation([1.1, 0.6 + 0.2 * share, 0.0]) * rotated * Affine::scale([0.5, 0.9, 0.5])
 }
 
-fn room(lights_move: bool) -> Room {
+fn scratch(lights_move: bool) -> Room {
     let mut scene = floor(0.6, 4.0);
     let (red, shine) = (matte(&mut scene, [0.8, 0.3, 0.2]), emitter(&mut scene, [25.0, 22.0, 20.0]));
     let wave = |share: f32, material| {
@@ -61,7 +61,7 @@ fn room(lights_move: bool) -> Room {
     let share = |key: usize| key as f32 / (KEYS - 1) as f32;
     // Corners that are out of sight hold the bounds, which bounds on light hang on, in one place.
     for corner in [[-9.0_f32, -1.0, -9.0], [9.0, 7.0, 9.0]] {
-        place(&mut scene, quad(corner, [-0.1, 0.0, 0.0], [0.0, -0.1, 0.0], red));
+        put_mesh(&mut scene, quad(corner, [-0.1, 0.0, 0.0], [0.0, -0.1, 0.0], red));
     }
     let sheet = scene.add_mesh(wave(0.0, red));
     let object = scene.add_object_of("sheet", vec![sheet]);
@@ -69,8 +69,8 @@ fn room(lights_move: bool) -> Room {
     let ball = scene.add_mesh(sphere([0.0; 3], 1.0, 6, red));
     let object = scene.add_object_of("box", vec![ball]);
     let turning = scene.instantiate(object, turned(0.0));
-    let lamp = scene.add_mesh(quad([-0.5, 0.0, 0.5], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0], shine));
-    let object = scene.add_object_of("lamp", vec![lamp]);
+    let area_light = scene.add_mesh(quad([-0.5, 0.0, 0.5], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0], shine));
+    let object = scene.add_object_of("lamp", vec![area_light]);
     let sunk = |share: f64| {
         Affine::translation([0.8 * share, 5.0 - 0.7 * share, 0.5])
             * Affine::rotation([1.0, 0.0, 0.0], std::f64::consts::PI)
@@ -100,13 +100,13 @@ impl Room {
     /// in what does.
     fn with_members(mut self) -> Self {
         let scene = &mut self.scene;
-        let [boxes, lamp] = ["box", "lamp"].map(|name| {
+        let [boxes, area_light] = ["box", "lamp"].map(|name| {
             let is_it = |object: &Object| object.name == name;
             ObjectId(scene.objects().iter().position(is_it).expect("the room has it") as u32)
         });
         let spun = |share: f64| {
-            let turn = Affine::rotation([0.3, 1.0, 0.0], share * 5.0);
-            Affine::translation([share - 0.5, 0.3 * share, 0.0]) * turn * Affine::scale([0.4, 0.2, 0.3])
+            let rotated = Affine::rotation([0.3, 1.0, 0.0], share * 5.0);
+            Affine::translation([share - 0.5, 0.3 * share, 0.0]) * rotated * Affine::scale([0.4, 0.2, 0.3])
         };
         let aside = Affine::translation([0.9, 0.0, 0.2]) * Affine::scale([0.2; 3]);
         let row = vec![Member::new(boxes, spun(0.0)), Member::new(boxes, aside)];
@@ -116,7 +116,7 @@ impl Room {
         scene.instantiate(rows, Affine::translation([-0.8, 1.9, 0.4]));
         let swung =
             |share: f64| Affine::translation([0.6 * share, 0.2 * share, 0.0]) * Affine::scale([0.5; 3]);
-        let swing = scene.add_object_of_members("swing", vec![Member::new(lamp, swung(0.0))]);
+        let swing = scene.add_object_of_members("swing", vec![Member::new(area_light, swung(0.0))]);
         let above = Affine::translation([-1.4, 5.2, 0.8]) * Affine::rotation([1.0, 0.0, 0.0], 2.6);
         scene.instantiate(swing, above);
         let keys = |at: &dyn Fn(f64) -> Affine| -> Vec<Affine> {
@@ -142,37 +142,38 @@ impl Room {
     /// The scene by hand as it is at a moment.
     fn frozen(&self, time: f32) -> Scene {
         let mut scene = self.scene.clone();
-        let moment = Moment::of(time, KEYS);
+        let interval = KeyInterval::of(time, KEYS);
         let mix = |a: &[[f32; 3]], b: &[[f32; 3]]| -> Vec<[f32; 3]> {
-            a.iter().zip(b).map(|(a, b)| moment.mix3(*a, *b)).collect()
+            a.iter().zip(b).map(|(a, b)| interval.mix3(*a, *b)).collect()
         };
         for (id, keys) in &self.exposure.meshes {
-            let (a, b): (&Mesh, &Mesh) = (&keys[moment.key], &keys[moment.next]);
+            let (a, b): (&Mesh, &Mesh) = (&keys[interval.key], &keys[interval.next]);
             let mesh = scene.edit_mesh(MeshId(id.0));
             (mesh.positions, mesh.normals) = (mix(&a.positions, &b.positions), mix(&a.normals, &b.normals));
         }
-        let at = |places: &[Affine]| {
-            let columns: Vec<_> = places.iter().map(|place| place.columns).collect();
+        let at = |transforms: &[Affine]| {
+            let columns: Vec<_> = transforms.iter().map(|placement| placement.columns).collect();
             // Straight ways need two places, and are found by so many.
-            let straight = places.iter().all(|place| place.columns[..3] == places[0].columns[..3]);
+            let straight =
+                transforms.iter().all(|placement| placement.columns[..3] == transforms[0].columns[..3]);
             let some = if straight { vec![columns[0], columns[KEYS - 1]] } else { columns };
             Affine { columns: MotionPath::new(&some).expect("places").at(time) }
         };
-        for (id, places) in &self.exposure.instances {
-            scene.edit_instance(InstanceId(id.0)).world_from_object = at(places);
+        for (id, transforms) in &self.exposure.instances {
+            scene.edit_instance(InstanceId(id.0)).world_from_object = at(transforms);
         }
-        for ((id, member), places) in &self.exposure.members {
-            scene.edit_object(*id).members[*member as usize].object_from_member = at(places);
+        for ((id, member), transforms) in &self.exposure.members {
+            scene.edit_object(*id).members[*member as usize].object_from_member = at(transforms);
         }
         for (id, keys) in &self.exposure.lights {
-            let (a, b) = (&keys[moment.key], &keys[moment.next]);
+            let (a, b) = (&keys[interval.key], &keys[interval.next]);
             let (Light::Point { position: a, intensity: i }, Light::Point { position: b, intensity: j }) =
                 (a, b)
             else {
                 panic!("a point light");
             };
             *scene.edit_light(LightId(id.0)) =
-                Light::Point { position: moment.mix3(*a, *b), intensity: moment.mix3(*i, *j) };
+                Light::Point { position: interval.mix3(*a, *b), intensity: interval.mix3(*i, *j) };
         }
         scene
     }
@@ -188,9 +189,9 @@ impl Room {
 
 #[test]
 fn each_moment_is_the_scene_at_that_moment() {
-    let room = room(true).with_members();
-    let world = room.world();
-    let moving = MovingCamera::new(&room.cameras).expect("views");
+    let scratch = scratch(true).with_members();
+    let world = scratch.world();
+    let moving = MovingCamera::new(&scratch.cameras).expect("views");
     let all = [
         (Integrator::Eyelight, 1),
         (Integrator::Normals, 1),
@@ -200,7 +201,7 @@ fn each_moment_is_the_scene_at_that_moment() {
         (Integrator::BidirectionalInstantRadiosity, 1),
     ];
     for time in [0.0, 0.4, 1.0] {
-        let frozen = world_of(&room.frozen(time), false);
+        let frozen = world_of(&scratch.frozen(time), false);
         let at = world.at(time, &pool(2));
         for (integrator, spp) in all {
             let options = RenderOptions {
@@ -208,9 +209,9 @@ fn each_moment_is_the_scene_at_that_moment() {
                 ..Room::of_integrator(integrator, spp)
             };
             let camera = moving.at(time);
-            let (found, wanted) =
-                (room.picture(&at, &camera, &options), room.picture(&frozen, &camera, &options));
-            let differ = found.color.iter().zip(&wanted.color).filter(|(a, b)| a != b).count();
+            let (found, expected) =
+                (scratch.picture(&at, &camera, &options), scratch.picture(&frozen, &camera, &options));
+            let differ = found.color.iter().zip(&expected.color).filter(|(a, b)| a != b).count();
             assert_eq!(differ, 0, "{integrator} at {time}: pixels of {}", found.color.len());
             assert!(mean(&found)[0] > 0.01, "{integrator} at {time} shows something");
         }
@@ -232,21 +233,21 @@ fn pictures_are_the_mean_of_their_moments() {
         (true, Integrator::Path),
         (true, Integrator::InstantRadiosity),
     ] {
-        let room = room(lights_move);
-        let world = room.world();
-        let moving = MovingCamera::new(&room.cameras).expect("views");
+        let scratch = scratch(lights_move);
+        let world = scratch.world();
+        let moving = MovingCamera::new(&scratch.cameras).expect("views");
         let options = Room::of_integrator(integrator, 64);
-        let blurred = room.picture(&world, &moving, &options);
+        let blurred = scratch.picture(&world, &moving, &options);
         let mut sum = vec![[0.0; 3]; blurred.color.len()];
         for i in 0..64 {
             let time = (i as f32 + 0.5) / 64.0;
             let options = RenderOptions { seed: 100 + i, ..Room::of_integrator(integrator, 2) };
-            let one = room.picture(&world.at(time, &pool(2)), &moving.at(time), &options);
+            let one = scratch.picture(&world.at(time, &pool(2)), &moving.at(time), &options);
             for (sum, color) in sum.iter_mut().zip(&one.color) {
                 (0..3).for_each(|k| sum[k] += f64::from(color[k]) / 64.0);
             }
         }
-        let still = room.picture(&world.at(0.0, &pool(2)), &moving.at(0.0), &options);
+        let still = scratch.picture(&world.at(0.0, &pool(2)), &moving.at(0.0), &options);
         let (blur, no_blur) = (difference(&blurred, &sum), difference(&still, &sum));
         let level = mean(&blurred)[0];
         assert!(
@@ -258,26 +259,27 @@ fn pictures_are_the_mean_of_their_moments() {
 
 #[test]
 fn commits_after_an_open_shutter_are_those_of_fresh_worlds() {
-    let room = room(true).with_members();
-    let camera = SceneCamera::new(&room.cameras[0]).expect("a view");
+    let scratch = scratch(true).with_members();
+    let camera = SceneCamera::new(&scratch.cameras[0]).expect("a view");
     let options = Room::of_integrator(Integrator::Path, 1);
-    let same = |found: &World, wanted: &World, what: &str| {
-        let [found, wanted] = [found, wanted].map(|world| room.picture(world, &camera, &options).color);
-        assert_eq!(found, wanted, "{what}");
+    let same = |found: &World, expected: &World, what: &str| {
+        let [found, expected] =
+            [found, expected].map(|world| scratch.picture(world, &camera, &options).color);
+        assert_eq!(found, expected, "{what}");
     };
-    let mut world = room.world();
-    same(&world, &room.world(), "open");
+    let mut world = scratch.world();
+    same(&world, &scratch.world(), "open");
     let still = Exposure::default();
-    room.commit(&mut world, &room.scene, &still);
-    same(&world, &world_of(&room.scene, false), "closed again");
-    let mut scene = room.scene.clone();
+    scratch.commit(&mut world, &scratch.scene, &still);
+    same(&world, &world_of(&scratch.scene, false), "closed again");
+    let mut scene = scratch.scene.clone();
     let mut world = World::new();
-    room.commit(&mut world, &scene, &still);
-    room.commit(&mut world, &scene, &room.exposure);
-    same(&world, &room.world(), "opened later");
+    scratch.commit(&mut world, &scene, &still);
+    scratch.commit(&mut world, &scene, &scratch.exposure);
+    same(&world, &scratch.world(), "opened later");
     scene.edit_instance(InstanceId(3)).world_from_object = Affine::translation([0.5, 0.5, 0.5]);
     scene.edit_mesh(MeshId(3)).positions[0][1] += 0.5;
-    room.commit(&mut world, &scene, &still);
+    scratch.commit(&mut world, &scene, &still);
     same(&world, &world_of(&scene, false), "edited, and closed");
     let beyond = Exposure {
         instances: vec![(InstanceId(99), vec![Affine::IDENTITY; 2])],
@@ -286,6 +288,6 @@ fn commits_after_an_open_shutter_are_those_of_fresh_worlds() {
         members: vec![((ObjectId(99), 0), vec![Affine::IDENTITY; 2]), ((ObjectId(0), 7), Vec::new())],
         ..Exposure::default()
     };
-    room.commit(&mut world, &scene, &beyond);
+    scratch.commit(&mut world, &scene, &beyond);
     same(&world, &world_of(&scene, false), "what is not there does not move");
 }

@@ -13,7 +13,7 @@ fn ball(smooth: bool) -> Scene {
     let mut scene = Scene::new();
     let material: MaterialId = matte(&mut scene, [1.0; 3]);
     let mesh = sphere([0.0; 3], 1.0, 7, material);
-    place(&mut scene, if smooth { mesh } else { Mesh { normals: Vec::new(), ..mesh } });
+    put_mesh(&mut scene, if smooth { mesh } else { Mesh { normals: Vec::new(), ..mesh } });
     scene
         .add_light(Light::Directional { direction: [-1.0, 0.0, 0.0], irradiance: [std::f32::consts::PI; 3] });
     scene
@@ -56,8 +56,8 @@ fn flat_meshes_keep_their_facets() {
     for (scene, force_diffuse) in [(ball(false), false), (ball(true), true)] {
         for (cos, light) in lit(&scene, [-2.0, -3.0, 1.0], force_diffuse) {
             // A convex body shades itself exactly where a facet turns away.
-            let wanted = cos.max(0.0);
-            assert!((light - wanted).abs() < 2e-3, "{light} where the cosine is {cos}");
+            let expected = cos.max(0.0);
+            assert!((light - expected).abs() < 2e-3, "{light} where the cosine is {cos}");
         }
     }
 }

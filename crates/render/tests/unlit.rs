@@ -18,7 +18,7 @@ fn drawing(scene: &mut Scene) {
     let material = scene.add_material(Material::of("drawing", color));
     let mut mesh = quad([0.0, -1.0, -1.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0], material);
     mesh.colors = vec![VERTEX; 4];
-    place(scene, mesh);
+    put_mesh(scene, mesh);
 }
 
 fn picture(scene: &Scene, integrator: Integrator, eye: [f32; 3], target: [f32; 3]) -> Picture {
@@ -49,11 +49,11 @@ fn a_drawing_is_seen_from_both_sides_and_lights_nothing() {
     drawing(&mut scene);
     // A wall before the drawing.
     let grey = matte(&mut scene, [0.8; 3]);
-    place(&mut scene, quad([2.0, -1.0, -1.0], [0.0, 0.0, 2.0], [0.0, 2.0, 0.0], grey));
+    put_mesh(&mut scene, quad([2.0, -1.0, -1.0], [0.0, 0.0, 2.0], [0.0, 2.0, 0.0], grey));
     for integrator in ALL {
         for (eye, side) in [([1.0, 0.1, 0.1], "front"), ([-3.0, 0.1, 0.1], "back")] {
-            let seen = picture(&scene, integrator, eye, [0.0; 3]);
-            all_are(&seen, SEEN, &format!("{integrator}: the {side} of the drawing"));
+            let measured = picture(&scene, integrator, eye, [0.0; 3]);
+            all_are(&measured, SEEN, &format!("{integrator}: the {side} of the drawing"));
         }
         let wall = picture(&scene, integrator, [1.0, 0.1, 0.1], [2.0, 0.0, 0.0]);
         all_are(&wall, [0.0; 3], &format!("{integrator}: a wall beside it"));
@@ -66,9 +66,9 @@ fn mirrors_show_a_drawing() {
     drawing(&mut scene);
     let mirror = Surface::Mirror { reflectance: Color::constant([0.5; 3]) };
     let mirror = scene.add_material(Material::of("mirror", mirror));
-    place(&mut scene, quad([2.0, -1.0, -1.0], [0.0, 0.0, 2.0], [0.0, 2.0, 0.0], mirror));
+    put_mesh(&mut scene, quad([2.0, -1.0, -1.0], [0.0, 0.0, 2.0], [0.0, 2.0, 0.0], mirror));
     for integrator in [Integrator::Path, Integrator::Whitted] {
-        let seen = picture(&scene, integrator, [1.0, 0.1, 0.1], [2.0, 0.0, 0.0]);
-        all_are(&seen, SEEN.map(|x| 0.5 * x), &format!("{integrator}: in a mirror"));
+        let measured = picture(&scene, integrator, [1.0, 0.1, 0.1], [2.0, 0.0, 0.0]);
+        all_are(&measured, SEEN.map(|x| 0.5 * x), &format!("{integrator}: in a mirror"));
     }
 }

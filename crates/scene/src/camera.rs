@@ -59,16 +59,16 @@ pub enum Projection {
 
 impl Projection {
     /// The words of all of them, as files and options have them.
-    pub const WORDS: [&str; 4] = ["perspective", "orthographic", "fisheye", "panorama"];
+    pub const NAMES: [&str; 4] = ["perspective", "orthographic", "fisheye", "panorama"];
 }
 
 impl fmt::Display for Projection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
-            Self::Perspective => Self::WORDS[0],
-            Self::Orthographic { .. } => Self::WORDS[1],
-            Self::Fisheye => Self::WORDS[2],
-            Self::Panorama => Self::WORDS[3],
+            Self::Perspective => Self::NAMES[0],
+            Self::Orthographic { .. } => Self::NAMES[1],
+            Self::Fisheye => Self::NAMES[2],
+            Self::Panorama => Self::NAMES[3],
         })
     }
 }

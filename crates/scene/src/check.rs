@@ -8,10 +8,10 @@ use crate::scene::Scene;
 
 /// A mistake in a description; whoever made the description made it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {problem}")]
+#[error("{location}: {problem}")]
 pub struct CheckError {
     /// Which value of the scene, such as `mesh 3 (door)`.
-    pub place: String,
+    pub location: String,
     /// What is wrong with it.
     pub problem: String,
 }
@@ -62,7 +62,7 @@ impl Scene {
             true => Ok(()),
             false => Err(format!("{what} {id} does not exist")),
         };
-        let result = |place: String| move |problem| CheckError { place, problem };
+        let result = |location: String| move |problem| CheckError { location, problem };
         for (i, mesh) in self.meshes().iter().enumerate() {
             let checked =
                 mesh.check().and_then(|()| exists(mesh.material.index(), self.materials().len(), "material"));
@@ -74,7 +74,7 @@ impl Scene {
             checked.map_err(result(at("object", i, &object.name)))?;
         }
         if let Err(error) = self.levels() {
-            return Err(CheckError { place: "objects".to_owned(), problem: error.to_string() });
+            return Err(CheckError { location: "objects".to_owned(), problem: error.to_string() });
         }
         for (i, instance) in self.instances().iter().enumerate() {
             let checked = exists(instance.object.index(), self.objects().len(), "object");

@@ -30,7 +30,7 @@ pub enum Edit {
 
 impl Edit {
     /// The number of its kind, and its place among those.
-    fn place(self) -> (usize, usize) {
+    fn index_in_list(self) -> (usize, usize) {
         match self {
             Self::Mesh(id) => (0, id.index()),
             Self::Object(id) => (1, id.index()),
@@ -92,16 +92,16 @@ impl EditLog {
     /// Notes an edit.
     pub fn note(&mut self, edit: Edit) {
         self.now += 1;
-        let (kind, place) = edit.place();
+        let (kind, index_in_list) = edit.index_in_list();
         let last = &mut self.last[kind];
-        if last.len() <= place {
-            last.resize(place + 1, 0);
+        if last.len() <= index_in_list {
+            last.resize(index_in_list + 1, 0);
         }
-        self.things += usize::from(last[place] == 0);
-        last[place] = self.now;
+        self.things += usize::from(last[index_in_list] == 0);
+        last[index_in_list] = self.now;
         match self.journal.last_mut() {
             // Often one thing is edited again and again.
-            Some((moment, same)) if *same == edit => *moment = self.now,
+            Some((edit_number, same)) if *same == edit => *edit_number = self.now,
             _ => self.journal.push((self.now, edit)),
         }
         // A few stale entries are not worth the walk.
@@ -125,16 +125,16 @@ impl EditLog {
 
     /// What was edited after `cursor`, each thing once, in the order of last edits.
     pub fn since(&self, cursor: Cursor) -> impl Iterator<Item = Edit> + '_ {
-        let first = self.journal.partition_point(|&(moment, _)| moment <= cursor.0);
+        let first = self.journal.partition_point(|&(edit_number, _)| edit_number <= cursor.0);
         let entries = self.journal[first..].iter();
         entries.filter(|entry| is_last(&self.last, entry)).map(|&(_, edit)| edit)
     }
 }
 
 /// Whether an entry of the journal is the last of its thing.
-fn is_last(last: &[Vec<u64>; KINDS], &(moment, edit): &(u64, Edit)) -> bool {
-    let (kind, place) = edit.place();
-    last[kind][place] == moment
+fn is_last(last: &[Vec<u64>; KINDS], &(edit_number, edit): &(u64, Edit)) -> bool {
+    let (kind, index_in_list) = edit.index_in_list();
+    last[kind][index_in_list] == edit_number
 }
 
 #[cfg(test)]
@@ -150,10 +150,10 @@ mod tests {
         log.note(Edit::Mesh(MeshId(0)));
         let middle = log.cursor();
         log.note(Edit::Instance(InstanceId(3)));
-        let seen: Vec<_> = log.since(early).collect();
-        assert_eq!(seen, [Edit::Mesh(MeshId(0)), Edit::Instance(InstanceId(3))], "each once");
-        let seen: Vec<_> = log.since(middle).collect();
-        assert_eq!(seen, [Edit::Instance(InstanceId(3))], "only what is newer");
+        let edits: Vec<_> = log.since(early).collect();
+        assert_eq!(edits, [Edit::Mesh(MeshId(0)), Edit::Instance(InstanceId(3))], "each once");
+        let edits: Vec<_> = log.since(middle).collect();
+        assert_eq!(edits, [Edit::Instance(InstanceId(3))], "only what is newer");
         assert_eq!(log.since(log.cursor()).count(), 0, "nothing is newer than now");
         let middle = log.cursor();
         log.note(Edit::Instance(InstanceId(3)));
@@ -179,14 +179,14 @@ mod tests {
             assert!(log.journal.len() <= 2 * 128 + 64, "{} entries for 128 things", log.journal.len());
         }
         for (cursor, from) in cursors {
-            let mut wanted: Vec<Edit> = Vec::new();
+            let mut expected: Vec<Edit> = Vec::new();
             for edit in all[from..].iter().rev() {
-                if !wanted.contains(edit) {
-                    wanted.push(*edit);
+                if !expected.contains(edit) {
+                    expected.push(*edit);
                 }
             }
-            wanted.reverse();
-            assert_eq!(log.since(cursor).collect::<Vec<_>>(), wanted, "since edit {from}");
+            expected.reverse();
+            assert_eq!(log.since(cursor).collect::<Vec<_>>(), expected, "since edit {from}");
         }
     }
 

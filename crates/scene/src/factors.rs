@@ -175,7 +175,7 @@ impl Default for Factors {
 enum Kind {
     Glass(Interior),
     Matte,
-    Facets(Box<Principled>),
+    Rough(Box<Principled>),
 }
 
 impl Factors {
@@ -259,7 +259,8 @@ impl Factors {
             interior: layers.interior,
             ..Principled::default()
         };
-        let is_clear = layers.transmission >= CLEAR && self.facets() < GLASS_ROUGHNESS && !layers.thin;
+        let is_clear =
+            layers.transmission >= CLEAR && self.clamped_roughness() < GLASS_ROUGHNESS && !layers.thin;
         if layers == plain && is_clear {
             return Kind::Glass(layers.interior);
         }
@@ -268,18 +269,18 @@ impl Factors {
         if layers == matte && self.metallic == 0.0 && !has_normals {
             return Kind::Matte;
         }
-        Kind::Facets(Box::new(layers))
+        Kind::Rough(Box::new(layers))
     }
 
     /// Roughness that can be.
-    fn facets(&self) -> f32 {
+    fn clamped_roughness(&self) -> f32 {
         self.roughness.clamp(0.0, 1.0)
     }
 
     /// Whether textures of roughness and normals are looked at, if there were one of normals.
     #[must_use]
-    pub fn has_facets(&self, has_normals: bool) -> bool {
-        !self.unlit && matches!(self.kind(has_normals), Kind::Facets(_))
+    pub fn reads_roughness_textures(&self, has_normals: bool) -> bool {
+        !self.unlit && matches!(self.kind(has_normals), Kind::Rough(_))
     }
 
     /// The material.
@@ -320,9 +321,9 @@ impl Factors {
             }
             // What neither mirrors nor conducts is Lambertian, as the material is so far.
             Kind::Matte => return material,
-            Kind::Facets(layers) => *layers,
+            Kind::Rough(layers) => *layers,
         };
-        let roughness = self.facets();
+        let roughness = self.clamped_roughness();
         let metallic = self.metallic.clamp(0.0, 1.0);
         let metallic_roughness_texture = mapped(self.metallic_roughness_texture);
         let normal_texture =

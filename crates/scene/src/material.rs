@@ -322,7 +322,7 @@ impl Material {
     pub fn textures(&self) -> impl Iterator<Item = (TextureRef, TextureRole)> {
         use TextureRole::{Color as Colors, Data};
         let base = self.surface.base_color().texture;
-        let [facets, normals, brushed] = match &self.surface {
+        let [clamped_roughness, normals, brushed] = match &self.surface {
             Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
                 [*metallic_roughness_texture, normal_texture.map(|map| map.texture), None]
             }
@@ -344,7 +344,7 @@ impl Material {
             (self.diffuse.and_then(|diffuse| diffuse.texture), Colors),
             (self.emission_texture, Colors),
             (opacity, of_opacity),
-            (facets, Data),
+            (clamped_roughness, Data),
             (normals, Data),
             (brushed, Data),
             (self.bump.map(|bump| bump.texture), Data),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How an object moves within itself, as far as somebody says. See docs/explanation/moving.md. glTF: the string
-//! `gnurt_motion` in a mesh's `extras`. Tests: `tests::words`, `tests/save.rs`.
+//! `gnurt_motion` in a mesh's `extras`. Tests: `tests::parts`, `tests/save.rs`.
 
 use std::fmt;
 use std::str::FromStr;
@@ -22,7 +22,7 @@ pub enum Motion {
 }
 
 impl Motion {
-    const WORDS: [(&'static str, Self); 5] = [
+    const NAMES: [(&'static str, Self); 5] = [
         ("auto", Self::Auto),
         ("static", Self::Static),
         ("rigid", Self::Rigid),
@@ -33,8 +33,8 @@ impl Motion {
 
 impl fmt::Display for Motion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let word = Self::WORDS.into_iter().find(|(_, motion)| motion == self);
-        f.write_str(word.map_or("auto", |(word, _)| word))
+        let name = Self::NAMES.into_iter().find(|(_, motion)| motion == self);
+        f.write_str(name.map_or("auto", |(name, _)| name))
     }
 }
 
@@ -53,9 +53,9 @@ impl std::error::Error for UnknownMotion {}
 impl FromStr for Motion {
     type Err = UnknownMotion;
 
-    fn from_str(word: &str) -> Result<Self, UnknownMotion> {
-        let known = Self::WORDS.into_iter().find(|(known, _)| *known == word);
-        known.map(|(_, motion)| motion).ok_or_else(|| UnknownMotion(word.chars().take(40).collect()))
+    fn from_str(name: &str) -> Result<Self, UnknownMotion> {
+        let known = Self::NAMES.into_iter().find(|(known, _)| *known == name);
+        known.map(|(_, motion)| motion).ok_or_else(|| UnknownMotion(name.chars().take(40).collect()))
     }
 }
 
@@ -64,9 +64,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words() {
-        for (word, motion) in Motion::WORDS {
-            assert_eq!((word.parse(), motion.to_string()), (Ok(motion), word.to_owned()), "there and back");
+    fn parts() {
+        for (name, motion) in Motion::NAMES {
+            assert_eq!((name.parse(), motion.to_string()), (Ok(motion), name.to_owned()), "there and back");
         }
         let error = "wobbly".parse::<Motion>().expect_err("no such word").to_string();
         assert!(error.contains("wobbly") && error.contains("deforming"), "{error}");

@@ -95,10 +95,10 @@ impl Scene {
         }
         above.push(object);
         let mut level = 0;
-        for (place, member) in self.objects()[object as usize].members.iter().enumerate() {
+        for (location, member) in self.objects()[object as usize].members.iter().enumerate() {
             let missing = member.object.0;
             if member.object.index() >= levels.len() {
-                return Err(NestingError::Missing { object, member: place, missing });
+                return Err(NestingError::Missing { object, member: location, missing });
             }
             level = level.max(1 + self.level(missing, above, levels)?);
         }
@@ -134,7 +134,7 @@ impl Scene {
     pub fn occurrences(&self) -> Occurrences<'_> {
         let is_flat = self.objects().iter().all(|object| object.members.is_empty());
         let unfolds = !is_flat && self.levels().is_ok();
-        Occurrences { scene: self, next: 0, unfolds, way: Vec::new() }
+        Occurrences { scene: self, next: 0, unfolds, stack: Vec::new() }
     }
 }
 
@@ -146,7 +146,7 @@ pub struct Occurrences<'a> {
     next: u32,
     unfolds: bool,
     /// Objects on the way to the last one, and the next member of each.
-    way: Vec<(Occurrence<'a>, usize)>,
+    stack: Vec<(Occurrence<'a>, usize)>,
 }
 
 impl<'a> Iterator for Occurrences<'a> {
@@ -154,10 +154,10 @@ impl<'a> Iterator for Occurrences<'a> {
 
     fn next(&mut self) -> Option<Occurrence<'a>> {
         let objects = self.scene.objects();
-        while let Some((holder, next)) = self.way.last_mut() {
+        while let Some((holder, next)) = self.stack.last_mut() {
             let holder = *holder;
             let Some(member) = holder.object.members.get(*next) else {
-                self.way.pop();
+                self.stack.pop();
                 continue;
             };
             *next += 1;
@@ -178,15 +178,15 @@ impl<'a> Iterator for Occurrences<'a> {
             let instance = self.scene.instances().get(id.index())?;
             self.next += 1;
             if let Some(object) = objects.get(instance.object.index()).filter(|_| instance.visible) {
-                let (place, mask) = (instance.world_from_object, instance.mask);
+                let (location, mask) = (instance.world_from_object, instance.mask);
                 return Some(self.enter(Occurrence {
                     instance: id,
                     depth: 0,
                     name: &instance.name,
                     object_id: instance.object,
                     object,
-                    parent_from_object: place,
-                    world_from_object: place,
+                    parent_from_object: location,
+                    world_from_object: location,
                     mask,
                 }));
             }
@@ -197,7 +197,7 @@ impl<'a> Iterator for Occurrences<'a> {
 impl<'a> Occurrences<'a> {
     fn enter(&mut self, found: Occurrence<'a>) -> Occurrence<'a> {
         if self.unfolds && !found.object.members.is_empty() {
-            self.way.push((found, 0));
+            self.stack.push((found, 0));
         }
         found
     }
@@ -264,8 +264,8 @@ mod tests {
         let mut scene = tower(3);
         scene.edit_object(ObjectId(3)).members[1].mask = RayMask::CAMERA;
         let leaves: Vec<_> = scene.occurrences().filter(|found| found.object.members.is_empty()).collect();
-        let places: Vec<f64> = leaves.iter().map(|found| found.world_from_object.columns[3][0]).collect();
-        assert_eq!(places, (0..8).map(|i| f64::from(100 + i)).collect::<Vec<_>>(), "in order");
+        let offsets: Vec<f64> = leaves.iter().map(|found| found.world_from_object.columns[3][0]).collect();
+        assert_eq!(offsets, (0..8).map(|i| f64::from(100 + i)).collect::<Vec<_>>(), "in order");
         let masks: Vec<RayMask> = leaves.iter().map(|found| found.mask).collect();
         assert_eq!(masks, [[RayMask::ALL; 4], [RayMask::CAMERA; 4]].concat(), "masks of the way");
         assert_eq!(scene.occurrences().count(), 1 + 2 + 4 + 8, "with those that hold others");

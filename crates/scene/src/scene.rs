@@ -255,9 +255,9 @@ mod tests {
     fn edits_leave_shared_meshes_alone() {
         let mut scene = Scene::new();
         let id = scene.add_mesh(Mesh { positions: vec![[1.0; 3]], ..Mesh::default() });
-        let place = scene.mesh(id).positions.as_ptr();
+        let location = scene.mesh(id).positions.as_ptr();
         scene.edit_mesh(id).name = "alone".into();
-        assert_eq!(scene.mesh(id).positions.as_ptr(), place, "nobody else holds it: changed in place");
+        assert_eq!(scene.mesh(id).positions.as_ptr(), location, "nobody else holds it: changed in place");
         let snapshot = scene.meshes()[id.index()].clone();
         scene.edit_mesh(id).positions[0] = [2.0; 3];
         assert_eq!(snapshot.positions, [[1.0; 3]], "the snapshot is as it was");

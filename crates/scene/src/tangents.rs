@@ -116,11 +116,11 @@ mod tests {
     /// Two squares side by side in the plane z = 0; u runs along x in the first, and back in the second where `mirrored`.
     fn squares(mirrored: bool) -> Mesh {
         let u = |i: usize| if mirrored && i == 2 { 0.0 } else { i as f32 };
-        let places = (0..6).map(|k| (k % 3, k / 3));
+        let corners_order = (0..6).map(|k| (k % 3, k / 3));
         Mesh {
-            positions: places.clone().map(|(x, y)| [x as f32, y as f32, 0.0]).collect(),
+            positions: corners_order.clone().map(|(x, y)| [x as f32, y as f32, 0.0]).collect(),
             normals: vec![[0.0, 0.0, 2.0]; 6],
-            texcoords: places.map(|(x, y)| [u(x), y as f32]).collect(),
+            texcoords: corners_order.map(|(x, y)| [u(x), y as f32]).collect(),
             indices: vec![[0, 1, 4], [0, 4, 3], [1, 2, 5], [1, 5, 4]],
             ..Mesh::default()
         }

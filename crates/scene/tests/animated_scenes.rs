@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The animated benchmark scenes (../shared/scenes) are, at moments of every clip, where another program says that they are:
 //! `data/pose.py`, written from the specification alone, in double precision. Skipped, loudly, where they are absent.
-//! So are files that `data/chance.py` makes by chance.
+//! So are files that `data/random.py` makes by chance.
 
 use std::path::Path;
 
@@ -73,8 +73,8 @@ fn check(rows: &str, folder: &Path) {
         for (i, (found, expected)) in found.iter().zip(row.figures).enumerate() {
             let error = (found - expected).abs() / if i < 9 { size } else { 1.0 };
             most = most.max(error);
-            let place = format!("{} {} at {} s", row.file, row.name, row.seconds);
-            assert!(error < 2e-6, "{place}: figure {i} is {found}, not {expected}");
+            let position = format!("{} {} at {} s", row.file, row.name, row.seconds);
+            assert!(error < 2e-6, "{position}: figure {i} is {found}, not {expected}");
         }
     }
     assert!(most > 0.0, "{} rows were looked at", rows.len());

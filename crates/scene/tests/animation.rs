@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::common::{glb, load_named};
 use gnurt_scene::animation::{
-    Channel, Clip, Interpolation, Local, MovingMember, Node, Place, Sampler, Target, Trs,
+    Attachment, Channel, Clip, Interpolation, Local, MovingMember, Node, Sampler, Target, Trs,
 };
 use gnurt_scene::edit::Edit;
 use gnurt_scene::io::{Error, Loaded, Oddity};
@@ -85,13 +85,13 @@ fn nodes_move_with_their_parents() {
     let mut g = Gltf::default();
     let mesh = g.floats(&TRIANGLE, "VEC3");
     let quarter = std::f32::consts::FRAC_1_SQRT_2;
-    let turn = g.curve(&[1.0, 3.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, quarter, quarter], "VEC4", "LINEAR");
+    let rotation = g.curve(&[1.0, 3.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, quarter, quarter], "VEC4", "LINEAR");
     let walk = g.curve(&[0.0, 2.0, 4.0], &[0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 6.0, 0.0], "VEC3", "LINEAR");
     let grow = g.curve(&[0.0, 1.0], &[1.0, 1.0, 1.0, 2.0, 3.0, 4.0], "VEC3", "STEP");
     let clips = [
         clip(
             "turn",
-            &[turn, walk],
+            &[rotation, walk],
             &[(0, r#""node":0,"path":"rotation""#), (1, r#""node":1,"path":"translation""#)],
         ),
         clip("grow", &[grow], &[(0, r#""node":1,"path":"scale""#)]),
@@ -107,7 +107,7 @@ fn nodes_move_with_their_parents() {
     assert_eq!(animation.nodes.len(), 2, "what stands still is not there");
     let at = |scene: &Scene| scene.instances()[0].world_from_object.point([1.0, 0.0, 0.0]);
     close(at(&scene), [6.0, 0.0, 7.0], "at rest");
-    for (seconds, degrees, place) in [
+    for (seconds, degrees, found_position) in [
         (-1.0, 0.0, [0.0, 0.0]),
         (1.0, 0.0, [1.0, 0.0]),
         (1.5, 22.5, [1.5, 0.0]),
@@ -116,7 +116,7 @@ fn nodes_move_with_their_parents() {
     ] {
         scene.pose(0, seconds);
         let (s, c) = f64::to_radians(degrees).sin_cos();
-        let (x, y) = (place[0] + 1.0, place[1]);
+        let (x, y) = (found_position[0] + 1.0, found_position[1]);
         close(at(&scene), [5.0 + c * x - s * y, s * x + c * y, 0.0], &format!("at {seconds}"));
     }
     scene.pose(1, 0.99);
@@ -144,10 +144,10 @@ fn cubic_splines_and_normalized_integers() {
     let values =
         [9.0, 9.0, 9.0, 1.0, 2.0, 3.0, 0.5, -1.0, 2.0, -2.0, 0.25, 1.0, 4.0, 0.0, -3.0, 9.0, 9.0, 9.0];
     let spline = g.curve(&[1.0, 3.5], &values, "VEC3", "CUBICSPLINE");
-    let turns =
+    let rotations =
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.4, 0.0, 0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 0.6, 0.0, 0.8];
-    let turns: Vec<f32> = turns.into_iter().chain([0.0; 4]).collect();
-    let turn = g.curve(&[0.0, 1.0], &turns, "VEC4", "CUBICSPLINE");
+    let rotations: Vec<f32> = rotations.into_iter().chain([0.0; 4]).collect();
+    let rotation = g.curve(&[0.0, 1.0], &rotations, "VEC4", "CUBICSPLINE");
     // Half a turn about y in bytes, and back on the other side of the sphere: no way at all.
     let times = g.floats(&[0.0, 1.0], "SCALAR");
     let bytes = [0_i8, 127, 0, 0, 0, -127, 0, 0].map(|b| b as u8);
@@ -156,7 +156,7 @@ fn cubic_splines_and_normalized_integers() {
     let clips = [
         clip(
             "a",
-            &[spline, turn],
+            &[spline, rotation],
             &[(0, r#""node":0,"path":"translation""#), (1, r#""node":0,"path":"rotation""#)],
         ),
         clip("b", &[packed], &[(0, r#""node":0,"path":"rotation""#)]),
@@ -169,9 +169,13 @@ fn cubic_splines_and_normalized_integers() {
     for i in 0..=20 {
         let seconds = 1.0 + 2.5 * f64::from(i) / 20.0;
         scene.pose(0, seconds);
-        let place: [f64; 3] =
+        let found_position: [f64; 3] =
             [0, 1, 2].map(|k| bezier(from[k], out[k], into[k], to[k], 2.5, f64::from(i) / 20.0));
-        close(scene.instances()[0].world_from_object.point([0.0; 3]), place, &format!("at {seconds}"));
+        close(
+            scene.instances()[0].world_from_object.point([0.0; 3]),
+            found_position,
+            &format!("at {seconds}"),
+        );
     }
     for u in [0.0, 0.3, 0.5, 0.9, 1.0] {
         scene.pose(0, u);
@@ -222,11 +226,11 @@ fn bent(g: &mut Gltf, joint: u8) -> String {
         |x: f32, y: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, y, 0.0, 1.0];
     let binds = g.floats(&[column(0.0, 0.0), column(0.0, -3.0)].concat(), "MAT4");
     let half = (std::f32::consts::FRAC_PI_4 / 2.0).sin_cos();
-    let turn = g.curve(&[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, half.0, 0.0, 0.0, half.1], "VEC4", "LINEAR");
+    let rotation = g.curve(&[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, half.0, 0.0, 0.0, half.1], "VEC4", "LINEAR");
     let rise = g.curve(&[0.0, 1.0], &[0.0, 0.0, 0.0, 0.0, 0.0, 2.0], "VEC3", "LINEAR");
     let clip = clip(
         "bend",
-        &[turn, rise],
+        &[rotation, rise],
         &[(0, r#""node":2,"path":"rotation""#), (1, r#""node":1,"path":"translation""#)],
     );
     format!(
@@ -407,8 +411,8 @@ fn pointers_drive_cameras_lights_materials_and_visibility() {
     let base = g.curve(&[0.0, 2.0], &[1.0, 1.0, 1.0, 1.0, 0.5, 0.0, 0.0, 0.5], "VEC4", "LINEAR");
     let offset = g.curve(&[0.0, 2.0], &[0.0, 0.0, 1.0, 0.5], "VEC2", "LINEAR");
     let times = g.floats(&[0.0, 1.0], "SCALAR");
-    let seen = g.add(&[1, 0], 5121, "SCALAR", 2, "");
-    let seen = format!(r#"{{"input":{times},"output":{seen},"interpolation":"STEP"}}"#);
+    let joint_accessor = g.add(&[1, 0], 5121, "SCALAR", 2, "");
+    let joint_accessor = format!(r#"{{"input":{times},"output":{joint_accessor},"interpolation":"STEP"}}"#);
     let lights = "/extensions/KHR_lights_punctual/lights/0";
     let transform =
         "/materials/0/pbrMetallicRoughness/baseColorTexture/extensions/KHR_texture_transform/offset";
@@ -425,7 +429,7 @@ fn pointers_drive_cameras_lights_materials_and_visibility() {
     ]
     .map(|(sampler, path)| (sampler, pointer(&path)));
     let channels: Vec<(usize, &str)> = pointers.iter().map(|(sampler, path)| (*sampler, &path[..])).collect();
-    let clip = clip("all", &[one, color, base, offset, seen], &channels);
+    let clip = clip("all", &[one, color, base, offset, joint_accessor], &channels);
     let pixel =
         "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR42mP8z8BQDwAEhQGAhKmMIQAAAABJRU5ErkJggg==";
     let mut scene = g.scene(&format!(
@@ -577,17 +581,17 @@ fn moments_share_what_stays() {
     assert!(Arc::ptr_eq(&scene.meshes()[still.index()], &held), "what stands still is shared");
     // A world that keeps the mesh that is shown, as commits do: two meshes take turns.
     let mut world = scene.meshes()[0].clone();
-    let mut places = Vec::new();
+    let mut found_positions = Vec::new();
     for k in 0..6 {
-        let kept = world.positions.clone();
+        let retained = world.positions.clone();
         scene.pose(0, f64::from(k) / 5.0);
-        assert_eq!(world.positions, kept, "a world keeps what it has");
+        assert_eq!(world.positions, retained, "a world keeps what it has");
         world = scene.meshes()[0].clone();
-        places.push(world.indices.as_ptr());
+        found_positions.push(world.indices.as_ptr());
     }
-    places.sort_unstable();
-    places.dedup();
-    assert!(places.len() <= 2, "indices were copied {} times", places.len());
+    found_positions.sort_unstable();
+    found_positions.dedup();
+    assert!(found_positions.len() <= 2, "indices were copied {} times", found_positions.len());
     // The way there does not matter.
     let mut fresh = g.scene(&body);
     fresh.pose(0, 1.0);
@@ -604,10 +608,10 @@ fn programs_make_animations() {
         Arc::new(Sampler::new([0.0, 1.0].into(), values, width, Interpolation::Linear).expect("keys"))
     };
     let node = |parent| Node { name: "n".into(), parent, rest: Local::Parts(Trs::default()), visible: true };
-    let ground = Place::Fixed { world_from_node: Affine::IDENTITY, visible: true };
+    let ground = Attachment::Fixed { world_from_node: Affine::IDENTITY, visible: true };
     let good = Animation {
-        nodes: vec![node(ground), node(Place::On(0))],
-        instances: vec![gnurt_scene::animation::MovingInstance { instance, node: 1, is_placed: true }],
+        nodes: vec![node(ground), node(Attachment::On(0))],
+        instances: vec![gnurt_scene::animation::MovingInstance { instance, node: 1, has_transform: true }],
         clips: vec![Clip {
             name: "c".into(),
             channels: vec![Channel { target: Target::Translation(0), sampler: sampler(3) }],
@@ -626,13 +630,20 @@ fn programs_make_animations() {
     let mut with_members = scene.clone();
     with_members.animate(nested.clone()).expect("it goes together");
     assert_eq!(with_members.pose(0, 0.5).members, 1, "the member moves");
-    let place = |scene: &Scene| scene.object(holder).members[0].object_from_member;
-    assert_eq!(place(&with_members), Affine::translation([1.0, 0.0, 0.0]), "with its node");
+    let found_position = |scene: &Scene| scene.object(holder).members[0].object_from_member;
+    assert_eq!(found_position(&with_members), Affine::translation([1.0, 0.0, 0.0]), "with its node");
     assert_eq!(with_members.pose(0, 0.5).members, 0, "nothing to do");
     let exposure = with_members.expose(0, 0.5, 1.0);
-    let [((object, 0), places)] = &exposure.members[..] else { panic!("one member: {exposure:?}") };
-    assert_eq!((*object, places[places.len() - 1]), (holder, Affine::translation([2.0, 0.0, 0.0])));
-    assert_eq!(places[0], place(&with_members), "it shows the moment at which the shutter opens");
+    let [((object, 0), found_positions)] = &exposure.members[..] else { panic!("one member: {exposure:?}") };
+    assert_eq!(
+        (*object, found_positions[found_positions.len() - 1]),
+        (holder, Affine::translation([2.0, 0.0, 0.0]))
+    );
+    assert_eq!(
+        found_positions[0],
+        found_position(&with_members),
+        "it shows the moment at which the shutter opens"
+    );
     nested.members[0].member = 1;
     let error = scene.animate(nested).expect_err("no such member").to_string();
     assert_eq!(error, "animation member 0: member 1 does not exist");
@@ -642,7 +653,7 @@ fn programs_make_animations() {
         scene.animate(bad).expect_err("a mistake").to_string()
     };
     assert_eq!(
-        problem(|a| a.nodes[1].parent = Place::On(1)),
+        problem(|a| a.nodes[1].parent = Attachment::On(1)),
         "animation node 1: stands on node 1, which is not before it",
         "a circle"
     );
@@ -661,12 +672,12 @@ fn an_open_shutter_sees_the_clip() {
     let mesh = g.floats(&TRIANGLE, "VEC3");
     let bulge = g.floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 2.0, 0.0], "VEC3");
     let half = std::f32::consts::FRAC_1_SQRT_2;
-    let turn = g.curve(&[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half], "VEC4", "LINEAR");
+    let rotation = g.curve(&[0.0, 1.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, half], "VEC4", "LINEAR");
     let swell = g.curve(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0], "SCALAR", "LINEAR");
-    let seen = g.curve(&[0.0, 0.5], &[1.0, 0.0], "SCALAR", "STEP");
+    let joint_accessor = g.curve(&[0.0, 0.5], &[1.0, 0.0], "SCALAR", "STEP");
     let clips = clip(
         "all",
-        &[turn, swell, seen],
+        &[rotation, swell, joint_accessor],
         &[
             (0, r#""node":0,"path":"rotation""#),
             (1, r#""node":2,"path":"weights""#),
@@ -683,10 +694,14 @@ fn an_open_shutter_sees_the_clip() {
         let exposure = scene.expose(0, opens, closes);
         posed.pose(0, opens);
         assert_eq!(scene.instances(), posed.instances(), "it shows the moment at which it opens");
-        for (id, places) in &exposure.instances {
-            for (i, place) in places.iter().enumerate() {
-                posed.pose(0, opens + (closes - opens) * i as f64 / (places.len() - 1) as f64);
-                assert_eq!(*place, posed.instance(*id).world_from_object, "place {i} of {id:?}, {opens}");
+        for (id, found_positions) in &exposure.instances {
+            for (i, found_position) in found_positions.iter().enumerate() {
+                posed.pose(0, opens + (closes - opens) * i as f64 / (found_positions.len() - 1) as f64);
+                assert_eq!(
+                    *found_position,
+                    posed.instance(*id).world_from_object,
+                    "place {i} of {id:?}, {opens}"
+                );
             }
         }
         assert_eq!(exposure.instances.len(), usize::from(opens < 1.0), "what turns, while it does");

@@ -24,18 +24,18 @@ fn confined(folder: &Path, name: &str, text: &str) -> Result<Loaded, Error> {
 
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
-    for place in ["in/maps", "out"] {
-        write(&folder.path().join(place).join("a.png"), PNG);
-        write(&folder.path().join(place).join("lib.mtl"), "newmtl a\nKd x root:x:0:0\n");
-        write(&folder.path().join(place).join("a.bin"), [0; 36]);
+    for position in ["in/maps", "out"] {
+        write(&folder.path().join(position).join("a.png"), PNG);
+        write(&folder.path().join(position).join("lib.mtl"), "newmtl a\nKd x root:x:0:0\n");
+        write(&folder.path().join(position).join("a.bin"), [0; 36]);
     }
     folder
 }
 
 /// Ways to `out/` from a file in `in/`.
-fn ways_out(folder: &Path, name: &str) -> Vec<String> {
+fn escapes(folder: &Path, name: &str) -> Vec<String> {
     let absolute = folder.join("out").join(name).display().to_string();
-    let mut ways = vec![
+    let mut paths = vec![
         format!("../out/{name}"),
         format!("maps/../../out/{name}"),
         format!("..\\out\\{name}"),
@@ -53,9 +53,9 @@ fn ways_out(folder: &Path, name: &str) -> Vec<String> {
         let nowhere = format!("nowhere-{name}");
         std::os::unix::fs::symlink(folder.join("out/gone"), folder.join("in").join(&nowhere))
             .expect("a link");
-        ways.extend([name.to_owned(), format!("to-{name}/{name}"), nowhere, "/dev/zero".to_owned()]);
+        paths.extend([name.to_owned(), format!("to-{name}/{name}"), nowhere, "/dev/zero".to_owned()]);
     }
-    ways
+    paths
 }
 
 #[test]
@@ -64,27 +64,27 @@ fn libraries_and_textures() {
     let at = folder.path();
     let scene = |library: &str| format!("mtllib {library}\n{V}usemtl a\nf 1 2 3\n");
     confined(at, "t.obj", &scene("maps/lib.mtl")).expect("a library below the folder");
-    for way in ways_out(at, "lib.mtl") {
-        let line = confined(at, "t.obj", &scene(&way)).expect_err(&way).to_string();
+    for escape in escapes(at, "lib.mtl") {
+        let line = confined(at, "t.obj", &scene(&escape)).expect_err(&escape).to_string();
         assert!(
             line.contains("t.obj:1: ") && line.contains("lies outside"),
-            "{way}: file, line and problem: {line}"
+            "{escape}: file, line and problem: {line}"
         );
         assert!(
             line.contains("; expected a file below ") && !line.contains("root:"),
-            "{way}: and what is right: {line}"
+            "{escape}: and what is right: {line}"
         );
     }
     let library = |map: &str| write(&at.join("in/maps/t.mtl"), format!("newmtl a\nmap_Kd {map}\n"));
     library("-s 2 2 2 a.png");
     let loaded = confined(at, "t.obj", &scene("maps/t.mtl")).expect("a texture below the folder");
     assert_eq!((loaded.scene.textures().len(), loaded.warnings.is_empty()), (1, true), "it is read");
-    for way in ways_out(at, "a.png") {
+    for escape in escapes(at, "a.png") {
         // From the library's folder, one up.
-        let way = if way.starts_with("/") { way } else { format!("../{way}") };
-        library(&way);
-        let line = confined(at, "t.obj", &scene("maps/t.mtl")).expect_err(&way).to_string();
-        assert!(line.contains("t.mtl:2: ") && line.contains("lies outside"), "{way}: {line}");
+        let escape = if escape.starts_with("/") { escape } else { format!("../{escape}") };
+        library(&escape);
+        let line = confined(at, "t.obj", &scene("maps/t.mtl")).expect_err(&escape).to_string();
+        assert!(line.contains("t.mtl:2: ") && line.contains("lies outside"), "{escape}: {line}");
     }
     library("none.png");
     let loaded = confined(at, "t.obj", &scene("maps/t.mtl")).expect("a missing texture is no error");
@@ -109,13 +109,13 @@ fn buffers_and_images() {
     confined(at, "t.gltf", &buffer("data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"))
         .expect("data");
     confined(at, "t.gltf", &image("maps/a.png")).expect("an image below the folder");
-    for way in ways_out(at, "a.bin") {
-        let line = confined(at, "t.gltf", &buffer(&way)).expect_err(&way).to_string();
-        assert!(line.contains("t.gltf:2: buffers[0]: ") && line.contains("lies outside"), "{way}: {line}");
+    for escape in escapes(at, "a.bin") {
+        let line = confined(at, "t.gltf", &buffer(&escape)).expect_err(&escape).to_string();
+        assert!(line.contains("t.gltf:2: buffers[0]: ") && line.contains("lies outside"), "{escape}: {line}");
     }
-    for way in ways_out(at, "a.png") {
-        let line = confined(at, "t.gltf", &image(&way)).expect_err(&way).to_string();
-        assert!(line.contains("t.gltf:3: images[0]: ") && line.contains("lies outside"), "{way}: {line}");
+    for escape in escapes(at, "a.png") {
+        let line = confined(at, "t.gltf", &image(&escape)).expect_err(&escape).to_string();
+        assert!(line.contains("t.gltf:3: images[0]: ") && line.contains("lies outside"), "{escape}: {line}");
     }
 }
 

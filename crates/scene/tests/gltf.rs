@@ -113,10 +113,10 @@ fn materials_become_ours() {
             assert_eq!(is_thin, thin, "roughness {roughness}, {volume}: {:?}", glass.surface);
         }
     }
-    let lamp = material(
+    let emitter = material(
         r#""emissiveFactor":[1,0.5,0],"extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":8}}"#,
     );
-    assert_eq!(lamp.emission, [8.0, 4.0, 0.0], "factor times strength");
+    assert_eq!(emitter.emission, [8.0, 4.0, 0.0], "factor times strength");
     let sign = material(
         r#""pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,0,1]},"extensions":{"KHR_materials_unlit":{}}"#,
     );
@@ -134,8 +134,7 @@ fn materials_become_ours() {
 #[test]
 fn rare_extensions_become_ours() {
     let volume = r#""KHR_materials_volume":{"thicknessFactor":2,"attenuationColor":[0.5,0.25,1],"attenuationDistance":0.75},"KHR_materials_dispersion":{"dispersion":0.5}"#;
-    let wanted =
-        Interior { attenuation_color: [0.5, 0.25, 1.0], attenuation_distance: 0.75, dispersion: 0.5 };
+    let exact = Interior { attenuation_color: [0.5, 0.25, 1.0], attenuation_distance: 0.75, dispersion: 0.5 };
     for roughness in [0.0, 0.5] {
         let glass = material(&format!(
             r#""pbrMetallicRoughness":{{"roughnessFactor":{roughness},"metallicFactor":0}},"extensions":{{"KHR_materials_transmission":{{"transmissionFactor":1}},{volume}}}"#
@@ -145,7 +144,7 @@ fn rare_extensions_become_ours() {
             Surface::Principled(principled) => &principled.interior,
             other => panic!("{other:?}"),
         };
-        assert_eq!(*interior, wanted, "roughness {roughness}");
+        assert_eq!(*interior, exact, "roughness {roughness}");
     }
     let all = material(
         r#""extensions":{"KHR_materials_anisotropy":{"anisotropyStrength":0.75,"anisotropyRotation":0.5},"KHR_materials_iridescence":{"iridescenceFactor":0.25,"iridescenceIor":1.5,"iridescenceThicknessMaximum":300},"KHR_materials_diffuse_transmission":{"diffuseTransmissionFactor":0.125,"diffuseTransmissionColorFactor":[1,0.5,0.25]}}"#,
@@ -312,7 +311,7 @@ fn lenses_and_wide_views_are_among_the_extras() {
     };
     let (pinhole, plain) = (Lens::default(), 1.0_f32.to_degrees());
     let lens = Lens { aperture: 0.5, focus: Some(3.0) };
-    for (extras, wanted) in [
+    for (extras, exact) in [
         ("{}", (Projection::Perspective, plain, pinhole, 0)),
         (r#""aperture""#, (Projection::Perspective, plain, pinhole, 0)),
         (r#"{ "aperture": 0.5, "focus": 3 }"#, (Projection::Perspective, plain, lens, 0)),
@@ -322,7 +321,7 @@ fn lenses_and_wide_views_are_among_the_extras() {
         (r#"{ "projection": "cube" }"#, (Projection::Perspective, plain, pinhole, 1)),
         (r#"{ "aperture": -1, "focus": 0 }"#, (Projection::Perspective, plain, pinhole, 2)),
     ] {
-        assert_eq!(file(extras), wanted, "{extras}");
+        assert_eq!(file(extras), exact, "{extras}");
     }
 }
 
@@ -386,8 +385,8 @@ fn materials_name_shaders() {
     assert!(shader.file.ends_with("wood.osl"), "{shader:?}");
     let mut parameters = shader.parameters.clone();
     parameters.sort();
-    let wanted = [("file", "a.png"), ("on", "1"), ("scale", "2.5"), ("tint", "1,0.5,0.25")];
-    assert_eq!(parameters, wanted.map(|(name, value)| (name.to_owned(), value.to_owned())));
+    let exact = [("file", "a.png"), ("on", "1"), ("scale", "2.5"), ("tint", "1,0.5,0.25")];
+    assert_eq!(parameters, exact.map(|(name, value)| (name.to_owned(), value.to_owned())));
     for others in ["{}", "7", r#"{"gnurt": 3}"#, r#"{"gnurt": {"shader": 1}}"#, "null"] {
         assert!(extras(others).is_empty(), "{others} is another program's");
     }

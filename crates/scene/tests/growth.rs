@@ -249,16 +249,16 @@ fn judge(folder: &Path, name: &str, length: u64, path: &Path, outcome: Outcome) 
     let peak = (ALLOCATIONS.peak_usage() - before) as u64;
     let time = begin.elapsed();
     let allowed = BELIEVED + GROWTH * length;
-    let said = match &loaded {
+    let message = match &loaded {
         Ok(_) => "loaded".to_owned(),
         Err(error) => error.to_string().replace(&folder.to_string_lossy()[..], ""),
     };
-    println!("{name}: {} MiB for {} KiB in {time:?}: {said}", peak >> 20, length >> 10);
-    assert!(peak <= allowed, "{name}: {} MiB for a file of {} KiB: {said}", peak >> 20, length >> 10);
-    assert!(time <= LONGEST, "{name}: {time:?}: {said}");
-    assert_eq!(said.lines().count(), 1, "{name}: one line: {said}");
+    println!("{name}: {} MiB for {} KiB in {time:?}: {message}", peak >> 20, length >> 10);
+    assert!(peak <= allowed, "{name}: {} MiB for a file of {} KiB: {message}", peak >> 20, length >> 10);
+    assert!(time <= LONGEST, "{name}: {time:?}: {message}");
+    assert_eq!(message.lines().count(), 1, "{name}: one line: {message}");
     match outcome {
-        Loaded => assert!(loaded.is_ok(), "{name}: {said}"),
+        Loaded => assert!(loaded.is_ok(), "{name}: {message}"),
         Refused => assert!(loaded.is_err(), "{name}: was to be refused"),
         Either => {}
     }
@@ -269,13 +269,13 @@ fn judge(folder: &Path, name: &str, length: u64, path: &Path, outcome: Outcome) 
 fn open_shutter(side: u32) {
     use gnurt_scene::animation::{Body, Channel, Clip, Deltas, Interpolation, Morph, Sampler, Target};
     let count = (side * side) as usize;
-    let places = || (0..side * side).map(|i| [(i % side) as f32, (i / side) as f32, 0.0]);
+    let keyed_positions = || (0..side * side).map(|i| [(i % side) as f32, (i / side) as f32, 0.0]);
     let squares = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
     let indices = squares.flat_map(|i| [[i, i + 1, i + side], [i + 1, i + side + 1, i + side]]).collect();
     let mut scene = gnurt_scene::Scene::new();
     let material = scene.add_material(gnurt_scene::Material::matte("m", [0.5; 3]));
     let mesh = gnurt_scene::Mesh {
-        positions: places().collect(),
+        positions: keyed_positions().collect(),
         normals: vec![[0.0, 0.0, 1.0]; count],
         texcoords: vec![[0.0; 2]; count],
         indices,

@@ -85,8 +85,8 @@ fn materials_become_ours() {
         "opacity: {:?}",
         window.alpha
     );
-    let lamp = material("Kd 0 0 0\nKe 17 12 4");
-    assert_eq!(lamp.emission, [17.0, 12.0, 4.0], "Ke is radiance");
+    let emitter = material("Kd 0 0 0\nKe 17 12 4");
+    assert_eq!(emitter.emission, [17.0, 12.0, 4.0], "Ke is radiance");
 }
 
 #[test]
@@ -113,8 +113,8 @@ fn all_files_are_told() {
     std::fs::write(at("t.obj"), obj).expect("a file");
     std::fs::write(at("t.mtl"), "newmtl a\nmap_Kd gone.png\nmap_Ke gone.png\n").expect("a file");
     let loaded = gnurt_scene::io::load(at("t.obj")).expect("a missing picture is no error");
-    let wanted = ["t.obj", "gone.mtl", "gone.png", "t.mtl"].map(at);
-    assert_eq!(loaded.files, wanted, "the file itself first, and those that are missing");
+    let expected = ["t.obj", "gone.mtl", "gone.png", "t.mtl"].map(at);
+    assert_eq!(loaded.files, expected, "the file itself first, and those that are missing");
 }
 
 #[test]
@@ -219,8 +219,8 @@ fn bumps_may_be_normals() {
     let (grey, lines) = with_picture([128, 128, 128, 255], "Kd .5 .5 .5\nPr .5\nmap_Bump -bm 0.5 n.png");
     assert!(scale(&grey).is_none() && grey.materials()[1].bump.is_some(), "heights stay heights");
     assert!(lines.is_empty(), "{lines:?}");
-    let (said, lines) = with_picture([128, 128, 128, 255], "Kd .5 .5 .5\nPr .5\nnorm n.png");
-    assert_eq!(scale(&said), Some(1.0), "`norm` says so itself");
+    let (message, lines) = with_picture([128, 128, 128, 255], "Kd .5 .5 .5\nPr .5\nnorm n.png");
+    assert_eq!(scale(&message), Some(1.0), "`norm` says so itself");
     assert!(lines.is_empty(), "{lines:?}");
     let (glass, lines) = with_picture(blue, "Ni 1.5\nillum 7\nnorm n.png");
     assert!(matches!(glass.materials()[1].surface, Surface::Dielectric { .. }), "glass stays glass");

@@ -76,12 +76,12 @@ fn objects_in_objects_are_unfolded() {
     let members = vec![Member::new(pair, at(10.0)), Member::new(pair, at(20.0))];
     let four = scene.add_object(Object { name: "four".into(), meshes: own, members, ..Object::default() });
     scene.instantiate(four, at(100.0));
-    let places = |scene: &Scene| {
+    let found_positions = |scene: &Scene| {
         let shown = scene.occurrences().filter(|found| !found.object.meshes.is_empty());
         shown.map(|found| (found.world_from_object.columns[3][0], found.mask)).collect::<Vec<_>>()
     };
     let back = there_and_back(&scene, "t.glb");
-    assert_eq!(places(&back), places(&scene), "all of them, with their masks");
+    assert_eq!(found_positions(&back), found_positions(&scene), "all of them, with their masks");
     let obj = there_and_back(&scene, "t.obj");
     let triangles = |scene: &Scene| -> usize { scene.meshes().iter().map(|mesh| mesh.indices.len()).sum() };
     let unfolded: usize = scene

@@ -17,7 +17,7 @@ pub const LANES: usize = 16;
 /// Floats.
 pub type Floats<S> = f32x16<S>;
 /// Words.
-pub type Words<S> = u32x16<S>;
+pub type UInts<S> = u32x16<S>;
 /// Which lanes.
 pub type Mask<S> = mask32x16<S>;
 

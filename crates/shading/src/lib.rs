@@ -8,10 +8,10 @@ pub mod bsdf;
 pub mod classes;
 pub mod lanes;
 pub mod lights;
-mod look_camera;
 pub mod materials;
 pub mod mipmap;
 mod point;
+mod projective_camera;
 pub mod real;
 pub mod sampling;
 pub mod shader;
@@ -19,9 +19,9 @@ mod texels;
 pub mod texture;
 
 pub use batch::{Detail, FacingRows, RayKind, SampleKey, SurfaceBatch, Vec3s};
-pub use look_camera::{Look, LookCamera};
 pub use point::{Leaving, Rays, SurfacePoint};
+pub use projective_camera::{CameraProjection, ProjectiveCamera};
 pub use shader::{
-    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, LightBatch, LightShader, Meeting,
-    PixelSamples, PixelShader, RadianceShader, RayRequest, SurfaceShader, Tracer,
+    AttributeRequest, CameraSamples, CameraShader, EnvironmentShader, LightBatch, LightShader, PixelSamples,
+    PixelShader, RadianceShader, RayRequest, SurfaceHit, SurfaceShader, Tracer,
 };

@@ -22,7 +22,7 @@ pub enum Minify {
         /// Between four texels of a level, not the nearest one.
         linear: bool,
         /// Between two levels, not the nearest one.
-        between_levels: bool,
+        interpolate_levels: bool,
     },
     /// Over the ellipse of texels that a point stands for: from two levels at up to sixteen places along its longer axis, as
     /// wide as its shorter one.
@@ -39,7 +39,7 @@ pub struct MipMap {
 }
 
 /// Most places along the longer axis of an ellipse; where it is longer still, it is taken to be wider.
-const MOST_PLACES: f32 = 16.0;
+const MOST_TAPS: f32 = 16.0;
 
 impl MipMap {
     /// Those of a picture whose texels all count alike; they are made when one is first asked for.
@@ -66,15 +66,15 @@ impl MipMap {
     /// The value at texture coordinates that are where they should be, for a `level` above 0, the picture itself.
     #[must_use]
     pub(crate) fn sample(&self, uv: [f32; 2], wrap: [Wrap; 2], level: f32, minify: Minify) -> [f32; 4] {
-        let (linear, between_levels) = match minify {
+        let (linear, interpolate_levels) = match minify {
             Minify::Nearest => return nearest(&self.base, uv, wrap),
             Minify::Linear => return bilinear(&self.base, uv, wrap),
-            Minify::Mipmap { linear, between_levels } => (linear, between_levels),
+            Minify::Mipmap { linear, interpolate_levels } => (linear, interpolate_levels),
             Minify::Ellipse => (true, true),
         };
         let read = if linear { bilinear } else { nearest };
-        if between_levels {
-            return self.between_levels(uv, wrap, level, read);
+        if interpolate_levels {
+            return self.interpolate_levels(uv, wrap, level, read);
         }
         let last = self.levels().len() as f32;
         read(self.level((level + 0.5).floor().clamp(0.0, last) as usize), uv, wrap)
@@ -107,29 +107,29 @@ impl MipMap {
             return None;
         }
         let long = long2.sqrt();
-        let short = (area / long).max(long / MOST_PLACES).max(1.0).min(long);
+        let short = (area / long).max(long / MOST_TAPS).max(1.0).min(long);
         // More than one place only where that is longer than wide.
-        let places = (long / short - 0.05).ceil().clamp(1.0, MOST_PLACES) as usize;
+        let taps = (long / short - 0.05).ceil().clamp(1.0, MOST_TAPS) as usize;
         let level = short.log2();
-        if places == 1 {
-            return Some(self.between_levels(uv, wrap, level, bilinear));
+        if taps == 1 {
+            return Some(self.interpolate_levels(uv, wrap, level, bilinear));
         }
         let along = if xx > yy { [long2 - yy, xy] } else { [xy, long2 - xx] };
         let scale = long / along[0].hypot(along[1]).max(f32::MIN_POSITIVE);
         let step = [along[0] * scale / self.base.width as f32, along[1] * scale / self.base.height as f32];
         let mut sum = [0.0; 4];
-        for i in 0..places {
-            let at = (i as f32 + 0.5) / places as f32 - 0.5;
-            let place = [uv[0] + step[0] * at, uv[1] + step[1] * at];
-            let found = self.between_levels(place, wrap, level, bilinear);
+        for i in 0..taps {
+            let at = (i as f32 + 0.5) / taps as f32 - 0.5;
+            let texcoord = [uv[0] + step[0] * at, uv[1] + step[1] * at];
+            let found = self.interpolate_levels(texcoord, wrap, level, bilinear);
             (0..4).for_each(|k| sum[k] += found[k]);
         }
-        Some(sum.map(|x| x / places as f32))
+        Some(sum.map(|x| x / taps as f32))
     }
 
     /// From two levels, 0 being the picture itself.
     #[inline]
-    fn between_levels(
+    fn interpolate_levels(
         &self,
         uv: [f32; 2],
         wrap: [Wrap; 2],
@@ -164,7 +164,8 @@ mod tests {
     fn filters_choose_levels() {
         let pyramid = picture(4, 4, |i| if (i / 4 + i) % 2 == 0 { 1.0 } else { 0.0 });
         let read = |level, minify| pyramid.sample([0.375, 0.125], [Wrap::Repeat; 2], level, minify)[0];
-        let at = |level, linear, between_levels| read(level, Minify::Mipmap { linear, between_levels });
+        let at =
+            |level, linear, interpolate_levels| read(level, Minify::Mipmap { linear, interpolate_levels });
         assert_eq!(at(0.4, true, false), 1.0, "nearer to the picture itself");
         assert_eq!(at(0.6, true, false), 0.5, "nearer to the mean of four");
         assert_eq!(at(0.5, false, true), 0.75, "half-way");

@@ -94,7 +94,7 @@ impl<R: Real> Leaving<R> {
     #[inline(always)]
     pub fn shadow_rays(&self, dir: Vector<R>, dist: R, transmitted: R::Mask) -> (Rays<R>, R::Mask) {
         let from = self.origins(dir, transmitted);
-        (rays_between(self.p, from, dir, dist, self.error), self.scatters_to(dir, transmitted))
+        (rays_joining(self.p, from, dir, dist, self.error), self.scatters_to(dir, transmitted))
     }
 }
 
@@ -120,7 +120,7 @@ impl SurfacePoint {
     /// may lie on a surface, which must not shadow it.
     #[must_use]
     pub fn spawn_to(&self, dir: Vec3, dist: f32) -> Ray {
-        rays_between(self.p.into(), self.off_surface(dir), dir.into(), dist, self.error).ray()
+        rays_joining(self.p.into(), self.off_surface(dir), dir.into(), dist, self.error).ray()
     }
 
     /// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches the point; `None` where
@@ -196,12 +196,12 @@ const END_ERROR: f32 = 8.0 * f32::EPSILON;
 
 /// The rays from `from` to what is seen from `p` along `dir`, `dist` away; they stop short by `error` and their rounding.
 #[inline(always)]
-fn rays_between<R: Real>(p: Vector<R>, from: Vector<R>, dir: Vector<R>, dist: R, error: R) -> Rays<R> {
+fn rays_joining<R: Real>(p: Vector<R>, from: Vector<R>, dir: Vector<R>, dist: R, error: R) -> Rays<R> {
     let zero = dist.all(0.0);
     let near = dist.is_number();
-    let way = p + dir * dist - from;
-    let length = way.length_squared().root();
-    let towards = Vector::pick(length.above(zero) & near, way.over(length), dir);
+    let to_point = p + dir * dist - from;
+    let length = to_point.length_squared().root();
+    let towards = Vector::pick(length.above(zero) & near, to_point.over(length), dir);
     let end = (length * (1.0 - END_ERROR) - error).or_more(zero);
     Rays { org: from, dir: towards, t_far: R::pick(near, end, dist) }
 }
@@ -252,14 +252,14 @@ mod tests {
     #[test]
     fn bent_normals_keep_mirror_images_above() {
         for k in 0..2000_u32 {
-            let turn = |n: u32, by: f32| ((k * n) as f32 * by).fract();
+            let quasi_random = |n: u32, by: f32| ((k * n) as f32 * by).fract();
             let unit = |z: f32, azimuth: f32| {
                 let r = (1.0 - z * z).sqrt();
                 Vec3::new(r * azimuth.cos(), r * azimuth.sin(), z)
             };
-            let wo = unit(0.002 + 0.99 * turn(1, 0.618_034), 0.0);
-            let mesh = unit(0.3 + 0.7 * turn(3, 0.754_877_7), 7.0 * turn(5, 0.569_840_3));
-            let mapped = unit(0.2 + 0.8 * turn(7, 0.819_172_5), 7.0 * turn(11, 0.671_043_6));
+            let wo = unit(0.002 + 0.99 * quasi_random(1, 0.618_034), 0.0);
+            let mesh = unit(0.3 + 0.7 * quasi_random(3, 0.754_877_7), 7.0 * quasi_random(5, 0.569_840_3));
+            let mapped = unit(0.2 + 0.8 * quasi_random(7, 0.819_172_5), 7.0 * quasi_random(11, 0.671_043_6));
             let lift = if k % 2 == 0 { Vec3::ZERO } else { mesh * 0.1 };
             let point = point(mesh, lift);
             let bent = point.bent_normal(mapped, wo);
@@ -291,8 +291,8 @@ mod tests {
         let mut hits = SurfaceBatch::default();
         hits.resize(45, Detail::Full);
         let unit = |k: usize, by: f32| {
-            let turn = |n: usize| ((k * n + n) as f32 * by).fract() - 0.5;
-            Vec3::new(turn(3), turn(5), turn(7)).normalize()
+            let quasi_random = |n: usize| ((k * n + n) as f32 * by).fract() - 0.5;
+            Vec3::new(quasi_random(3), quasi_random(5), quasi_random(7)).normalize()
         };
         for k in 0..45 {
             hits.ng.set(k, unit(k, 0.618_034));

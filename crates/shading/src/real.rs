@@ -69,7 +69,7 @@ pub trait Real:
 
     /// What `f` makes, by a function of its own: for what few points need, so that it is compiled once and not into every loop
     /// over points. `f` must be `#[inline(always)]`.
-    fn apart<T>(self, f: impl FnOnce() -> T) -> T;
+    fn outline<T>(self, f: impl FnOnce() -> T) -> T;
 
     /// The number of each point, that of point `i` being `f(i)`.
     #[inline(always)]
@@ -219,7 +219,7 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn apart<T>(self, f: impl FnOnce() -> T) -> T {
+    fn outline<T>(self, f: impl FnOnce() -> T) -> T {
         outlined(f)
     }
 }
@@ -343,7 +343,7 @@ impl<S: Simd> Real for f32x16<S> {
     }
 
     #[inline(always)]
-    fn apart<T>(self, f: impl FnOnce() -> T) -> T {
+    fn outline<T>(self, f: impl FnOnce() -> T) -> T {
         let simd = self.token();
         // The function itself knows no instructions of the level: its body enters them again.
         outlined(

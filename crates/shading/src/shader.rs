@@ -99,7 +99,7 @@ pub trait SurfaceShader: Send + Sync {
     }
 
     /// What happens inside at one point, a line for each value, for people who look for a mistake.
-    fn tell(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
+    fn describe(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
         let _ = (hits, lane);
         Vec::new()
     }
@@ -154,7 +154,7 @@ pub trait LightShader: Send + Sync {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraSamples<'a> {
     /// Where they go through the picture: both in [0, 1], (0, 0) = lower left corner, y upwards.
-    pub places: &'a [[f32; 2]],
+    pub positions: &'a [[f32; 2]],
     /// Where they go through the lens, each two numbers in [0, 1), uniform for light that falls on all of it alike; empty = through
     /// its middle.
     pub lens: &'a [[f32; 2]],
@@ -165,20 +165,20 @@ pub struct CameraSamples<'a> {
 impl<'a> CameraSamples<'a> {
     /// Rays through the middle of the lens, in the middle of the time.
     #[must_use]
-    pub fn sharp(places: &'a [[f32; 2]]) -> Self {
-        Self { places, ..Self::default() }
+    pub fn sharp(positions: &'a [[f32; 2]]) -> Self {
+        Self { positions, ..Self::default() }
     }
 
     /// How many.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.places.len()
+        self.positions.len()
     }
 
     /// Whether there are none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.places.is_empty()
+        self.positions.is_empty()
     }
 
     /// Where ray `i` goes through the lens; [0.5, 0.5] is its middle.
@@ -207,7 +207,7 @@ pub trait CameraShader: Send + Sync {
     /// Where the point `p` of the world shows in a sharp picture, (0, 0) = lower left corner, (1, 1) = upper right one; places outside
     /// are those that it would have in a larger picture. `None` where it does not show, or if nobody knows: pictures of a camera in
     /// motion are made of earlier ones only if it does.
-    fn place(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
+    fn project(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
         let _ = (p, aspect);
         None
     }
@@ -219,7 +219,7 @@ pub struct PixelSamples<'a> {
     /// The rays; a direction of zero sees nothing.
     pub rays: &'a RayBatch,
     /// The same a pixel to the right, and a pixel below.
-    pub beside: [&'a RayBatch; 2],
+    pub neighbours: [&'a RayBatch; 2],
     /// Where, through which place of the lens and when they go.
     pub camera: CameraSamples<'a>,
     /// Columns and rows of the picture.
@@ -282,7 +282,7 @@ impl RayRequest {
 
 /// What a ray met first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Meeting {
+pub struct SurfaceHit {
     /// How far away, world units.
     pub t: f32,
     /// Where, world.
@@ -328,7 +328,7 @@ pub trait Tracer {
     }
 
     /// Writes what each ray meets first; nothing for those who trace nothing.
-    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<Meeting>>) {
+    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
         out.clear();
         out.resize(request.rays.len(), None);
     }

@@ -19,19 +19,19 @@ pub enum Wrap {
 
 /// Where coordinates lie, in texels from the upper left corner.
 #[inline]
-fn place(texels: &Texels, [u, v]: [f32; 2], wrap: [Wrap; 2]) -> [f32; 2] {
+fn texel_position(texels: &Texels, [u, v]: [f32; 2], wrap: [Wrap; 2]) -> [f32; 2] {
     [fold(u, wrap[0]) * texels.width as f32, (1.0 - fold(v, wrap[1])) * texels.height as f32]
 }
 
 /// The texel that the coordinates lie in.
 pub(crate) fn nearest(texels: &Texels, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4] {
-    let [x, y] = place(texels, uv, wrap).map(|x| x as i32);
+    let [x, y] = texel_position(texels, uv, wrap).map(|x| x as i32);
     texels.texel(wrap_index(x, texels.width, wrap[0]), wrap_index(y, texels.height, wrap[1]))
 }
 
 /// Between the four texels whose centres are around the coordinates.
 pub(crate) fn bilinear(texels: &Texels, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4] {
-    let [x, y] = place(texels, uv, wrap).map(|x| x - 0.5);
+    let [x, y] = texel_position(texels, uv, wrap).map(|x| x - 0.5);
     let [column, row] = [floor(x), floor(y)];
     let (fx, fy) = (x - column, y - row);
     let columns = [0, 1].map(|k| wrap_index(column as i32 + k, texels.width, wrap[0]));

@@ -39,8 +39,9 @@ impl PartialEq for TextureSampler {
             }
             _ => false,
         };
-        let same_way = (wrap, linear, uv_from_mesh) == (&other.wrap, &other.linear, &other.uv_from_mesh);
-        Arc::ptr_eq(texels, &other.texels) && same_way && same_mips
+        let same_direction =
+            (wrap, linear, uv_from_mesh) == (&other.wrap, &other.linear, &other.uv_from_mesh);
+        Arc::ptr_eq(texels, &other.texels) && same_direction && same_mips
     }
 }
 
@@ -173,7 +174,7 @@ mod tests {
     #[test]
     fn wide_points_read_smaller_copies() {
         let sharp = picture(4, 4, &std::array::from_fn::<f32, 16, _>(|i| ((i / 4 + i) % 2) as f32));
-        let minify = Minify::Mipmap { linear: true, between_levels: true };
+        let minify = Minify::Mipmap { linear: true, interpolate_levels: true };
         let mips = Arc::new(MipMap::new(sharp.texels.clone()));
         let wide = TextureSampler { minify: Some((minify, mips)), ..sharp.clone() };
         let at = |sampler: &TextureSampler, width| sampler.sample_wide([0.125, 0.125], width)[0];
@@ -184,8 +185,8 @@ mod tests {
             "up to a texel the picture itself"
         );
         assert_eq!(at(&wide, 0.5), 0.5, "two texels wide: their mean");
-        let between = at(&wide, 0.25 * 2.0_f32.sqrt());
-        assert!((between - 0.75).abs() < 1e-5, "half-way between: {between}");
+        let halfway = at(&wide, 0.25 * 2.0_f32.sqrt());
+        assert!((halfway - 0.75).abs() < 1e-5, "half-way between: {halfway}");
         assert_eq!([9.0, f32::INFINITY].map(|width| at(&wide, width)), [0.5; 2], "all of it");
         assert_eq!(at(&wide, f32::NAN), 1.0, "no number");
         let scaled = TextureSampler { uv_from_mesh: [4.0, 0.0, 0.0, 4.0, 0.0, 0.0], ..wide };

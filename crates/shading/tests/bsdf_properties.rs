@@ -12,7 +12,7 @@ fn color() -> impl Strategy<Value = Vec3> {
 }
 
 fn metal() -> impl Strategy<Value = Lobe> {
-    let schlick = (0.001_f32..=1.0, color()).prop_map(|(alpha, f0)| Lobe::facets(alpha, f0, Vec3::ONE));
+    let schlick = (0.001_f32..=1.0, color()).prop_map(|(alpha, f0)| Lobe::microfacets(alpha, f0, Vec3::ONE));
     let index = (0.001_f32..=1.0, color(), color())
         .prop_map(|(alpha, eta, k)| Lobe::metal(alpha, eta * 4.0 + 0.05, k * 8.0));
     // Brushed or under a film, or not.
@@ -93,9 +93,9 @@ fn model() -> impl Strategy<Value = Lobes> {
 
 /// A unit vector; for views only the upper half is meant.
 fn direction() -> impl Strategy<Value = Vec3> {
-    (-1.0_f32..=1.0, 0.0_f32..std::f32::consts::TAU).prop_map(|(z, turn)| {
+    (-1.0_f32..=1.0, 0.0_f32..std::f32::consts::TAU).prop_map(|(z, rotation)| {
         let r = (1.0 - z * z).max(0.0).sqrt();
-        Vec3::new(r * turn.cos(), r * turn.sin(), z)
+        Vec3::new(r * rotation.cos(), r * rotation.sin(), z)
     })
 }
 
@@ -138,9 +138,9 @@ proptest! {
             // What lies in the narrowest peaks turns on the last bits of directions.
             let again = bsdf.pdf(wo, wi);
             prop_assert!(pdf > 1e3 || (pdf - again).abs() <= 0.02 * pdf + 1e-5, "{pdf}, and asked again {again}");
-            let (value, wanted) = (bsdf.eval(wo, wi), weight * pdf);
-            let off = (value - wanted).abs().max_element();
-            prop_assert!(pdf > 1e3 || off <= 0.02 * wanted.max_element() + 1e-5, "{value}, by the sample {wanted}");
+            let (value, expected) = (bsdf.eval(wo, wi), weight * pdf);
+            let off = (value - expected).abs().max_element();
+            prop_assert!(pdf > 1e3 || off <= 0.02 * expected.max_element() + 1e-5, "{value}, by the sample {expected}");
         }
     }
 

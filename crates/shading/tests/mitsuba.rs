@@ -35,7 +35,7 @@ fn values_are_those_of_the_definitions() {
         else {
             panic!("too few numbers: {line}");
         };
-        let [wo, wi, wanted] = [0, 3, 6].map(|k| Vec3::from_slice(&rest[k..]));
+        let [wo, wi, expected] = [0, 3, 6].map(|k| Vec3::from_slice(&rest[k..]));
         let base = Vec3::new(*r, *g, *b);
         let model: Lobes = match model {
             "layered" | "partly pane" | "partly glass" => {
@@ -49,8 +49,8 @@ fn values_are_those_of_the_definitions() {
             other => panic!("no such model: {other}"),
         };
         let found = Bsdf::new(Vec3::Z, model).eval(wo, wi);
-        let allowed = RELATIVE * wanted + Vec3::splat(OF_WHITE * wi.z.abs() / std::f32::consts::PI);
-        let off = ((found - wanted).abs() / allowed).max_element();
+        let allowed = RELATIVE * expected + Vec3::splat(OF_WHITE * wi.z.abs() / std::f32::consts::PI);
+        let off = ((found - expected).abs() / allowed).max_element();
         if off > worst.0 {
             worst = (off, line);
         }

@@ -204,8 +204,8 @@ mod tests {
         use fearless_simd::Simd;
         for level in Level::available() {
             let ran = crate::dispatch!(level, simd => simd.level());
-            let (ran, wanted) = (std::mem::discriminant(&ran), std::mem::discriminant(&level.token()));
-            assert_eq!(ran, wanted, "{level} runs as itself");
+            let (ran, requested) = (std::mem::discriminant(&ran), std::mem::discriminant(&level.token()));
+            assert_eq!(ran, requested, "{level} runs as itself");
         }
         assert!(Level::Scalar.token().is_fallback(), "scalar has no SIMD instructions");
     }
@@ -218,8 +218,8 @@ mod tests {
             let ran = crate::dispatch!(level, simd => lanes_of(simd));
             assert_eq!(lanes, ran, "{level} has a table of its own");
             let of_two = crate::dispatch_two!(level, simd => lanes_of(simd));
-            let wanted = if level > Level::Sse42 { lanes.min(8) } else { 1 };
-            assert_eq!(of_two, wanted, "{level} runs as the wide one of two, or without");
+            let requested = if level > Level::Sse42 { lanes.min(8) } else { 1 };
+            assert_eq!(of_two, requested, "{level} runs as the wide one of two, or without");
         }
         fn lanes_of<S: Simd>(_: S) -> usize {
             S::LANES

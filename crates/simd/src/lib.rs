@@ -21,7 +21,7 @@ pub use fearless_simd::{
 };
 pub use level::{Level, UnknownLevel};
 pub use memory::{prefer_huge_pages, prefetch};
-pub use stack::{Stack, StackRoom};
+pub use stack::{Stack, StackBuffer};
 pub use token::Simd;
 
 /// Proof that the CPU has a level's instructions, whichever that is: what [`Level::token`] answers with.

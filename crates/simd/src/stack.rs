@@ -3,33 +3,33 @@
 //! Clearing 4 KiB for each ray would cost as much as a short ray does. The length is kept apart from the
 //! memory, so that a walk has it in a register.
 //! Invariant: the first `len` entries have been written. Tests: `tests::first_in_last_out`, and the example of
-//! [`StackRoom::resume`] that does not compile.
+//! [`StackBuffer::resume`] that does not compile.
 
 use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 
 /// Memory for up to `N` values, and how many of them there are.
 #[derive(Debug)]
-pub struct StackRoom<T: Copy, const N: usize> {
+pub struct StackBuffer<T: Copy, const N: usize> {
     entries: [MaybeUninit<T>; N],
     len: usize,
 }
 
-/// Values, last in first out, in a [`StackRoom`].
+/// Values, last in first out, in a [`StackBuffer`].
 ///
-/// `'room` is no span of time but the mark of a room: [`StackRoom::resume`] gives each stack one that no other has, so that none
+/// `'buffer` is no span of time but the mark of a room: [`StackBuffer::resume`] gives each stack one that no other has, so that none
 /// can be put in the place of another.
 #[derive(Debug)]
-pub struct Stack<'a, 'room, T: Copy> {
+pub struct Stack<'a, 'buffer, T: Copy> {
     entries: &'a mut [MaybeUninit<T>],
     len: usize,
-    room: Mark<'room>,
+    buffer: Mark<'buffer>,
 }
 
 /// A lifetime that passes for no other one, neither longer nor shorter.
-type Mark<'room> = PhantomData<fn(&'room ()) -> &'room ()>;
+type Mark<'buffer> = PhantomData<fn(&'buffer ()) -> &'buffer ()>;
 
-impl<T: Copy, const N: usize> StackRoom<T, N> {
+impl<T: Copy, const N: usize> StackBuffer<T, N> {
     /// Without values.
     #[inline(always)]
     #[must_use]
@@ -40,7 +40,7 @@ impl<T: Copy, const N: usize> StackRoom<T, N> {
     /// An empty stack in this memory.
     #[inline(always)]
     pub fn stack(&mut self) -> Stack<'_, 'static, T> {
-        Stack { entries: &mut self.entries, len: 0, room: PhantomData }
+        Stack { entries: &mut self.entries, len: 0, buffer: PhantomData }
     }
 
     /// Goes on with the stack that was left here.
@@ -48,29 +48,29 @@ impl<T: Copy, const N: usize> StackRoom<T, N> {
     /// That is the one that it is about afterwards: no other can be put in its place, whose entries would be in another room.
     ///
     /// ```compile_fail,E0521
-    /// use gnurt_simd::StackRoom;
+    /// use gnurt_simd::StackBuffer;
     ///
-    /// let mut room = StackRoom::<u64, 4>::new();
-    /// room.resume(|stack| {
-    ///     let mut other = Box::leak(Box::new(StackRoom::<u64, 4>::new())).stack();
+    /// let mut buffer = StackBuffer::<u64, 4>::new();
+    /// buffer.resume(|stack| {
+    ///     let mut other = Box::leak(Box::new(StackBuffer::<u64, 4>::new())).stack();
     ///     other.push(1);
     ///     *stack = other;
     /// });
     /// // Nothing was ever written here.
-    /// println!("{:?}", room.resume(|stack| stack.pop()));
+    /// println!("{:?}", buffer.resume(|stack| stack.pop()));
     /// ```
     ///
     /// Nor can the stacks of two rooms be exchanged:
     ///
     /// ```compile_fail,E0521
-    /// use gnurt_simd::StackRoom;
+    /// use gnurt_simd::StackBuffer;
     ///
-    /// let (mut a, mut b) = (StackRoom::<u64, 4>::new(), StackRoom::<u64, 4>::new());
+    /// let (mut a, mut b) = (StackBuffer::<u64, 4>::new(), StackBuffer::<u64, 4>::new());
     /// a.resume(|a| b.resume(|b| std::mem::swap(a, b)));
     /// ```
     #[inline(always)]
-    pub fn resume<R>(&mut self, work: impl for<'room> FnOnce(&mut Stack<'_, 'room, T>) -> R) -> R {
-        let mut stack = Stack { entries: &mut self.entries, len: self.len, room: PhantomData };
+    pub fn resume<R>(&mut self, work: impl for<'buffer> FnOnce(&mut Stack<'_, 'buffer, T>) -> R) -> R {
+        let mut stack = Stack { entries: &mut self.entries, len: self.len, buffer: PhantomData };
         let result = work(&mut stack);
         self.len = stack.len;
         result
@@ -138,7 +138,7 @@ impl<T: Copy> Stack<'_, '_, T> {
     }
 }
 
-impl<T: Copy, const N: usize> Default for StackRoom<T, N> {
+impl<T: Copy, const N: usize> Default for StackBuffer<T, N> {
     fn default() -> Self {
         Self::new()
     }
@@ -150,8 +150,8 @@ mod tests {
 
     #[test]
     fn first_in_last_out() {
-        let mut room = StackRoom::<u64, 4>::new();
-        let mut stack = room.stack();
+        let mut buffer = StackBuffer::<u64, 4>::new();
+        let mut stack = buffer.stack();
         assert!(stack.pop().is_none() && stack.is_empty(), "nothing is in");
         [1, 5, 3].into_iter().for_each(|value| stack.push(value));
         assert_eq!(stack.len(), 3, "three are in");
@@ -161,19 +161,19 @@ mod tests {
 
     #[test]
     fn what_is_left_is_found_again() {
-        let mut room = StackRoom::<u32, 4>::new();
-        room.resume(|stack| [7, 8].into_iter().for_each(|value| stack.push(value)));
-        assert_eq!((room.len(), room.resume(|stack| stack.pop())), (2, Some(8)), "two were left");
-        assert_eq!(room.len(), 1, "one is left");
-        room.clear();
-        assert_eq!(room.resume(|stack| stack.pop()), None, "nothing is left");
+        let mut buffer = StackBuffer::<u32, 4>::new();
+        buffer.resume(|stack| [7, 8].into_iter().for_each(|value| stack.push(value)));
+        assert_eq!((buffer.len(), buffer.resume(|stack| stack.pop())), (2, Some(8)), "two were left");
+        assert_eq!(buffer.len(), 1, "one is left");
+        buffer.clear();
+        assert_eq!(buffer.resume(|stack| stack.pop()), None, "nothing is left");
     }
 
     #[test]
     #[should_panic(expected = "index out of bounds")]
     fn a_full_stack_panics() {
-        let mut room = StackRoom::<u8, 1>::new();
-        let mut stack = room.stack();
+        let mut buffer = StackBuffer::<u8, 1>::new();
+        let mut stack = buffer.stack();
         stack.push(1);
         stack.push(2);
     }

@@ -22,8 +22,8 @@ pub trait Simd: fearless_simd::Simd {
 
 /// Of another level than was expected.
 #[cold]
-fn mismatch(token: Token, wanted: &str) -> ! {
-    panic!("a kernel for {wanted} was given the token of {token:?}")
+fn mismatch(token: Token, requested: &str) -> ! {
+    panic!("a kernel for {requested} was given the token of {token:?}")
 }
 
 impl Simd for fearless_simd::Fallback {

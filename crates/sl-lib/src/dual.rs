@@ -178,7 +178,7 @@ impl<R: Real> Number for Dual<R> {
     }
 
     #[inline(always)]
-    fn negated_where(self, bit: R::Words) -> Self {
+    fn negated_where(self, bit: R::UInts) -> Self {
         Self {
             value: self.value.negated_where(bit),
             dx: self.dx.negated_where(bit),

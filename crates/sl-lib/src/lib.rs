@@ -34,4 +34,4 @@ pub mod spline;
 pub mod text;
 
 pub use dual::Dual;
-pub use number::{Arithmetic, Mask, Number, Real, Word, Words};
+pub use number::{Arithmetic, Mask, Number, Real, UInt, UInts};

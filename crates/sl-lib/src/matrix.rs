@@ -137,7 +137,7 @@ pub trait Spaces {
 ///
 /// # Errors
 /// The first name that is not known; the program's message is `Unknown transformation "name"`.
-pub fn between<'a>(spaces: &impl Spaces, from: &'a str, to: &'a str) -> Result<Matrix, &'a str> {
+pub fn transform_between<'a>(spaces: &impl Spaces, from: &'a str, to: &'a str) -> Result<Matrix, &'a str> {
     let identity = |name: &str| (name == "common").then_some(IDENTITY);
     let start = identity(from).or_else(|| spaces.common_from(from)).ok_or(from)?;
     let end = identity(to).or_else(|| spaces.to_common_inverse(to)).ok_or(to)?;

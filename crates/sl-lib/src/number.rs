@@ -35,7 +35,7 @@ impl<T> Arithmetic for T where
 }
 
 /// 32-bit words: hashes and the bits of floats. Sums and differences wrap.
-pub trait Words:
+pub trait UInts:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -82,7 +82,7 @@ impl<T: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>
 /// A float, or what stands for one.
 pub trait Real: Arithmetic + Div<f32, Output = Self> {
     /// As many words.
-    type Words: Words<Mask = Self::Mask>;
+    type UInts: UInts<Mask = Self::Mask>;
     /// As many answers.
     type Mask: Mask;
 
@@ -109,22 +109,22 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
     /// With the sign bit of `sign`.
     fn copysign(self, sign: Self) -> Self;
     /// The bits of the floats.
-    fn bits(self) -> Self::Words;
+    fn bits(self) -> Self::UInts;
     /// The same for who looks at them: all NaNs have the bits of one, for nobody says which bits an operation gives to a NaN.
     #[inline(always)]
-    fn known_bits(self) -> Self::Words {
+    fn known_bits(self) -> Self::UInts {
         Self::choose(self.equal(self), self, self.of(f32::NAN)).bits()
     }
     /// The floats with these bits.
-    fn from_bits(bits: Self::Words) -> Self;
+    fn from_bits(bits: Self::UInts) -> Self;
     /// Signed whole numbers, rounded towards zero; out of range the nearest, 0 for NaN.
-    fn to_int(self) -> Self::Words;
+    fn to_int(self) -> Self::UInts;
     /// The floats nearest to signed whole numbers.
-    fn from_int(x: Self::Words) -> Self;
+    fn from_int(x: Self::UInts) -> Self;
     /// The floats nearest to whole numbers without sign.
-    fn from_unsigned(x: Self::Words) -> Self;
+    fn from_unsigned(x: Self::UInts) -> Self;
     /// Does what is large: for a float in a function of its own, so that callers stay small; when it is recorded, where it is called.
-    fn apart<T>(work: impl FnOnce() -> T) -> T;
+    fn outline<T>(work: impl FnOnce() -> T) -> T;
 
     /// `low` where below it or NaN, `high` where above.
     #[inline(always)]
@@ -136,10 +136,10 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
 
     /// The next whole number at or below, as an integer.
     #[inline(always)]
-    fn floor_int(self) -> Self::Words {
+    fn floor_int(self) -> Self::UInts {
         let towards_zero = self.to_int();
         let too_high = self.less(Self::from_int(towards_zero));
-        Self::Words::pick(too_high, towards_zero + u32::MAX, towards_zero)
+        Self::UInts::pick(too_high, towards_zero + u32::MAX, towards_zero)
     }
 
     /// `1 - (1 - self)`, which makes zeros of numbers too small for half precision of one.
@@ -173,7 +173,7 @@ pub trait Number: Arithmetic {
     /// `a` where the mask is set, else `b`.
     fn pick(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// With the sign turned where the lowest bit of a word is set.
-    fn negated_where(self, bit: <Self::Real as Real>::Words) -> Self;
+    fn negated_where(self, bit: <Self::Real as Real>::UInts) -> Self;
     /// This value with another value and the same derivatives: what subtracting a whole number leaves.
     fn with_value(self, value: Self::Real) -> Self;
 
@@ -220,7 +220,7 @@ impl<R: Real> Number for R {
     }
 
     #[inline(always)]
-    fn negated_where(self, bit: R::Words) -> R {
+    fn negated_where(self, bit: R::UInts) -> R {
         R::from_bits(self.bits() ^ (bit << 31))
     }
 
@@ -232,11 +232,11 @@ impl<R: Real> Number for R {
 
 /// One word whose sums wrap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Word(pub u32);
+pub struct UInt(pub u32);
 
-macro_rules! word_operator {
+macro_rules! uint_operator {
     ($($trait:ident $method:ident = $operation:expr;)*) => {$(
-        impl $trait for Word {
+        impl $trait for UInt {
             type Output = Self;
 
             #[inline(always)]
@@ -245,7 +245,7 @@ macro_rules! word_operator {
             }
         }
 
-        impl $trait<u32> for Word {
+        impl $trait<u32> for UInt {
             type Output = Self;
 
             #[inline(always)]
@@ -256,7 +256,7 @@ macro_rules! word_operator {
     )*};
 }
 
-word_operator! {
+uint_operator! {
     Add add = u32::wrapping_add;
     Sub sub = u32::wrapping_sub;
     BitXor bitxor = |a, b| a ^ b;
@@ -266,7 +266,7 @@ word_operator! {
     Shr shr = |a: u32, b| a >> b;
 }
 
-impl Words for Word {
+impl UInts for UInt {
     type Mask = bool;
 
     #[inline(always)]
@@ -311,7 +311,7 @@ impl Words for Word {
 }
 
 impl Real for f32 {
-    type Words = Word;
+    type UInts = UInt;
     type Mask = bool;
 
     #[inline(always)]
@@ -370,32 +370,32 @@ impl Real for f32 {
     }
 
     #[inline(always)]
-    fn bits(self) -> Word {
-        Word(self.to_bits())
+    fn bits(self) -> UInt {
+        UInt(self.to_bits())
     }
 
     #[inline(always)]
-    fn from_bits(bits: Word) -> f32 {
+    fn from_bits(bits: UInt) -> f32 {
         f32::from_bits(bits.0)
     }
 
     #[inline(always)]
-    fn to_int(self) -> Word {
-        Word(self as i32 as u32)
+    fn to_int(self) -> UInt {
+        UInt(self as i32 as u32)
     }
 
     #[inline(always)]
-    fn from_int(x: Word) -> f32 {
+    fn from_int(x: UInt) -> f32 {
         x.0 as i32 as f32
     }
 
     #[inline(always)]
-    fn from_unsigned(x: Word) -> f32 {
+    fn from_unsigned(x: UInt) -> f32 {
         x.0 as f32
     }
 
     #[inline(never)]
-    fn apart<T>(work: impl FnOnce() -> T) -> T {
+    fn outline<T>(work: impl FnOnce() -> T) -> T {
         work()
     }
 }

@@ -5,7 +5,7 @@
 //! Invariant: sums are done in OSL's order, for its bits.
 //! Tests: `tests/splines.rs`.
 
-use crate::number::{Number, Real, Words};
+use crate::number::{Number, Real, UInts};
 
 /// The kinds of spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -85,7 +85,7 @@ pub trait Knots<N: Number> {
     /// How many.
     fn count(&self) -> usize;
     /// Those at these places, all of which are below the count.
-    fn at(&self, places: <N::Real as Real>::Words) -> N;
+    fn at(&self, indices: <N::Real as Real>::UInts) -> N;
 }
 
 impl Knots<f32> for &[f32] {
@@ -94,8 +94,8 @@ impl Knots<f32> for &[f32] {
     }
 
     #[inline(always)]
-    fn at(&self, places: <f32 as Real>::Words) -> f32 {
-        self[places.0 as usize]
+    fn at(&self, indices: <f32 as Real>::UInts) -> f32 {
+        self[indices.0 as usize]
     }
 }
 
@@ -105,8 +105,8 @@ impl Knots<crate::Dual<f32>> for &[f32] {
     }
 
     #[inline(always)]
-    fn at(&self, places: <f32 as Real>::Words) -> crate::Dual<f32> {
-        self[places.0 as usize].into()
+    fn at(&self, indices: <f32 as Real>::UInts) -> crate::Dual<f32> {
+        self[indices.0 as usize].into()
     }
 }
 
@@ -116,8 +116,8 @@ impl Knots<crate::Dual<f32>> for &[crate::Dual<f32>] {
     }
 
     #[inline(always)]
-    fn at(&self, places: <f32 as Real>::Words) -> crate::Dual<f32> {
-        self[places.0 as usize]
+    fn at(&self, indices: <f32 as Real>::UInts) -> crate::Dual<f32> {
+        self[indices.0 as usize]
     }
 }
 
@@ -136,8 +136,8 @@ impl Knots<f32> for Component<'_, [f32; 3]> {
     }
 
     #[inline(always)]
-    fn at(&self, places: <f32 as Real>::Words) -> f32 {
-        self.triples[places.0 as usize][self.index]
+    fn at(&self, indices: <f32 as Real>::UInts) -> f32 {
+        self.triples[indices.0 as usize][self.index]
     }
 }
 
@@ -147,8 +147,8 @@ impl Knots<crate::Dual<f32>> for Component<'_, [f32; 3]> {
     }
 
     #[inline(always)]
-    fn at(&self, places: <f32 as Real>::Words) -> crate::Dual<f32> {
-        self.triples[places.0 as usize][self.index].into()
+    fn at(&self, indices: <f32 as Real>::UInts) -> crate::Dual<f32> {
+        self.triples[indices.0 as usize][self.index].into()
     }
 }
 
@@ -158,8 +158,8 @@ impl Knots<crate::Dual<f32>> for Component<'_, crate::Dual<[f32; 3]>> {
     }
 
     #[inline(always)]
-    fn at(&self, places: <f32 as Real>::Words) -> crate::Dual<f32> {
-        self.triples[places.0 as usize].components()[self.index]
+    fn at(&self, indices: <f32 as Real>::UInts) -> crate::Dual<f32> {
+        self.triples[indices.0 as usize].components()[self.index]
     }
 }
 
@@ -175,7 +175,7 @@ pub fn spline<N: Number>(basis: Basis, x: N, knots: impl Knots<N>) -> N {
     let x = N::pick(one.of(0.0).at_most(value), lowered, x.constant(0.0)) * segments as f32;
     let segment = x.value().to_int();
     let last = segment.constant(segments as u32 - 1);
-    let segment = Words::pick(segment.below(segments as u32), segment, last);
+    let segment = UInts::pick(segment.below(segments as u32), segment, last);
     let first = match basis.step() {
         1 => segment,
         2 => segment + segment,

@@ -7,9 +7,9 @@ use proptest::prelude::*;
 
 const SPACES: [&str; 8] = ["rgb", "linear", "hsv", "hsl", "YIQ", "XYZ", "xyY", "sRGB"];
 
-fn near(found: [f32; 3], wanted: [f32; 3], by: f32, what: &str) {
-    for (found, wanted) in found.into_iter().zip(wanted) {
-        assert!((found - wanted).abs() <= by * (1.0 + wanted.abs()), "{what}: {found}, not {wanted}");
+fn near(found: [f32; 3], expected: [f32; 3], by: f32, what: &str) {
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert!((found - expected).abs() <= by * (1.0 + expected.abs()), "{what}: {found}, not {expected}");
     }
 }
 
@@ -92,10 +92,10 @@ proptest! {
             let there = |s: f32| system.transform("rgb", from, at(s)).expect("known");
             let h = 1e-3;
             for ((found, before), after) in there(0.0).into_iter().zip(there(-h)).zip(there(h)) {
-                let wanted = (after.value - before.value) / (2.0 * h);
+                let expected = (after.value - before.value) / (2.0 * h);
                 let bend = (after.value - 2.0 * found.value + before.value).abs() / h;
-                prop_assert!((found.dx - wanted).abs() < 0.01 * (1.0 + wanted.abs()) + 2.0 * bend,
-                    "{from} of {c:?} along {d:?}: {} not {wanted}", found.dx);
+                prop_assert!((found.dx - expected).abs() < 0.01 * (1.0 + expected.abs()) + 2.0 * bend,
+                    "{from} of {c:?} along {d:?}: {} not {expected}", found.dx);
             }
         }
     }

@@ -75,11 +75,11 @@ proptest! {
                 let (before, here, after) = (at(-h), at(0.0), at(h));
                 ((after - before) / f64::from(2.0 * h), 2.0 * (after - 2.0 * here + before).abs() / f64::from(h))
             };
-            for (wanted, found, direction) in [(slope(dx, 0.0), found.dx, "x"), (slope(0.0, dy), found.dy, "y")] {
-                let (wanted, bend) = wanted;
-                let allowed = 4e-3 * (1.0 + wanted.abs()) + bend;
-                prop_assert!((f64::from(found) - wanted).abs() < allowed,
-                    "{}'s derivative in {} at ({}, {}) is {}, differences say {}", name, direction, x, y, found, wanted);
+            for (expected, found, direction) in [(slope(dx, 0.0), found.dx, "x"), (slope(0.0, dy), found.dy, "y")] {
+                let (expected, bend) = expected;
+                let allowed = 4e-3 * (1.0 + expected.abs()) + bend;
+                prop_assert!((f64::from(found) - expected).abs() < allowed,
+                    "{}'s derivative in {} at ({}, {}) is {}, differences say {}", name, direction, x, y, found, expected);
             }
         }
     }
@@ -103,8 +103,8 @@ proptest! {
             let at = |s: f32| noise(std::array::from_fn(|i| D::new(p[i] + s * d[i], d[i], -d[i])));
             let h = 0.01;
             for (i, (found, (before, after))) in at(0.0).into_iter().zip(at(-h).into_iter().zip(at(h))).enumerate() {
-                let wanted = (after.value - before.value) / (2.0 * h);
-                prop_assert!((found.dx - wanted).abs() < 0.06, "{} {}: {} instead of {}", name, i, found.dx, wanted);
+                let expected = (after.value - before.value) / (2.0 * h);
+                prop_assert!((found.dx - expected).abs() < 0.06, "{} {}: {} instead of {}", name, i, found.dx, expected);
                 prop_assert_eq!(found.dx, -found.dy, "{}", name);
             }
         }

@@ -50,9 +50,9 @@ fn paths_find_what_they_say() {
         ("pack", &[]),
         ("//pack//form", &["1.5 2, -3\n4"]),
     ];
-    for (query, wanted) in known {
-        assert_eq!(all(&mut dictionaries, query), wanted, "{query}");
-        assert_eq!(all(&mut dictionaries, query), wanted, "{query}, asked again");
+    for (query, expected) in known {
+        assert_eq!(all(&mut dictionaries, query), expected, "{query}");
+        assert_eq!(all(&mut dictionaries, query), expected, "{query}, asked again");
     }
     for query in ["", "//", "//pack[", "//pack[@sides=]", "count(//pack)", "a b", "//pack]"] {
         let error = dictionaries.find(CAMERAS, query, |_| None).expect_err(query);

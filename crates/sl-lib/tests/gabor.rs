@@ -11,10 +11,13 @@ fn point() -> [D; 3] {
     [Dual::new(1.25, 0.25, 0.0), Dual::new(-0.5, 0.0, 0.25), Dual::new(2.75, 0.125, 0.0)]
 }
 
-fn near(found: D, wanted: [u32; 3], what: &str) {
+fn near(found: D, expected: [u32; 3], what: &str) {
     // The system's exp and cos may differ by a rounding from the one's that was asked.
-    for (found, wanted) in [found.value, found.dx, found.dy].into_iter().zip(wanted.map(f32::from_bits)) {
-        assert!((found - wanted).abs() <= 1e-5 * (1.0 + wanted.abs()), "{what}: {found} instead of {wanted}");
+    for (found, expected) in [found.value, found.dx, found.dy].into_iter().zip(expected.map(f32::from_bits)) {
+        assert!(
+            (found - expected).abs() <= 1e-5 * (1.0 + expected.abs()),
+            "{what}: {found} instead of {expected}"
+        );
     }
 }
 
@@ -45,8 +48,8 @@ fn gabor_noise_slopes_as_it_should() {
             gabor(std::array::from_fn(|k| Dual::new(start[k] + s * along[k], along[k], 0.0)), None, &options)
         };
         let h = 0.002;
-        let (found, wanted) = (at(0.0).dx, (at(h).value - at(-h).value) / (2.0 * h));
-        right += u32::from((found - wanted).abs() < 0.05);
+        let (found, expected) = (at(0.0).dx, (at(h).value - at(-h).value) / (2.0 * h));
+        right += u32::from((found - expected).abs() < 0.05);
         assert_eq!(at(0.0).dy, 0.0, "nothing changes in y");
     }
     // A bell that begins or ends between the two places makes a step of its truncation.

@@ -4,10 +4,10 @@
 use gnurt_sl_lib::math::*;
 use proptest::prelude::*;
 
-fn near(name: &str, x: f32, found: f32, wanted: f64, absolute: f64, relative: f64) {
-    let error = (f64::from(found) - wanted).abs();
-    let allowed = absolute + relative * wanted.abs();
-    assert!(error <= allowed, "{name}({x}) is {found}, wanted {wanted}: off by {error}, {allowed} allowed");
+fn near(name: &str, x: f32, found: f32, expected: f64, absolute: f64, relative: f64) {
+    let error = (f64::from(found) - expected).abs();
+    let allowed = absolute + relative * expected.abs();
+    assert!(error <= allowed, "{name}({x}) is {found}, wanted {expected}: off by {error}, {allowed} allowed");
 }
 
 proptest! {
@@ -45,16 +45,16 @@ proptest! {
         let (steps, end) = (200, exact / 5.0);
         let at = |i: i32| { let t = end * f64::from(i) / f64::from(steps); (-t * t).exp() };
         let sum: f64 = (0..steps).step_by(2).map(|i| at(i) + 4.0 * at(i + 1) + at(i + 2)).sum();
-        let wanted = sum * end / f64::from(steps) / 3.0 * std::f64::consts::FRAC_2_SQRT_PI;
-        near("erf", y / 5.0, erf(y / 5.0), wanted, 2e-6, 0.0);
-        near("erfc", y / 5.0, erfc(y / 5.0), 1.0 - wanted, 2e-6, 0.0);
+        let expected = sum * end / f64::from(steps) / 3.0 * std::f64::consts::FRAC_2_SQRT_PI;
+        near("erf", y / 5.0, erf(y / 5.0), expected, 2e-6, 0.0);
+        near("erfc", y / 5.0, erfc(y / 5.0), 1.0 - expected, 2e-6, 0.0);
     }
 
     #[test]
     fn remainders_and_rounding_are_exact(a in -1e6_f32..1e6, b in -1e3_f32..1e3) {
         prop_assert_eq!(round(a), a.round());
-        let wanted = f64::from(a) % f64::from(b);
-        let error = (f64::from(fmod(a, b)) - wanted).abs();
+        let expected = f64::from(a) % f64::from(b);
+        let error = (f64::from(fmod(a, b)) - expected).abs();
         prop_assert!(error < 0.1 || (error - f64::from(b.abs())).abs() < 0.1, "fmod({a}, {b})");
         let rest = modulo(a, b);
         prop_assert!(rest * b.signum() > -0.2 && rest.abs() <= b.abs() * 1.001 + 0.2, "mod({a}, {b}) = {rest}");

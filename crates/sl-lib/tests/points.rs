@@ -4,7 +4,7 @@
 use gnurt_sl_lib::points::*;
 
 /// Numbers that look random, on a grid so that many distances are equal.
-fn places(count: usize) -> Vec<[f32; 3]> {
+fn positions(count: usize) -> Vec<[f32; 3]> {
     let mut state = 1_u32;
     let mut next = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -16,11 +16,11 @@ fn places(count: usize) -> Vec<[f32; 3]> {
 #[test]
 fn the_nearest_points_are_found() {
     for count in [0, 1, 7, 9, 40, 500] {
-        let mut places = places(count);
-        if let Some(first) = places.get_mut(3) {
+        let mut positions = positions(count);
+        if let Some(first) = positions.get_mut(3) {
             first[1] = f32::NAN;
         }
-        let cloud = PointCloud::new(places.clone(), Vec::new()).expect("no columns");
+        let cloud = PointCloud::new(positions.clone(), Vec::new()).expect("no columns");
         for (center, radius, most) in [
             ([1.0, 2.0, 3.0], 2.5, 10),
             ([0.1, 7.0, 4.0], 100.0, 33),
@@ -30,19 +30,19 @@ fn the_nearest_points_are_found() {
             ([4.0, 4.0, 4.0], 9.0, 0),
         ] {
             let away = |p: &[f32; 3]| (0..3).map(|k| (p[k] - center[k]) * (p[k] - center[k])).sum::<f32>();
-            let mut wanted: Vec<(f32, u32)> = places
+            let mut expected: Vec<(f32, u32)> = positions
                 .iter()
                 .zip(0..)
                 .map(|(p, i)| (away(p), i))
                 .filter(|x| x.0 <= radius * radius)
                 .collect();
-            wanted.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
-            wanted.truncate(most);
-            let wanted: Vec<(u32, f32)> = wanted.into_iter().map(|(d, i)| (i, d.sqrt())).collect();
-            assert_eq!(cloud.nearest(center, radius, most), wanted, "{count} points around {center:?}");
+            expected.sort_by(|a, b| a.partial_cmp(b).expect("numbers"));
+            expected.truncate(most);
+            let expected: Vec<(u32, f32)> = expected.into_iter().map(|(d, i)| (i, d.sqrt())).collect();
+            assert_eq!(cloud.nearest(center, radius, most), expected, "{count} points around {center:?}");
         }
     }
-    let cloud = PointCloud::new(places(9), Vec::new()).expect("no columns");
+    let cloud = PointCloud::new(positions(9), Vec::new()).expect("no columns");
     assert!(
         cloud.nearest([f32::NAN; 3], 1.0, 3).is_empty() && cloud.nearest([0.0; 3], f32::NAN, 3).is_empty()
     );
@@ -73,9 +73,12 @@ fn what_is_written_is_read() {
     });
     let text = write_cloud(&cloud).expect("a file");
     let back = read_cloud(&text).unwrap_or_else(|why| panic!("{why}\n{text}"));
-    assert_eq!((back.places(), back.columns()), (cloud.places(), cloud.columns()), "{text}");
+    assert_eq!((back.positions(), back.columns()), (cloud.positions(), cloud.columns()), "{text}");
     let bare = PointCloud::new(vec![[1.0, 2.0, 3.0]], Vec::new()).expect("no columns");
-    assert_eq!(read_cloud(&write_cloud(&bare).expect("a file")).expect("a cloud").places(), bare.places());
+    assert_eq!(
+        read_cloud(&write_cloud(&bare).expect("a file")).expect("a cloud").positions(),
+        bare.positions()
+    );
     cloud.push([0.0; 3], &row(&[("two words", Values::Int(vec![1]))]));
     assert!(write_cloud(&cloud).expect_err("a name with a space").contains("'two words'"));
 }
@@ -83,7 +86,7 @@ fn what_is_written_is_read() {
 #[test]
 fn what_is_no_cloud_is_refused_by_its_line() {
     let good = "PGEOMETRY V5\nNPoints 2 NPrims 0\nNPointGroups 0 NPrimGroups 0\nNPointAttrib 1 NVertexAttrib 0 NPrimAttrib 0 NAttrib 0\nPointAttrib\nu 1 float 0\n0 0 0 1 (0.5)\n0 0 2 2 (1)\n";
-    assert_eq!(read_cloud(good).expect("a cloud").places()[1], [0.0, 0.0, 1.0], "by their last number");
+    assert_eq!(read_cloud(good).expect("a cloud").positions()[1], [0.0, 0.0, 1.0], "by their last number");
     for (from, to, said) in [
         ("PGEOMETRY", "GEOMETRY", "line 1: 'GEOMETRY' stands where 'PGEOMETRY' should"),
         ("NPoints 2", "NPoints two", "line 2: 'two' is no count"),

@@ -80,8 +80,8 @@ fn syntax_means_what_it_should() {
         ("[\\d-x]+", "1-x", Some("1-x")),
         ("z*?$", "azz", Some("zz")),
     ];
-    for (pattern, subject, wanted) in known {
-        assert_eq!(found(pattern, subject), wanted, "{pattern} in {subject:?}");
+    for (pattern, subject, expected) in known {
+        assert_eq!(found(pattern, subject), expected, "{pattern} in {subject:?}");
     }
     assert_eq!(spans("a(?=b)", "acab"), Some(vec![Some((2, 3))]), "the second a");
     assert_eq!(spans("a(?!b)", "abac"), Some(vec![Some((2, 3))]));
@@ -192,8 +192,8 @@ proptest! {
         let whole = regex.find(&subject, true).expect("few steps").is_some();
         prop_assert_eq!(whole, tree.ends(subject.as_bytes(), 0).contains(&subject.len()), "{} of {}", tree.text(), &subject);
         let first = regex.find(&subject, false).expect("few steps").and_then(|groups| groups[0]);
-        let wanted = (0..=subject.len()).find(|&i| !tree.ends(subject.as_bytes(), i).is_empty());
-        prop_assert_eq!(first.map(|(start, _)| start), wanted);
+        let expected = (0..=subject.len()).find(|&i| !tree.ends(subject.as_bytes(), i).is_empty());
+        prop_assert_eq!(first.map(|(start, _)| start), expected);
     }
 
     #[test]

@@ -14,7 +14,7 @@ fn lerp(a: f64, b: f64, t: f64) -> f64 {
 }
 
 /// A segment's value by repeated interpolation.
-fn wanted(basis: Basis, k: [f64; 4], t: f64) -> f64 {
+fn expected(basis: Basis, k: [f64; 4], t: f64) -> f64 {
     match basis {
         Basis::Bezier => {
             let (a, b, c) = (lerp(k[0], k[1], t), lerp(k[1], k[2], t), lerp(k[2], k[3], t));
@@ -31,9 +31,9 @@ fn wanted(basis: Basis, k: [f64; 4], t: f64) -> f64 {
         // As a Bezier segment with a third of the slope at each end.
         Basis::CatmullRom => {
             let slopes = ((k[2] - k[0]) / 2.0, (k[3] - k[1]) / 2.0);
-            wanted(Basis::Bezier, [k[1], k[1] + slopes.0 / 3.0, k[2] - slopes.1 / 3.0, k[2]], t)
+            expected(Basis::Bezier, [k[1], k[1] + slopes.0 / 3.0, k[2] - slopes.1 / 3.0, k[2]], t)
         }
-        Basis::Hermite => wanted(Basis::Bezier, [k[0], k[0] + k[1] / 3.0, k[2] - k[3] / 3.0, k[2]], t),
+        Basis::Hermite => expected(Basis::Bezier, [k[0], k[0] + k[1] / 3.0, k[2] - k[3] / 3.0, k[2]], t),
         Basis::Linear => lerp(k[1], k[2], t),
         Basis::Constant => k[1],
     }
@@ -56,21 +56,21 @@ proptest! {
             // Where a segment ends the constant basis may go either way.
             prop_assume!((1e-5..1.0 - 1e-5).contains(&rest) || basis != Basis::Constant);
             let found = plain(basis, x, &knots);
-            prop_assert!((found - wanted(basis, four, rest)).abs() < 2e-4, "{basis:?} at {x}: {found}");
+            prop_assert!((found - expected(basis, four, rest)).abs() < 2e-4, "{basis:?} at {x}: {found}");
 
             let dual = spline(basis, Dual::new(x, dx, 0.0), &knots[..]);
             prop_assert_eq!(dual.value.to_bits(), spline(basis, x, &knots[..]).to_bits());
             let h = 1e-6 * segments as f64;
-            let slope = (wanted(basis, four, rest + h) - wanted(basis, four, rest - h)) / (2.0 * h);
+            let slope = (expected(basis, four, rest + h) - expected(basis, four, rest - h)) / (2.0 * h);
             let inside = x > 0.0 && x < 1.0 && basis != Basis::Constant;
-            let wanted = if inside { slope * segments as f64 * f64::from(dx) } else { 0.0 };
-            prop_assert!((f64::from(dual.dx) - wanted).abs() < 1e-2 * (1.0 + wanted.abs()), "{basis:?}: {} not {wanted}", dual.dx);
+            let expected = if inside { slope * segments as f64 * f64::from(dx) } else { 0.0 };
+            prop_assert!((f64::from(dual.dx) - expected).abs() < 1e-2 * (1.0 + expected.abs()), "{basis:?}: {} not {expected}", dual.dx);
 
             // Knots hand on derivatives by the same weights; triples are three splines.
             let changing: Vec<Dual<f32>> = knots.iter().map(|k| Dual::new(*k, 2.0 * k, 0.0)).collect();
             let by_knots = spline(basis, Dual::from(x), &changing[..]);
-            let wanted = if basis == Basis::Constant { 0.0 } else { 2.0 * by_knots.value };
-            prop_assert!((by_knots.dx - wanted).abs() < 1e-4);
+            let expected = if basis == Basis::Constant { 0.0 } else { 2.0 * by_knots.value };
+            prop_assert!((by_knots.dx - expected).abs() < 1e-4);
             let triples: Vec<[f32; 3]> = knots.iter().map(|k| [0.0, *k, 1.0]).collect();
             let second: f32 = spline(basis, x, Component { triples: &triples[..], index: 1 });
             prop_assert_eq!(second.to_bits(), spline(basis, x, &knots[..]).to_bits());
@@ -103,9 +103,9 @@ fn inverses_are_osls() {
         (0.5, [(0.821_429, 0.119_048), (0.826_469, 0.103_961), (0.808_612, 0.155_984)]),
         (5.0 / 6.0, [(0.940_476, 0.119_048), (0.927_532, 0.111_185), (0.968_067, 0.193_972)]),
     ];
-    for (u, wanted) in known {
+    for (u, expected) in known {
         let names = ["linear", "catmull-rom", "bspline"];
-        for (name, (x, dx)) in names.into_iter().zip(wanted) {
+        for (name, (x, dx)) in names.into_iter().zip(expected) {
             let found = splineinverse(Basis::named(name), Dual::new(u, 1.0 / 3.0, 0.0), &knots);
             assert!(
                 (found.value - x).abs() < 1e-6 && (found.dx - dx).abs() < 2e-6,

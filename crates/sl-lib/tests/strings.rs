@@ -68,8 +68,8 @@ fn numbers_are_read_as_far_as_they_go() {
     let whole = ["-23", " +7x", "x", "", "99999999999", "-99999999999", "0x1f"];
     assert_eq!(whole.map(stoi), [-23, 7, 0, 0, i32::MAX, i32::MIN, 0]);
     let floats = ["3.25", " -2.5e3z", "1e", ".5", "5.", "x", "-", ".", "1e+", "1e99", "-inf", "7e-2"];
-    let wanted = [3.25, -2500.0, 1.0, 0.5, 5.0, 0.0, 0.0, 0.0, 1.0, f32::INFINITY, f32::NEG_INFINITY, 0.07];
-    assert_eq!(floats.map(stof), wanted);
+    let expected = [3.25, -2500.0, 1.0, 0.5, 5.0, 0.0, 0.0, 0.0, 1.0, f32::INFINITY, f32::NEG_INFINITY, 0.07];
+    assert_eq!(floats.map(stof), expected);
     assert!(stof("NaN").is_nan());
 }
 
@@ -93,8 +93,8 @@ fn numbers_are_written_as_by_c() {
         (f32::NAN, "nan"),
         (-0.0, "-0"),
     ];
-    for (x, wanted) in general {
-        assert_eq!(super_general(x), wanted);
+    for (x, expected) in general {
+        assert_eq!(super_general(x), expected);
     }
     let one = |format: &str, x: f32| filled(format, &[Argument::Floats(&[x])]);
     let floats = [
@@ -117,8 +117,8 @@ fn numbers_are_written_as_by_c() {
         ("%06f", f32::INFINITY, "   inf"),
         ("%G", 1e-9, "1E-09"),
     ];
-    for (format, x, wanted) in floats {
-        assert_eq!(one(format, x), wanted, "{format} of {x}");
+    for (format, x, expected) in floats {
+        assert_eq!(one(format, x), expected, "{format} of {x}");
     }
     let one = |format: &str, x: i32| filled(format, &[Argument::Ints(&[x])]);
     let ints = [
@@ -142,8 +142,8 @@ fn numbers_are_written_as_by_c() {
         ("%ld", 7, "7"),
         ("%d", i32::MIN, "-2147483648"),
     ];
-    for (format, x, wanted) in ints {
-        assert_eq!(one(format, x), wanted, "{format} of {x}");
+    for (format, x, expected) in ints {
+        assert_eq!(one(format, x), expected, "{format} of {x}");
     }
 }
 
@@ -161,7 +161,7 @@ fn formats_take_strings_arrays_and_anything() {
     assert_eq!(filled("%", &all), "%", "no letter");
     assert_eq!(filled("no place", &all), "no place");
     assert_eq!(filled("%s", &[Argument::Floats(&[])]), "", "an empty array");
-    assert_eq!(Format::new("%d %d").places(), 2);
+    assert_eq!(Format::new("%d %d").placeholders(), 2);
     let error = Format::new("%d %d").fill(&all[..1]).expect_err("one is missing");
     assert!(error.to_string().contains("Mismatch between format string and arguments"), "{error}");
     assert!(filled("%999999999999d", &[Argument::Ints(&[1])]).len() <= 512, "no memory for nothing");
@@ -179,7 +179,7 @@ proptest! {
     #[test]
     fn no_text_is_too_much(format in "[%a-g0-9.#+ -]{0,12}", s in "\\PC{0,8}", separator in "\\PC{0,2}", at in any::<i32>(), most in 0_usize..5) {
         let format = Format::new(&format);
-        let arguments = vec![Argument::Floats(&[1.5, -2.5]); format.places()];
+        let arguments = vec![Argument::Floats(&[1.5, -2.5]); format.placeholders()];
         prop_assert!(format.fill(&arguments).is_ok());
         let _ = (substr(&s, at, at / 2), getchar(&s, at), stoi(&s), stof(&s), hash_string(&s));
         prop_assert!(split(&s, &separator, most).len() <= most);

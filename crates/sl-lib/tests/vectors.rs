@@ -77,9 +77,9 @@ proptest! {
     fn matrices_have_inverses(m in prop::array::uniform16(-2.0_f32..2.0), p in vector(), n in vector()) {
         let m: Matrix = std::array::from_fn(|i| std::array::from_fn(|k| m[4 * i + k] + if i == k { 3.0 } else { 0.0 }));
         let rows: Vec<Vec<f64>> = m.iter().map(|row| row.iter().map(|x| f64::from(*x)).collect()).collect();
-        let wanted = laplace(&rows);
-        prop_assert!((f64::from(matrix::determinant(&m)) - wanted).abs() < 1e-4 * (1.0 + wanted.abs()));
-        prop_assume!(wanted.abs() > 0.5);
+        let expected = laplace(&rows);
+        prop_assert!((f64::from(matrix::determinant(&m)) - expected).abs() < 1e-4 * (1.0 + expected.abs()));
+        prop_assume!(expected.abs() > 0.5);
         let product = matrix::multiply(&m, &matrix::inverse(&m));
         for (i, row) in product.iter().enumerate() {
             for (k, x) in row.iter().enumerate() {
@@ -115,9 +115,9 @@ proptest! {
         let h = 1e-2;
         let check = |name: &str, f: &dyn Fn([Dual<f32>; 3]) -> [Dual<f32>; 3]| {
             for ((found, before), after) in f(at(0.0)).into_iter().zip(f(at(-h))).zip(f(at(h))) {
-                let wanted = (after.value - before.value) / (2.0 * h);
+                let expected = (after.value - before.value) / (2.0 * h);
                 let bend = (after.value - 2.0 * found.value + before.value).abs() / h;
-                assert!((found.dx - wanted).abs() < 0.02 * (1.0 + wanted.abs()) + bend, "{name}: {} not {wanted}", found.dx);
+                assert!((found.dx - expected).abs() < 0.02 * (1.0 + expected.abs()) + bend, "{name}: {} not {expected}", found.dx);
             }
         };
         for (name, f) in functions {
@@ -154,7 +154,8 @@ fn named_spaces_are_joined_through_the_common_one() {
         }
     }
     let at = |from, to| {
-        matrix::between(&Room, from, to).map(|m| matrix::transform_point(&m, [1.0_f32, 0.0, 0.0])[0])
+        matrix::transform_between(&Room, from, to)
+            .map(|m| matrix::transform_point(&m, [1.0_f32, 0.0, 0.0])[0])
     };
     assert_eq!(at("object", "common"), Ok(3.0));
     assert_eq!(at("common", "shader"), Ok(-4.0));

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use gnurt_accel::{Moment, Ray, RayBatch};
+use gnurt_accel::{KeyInterval, Ray, RayBatch};
 use gnurt_shading::{CameraSamples, CameraShader};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
@@ -15,7 +15,7 @@ use crate::world::{Common, World, vector};
 
 /// Where a camera stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CameraPlace {
+pub struct CameraFrame {
     /// Where it is.
     pub eye: [f32; 3],
     /// Unit, to the right.
@@ -28,13 +28,13 @@ pub struct CameraPlace {
     pub pixels: [u32; 2],
 }
 
-impl CameraPlace {
+impl CameraFrame {
     /// The place at a moment from 0 to 1 of the way along places evenly spaced over that time: the eye goes straight from one to the
     /// next, axes are mixed and made units again. Panics if there is none.
-    fn along(places: &[Self], time: f32) -> Self {
-        let moment = Moment::of(time, places.len());
-        let (a, b) = (&places[moment.key], &places[moment.next]);
-        let mix = |a: [f32; 3], b: [f32; 3]| Vec3::from(moment.mix3(a, b));
+    fn along(frames: &[Self], time: f32) -> Self {
+        let interval = KeyInterval::of(time, frames.len());
+        let (a, b) = (&frames[interval.key], &frames[interval.next]);
+        let mix = |a: [f32; 3], b: [f32; 3]| Vec3::from(interval.mix3(a, b));
         let axis = |a: [f32; 3], b: [f32; 3]| mix(a, b).normalize_or(a.into()).to_array();
         Self {
             eye: mix(a.eye, b.eye).to_array(),
@@ -62,10 +62,10 @@ pub struct CameraScript {
 impl CameraScript {
     /// The camera where it is while the shutter is open: at places evenly spaced over that time, one or more; `None` if there is none.
     #[must_use]
-    pub fn at(&self, places: &[CameraPlace]) -> Option<Arc<dyn CameraShader>> {
+    pub fn at(&self, frames: &[CameraFrame]) -> Option<Arc<dyn CameraShader>> {
         let Self { common, has_lens } = self.clone();
-        (!places.is_empty())
-            .then(|| Arc::new(ScriptCamera { common, places: places.to_vec(), has_lens }) as _)
+        (!frames.is_empty())
+            .then(|| Arc::new(ScriptCamera { common, frames: frames.to_vec(), has_lens }) as _)
     }
 }
 
@@ -73,26 +73,26 @@ impl CameraScript {
 struct ScriptCamera {
     common: Arc<Common>,
     /// Where it is while the shutter is open, one or more.
-    places: Vec<CameraPlace>,
+    frames: Vec<CameraFrame>,
     has_lens: bool,
 }
 
 impl ScriptCamera {
-    fn place(&self, time: f32) -> CameraPlace {
-        match &self.places[..] {
-            [place] => *place,
-            places => CameraPlace::along(places, time),
+    fn frame(&self, time: f32) -> CameraFrame {
+        match &self.frames[..] {
+            [frame] => *frame,
+            frames => CameraFrame::along(frames, time),
         }
     }
 }
 
 impl CameraShader for ScriptCamera {
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
-        let world_from_camera = |time: f32| self.place(time).matrix();
+        let world_from_camera = |time: f32| self.frame(time).matrix();
         let mut world = World::empty(&self.common);
         world.world_from_camera = Some(&world_from_camera);
         world.aspect = aspect;
-        let [w, h] = self.places[0].pixels.map(|n| n.max(1) as f32);
+        let [w, h] = self.frames[0].pixels.map(|n| n.max(1) as f32);
         let (mut points, mut results) = (Points::default(), Results::default());
         let [from, along, weight, near, far] =
             ["P", "I", "weight", "tmin", "tmax"].map(|name| self.common.row(name));
@@ -100,8 +100,8 @@ impl CameraShader for ScriptCamera {
             points.count = LANES.min(samples.len() - first);
             for lane in 0..points.count {
                 let i = first + lane;
-                let [u, v] = samples.places[i];
-                let CameraPlace { eye, back, .. } = self.place(samples.time(i));
+                let [u, v] = samples.positions[i];
+                let CameraFrame { eye, back, .. } = self.frame(samples.time(i));
                 let point = Point {
                     p: Dual::from(eye),
                     i: Dual::from(back.map(|x| -x)),
@@ -123,9 +123,9 @@ impl CameraShader for ScriptCamera {
             for lane in 0..points.count {
                 let org = triple(from, lane)
                     .filter(|p| p.is_finite())
-                    .unwrap_or_else(|| Vec3::from(self.place(samples.time(first + lane)).eye));
-                let seen = triple(weight, lane).is_none_or(|weight| weight != Vec3::ZERO);
-                let dir = triple(along, lane).filter(|_| seen).and_then(Vec3::try_normalize);
+                    .unwrap_or_else(|| Vec3::from(self.frame(samples.time(first + lane)).eye));
+                let incoming = triple(weight, lane).is_none_or(|weight| weight != Vec3::ZERO);
+                let dir = triple(along, lane).filter(|_| incoming).and_then(Vec3::try_normalize);
                 let t_near = number(near, lane).unwrap_or(0.0).max(0.0);
                 let t_far = number(far, lane).filter(|&t| t < 1e30).unwrap_or(f32::INFINITY);
                 // A ray without a direction sees nothing.

@@ -8,7 +8,7 @@ use std::sync::{Arc, LazyLock};
 
 use gnurt_jit::Cache;
 
-static ALL: LazyLock<Codes> = LazyLock::new(Codes::apart);
+static ALL: LazyLock<Codes> = LazyLock::new(Codes::separate);
 
 /// Code that was made. Clones are the same one.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ impl Default for Codes {
 impl Codes {
     /// One by itself.
     #[must_use]
-    pub fn apart() -> Self {
+    pub fn separate() -> Self {
         Self(Arc::default())
     }
 

@@ -20,10 +20,10 @@ use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::color::ColorSystem;
 
-use crate::beside::Beside;
 use crate::closures::{Known, Shape, all};
-use crate::facts::Nobody;
-use crate::parts::{Looker, column};
+use crate::emission_and_opacity::EmissionAndOpacity;
+use crate::parts::{Flattened, column};
+use crate::properties::Nobody;
 
 /// What all points do to light.
 #[derive(Debug)]
@@ -41,7 +41,7 @@ struct Side {
     through: Vec3,
     /// Lobes of the share of light that is stopped.
     stopped: Lobes,
-    beside: Beside,
+    emission_and_opacity: EmissionAndOpacity,
 }
 
 impl Fixed {
@@ -59,26 +59,27 @@ impl Fixed {
         if !results.events.is_empty() {
             return None;
         }
-        let mut look = |backfacing| {
+        let mut flatten_lists = |backfacing| {
             points.backfacing = backfacing;
             let mut out = ClosureBatch::default();
             out.reset(LANES);
             let mut open = Vec::new();
-            let looker = Looker::look(&points, &results, (&mut out, 0), &mut open);
-            let is_plain = !looker.is_cut() && looker.lists.bent() == 0 && looker.lights.radiance.some == 0;
-            let Looker { mut lists, lights, .. } = looker;
+            let flattened = Flattened::flatten_lists(&points, &results, (&mut out, 0), &mut open);
+            let is_plain =
+                !flattened.is_cut() && flattened.lists.bent() == 0 && flattened.lights.radiance.some == 0;
+            let Flattened { mut lists, lights, .. } = flattened;
             let (lobes, through) = (lists.lobes(0), lights.through.get(0));
-            let is_beside = (lights.emission.some | lights.through.some) != 0;
-            let beside = match is_beside {
-                true => Beside::of(&mut lists, &lights, 0),
-                false => Beside { emission: Vec3::ZERO, there: 1.0 },
+            let has_emission_or_opacity = (lights.emission.some | lights.through.some) != 0;
+            let emission_and_opacity = match has_emission_or_opacity {
+                true => EmissionAndOpacity::of(&mut lists, &lights, 0),
+                false => EmissionAndOpacity { emission: Vec3::ZERO, there: 1.0 },
             };
             let stopped = lists.lobes(0);
             // A pane that colours what goes straight through lies around the points' normals even where lobes of closures do not.
             let is_pane = stopped.as_slice().len() > lobes.as_slice().len();
-            (is_plain && !is_pane).then_some(Side { lobes, through, stopped, beside })
+            (is_plain && !is_pane).then_some(Side { lobes, through, stopped, emission_and_opacity })
         };
-        Some(Self { front: look(0)?, back: look(1)? })
+        Some(Self { front: flatten_lists(0)?, back: flatten_lists(1)? })
     }
 
     /// What a point scatters by, and what goes straight through, as closures say it, from the side that its ray came from.
@@ -122,7 +123,7 @@ impl Fixed {
                 side.stopped.as_slice().iter().for_each(|lobe| lists.push(some, lobe));
             }
             for (some, side) in sides {
-                lanes_of(some).for_each(|lane| side.beside.write(first + lane, out));
+                lanes_of(some).for_each(|lane| side.emission_and_opacity.write(first + lane, out));
             }
         }
     }
@@ -264,9 +265,9 @@ impl<'p> Walk<'p> {
                     self.block(layer, yes);
                     self.block(layer, no);
                 }
-                Instruction::Loop(turns) => {
-                    self.fits &= !self.reads(&turns.condition);
-                    for part in [&turns.init, &turns.test, &turns.body, &turns.step] {
+                Instruction::Loop(iterations) => {
+                    self.fits &= !self.reads(&iterations.condition);
+                    for part in [&iterations.init, &iterations.test, &iterations.body, &iterations.step] {
                         self.block(layer, part);
                     }
                 }
@@ -319,22 +320,22 @@ impl<'p> Walk<'p> {
             return false;
         }
         let name = &**plan.strings.text(plan.memory[name.at as usize]);
-        let Some(place) = all().0.iter().position(|decl| *decl.name == *name) else { return false };
-        let shape = &self.shapes[place];
+        let Some(index) = all().0.iter().position(|decl| *decl.name == *name) else { return false };
+        let shape = &self.shapes[index];
         let normal = match shape.known {
             Known::Layer | Known::Nothing => None,
             Known::Emission | Known::UniformEdf | Known::Transparent => None,
             Known::Radiance => return false,
             _ => match shape.normal() {
-                Some(place) => Some(place),
+                Some(index) => Some(index),
                 None => return false,
             },
         };
         let is_own = |slot: &Slot| self.globals.get(&slot.at) == Some(&"N");
-        if normal.is_some_and(|place| !rest.get(place).is_some_and(is_own)) {
+        if normal.is_some_and(|index| !rest.get(index).is_some_and(is_own)) {
             return false;
         }
-        let alike = shape.grain().filter(|[_, x, y]| match (rest.get(*x), rest.get(*y)) {
+        let alike = shape.anisotropy_slots().filter(|[_, x, y]| match (rest.get(*x), rest.get(*y)) {
             (Some(x), Some(y)) => x.at == y.at,
             _ => false,
         });

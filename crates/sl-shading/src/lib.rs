@@ -7,11 +7,10 @@
 #![forbid(unsafe_code)]
 
 mod access;
-mod beside;
 mod camera;
 mod closures;
 mod codes;
-mod facts;
+mod emission_and_opacity;
 mod faults;
 mod fixed;
 mod library;
@@ -21,18 +20,19 @@ mod lobe;
 mod parameter;
 mod parts;
 mod pixel;
-mod place;
+mod properties;
 mod script;
 mod sky;
 mod stored;
 mod surface;
+mod surface_state;
 mod textures;
 mod volumes;
 mod world;
 mod wrap;
 
 pub use access::Access;
-pub use camera::{CameraPlace, CameraScript};
+pub use camera::{CameraFrame, CameraScript};
 pub use codes::Codes;
 pub use library::is_carried;
 pub use parameter::{Parameter, ParameterValue};

@@ -18,17 +18,17 @@ pub(crate) struct ScriptLight {
 impl LightShader for ScriptLight {
     fn illuminate(&self, p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
         let world = World::empty(&self.common);
-        let [way, color, distance] = ["L", "Cl", "lightdist"].map(|name| self.common.row(name));
-        let (Some(way), Some(color)) = (way, color) else { return };
+        let [direction, color, distance] = ["L", "Cl", "lightdist"].map(|name| self.common.row(name));
+        let (Some(direction), Some(color)) = (direction, color) else { return };
         let (mut points, mut results) = (Points::default(), Results::default());
         for first in (0..p.len()).step_by(LANES) {
             points.count = LANES.min(p.len() - first);
             for lane in 0..points.count {
                 let i = first + lane;
-                let (place, n) = (p.get(i).to_array(), normal.get(i).to_array());
+                let (position, n) = (p.get(i).to_array(), normal.get(i).to_array());
                 let point = Point {
-                    p: Dual::from(place),
-                    ps: Dual::from(place),
+                    p: Dual::from(position),
+                    ps: Dual::from(position),
                     n,
                     ng: n,
                     xi: random.get(i).copied().unwrap_or([0.5; 2]),
@@ -40,7 +40,7 @@ impl LightShader for ScriptLight {
             self.common.run(&world, &points, &mut results);
             for lane in 0..points.count {
                 let i = first + lane;
-                let Some(dir) = vector(&results, way, lane).try_normalize() else { continue };
+                let Some(dir) = vector(&results, direction, lane).try_normalize() else { continue };
                 let light = vector(&results, color, lane).max(Vec3::ZERO);
                 if light == Vec3::ZERO || !light.is_finite() {
                     continue;

@@ -31,7 +31,7 @@ impl Shape {
     }
 
     /// The place of what facets are brushed along, and those of the widths.
-    pub(crate) fn grain(&self) -> Option<[usize; 3]> {
+    pub(crate) fn anisotropy_slots(&self) -> Option<[usize; 3]> {
         match self.known {
             Known::Ward | Known::Conductor => Some([1, 2, 3]),
             Known::Microfacet => Some([2, 3, 4]),
@@ -48,29 +48,29 @@ impl<'a> Params<'a> {
 
     /// Whether all that says what the lobe is, but for its normal, is the same for all points.
     pub(crate) fn are_one(shape: &Shape, part: &Part<'_>) -> bool {
-        let one = |place: usize| {
-            let mut numbers = shape.firsts[place]..shape.firsts[place + 1];
+        let one = |slot: usize| {
+            let mut numbers = shape.firsts[slot]..shape.firsts[slot + 1];
             numbers.all(|i| matches!(part.cells(i), Cells::One(_)))
         };
         // Nobody asks along what facets are as wide as across it.
-        let along = shape.grain().filter(|[_, x, y]| {
+        let along = shape.anisotropy_slots().filter(|[_, x, y]| {
             matches!((part.cells(shape.firsts[*x]), part.cells(shape.firsts[*y])), (Cells::One(x), Cells::One(y)) if x == y)
         });
-        let left_out = [shape.normal(), along.map(|grain| grain[0])];
-        (0..shape.firsts.len() - 1).all(|place| left_out.contains(&Some(place)) || one(place))
+        let left_out = [shape.normal(), along.map(|anisotropy_slots| anisotropy_slots[0])];
+        (0..shape.firsts.len() - 1).all(|slot| left_out.contains(&Some(slot)) || one(slot))
     }
 
-    fn word(&self, i: usize, k: usize) -> u32 {
+    fn bits_of(&self, i: usize, k: usize) -> u32 {
         self.part.cells(self.shape.firsts[i] + k).at(self.lane)
     }
 
     /// A number; 0 if it is none.
     fn float(&self, i: usize) -> f32 {
-        Some(f32::from_bits(self.word(i, 0))).filter(|x| x.is_finite()).unwrap_or(0.0)
+        Some(f32::from_bits(self.bits_of(i, 0))).filter(|x| x.is_finite()).unwrap_or(0.0)
     }
 
     pub(crate) fn vec3(&self, i: usize) -> Vec3 {
-        let of = |k: usize| f32::from_bits(self.word(i, k));
+        let of = |k: usize| f32::from_bits(self.bits_of(i, k));
         let v = Vec3::new(of(0), of(1), of(2));
         if v.is_finite() { v } else { Vec3::ZERO }
     }
@@ -81,18 +81,18 @@ impl<'a> Params<'a> {
     }
 
     fn int(&self, i: usize) -> i32 {
-        self.word(i, 0) as i32
+        self.bits_of(i, 0) as i32
     }
 
     /// Whether a distribution of facets is Beckmann's, which is that of `default`, too.
     fn is_beckmann(&self, i: usize) -> bool {
-        let number = self.word(i, 0) as usize;
-        number.checked_sub(1).is_some_and(|place| place < WELL_KNOWN.len())
+        let number = self.bits_of(i, 0) as usize;
+        number.checked_sub(1).is_some_and(|slot| slot < WELL_KNOWN.len())
     }
 
     /// Widths of facets.
     fn slopes(&self) -> Slopes {
-        let Some([tangent, x, y]) = self.shape.grain() else { return Slopes::even(0.0) };
+        let Some([tangent, x, y]) = self.shape.anisotropy_slots() else { return Slopes::even(0.0) };
         let (along, across) = (self.float(x).clamp(0.0, 1.0), self.float(y).clamp(0.0, 1.0));
         Slopes { tangent: self.vec3(tangent), along, across }
     }
@@ -150,8 +150,8 @@ fn glass(slopes: Slopes, eta: f32, reflectance: Vec3, transmittance: Vec3) -> Lo
     }
 }
 
-fn facets(slopes: Slopes, f0: Vec3, f90: Vec3) -> Lobe {
-    slopes.of(|alpha| Lobe::facets(alpha, f0, f90))
+fn microfacets(slopes: Slopes, f0: Vec3, f90: Vec3) -> Lobe {
+    slopes.of(|alpha| Lobe::microfacets(alpha, f0, f90))
 }
 
 /// The lobes of a closure, at most two, each around the point's normal; `front` = the ray came from the side of the mesh's normal.
@@ -183,7 +183,7 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
             let (slopes, reflectance, transmittance) = (p.slopes(), p.share(2), p.share(3));
             if transmittance == Vec3::ZERO && !slopes.is_smooth() {
                 let f0 = Vec3::splat(fresnel_at_normal(index));
-                tinted(facets(slopes, f0, Vec3::ONE).filmed(p.film()), reflectance)
+                tinted(microfacets(slopes, f0, Vec3::ONE).filmed(p.film()), reflectance)
             } else {
                 glass(slopes, eta, reflectance, transmittance).filmed(p.film())
             }
@@ -212,7 +212,7 @@ fn microfacet(p: &Params) -> Lobe {
         return if p.is_beckmann(0) {
             slopes.of(|alpha| Lobe::beckmann(alpha, 0.0, mirrored, through))
         } else {
-            facets(slopes, Vec3::ONE, Vec3::ONE)
+            microfacets(slopes, Vec3::ONE, Vec3::ONE)
         };
     }
     if p.is_beckmann(0) && !slopes.is_smooth() {
@@ -227,7 +227,7 @@ fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 2] {
     let (slopes, [f0, f90], power, tint) = (p.slopes(), [p.share(6), p.share(7)], p.float(8), p.share(2));
     let through = p.share(3);
     if through == Vec3::ZERO {
-        return [Some(tinted(facets(slopes, f0, f90).risen(power).filmed(p.film()), tint)), None];
+        return [Some(tinted(microfacets(slopes, f0, f90).risen(power).filmed(p.film()), tint)), None];
     }
     let root = (f0.element_sum() / 3.0).min(0.99).sqrt();
     let index = (1.0 + root) / (1.0 - root);

@@ -165,11 +165,11 @@ pub(crate) fn read(ty: Type, text: &str) -> Result<ParameterValue, String> {
         }
         Base::String => Ok(ParameterValue::Texts(vec![text.to_owned()])),
         Base::Int => {
-            let list: Result<Vec<i32>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+            let list: Result<Vec<i32>, _> = text.split(',').map(|item| item.trim().parse()).collect();
             list.map(ParameterValue::Ints).map_err(|_| wrong("whole numbers"))
         }
         base if base.is_float_based() => {
-            let list: Result<Vec<f32>, _> = text.split(',').map(|word| word.trim().parse()).collect();
+            let list: Result<Vec<f32>, _> = text.split(',').map(|item| item.trim().parse()).collect();
             let list = list.map_err(|_| wrong("numbers"))?;
             let fits = ty.array < 0 || list.len() == 1 && !ty.is_array() || list.len() == ty.size();
             if fits { Ok(ParameterValue::Floats(list)) } else { Err(wrong("numbers")) }

@@ -84,7 +84,7 @@ pub(crate) struct Open {
 }
 
 /// Looks at the closures of a batch.
-pub(crate) struct Looker<'a> {
+pub(crate) struct Flattened<'a> {
     nodes: &'a Closures,
     pub(crate) points: &'a Points,
     /// Lobes.
@@ -98,9 +98,9 @@ pub(crate) struct Looker<'a> {
     own: Option<Option<Rows>>,
 }
 
-impl<'a> Looker<'a> {
+impl<'a> Flattened<'a> {
     /// Writes the lobes of a batch to the points from `first` on.
-    pub(crate) fn look(
+    pub(crate) fn flatten_lists(
         points: &'a Points,
         results: &'a Results,
         (out, first): (&'a mut ClosureBatch, usize),
@@ -184,19 +184,19 @@ impl<'a> Looker<'a> {
 
     fn component(&mut self, part: &Part<'a>, lanes: u32, weight: &Rows, depth: u32) {
         let Some(shape) = self.shapes.get(part.kind as usize) else { return };
-        let mut kept = Rows::default();
+        let mut retained = Rows::default();
         let mut heaviest = Row::default();
-        for (kept, weight) in kept.iter_mut().zip(weight) {
-            for ((kept, weight), heaviest) in kept.iter_mut().zip(weight).zip(&mut heaviest) {
+        for (retained, weight) in retained.iter_mut().zip(weight) {
+            for ((retained, weight), heaviest) in retained.iter_mut().zip(weight).zip(&mut heaviest) {
                 // What is no number is none.
-                *kept = weight.max(0.0);
-                *heaviest = heaviest.max(*kept);
+                *retained = weight.max(0.0);
+                *heaviest = heaviest.max(*retained);
             }
         }
         // Nor is light without end.
         let counts = |x: f32| x > 0.0 && x < f32::INFINITY;
         let some = heaviest.iter().enumerate().fold(0, |bits, (i, &x)| bits | u32::from(counts(x)) << i);
-        let (lanes, weight) = (lanes & some, &kept);
+        let (lanes, weight) = (lanes & some, &retained);
         if lanes == 0 {
             return;
         }
@@ -263,23 +263,24 @@ impl<'a> Looker<'a> {
             }
         }
         self.times(lanes, &from, weight);
-        if let Some(place) = shape.normal()
-            && let Some(normals) = self.normals(shape, part, place, lanes)
+        if let Some(position) = shape.normal()
+            && let Some(normals) = self.normals(shape, part, position, lanes)
         {
             self.lists.tilt(lanes, &from, &normals);
         }
     }
 
     /// The normals that a lobe lies around; zero where they are those of the points, none if they all are.
-    fn normals(&mut self, shape: &Shape, part: &Part<'a>, place: usize, lanes: u32) -> Option<Rows> {
-        let first = shape.firsts[place];
+    fn normals(&mut self, shape: &Shape, part: &Part<'a>, position: usize, lanes: u32) -> Option<Rows> {
+        let first = shape.firsts[position];
         let cells = [part.cells(first), part.cells(first + 1), part.cells(first + 2)];
         let points = self.points;
         let is_own = cells.iter().zip(&points.n).all(|(cells, n)| match cells {
             Cells::Each(row) => {
-                row.iter().zip(n).fold(0, |differs, (&word, n)| differs | (word ^ n.to_bits())) == 0
+                row.iter().zip(n).fold(0, |differs, (&number_bits, n)| differs | (number_bits ^ n.to_bits()))
+                    == 0
             }
-            Cells::One(word) => lanes_of(lanes).all(|i| *word == n[i].to_bits()),
+            Cells::One(number_bits) => lanes_of(lanes).all(|i| *number_bits == n[i].to_bits()),
         });
         if is_own {
             let all = (1_u32 << points.count.min(LANES)) - 1;
@@ -290,11 +291,12 @@ impl<'a> Looker<'a> {
             });
         }
         let [x, y, z] = cells;
-        let said = |i: usize| {
-            let said = Vec3::new(f32::from_bits(x.at(i)), f32::from_bits(y.at(i)), f32::from_bits(z.at(i)));
-            normal(said, column(&points.ng, i), column(&points.n, i))
+        let messages = |i: usize| {
+            let messages =
+                Vec3::new(f32::from_bits(x.at(i)), f32::from_bits(y.at(i)), f32::from_bits(z.at(i)));
+            normal(messages, column(&points.ng, i), column(&points.n, i))
         };
-        turned(&said, lanes)
+        turned(&messages, lanes)
     }
 }
 

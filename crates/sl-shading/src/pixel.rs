@@ -10,7 +10,7 @@ use gnurt_shading::{PixelSamples, PixelShader, Tracer, Vec3s};
 use gnurt_sl::exec::{LANES, Point, Points, Results};
 use gnurt_sl_lib::Dual;
 
-use crate::place::CAMERA;
+use crate::surface_state::CAMERA;
 use crate::world::{Common, World, vector};
 
 /// The parameter that pixels show.
@@ -24,14 +24,14 @@ pub(crate) struct ScriptPixel {
 /// A sample as shaders see it.
 fn point(samples: &PixelSamples, ray: &Ray, i: usize) -> Point {
     let [width, height] = samples.size.map(|n| n.max(1) as f32);
-    let beside = samples.beside.map(|rays| (i < rays.len()).then(|| rays.get(i)));
+    let neighbours = samples.neighbours.map(|rays| (i < rays.len()).then(|| rays.get(i)));
     // Nothing changes towards where nothing is seen.
     let change = |from: [f32; 3], of: fn(&Ray) -> [f32; 3]| {
-        let to = |k: usize| beside[k].as_ref().filter(|ray| ray.dir != [0.0; 3]).map_or(from, of);
+        let to = |k: usize| neighbours[k].as_ref().filter(|ray| ray.dir != [0.0; 3]).map_or(from, of);
         let step = |k: usize| (Vec3::from(to(k)) - Vec3::from(from)).to_array();
         Dual::new(from, step(0), step(1))
     };
-    let [u, v] = samples.camera.places[i];
+    let [u, v] = samples.camera.positions[i];
     let back = (-Vec3::from(ray.dir)).to_array();
     Point {
         p: change(ray.org, |ray| ray.org),
@@ -55,7 +55,7 @@ impl PixelShader for ScriptPixel {
         let world = World::before(&self.common, samples, tracer);
         let (mut points, mut results) = (Points::default(), Results::default());
         let mut lanes = Vec::with_capacity(LANES);
-        let count = samples.rays.len().min(samples.camera.places.len()).min(out.len());
+        let count = samples.rays.len().min(samples.camera.positions.len()).min(out.len());
         let mut next = 0;
         while next < count {
             lanes.clear();

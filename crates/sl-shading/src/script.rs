@@ -23,8 +23,7 @@ use gnurt_sl::{Options, compile};
 use gnurt_sl_lib::color::ColorSystem;
 
 use crate::access::Access;
-use crate::camera::{CameraPlace, CameraScript};
-use crate::facts::Facts;
+use crate::camera::{CameraFrame, CameraScript};
 use crate::faults::Faults;
 use crate::fixed::Fixed;
 use crate::library;
@@ -32,14 +31,15 @@ use crate::light::ScriptLight;
 use crate::live::Live;
 use crate::parameter::{self, Parameter, ParameterValue};
 use crate::pixel::{self, ScriptPixel};
-use crate::place::{CAMERA, DIFFUSE, Needs};
+use crate::properties::Properties;
 use crate::sky::ScriptSky;
 use crate::surface::ScriptSurface;
+use crate::surface_state::{CAMERA, DIFFUSE, Needs};
 use crate::textures::Textures;
 use crate::world::Common;
 
 /// Turns of loops that a point may take.
-const TURNS: u64 = 1 << 20;
+const ITERATIONS: u64 = 1 << 20;
 
 /// What a script is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +59,7 @@ pub enum Kind {
 impl Kind {
     /// The word in the language.
     #[must_use]
-    pub const fn word(self) -> &'static str {
+    pub const fn kind_name(self) -> &'static str {
         match self {
             Self::Surface => "surface",
             Self::Light => "light",
@@ -274,12 +274,12 @@ impl Script {
     pub fn set(&mut self, name: &str, given: &ParameterValue) -> Result<(), String> {
         let ty = self.type_of(name)?;
         let value = parameter::value(ty, given).map_err(|why| format!("parameter '{name}': {why}"))?;
-        let mut said = Vec::new();
+        let mut messages = Vec::new();
         if let Some(layer) = self.group.layers.last_mut() {
             let hint = Hint { interpolated: self.live.has(name), interactive: false };
-            layer.set(name, &value, hint, &mut said);
+            layer.set(name, &value, hint, &mut messages);
         }
-        if let Some(why) = said.first() {
+        if let Some(why) = messages.first() {
             return Err(format!("parameter '{name}': {why}"));
         }
         self.given.retain(|(known, _)| known != name);
@@ -348,8 +348,8 @@ impl Script {
     ///
     /// # Errors
     /// It is none, or too large.
-    pub fn camera(&self, place: CameraPlace) -> Result<Arc<dyn CameraShader>, String> {
-        let camera = self.camera_anywhere()?.at(&[place]);
+    pub fn camera(&self, frame: CameraFrame) -> Result<Arc<dyn CameraShader>, String> {
+        let camera = self.camera_anywhere()?.at(&[frame]);
         camera.ok_or_else(|| format!("{}: it stands nowhere", self.name))
     }
 
@@ -397,12 +397,12 @@ impl Script {
 
     /// Whether some layer calls `raytype`.
     fn asks_ray_kind(&self) -> bool {
-        let mut asks = false;
+        let mut queries = false;
         self.group
             .layers
             .iter()
-            .for_each(|layer| each_op(&layer.shader, &mut |op| asks |= &*op.name == "raytype"));
-        asks
+            .for_each(|layer| each_op(&layer.shader, &mut |op| queries |= &*op.name == "raytype"));
+        queries
     }
 
     /// As what pixels show.
@@ -425,12 +425,12 @@ impl Script {
         Ok(Arc::new(ScriptPixel { common: self.common(&self.group, &[pixel::SHOWN])? }))
     }
 
-    fn is(&self, wanted: Kind) -> Result<(), String> {
-        if self.kind == wanted {
+    fn is(&self, expected: Kind) -> Result<(), String> {
+        if self.kind == expected {
             return Ok(());
         }
-        let (is, wanted) = (self.kind.word(), wanted.word());
-        Err(format!("{}: its shader is of type {is}; one of type {wanted} is wanted here", self.name))
+        let (is, expected) = (self.kind.kind_name(), expected.kind_name());
+        Err(format!("{}: its shader is of type {is}; one of type {expected} is wanted here", self.name))
     }
 
     /// As it is run, with values that are kept of each point.
@@ -440,7 +440,8 @@ impl Script {
 
     fn plan(&self, group: &Group, outputs: &[&str]) -> Result<Arc<Plan>, String> {
         let outputs = outputs.iter().map(ToString::to_string).collect();
-        let plan = Plan::new(group, &PlanOptions { outputs, turns: TURNS, ..PlanOptions::default() });
+        let plan =
+            Plan::new(group, &PlanOptions { outputs, iterations: ITERATIONS, ..PlanOptions::default() });
         plan.map(Arc::new).map_err(|why| format!("{}: {why}", self.name))
     }
 
@@ -453,15 +454,15 @@ impl Script {
     fn common_of(&self, group: &Group, plan: &Plan, program: Arc<dyn Program>) -> Result<Common, String> {
         let colors = colors()?;
         let requests = self.requests(group);
-        let place = |name: &str| requests.iter().position(|request| request.name == name);
-        let (area, time) = (place(AttributeRequest::SURFACE_AREA), place(AttributeRequest::TIME));
+        let frame = |name: &str| requests.iter().position(|request| request.name == name);
+        let (area, time) = (frame(AttributeRequest::SURFACE_AREA), frame(AttributeRequest::TIME));
         Ok(Common {
             name: self.name.clone(),
             program,
             textures: self.textures.clone(),
             faults: self.faults.clone(),
             requests,
-            facts: Facts::of(plan, &colors),
+            properties: Properties::of(plan, &colors),
             colors,
             live: self.live.clone(),
             needs: Needs { area, time, ..Needs::of(plan) },
@@ -472,7 +473,7 @@ impl Script {
     /// What meshes and instances are asked for: values of parameters, attributes by names that are written out, matrices.
     fn requests(&self, group: &Group) -> Vec<AttributeRequest> {
         let mut found: Vec<AttributeRequest> = Vec::new();
-        let mut ask = |name: &str, components: usize| {
+        let mut query = |name: &str, components: usize| {
             if components > 0 && components <= 64 && !found.iter().any(|known| known.name == name) {
                 // No mesh has a value that is no number: then it has none.
                 let default = vec![f32::NAN; components];
@@ -491,7 +492,7 @@ impl Script {
                     continue;
                 }
                 if symbol.ty.base == Base::Int || symbol.ty.base.is_float_based() {
-                    ask(&symbol.name, symbol.ty.size());
+                    query(&symbol.name, symbol.ty.size());
                 }
             }
             each_op(shader, &mut |op| {
@@ -503,7 +504,7 @@ impl Script {
                     "getattribute" => {
                         let value = op.args.last().map(|&id| shader.symbol(id).ty);
                         if let (3, Some(name), Some(ty)) = (op.args.len(), text(op.args[1]), value) {
-                            ask(name, ty.size());
+                            query(name, ty.size());
                         }
                     }
                     "point" | "vector" | "normal" | "matrix" | "getmatrix" | "transform" | "transformv"
@@ -521,13 +522,13 @@ impl Script {
         let is_time = |symbol: &Symbol| symbol.kind == SymbolKind::Global && &*symbol.name == "time";
         let time = group.layers.iter().flat_map(|layer| &layer.shader.symbols).any(is_time);
         if time && self.kind == Kind::Surface {
-            ask(AttributeRequest::TIME, 1);
+            query(AttributeRequest::TIME, 1);
         }
         if area && self.kind == Kind::Surface {
-            ask(AttributeRequest::SURFACE_AREA, 1);
+            query(AttributeRequest::SURFACE_AREA, 1);
         }
         if spaces && self.kind == Kind::Surface {
-            ask(AttributeRequest::WORLD_FROM_OBJECT, 12);
+            query(AttributeRequest::WORLD_FROM_OBJECT, 12);
         }
         found
     }
@@ -553,16 +554,16 @@ struct Reader<'a> {
 }
 
 /// What the compiler says, and what would be right, in one line: `wood.osl:3:7: ...`.
-fn headline(said: &Diagnostic, sources: &Sources) -> String {
-    let words: Vec<&str> = said.message.split_whitespace().collect();
-    let help = said.help.as_ref().map_or_else(String::new, |help| format!("; {help}"));
-    let (name, line) = (sources.name(said.loc), said.loc.line);
-    let column = sources.line_text(said.loc).map_or(1, |(text, first)| {
-        let before = text.get(..(said.loc.start as usize).saturating_sub(first));
+fn headline(messages: &Diagnostic, sources: &Sources) -> String {
+    let words: Vec<&str> = messages.message.split_whitespace().collect();
+    let help = messages.help.as_ref().map_or_else(String::new, |help| format!("; {help}"));
+    let (name, line) = (sources.name(messages.loc), messages.loc.line);
+    let column = sources.line_text(messages.loc).map_or(1, |(text, first)| {
+        let before = text.get(..(messages.loc.start as usize).saturating_sub(first));
         before.map_or(1, |before| before.chars().count() + 1)
     });
-    let place = if name.is_empty() { String::new() } else { format!("{name}:{line}:{column}: ") };
-    format!("{place}{}{help}", words.join(" "))
+    let frame = if name.is_empty() { String::new() } else { format!("{name}:{line}:{column}: ") };
+    format!("{frame}{}{help}", words.join(" "))
 }
 
 impl Reader<'_> {
@@ -621,13 +622,13 @@ impl Reader<'_> {
             made.map(Arc::new).map_err(|why| wrong.push(why)).ok()
         };
         let name = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let mut said = Vec::new();
-        let group = read_group(&name, text, &mut find, &mut said);
+        let mut messages = Vec::new();
+        let group = read_group(&name, text, &mut find, &mut messages);
         if let Some(why) = wrong.first() {
             return Err(format!("{}: {why}", path.display()));
         }
         let group = group.map_err(|why| format!("{}: {}", path.display(), why.join("; ")))?;
-        match said.first() {
+        match messages.first() {
             None => Ok(group),
             Some(why) => Err(format!("{}: {why}", path.display())),
         }

@@ -9,7 +9,7 @@ use gnurt_shading::{EnvironmentShader, Vec3s};
 use gnurt_sl::exec::{LANES, Point};
 use gnurt_sl_lib::Dual;
 
-use crate::parts::Looker;
+use crate::parts::Flattened;
 use crate::world::{Common, World};
 
 /// A sky.
@@ -43,9 +43,10 @@ impl EnvironmentShader for ScriptSky {
                     points.set(lane, &point);
                 }
                 self.common.run(&world, points, &mut scratch.results);
-                let seen = Looker::look(points, &scratch.results, (&mut lobes, 0), &mut scratch.open);
+                let incoming =
+                    Flattened::flatten_lists(points, &scratch.results, (&mut lobes, 0), &mut scratch.open);
                 for lane in 0..points.count {
-                    let light = seen.lights.emission.get(lane) + seen.lights.radiance.get(lane);
+                    let light = incoming.lights.emission.get(lane) + incoming.lights.radiance.get(lane);
                     out.set(first + lane, if light.is_finite() { light } else { Vec3::ZERO });
                 }
             }

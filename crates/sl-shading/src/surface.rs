@@ -12,10 +12,10 @@ use gnurt_shading::{AttributeRequest, RadianceShader, SurfaceBatch, SurfaceShade
 use gnurt_simd::Level;
 use gnurt_sl::exec::{LANES, Points, lanes_of};
 
-use crate::beside::Beside;
+use crate::emission_and_opacity::EmissionAndOpacity;
 use crate::fixed::Fixed;
-use crate::parts::{Lights, Looker, column};
-use crate::place::{AskedBy, points};
+use crate::parts::{Flattened, Lights, column};
+use crate::surface_state::{Caller, points};
 use crate::world::{Common, World};
 
 /// A surface.
@@ -31,35 +31,36 @@ impl ScriptSurface {
     fn each(
         &self,
         world: &World,
-        (hits, asked_by): (&SurfaceBatch, AskedBy),
+        (hits, caller): (&SurfaceBatch, Caller),
         out: &mut ClosureBatch,
-        mut with: impl FnMut(usize, Looker),
+        mut with: impl FnMut(usize, Flattened),
     ) {
         let is_whole = out.len() == hits.len();
         self.common.with_scratch(|scratch| {
             for first in (0..hits.len()).step_by(LANES) {
-                points(hits, first, asked_by, self.common.needs, &mut scratch.points);
+                points(hits, first, caller, self.common.needs, &mut scratch.points);
                 self.common.run(world, &scratch.points, &mut scratch.results);
                 let to = (&mut *out, if is_whole { first } else { 0 });
-                let looker = Looker::look(&scratch.points, &scratch.results, to, &mut scratch.open);
-                if looker.is_cut() {
+                let flattened =
+                    Flattened::flatten_lists(&scratch.points, &scratch.results, to, &mut scratch.open);
+                if flattened.is_cut() {
                     self.common.faults.note(&format!(
                         "{}: a point has more than {} lobes; the last ones are left out",
                         self.common.name,
                         gnurt_shading::bsdf::MOST
                     ));
                 }
-                with(first, looker);
+                with(first, flattened);
             }
         });
     }
 
     /// The same, one point after the other: `with(point, what it does to light that it scatters, what goes straight through)`.
-    fn each_alone(
+    fn each_single(
         &self,
         world: &World,
         hits: &SurfaceBatch,
-        asked_by: AskedBy,
+        caller: Caller,
         mut with: impl FnMut(usize, &Bsdf, Vec3),
     ) {
         if let Some(fixed) = &self.fixed {
@@ -71,21 +72,26 @@ impl ScriptSurface {
         }
         let mut out = ClosureBatch::default();
         out.reset(LANES);
-        self.each(world, (hits, asked_by), &mut out, |first, looker| {
+        self.each(world, (hits, caller), &mut out, |first, flattened| {
             for lane in 0..LANES.min(hits.len() - first) {
                 let i = first + lane;
-                let bsdf = Bsdf::new(hits.facing_ns(i), looker.lists.lobes(lane));
-                with(i, &bsdf, looker.lights.through.get(lane));
+                let bsdf = Bsdf::new(hits.facing_ns(i), flattened.lists.lobes(lane));
+                with(i, &bsdf, flattened.lights.through.get(lane));
             }
         });
     }
 
-    /// Writes what sixteen points from `first` on do to light; what they do beside scattering it goes to `beside`.
-    fn write(hits: &SurfaceBatch, first: usize, looker: Looker, beside: &mut Vec<(usize, Beside)>) {
-        let Looker { mut lists, lights, points, .. } = looker;
+    /// Writes what sixteen points from `first` on do to light; what they do beside scattering it goes to `emission_and_opacity`.
+    fn write(
+        hits: &SurfaceBatch,
+        first: usize,
+        flattened: Flattened,
+        emission_and_opacity: &mut Vec<(usize, EmissionAndOpacity)>,
+    ) {
+        let Flattened { mut lists, lights, points, .. } = flattened;
         let count = LANES.min(hits.len() - first);
         for lane in lanes_of(lights.emission.some | lights.through.some) {
-            beside.push((first + lane, Beside::of(&mut lists, &lights, lane)));
+            emission_and_opacity.push((first + lane, EmissionAndOpacity::of(&mut lists, &lights, lane)));
         }
         lists.face_all(&points.n);
         let plain = hits.unbent(Level::best(), first, &points.n) & !lists.bent();
@@ -110,24 +116,26 @@ impl SurfaceShader for ScriptSurface {
             return;
         }
         let world = World::around(&self.common, hits, None);
-        let mut beside = Vec::new();
-        self.each(&world, (hits, AskedBy::Rays), out, |first, looker| {
-            Self::write(hits, first, looker, &mut beside);
+        let mut emission_and_opacity = Vec::new();
+        self.each(&world, (hits, Caller::Rays), out, |first, flattened| {
+            Self::write(hits, first, flattened, &mut emission_and_opacity);
         });
-        beside.into_iter().for_each(|(i, beside)| beside.write(i, out));
+        emission_and_opacity
+            .into_iter()
+            .for_each(|(i, emission_and_opacity)| emission_and_opacity.write(i, out));
     }
 
     fn radiance(&self) -> Option<&dyn RadianceShader> {
-        self.common.facts.is_radiance.then_some(self)
+        self.common.properties.is_radiance.then_some(self)
     }
 
     fn emits(&self) -> bool {
-        self.common.facts.is_lamp
+        self.common.properties.is_light
     }
 
     fn transmit(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each_alone(&world, hits, AskedBy::Shadow, |i, bsdf, through| {
+        self.each_single(&world, hits, Caller::Shadow, |i, bsdf, through| {
             // Glass counts as thin, so that windows let light in.
             let [_, straight] = bsdf.delta_branches(-hits.ray_dir.get(i));
             let glass = straight.map_or(Vec3::ZERO, |branch| branch.weight);
@@ -136,28 +144,28 @@ impl SurfaceShader for ScriptSurface {
     }
 
     fn is_opaque(&self) -> bool {
-        !(self.common.facts.is_holey || self.common.facts.is_glass)
+        !(self.common.properties.is_holey || self.common.properties.is_glass)
     }
 
     fn gaps(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each_alone(&world, hits, AskedBy::Shadow, |i, _, through| {
+        self.each_single(&world, hits, Caller::Shadow, |i, _, through| {
             out.set(i, Vec3::splat(through.clamp(Vec3::ZERO, Vec3::ONE).min_element()));
         });
     }
 
     fn is_solid(&self) -> bool {
-        !self.common.facts.is_holey
+        !self.common.properties.is_holey
     }
 
     fn is_clear(&self) -> bool {
-        let facts = &self.common.facts;
-        (facts.is_glass || facts.is_holey) && !facts.is_radiance
+        let properties = &self.common.properties;
+        (properties.is_glass || properties.is_holey) && !properties.is_radiance
     }
 
     fn albedo(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         let world = World::around(&self.common, hits, None);
-        self.each_alone(&world, hits, AskedBy::Rays, |i, bsdf, _| {
+        self.each_single(&world, hits, Caller::Rays, |i, bsdf, _| {
             out.set(i, bsdf.albedo(-hits.ray_dir.get(i)).clamp(Vec3::ZERO, Vec3::ONE));
         });
     }
@@ -166,11 +174,11 @@ impl SurfaceShader for ScriptSurface {
         &self.common.requests
     }
 
-    fn tell(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
+    fn describe(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
         let world = World::around(&self.common, hits, None);
         let mut all = Points::default();
-        points(hits, lane / LANES * LANES, AskedBy::Rays, self.common.needs.with_all(), &mut all);
-        self.common.program.tell(&world, &all.point(lane % LANES))
+        points(hits, lane / LANES * LANES, Caller::Rays, self.common.needs.with_all(), &mut all);
+        self.common.program.tell_point(&world, &all.point(lane % LANES))
     }
 }
 
@@ -180,16 +188,16 @@ impl RadianceShader for ScriptSurface {
         closures.reset(hits.len());
         {
             let world = World::around(&self.common, hits, Some(&mut *tracer));
-            self.each(&world, (hits, AskedBy::Rays), &mut closures, |first, mut looker| {
-                for lane in lanes_of(looker.lights.radiance.some) {
-                    let radiance = looker.lights.radiance.get(lane);
+            self.each(&world, (hits, Caller::Rays), &mut closures, |first, mut flattened| {
+                for lane in lanes_of(flattened.lights.radiance.some) {
+                    let radiance = flattened.lights.radiance.get(lane);
                     if radiance.is_finite() {
                         out.add(first + lane, radiance);
                     }
                 }
                 // What goes straight through is followed by who asks.
-                looker.lights = Lights::default();
-                Self::write(hits, first, looker, &mut Vec::new());
+                flattened.lights = Lights::default();
+                Self::write(hits, first, flattened, &mut Vec::new());
             });
         }
         let points: Vec<Scattering> = (0..hits.len()).map(|i| closures.point(i)).collect();

@@ -141,7 +141,7 @@ impl Textures {
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String> {
         let sampler = self.find(file, &options.color_space).map_err(|why| why.to_string())?;
-        Ok(Way::of(&sampler, options).read(at))
+        Ok(WrapOptions::of(&sampler, options).read(at))
     }
 
     /// The same for many points; false if there is no such picture.
@@ -154,10 +154,10 @@ impl Textures {
         out: &mut [DualRow; 4],
     ) -> bool {
         let Ok(sampler) = self.find(file, &options.color_space) else { return false };
-        let way = Way::of(&sampler, options);
+        let wrap_options = WrapOptions::of(&sampler, options);
         for i in lanes_of(lanes) {
             // Written out: mapping arrays becomes calls.
-            let texel = way.read([s.get(i), t.get(i)]);
+            let texel = wrap_options.read([s.get(i), t.get(i)]);
             for (row, x) in out.iter_mut().zip(texel) {
                 row.set(i, x);
             }
@@ -179,14 +179,14 @@ fn is_raw(color_space: &str) -> Result<bool, Arc<str>> {
 }
 
 /// How a picture is read.
-struct Way<'a> {
+struct WrapOptions<'a> {
     sampler: Cow<'a, TextureSampler>,
     options: &'a TextureOptions,
     /// Whether it is black beyond its borders, along s and t.
     is_bordered: [bool; 2],
 }
 
-impl<'a> Way<'a> {
+impl<'a> WrapOptions<'a> {
     fn of(sampler: &'a TextureSampler, options: &'a TextureOptions) -> Self {
         let wrap = |k: usize| match &*options.wrap[k] {
             "periodic" => Wrap::Repeat,

@@ -49,7 +49,7 @@ impl Volumes {
 pub(crate) fn at_place(
     volume: &Volume,
     file: &str,
-    place: [Dual<f32>; 3],
+    position: [Dual<f32>; 3],
     options: &TextureOptions,
 ) -> Result<([Dual<f32>; 4], usize), String> {
     let (grid, asked) = match &options.subimage {
@@ -64,8 +64,8 @@ pub(crate) fn at_place(
         format!("Unknown subimage \"{asked}\" in texture \"{file}\"; it has {}", names.join(", "))
     })?;
     let map = grid.index_from_world();
-    let vector = |part: fn(&Dual<f32>) -> f32| DVec3::from(place.each_ref().map(|x| f64::from(part(x))));
-    let wrap = options.wrap.each_ref().map(|word| Wrap::named(word).unwrap_or(Wrap::Black));
+    let vector = |part: fn(&Dual<f32>) -> f32| DVec3::from(position.each_ref().map(|x| f64::from(part(x))));
+    let wrap = options.wrap.each_ref().map(|wrap_name| Wrap::named(wrap_name).unwrap_or(Wrap::Black));
     let index = map.transform_point3(vector(|x| x.value));
     let read = Read::of(grid, index, wrap, &*options.interpolation == "closest");
     let changes = [vector(|x| x.dx), vector(|x| x.dy)].map(|change| map.transform_vector3(change));
@@ -89,10 +89,10 @@ pub(crate) fn at_place(
 pub(crate) fn color_at_place(
     volume: &Volume,
     file: &str,
-    place: [Dual<f32>; 3],
+    position: [Dual<f32>; 3],
     options: &TextureOptions,
 ) -> Result<[Dual<f32>; 4], String> {
-    let (texel, channels) = at_place(volume, file, place, options)?;
+    let (texel, channels) = at_place(volume, file, position, options)?;
     let is_grey = channels == 1 && options.channels >= 3 && options.first_channel == 0;
     Ok(if is_grey { [texel[0], texel[0], texel[0], texel[3]] } else { texel })
 }

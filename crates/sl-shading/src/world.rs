@@ -11,7 +11,8 @@ use std::sync::{Arc, Mutex};
 use glam::Vec3;
 use gnurt_accel::Ray;
 use gnurt_shading::{
-    AttributeRequest, LightBatch, Meeting, PixelSamples, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s,
+    AttributeRequest, LightBatch, PixelSamples, RayRequest, SampleKey, SurfaceBatch, SurfaceHit, Tracer,
+    Vec3s,
 };
 use gnurt_sl::exec::{
     Arriving, ClosureDecl, DualRow, Given, Host, LANES, Point, Points, Program, Results, TextureOptions,
@@ -24,11 +25,11 @@ use gnurt_sl_lib::color::ColorSystem;
 use gnurt_sl_lib::points::PointCloud;
 
 use crate::closures;
-use crate::facts::Facts;
 use crate::faults::Faults;
 use crate::live::Live;
 use crate::parts::Open;
-use crate::place::{Needs, RAYS};
+use crate::properties::Properties;
+use crate::surface_state::{Needs, RAYS};
 use crate::textures::Textures;
 
 /// Branches of a point's key from here on are rays that a shader asks for.
@@ -48,7 +49,7 @@ pub(crate) struct Common {
     /// What it reads of points.
     pub(crate) needs: Needs,
     /// What it may do.
-    pub(crate) facts: Facts,
+    pub(crate) properties: Properties,
     #[expect(clippy::vec_box, reason = "four kilobytes would be moved in and out for each batch")]
     pub(crate) scratch: Mutex<Vec<Box<Scratch>>>,
 }
@@ -64,13 +65,13 @@ pub(crate) struct Scratch {
 impl Common {
     /// The first row of a value that is kept, in [`Results::rows`]; the others of a triple follow.
     pub(crate) fn row(&self, name: &str) -> Option<usize> {
-        self.program.kept().iter().find(|kept| kept.name == name).map(|kept| kept.row)
+        self.program.retained().iter().find(|retained| retained.name == name).map(|retained| retained.row)
     }
 
     /// Lends memory that nobody uses now. What it held before was of the same shader.
     pub(crate) fn with_scratch(&self, with: impl FnOnce(&mut Scratch)) {
-        let kept = self.scratch.lock().ok().and_then(|mut list| list.pop());
-        let mut scratch = kept.unwrap_or_default();
+        let retained = self.scratch.lock().ok().and_then(|mut list| list.pop());
+        let mut scratch = retained.unwrap_or_default();
         with(&mut scratch);
         if let Ok(mut list) = self.scratch.lock() {
             list.push(scratch);
@@ -96,7 +97,7 @@ pub(crate) struct World<'a> {
     common: &'a Common,
     hits: Option<&'a SurfaceBatch>,
     pixels: Option<&'a PixelSamples<'a>>,
-    asks: Option<RefCell<Asks<'a>>>,
+    queries: Option<RefCell<Queries<'a>>>,
     /// From a camera's space, at a moment.
     pub(crate) world_from_camera: Option<&'a dyn Fn(f32) -> [[f32; 4]; 4]>,
     /// Width over height of the picture.
@@ -104,7 +105,7 @@ pub(crate) struct World<'a> {
 }
 
 /// A tracer, and what it has answered.
-struct Asks<'a> {
+struct Queries<'a> {
     tracer: &'a mut (dyn Tracer + 'a),
     /// Light and what comes through, by lights.
     lights: HashMap<i32, (LightBatch, Option<Vec3s>)>,
@@ -120,10 +121,10 @@ struct Last {
     /// How far it went; infinite if it met nothing.
     distance: f32,
     /// What it met, once somebody has asked.
-    met: Option<Option<Meeting>>,
+    met: Option<Option<SurfaceHit>>,
 }
 
-impl<'a> Asks<'a> {
+impl<'a> Queries<'a> {
     fn new(tracer: &'a mut (dyn Tracer + 'a), points: usize) -> RefCell<Self> {
         let last = std::iter::repeat_with(|| None).take(points).collect();
         RefCell::new(Self { tracer, lights: HashMap::new(), rays: vec![0; points], last })
@@ -133,7 +134,7 @@ impl<'a> Asks<'a> {
 impl<'a> World<'a> {
     /// Without surfaces: of lights, cameras, skies.
     pub(crate) fn empty(common: &'a Common) -> Self {
-        Self { common, hits: None, pixels: None, asks: None, world_from_camera: None, aspect: 1.0 }
+        Self { common, hits: None, pixels: None, queries: None, world_from_camera: None, aspect: 1.0 }
     }
 
     /// Around points.
@@ -142,8 +143,8 @@ impl<'a> World<'a> {
         hits: &'a SurfaceBatch,
         tracer: Option<&'a mut (dyn Tracer + 'a)>,
     ) -> Self {
-        let asks = tracer.map(|tracer| Asks::new(tracer, hits.len()));
-        Self { hits: Some(hits), asks, ..Self::empty(common) }
+        let queries = tracer.map(|tracer| Queries::new(tracer, hits.len()));
+        Self { hits: Some(hits), queries, ..Self::empty(common) }
     }
 
     /// Around samples of pixels.
@@ -152,8 +153,8 @@ impl<'a> World<'a> {
         pixels: &'a PixelSamples<'a>,
         tracer: &'a mut (dyn Tracer + 'a),
     ) -> Self {
-        let asks = Some(Asks::new(tracer, pixels.keys.len()));
-        Self { pixels: Some(pixels), asks, ..Self::empty(common) }
+        let queries = Some(Queries::new(tracer, pixels.keys.len()));
+        Self { pixels: Some(pixels), queries, ..Self::empty(common) }
     }
 
     /// The batch and the point's place in it.
@@ -203,19 +204,19 @@ impl<'a> World<'a> {
     }
 
     /// The ray as a request, and the tracer to send it.
-    fn request(&self, ray: Ray, point: &Point) -> Option<(RayRequest, std::cell::RefMut<'_, Asks<'a>>)> {
+    fn request(&self, ray: Ray, point: &Point) -> Option<(RayRequest, std::cell::RefMut<'_, Queries<'a>>)> {
         let (lane, key, width) = self.asker(point)?;
-        let mut asks = self.asks.as_ref()?.borrow_mut();
+        let mut queries = self.queries.as_ref()?.borrow_mut();
         let mut request = RayRequest::default();
         // The camera's own ray is not another one.
         if self.own(&ray, lane).is_some() {
             request.push(ray, lane, key);
         } else {
-            asks.rays[lane] += 1;
-            request.push(ray, lane, key.fork(BRANCH + asks.rays[lane]));
+            queries.rays[lane] += 1;
+            request.push(ray, lane, key.fork(BRANCH + queries.rays[lane]));
         }
         request.width.push(width);
-        Some((request, asks))
+        Some((request, queries))
     }
 
     /// What is known of a ray before it is sent, if it is the one of the camera: radiance, and how far it went.
@@ -226,7 +227,7 @@ impl<'a> World<'a> {
     }
 
     /// What was read of a texture; nobody else tells why nothing was where the shader has said what to take then.
-    fn told<T>(&self, found: Result<T, String>, options: &TextureOptions) -> Result<T, String> {
+    fn reported<T>(&self, found: Result<T, String>, options: &TextureOptions) -> Result<T, String> {
         if let (Err(why), true) = (&found, options.missing.is_some()) {
             self.common.faults.note(&format!("{}: {why}", self.common.name));
         }
@@ -323,23 +324,25 @@ impl Host for World<'_> {
 
     fn trace(&self, p: Dual<[f32; 3]>, r: Dual<[f32; 3]>, options: &TraceOptions, point: &Point) -> bool {
         let Some(ray) = self.ray(p.value, r.value, options, point) else { return false };
-        let Some((request, mut asks)) = self.request(ray, point) else { return false };
+        let Some((request, mut queries)) = self.request(ray, point) else { return false };
         let lane = request.parent[0] as usize;
         let distance = match self.own(&ray, lane) {
             Some((_, distance)) => distance,
             None => {
                 let mut found = Vec::new();
-                asks.tracer.distances(&request, &mut found);
+                queries.tracer.distances(&request, &mut found);
                 found.first().copied().unwrap_or(f32::INFINITY)
             }
         };
-        asks.last[lane] = Some(Last { request, distance, met: None });
+        queries.last[lane] = Some(Last { request, distance, met: None });
         distance.is_finite()
     }
 
     fn trace_message(&self, name: &str, ty: Type, point: &Point) -> (bool, Option<Given>) {
-        let (Some(asks), Some((lane, ..))) = (&self.asks, self.asker(point)) else { return (false, None) };
-        let Asks { tracer, last, .. } = &mut *asks.borrow_mut();
+        let (Some(queries), Some((lane, ..))) = (&self.queries, self.asker(point)) else {
+            return (false, None);
+        };
+        let Queries { tracer, last, .. } = &mut *queries.borrow_mut();
         let is_hit = last[lane].as_ref().is_some_and(|last| last.distance.is_finite());
         if (name, ty) == ("hit", Type::INT) {
             return (true, Some(Given::from(Data::Int(vec![i32::from(is_hit)]))));
@@ -364,18 +367,18 @@ impl Host for World<'_> {
         point: &Point,
     ) -> [f32; 3] {
         let Some(ray) = self.ray(p.value, r.value, options, point) else { return [0.0; 3] };
-        let Some((request, mut asks)) = self.request(ray, point) else { return [0.0; 3] };
+        let Some((request, mut queries)) = self.request(ray, point) else { return [0.0; 3] };
         if let Some((radiance, _)) = self.own(&ray, request.parent[0] as usize) {
             return radiance.to_array();
         }
-        let mut seen = Vec3s::default();
+        let mut incoming = Vec3s::default();
         let depth = self.hits.map_or(0, |hits| hits.depth);
-        asks.tracer.trace(depth, &request, &mut seen);
-        seen.get(0).to_array()
+        queries.tracer.trace(depth, &request, &mut incoming);
+        incoming.get(0).to_array()
     }
 
     fn light_count(&self) -> i32 {
-        self.asks.as_ref().map_or(0, |asks| asks.borrow().tracer.light_count() as i32)
+        self.queries.as_ref().map_or(0, |queries| queries.borrow().tracer.light_count() as i32)
     }
 
     fn illuminate(
@@ -387,19 +390,19 @@ impl Host for World<'_> {
         point: &Point,
     ) -> Option<Arriving> {
         let (hits, lane) = self.lane(point)?;
-        let mut asks = self.asks.as_ref()?.borrow_mut();
-        if light < 0 || light as usize >= asks.tracer.light_count() {
+        let mut queries = self.queries.as_ref()?.borrow_mut();
+        if light < 0 || light as usize >= queries.tracer.light_count() {
             return None;
         }
         if Vec3::from(p) != hits.p.get(lane) {
-            let mut alone = hits.gather(&[lane as u32]);
-            alone.p.set(0, Vec3::from(p));
-            return arriving(&mut *asks.tracer, light, &alone, 0, shadowed, &mut None);
+            let mut single = hits.gather(&[lane as u32]);
+            single.p.set(0, Vec3::from(p));
+            return arriving(&mut *queries.tracer, light, &single, 0, shadowed, &mut None);
         }
-        let mut known = asks.lights.remove(&light);
-        let found = arriving(&mut *asks.tracer, light, hits, lane, shadowed, &mut known);
+        let mut known = queries.lights.remove(&light);
+        let found = arriving(&mut *queries.tracer, light, hits, lane, shadowed, &mut known);
         if let Some(known) = known {
-            asks.lights.insert(light, known);
+            queries.lights.insert(light, known);
         }
         found
     }
@@ -411,20 +414,20 @@ impl Host for World<'_> {
         options: &TextureOptions,
         _: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
-        self.told(self.common.textures.sample(file, at, options), options)
+        self.reported(self.common.textures.sample(file, at, options), options)
     }
 
     fn environment(
         &self,
         file: &str,
-        way: [Dual<f32>; 3],
+        direction: [Dual<f32>; 3],
         options: &TextureOptions,
         point: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
         // Its left and right border meet; beyond the poles there is nothing.
         let wrap = ["periodic".into(), "clamp".into(), "clamp".into()];
         let around = TextureOptions { wrap, ..options.clone() };
-        self.texture(file, longitude_latitude(way), &around, point)
+        self.texture(file, longitude_latitude(direction), &around, point)
     }
 
     fn texture3d(
@@ -434,7 +437,7 @@ impl Host for World<'_> {
         options: &TextureOptions,
         _: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
-        self.told(self.common.textures.sample3d(file, at, options), options)
+        self.reported(self.common.textures.sample3d(file, at, options), options)
     }
 
     fn textures(
@@ -492,8 +495,8 @@ impl Host for World<'_> {
 }
 
 /// What a shader may know of what a ray met.
-fn message_of(met: &Meeting, name: &str, ty: Type) -> Option<Given> {
-    let Meeting { p, ng, ns, uv, albedo, ids, .. } = met;
+fn message_of(met: &SurfaceHit, name: &str, ty: Type) -> Option<Given> {
+    let SurfaceHit { p, ng, ns, uv, albedo, ids, .. } = met;
     if ty == Type::INT {
         let number = ["instance", "object", "material", "prim"].iter().position(|known| *known == name)?;
         return Some(Given::from(Data::Int(vec![ids[number] as i32])));

@@ -26,7 +26,7 @@ impl Wrap {
     /// What a file says of both directions: `black,clamp`, or one word for both.
     pub(crate) fn of_file(text: &str) -> [Self; 2] {
         let (s, t) = text.split_once(',').unwrap_or((text, text));
-        [s, t].map(|word| Self::named(word.trim()).unwrap_or(Self::Black))
+        [s, t].map(|wrap_name| Self::named(wrap_name.trim()).unwrap_or(Self::Black))
     }
 
     /// The texel that stands at place `i` of `n`, of which there is at least one; none where all is black.

@@ -88,7 +88,7 @@ impl Binary {
 
     /// The operation's name.
     #[must_use]
-    pub fn word(self) -> &'static str {
+    pub fn keyword(self) -> &'static str {
         self.row().1
     }
 }
@@ -117,7 +117,7 @@ impl Unary {
 
     /// The operation's name.
     #[must_use]
-    pub const fn word(self) -> &'static str {
+    pub const fn keyword(self) -> &'static str {
         match self {
             Self::Neg => "neg",
             Self::Not => "not",
@@ -128,7 +128,7 @@ impl Unary {
 
 /// A type as written.
 #[derive(Clone, Debug, PartialEq)]
-pub enum TypeWord {
+pub enum TypeName {
     /// A word of the language.
     Simple(Base),
     /// `closure` before a type.
@@ -141,7 +141,7 @@ pub enum TypeWord {
 #[derive(Clone, Debug)]
 pub struct TypeRef {
     /// The type.
-    pub word: TypeWord,
+    pub keyword: TypeName,
     /// Where.
     pub loc: Loc,
 }

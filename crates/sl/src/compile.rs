@@ -96,13 +96,13 @@ pub fn preprocess(name: &str, text: &str, options: &Options, load: &Loader<'_>) 
 fn bare<'a>(options: &Options, load: &'a Loader<'a>) -> Preprocessor<'a> {
     let mut source = Preprocessor::new(load, options.includes.clone());
     let [major, minor, patch] = crate::VERSION_PARTS;
-    for (word, value) in [
+    for (first_token, value) in [
         ("OSL_VERSION_MAJOR", major),
         ("OSL_VERSION_MINOR", minor),
         ("OSL_VERSION_PATCH", patch),
         ("OSL_VERSION", crate::VERSION_CODE),
     ] {
-        source.define(&format!("{word}={value}"));
+        source.define(&format!("{first_token}={value}"));
     }
     if options.strict {
         source.define("__STRICT_OSL=1");

@@ -72,7 +72,7 @@ impl Diagnostic {
         }
     }
 
-    const fn word(&self) -> &'static str {
+    const fn keyword(&self) -> &'static str {
         match self.severity {
             Severity::Error => "error",
             Severity::Warning => "warning",
@@ -83,9 +83,9 @@ impl Diagnostic {
         let name = sources.name(self.loc);
         let message = self.message.trim_end_matches('\n');
         if name.is_empty() {
-            format!("{}: {message}\n", self.word())
+            format!("{}: {message}\n", self.keyword())
         } else {
-            format!("{name}:{}: {}: {message}\n", self.loc.line, self.word())
+            format!("{name}:{}: {}: {message}\n", self.loc.line, self.keyword())
         }
     }
 
@@ -112,7 +112,7 @@ impl Diagnostic {
         };
         format!(
             "{{\"severity\":\"{}\",\"file\":{},\"line\":{},\"column\":{},\"length\":{},\"message\":{},\"help\":{}}}\n",
-            self.word(),
+            self.keyword(),
             text(sources.name(self.loc)),
             self.loc.line,
             self.column(sources),

@@ -203,7 +203,7 @@ pub enum StmtKind {
     /// A loop.
     Loop {
         /// `for`, `while` or `dowhile`.
-        word: &'static str,
+        keyword: &'static str,
         /// Done once, before.
         init: Vec<Stmt>,
         /// Whether to go on.

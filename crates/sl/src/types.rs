@@ -204,7 +204,7 @@ impl Type {
     pub fn display(self, structs: &Structs) -> String {
         let base = match self.base {
             Base::Struct(id) => format!("struct {}", structs.get(id).map_or("unknown", |s| &s.name)),
-            base => base.word().to_owned(),
+            base => base.keyword().to_owned(),
         };
         match self.array {
             0 => base,
@@ -246,7 +246,7 @@ impl Base {
 
     /// The word for it in source text.
     #[must_use]
-    pub const fn word(self) -> &'static str {
+    pub const fn keyword(self) -> &'static str {
         match self {
             Self::Unknown => "unknown",
             Self::Void => "void",
@@ -265,7 +265,7 @@ impl Base {
 
     /// The simple type that a word names; closures and structs are not simple.
     #[must_use]
-    pub fn from_word(word: &str) -> Option<Self> {
+    pub fn from_keyword(keyword: &str) -> Option<Self> {
         const SIMPLE: [Base; 9] = [
             Base::Void,
             Base::Int,
@@ -277,7 +277,7 @@ impl Base {
             Base::Matrix,
             Base::String,
         ];
-        SIMPLE.into_iter().find(|base| base.word() == word)
+        SIMPLE.into_iter().find(|base| base.keyword() == keyword)
     }
 }
 

@@ -6,7 +6,7 @@ use gnurt_sl::format::general;
 #[test]
 fn as_in_c() {
     // printf("%g") and printf("%.9g") of C.
-    for (value, digits, wanted) in [
+    for (value, digits, expected) in [
         (0.0, 6, "0"),
         (-0.0, 6, "-0"),
         (1.0, 6, "1"),
@@ -20,7 +20,7 @@ fn as_in_c() {
         (1e300, 6, "1e+300"),
         (f64::INFINITY, 6, "inf"),
     ] {
-        assert_eq!(general(value, digits), wanted, "{value} with {digits} digits");
+        assert_eq!(general(value, digits), expected, "{value} with {digits} digits");
     }
 }
 

@@ -71,7 +71,7 @@ fn given(shader: gnurt_sl::ir::Shader) -> String {
         .collect();
     let mut group = Group::default();
     group.add(Arc::new(shader), None, &[], &mut Vec::new());
-    let Ok(plan) = Plan::new(&group, &PlanOptions { turns: 200, ..PlanOptions::default() }) else {
+    let Ok(plan) = Plan::new(&group, &PlanOptions { iterations: 200, ..PlanOptions::default() }) else {
         return "refused".into();
     };
     let world = Empty::default();
@@ -169,10 +169,10 @@ fn operations_may_lack_operands() {
     let code = lines.iter().position(|line| line.starts_with("code")).expect("it has code");
     let mut refused = 0;
     for (i, line) in lines.iter().enumerate().skip(code + 1) {
-        let mut words: Vec<&str> = line.split(' ').collect();
-        while let Some(last) = words.iter().rposition(|word| !word.contains(['%', '\t'])) {
-            words.remove(last);
-            let shorter = words.join(" ");
+        let mut pieces: Vec<&str> = line.split(' ').collect();
+        while let Some(last) = pieces.iter().rposition(|piece| !piece.contains(['%', '\t'])) {
+            pieces.remove(last);
+            let shorter = pieces.join(" ");
             let text = [&lines[..i], &[&*shorter], &lines[i + 1..]].concat().join("\n");
             refused +=
                 u32::from(read(&text).is_err() || given(read(&text).expect("it was read")) == "refused");
@@ -268,19 +268,23 @@ fn inlined_blocks_have_an_end() {
         };
         let functions_text: String = (0..functions).map(function).collect();
         let text = format!("{functions_text} shader t (output float k = 0) {{ f{} (k); }}", functions - 1);
-        let said = on_a_small_stack(move || {
+        let diagnostics_of = on_a_small_stack(move || {
             let made = compiled(&text);
-            let said: Vec<String> = made.diagnostics.list.iter().map(|d| d.message.clone()).collect();
+            let diagnostics_of: Vec<String> =
+                made.diagnostics.list.iter().map(|d| d.message.clone()).collect();
             if let Some(shader) = made.shader {
                 given(shader);
             }
-            said.join("; ")
+            diagnostics_of.join("; ")
         });
         match (blocks + 2) * functions > 800 {
             true => {
-                assert!(said.contains("deep once functions are in place"), "{blocks} {functions}: {said}")
+                assert!(
+                    diagnostics_of.contains("deep once functions are in place"),
+                    "{blocks} {functions}: {diagnostics_of}"
+                )
             }
-            false => assert_eq!(said, "", "{blocks} {functions}"),
+            false => assert_eq!(diagnostics_of, "", "{blocks} {functions}"),
         }
     }
 }
@@ -296,8 +300,14 @@ fn inlined_expressions_have_an_end() {
     };
     let functions: String = (0..60).map(function).collect();
     let text = format!("{functions} shader t (output float k = 0) {{ k = f59 (); }}");
-    let said = on_a_small_stack(move || compiled(&text).diagnostics.list.first().map(|d| d.message.clone()));
-    assert!(said.as_ref().is_some_and(|said| said.contains("deep once functions are in place")), "{said:?}");
+    let diagnostics_of =
+        on_a_small_stack(move || compiled(&text).diagnostics.list.first().map(|d| d.message.clone()));
+    assert!(
+        diagnostics_of
+            .as_ref()
+            .is_some_and(|diagnostics_of| diagnostics_of.contains("deep once functions are in place")),
+        "{diagnostics_of:?}"
+    );
 }
 
 /// A chain of layers each of which reads the one before below so many blocks.
@@ -322,15 +332,15 @@ fn chain(layers: usize, blocks: usize) -> Group {
 #[test]
 fn long_chains_of_layers_run() {
     for (layers, blocks) in [(5000, 0), (300, 300), (3, 390)] {
-        let said = on_a_small_stack(move || super::common::said(&chain(layers, blocks)));
-        assert_eq!(said, [Event::Print(layers.to_string())], "{layers} layers, {blocks} blocks");
+        let diagnostics_of = on_a_small_stack(move || super::common::diagnostics_of(&chain(layers, blocks)));
+        assert_eq!(diagnostics_of, [Event::Print(layers.to_string())], "{layers} layers, {blocks} blocks");
     }
 }
 
 /// A layer that is started by itself finds nothing done before it.
 #[test]
 fn long_chains_of_layers_started_at_their_end_are_stopped() {
-    let said = on_a_small_stack(|| {
+    let diagnostics_of = on_a_small_stack(|| {
         let options = PlanOptions { entries: vec![5000], ..PlanOptions::default() };
         let plan = Plan::new(&chain(5000, 0), &options).expect("a plan");
         let world = Empty::default();
@@ -339,8 +349,8 @@ fn long_chains_of_layers_started_at_their_end_are_stopped() {
         machine.run_layer(5000);
         std::mem::take(&mut machine.events)
     });
-    let text = format!("{said:?}");
-    assert!(text.contains("layers wait for each other") && said.len() <= 2, "{text}");
+    let text = format!("{diagnostics_of:?}");
+    assert!(text.contains("layers wait for each other") && diagnostics_of.len() <= 2, "{text}");
 }
 
 /// A world with closures that take closures.
@@ -367,17 +377,17 @@ impl Host for Coats {
 
 #[test]
 fn closures_as_texts_have_an_end() {
-    for (grow, turns) in [
+    for (grow, iterations) in [
         ("layer (c, diffuse (N))", 100_000),
         ("layer (c, c)", 40),
         ("c + c", 40),
         ("c + diffuse (N)", 100_000),
     ] {
         let text = format!(
-            "shader t () {{ closure color c = diffuse (N); for (int i = 0; i < {turns}; ++i) c = {grow}; string s = format (\"%s\", c); printf (\"%d\", strlen (s)); Ci = c; }}"
+            "shader t () {{ closure color c = diffuse (N); for (int i = 0; i < {iterations}; ++i) c = {grow}; string s = format (\"%s\", c); printf (\"%d\", strlen (s)); Ci = c; }}"
         );
         let shader = compiled(&text).shader.expect("a shader");
-        let (said, parts) = on_a_small_stack(move || {
+        let (diagnostics_of, parts) = on_a_small_stack(move || {
             let mut group = Group::default();
             group.add(Arc::new(shader), None, &[], &mut Vec::new());
             let plan = Plan::new(&group, &PlanOptions::default()).expect("a plan");
@@ -387,7 +397,7 @@ fn closures_as_texts_have_an_end() {
             let parts = machine.components(machine.ci()).len();
             (std::mem::take(&mut machine.events), parts)
         });
-        let [Event::Print(length)] = &said[..] else { panic!("{grow}: {said:?}") };
+        let [Event::Print(length)] = &diagnostics_of[..] else { panic!("{grow}: {diagnostics_of:?}") };
         let length: usize = length.parse().expect("a number");
         assert!((100..2 << 20).contains(&length), "{grow}: a text of {length} bytes");
         assert!(parts <= 100_000, "{grow}: {parts} components");
@@ -494,8 +504,11 @@ fn headers_that_include_themselves_have_an_end() {
             &load,
         )
     });
-    let said: Vec<_> = made.diagnostics.list.iter().map(|d| &*d.message).collect();
-    assert!(said.iter().any(|said| said.contains("as often as it is included")), "{said:?}");
+    let diagnostics_of: Vec<_> = made.diagnostics.list.iter().map(|d| &*d.message).collect();
+    assert!(
+        diagnostics_of.iter().any(|diagnostics_of| diagnostics_of.contains("as often as it is included")),
+        "{diagnostics_of:?}"
+    );
     let bytes: usize = made.sources.files().iter().map(|file| file.text.len()).sum();
     assert!(bytes < 64 << 20, "{bytes} bytes are kept");
 }
@@ -546,6 +559,7 @@ fn mistakes_in_loops_are_not_all_kept() {
         "shader t (output float f = 0) { float a[2] = {u, v}; for (int i = 0; i < 400000; ++i) f += a[i]; }";
     let mut group = Group::default();
     group.add(Arc::new(compiled(text).shader.expect("a shader")), None, &[], &mut Vec::new());
-    let bytes: usize = super::common::said(&group).iter().map(|event| format!("{event:?}").len()).sum();
+    let bytes: usize =
+        super::common::diagnostics_of(&group).iter().map(|event| format!("{event:?}").len()).sum();
     assert!((1 << 20..20 << 20).contains(&bytes), "{bytes} bytes are kept");
 }

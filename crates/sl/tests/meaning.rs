@@ -5,7 +5,7 @@
 mod clouds;
 #[path = "meaning/more.rs"]
 mod more;
-use crate::common::{body, messages, output, said, shader};
+use crate::common::{body, diagnostics_of, messages, output, shader};
 use gnurt_sl::diagnostics::Style;
 use gnurt_sl::exec::Event;
 use gnurt_sl::group::{Group, read_group, write_group};
@@ -146,7 +146,7 @@ fn layers_run_when_they_are_asked() {
     let text =
         "param float k 4 ; shader up u ; shader idle i ; shader down d ; connect u.o d.a ; connect i.o d.b ;";
     let group = read_group("g", text, &mut find, &mut Vec::new()).expect("the text is right");
-    let list: Vec<String> = said(&group)
+    let list: Vec<String> = diagnostics_of(&group)
         .into_iter()
         .map(|e| if let Event::Print(t) = e { t } else { format!("{e:?}") })
         .collect();

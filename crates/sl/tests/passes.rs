@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Passes: what they find and leave out, and that the shader's meaning stays.
 
-use crate::common::{said, shader};
+use crate::common::{diagnostics_of, shader};
 use gnurt_sl::group::{Group, parse_value};
 use gnurt_sl::ir::{Shader, SymbolKind, ops};
 use gnurt_sl::passes::fold;
@@ -22,11 +22,11 @@ fn a_branch_that_a_parameter_closes_is_left_out() {
         folded.params().filter_map(|(id, s)| s.value.clone().map(|v| (id, v))).collect();
     fold(&mut folded, &known);
     assert_eq!(names(&folded), ["printf"], "one print is left");
-    for (value, wanted) in [("1", "one"), ("0", "other")] {
+    for (value, expected) in [("1", "one"), ("0", "other")] {
         let mut group = Group::default();
         let values = [("k".to_owned(), parse_value(None, value), Default::default())];
         group.add(Arc::new(shader(text)), None, &values, &mut Vec::new());
-        assert_eq!(said(&group), [gnurt_sl::exec::Event::Print(wanted.into())], "k = {value}");
+        assert_eq!(diagnostics_of(&group), [gnurt_sl::exec::Event::Print(expected.into())], "k = {value}");
     }
 }
 
@@ -49,6 +49,6 @@ fn counters_are_no_constants() {
     fold(&mut folded, &HashMap::new());
     let mut group = Group::default();
     group.add(Arc::new(folded), None, &[], &mut Vec::new());
-    let wanted = ["0", "1", "2"].map(|text| gnurt_sl::exec::Event::Print(text.into()));
-    assert!(said(&group) == wanted, "the loop ends after three rounds");
+    let expected = ["0", "1", "2"].map(|text| gnurt_sl::exec::Event::Print(text.into()));
+    assert!(diagnostics_of(&group) == expected, "the loop ends after three rounds");
 }

@@ -21,7 +21,7 @@ fn shaders_compile_without_a_warning() {
         ("skies", "environment", 3),
         ("pixels", "pixel", 3),
     ];
-    for (name, kind, wanted) in kinds {
+    for (name, kind, expected) in kinds {
         let mut count = 0;
         for entry in std::fs::read_dir(folder(name)).expect("a folder of shaders") {
             let path = entry.expect("an entry").path();
@@ -38,6 +38,6 @@ fn shaders_compile_without_a_warning() {
             assert!(text.contains("string label = "), "{}: its parameters have labels", path.display());
             count += 1;
         }
-        assert_eq!(count, wanted, "{name}");
+        assert_eq!(count, expected, "{name}");
     }
 }

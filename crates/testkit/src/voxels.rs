@@ -86,7 +86,7 @@ impl Voxels {
 
     /// Where a point is, in half sides.
     #[must_use]
-    pub fn place(&self, point: [i64; 3]) -> Where {
+    pub fn locate(&self, point: [i64; 3]) -> Where {
         let cubes = point.map(|x| if x % 2 == 0 { [x / 2 - 1, x / 2] } else { [x.div_euclid(2); 2] });
         let touching: Vec<bool> =
             (0..8usize).map(|i| self.is_filled([0, 1, 2].map(|k| cubes[k][i >> k & 1]))).collect();
@@ -142,9 +142,9 @@ mod tests {
         let mesh = cube.mesh(true, [0.0; 3], 1.0);
         assert_eq!((mesh.positions.len(), mesh.indices.len()), (8, 12), "a cube");
         assert_eq!(cube.mesh(false, [0.0; 3], 1.0).positions.len(), 24, "faces apart");
-        assert_eq!(cube.place([1, 1, 1]), Where::Inside, "the middle");
-        assert_eq!(cube.place([2, 1, 0]), Where::Surface, "an edge");
-        assert_eq!(cube.place([3, 1, 1]), Where::Outside, "beside");
+        assert_eq!(cube.locate([1, 1, 1]), Where::Inside, "the middle");
+        assert_eq!(cube.locate([2, 1, 0]), Where::Surface, "an edge");
+        assert_eq!(cube.locate([3, 1, 1]), Where::Outside, "beside");
         assert_eq!(cube.crossings([-3, -3, -3], [1, 1, 1]), 2, "through two corners");
         assert_eq!(cube.crossings([-4, 1, 0], [1, 0, 0]), 2, "in a face: moved into the cube");
         assert_eq!(cube.crossings([-4, 1, 2], [1, 0, 0]), 0, "in a face: moved out of it");

@@ -11,8 +11,8 @@ use gnurt::scene::Camera;
 use crate::exposure::Exposure;
 use crate::flight::Flight;
 use crate::input::{Button, Input, Key};
-use crate::knobs::Knobs;
 use crate::playing::Playing;
+use crate::shader_controls::ShaderControls;
 use crate::shown::Shown;
 
 /// What the controls ask of the world around them.
@@ -56,9 +56,9 @@ pub struct Controls {
     /// What is played, where something moves.
     pub playing: Option<Playing>,
     /// Parameters of shaders.
-    pub knobs: Knobs,
-    home: Flight,
-    home_exposure: Exposure,
+    pub shader_controls: ShaderControls,
+    initial: Flight,
+    initial_exposure: Exposure,
     fullscreen: bool,
     /// Units of the world per second.
     speed: f64,
@@ -77,7 +77,7 @@ struct Drag {
     button: Button,
     pans: bool,
     /// How far the cursor went so far, in pixels.
-    way: f64,
+    direction: f64,
 }
 
 /// A button that goes up before the cursor went this many pixels was clicked.
@@ -115,18 +115,18 @@ impl Controls {
         let flight = Flight::new(camera)?;
         Some(Self {
             speed: flight.distance() / SECONDS_TO_TARGET,
-            home: flight.clone(),
+            initial: flight.clone(),
             flight,
             shown,
             exposure,
-            home_exposure: exposure,
+            initial_exposure: exposure,
             hud: true,
             help: false,
             paused: false,
             denoised: false,
             recording: false,
             playing: None,
-            knobs: Knobs::default(),
+            shader_controls: ShaderControls::default(),
             fullscreen: false,
             held: Vec::new(),
             shift: false,
@@ -168,11 +168,11 @@ impl Controls {
             Input::Cursor(at) => self.move_cursor(at),
             Input::ButtonDown(button) => {
                 let pans = button == Button::Right || (button == Button::Left && self.shift);
-                self.drag = Some(Drag { button, pans, way: 0.0 });
+                self.drag = Some(Drag { button, pans, direction: 0.0 });
             }
             Input::ButtonUp(button) => {
                 let drag = self.drag.take_if(|drag| drag.button == button)?;
-                let clicked = drag.way < CLICK && button != Button::Right;
+                let clicked = drag.direction < CLICK && button != Button::Right;
                 return if clicked { self.pixel().map(Effect::Pick) } else { None };
             }
             Input::Wheel(notches) => self.flight.dolly(NOTCH.powf(notches.clamp(-50.0, 50.0))),
@@ -197,12 +197,12 @@ impl Controls {
         let between = |plus: Key, minus: Key| (held(plus) - held(minus)) * seconds;
         let [right, up, forward] = [('d', 'a'), ('e', 'q'), ('w', 's')]
             .map(|(plus, minus)| between(Key::Char(plus), Key::Char(minus)) * self.speed);
-        let turn = [between(Key::Left, Key::Right), between(Key::Up, Key::Down)].map(|x| x * TURNING);
+        let rotate = [between(Key::Left, Key::Right), between(Key::Up, Key::Down)].map(|x| x * TURNING);
         if [right, up, forward] != [0.0; 3] {
             self.flight.fly([right, up, forward]);
         }
-        if turn != [0.0; 2] {
-            self.flight.turn(turn[0], turn[1]);
+        if rotate != [0.0; 2] {
+            self.flight.rotate(rotate[0], rotate[1]);
         }
     }
 
@@ -211,14 +211,14 @@ impl Controls {
         self.cursor = at;
         let height = f64::from(self.size[1].max(1));
         if let Some(drag) = &mut self.drag {
-            let before = drag.way;
-            drag.way += dx.hypot(dy);
+            let before = drag.direction;
+            drag.direction += dx.hypot(dy);
             // A hand that shakes while it clicks moves nothing.
-            if drag.way < CLICK || drag.button == Button::Middle {
+            if drag.direction < CLICK || drag.button == Button::Middle {
                 return;
             }
             let [dx, dy] = if before < CLICK {
-                [dx, dy].map(|d| d * drag.way / dx.hypot(dy).max(1e-9))
+                [dx, dy].map(|d| d * drag.direction / dx.hypot(dy).max(1e-9))
             } else {
                 [dx, dy]
             };
@@ -254,12 +254,12 @@ impl Controls {
             Key::Char('-' | '_') => self.speed = (self.speed / FASTER).max(1e-12),
             Key::Char('.' | '>') => self.step(1.0),
             Key::Char(',' | '<') => self.step(-1.0),
-            Key::Char('j' | 'J') => self.knobs.choose(-1),
-            Key::Char('k' | 'K') => self.knobs.choose(1),
-            Key::Char('u') => return self.turn(-1.0),
-            Key::Char('i') => return self.turn(1.0),
-            Key::Char('U') => return self.turn(-MANY),
-            Key::Char('I') => return self.turn(MANY),
+            Key::Char('j' | 'J') => self.shader_controls.choose(-1),
+            Key::Char('k' | 'K') => self.shader_controls.choose(1),
+            Key::Char('u') => return self.adjust_control(-1.0),
+            Key::Char('i') => return self.adjust_control(1.0),
+            Key::Char('U') => return self.adjust_control(-MANY),
+            Key::Char('I') => return self.adjust_control(MANY),
             Key::Char('b') => self.expose(STOPS),
             Key::Char('B') => self.expose(-STOPS),
             _ if repeat => {}
@@ -271,8 +271,8 @@ impl Controls {
                 return Some(Effect::Fullscreen(self.fullscreen));
             }
             Key::Char('h' | 'H' | '?') | Key::F(1) => self.help = !self.help,
-            Key::Char('m' | 'M') => self.knobs.shown = !self.knobs.shown,
-            Key::Char('o' | 'O') => return self.knobs.reset().then_some(Effect::Tune),
+            Key::Char('m' | 'M') => self.shader_controls.shown = !self.shader_controls.shown,
+            Key::Char('o' | 'O') => return self.shader_controls.reset().then_some(Effect::Tune),
             Key::Char('g' | 'G') => self.hud = !self.hud,
             Key::Char('p' | 'P') => self.paused = !self.paused,
             Key::Char(' ') => {
@@ -283,25 +283,25 @@ impl Controls {
             Key::Char('n' | 'N') => self.denoised = !self.denoised,
             Key::Char('t' | 'T') => self.exposure.tone = self.exposure.next_tone(),
             Key::Char('r' | 'R') => {
-                self.flight = self.home.clone();
-                self.exposure = self.home_exposure;
+                self.flight = self.initial.clone();
+                self.exposure = self.initial_exposure;
                 if let Some(playing) = &mut self.playing {
                     playing.rewind();
                 }
             }
-            Key::Tab => self.shown = self.shown.beside(if self.shift { -1 } else { 1 }),
+            Key::Tab => self.shown = self.shown.neighbour(if self.shift { -1 } else { 1 }),
             Key::Char(digit @ '0'..='9') => {
                 // The keyboard's order: 0 comes behind 9.
-                let place = (digit.to_digit(10).unwrap_or(0) as usize + 9) % 10;
-                self.shown = Shown::all().get(place).copied().unwrap_or(self.shown);
+                let index = (digit.to_digit(10).unwrap_or(0) as usize + 9) % 10;
+                self.shown = Shown::all().get(index).copied().unwrap_or(self.shown);
             }
             _ => {}
         }
         None
     }
 
-    fn turn(&mut self, steps: f32) -> Option<Effect> {
-        self.knobs.turn(steps).then_some(Effect::Tune)
+    fn adjust_control(&mut self, steps: f32) -> Option<Effect> {
+        self.shader_controls.adjust_control(steps).then_some(Effect::Tune)
     }
 
     fn step(&mut self, frames: f64) {
@@ -443,33 +443,37 @@ mod tests {
         feed(&mut c, &[down(Key::Char(' ')), Input::KeyDown { key: Key::Char(' '), repeat: true }]);
         assert!(c.is_playing() && c.is_flying() && c.is_held(), "it runs");
         c.pass_time(0.5);
-        assert_eq!(c.playing.as_ref().and_then(Playing::moment), Some(0.5), "half a second");
+        assert_eq!(c.playing.as_ref().and_then(Playing::clip_time), Some(0.5), "half a second");
         feed(&mut c, &[down(Key::Char('.')), down(Key::Char('.')), down(Key::Char(','))]);
-        assert_eq!(c.playing.as_ref().and_then(Playing::moment), Some(13.0 / 24.0), "one frame on, stopped");
+        assert_eq!(
+            c.playing.as_ref().and_then(Playing::clip_time),
+            Some(13.0 / 24.0),
+            "one frame on, stopped"
+        );
         assert!(!c.is_playing(), "it was stepped");
         feed(&mut c, &[down(Key::Char('r'))]);
-        assert_eq!(c.playing.as_ref().and_then(Playing::moment), None, "back to rest");
+        assert_eq!(c.playing.as_ref().and_then(Playing::clip_time), None, "back to rest");
     }
 
     #[test]
     fn keys_ask() {
         let mut c = controls();
-        let asked = [
+        let requested = [
             down(Key::F(12)),
             down(Key::Char('c')),
             down(Key::Char('f')),
             down(Key::Char('f')),
             down(Key::Escape),
         ];
-        let effects = feed(&mut c, &asked);
-        let wanted = [
+        let effects = feed(&mut c, &requested);
+        let expected = [
             Effect::Screenshot,
             Effect::PrintCamera,
             Effect::Fullscreen(true),
             Effect::Fullscreen(false),
             Effect::Quit,
         ];
-        assert_eq!(effects, wanted, "one each");
+        assert_eq!(effects, expected, "one each");
         feed(&mut c, &[Input::Modifiers { shift: false, control: true }]);
         let effects =
             feed(&mut c, &[down(Key::Char('s')), down(Key::Char('q')), down(Key::Char('w')), Input::Close]);

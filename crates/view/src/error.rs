@@ -32,10 +32,10 @@ pub enum ViewError {
 impl ViewError {
     /// A display's words, without the place in a library where they were found.
     pub(crate) fn no_display(error: &dyn std::fmt::Display) -> Self {
-        let said = error.to_string();
-        let words = said.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
-        let words = words.map_or(&said[..], |(_, words)| words);
-        Self::NoDisplay(words.trim_end_matches('.').to_owned())
+        let message = error.to_string();
+        let text = message.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+        let text = text.map_or(&message[..], |(_, text)| text);
+        Self::NoDisplay(text.trim_end_matches('.').to_owned())
     }
 }
 
@@ -45,14 +45,14 @@ mod tests {
 
     #[test]
     fn places_in_libraries_are_left_out() {
-        let said = |words: &str| ViewError::no_display(&words).to_string();
-        let wanted =
+        let message = |text: &str| ViewError::no_display(&text).to_string();
+        let expected =
             "no window can be opened: DISPLAY is not set; set DISPLAY or WAYLAND_DISPLAY, or use --headless";
         assert_eq!(
-            said("os error at /home/a b/winit/mod.rs:765: DISPLAY is not set."),
-            wanted,
+            message("os error at /home/a b/winit/mod.rs:765: DISPLAY is not set."),
+            expected,
             "a library's"
         );
-        assert_eq!(said("DISPLAY is not set"), wanted, "others stay");
+        assert_eq!(message("DISPLAY is not set"), expected, "others stay");
     }
 }

@@ -8,25 +8,25 @@ use gnurt::ThreadPool;
 use gnurt::camera_rays;
 use gnurt::denoise;
 use gnurt::osl::CameraScript;
-use gnurt::render::{Accumulation, KeptPicture, MotionCost, Progress, RenderOptions, World};
+use gnurt::render::{Accumulation, MotionCost, PictureHistory, Progress, RenderOptions, World};
 use gnurt::scene::Camera;
 use gnurt::shading::CameraShader;
 
-use crate::calm::Calm;
 use crate::error::ViewError;
 use crate::exposure::Exposure;
 use crate::screen::{self, Part};
 use crate::shown::Shown;
+use crate::temporal_filter::TemporalFilter;
 
 /// What is looked at, from where.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Sight {
+pub(crate) struct ViewRequest {
     pub(crate) camera: Camera,
     pub(crate) shown: Shown,
     /// Columns and rows to render.
     pub(crate) size: [u32; 2],
     /// A look in passing: one sample in the middle of each pixel.
-    pub(crate) fleeting: bool,
+    pub(crate) preview: bool,
     /// Whether the noise will be taken out of it: that needs layers.
     pub(crate) denoised: bool,
 }
@@ -48,12 +48,12 @@ pub(crate) struct Eye {
     options: RenderOptions,
     making: Option<Making>,
     /// What looks in passing leave to the next one.
-    kept: KeptPicture,
+    history: PictureHistory,
     /// Share of the pixels for which looks in passing take a fresh sample of light, where they remember the others.
     pub(crate) fresh: f32,
     pub(crate) colors: Vec<[f32; 4]>,
     /// What is shown of a picture at rest.
-    calm: Calm,
+    temporal_filter: TemporalFilter,
 }
 
 struct Making {
@@ -63,7 +63,7 @@ struct Making {
     shown: Shown,
     /// Distance from eye to target.
     reach: f32,
-    fleeting: bool,
+    preview: bool,
     /// Colours without noise, and of how many samples.
     clean: Option<(u32, Vec<[f32; 4]>)>,
 }
@@ -73,52 +73,54 @@ impl Eye {
         Self {
             options,
             making: None,
-            kept: KeptPicture::default(),
+            history: PictureHistory::default(),
             fresh: FRESH,
             colors: Vec::new(),
-            calm: Calm::default(),
+            temporal_filter: TemporalFilter::default(),
         }
     }
 
     /// Begins a picture; a shader may stand in the camera's place.
     pub(crate) fn begin(
         &mut self,
-        sight: &Sight,
+        view_request: &ViewRequest,
         script: Option<&CameraScript>,
         pool: &ThreadPool,
     ) -> Result<(), ViewError> {
-        let [width, height] = sight.size;
+        let [width, height] = view_request.size;
         let options = RenderOptions {
             width,
             height,
-            integrator: sight.shown.integrator(),
-            aovs: sight.shown.needs_layers() || sight.denoised,
-            pixel_centres: sight.fleeting || self.options.pixel_centres,
-            spp: if sight.fleeting { 1 } else { self.options.spp },
+            integrator: view_request.shown.integrator(),
+            aovs: view_request.shown.needs_layers() || view_request.denoised,
+            pixel_centres: view_request.preview || self.options.pixel_centres,
+            spp: if view_request.preview { 1 } else { self.options.spp },
             // For integrators with virtual lights.
             interleave: match self.options.interleave {
-                given if sight.fleeting => given.max(pattern_in_motion(self.options.vpls)),
+                given if view_request.preview => given.max(pattern_in_motion(self.options.vpls)),
                 given => given,
             },
             crop: None,
             heatmap: false,
             ..self.options.clone()
         };
-        let rays = camera_rays(&sight.camera, script, sight.size).ok_or(ViewError::NoView)?;
-        self.begin_calm(sight, pool);
+        let rays = camera_rays(&view_request.camera, script, view_request.size).ok_or(ViewError::NoView)?;
+        self.begin_filter(view_request, pool);
         let accumulation = match self.making.take() {
             Some(mut making) => making.accumulation.restart(options).map(|()| making.accumulation),
             None => Accumulation::new(options),
         };
-        let reach =
-            (0..3).map(|k| (sight.camera.target[k] - sight.camera.eye[k]).powi(2)).sum::<f32>().sqrt();
+        let reach = (0..3)
+            .map(|k| (view_request.camera.target[k] - view_request.camera.eye[k]).powi(2))
+            .sum::<f32>()
+            .sqrt();
         self.making = Some(Making {
-            camera: sight.camera.clone(),
+            camera: view_request.camera.clone(),
             accumulation: accumulation?,
             rays,
-            shown: sight.shown,
+            shown: view_request.shown,
             reach,
-            fleeting: sight.fleeting,
+            preview: view_request.preview,
             clean: None,
         });
         Ok(())
@@ -130,43 +132,48 @@ impl Eye {
     }
 
     /// What is shown at first of a picture at rest: what was shown of the same view in passing.
-    fn begin_calm(&mut self, sight: &Sight, pool: &ThreadPool) {
+    fn begin_filter(&mut self, view_request: &ViewRequest, pool: &ThreadPool) {
         let is_same = self.making.as_ref().is_some_and(|making| {
             let RenderOptions { width, height, .. } = *making.accumulation.options();
             let is_whole = making.accumulation.samples() > 0;
             is_whole
-                && [width, height] == sight.size
-                && (making.shown, &making.camera) == (sight.shown, &sight.camera)
+                && [width, height] == view_request.size
+                && (making.shown, &making.camera) == (view_request.shown, &view_request.camera)
         });
-        if sight.fleeting || !is_same || sight.shown.needs_layers() {
-            self.calm.forget();
-        } else if self.making.as_ref().is_some_and(|making| making.fleeting) {
+        if view_request.preview || !is_same || view_request.shown.needs_layers() {
+            self.temporal_filter.forget();
+        } else if self.making.as_ref().is_some_and(|making| making.preview) {
             self.catch_up(pool);
-            self.calm.begin(sight.size[0] as usize, &self.colors);
+            self.temporal_filter.begin(view_request.size[0] as usize, &self.colors);
         }
     }
 
     /// Whether looks in passing remember those before.
-    pub(crate) fn remembers(&self, sight: &Sight, script: Option<&CameraScript>, world: &World) -> bool {
-        let [width, height] = sight.size;
-        let integrator = sight.shown.integrator();
+    pub(crate) fn remembers(
+        &self,
+        view_request: &ViewRequest,
+        script: Option<&CameraScript>,
+        world: &World,
+    ) -> bool {
+        let [width, height] = view_request.size;
+        let integrator = view_request.shown.integrator();
         let options =
             RenderOptions { width, height, integrator, crop: None, heatmap: false, ..self.options.clone() };
-        !sight.shown.needs_layers()
-            && camera_rays(&sight.camera, script, sight.size)
-                .is_some_and(|rays| KeptPicture::suits(world, &*rays, &options))
+        !view_request.shown.needs_layers()
+            && camera_rays(&view_request.camera, script, view_request.size)
+                .is_some_and(|rays| PictureHistory::suits(world, &*rays, &options))
     }
 
     /// Whether all that is known is shown.
-    pub(crate) fn is_calm(&self) -> bool {
-        self.making.as_ref().is_none_or(|making| making.fleeting || making.shown.needs_layers())
-            || self.calm.is_there()
+    pub(crate) fn is_filtered(&self) -> bool {
+        self.making.as_ref().is_none_or(|making| making.preview || making.shown.needs_layers())
+            || self.temporal_filter.is_there()
     }
 
     /// What was shown last, row by row.
     pub(crate) fn shown(&mut self, pool: &ThreadPool) -> &[[f32; 4]] {
         match &self.making {
-            Some(making) if !making.fleeting && !making.shown.needs_layers() => self.calm.shown(),
+            Some(making) if !making.preview && !making.shown.needs_layers() => self.temporal_filter.shown(),
             _ => {
                 self.catch_up(pool);
                 &self.colors
@@ -182,16 +189,16 @@ impl Eye {
         pool: &ThreadPool,
         progress: &dyn Progress,
     ) -> bool {
-        let Some(Making { accumulation, rays, fleeting, .. }) = &mut self.making else { return true };
-        if *fleeting {
-            return accumulation.pass_remembering(&mut self.kept, self.fresh, world, rays, pool, progress);
+        let Some(Making { accumulation, rays, preview, .. }) = &mut self.making else { return true };
+        if *preview {
+            return accumulation.pass_remembering(&mut self.history, self.fresh, world, rays, pool, progress);
         }
         accumulation.pass(world, &**rays, samples, pool, progress)
     }
 
     /// What the last look in passing took that was made of those before.
     pub(crate) fn motion_cost(&self) -> MotionCost {
-        self.kept.cost()
+        self.history.cost()
     }
 
     /// Samples of each pixel so far.
@@ -245,29 +252,29 @@ impl Eye {
         pool: &ThreadPool,
     ) {
         let Some(making) = &self.making else { return };
-        let Making { accumulation, shown, reach, fleeting, .. } = making;
+        let Making { accumulation, shown, reach, preview, .. } = making;
         let RenderOptions { width, height, .. } = *accumulation.options();
         self.colors.resize(width as usize * height as usize, [0.0; 4]);
         let parts = if let Some((samples, clean)) = making.clean.as_ref().filter(|_| clean) {
             self.colors.clone_from(clean);
-            self.calm.follow(width as usize, &self.colors, *samples);
-            Part::all_of(self.calm.shown(), [width, height])
+            self.temporal_filter.follow(width as usize, &self.colors, *samples);
+            Part::all_of(self.temporal_filter.shown(), [width, height])
         } else if shown.needs_layers() {
             shown.colors(&accumulation.picture(), *reach, &mut self.colors);
             Part::all_of(&self.colors, [width, height])
-        } else if *fleeting {
+        } else if *preview {
             accumulation.film_bands().into_iter().map(Part::Passing).collect()
         } else {
             accumulation.write_colors(&mut self.colors, pool);
-            self.calm.follow(width as usize, &self.colors, accumulation.samples());
-            Part::all_of(self.calm.shown(), [width, height])
+            self.temporal_filter.follow(width as usize, &self.colors, accumulation.samples());
+            Part::all_of(self.temporal_filter.shown(), [width, height])
         };
         screen::develop(exposure, parts, [width, height], size, screen, Some(pool));
     }
 
     /// Brings `colors` up to date where [`develop`](Self::develop) has left them behind.
     pub(crate) fn catch_up(&mut self, pool: &ThreadPool) {
-        if let Some(Making { accumulation, fleeting: true, shown, .. }) = &self.making
+        if let Some(Making { accumulation, preview: true, shown, .. }) = &self.making
             && !shown.needs_layers()
         {
             accumulation.write_colors(&mut self.colors, pool);
@@ -292,16 +299,16 @@ mod tests {
         let (camera, shown) = (scene.cameras()[0].clone(), Shown::Light(Integrator::Eyelight));
         let from = [61, 47];
         let mut eye = Eye::new(RenderOptions::default());
-        eye.begin(&Sight { camera, shown, size: from, fleeting: true, denoised: false }, None, &pool)
+        eye.begin(&ViewRequest { camera, shown, size: from, preview: true, denoised: false }, None, &pool)
             .expect("a view");
         assert!(eye.pass(&world, 1, &pool, &Silent), "nobody stops it");
         for size in [from, [130, 90], [61, 20], [20, 47], [7, 200]] {
-            let (mut passing, mut kept) = (Vec::new(), Vec::new());
+            let (mut passing, mut history) = (Vec::new(), Vec::new());
             eye.develop(Exposure::default(), size, &mut passing, false, &pool);
             eye.catch_up(&pool);
             let parts = Part::all_of(&eye.colors, from);
-            screen::develop(Exposure::default(), parts, from, size, &mut kept, None);
-            assert!(passing == kept && kept.iter().any(|&pixel| pixel != 0), "{size:?}");
+            screen::develop(Exposure::default(), parts, from, size, &mut history, None);
+            assert!(passing == history && history.iter().any(|&pixel| pixel != 0), "{size:?}");
         }
     }
 

@@ -64,13 +64,13 @@ impl Flight {
     /// Moves the eye around the target: to the right by `yaw` radians, upwards by `pitch`.
     pub fn orbit(&mut self, yaw: f64, pitch: f64) {
         let arm = self.turned(self.eye - self.target, yaw, pitch);
-        self.place(self.target + arm, self.target);
+        self.set_position(self.target + arm, self.target);
     }
 
     /// Turns the head: the view goes to the left by `yaw` radians, upwards by `pitch`.
-    pub fn turn(&mut self, yaw: f64, pitch: f64) {
+    pub fn rotate(&mut self, yaw: f64, pitch: f64) {
         let view = self.turned(self.target - self.eye, yaw, pitch);
-        self.place(self.eye, self.eye + view);
+        self.set_position(self.eye, self.eye + view);
     }
 
     /// `arm` turned about the up and towards it, but not over the poles.
@@ -96,27 +96,27 @@ impl Flight {
         if let Projection::Orthographic { height } = &mut self.like.projection {
             *height = (f64::from(*height) * ratio) as f32;
         }
-        self.place(self.target + arm, self.target);
+        self.set_position(self.target + arm, self.target);
     }
 
     /// Moves eye and target in units of the world: to the right, up in the picture, forward.
     pub fn fly(&mut self, [right, up, forward]: [f64; 3]) {
         let axes = self.axes();
-        let way = axes[0] * right + axes[1] * up + axes[2] * forward;
-        self.place(self.eye + way, self.target + way);
+        let direction = axes[0] * right + axes[1] * up + axes[2] * forward;
+        self.set_position(self.eye + direction, self.target + direction);
     }
 
     /// Moves eye and target so that what is at the target's distance follows a cursor that moves by `pixels` (right, down)
     /// in a picture of `height` pixels.
     pub fn pan(&mut self, pixels: [f64; 2], height: f64) {
         let half_angle = f64::from(self.like.fov_y).to_radians() / 2.0;
-        let seen = match self.like.projection {
+        let view_height = match self.like.projection {
             Projection::Perspective => 2.0 * self.distance() * half_angle.tan(),
             Projection::Orthographic { height } => f64::from(height),
             Projection::Fisheye => 2.0 * self.distance() * half_angle,
             Projection::Panorama => self.distance() * std::f64::consts::PI,
         };
-        let unit = seen / height.max(1.0);
+        let unit = view_height / height.max(1.0);
         self.fly([-pixels[0] * unit, pixels[1] * unit, 0.0]);
     }
 
@@ -131,7 +131,7 @@ impl Flight {
         [right, right.cross(forward), forward]
     }
 
-    fn place(&mut self, eye: DVec3, target: DVec3) {
+    fn set_position(&mut self, eye: DVec3, target: DVec3) {
         let distinct = eye.as_vec3().distance(target.as_vec3()) > 0.0;
         let moved = eye != self.eye || target != self.target;
         if moved && distinct && eye.is_finite() && target.is_finite() {
@@ -160,8 +160,8 @@ mod tests {
         Flight::new(&camera()).expect("a view")
     }
 
-    fn near(found: [f32; 3], wanted: [f32; 3]) -> bool {
-        (0..3).all(|k| (found[k] - wanted[k]).abs() < 1e-5)
+    fn near(found: [f32; 3], expected: [f32; 3]) -> bool {
+        (0..3).all(|k| (found[k] - expected[k]).abs() < 1e-5)
     }
 
     #[test]
@@ -195,10 +195,10 @@ mod tests {
     #[test]
     fn heads_turn_and_legs_walk() {
         let mut turning = flight();
-        turning.turn(FRAC_PI_2, 0.0);
+        turning.rotate(FRAC_PI_2, 0.0);
         assert!(near(turning.camera().target, [-4.0, 0.0, 4.0]), "to the left: {turning:?}");
         assert_eq!(turning.camera().eye, [0.0, 0.0, 4.0], "the eye stays");
-        turning.turn(0.0, PI / 6.0);
+        turning.rotate(0.0, PI / 6.0);
         assert!(turning.camera().target[1] > 1.9, "up: {turning:?}");
         let mut flying = flight();
         flying.fly([1.0, 2.0, 3.0]);

@@ -11,13 +11,13 @@ use gnurt::image::Picture;
 use gnurt::render::{Progress, RenderOptions};
 use gnurt::scene::Camera;
 
-use crate::calm::flicker;
 use crate::error::ViewError;
 use crate::exposure::Exposure;
-use crate::eye::{Eye, Sight};
+use crate::eye::{Eye, ViewRequest};
 use crate::flight::Flight;
 use crate::shown::Shown;
 use crate::stage::Stage;
+use crate::temporal_filter::flicker;
 
 /// Samples of a pass, at most.
 const MOST_SAMPLES: u32 = 16;
@@ -91,7 +91,7 @@ impl FrameTimes {
 }
 
 /// A frame that is on the screen.
-pub struct SeenFrame<'a> {
+pub struct ShownFrame<'a> {
     eye: &'a mut Eye,
     picture: &'a mut Picture,
     pool: &'a ThreadPool,
@@ -99,7 +99,7 @@ pub struct SeenFrame<'a> {
     rests: bool,
 }
 
-impl SeenFrame<'_> {
+impl ShownFrame<'_> {
     /// The frame in linear light: what its samples say, or what a window shows of them if it rests.
     pub fn picture(&mut self) -> &Picture {
         self.eye.catch_up(self.pool);
@@ -110,7 +110,7 @@ impl SeenFrame<'_> {
     }
 }
 
-/// Renders frames; calls `seen` with the number of each and the frame itself, after each pass of samples: the
+/// Renders frames; calls `on_frame` with the number of each and the frame itself, after each pass of samples: the
 /// time that it takes does not count. Ends early if `progress` says so.
 ///
 /// # Errors
@@ -120,7 +120,7 @@ pub fn run_headless(
     stage: &Stage,
     pool: &ThreadPool,
     progress: &dyn Progress,
-    seen: &mut dyn FnMut(u32, &mut SeenFrame) -> Result<(), ViewError>,
+    on_frame: &mut dyn FnMut(u32, &mut ShownFrame) -> Result<(), ViewError>,
 ) -> Result<FrameTimes, ViewError> {
     let RenderOptions { width, height, spp, integrator, .. } = options.render;
     options.render.region()?;
@@ -133,15 +133,15 @@ pub fn run_headless(
         let mut begin = Instant::now();
         let (camera, shown, size) = (flight.camera(), Shown::Light(integrator), [width, height]);
         // One sample in motion is what a window shows while the camera moves.
-        let fleeting = spp == 1 && options.orbit != 0.0;
-        let sight = Sight { camera, shown, size, fleeting, denoised: false };
-        eye.begin(&sight, stage.scripts.camera.as_ref(), pool)?;
+        let preview = spp == 1 && options.orbit != 0.0;
+        let view_request = ViewRequest { camera, shown, size, preview, denoised: false };
+        eye.begin(&view_request, stage.scripts.camera.as_ref(), pool)?;
         let (mut seconds, mut finished) = (0.0, true);
         while finished && !eye.is_complete() {
             finished = eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress);
             eye.develop(options.exposure, size, &mut screen, false, pool);
             seconds += begin.elapsed().as_secs_f64();
-            seen(frame, &mut SeenFrame { eye: &mut eye, picture: &mut picture, pool, rests: false })?;
+            on_frame(frame, &mut ShownFrame { eye: &mut eye, picture: &mut picture, pool, rests: false })?;
             begin = Instant::now();
         }
         times.rays += eye.rays();
@@ -157,7 +157,7 @@ pub fn run_headless(
         }
     }
     if options.rest > 0 && !progress.should_stop() {
-        times.rest = Some(rest(options, &mut eye, flight.camera(), stage, pool, progress, seen)?);
+        times.rest = Some(rest(options, &mut eye, flight.camera(), stage, pool, progress, on_frame)?);
     }
     Ok(times)
 }
@@ -170,7 +170,7 @@ fn rest(
     stage: &Stage,
     pool: &ThreadPool,
     progress: &dyn Progress,
-    seen: &mut dyn FnMut(u32, &mut SeenFrame) -> Result<(), ViewError>,
+    on_frame: &mut dyn FnMut(u32, &mut ShownFrame) -> Result<(), ViewError>,
 ) -> Result<Rest, ViewError> {
     let RenderOptions { width, height, integrator, .. } = options.render;
     let (size, shown) = ([width, height], Shown::Light(integrator));
@@ -179,8 +179,8 @@ fn rest(
     let mut rest = Rest::default();
     // More than there will be.
     eye.aim_at(options.rest.saturating_mul(MOST_SAMPLES));
-    let sight = Sight { camera, shown, size, fleeting: false, denoised: false };
-    eye.begin(&sight, stage.scripts.camera.as_ref(), pool)?;
+    let view_request = ViewRequest { camera, shown, size, preview: false, denoised: false };
+    eye.begin(&view_request, stage.scripts.camera.as_ref(), pool)?;
     let mut screen = Vec::new();
     while rest.pictures < options.rest
         && eye.pass(&stage.world, eye.samples().clamp(1, MOST_SAMPLES), pool, progress)
@@ -191,8 +191,8 @@ fn rest(
         before.extend_from_slice(eye.shown(pool));
         (rest.most, rest.mean) = (rest.most.max(most), rest.mean + mean);
         (rest.pictures, rest.samples) = (rest.pictures + 1, eye.samples());
-        let mut shown = SeenFrame { eye, picture: &mut picture, pool, rests: true };
-        seen(options.frames + rest.pictures - 1, &mut shown)?;
+        let mut shown = ShownFrame { eye, picture: &mut picture, pool, rests: true };
+        on_frame(options.frames + rest.pictures - 1, &mut shown)?;
     }
     rest.mean /= rest.pictures.max(1) as f32;
     Ok(rest)

@@ -51,13 +51,13 @@ G                   numbers
 H                   these keys
 Esc, Ctrl-Q         leave";
 
-/// The lines of numbers. `drawn` = pictures per second that reached the screen; `said` are more lines, for a while.
+/// The lines of numbers. `drawn` = pictures per second that reached the screen; `messages` are more lines, for a while.
 pub(crate) fn lines(
     controls: &Controls,
     readings: &Readings,
     drawn: f64,
     memory: u64,
-    said: &[String],
+    messages: &[String],
 ) -> Vec<String> {
     let seconds = readings.seconds.max(1e-9);
     let [columns, rows] = readings.rendered;
@@ -78,8 +78,8 @@ pub(crate) fn lines(
         format!("{}  EV {:+.2}  {}", controls.shown, exposure.stops, exposure.tone),
     ];
     lines.extend(controls.playing.as_ref().map(|playing| playing.line(readings.update_seconds * 1e3)));
-    lines.extend(controls.knobs.lines());
-    lines.extend(said.iter().cloned());
+    lines.extend(controls.shader_controls.lines());
+    lines.extend(messages.iter().cloned());
     lines
 }
 
@@ -132,8 +132,8 @@ mod tests {
         playing.toggle();
         playing.pass_time(0.5);
         controls.playing = Some(playing);
-        let said = ["material 'oak'".to_owned()];
-        let text = lines(&controls, &readings, 12.34, 77 << 20, &said).join("\n");
+        let messages = ["material 'oak'".to_owned()];
+        let text = lines(&controls, &readings, 12.34, 77 << 20, &messages).join("\n");
         for part in [
             "20.0 fps",
             "12.3",

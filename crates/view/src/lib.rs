@@ -6,7 +6,6 @@
 //! display libraries are opened only when a window is.
 #![forbid(unsafe_code)]
 
-mod calm;
 mod camera_options;
 mod controls;
 mod error;
@@ -16,18 +15,19 @@ mod flight;
 mod headless;
 mod hud;
 mod input;
-mod knobs;
-mod looker;
 mod memory;
 mod pace;
 mod pick;
 mod playing;
 mod recorder;
+mod render_thread;
 mod screen;
 mod screenshot;
 mod scripts;
+mod shader_controls;
 mod shown;
 mod stage;
+mod temporal_filter;
 mod tev;
 mod text;
 mod watch;
@@ -38,13 +38,13 @@ pub use controls::{Controls, Effect};
 pub use error::ViewError;
 pub use exposure::Exposure;
 pub use flight::Flight;
-pub use headless::{FrameTimes, HeadlessOptions, Rest, SeenFrame, run_headless};
+pub use headless::{FrameTimes, HeadlessOptions, Rest, ShownFrame, run_headless};
 pub use hud::KEYS;
 pub use input::{Button, Input, Key};
-pub use knobs::{Knob, Knobs};
 pub use pick::Pick;
 pub use playing::Playing;
 pub use scripts::{ScriptRole, Scripts, StageScript};
+pub use shader_controls::{ShaderControl, ShaderControls};
 pub use shown::Shown;
 pub use stage::{Faults, Listener, Loader, Stage};
 pub use tev::{TevAddress, TevImage};

@@ -56,12 +56,12 @@ impl Pace {
     /// What to divide the sides by, 1 to 8, and the share of the pixels that are to get a fresh sample of light: a whole picture, as long as
     /// it takes no longer than `SLOWEST` with the least of them; more samples as far as that takes `BRISK`.
     pub(crate) fn remembering(&self, [width, height]: [u32; 2]) -> (u32, f32) {
-        let Some([look, sample]) = self.remembering else { return (FIRST_REMEMBERING, LEAST_FRESH) };
+        let Some([settle_time, sample]) = self.remembering else { return (FIRST_REMEMBERING, LEAST_FRESH) };
         let pixels = |divisor: u32| f64::from(width.div_ceil(divisor)) * f64::from(height.div_ceil(divisor));
-        let least = look + f64::from(LEAST_FRESH) * sample;
+        let least = settle_time + f64::from(LEAST_FRESH) * sample;
         let fits = |divisor: &u32| pixels(*divisor) * least <= SLOWEST;
         let divisor = (1..COARSEST).find(fits).unwrap_or(COARSEST);
-        let fresh = (BRISK / pixels(divisor) - look) / sample.max(1e-12);
+        let fresh = (BRISK / pixels(divisor) - settle_time) / sample.max(1e-12);
         (divisor, fresh.clamp(f64::from(LEAST_FRESH), f64::from(MOST_FRESH)) as f32)
     }
 
@@ -124,19 +124,19 @@ mod tests {
     fn whole_pictures_ask_for_as_much_light_as_there_is_time_for() {
         let size = [640, 480];
         let pixels = 640 * 480;
-        let settle = |look: f64, sample: f64| {
+        let settle = |settle_time: f64, sample: f64| {
             let mut pace = Pace::new(0.033);
             for _ in 0..50 {
                 let (divisor, fresh) = pace.remembering(size);
                 let [w, h] = divided(size, divisor);
-                let seen = u64::from(w) * u64::from(h);
-                let samples = (f64::from(fresh) * seen as f64) as u64;
+                let pixel_count = u64::from(w) * u64::from(h);
+                let samples = (f64::from(fresh) * pixel_count as f64) as u64;
                 let cost = MotionCost {
                     samples,
                     sampling_seconds: samples as f64 * sample,
-                    other_seconds: seen as f64 * look,
+                    other_seconds: pixel_count as f64 * settle_time,
                 };
-                pace.note_remembering(seen, cost);
+                pace.note_remembering(pixel_count, cost);
             }
             pace.remembering(size)
         };

@@ -36,9 +36,9 @@ impl Pick {
     pub fn at(stage: &Stage, camera: &Camera, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Option<Self> {
         let rays = camera_rays(camera, stage.scripts.camera.as_ref(), [width, height])?;
         let middle = |at: u32, side: u32| (f64::from(at) + 0.5) / f64::from(side.max(1));
-        let place = [middle(x, width) as f32, (1.0 - middle(y, height)) as f32];
+        let pixel_position = [middle(x, width) as f32, (1.0 - middle(y, height)) as f32];
         let mut batch = RayBatch::default();
-        rays.rays(&CameraSamples::sharp(&[place]), width as f32 / height.max(1) as f32, &mut batch);
+        rays.rays(&CameraSamples::sharp(&[pixel_position]), width as f32 / height.max(1) as f32, &mut batch);
         let ray = batch.get(0);
         let hit = stage.world.intersect(&ray)?;
         let scene = &stage.scene;

@@ -15,7 +15,7 @@ pub struct Playing {
     /// The moments of its first and of its last key.
     range: [f64; 2],
     /// What is shown; `None` = the scene at rest.
-    moment: Option<f64>,
+    clip_time: Option<f64>,
     runs: bool,
 }
 
@@ -23,7 +23,7 @@ impl Playing {
     /// A clip with these first and last keys, not begun.
     #[must_use]
     pub fn new(range: [f64; 2]) -> Self {
-        Self { range, moment: None, runs: false }
+        Self { range, clip_time: None, runs: false }
     }
 
     /// The moments of its first and of its last key.
@@ -34,8 +34,8 @@ impl Playing {
 
     /// What is shown; `None` = the scene at rest.
     #[must_use]
-    pub fn moment(&self) -> Option<f64> {
-        self.moment
+    pub fn clip_time(&self) -> Option<f64> {
+        self.clip_time
     }
 
     /// Whether it goes on by itself.
@@ -47,13 +47,13 @@ impl Playing {
     /// Starts or stops.
     pub fn toggle(&mut self) {
         self.runs = !self.runs;
-        self.moment.get_or_insert(self.range[0]);
+        self.clip_time.get_or_insert(self.range[0]);
     }
 
     /// Goes to the frame that is so many frames on, and stops there.
     pub fn step(&mut self, frames: f64) {
         self.runs = false;
-        let now = self.moment.unwrap_or(self.range[0]);
+        let now = self.clip_time.unwrap_or(self.range[0]);
         // From between two frames to the next one on that side.
         let at = now * FPS;
         let near = at.round();
@@ -62,19 +62,19 @@ impl Playing {
             false if frames > 0.0 => at.floor() + frames,
             false => at.ceil() + frames,
         };
-        self.moment = Some((frame / FPS).clamp(self.range[0], self.range[1]));
+        self.clip_time = Some((frame / FPS).clamp(self.range[0], self.range[1]));
     }
 
     /// Lets time pass; from the end it goes on at the beginning.
     pub fn pass_time(&mut self, seconds: f64) {
-        let ([first, last], Some(now)) = (self.range, self.moment) else { return };
+        let ([first, last], Some(now)) = (self.range, self.clip_time) else { return };
         if !self.runs {
             return;
         }
         let length = last - first;
         let next = first + (now - first + seconds).rem_euclid(length);
         // A clip of one key has no length.
-        self.moment = Some(if next.is_finite() { next } else { first });
+        self.clip_time = Some(if next.is_finite() { next } else { first });
     }
 
     /// Back to rest.
@@ -85,7 +85,7 @@ impl Playing {
     /// The line of numbers; `update` = milliseconds that poses and trees took.
     pub(crate) fn line(&self, update: f64) -> String {
         let [_, last] = self.range;
-        match self.moment {
+        match self.clip_time {
             None => format!("at rest  space plays {last:.2} s"),
             Some(now) => {
                 let state = if self.runs { "" } else { "  stopped" };
@@ -96,7 +96,7 @@ impl Playing {
 
     /// Draws a bar along the lower edge, filled up to the moment.
     pub(crate) fn draw_bar(&self, screen: &mut [u32], [width, height]: [u32; 2], scale: usize) {
-        let ([first, last], Some(now)) = (self.range, self.moment) else { return };
+        let ([first, last], Some(now)) = (self.range, self.clip_time) else { return };
         let [width, height] = [width as usize, height as usize];
         let [rows, margin] = BAR.map(|side| side * scale);
         if width <= 2 * margin || height <= rows + 2 * margin || screen.len() < width * height {
@@ -121,36 +121,36 @@ mod tests {
     fn it_runs_in_a_circle_and_steps() {
         let mut p = Playing::new([1.0, 3.0]);
         p.pass_time(0.5);
-        assert_eq!(p.moment(), None, "at rest until somebody starts it");
+        assert_eq!(p.clip_time(), None, "at rest until somebody starts it");
         p.toggle();
         p.pass_time(0.75);
-        assert_eq!((p.moment(), p.is_running()), (Some(1.75), true), "from the first key");
+        assert_eq!((p.clip_time(), p.is_running()), (Some(1.75), true), "from the first key");
         p.pass_time(1.5);
-        assert_eq!(p.moment(), Some(1.25), "round");
+        assert_eq!(p.clip_time(), Some(1.25), "round");
         p.toggle();
         p.pass_time(9.0);
-        assert_eq!(p.moment(), Some(1.25), "stopped");
+        assert_eq!(p.clip_time(), Some(1.25), "stopped");
         p.step(1.0);
-        assert_eq!(p.moment(), Some(31.0 / 24.0), "the next frame");
+        assert_eq!(p.clip_time(), Some(31.0 / 24.0), "the next frame");
         p.step(-1.0);
         p.step(-1.0);
-        assert_eq!(p.moment(), Some(29.0 / 24.0), "two back");
+        assert_eq!(p.clip_time(), Some(29.0 / 24.0), "two back");
         (0..99).for_each(|_| p.step(-1.0));
-        assert_eq!(p.moment(), Some(1.0), "not before the first key");
+        assert_eq!(p.clip_time(), Some(1.0), "not before the first key");
         p.rewind();
-        assert_eq!(p.moment(), None, "at rest");
+        assert_eq!(p.clip_time(), None, "at rest");
         let mut still = Playing::new([0.0, 0.0]);
         still.toggle();
         still.pass_time(0.1);
-        assert_eq!(still.moment(), Some(0.0), "a clip of one key");
+        assert_eq!(still.clip_time(), Some(0.0), "a clip of one key");
     }
 
     #[test]
     fn the_bar_is_filled_up_to_the_moment() {
-        let filled = |moment: f64| {
+        let filled = |clip_time: f64| {
             let mut p = Playing::new([0.0, 2.0]);
             p.toggle();
-            p.pass_time(moment);
+            p.pass_time(clip_time);
             let mut screen = vec![0x0080_8080; 116 * 40];
             p.draw_bar(&mut screen, [116, 40], 1);
             let row = &screen[116 * 29..116 * 30];

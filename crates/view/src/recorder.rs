@@ -111,10 +111,10 @@ mod tests {
                 assert!(recorder.add([3, 1], &pixels), "it is taken");
             }
             assert_eq!(recorder.status(), format!("recording take {take}: 7"));
-            let told = recorder.end().expect("it can be written");
+            let reported = recorder.end().expect("it can be written");
             assert!(
-                told.contains("7 pictures") && told.contains(&format!("take-00{take}-00007.png")),
-                "{told}"
+                reported.contains("7 pictures") && reported.contains(&format!("take-00{take}-00007.png")),
+                "{reported}"
             );
             let last = gnurt::image::read(&file(folder.path(), take, 7)).expect("a picture");
             let bytes = |x| {
@@ -124,7 +124,7 @@ mod tests {
             assert_eq!([0, 1, 2].map(bytes), [[0, 0, 6, 255], [255, 0, 0, 255], [0x12, 0x34, 0x56, 255]]);
         }
         let nothing = Recorder::begin(folder.path()).and_then(Recorder::end);
-        assert!(nothing.is_ok_and(|told| told.contains("nothing")), "no picture came");
+        assert!(nothing.is_ok_and(|reported| reported.contains("nothing")), "no picture came");
     }
 
     #[test]

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders of a stage that are files in the shading language: read again one by one when they are saved, and turned by knobs.
 //! A commit afterwards does what the new shader makes due; trees, textures and other shaders stay. Where a file does
-//! not compile nothing changes. Tests: `tests`, and `looker`'s.
+//! not compile nothing changes. Tests: `tests`, and `render_thread`'s.
 
 use std::path::PathBuf;
 
 use gnurt::osl::{CameraScript, Parameter, ParameterValue, Script};
 use gnurt::render::ShaderTable;
 
-use crate::knobs::Knob;
+use crate::shader_controls::ShaderControl;
 
 /// What a script is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,8 +53,8 @@ impl StageScript {
 }
 
 fn set<T>(list: &mut [T], number: usize, shader: T) {
-    if let Some(place) = list.get_mut(number) {
-        *place = shader;
+    if let Some(index) = list.get_mut(number) {
+        *index = shader;
     }
 }
 
@@ -84,22 +84,22 @@ impl Scripts {
     /// # Errors
     /// What the compiler says of the first that does not compile.
     pub(crate) fn again(&self, changed: &[PathBuf]) -> Result<(Self, Vec<String>), String> {
-        let (mut next, mut said) = (self.clone(), Vec::new());
+        let (mut next, mut messages) = (self.clone(), Vec::new());
         for shader in &mut next.list {
             if !shader.script.files().iter().any(|file| changed.contains(file)) {
                 continue;
             }
             let is_tuned = shader.first.iter().any(|p| shader.script.is_tunable(&p.name));
             let mut script = shader.script.again()?;
-            said.push(format!("{} was read again", script.name()));
-            said.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+            messages.push(format!("{} was read again", script.name()));
+            messages.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
             if is_tuned {
                 script.make_tunable();
             }
             *shader = StageScript { first: script.parameters(), script, role: shader.role };
             shader.put_into(&mut next.table, &mut next.camera)?;
         }
-        Ok((next, said))
+        Ok((next, messages))
     }
 
     /// Gives a parameter of a script another value; says whether the world must be committed: once for each script, and always where
@@ -126,8 +126,8 @@ impl Scripts {
     }
 
     /// All that keys can turn.
-    pub(crate) fn knobs(&self) -> Vec<Knob> {
-        let of = |(i, shader): (usize, &StageScript)| Knob::of(i, &shader.script, &shader.first);
+    pub(crate) fn shader_controls(&self) -> Vec<ShaderControl> {
+        let of = |(i, shader): (usize, &StageScript)| ShaderControl::of(i, &shader.script, &shader.first);
         self.list.iter().enumerate().flat_map(of).collect()
     }
 

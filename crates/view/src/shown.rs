@@ -32,10 +32,10 @@ impl Shown {
 
     /// The one this many places behind it in the list, which is a circle.
     #[must_use]
-    pub fn beside(self, places: isize) -> Self {
+    pub fn neighbour(self, pixels: isize) -> Self {
         let all = Self::all();
         let at = all.iter().position(|&shown| shown == self).unwrap_or(0);
-        all[(at as isize + places).rem_euclid(all.len() as isize) as usize]
+        all[(at as isize + pixels).rem_euclid(all.len() as isize) as usize]
     }
 
     /// The integrator that computes it: layers need none, so the cheapest one runs beside them.
@@ -120,8 +120,8 @@ mod tests {
     #[test]
     fn lists_are_circles() {
         let all = Shown::all();
-        assert_eq!(all[0].beside(-1), all[all.len() - 1], "before the first one");
-        assert_eq!(all[all.len() - 1].beside(1), all[0], "behind the last one");
+        assert_eq!(all[0].neighbour(-1), all[all.len() - 1], "before the first one");
+        assert_eq!(all[all.len() - 1].neighbour(1), all[0], "behind the last one");
         let mut names: Vec<String> = all.iter().map(ToString::to_string).collect();
         names.sort();
         names.dedup();

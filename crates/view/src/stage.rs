@@ -48,9 +48,9 @@ impl Stage {
     ///
     /// # Errors
     /// What the commit says; the world stays as it was.
-    pub(crate) fn show(&mut self, moment: Option<f64>, pool: &ThreadPool) -> Result<(), String> {
+    pub(crate) fn show(&mut self, clip_time: Option<f64>, pool: &ThreadPool) -> Result<(), String> {
         let Some(clip) = self.clip else { return Ok(()) };
-        match moment {
+        match clip_time {
             Some(seconds) => self.scene.pose(clip, seconds),
             None => self.scene.rest(),
         };
@@ -71,10 +71,10 @@ impl Stage {
         changed: &[PathBuf],
         pool: &ThreadPool,
     ) -> Result<Vec<String>, String> {
-        let (next, said) = self.scripts.again(changed)?;
+        let (next, messages) = self.scripts.again(changed)?;
         let before = std::mem::replace(&mut self.scripts, next);
         match self.commit(pool) {
-            Ok(()) => Ok(said),
+            Ok(()) => Ok(messages),
             Err(why) => {
                 self.scripts = before;
                 Err(why)

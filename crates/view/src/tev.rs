@@ -79,9 +79,9 @@ impl TevImage {
         let failed = |why: std::io::Error| error(address, &why);
         let mut last = std::io::Error::other("the name of the host is not known");
         let mut stream = None;
-        let places = (&address.host[..], address.port).to_socket_addrs().map_err(failed)?;
-        for place in places {
-            match TcpStream::connect_timeout(&place, PATIENCE) {
+        let tile_pixels = (&address.host[..], address.port).to_socket_addrs().map_err(failed)?;
+        for index in tile_pixels {
+            match TcpStream::connect_timeout(&index, PATIENCE) {
                 Ok(found) => {
                     stream = Some(found);
                     break;

@@ -16,14 +16,14 @@ pub(crate) struct Watch {
     /// As they were when they were read.
     known: Vec<Mark>,
     /// As they were at the last look.
-    seen: Vec<Mark>,
+    known_marks: Vec<Mark>,
 }
 
 impl Watch {
     /// Looks at these files from now on, and takes them as they are.
     pub(crate) fn new(files: Vec<PathBuf>) -> Self {
         let marks: Vec<Mark> = files.iter().map(mark).collect();
-        Self { files, known: marks.clone(), seen: marks }
+        Self { files, known: marks.clone(), known_marks: marks }
     }
 
     /// Whether there are files to look at.
@@ -39,14 +39,14 @@ impl Watch {
     /// The same, and which files: all that have changed once all of them rest.
     pub(crate) fn changed(&mut self) -> Vec<PathBuf> {
         let now: Vec<Mark> = self.files.iter().map(mark).collect();
-        let rests = now == self.seen;
-        self.seen = now;
-        if !rests || self.seen == self.known {
+        let rests = now == self.known_marks;
+        self.known_marks = now;
+        if !rests || self.known_marks == self.known {
             return Vec::new();
         }
-        let is_other = |&i: &usize| self.seen[i] != self.known[i];
+        let is_other = |&i: &usize| self.known_marks[i] != self.known[i];
         let changed = (0..self.files.len()).filter(is_other).map(|i| self.files[i].clone()).collect();
-        self.known.clone_from(&self.seen);
+        self.known.clone_from(&self.known_marks);
         changed
     }
 }

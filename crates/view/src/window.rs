@@ -27,11 +27,11 @@ use crate::error::ViewError;
 use crate::exposure::Exposure;
 use crate::hud;
 use crate::input::{Button, Input, Key};
-use crate::looker::{Looker, LookerParts, News, Wish};
 use crate::memory;
 use crate::pick::Pick;
 use crate::playing::Playing;
 use crate::recorder::Recorder;
+use crate::render_thread::{RenderEvent, RenderRequest, RenderThread, RenderThreadParts};
 use crate::screenshot;
 use crate::shown::Shown;
 use crate::stage::{Listener, Loader, Stage};
@@ -68,7 +68,7 @@ const WATCHED: Duration = Duration::from_millis(250);
 /// Between two looks at files of shaders: one that is saved is seen a tenth of a second later.
 const SHADERS_WATCHED: Duration = Duration::from_millis(20);
 /// How long a message is shown.
-const SAID: Duration = Duration::from_secs(12);
+const MESSAGES: Duration = Duration::from_secs(12);
 /// Pixels of a touch pad per notch of a wheel.
 const NOTCH: f64 = 40.0;
 
@@ -91,19 +91,19 @@ pub fn run_window(
     controls.denoised = options.is_denoised;
     controls.playing = stage.range().map(Playing::new);
     let events =
-        EventLoop::<News>::with_user_event().build().map_err(|error| ViewError::no_display(&error))?;
+        EventLoop::<RenderEvent>::with_user_event().build().map_err(|error| ViewError::no_display(&error))?;
     let proxy = events.create_proxy();
     let (watch, shader_watch) = (Watch::new(stage.files.clone()), Watch::new(stage.scripts.files()));
-    controls.knobs.replace(stage.scripts.knobs());
+    controls.shader_controls.replace(stage.scripts.shader_controls());
     let mut app = App {
         begin: Some((
-            LookerParts {
+            RenderThreadParts {
                 stage,
                 options: options.render.clone(),
                 pool,
                 loader,
                 denoiser: options.denoiser.clone(),
-                tell: tell(proxy),
+                notify: notify(proxy),
             },
             size,
         )),
@@ -113,32 +113,32 @@ pub fn run_window(
         watch,
         shader_watch,
         bad_shader: Vec::new(),
-        told: Vec::new(),
+        reported: Vec::new(),
         open: None,
         failure: None,
         now: Instant::now(),
         moved: Instant::now(),
         watched: Instant::now(),
         shaders_watched: Instant::now(),
-        said: None,
-        wants_screenshot: false,
+        messages: None,
+        screenshot_requested: false,
         recorder: None,
         failed_recording: false,
         drawn: Vec::new(),
-        seen: 0,
+        shown_frames: 0,
     };
     events.run_app(&mut app).map_err(|error| ViewError::no_display(&error))?;
     app.failure.map_or(Ok(()), Err)
 }
 
-fn tell(proxy: EventLoopProxy<News>) -> Box<dyn Fn(News) + Send> {
+fn notify(proxy: EventLoopProxy<RenderEvent>) -> Box<dyn Fn(RenderEvent) + Send> {
     // A loop that has ended needs no news.
-    Box::new(move |news| drop(proxy.send_event(news)))
+    Box::new(move |render_event| drop(proxy.send_event(render_event)))
 }
 
 struct App {
-    /// What the looker needs, until there is a window.
-    begin: Option<(LookerParts, [u32; 2])>,
+    /// What the render_thread needs, until there is a window.
+    begin: Option<(RenderThreadParts, [u32; 2])>,
     options: WindowOptions,
     controls: Controls,
     listener: Arc<dyn Listener>,
@@ -148,7 +148,7 @@ struct App {
     /// What keeps a shader from being read again, until it is mended.
     bad_shader: Vec<String>,
     /// Faults of shaders that were told.
-    told: Vec<String>,
+    reported: Vec<String>,
     open: Option<Open>,
     failure: Option<ViewError>,
     /// Up to when keys that are held have moved the camera.
@@ -157,22 +157,22 @@ struct App {
     moved: Instant,
     watched: Instant,
     shaders_watched: Instant,
-    said: Option<(Instant, Vec<String>)>,
-    wants_screenshot: bool,
+    messages: Option<(Instant, Vec<String>)>,
+    screenshot_requested: bool,
     recorder: Option<Recorder>,
     /// Whether it can write no more.
     failed_recording: bool,
     /// When pictures reached the screen, within the last second.
     drawn: Vec<Instant>,
     /// Pictures that reached the screen.
-    seen: u64,
+    shown_frames: u64,
 }
 
 /// A window that is there.
 struct Open {
     window: Rc<Window>,
     surface: Surface<Rc<Window>, Rc<Window>>,
-    looker: Looker,
+    render_thread: RenderThread,
     /// The number of the picture that was drawn last.
     number: u64,
 }
@@ -188,9 +188,9 @@ impl App {
         let context = Context::new(window.clone()).map_err(|error| failed(&error))?;
         let surface = Surface::new(&context, window.clone()).map_err(|error| failed(&error))?;
         self.controls.handle(Input::Size(window.inner_size().into()));
-        let looker = Looker::begin(parts, self.wish())?;
+        let render_thread = RenderThread::begin(parts, self.request())?;
         window.request_redraw();
-        self.open = Some(Open { window, surface, looker, number: 0 });
+        self.open = Some(Open { window, surface, render_thread, number: 0 });
         Ok(())
     }
 
@@ -199,8 +199,8 @@ impl App {
         events.exit();
     }
 
-    fn wish(&self) -> Wish {
-        Wish {
+    fn request(&self) -> RenderRequest {
+        RenderRequest {
             camera: self.controls.flight.camera(),
             shown: self.controls.shown,
             size: self.controls.size(),
@@ -208,7 +208,7 @@ impl App {
             moving: self.moved.elapsed() < REST,
             paused: self.controls.paused,
             denoised: self.controls.denoised,
-            moment: self.controls.playing.as_ref().and_then(Playing::moment),
+            clip_time: self.controls.playing.as_ref().and_then(Playing::clip_time),
         }
     }
 
@@ -232,13 +232,13 @@ impl App {
         match effect {
             Some(Effect::Quit) => events.exit(),
             Some(Effect::Pick(pixel)) => self.pick(pixel),
-            Some(Effect::Screenshot) => self.wants_screenshot = true,
+            Some(Effect::Screenshot) => self.screenshot_requested = true,
             Some(Effect::Record(true)) => self.begin_recording(),
             Some(Effect::Record(false)) => self.end_recording(),
             Some(Effect::PrintCamera) => self.print_camera(),
             Some(Effect::Tune) => {
-                if let (Some(open), Some(tuned)) = (&self.open, self.controls.knobs.chosen()) {
-                    open.looker.tune(tuned);
+                if let (Some(open), Some(tuned)) = (&self.open, self.controls.shader_controls.chosen()) {
+                    open.render_thread.tune(tuned);
                 }
             }
             Some(Effect::Fullscreen(fills)) => {
@@ -248,36 +248,36 @@ impl App {
             }
             None => {}
         }
-        let wish = self.wish();
+        let request = self.request();
         if let Some(open) = &self.open {
-            open.looker.want(&wish);
+            open.render_thread.send_request(&request);
             open.window.request_redraw();
         }
         self.take_screenshot();
     }
 
     /// Watches the files of the shaders that there are now, and shows their parameters.
-    fn look_at_shaders(&mut self) {
+    fn check_shaders(&mut self) {
         let Some(open) = &self.open else { return };
-        let stage = open.looker.stage();
+        let stage = open.render_thread.stage();
         self.shader_watch = Watch::new(stage.scripts.files());
-        self.controls.knobs.replace(stage.scripts.knobs());
+        self.controls.shader_controls.replace(stage.scripts.shader_controls());
     }
 
     fn say(&mut self, lines: Vec<String>) {
-        self.said = Some((Instant::now(), lines));
+        self.messages = Some((Instant::now(), lines));
         if let Some(open) = &self.open {
             open.window.request_redraw();
         }
     }
 
     /// Tells something that went well or not.
-    fn tell(&mut self, told: Result<String, String>) {
-        match &told {
+    fn notify(&mut self, reported: Result<String, String>) {
+        match &reported {
             Ok(what) => self.listener.note(what),
             Err(why) => self.listener.warning(why),
         }
-        self.say(vec![told.unwrap_or_else(|why| why)]);
+        self.say(vec![reported.unwrap_or_else(|why| why)]);
     }
 
     fn begin_recording(&mut self) {
@@ -285,7 +285,7 @@ impl App {
             Ok(recorder) => self.recorder = Some(recorder),
             Err(why) => {
                 self.controls.recording = false;
-                self.tell(Err(why));
+                self.notify(Err(why));
             }
         }
     }
@@ -293,20 +293,20 @@ impl App {
     fn end_recording(&mut self) {
         self.controls.recording = false;
         if let Some(recorder) = self.recorder.take() {
-            self.tell(recorder.end());
+            self.notify(recorder.end());
         }
     }
 
     /// Tells what shaders did wrong, once.
-    fn tell_faults(&mut self) {
+    fn report_faults(&mut self) {
         let Some(open) = &self.open else { return };
-        let stage = open.looker.stage();
+        let stage = open.render_thread.stage();
         let mut faults = (stage.faults)();
         let all = stage.scripts.faults();
         drop(stage);
-        faults.extend(all.iter().filter(|line| !self.told.contains(line)).cloned());
+        faults.extend(all.iter().filter(|line| !self.reported.contains(line)).cloned());
         // A shader that was read again begins anew.
-        self.told = all;
+        self.reported = all;
         if !faults.is_empty() {
             faults.iter().for_each(|fault| self.listener.warning(fault));
             self.say(faults);
@@ -315,7 +315,7 @@ impl App {
 
     fn pick(&mut self, pixel: [u32; 2]) {
         let Some(open) = &self.open else { return };
-        let stage = open.looker.stage();
+        let stage = open.render_thread.stage();
         let pick = Pick::at(&stage, &self.controls.flight.camera(), pixel, self.controls.size());
         let [x, y] = pixel;
         match pick {
@@ -342,17 +342,17 @@ impl App {
 
     /// Writes the picture that was asked for, as soon as there is one with all its pixels.
     fn take_screenshot(&mut self) {
-        let Some(open) = self.open.as_ref().filter(|_| self.wants_screenshot) else { return };
+        let Some(open) = self.open.as_ref().filter(|_| self.screenshot_requested) else { return };
         let written = {
-            let front = open.looker.front();
+            let front = open.render_thread.front();
             let size = front.readings.rendered;
-            if !front.whole || !open.looker.is_current(&front) {
+            if !front.whole || !open.render_thread.is_current(&front) {
                 return;
             }
             screenshot::write(&self.options.folder, &front.colors, size, front.exposure)
         };
-        self.wants_screenshot = false;
-        self.tell(written.map(|path| format!("wrote {}", path.display())));
+        self.screenshot_requested = false;
+        self.notify(written.map(|path| format!("wrote {}", path.display())));
     }
 
     fn draw(&mut self) -> Result<(), softbuffer::SoftBufferError> {
@@ -361,7 +361,7 @@ impl App {
         let [Some(columns), Some(rows)] = size.map(NonZeroU32::new) else { return Ok(()) };
         open.surface.resize(columns, rows)?;
         let mut buffer = open.surface.buffer_mut()?;
-        let front = open.looker.front();
+        let front = open.render_thread.front();
         if front.size == size && front.screen.len() == buffer.len() {
             buffer.copy_from_slice(&front.screen);
         } else {
@@ -386,13 +386,13 @@ impl App {
             let now = Instant::now();
             self.drawn.retain(|&at| now - at < Duration::from_secs(1));
             self.drawn.push(now);
-            self.seen += 1;
+            self.shown_frames += 1;
         }
         if self.controls.hud || self.controls.help {
-            self.said.take_if(|(since, _)| since.elapsed() > SAID);
-            let said = self.said.as_ref().map(|(_, lines)| &lines[..]).unwrap_or_default();
+            self.messages.take_if(|(since, _)| since.elapsed() > MESSAGES);
+            let messages = self.messages.as_ref().map(|(_, lines)| &lines[..]).unwrap_or_default();
             let drawn = self.drawn.len() as f64;
-            let mut lines = hud::lines(&self.controls, &readings, drawn, memory::resident(), said);
+            let mut lines = hud::lines(&self.controls, &readings, drawn, memory::resident(), messages);
             lines.extend(self.bad_shader.iter().cloned());
             lines.extend(self.recorder.as_ref().map(Recorder::status));
             hud::draw(&mut buffer, size, &self.controls, &lines);
@@ -402,7 +402,7 @@ impl App {
     }
 }
 
-impl ApplicationHandler<News> for App {
+impl ApplicationHandler<RenderEvent> for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
         if let Err(failure) = self.open(events) {
             self.fail(events, failure);
@@ -411,14 +411,14 @@ impl ApplicationHandler<News> for App {
         }
     }
 
-    fn user_event(&mut self, _: &ActiveEventLoop, news: News) {
-        match news {
-            News::Picture => self.take_screenshot(),
-            News::Reloaded(files) => {
+    fn user_event(&mut self, _: &ActiveEventLoop, render_event: RenderEvent) {
+        match render_event {
+            RenderEvent::Picture => self.take_screenshot(),
+            RenderEvent::Reloaded(files) => {
                 self.watch = Watch::new(files);
-                self.look_at_shaders();
+                self.check_shaders();
                 self.bad_shader.clear();
-                let range = self.open.as_ref().and_then(|open| open.looker.stage().range());
+                let range = self.open.as_ref().and_then(|open| open.render_thread.stage().range());
                 let is_same = self.controls.playing.as_ref().map(Playing::range) == range;
                 if !is_same {
                     self.controls.playing = range.map(Playing::new);
@@ -426,23 +426,23 @@ impl ApplicationHandler<News> for App {
                 self.listener.note("the scene was read again");
                 self.say(vec!["the scene was read again".into()]);
             }
-            News::Shaders(lines) => {
-                self.look_at_shaders();
+            RenderEvent::Shaders(lines) => {
+                self.check_shaders();
                 self.bad_shader.clear();
                 lines.iter().for_each(|line| self.listener.note(line));
                 self.say(lines);
             }
-            News::BadShader(why) => {
+            RenderEvent::BadShader(why) => {
                 self.listener.warning(&why);
                 let lines = why.lines().map(str::to_owned);
                 self.bad_shader =
                     std::iter::once("the shader before stays:".to_owned()).chain(lines).collect();
             }
-            News::Trouble(why) => {
+            RenderEvent::Trouble(why) => {
                 self.listener.warning(&why);
                 self.say(vec!["not read again, the old scene stays:".into(), why]);
             }
-            News::Denoised(how) => self.tell(Ok(how)),
+            RenderEvent::Denoised(how) => self.notify(Ok(how)),
         }
         if let Some(open) = &self.open {
             open.window.request_redraw();
@@ -457,7 +457,7 @@ impl ApplicationHandler<News> for App {
             if std::mem::take(&mut self.failed_recording) {
                 self.end_recording();
             }
-            if self.options.frames.is_some_and(|frames| self.seen >= frames) {
+            if self.options.frames.is_some_and(|frames| self.shown_frames >= frames) {
                 events.exit();
             }
             return;
@@ -469,30 +469,30 @@ impl ApplicationHandler<News> for App {
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
         self.end_recording();
-        self.tell_faults();
+        self.report_faults();
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         self.catch_up();
         if self.watched.elapsed() >= WATCHED {
             self.watched = Instant::now();
-            self.tell_faults();
+            self.report_faults();
             if let Some(open) = self.open.as_ref().filter(|_| self.watch.has_changed()) {
-                open.looker.reload();
+                open.render_thread.reload();
             }
         }
         if self.shaders_watched.elapsed() >= SHADERS_WATCHED {
             self.shaders_watched = Instant::now();
             let changed = self.shader_watch.changed();
             if let Some(open) = self.open.as_ref().filter(|_| !changed.is_empty()) {
-                open.looker.read_again(changed);
+                open.render_thread.read_again(changed);
             }
         }
-        let wish = self.wish();
+        let request = self.request();
         if let Some(open) = &self.open {
-            open.looker.want(&wish);
+            open.render_thread.send_request(&request);
         }
-        let busy = wish.moving || self.controls.is_held();
+        let busy = request.moving || self.controls.is_held();
         let idle = if self.shader_watch.is_empty() { WATCHED } else { SHADERS_WATCHED };
         events.set_control_flow(ControlFlow::wait_duration(if busy { STEP } else { idle }));
     }

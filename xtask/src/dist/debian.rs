@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::command::{self, said};
+use crate::command::{self, output_of};
 use crate::failure::Failure;
 use crate::install::files::{copy, link, tree, write};
 use crate::notices;
@@ -66,7 +66,7 @@ const MAINTAINER: &str = "The GNU RT authors <maintainers@example.org>";
 
 /// Shares out the files below `staged`, and packs them.
 pub(super) fn pack(dist: &Path, staged: &Path, version: &str) -> Result<(), Failure> {
-    let machine = said("dpkg", &["--print-architecture"])?;
+    let machine = output_of("dpkg", &["--print-architecture"])?;
     let all = tree(staged)?;
     for (k, package) in PACKAGES.iter().enumerate() {
         let root = dist.join(package.name);
@@ -88,7 +88,7 @@ pub(super) fn pack(dist: &Path, staged: &Path, version: &str) -> Result<(), Fail
         let to = dist.join(format!("{}_{version}_{machine}.deb", package.name));
         let mut deb = Command::new("dpkg-deb");
         // No file is younger than the last commit: the same files make the same package.
-        deb.env("SOURCE_DATE_EPOCH", said("git", &["log", "-1", "--format=%ct"])?);
+        deb.env("SOURCE_DATE_EPOCH", output_of("git", &["log", "-1", "--format=%ct"])?);
         command::run(deb.args(["--root-owner-group", "--build"]).arg(&root).arg(to))?;
         std::fs::remove_dir_all(&root).map_err(|error| format!("{}: {error}", root.display()))?;
     }
@@ -126,10 +126,10 @@ fn fill<'a>(
 /// The two documents that every package has, in its folder of documents. Its copyright file holds the notices of all parts, which
 /// the policy (12.5) wants in full; as free text, since the parts' own texts fit no other form.
 fn documents(folder: &Path, version: &str) -> Result<(), Failure> {
-    let year = said("git", &["log", "-1", "--format=%cd", "--date=format:%Y"])?;
-    let notices = notices::kept(&command::root())?;
+    let year = output_of("git", &["log", "-1", "--format=%cd", "--date=format:%Y"])?;
+    let notices = notices::retained(&command::root())?;
     write(&folder.join("copyright"), &(COPYRIGHT.replace("@year@", &year) + &notices))?;
-    let date = said("git", &["log", "-1", "--format=%cD"])?;
+    let date = output_of("git", &["log", "-1", "--format=%cD"])?;
     let changelog = folder.join("changelog");
     let text =
         format!("gnurt ({version}) unstable; urgency=medium\n\n  * {CHANGES}\n\n -- {MAINTAINER}  {date}\n");
@@ -212,8 +212,8 @@ fn depends(work: &Path, binaries: &[PathBuf], staged: &Path) -> Vec<String> {
     let _ = std::fs::remove_dir_all(work);
     match output {
         Ok(output) if output.status.success() => {
-            let said = String::from_utf8_lossy(&output.stdout).into_owned();
-            let list = said.trim().strip_prefix("shlibs:Depends=").unwrap_or_default().to_owned();
+            let output_of = String::from_utf8_lossy(&output.stdout).into_owned();
+            let list = output_of.trim().strip_prefix("shlibs:Depends=").unwrap_or_default().to_owned();
             list.split(',').map(|need| need.trim().to_owned()).filter(|need| !need.is_empty()).collect()
         }
         _ => {

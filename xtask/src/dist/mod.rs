@@ -8,9 +8,9 @@ mod debian;
 use std::path::Path;
 use std::process::Command;
 
-use crate::command::{self, said};
+use crate::command::{self, output_of};
 use crate::failure::Failure;
-use crate::install::{Places, install_at, parse};
+use crate::install::{Locations, install_at, parse};
 use crate::notices;
 use crate::workspace::Workspace;
 
@@ -35,17 +35,17 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
 
     let machine = format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS);
     let folder = format!("gnurt-{version}-{machine}");
-    install_at(&places(arguments, &dist.join(&folder), "/usr/local", "lib")?)?;
+    install_at(&locations(arguments, &dist.join(&folder), "/usr/local", "lib")?)?;
     tarball(&dist, &folder)?;
 
     if Command::new("dpkg-deb").arg("--version").output().is_err() {
         eprintln!("note: no dpkg-deb here: the Debian packages are left out");
         return Ok(());
     }
-    let multiarch = said("dpkg-architecture", &["-qDEB_HOST_MULTIARCH"])
+    let multiarch = output_of("dpkg-architecture", &["-qDEB_HOST_MULTIARCH"])
         .unwrap_or_else(|_| format!("{}-linux-gnu", std::env::consts::ARCH));
     let staged = dist.join("debian");
-    install_at(&places(arguments, &staged, "/usr", &format!("lib/{multiarch}"))?)?;
+    install_at(&locations(arguments, &staged, "/usr", &format!("lib/{multiarch}"))?)?;
     debian::pack(&dist, &staged, version)?;
     std::fs::remove_dir_all(&staged).map_err(|error| format!("{}: {error}", staged.display()))?;
     eprintln!("made {}", dist.display());
@@ -63,18 +63,18 @@ fn check(arguments: &[String]) -> Result<(), Failure> {
             other => return Err(format!("unknown argument '{other}'; {USAGE}")),
         }
     }
-    places(arguments, Path::new("/nowhere"), "/usr", "lib").map(drop)
+    locations(arguments, Path::new("/nowhere"), "/usr", "lib").map(drop)
 }
 
-fn places(arguments: &[String], destdir: &Path, prefix: &str, lib: &str) -> Result<Places, Failure> {
-    let mut words = vec!["--prefix".to_owned(), prefix.to_owned(), "--libdir".to_owned(), lib.to_owned()];
-    words.extend(["--destdir".to_owned(), destdir.display().to_string()]);
+fn locations(arguments: &[String], destdir: &Path, prefix: &str, lib: &str) -> Result<Locations, Failure> {
+    let mut tokens = vec!["--prefix".to_owned(), prefix.to_owned(), "--libdir".to_owned(), lib.to_owned()];
+    tokens.extend(["--destdir".to_owned(), destdir.display().to_string()]);
     // Debian has it in the package of development files.
     if cfg!(target_os = "linux") {
-        words.push("--static".to_owned());
+        tokens.push("--static".to_owned());
     }
-    words.extend_from_slice(arguments);
-    parse(&words)
+    tokens.extend_from_slice(arguments);
+    parse(&tokens)
 }
 
 /// What is committed.
@@ -102,7 +102,7 @@ fn tarball(dist: &Path, folder: &str) -> Result<(), Failure> {
 
 /// When the last commit was made.
 fn time() -> Result<String, Failure> {
-    said("git", &["log", "-1", "--format=@%ct"])
+    output_of("git", &["log", "-1", "--format=@%ct"])
 }
 
 #[cfg(test)]
@@ -115,11 +115,11 @@ mod tests {
         for good in ["", "--built target/debug", "--no-strip --built=x"] {
             assert_eq!(check(good), Ok(()), "'{good}'");
         }
-        for (bad, told) in
+        for (bad, expected) in
             [("--prefix /opt", "'--prefix'"), ("--buildt x", "'--buildt'"), ("--built", "'--built'")]
         {
             let failure = check(bad).expect_err("this is no way to call it");
-            assert!(failure.contains(told) && failure.contains("usage: "), "'{bad}': {failure}");
+            assert!(failure.contains(expected) && failure.contains("usage: "), "'{bad}': {failure}");
         }
     }
 }

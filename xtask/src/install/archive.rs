@@ -93,8 +93,8 @@ fn quietly(tool: &mut Command) -> Result<(), Failure> {
     if output.status.success() {
         return Ok(());
     }
-    let said = String::from_utf8_lossy(&output.stderr);
-    Err(format!("{name} failed: {}", said.lines().next().unwrap_or_default()))
+    let output_of = String::from_utf8_lossy(&output.stderr);
+    Err(format!("{name} failed: {}", output_of.lines().next().unwrap_or_default()))
 }
 
 #[cfg(test)]

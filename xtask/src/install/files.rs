@@ -82,13 +82,13 @@ mod tests {
 
     #[test]
     fn ways_between_folders() {
-        for (from, to, way) in [
+        for (from, to, method) in [
             ("/usr/lib/x86_64-linux-gnu/cmake/OpenRT", "/usr/include", "../../../../include"),
             ("/usr/lib/cmake/OpenRT", "/usr/lib", "../.."),
             ("/a/b", "/a/b", ""),
             ("/a", "/a/b/c", "b/c"),
         ] {
-            assert_eq!(relative(from.as_ref(), to.as_ref()), Path::new(way), "{from} to {to}");
+            assert_eq!(relative(from.as_ref(), to.as_ref()), Path::new(method), "{from} to {to}");
         }
     }
 }

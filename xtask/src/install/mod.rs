@@ -7,7 +7,7 @@
 
 mod archive;
 pub(crate) mod files;
-mod places;
+mod locations;
 
 use std::path::Path;
 use std::process::Command;
@@ -17,8 +17,8 @@ use crate::failure::Failure;
 use crate::notices;
 use crate::workspace::Workspace;
 use files::{copy, files_in, link, read, write};
-use places::{PROGRAM, USAGE};
-pub(crate) use places::{Places, parse};
+pub(crate) use locations::{Locations, parse};
+use locations::{PROGRAM, USAGE};
 
 /// A library with its run-time name, which rises when programs must be linked anew, and its pkg-config template.
 struct Library {
@@ -78,18 +78,18 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         eprintln!("{USAGE}");
         return Ok(());
     }
-    let places = parse(arguments)?;
+    let locations = parse(arguments)?;
     // Better told before minutes of building than after.
-    places.check()?;
-    install_at(&places)?;
-    eprintln!("installed in {}", places.put(&places.prefix).display());
+    locations.check()?;
+    install_at(&locations)?;
+    eprintln!("installed in {}", locations.put(&locations.prefix).display());
     Ok(())
 }
 
 /// Builds, unless that was done, and installs.
-pub(crate) fn install_at(places: &Places) -> Result<(), Failure> {
+pub(crate) fn install_at(locations: &Locations) -> Result<(), Failure> {
     let workspace = Workspace::load()?;
-    let built = match &places.built {
+    let built = match &locations.built {
         Some(built) => built.clone(),
         None => {
             let packages = [
@@ -106,59 +106,59 @@ pub(crate) fn install_at(places: &Places) -> Result<(), Failure> {
             workspace.target.join("release")
         }
     };
-    if places.has_static {
+    if locations.has_static {
         archive::build(&built)?;
     }
-    install(&built, &command::root(), &workspace.version, places)?;
+    install(&built, &command::root(), &workspace.version, locations)?;
     // The program writes its own pages: it knows its options.
     let manuals = workspace.target.join("manuals");
     let _ = std::fs::remove_dir_all(&manuals);
     command::run(Command::new(built.join(PROGRAM)).arg("manuals").arg(&manuals))?;
-    install_manuals(&manuals, places)
+    install_manuals(&manuals, locations)
 }
 
-fn install(built: &Path, source: &Path, version: &str, places: &Places) -> Result<(), Failure> {
-    copy_binary(&built.join(PROGRAM), &places.put(&places.bin.join(PROGRAM)), places.strips)?;
-    let lib = places.put(&places.lib);
+fn install(built: &Path, source: &Path, version: &str, locations: &Locations) -> Result<(), Failure> {
+    copy_binary(&built.join(PROGRAM), &locations.put(&locations.bin.join(PROGRAM)), locations.strips)?;
+    let lib = locations.put(&locations.lib);
     for library in &LIBRARIES {
         let real = format!("{}.{version}", library.file);
-        copy_binary(&built.join(library.built), &lib.join(&real), places.strips)?;
+        copy_binary(&built.join(library.built), &lib.join(&real), locations.strips)?;
         link(&real, &lib.join(library.soname))?;
         link(library.soname, &lib.join(library.file))?;
         let headers = files_in(&source.join(library.headers))?;
         for header in headers.iter().filter(|path| path.extension().is_some_and(|e| e == "h")) {
-            let to = places.include.join(library.folder).join(header.file_name().unwrap_or_default());
-            copy(header, &places.put(&to))?;
+            let to = locations.include.join(library.folder).join(header.file_name().unwrap_or_default());
+            copy(header, &locations.put(&to))?;
         }
         let template = read(&source.join(library.template))?;
-        write(&lib.join("pkgconfig").join(library.package), &places.fill(&template, version))?;
+        write(&lib.join("pkgconfig").join(library.package), &locations.fill(&template, version))?;
     }
     for (template, file) in CMAKE {
         let template = read(&source.join(template))?;
-        write(&places.put(&places.cmake().join(file)), &places.fill(&template, version))?;
+        write(&locations.put(&locations.cmake().join(file)), &locations.fill(&template, version))?;
     }
-    if places.has_static {
+    if locations.has_static {
         copy(&built.join(archive::NAME), &lib.join("libOpenRT.a"))?;
     }
     for document in DOCUMENTS.iter().map(|name| source.join(name)).filter(|path| path.exists()) {
-        let to = places.share("doc/gnurt").join(document.file_name().unwrap_or_default());
-        copy(&document, &places.put(&to))?;
+        let to = locations.share("doc/gnurt").join(document.file_name().unwrap_or_default());
+        copy(&document, &locations.put(&to))?;
     }
-    write(&places.put(&places.share("doc/gnurt/LICENSE-THIRD-PARTY.txt")), &notices::kept(source)?)
+    write(&locations.put(&locations.share("doc/gnurt/LICENSE-THIRD-PARTY.txt")), &notices::retained(source)?)
 }
 
 /// Man pages and completions, by their endings.
-fn install_manuals(manuals: &Path, places: &Places) -> Result<(), Failure> {
+fn install_manuals(manuals: &Path, locations: &Locations) -> Result<(), Failure> {
     for file in files_in(manuals)? {
         let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let to = match name.rsplit_once('.') {
-            Some((_, "1")) => places.man.join("man1").join(name),
-            Some((stem, "bash")) => places.share("bash-completion/completions").join(stem),
-            Some((_, "fish")) => places.share("fish/vendor_completions.d").join(name),
-            None if name.starts_with('_') => places.share("zsh/site-functions").join(name),
+            Some((_, "1")) => locations.man.join("man1").join(name),
+            Some((stem, "bash")) => locations.share("bash-completion/completions").join(stem),
+            Some((_, "fish")) => locations.share("fish/vendor_completions.d").join(name),
+            None if name.starts_with('_') => locations.share("zsh/site-functions").join(name),
             _ => return Err(format!("{}: nobody knows where this goes", file.display())),
         };
-        copy(&file, &places.put(&to))?;
+        copy(&file, &locations.put(&to))?;
     }
     Ok(())
 }
@@ -221,12 +221,12 @@ mod tests {
             write(&path, text).expect("the temporary folder can be written");
         }
         let to = root.join("to").display().to_string();
-        let words = ["--prefix=/opt/rt", "--no-strip", "--static", "--libdir=lib/multi", "--destdir", &to];
-        let places = parse(&words.map(String::from)).expect("these are folders");
+        let tokens = ["--prefix=/opt/rt", "--no-strip", "--static", "--libdir=lib/multi", "--destdir", &to];
+        let locations = parse(&tokens.map(String::from)).expect("these are folders");
         // Twice: what is there must be replaced.
         for _ in 0..2 {
-            install(&built, &source, "1.2.3", &places).expect("all files are there");
-            install_manuals(&root.join("manuals"), &places).expect("all are known");
+            install(&built, &source, "1.2.3", &locations).expect("all files are there");
+            install_manuals(&root.join("manuals"), &locations).expect("all are known");
         }
         let read =
             |path: &str| std::fs::read_to_string(root.join("to/opt/rt").join(path)).unwrap_or_default();
@@ -262,10 +262,11 @@ mod tests {
             read("lib/multi/pkgconfig/openrt.pc").starts_with("prefix=/opt/rt\nlibdir=${prefix}/lib/multi\n"),
             "it speaks of the prefix alone"
         );
-        let missing = install(&root.join("none"), &source, "1.2.3", &places).expect_err("nothing was built");
+        let missing =
+            install(&root.join("none"), &source, "1.2.3", &locations).expect_err("nothing was built");
         assert!(missing.contains("none/gnurt"), "the missing file is named: {missing}");
         write(&source.join(notices::FILE), "").expect("it can be written again");
-        let empty = install(&built, &source, "1.2.3", &places).expect_err("no notices");
+        let empty = install(&built, &source, "1.2.3", &locations).expect_err("no notices");
         assert!(empty.contains(notices::FILE), "{empty}");
         std::fs::remove_dir_all(&root).expect("the test's folder can be removed");
     }

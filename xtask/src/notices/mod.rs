@@ -52,7 +52,7 @@ pub(crate) fn check() -> Result<(), Failure> {
 }
 
 /// The notices as they are kept.
-pub(crate) fn kept(root: &std::path::Path) -> Result<String, Failure> {
+pub(crate) fn retained(root: &std::path::Path) -> Result<String, Failure> {
     let text = read(&root.join(FILE))?;
     if text.len() < FEWEST_BYTES {
         return Err(format!("{FILE}: only {} bytes; `cargo xtask notices` writes it again", text.len()));

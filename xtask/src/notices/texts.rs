@@ -19,7 +19,7 @@ pub(super) fn of(parts: &[Part]) -> Result<Vec<(String, Vec<String>)>, Failure> 
     for part in parts {
         let holder = format!("{} {}", part.name, part.version);
         for text in of_part(part)? {
-            match all.iter_mut().find(|(other, _)| words(other) == words(&text)) {
+            match all.iter_mut().find(|(other, _)| tokens(other) == tokens(&text)) {
                 Some((_, holders)) if holders.contains(&holder) => {}
                 Some((_, holders)) => holders.push(holder.clone()),
                 None => all.push((text, vec![holder.clone()])),
@@ -30,7 +30,7 @@ pub(super) fn of(parts: &[Part]) -> Result<Vec<(String, Vec<String>)>, Failure> 
 }
 
 /// Texts are the same if their words are.
-fn words(text: &str) -> Vec<&str> {
+fn tokens(text: &str) -> Vec<&str> {
     text.split_whitespace().collect()
 }
 
@@ -48,7 +48,7 @@ fn of_part(part: &Part) -> Result<Vec<String>, Failure> {
     }
     files.retain(|(_, text)| !text.trim().is_empty());
     let may_be_mit =
-        part.license.split([' ', '/', '(', ')']).any(|word| word == "MIT") && !part.license.contains("AND");
+        part.license.split([' ', '/', '(', ')']).any(|token| token == "MIT") && !part.license.contains("AND");
     if files.is_empty() {
         let holders = if part.authors.is_empty() {
             format!("the authors of {}", part.name)

@@ -21,11 +21,11 @@ fn compare(files: &[SourceFile], known: &[&str]) -> Vec<String> {
         let code = |path: &str| files.iter().find(|file| file.path == path).map(|file| &file.code[..]);
         let of_crate = Crate::load(root, &code);
         let imports = of_crate.imports();
-        for (file, way) in ways_back(&imports) {
+        for (file, import_chain) in ways_back(&imports) {
             let path = of_crate.path(file);
             standing.push(path.to_string());
             if !known.contains(&path) {
-                complaints.push(told(&of_crate, &imports, file, &way));
+                complaints.push(expected(&of_crate, &imports, file, &import_chain));
             }
         }
     }
@@ -42,13 +42,18 @@ fn roots(files: &[SourceFile]) -> impl Iterator<Item = &str> {
     files.iter().map(|file| &file.path[..]).filter(move |path| is_root(path))
 }
 
-fn told(of_crate: &Crate, imports: &[BTreeMap<usize, usize>], file: usize, way: &[usize]) -> String {
+fn expected(
+    of_crate: &Crate,
+    imports: &[BTreeMap<usize, usize>],
+    file: usize,
+    import_chain: &[usize],
+) -> String {
     let folder = of_crate.path(0).rsplit_once('/').map_or(0, |(folder, _)| folder.len() + 1);
     let line = |from: usize, to: usize| imports[from].get(&to).copied().unwrap_or(1);
-    let first = way.first().copied().unwrap_or(file);
+    let first = import_chain.first().copied().unwrap_or(file);
     let mut from = first;
     let mut steps = String::new();
-    for &to in way.iter().skip(1).chain([&file]) {
+    for &to in import_chain.iter().skip(1).chain([&file]) {
         steps += &format!(" imports {} (line {}), which", &of_crate.path(to)[folder..], line(from, to));
         from = to;
     }
@@ -64,14 +69,14 @@ fn told(of_crate: &Crate, imports: &[BTreeMap<usize, usize>], file: usize, way: 
 /// For each file that imports itself around a corner, the shortest way: the files after it, it itself left out.
 fn ways_back(imports: &[BTreeMap<usize, usize>]) -> Vec<(usize, Vec<usize>)> {
     let parts = parts(imports);
-    let mut ways = Vec::new();
+    let mut chains = Vec::new();
     for file in 0..imports.len() {
         let shares = parts.iter().filter(|&&part| part == parts[file]).count() > 1;
-        if shares && let Some(way) = way_back(imports, file) {
-            ways.push((file, way));
+        if shares && let Some(import_chain) = way_back(imports, file) {
+            chains.push((file, import_chain));
         }
     }
-    ways
+    chains
 }
 
 fn way_back(imports: &[BTreeMap<usize, usize>], file: usize) -> Option<Vec<usize>> {
@@ -80,14 +85,14 @@ fn way_back(imports: &[BTreeMap<usize, usize>], file: usize) -> Option<Vec<usize
     while let Some(at) = todo.pop_front() {
         for &to in imports[at].keys() {
             if to == file {
-                let mut way = vec![at];
-                while let Some(step) = way.last().and_then(|&step| before[step]) {
-                    way.push(step);
+                let mut import_chain = vec![at];
+                while let Some(step) = import_chain.last().and_then(|&step| before[step]) {
+                    import_chain.push(step);
                 }
                 // The last one is the file itself.
-                way.pop();
-                way.reverse();
-                return Some(way);
+                import_chain.pop();
+                import_chain.reverse();
+                return Some(import_chain);
             }
             if before[to].is_none() {
                 before[to] = Some(at);
@@ -107,7 +112,7 @@ fn parts(imports: &[BTreeMap<usize, usize>]) -> Vec<usize> {
         lowest: vec![unseen; imports.len()],
         part: vec![unseen; imports.len()],
         stack: Vec::new(),
-        seen: 0,
+        visited: 0,
     };
     for file in 0..imports.len() {
         if state.order[file] == unseen {
@@ -125,14 +130,14 @@ struct Search<'a> {
     lowest: Vec<usize>,
     part: Vec<usize>,
     stack: Vec<usize>,
-    seen: usize,
+    visited: usize,
 }
 
 impl Search<'_> {
     fn visit(&mut self, file: usize) {
-        self.order[file] = self.seen;
-        self.lowest[file] = self.seen;
-        self.seen += 1;
+        self.order[file] = self.visited;
+        self.lowest[file] = self.visited;
+        self.visited += 1;
         self.stack.push(file);
         let imports = self.imports;
         for &to in imports[file].keys() {
@@ -188,9 +193,9 @@ mod tests {
         let corner =
             [ROOT, ("a.rs", "use super::b::B;"), ("b.rs", "use super::c::C;"), ("c.rs", "use super::a::A;")];
         assert_eq!(standing(&corner), ["a.rs", "b.rs", "c.rs"], "around a corner");
-        let told = compare(&sources(&corner), &[]);
+        let expected = compare(&sources(&corner), &[]);
         assert_eq!(
-            told[0],
+            expected[0],
             "crates/x/src/a.rs:1: imports b.rs, which imports c.rs (line 1), which imports a.rs (line 1): a circle",
             "the way is told"
         );

@@ -33,8 +33,8 @@ fn cited(line: &str) -> impl Iterator<Item = &str> {
     brackets.flat_map(|within| within.split(',').map(str::trim)).filter(|key| is_key(key))
 }
 
-fn is_key(word: &str) -> bool {
-    let bare = word.strip_suffix(|c: char| c.is_ascii_lowercase()).unwrap_or(word);
+fn is_key(token: &str) -> bool {
+    let bare = token.strip_suffix(|c: char| c.is_ascii_lowercase()).unwrap_or(token);
     let name = bare.trim_end_matches(|c: char| c.is_ascii_digit());
     let digits = bare.len() - name.len();
     (2..=4).contains(&digits)

@@ -44,12 +44,12 @@ pub(super) struct Imports {
     /// Calls of macros without a path, with their lines.
     pub(super) macro_calls: Vec<(usize, String)>,
     /// Every word outside of `use`.
-    pub(super) words: BTreeSet<String>,
+    pub(super) names: BTreeSet<String>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Token<'a> {
-    Word(&'a str),
+    Name(&'a str),
     /// `::`
     Within,
     Sign(char),
@@ -73,9 +73,10 @@ fn tokens(code: &str) -> Vec<(usize, Token<'_>)> {
     for (number, line) in code.lines().enumerate() {
         let mut rest = line;
         while let Some(letter) = rest.chars().next() {
-            let word = rest.len() - rest.trim_start_matches(|c: char| c.is_alphanumeric() || c == '_').len();
-            let (token, length) = if word > 0 {
-                (Token::Word(&rest[..word]), word)
+            let name_end =
+                rest.len() - rest.trim_start_matches(|c: char| c.is_alphanumeric() || c == '_').len();
+            let (token, length) = if name_end > 0 {
+                (Token::Name(&rest[..name_end]), name_end)
             } else if rest.starts_with("::") {
                 (Token::Within, 2)
             } else {
@@ -105,9 +106,9 @@ impl<'a> Reader<'a> {
         self.at.checked_sub(1).map(|at| self.tokens[at].1)
     }
 
-    fn word(&self, offset: usize) -> Option<&'a str> {
+    fn name_end(&self, offset: usize) -> Option<&'a str> {
         match self.token(offset) {
-            Some(Token::Word(word)) => Some(word),
+            Some(Token::Name(name_end)) => Some(name_end),
             _ => None,
         }
     }
@@ -125,8 +126,8 @@ impl<'a> Reader<'a> {
                         open.pop();
                     }
                 }
-                Token::Word("mod") => {
-                    if let (Some(name), Some(after)) = (self.word(1), self.token(2)) {
+                Token::Name("mod") => {
+                    if let (Some(name), Some(after)) = (self.name_end(1), self.token(2)) {
                         match after {
                             Token::Sign(';') => self.found.modules.push(name.into()),
                             Token::Sign('{') => {
@@ -138,14 +139,14 @@ impl<'a> Reader<'a> {
                     }
                 }
                 // `use<'a>` captures a lifetime.
-                Token::Word("use") if self.token(1) != Some(Token::Sign('<')) => {
+                Token::Name("use") if self.token(1) != Some(Token::Sign('<')) => {
                     let within = open.iter().map(|(name, _)| name.clone()).collect();
                     self.read_use(line, within);
                     continue;
                 }
-                Token::Word(word) => {
+                Token::Name(name_end) => {
                     let within = open.iter().map(|(name, _)| name.clone()).collect();
-                    self.read_word(line, word, within);
+                    self.read_word(line, name_end, within);
                 }
                 Token::Within | Token::Sign(_) => {}
             }
@@ -153,34 +154,34 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn read_word(&mut self, line: usize, word: &str, within: Vec<String>) {
+    fn read_word(&mut self, line: usize, name_end: &str, within: Vec<String>) {
         let starts = !matches!(self.before(), Some(Token::Within | Token::Sign('.')));
-        if let Some(name) = self.word(1) {
-            if ITEMS.contains(&word) {
+        if let Some(name) = self.name_end(1) {
+            if ITEMS.contains(&name_end) {
                 self.found.defined.insert(name.into());
             }
         } else if self.token(1) == Some(Token::Sign('!')) {
-            if word == "macro_rules" {
-                if let Some(name) = self.word(2) {
+            if name_end == "macro_rules" {
+                if let Some(name) = self.name_end(2) {
                     self.found.defined.insert(name.into());
                     self.found.macros.insert(name.into());
                 }
             } else if starts {
-                self.found.macro_calls.push((line, word.into()));
+                self.found.macro_calls.push((line, name_end.into()));
             }
         }
         // What a name defines is no use of it.
-        let defines = matches!(self.before(), Some(Token::Word(before)) if ITEMS.contains(&before));
+        let defines = matches!(self.before(), Some(Token::Name(before)) if ITEMS.contains(&before));
         if !defines {
-            self.found.words.insert(word.into());
+            self.found.names.insert(name_end.into());
         }
         // `pub(in a::b)` says who may look, not where to.
-        let looks = !matches!(self.before(), Some(Token::Word("in")) if self.at >= 2 && self.tokens[self.at - 2].1 == Token::Sign('('));
+        let looks = !matches!(self.before(), Some(Token::Name("in")) if self.at >= 2 && self.tokens[self.at - 2].1 == Token::Sign('('));
         if starts && looks && self.token(1) == Some(Token::Within) {
-            let mut path = vec![word.to_string()];
+            let mut path = vec![name_end.to_string()];
             let mut offset = 1;
             while self.token(offset) == Some(Token::Within)
-                && let Some(name) = self.word(offset + 1)
+                && let Some(name) = self.name_end(offset + 1)
             {
                 path.push(name.into());
                 offset += 2;
@@ -193,7 +194,7 @@ impl<'a> Reader<'a> {
 
     /// From `use` to its semicolon.
     fn read_use(&mut self, line: usize, within: Vec<String>) {
-        let is_public = matches!(self.before(), Some(Token::Word("pub") | Token::Sign(')')));
+        let is_public = matches!(self.before(), Some(Token::Name("pub") | Token::Sign(')')));
         self.at += 1;
         // A path that begins with `::` begins with another crate's name, which no file here has.
         if self.token(0) == Some(Token::Within) {
@@ -220,12 +221,12 @@ impl<'a> Reader<'a> {
         let mut name = None;
         while let Some(token) = self.token(0) {
             match token {
-                Token::Word("as") => {
+                Token::Name("as") => {
                     self.at += 1;
-                    name = self.word(0).map(String::from);
+                    name = self.name_end(0).map(String::from);
                 }
-                Token::Word("self") if !stem.is_empty() => {}
-                Token::Word(word) => stem.push(word.into()),
+                Token::Name("self") if !stem.is_empty() => {}
+                Token::Name(name_end) => stem.push(name_end.into()),
                 Token::Sign('*') => {
                     leaves.push((stem.clone(), None));
                     leaf = false;
@@ -306,6 +307,6 @@ mod tests {
         assert_eq!(found.mentions[0].within, ["b"], "within a module of the file");
         assert!(["b", "c", "m", "p"].iter().all(|name| found.defined.contains(*name)), "{:?}", found.defined);
         assert_eq!(found.macro_calls, [(4, "z".to_string())], "called");
-        assert!(found.words.contains("E") && !found.words.contains("p"), "a definition is no use");
+        assert!(found.names.contains("E") && !found.names.contains("p"), "a definition is no use");
     }
 }

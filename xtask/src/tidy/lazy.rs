@@ -23,12 +23,14 @@ pub(super) fn check(file: &SourceFile) -> Vec<(usize, String)> {
     for opening in ONCE {
         for (at, _) in file.code.match_indices(opening) {
             let inside = inside(&file.code[at + opening.len()..]);
-            if let Some(word) = parallel_word(inside) {
+            if let Some(token) = parallel_word(inside) {
                 let line = file.code[..at].matches('\n').count() + 1;
                 let name = opening.trim_end_matches('(');
                 complaints.push((
                     line,
-                    format!("'{word}' within {name}: threads may wait for themselves; make the value before"),
+                    format!(
+                        "'{token}' within {name}: threads may wait for themselves; make the value before"
+                    ),
                 ));
             }
         }
@@ -56,15 +58,15 @@ fn parallel_word(code: &str) -> Option<&str> {
     let is_letter = |c: char| c.is_alphanumeric() || c == '_';
     let mut rest = 0;
     while let Some(from) = code[rest..].find(is_letter).map(|at| rest + at) {
-        let word = code[from..].split(|c| !is_letter(c)).next().unwrap_or_default();
-        rest = from + word.len();
+        let token = code[from..].split(|c| !is_letter(c)).next().unwrap_or_default();
+        rest = from + token.len();
         let is_field = code[..from].ends_with('.');
-        let is_parallel = CALLS.contains(&word)
-            || word.starts_with("par_")
-            || word.starts_with("into_par_")
-            || (VALUES.contains(&word) && !is_field);
+        let is_parallel = CALLS.contains(&token)
+            || token.starts_with("par_")
+            || token.starts_with("into_par_")
+            || (VALUES.contains(&token) && !is_field);
         if is_parallel {
-            return Some(word);
+            return Some(token);
         }
     }
     None

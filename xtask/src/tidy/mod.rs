@@ -21,7 +21,7 @@ mod prose;
 mod rust_code;
 mod test_files;
 mod unsafe_code;
-mod words;
+mod vocabulary;
 
 use crate::command;
 use crate::failure::Failure;
@@ -37,7 +37,7 @@ const RULES: [Rule; 7] = [
     length::check,
     unsafe_code::check,
     attributes::check,
-    words::check,
+    vocabulary::check,
     lazy::check,
 ];
 

@@ -58,8 +58,8 @@ impl Crate {
         let below =
             if is_list { folder.into() } else { format!("{folder}/{}", name.trim_end_matches(".rs")) };
         for module in modules {
-            let ways = [format!("{below}/{module}.rs"), format!("{below}/{module}/mod.rs")];
-            if let Some(child) = ways.iter().find_map(|way| self.add(way, Some(this), code)) {
+            let chains = [format!("{below}/{module}.rs"), format!("{below}/{module}/mod.rs")];
+            if let Some(child) = chains.iter().find_map(|chain| self.add(chain, Some(this), code)) {
                 self.files[this].children.insert(module, child);
             }
         }
@@ -89,16 +89,16 @@ impl Crate {
             let target = self.resolve(file, &import.within, &import.path, 0);
             match (&import.name, target) {
                 // What is only passed on is not used here.
-                (Some(name), Target::Item(to)) if !import.is_public || read.words.contains(name) => {
+                (Some(name), Target::Item(to)) if !import.is_public || read.names.contains(name) => {
                     note(to, import.line);
                 }
                 (None, Target::Item(to)) => note(to, import.line),
                 (None, Target::Module(to)) => {
                     let names = self.names(to);
                     // A star brings everything: what is used of it can be seen only where the names are known.
-                    let used = read.words.iter().filter(|word| names.contains(word));
-                    for word in used {
-                        if let Target::Item(to) = self.walk(to, &[word], 0) {
+                    let used = read.names.iter().filter(|used| names.contains(used));
+                    for used in used {
+                        if let Target::Item(to) = self.walk(to, &[used], 0) {
                             note(to, import.line);
                         }
                     }
@@ -114,9 +114,9 @@ impl Crate {
         for (line, name) in &read.macro_calls {
             let known =
                 read.macros.contains(name) || read.imports.iter().any(|i| i.name.as_ref() == Some(name));
-            let home = self.files.iter().position(|other| other.read.macros.contains(name));
-            if let Some(home) = home.filter(|_| !known) {
-                note(home, *line);
+            let parent_folder = self.files.iter().position(|other| other.read.macros.contains(name));
+            if let Some(parent_folder) = parent_folder.filter(|_| !known) {
+                note(parent_folder, *line);
             }
         }
         found
@@ -125,10 +125,10 @@ impl Crate {
     /// All names that a file has for others.
     fn names(&self, file: usize) -> Vec<&String> {
         let mut names = Vec::new();
-        let mut seen = vec![false; self.files.len()];
+        let mut visited = vec![false; self.files.len()];
         let mut todo = vec![file];
         while let Some(file) = todo.pop() {
-            if std::mem::replace(&mut seen[file], true) {
+            if std::mem::replace(&mut visited[file], true) {
                 continue;
             }
             let read = &self.files[file].read;
@@ -245,7 +245,7 @@ impl Crate {
                 Target::Module(to) if self.names(to).contains(first) => {
                     return self.walk(to, names, steps + 1);
                 }
-                Target::Item(to) if self.files[to].read.words.contains(*first) => return Target::Item(to),
+                Target::Item(to) if self.files[to].read.names.contains(*first) => return Target::Item(to),
                 _ => {}
             }
         }

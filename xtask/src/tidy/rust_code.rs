@@ -23,14 +23,14 @@ pub(super) fn code_only(text: &str) -> String {
 pub(super) fn without_tests(code: &str) -> String {
     const MARK: &str = "#[cfg(test)]";
     let mut rest = code;
-    let mut kept = String::with_capacity(code.len());
+    let mut retained = String::with_capacity(code.len());
     while let Some(at) = rest.find(MARK) {
         let end = at + item_length(&rest[at..]);
-        kept.push_str(&rest[..at]);
-        kept.extend(rest[at..end].chars().map(|c| if c == '\n' { '\n' } else { ' ' }));
+        retained.push_str(&rest[..at]);
+        retained.extend(rest[at..end].chars().map(|c| if c == '\n' { '\n' } else { ' ' }));
         rest = &rest[end..];
     }
-    kept + rest
+    retained + rest
 }
 
 /// Bytes of an item with its attributes: up to its semicolon, or to the end of its braces.

@@ -11,7 +11,7 @@ pub(super) fn check(file: &SourceFile) -> Vec<(usize, String)> {
     if may_hold(&file.path) {
         return vec![];
     }
-    let found = file.identifiers().filter(|(_, word)| *word == "unsafe");
+    let found = file.identifiers().filter(|(_, token)| *token == "unsafe");
     found
         .map(|(line, _)| {
             (

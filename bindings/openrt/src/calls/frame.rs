@@ -9,7 +9,7 @@ use gnurt::render::RenderOptions;
 use gnurt_plugins::host::say;
 
 use crate::context::Context;
-use crate::frame::{FrameThread, Job, told};
+use crate::frame::{FrameThread, Job, reported};
 use crate::state::enums::{MatrixMode, SceneMode};
 use crate::state::error::{Error, Result};
 use crate::state::flight::Flight;
@@ -27,7 +27,7 @@ impl Context {
         let target = self.frame_buffer.clone().ok_or(Error::InvalidOperation)?;
         self.check_memory(&target)?;
         let pool = self.pool()?;
-        let thread = FrameThread::start().map_err(|error| told(&error, Error::OutOfMemory))?;
+        let thread = FrameThread::start().map_err(|error| reported(&error, Error::OutOfMemory))?;
         self.prune();
         let mut stage = std::mem::take(&mut self.stage);
         self.update(&mut stage);
@@ -39,7 +39,7 @@ impl Context {
             .unwrap_or_else(|| self.view.camera(self.stacks.top(MatrixMode::Projection)));
         let continues = self.continues(&stage, [target.width, target.height]);
         let rendering = self.rendering();
-        let told = self.tell(plugins.problems());
+        let reported = self.notify(plugins.problems());
         let sampling = match &rendering {
             Some((class, values)) => class.sampling(values, self.sampling),
             None => self.sampling,
@@ -51,7 +51,7 @@ impl Context {
             let Usage { rendering_object, pixel, .. } = self.usage;
             self.usage = Usage { rendering_object, pixel, ..Default::default() };
         }
-        told
+        reported
     }
 
     /// Whether there is room for a picture of this size, where the frames before had less: asked before anything is begun,
@@ -64,11 +64,11 @@ impl Context {
         }
         let options = RenderOptions { width: target.width, height: target.height, ..Default::default() };
         let more = picture_bytes(&options, false) / pixels * (pixels - held);
-        check_more([target.width, target.height], more).map_err(|error| told(&error, Error::OutOfMemory))
+        check_more([target.width, target.height], more).map_err(|error| reported(&error, Error::OutOfMemory))
     }
 
     /// Tells what was wrong with plugins: an error if anything was.
-    pub(super) fn tell(&mut self, lines: &[String]) -> Result<()> {
+    pub(super) fn notify(&mut self, lines: &[String]) -> Result<()> {
         if lines.is_empty() {
             return Ok(());
         }
@@ -85,7 +85,7 @@ impl Context {
         let (stage, outcome, faults) = frame.finish();
         self.stage = stage;
         self.shaders.end_blocks();
-        outcome.and(self.tell(&faults))
+        outcome.and(self.notify(&faults))
     }
 
     /// The frame in flight, if the calls that end it are legal now: what callers wait for without keeping others out.

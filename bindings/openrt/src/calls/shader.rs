@@ -13,7 +13,7 @@ impl Context {
         let class_id = self.bound.class_id().ok_or(Error::InvalidOperation)?;
         let class = self.bound.class().ok_or(Error::InvalidOperation)?.clone();
         let shader = Shader::new(class_id, class.clone()).or_else(|why| {
-            self.tell(&[why])?;
+            self.notify(&[why])?;
             Err(Error::InvalidOperation)
         })?;
         let id = self.shaders.add(shader)?;

@@ -11,14 +11,14 @@ use gnurt::shading::classes::Shader as RenderShader;
 use gnurt_plugins::host::{FrameState, PluginFrame};
 
 use crate::context::Context;
-use crate::frame::{Rendering, told};
+use crate::frame::{Rendering, reported};
 use crate::stage::{Shown, Stage, UNNAMED};
 use crate::state::class::ClassCode;
 use crate::state::enums::MatrixMode;
 use crate::state::error::{Error, Result};
 use crate::state::instance::Instance;
 use crate::state::object::Nested;
-use crate::state::progress::Seen;
+use crate::state::progress::Recorded;
 
 impl Context {
     /// Frees objects and shaders that were removed and that nothing shows any more.
@@ -60,14 +60,14 @@ impl Context {
         if has_unnamed {
             stage.define(UNNAMED, unnamed.finish(), std::iter::empty());
         }
-        let place = |instance: &Instance| Shown {
+        let position = |instance: &Instance| Shown {
             object: instance.object,
             world_from_object: instance.world_from_object.to_affine(),
             mask: RayMask(instance.mask),
         };
         let changes = self.instances.take_changes();
-        let all = self.instances.entries().map(|(id, instance)| (id, place(instance)));
-        let changed = changes.ids.iter().map(|&id| (id, self.instances.get(id).map(place)));
+        let all = self.instances.entries().map(|(id, instance)| (id, position(instance)));
+        let changed = changes.ids.iter().map(|&id| (id, self.instances.get(id).map(position)));
         if changes.any {
             stage.show_all(all);
         } else {
@@ -100,10 +100,10 @@ impl Context {
             let sampler = |id: u32| Some((id, self.textures.sampler(i32::try_from(id).ok()?)?));
             let textures = self.textures.ids().filter_map(sampler).collect();
             let mut ids = Vec::new();
-            for (place, id) in stage.places() {
+            for (position, id) in stage.places() {
                 let Some(instance) = self.instances.get(id) else { continue };
-                ids.resize(ids.len().max(place + 1), [UNNAMED; 2]);
-                ids[place] = [instance.object, id];
+                ids.resize(ids.len().max(position + 1), [UNNAMED; 2]);
+                ids[position] = [instance.object, id];
             }
             FrameState { textures, ids, third_texcoords: stage.has_third_texcoords() }
         })
@@ -123,8 +123,9 @@ impl Context {
         if let Some(pool) = &self.pool {
             return Ok(pool.clone());
         }
-        let pool =
-            Arc::new(gnurt::JoinedPool::new(self.threads).map_err(|error| told(&error, Error::OutOfMemory))?);
+        let pool = Arc::new(
+            gnurt::JoinedPool::new(self.threads).map_err(|error| reported(&error, Error::OutOfMemory))?,
+        );
         self.pool = Some(pool.clone());
         Ok(pool)
     }
@@ -132,10 +133,10 @@ impl Context {
     /// Whether the frame that starts shows what the last one showed, so that their samples may be added.
     pub(super) fn continues(&mut self, stage: &Stage, size: [u32; 2]) -> bool {
         if !self.sampling.progressive {
-            self.seen = None;
+            self.recorded = None;
             return false;
         }
-        let now = Seen {
+        let now = Recorded {
             scene: stage.scene.cursor(),
             shaders: self
                 .shaders
@@ -151,8 +152,8 @@ impl Context {
             limits: self.limits,
             size,
         };
-        let continues = self.seen.as_ref() == Some(&now);
-        self.seen = Some(now);
+        let continues = self.recorded.as_ref() == Some(&now);
+        self.recorded = Some(now);
         continues
     }
 }

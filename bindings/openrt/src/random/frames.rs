@@ -130,13 +130,13 @@ fn immediate_frames_find_what_they_showed() {
 fn check(context: &Context) {
     let stage = &context.stage;
     let mut shown = 0;
-    for (place, id) in stage.places() {
-        let instance = &stage.scene.instances()[place];
+    for (position, id) in stage.places() {
+        let instance = &stage.scene.instances()[position];
         assert!(instance.visible, "instance {id} is seen");
         shown += 1;
-        if let Some(wanted) = context.instances.get(id) {
-            assert_eq!(instance.world_from_object, wanted.world_from_object.to_affine(), "where {id} is");
-            assert!(context.objects.get(wanted.object).is_some(), "what {id} shows is there");
+        if let Some(expected) = context.instances.get(id) {
+            assert_eq!(instance.world_from_object, expected.world_from_object.to_affine(), "where {id} is");
+            assert!(context.objects.get(expected.object).is_some(), "what {id} shows is there");
         } else {
             assert_eq!(id, u32::MAX, "only what lies outside of objects has no id");
         }

@@ -169,12 +169,12 @@ impl Model {
                 self.outside()?;
                 let surface = CLASSES[number].1.ok_or(VALUE)?;
                 let known = self.classes.iter().position(|&class| class == surface);
-                let place = known.unwrap_or_else(|| {
+                let lattice_position = known.unwrap_or_else(|| {
                     self.classes.push(surface);
                     self.classes.len() - 1
                 });
-                (self.bound_class, self.bound_shader) = (Some(place as u32 + 1), None);
-                return Ok(place as u32 + 1);
+                (self.bound_class, self.bound_shader) = (Some(lattice_position as u32 + 1), None);
+                return Ok(lattice_position as u32 + 1);
             }
             Call::BindClass(id) => {
                 self.outside()?;
@@ -285,8 +285,8 @@ impl Model {
             }
             Call::RemoveLight(id) => {
                 self.outside()?;
-                let place = self.lights.iter().position(|&light| light == id).ok_or(VALUE)?;
-                self.lights.remove(place);
+                let lattice_position = self.lights.iter().position(|&light| light == id).ok_or(VALUE)?;
+                self.lights.remove(lattice_position);
             }
             Call::Start => {
                 self.no_object()?;
@@ -421,8 +421,8 @@ proptest! {
         context.set_frame_buffer(Some(Arc::new(Nowhere)), [2, 2], 0x310).expect("a good buffer");
         let (mut model, mut given) = (Model::default(), 0);
         for (step, &call) in calls.iter().enumerate() {
-            let (wanted, outcome) = (model.call(call), perform(&mut context, call, &mut given));
-            prop_assert_eq!(outcome, wanted, "call {}, {:?}", step, call);
+            let (expected, outcome) = (model.call(call), perform(&mut context, call, &mut given));
+            prop_assert_eq!(outcome, expected, "call {}, {:?}", step, call);
             let mut counts = Vec::new();
             for name in 0x0700..0x0703 {
                 let _ = context.get_integers(name, Some(&mut |numbers| counts.extend_from_slice(numbers)));

@@ -146,7 +146,7 @@ mod tests {
         // The forbidden ones lie in between.
         assert_eq!(ids.removed.len(), 2, "runs of removed ids");
         // In fast motion: as if all ids had been used.
-        let kept = ids.next;
+        let retained = ids.next;
         ids.next = RT_INVALID;
         assert_eq!(ids.reserve(2, |id| id != 1), Ok(2), "1 is still shown");
         assert!(ids.exists(2) && ids.exists(3) && !ids.exists(1), "they are there again");
@@ -155,6 +155,6 @@ mod tests {
         assert_eq!(ids.remove(2), Ok(()), "as ever");
         assert_eq!(ids.reserve(1, free), Ok(2), "and back");
         assert_eq!(ids.reserve(i32::MAX, free), Err(Error::OutOfMemory), "not so many in a row");
-        assert!(ids.exists(kept), "nothing else has changed");
+        assert!(ids.exists(retained), "nothing else has changed");
     }
 }

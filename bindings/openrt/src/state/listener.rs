@@ -48,7 +48,7 @@ impl Listener {
 
 impl Hearing {
     /// Calls the listener.
-    pub(crate) fn tell(&self, error: Error, call: &CStr) {
+    pub(crate) fn notify(&self, error: Error, call: &CStr) {
         (self.0.function)(error, call);
     }
 }

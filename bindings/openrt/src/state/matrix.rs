@@ -163,8 +163,11 @@ mod tests {
         let along = m.apply(tangent);
         let dot: f64 = (0..3).map(|k| moved[k] * along[k]).sum();
         assert!(dot.abs() < 1e-12, "perpendicular before and after: {dot}");
-        let seen = m.apply([normal[0], normal[1], normal[2], 0.0]);
-        assert!((0..3).map(|k| moved[k] * seen[k]).sum::<f64>() > 0.0, "on the same side, mirrored or not");
+        let recorded = m.apply([normal[0], normal[1], normal[2], 0.0]);
+        assert!(
+            (0..3).map(|k| moved[k] * recorded[k]).sum::<f64>() > 0.0,
+            "on the same side, mirrored or not"
+        );
     }
 
     #[test]

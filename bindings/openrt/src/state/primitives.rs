@@ -79,8 +79,8 @@ mod tests {
             (Primitive::QuadStrip, 5, &[[0, 1, 2], [2, 1, 3]]),
             (Primitive::Polygon, 2, &[]),
         ];
-        for (mode, vertices, wanted) in table {
-            assert_eq!(triangles(mode, vertices), wanted, "{mode:?} of {vertices} vertices");
+        for (mode, vertices, expected) in table {
+            assert_eq!(triangles(mode, vertices), expected, "{mode:?} of {vertices} vertices");
         }
     }
 }

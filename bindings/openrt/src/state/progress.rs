@@ -13,7 +13,7 @@ use super::value::ParameterValue;
 
 /// Everything that a picture depends on.
 #[derive(Clone, PartialEq)]
-pub(crate) struct Seen {
+pub(crate) struct Recorded {
     pub(crate) scene: Cursor,
     pub(crate) shaders: Vec<(u32, Vec<ParameterValue>, Option<u64>)>,
     pub(crate) textures: u64,

@@ -149,8 +149,8 @@ mod tests {
         let values = |spp, depth| {
             let mut all = vec![ParameterValue::Integer(0); PARAMETERS.len()];
             let mut set = |name, value| {
-                let place = PARAMETERS.iter().position(|(known, ..)| *known == name);
-                all[place.expect("a parameter")] = value;
+                let parameter_index = PARAMETERS.iter().position(|(known, ..)| *known == name);
+                all[parameter_index.expect("a parameter")] = value;
             };
             set(SAMPLES_PER_PIXEL, ParameterValue::Integer(spp));
             set(MAX_DEPTH, ParameterValue::Integer(depth));

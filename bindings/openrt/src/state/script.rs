@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use gnurt::osl::{Access, CameraPlace, Kind as ScriptKind, ParameterValue as ScriptValue, Script};
+use gnurt::osl::{Access, CameraFrame, Kind as ScriptKind, ParameterValue as ScriptValue, Script};
 use gnurt::shading::classes::{ParameterRate, Shader as RenderShader};
 use gnurt_plugins::host::{DataType, Kind, LoadError, Parameter};
 
@@ -62,8 +62,8 @@ impl ScriptClass {
             Kind::Environment => RenderShader::Environment(script.environment()?),
             Kind::Camera => {
                 let [right, up, back] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-                let place = CameraPlace { eye: [0.0; 3], right, up, back, pixels: [1; 2] };
-                RenderShader::Camera(script.camera(place)?)
+                let parameter_index = CameraFrame { eye: [0.0; 3], right, up, back, pixels: [1; 2] };
+                RenderShader::Camera(script.camera(parameter_index)?)
             }
             Kind::RenderingObject => RenderShader::Pixel(script.pixel()?),
             Kind::Surface => RenderShader::Surface(script.surface()?),

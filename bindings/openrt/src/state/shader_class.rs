@@ -106,8 +106,8 @@ impl Classes {
 
     /// What handle `id` names; [`Error::InvalidValue`] if nothing.
     pub(crate) fn handle(&self, id: u32) -> Result<Handle> {
-        let place = (id as usize).checked_sub(1);
-        place.and_then(|i| self.handles.get(i)).copied().ok_or(Error::InvalidValue)
+        let parameter_index = (id as usize).checked_sub(1);
+        parameter_index.and_then(|i| self.handles.get(i)).copied().ok_or(Error::InvalidValue)
     }
 
     /// Finds or loads a class and returns its id, or says why it cannot.
@@ -138,12 +138,12 @@ impl Classes {
     }
 
     /// The handle of a parameter, made if it is new.
-    pub(crate) fn handle_of(&mut self, wanted: Handle) -> u32 {
-        let known = self.handles.iter().position(|&handle| handle == wanted);
-        let place = known.unwrap_or_else(|| {
-            self.handles.push(wanted);
+    pub(crate) fn handle_of(&mut self, expected: Handle) -> u32 {
+        let known = self.handles.iter().position(|&handle| handle == expected);
+        let parameter_index = known.unwrap_or_else(|| {
+            self.handles.push(expected);
             self.handles.len() - 1
         });
-        place as u32 + 1
+        parameter_index as u32 + 1
     }
 }

@@ -220,7 +220,7 @@ impl TexelFormat {
 impl MinifyFilter {
     /// What the sampler does.
     fn minify(self) -> Minify {
-        let mipmap = |linear, between_levels| Minify::Mipmap { linear, between_levels };
+        let mipmap = |linear, interpolate_levels| Minify::Mipmap { linear, interpolate_levels };
         match self {
             Self::Nearest => Minify::Nearest,
             Self::Linear => Minify::Linear,

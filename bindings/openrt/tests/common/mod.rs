@@ -24,8 +24,8 @@ pub(crate) fn library() -> PathBuf {
 /// A library of this build.
 pub(crate) fn built(name: &str) -> PathBuf {
     let test = std::env::current_exe().expect("a running test has a path");
-    let mut beside = test.ancestors().skip(1).take(2).map(|folder| folder.join(name));
-    beside.find(|path| path.exists()).unwrap_or_else(|| panic!("cargo builds {name} with the tests"))
+    let mut neighbours = test.ancestors().skip(1).take(2).map(|folder| folder.join(name));
+    neighbours.find(|path| path.exists()).unwrap_or_else(|| panic!("cargo builds {name} with the tests"))
 }
 
 impl Workshop {

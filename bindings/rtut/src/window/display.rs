@@ -26,12 +26,12 @@ use crate::guard::guard;
 /// Shows the window until somebody closes it or the program wants to leave.
 pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
     let events = guard(EventLoop::new).ok_or_else(broken)?;
-    let mut events = events.map_err(|error| words(&error))?;
+    let mut events = events.map_err(|error| characters(&error))?;
     let proxy = events.create_proxy();
     let _awake = Awake::while_open(program, proxy);
     let mut app = App { program, open: None, failure: None, happened: VecDeque::new(), drawn: 0 };
     let mut hands = Hands::default();
-    let mut seen = 0;
+    let mut displayed = 0;
     // At first the window is opened, without waiting for anything.
     let mut patience = Some(Duration::ZERO);
     loop {
@@ -45,7 +45,7 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
                 Event::Resized(size) => resize(program, size),
                 Event::Hand(event) => hands.tell(program, event),
             }
-            if settle(program, settings, &mut seen)? {
+            if settle(program, settings, &mut displayed)? {
                 return Ok(());
             }
         }
@@ -66,7 +66,7 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
         if !is_stale && !animates {
             program.finish();
         }
-        if settle(program, settings, &mut seen)? {
+        if settle(program, settings, &mut displayed)? {
             return Ok(());
         }
         let mut pictures = 0;
@@ -105,9 +105,9 @@ fn broken() -> String {
 }
 
 /// What comes after each of the program's functions: pictures are kept; whether this is the end.
-fn settle(program: &dyn Program, settings: &Settings, seen: &mut u64) -> Result<bool, String> {
-    keep(program, settings, seen)?;
-    let mut is_over = settings.is_enough(*seen);
+fn settle(program: &dyn Program, settings: &Settings, displayed: &mut u64) -> Result<bool, String> {
+    keep(program, settings, displayed)?;
+    let mut is_over = settings.is_enough(*displayed);
     program.stage(&mut |stage| is_over |= stage.is_leaving);
     Ok(is_over)
 }
@@ -227,10 +227,10 @@ fn special(key: NamedKey) -> Option<i32> {
         NamedKey::End,
         NamedKey::Insert,
     ];
-    let place = |keys: &[NamedKey], first: i32| {
-        keys.iter().position(|&other| other == key).map(|place| first + place as i32)
+    let pixel_position = |keys: &[NamedKey], first: i32| {
+        keys.iter().position(|&other| other == key).map(|pixel_position| first + pixel_position as i32)
     };
-    place(&FUNCTION, 1).or_else(|| place(&OTHERS, 100))
+    pixel_position(&FUNCTION, 1).or_else(|| pixel_position(&OTHERS, 100))
 }
 
 /// The character of a key, if it is one byte.
@@ -248,10 +248,10 @@ fn character(event: &KeyEvent) -> Option<u8> {
 }
 
 /// A display's words, without the place in a library where they were found.
-fn words(error: &dyn std::fmt::Display) -> String {
-    let said = error.to_string();
-    let words = said.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
-    words.map_or(&said[..], |(_, words)| words).trim_end_matches('.').to_owned()
+fn characters(error: &dyn std::fmt::Display) -> String {
+    let message = error.to_string();
+    let characters = message.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+    characters.map_or(&message[..], |(_, characters)| characters).trim_end_matches('.').to_owned()
 }
 
 impl App<'_> {
@@ -261,7 +261,7 @@ impl App<'_> {
         let attributes = Window::default_attributes()
             .with_title(title)
             .with_inner_size(PhysicalSize::new(size[0], size[1]));
-        let window = Rc::new(events.create_window(attributes).map_err(|error| words(&error))?);
+        let window = Rc::new(events.create_window(attributes).map_err(|error| characters(&error))?);
         let context = Context::new(window.clone()).map_err(|error| error.to_string())?;
         let surface = Surface::new(&context, window.clone()).map_err(|error| error.to_string())?;
         self.happened.push_back(Event::Resized(window.inner_size().into()));

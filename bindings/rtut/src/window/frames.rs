@@ -196,13 +196,13 @@ mod tests {
                     swap(&window, &model);
                 }
                 let (state, stage) = (model.0.borrow(), window.0.borrow());
-                let kept = stage.memories();
+                let retained = stage.memories();
                 for memory in
                     [Some(state.next).filter(|&next| next != 0), state.in_flight].into_iter().flatten()
                 {
-                    assert!(kept.contains(&memory), "way {way}, step {step}: freed while in use");
+                    assert!(retained.contains(&memory), "way {way}, step {step}: freed while in use");
                 }
-                assert!(kept.len() <= 3, "way {way}, step {step}: {} buffers", kept.len());
+                assert!(retained.len() <= 3, "way {way}, step {step}: {} buffers", retained.len());
                 let ended = u64::from(state.ended - before.1);
                 assert_eq!(
                     stage.pictures - before.0,

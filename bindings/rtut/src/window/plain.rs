@@ -10,7 +10,7 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
     let mut size = [0; 2];
     program.stage(&mut |stage| size = stage.size);
     program.reshape(size);
-    let mut seen = 0;
+    let mut displayed = 0;
     loop {
         let (mut is_stale, mut is_leaving) = (false, false);
         program.stage(&mut |stage| {
@@ -23,7 +23,7 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
             program.display();
         }
         let mut is_over = false;
-        keep(program, settings, &mut seen)?;
+        keep(program, settings, &mut displayed)?;
         program.stage(&mut |stage| is_over = settings.is_enough(stage.pictures));
         if is_over {
             break;
@@ -41,18 +41,18 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
     if !is_enough {
         program.finish();
     }
-    keep(program, settings, &mut seen)
+    keep(program, settings, &mut displayed)
 }
 
 /// Writes the picture if it is a new one.
-pub(super) fn keep(program: &dyn Program, settings: &Settings, seen: &mut u64) -> Result<(), String> {
+pub(super) fn keep(program: &dyn Program, settings: &Settings, displayed: &mut u64) -> Result<(), String> {
     let mut outcome = Ok(());
     program.stage(&mut |stage| {
-        if stage.pictures == *seen {
+        if stage.pictures == *displayed {
             return;
         }
-        let path = settings.file(*seen);
-        *seen = stage.pictures;
+        let path = settings.file(*displayed);
+        *displayed = stage.pictures;
         if let Some(path) = path {
             let mut bytes = Vec::new();
             let written = write_ppm(&mut bytes, stage.screen_size, &stage.screen);

@@ -47,8 +47,8 @@ impl Settings {
 mod tests {
     use super::*;
 
-    fn read(words: &[(&str, &str)]) -> Settings {
-        Settings::read(|name| words.iter().find(|word| word.0 == name).map(|word| word.1.into()))
+    fn read(characters: &[(&str, &str)]) -> Settings {
+        Settings::read(|name| characters.iter().find(|token| token.0 == name).map(|token| token.1.into()))
     }
 
     #[test]

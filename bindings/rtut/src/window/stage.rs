@@ -11,7 +11,7 @@ pub(crate) struct Stage {
     pub(crate) size: [u32; 2],
     pub(crate) title: String,
     /// Whether a program has asked for a window.
-    pub(crate) is_wanted: bool,
+    pub(crate) is_requested: bool,
     /// Whether a new frame is wanted.
     pub(crate) is_stale: bool,
     pub(crate) is_leaving: bool,
@@ -52,7 +52,7 @@ impl Default for Stage {
         Self {
             size: [640, 480],
             title: String::new(),
-            is_wanted: false,
+            is_requested: false,
             is_stale: true,
             is_leaving: false,
             waker: None,
@@ -111,8 +111,8 @@ impl Stage {
         let is_busy = |buffer: &Buffer| busy.contains(&buffer.bytes.as_ptr().addr());
         self.buffers.retain(|buffer| buffer.size == size || is_busy(buffer));
         let free = self.buffers.iter().position(|buffer| buffer.size == size && !is_busy(buffer));
-        let place = match free {
-            Some(place) => place,
+        let pixel_position = match free {
+            Some(pixel_position) => pixel_position,
             None => {
                 let length = 3 * size[0] as usize * size[1] as usize;
                 let mut bytes = Vec::new();
@@ -123,7 +123,7 @@ impl Stage {
             }
         };
         // libOpenRT will write there, behind the back of the compiler.
-        Some((self.buffers[place].bytes.as_mut_ptr().expose_provenance(), size))
+        Some((self.buffers[pixel_position].bytes.as_mut_ptr().expose_provenance(), size))
     }
 
     /// Shows the buffer that begins there; nothing writes to it any more.

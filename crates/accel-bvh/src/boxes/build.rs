@@ -32,26 +32,27 @@ impl BoxIndex {
     ) -> Result<Self, BuildError> {
         let most = if boxes.len() <= FEW { FEW } else { MOST };
         let treelets = build_parts(boxes, PartOptions { most, quality }, threads, watch, |tree| {
-            Treelet::new(&tree, |place| (place, boxes[place as usize])).moving(boxes_at)
+            Treelet::new(&tree, |member_index| (member_index, boxes[member_index as usize])).moving(boxes_at)
         })?;
         let bytes: usize = treelets.iter().map(Treelet::memory_bytes).sum();
         watch.take(bytes + size_of::<u32>() * boxes.len());
         watch.result()?;
-        let mut homes = vec![0; boxes.len()];
+        let mut owners = vec![0; boxes.len()];
         let mut count = 0;
-        for (home, treelet) in (1..).zip(&treelets) {
-            for (place, _) in treelet.members() {
-                homes[place as usize] = home;
+        for (owner, treelet) in (1..).zip(&treelets) {
+            for (member_index, _) in treelet.members() {
+                owners[member_index as usize] = owner;
                 count += 1;
             }
         }
-        let homes = threads.run(|parallel| SharedList::new(homes.len(), parallel, |place| homes[place]));
+        let owners = threads
+            .run(|parallel| SharedList::new(owners.len(), parallel, |member_index| owners[member_index]));
         let upper = upper(&treelets, quality, threads)?;
         let built_treelets = treelets.len();
         let mut index = Self {
             treelets,
             upper,
-            homes,
+            owners,
             origin,
             bounds: Aabb::EMPTY,
             greatest: 0.0,
@@ -110,24 +111,24 @@ mod tests {
                 let watch = Watch::new(&());
                 let index = BoxIndex::build(&boxes, &|_| None, [0.0; 3], quality, Threads::Single, &watch)
                     .expect("nobody stops it");
-                let mut seen = vec![0; count];
-                for (home, treelet) in (1..).zip(&index.treelets) {
+                let mut visited = vec![0; count];
+                for (owner, treelet) in (1..).zip(&index.treelets) {
                     assert!(
                         treelet.members().count() <= if count > FEW { MOST } else { FEW },
                         "not too many"
                     );
-                    for (place, bounds) in treelet.members() {
-                        assert_eq!(bounds, boxes[place as usize], "it has its box");
-                        assert_eq!(index.homes[place as usize], home, "and knows its home");
-                        seen[place as usize] += 1;
+                    for (member_index, bounds) in treelet.members() {
+                        assert_eq!(bounds, boxes[member_index as usize], "it has its box");
+                        assert_eq!(index.owners[member_index as usize], owner, "and knows its home");
+                        visited[member_index as usize] += 1;
                     }
                 }
                 let shown = |i: usize| usize::from(!boxes[i].is_empty());
-                assert!(seen.iter().enumerate().all(|(i, &n)| n == shown(i)), "each is there once");
-                assert_eq!(index.count(), seen.iter().sum::<usize>(), "as many as there are");
+                assert!(visited.iter().enumerate().all(|(i, &n)| n == shown(i)), "each is there once");
+                assert_eq!(index.count(), visited.iter().sum::<usize>(), "as many as there are");
                 let numbers: Vec<u32> = index.upper.members().map(|(number, _)| number).collect();
-                let wanted = if index.treelets.len() > 1 { index.treelets.len() } else { 0 };
-                assert_eq!(numbers.len(), wanted, "all treelets are in the upper one");
+                let expected = if index.treelets.len() > 1 { index.treelets.len() } else { 0 };
+                assert_eq!(numbers.len(), expected, "all treelets are in the upper one");
                 let whole = boxes.iter().fold(Aabb::EMPTY, |all, bounds| all.union(bounds));
                 assert_eq!(index.bounds(), whole, "around all");
             }
@@ -143,9 +144,9 @@ mod tests {
             let index = BoxIndex::build(&boxes, &|_| None, [0.0; 3], Quality::Medium, threads, &watch);
             index.expect("nobody stops it")
         };
-        let (alone, together) = (build(Threads::Single), build(Threads::Pool(&pool)));
-        assert_eq!(alone.treelets.len(), together.treelets.len(), "as many treelets");
-        for (a, b) in alone.treelets.iter().zip(&together.treelets).chain([(&alone.upper, &together.upper)]) {
+        let (single, joint) = (build(Threads::Single), build(Threads::Pool(&pool)));
+        assert_eq!(single.treelets.len(), joint.treelets.len(), "as many treelets");
+        for (a, b) in single.treelets.iter().zip(&joint.treelets).chain([(&single.upper, &joint.upper)]) {
             assert_eq!(a.nodes(), b.nodes(), "the same nodes");
         }
     }

@@ -4,7 +4,7 @@
 //! Tests: `tests/instances.rs`, `tests/closest_point.rs` and `tests/limits.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
-use gnurt_simd::{Simd, StackRoom, prelude::*};
+use gnurt_simd::{Simd, StackBuffer, prelude::*};
 
 use super::BoxIndex;
 use crate::node::{Child, WIDTH};
@@ -57,15 +57,15 @@ impl BoxIndex {
 const ROOT: Child = Child::node(0);
 
 /// What waits in the upper treelet, which is built as any tree, and in those below: scenes in one another hold one of these each.
-type Long = StackRoom<u64, { 8 * DEEPEST }>;
-type Short = StackRoom<u64, { 8 * DEEPEST_TREELET }>;
+type Long = StackBuffer<u64, { 8 * DEEPEST }>;
+type Short = StackBuffer<u64, { 8 * DEEPEST_TREELET }>;
 
 /// From `start` on, calls `enter` with the members whose boxes the ray meets before `reach`, and with that; it answers with
 /// the new one. Returns the last one, and the number of nodes visited.
 #[inline(always)]
 fn search_nodes<S: Simd, const WAIT: usize>(
     simd: S,
-    room: StackRoom<u64, WAIT>,
+    buffer: StackBuffer<u64, WAIT>,
     nodes: &(impl Nodes + ?Sized),
     start: Child,
     ray: &NodeRay<S>,
@@ -73,7 +73,7 @@ fn search_nodes<S: Simd, const WAIT: usize>(
     mut enter: impl FnMut(usize, f32) -> f32,
 ) -> (f32, u32) {
     let visited = walk_with(
-        room,
+        buffer,
         nodes,
         simd,
         start,
@@ -128,7 +128,11 @@ pub(super) fn search_treelet<S: Simd>(
     match treelet.at_keys() {
         None => simd.vectorize(
             #[inline(always)]
-            || search_nodes(simd, Short::new(), treelet.nodes(), start, ray, reach, |place, _| enter(place)),
+            || {
+                search_nodes(simd, Short::new(), treelet.nodes(), start, ray, reach, |member_index, _| {
+                    enter(member_index)
+                })
+            },
         ),
         Some(keys) => search_keys(simd, keys, start, ray, time, reach, enter),
     }
@@ -147,7 +151,17 @@ fn search_keys<S: Simd>(
 ) -> (f32, u32) {
     simd.vectorize(
         #[inline(always)]
-        || search_nodes(simd, Short::new(), &keys.between(time), start, ray, reach, |place, _| enter(place)),
+        || {
+            search_nodes(
+                simd,
+                Short::new(),
+                &keys.interpolated(time),
+                start,
+                ray,
+                reach,
+                |member_index, _| enter(member_index),
+            )
+        },
     )
 }
 
@@ -163,7 +177,7 @@ pub(super) fn search_upper<S: Simd>(
 ) -> u32 {
     match upper.at_keys() {
         None => below.search(simd, upper.nodes(), start, ray, reach, enter),
-        Some(keys) => below.search(simd, &keys.between(below.time), start, ray, reach, enter),
+        Some(keys) => below.search(simd, &keys.interpolated(below.time), start, ray, reach, enter),
     }
 }
 
@@ -252,7 +266,7 @@ fn near_treelet<S: Simd>(
 ) -> f64 {
     simd.vectorize(
         #[inline(always)]
-        || near_nodes(simd, treelet, around, radius, |place, _| enter(place)),
+        || near_nodes(simd, treelet, around, radius, |member_index, _| enter(member_index)),
     )
 }
 

@@ -7,11 +7,11 @@
 
 use gnurt_accel_core::beam::{Beam, Slopes};
 use gnurt_accel_core::bits::{TILE, all, each};
-use gnurt_accel_core::heading::Heading;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::tile::LANES;
-use gnurt_accel_core::trip::TileTrip;
-use gnurt_simd::{Simd, StackRoom, prelude::*};
+use gnurt_accel_core::traversal::TileTraversal;
+use gnurt_simd::{Simd, StackBuffer, prelude::*};
 
 use super::BoxIndex;
 use super::search::{Below, search_treelet, search_upper};
@@ -38,7 +38,7 @@ enum Stop {
     /// A block, with many rays.
     Block(usize),
     /// A child, with rays that go on alone.
-    Alone(Child),
+    SingleRays(Child),
 }
 
 /// Where intervals leave this many boxes of a node, rays are tested one by one.
@@ -54,23 +54,31 @@ impl BoxIndex {
     pub(crate) fn search_tile<S: Simd>(
         &self,
         simd: S,
-        heading: Heading,
-        trip: &mut TileTrip,
-        enter: &mut dyn FnMut(usize, &mut TileTrip),
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+        enter: &mut dyn FnMut(usize, &mut TileTraversal),
     ) {
-        let count = TILE - trip.active.leading_zeros() as usize;
+        let count = TILE - traversal.active.leading_zeros() as usize;
         let mut slopes = Slopes::EMPTY;
-        slopes.prepare(simd, trip.rays, count, heading);
-        let whole = slopes.all_ranges(simd, trip.rays, count);
-        let beam = Beam::new(&whole.relative_to(self.origin), heading, self.greatest());
-        let farthest = slopes.steps_ahead(simd, trip.nearest, count);
-        let shot =
-            &mut Shot { index: self, beam, slopes, count, heading, farthest, planes: None, visited: 0 };
+        slopes.prepare(simd, traversal.rays, count, direction_class);
+        let whole = slopes.all_ranges(simd, traversal.rays, count);
+        let beam = Beam::new(&whole.relative_to(self.origin), direction_class, self.greatest());
+        let farthest = slopes.steps_ahead(simd, traversal.nearest, count);
+        let shot = &mut Shot {
+            index: self,
+            beam,
+            slopes,
+            count,
+            direction_class,
+            farthest,
+            planes: None,
+            visited: 0,
+        };
         match &self.treelets[..] {
-            [only] => tile_treelet(simd, only, all(count), shot, trip, enter),
-            treelets => tile_upper(simd, &self.upper, treelets, shot, trip, enter),
+            [only] => tile_treelet(simd, only, all(count), shot, traversal, enter),
+            treelets => tile_upper(simd, &self.upper, treelets, shot, traversal, enter),
         }
-        trip.counters.nodes += shot.visited;
+        traversal.counters.nodes += shot.visited;
     }
 }
 
@@ -81,7 +89,7 @@ struct Shot<'a> {
     slopes: Slopes,
     /// How many rays there are.
     count: usize,
-    heading: Heading,
+    direction_class: DirectionClass,
     /// How many steps any ray still looks ahead.
     farthest: f32,
     /// Each ray by itself, once somebody asks. Not on the stack, which scenes in one another share.
@@ -93,20 +101,20 @@ struct Shot<'a> {
 impl Shot<'_> {
     /// The rays by themselves.
     #[inline(always)]
-    fn planes<S: Simd>(&mut self, simd: S, trip: &TileTrip) -> &TilePlanes {
+    fn planes<S: Simd>(&mut self, simd: S, traversal: &TileTraversal) -> &TilePlanes {
         if self.planes.is_none() {
-            self.planes = Some(self.prepared(simd, trip));
+            self.planes = Some(self.prepared(simd, traversal));
         }
         self.planes.as_deref().unwrap_or(const { &TilePlanes::EMPTY })
     }
 
     #[cold]
     #[inline(never)]
-    fn prepared<S: Simd>(&self, simd: S, trip: &TileTrip) -> Box<TilePlanes> {
+    fn prepared<S: Simd>(&self, simd: S, traversal: &TileTraversal) -> Box<TilePlanes> {
         let BoxIndex { origin, .. } = *self.index;
         simd.vectorize(
             #[inline(always)]
-            || Box::new(TilePlanes::of(simd, trip.rays, self.count, origin, self.index.greatest())),
+            || Box::new(TilePlanes::of(simd, traversal.rays, self.count, origin, self.index.greatest())),
         )
     }
 
@@ -117,7 +125,7 @@ impl Shot<'_> {
         simd: S,
         node: &Node8,
         bits: u64,
-        trip: &TileTrip,
+        traversal: &TileTraversal,
         mut each: impl FnMut(usize, f32, u64),
     ) {
         let (mut places, near) = self.beam.meet(simd, &node.rows, self.farthest);
@@ -125,40 +133,47 @@ impl Shot<'_> {
         let mut masks = [bits; WIDTH];
         if places.count_ones() >= MANY {
             masks = [0; WIDTH];
-            let (count, heading) = (self.count, self.heading);
-            let planes = self.planes(simd, trip);
+            let (count, direction_class) = (self.count, self.direction_class);
+            let planes = self.planes(simd, traversal);
             for at in (0..count).step_by(LANES) {
                 if bits >> at & 0xffff != 0 {
-                    let planes = planes.chunk(simd, heading, trip.rays, trip.nearest, at);
+                    let planes = planes.chunk(simd, direction_class, traversal.rays, traversal.nearest, at);
                     let mut left = places;
                     while left != 0 {
-                        let place = left.trailing_zeros() as usize & (WIDTH - 1);
+                        let member_index = left.trailing_zeros() as usize & (WIDTH - 1);
                         left &= left - 1;
-                        masks[place] |= planes.meet(simd, node, place) << at;
+                        masks[member_index] |= planes.meet(simd, node, member_index) << at;
                     }
                 }
             }
         }
         while places != 0 {
-            let place = places.trailing_zeros() as usize & (WIDTH - 1);
+            let member_index = places.trailing_zeros() as usize & (WIDTH - 1);
             places &= places - 1;
-            if masks[place] & bits != 0 {
-                each(place, near[place], masks[place] & bits);
+            if masks[member_index] & bits != 0 {
+                each(member_index, near[member_index], masks[member_index] & bits);
             }
         }
     }
 
     /// Which of the rays, each at its moment, may meet the member at a place of a block that moves.
     #[inline(never)]
-    fn at_moments<S: Simd>(&mut self, simd: S, member: MovingMember, trip: &TileTrip) -> u64 {
-        let (count, heading) = (self.count, self.heading);
-        let planes = self.planes(simd, trip);
+    fn at_ray_times<S: Simd>(&mut self, simd: S, member: MovingMember, traversal: &TileTraversal) -> u64 {
+        let (count, direction_class) = (self.count, self.direction_class);
+        let planes = self.planes(simd, traversal);
         simd.vectorize(
             #[inline(always)]
             || {
                 let chunks = (0..count).step_by(LANES);
                 chunks.fold(0, |bits, at| {
-                    bits | planes.meet_moving(simd, &member, heading, trip.rays, trip.nearest, at) << at
+                    bits | planes.meet_moving(
+                        simd,
+                        &member,
+                        direction_class,
+                        traversal.rays,
+                        traversal.nearest,
+                        at,
+                    ) << at
                 })
             },
         )
@@ -166,14 +181,14 @@ impl Shot<'_> {
 
     /// Those that still look for something, which only any hits change.
     #[inline(always)]
-    fn looking<S: Simd>(&self, simd: S, trip: &TileTrip) -> u64 {
-        if trip.kind == Kind::Any { trip.nearest.looking(simd) } else { u64::MAX }
+    fn looking<S: Simd>(&self, simd: S, traversal: &TileTraversal) -> u64 {
+        if traversal.kind == Kind::Any { traversal.nearest.looking(simd) } else { u64::MAX }
     }
 
     /// After hits.
     #[inline(always)]
-    fn look_again<S: Simd>(&mut self, simd: S, trip: &TileTrip) {
-        self.farthest = self.slopes.steps_ahead(simd, trip.nearest, self.count);
+    fn update_reach<S: Simd>(&mut self, simd: S, traversal: &TileTraversal) {
+        self.farthest = self.slopes.steps_ahead(simd, traversal.nearest, self.count);
     }
 
     /// Each ray in `bits` by itself: `search` is given the ray, its moment, where it ends, and what to call for the places of
@@ -183,28 +198,28 @@ impl Shot<'_> {
         &mut self,
         simd: S,
         bits: u64,
-        trip: &mut TileTrip,
-        enter: &mut dyn FnMut(usize, &mut TileTrip),
+        traversal: &mut TileTraversal,
+        enter: &mut dyn FnMut(usize, &mut TileTraversal),
         mut search: impl FnMut(&NodeRay<S>, f32, f32, &mut dyn FnMut(usize) -> f32) -> u32,
     ) {
-        let rows = self.heading.rows();
+        let rows = self.direction_class.rows();
         let mut visited = 0;
-        let planes = self.planes(simd, trip);
+        let planes = self.planes(simd, traversal);
         each(
             bits,
             #[inline(always)]
             |i| {
-                let ray = planes.alone(simd, i, rows, trip.rays.t_near[i % TILE]);
-                let (time, reach) = (trip.rays.time[i % TILE], trip.nearest.t[i % TILE]);
-                let trip = &mut trip.only(1 << i);
-                visited += u64::from(search(&ray, time, reach, &mut |place| {
-                    enter(place, trip);
-                    trip.nearest.t[i % TILE]
+                let ray = planes.single_rays(simd, i, rows, traversal.rays.t_near[i % TILE]);
+                let (time, reach) = (traversal.rays.time[i % TILE], traversal.nearest.t[i % TILE]);
+                let traversal = &mut traversal.only(1 << i);
+                visited += u64::from(search(&ray, time, reach, &mut |member_index| {
+                    enter(member_index, traversal);
+                    traversal.nearest.t[i % TILE]
                 }));
             },
         );
         self.visited += visited;
-        self.look_again(simd, trip);
+        self.update_reach(simd, traversal);
     }
 }
 
@@ -216,25 +231,25 @@ fn walk_masks<'a, S: Simd>(
     nodes: &[Node8],
     bits: u64,
     shot: &mut Shot<'a>,
-    trip: &mut TileTrip,
-    mut stop: impl FnMut(&mut Shot<'a>, Stop, u64, &mut TileTrip),
+    traversal: &mut TileTraversal,
+    mut stop: impl FnMut(&mut Shot<'a>, Stop, u64, &mut TileTraversal),
 ) {
-    let mut room = StackRoom::<Entry, MOST_WAIT>::new();
-    let mut waiting = room.stack();
+    let mut buffer = StackBuffer::<Entry, MOST_WAIT>::new();
+    let mut waiting = buffer.stack();
     waiting.push(Entry { steps: f32::NEG_INFINITY, child: Child::node(0), rays: bits });
     while let Some(Entry { steps, child, rays }) = waiting.pop() {
-        let bits = rays & shot.looking(simd, trip);
+        let bits = rays & shot.looking(simd, traversal);
         if steps > shot.farthest || bits == 0 {
             continue;
         }
         if bits.count_ones() <= FEW || waiting.len() + WIDTH > MOST_WAIT {
-            stop(shot, Stop::Alone(child), bits, trip);
+            stop(shot, Stop::SingleRays(child), bits, traversal);
             continue;
         }
         shot.visited += u64::from(bits.count_ones());
         if child.is_leaf() {
             for block in child.blocks() {
-                stop(shot, Stop::Block(block), bits, trip);
+                stop(shot, Stop::Block(block), bits, traversal);
             }
             continue;
         }
@@ -244,10 +259,10 @@ fn walk_masks<'a, S: Simd>(
             simd,
             node,
             bits,
-            trip,
+            traversal,
             #[inline(always)]
-            |place, steps, rays| {
-                waiting.push(Entry { steps, child: node.child(place), rays });
+            |member_index, steps, rays| {
+                waiting.push(Entry { steps, child: node.child(member_index), rays });
                 pushed += 1;
             },
         );
@@ -262,8 +277,8 @@ fn tile_treelet<S: Simd>(
     treelet: &Treelet,
     bits: u64,
     shot: &mut Shot,
-    trip: &mut TileTrip,
-    enter: &mut dyn FnMut(usize, &mut TileTrip),
+    traversal: &mut TileTraversal,
+    enter: &mut dyn FnMut(usize, &mut TileTraversal),
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -274,14 +289,14 @@ fn tile_treelet<S: Simd>(
                 nodes,
                 bits,
                 shot,
-                trip,
+                traversal,
                 #[inline(always)]
-                |shot, stop, bits, trip| match stop {
-                    Stop::Block(at) => enter_block(simd, treelet, at, bits, shot, trip, enter),
-                    Stop::Alone(child) => shot.go_alone(
+                |shot, stop, bits, traversal| match stop {
+                    Stop::Block(at) => enter_block(simd, treelet, at, bits, shot, traversal, enter),
+                    Stop::SingleRays(child) => shot.go_alone(
                         simd,
                         bits,
-                        trip,
+                        traversal,
                         enter,
                         #[inline(always)]
                         |ray, time, reach, enter| {
@@ -311,8 +326,8 @@ fn enter_block<S: Simd>(
     at: usize,
     bits: u64,
     shot: &mut Shot,
-    trip: &mut TileTrip,
-    enter: &mut dyn FnMut(usize, &mut TileTrip),
+    traversal: &mut TileTraversal,
+    enter: &mut dyn FnMut(usize, &mut TileTraversal),
 ) {
     let block = &treelet.nodes()[at];
     let (mut members, mut count): ([Met; WIDTH], usize) = ([(0, 0.0, 0); WIDTH], 0);
@@ -320,7 +335,7 @@ fn enter_block<S: Simd>(
         simd,
         block,
         bits,
-        trip,
+        traversal,
         #[inline(always)]
         |lane, steps, rays| {
             members[count & (WIDTH - 1)] = (lane, steps, rays);
@@ -329,18 +344,18 @@ fn enter_block<S: Simd>(
     );
     farthest_first(&mut members[..count], rank);
     for &(lane, steps, rays) in members[..count].iter().rev() {
-        let mut rays = rays & trip.nearest.looking(simd);
+        let mut rays = rays & traversal.nearest.looking(simd);
         if steps > shot.farthest {
             break;
         }
         if let Some(keys) = treelet.at_keys()
             && keys.moves(at, lane)
         {
-            rays &= shot.at_moments(simd, MovingMember { keys, block: at, lane }, trip);
+            rays &= shot.at_ray_times(simd, MovingMember { keys, block: at, lane }, traversal);
         }
         if rays != 0 {
-            enter(block.child(lane).index(), &mut trip.only(rays));
-            shot.look_again(simd, trip);
+            enter(block.child(lane).index(), &mut traversal.only(rays));
+            shot.update_reach(simd, traversal);
         }
     }
 }
@@ -352,8 +367,8 @@ fn tile_upper<S: Simd>(
     upper: &Treelet,
     treelets: &[Treelet],
     shot: &mut Shot,
-    trip: &mut TileTrip,
-    enter: &mut dyn FnMut(usize, &mut TileTrip),
+    traversal: &mut TileTraversal,
+    enter: &mut dyn FnMut(usize, &mut TileTraversal),
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -364,9 +379,9 @@ fn tile_upper<S: Simd>(
                 nodes,
                 bits,
                 shot,
-                trip,
+                traversal,
                 #[inline(always)]
-                |shot, stop, bits, trip| match stop {
+                |shot, stop, bits, traversal| match stop {
                     Stop::Block(at) => {
                         let block = &nodes[at];
                         let (mut members, mut count): ([Met; WIDTH], usize) = ([(0, 0.0, 0); WIDTH], 0);
@@ -374,7 +389,7 @@ fn tile_upper<S: Simd>(
                             simd,
                             block,
                             bits,
-                            trip,
+                            traversal,
                             #[inline(always)]
                             |lane, steps, rays| {
                                 members[count & (WIDTH - 1)] = (block.child(lane).index(), steps, rays);
@@ -383,13 +398,13 @@ fn tile_upper<S: Simd>(
                         );
                         farthest_first(&mut members[..count], rank);
                         for &(number, _, rays) in members[..count].iter().rev() {
-                            tile_treelet(simd, &treelets[number], rays, shot, trip, enter);
+                            tile_treelet(simd, &treelets[number], rays, shot, traversal, enter);
                         }
                     }
-                    Stop::Alone(child) => shot.go_alone(
+                    Stop::SingleRays(child) => shot.go_alone(
                         simd,
                         bits,
-                        trip,
+                        traversal,
                         enter,
                         #[inline(always)]
                         |ray, time, reach, enter| {

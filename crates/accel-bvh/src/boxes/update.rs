@@ -25,7 +25,7 @@ const MANY: usize = 4;
 pub type BoxEdit = (u32, Option<Aabb>);
 
 /// What is to be done in a treelet.
-struct Due<'a> {
+struct DirtyTreelet<'a> {
     number: usize,
     edits: &'a [BoxEdit],
 }
@@ -35,7 +35,7 @@ impl BoxIndex {
     /// move, of all that are there then.
     #[must_use]
     pub fn updated(&self, edits: &[BoxEdit], boxes_at: BoxesAt, threads: Threads) -> Self {
-        let length = edits.last().map_or(0, |edit| edit.0 as usize + 1).max(self.homes.len());
+        let length = edits.last().map_or(0, |edit| edit.0 as usize + 1).max(self.owners.len());
         let fits = if self.treelets.len() == 1 { length <= FEW } else { self.treelets.len() > 1 };
         if !fits || edits.len() > self.count / MANY {
             return self.built_again(edits, length, boxes_at, threads);
@@ -43,7 +43,7 @@ impl BoxIndex {
         let orders = threads.run(|parallel| self.orders(edits, parallel));
         let made = self.made(&orders, boxes_at, threads);
         let mut after = self.clone();
-        after.homes.grow(length);
+        after.owners.grow(length);
         after.rehome(&orders, edits, threads);
         let mut touched: Vec<(u32, Option<Aabb>)> = Vec::with_capacity(made.len());
         for (number, mut pieces) in made {
@@ -56,11 +56,12 @@ impl BoxIndex {
                     continue;
                 }
                 after.treelets.push(piece);
-                let home = after.treelets.len() as u32;
-                let members = after.treelets[home as usize - 1].members().map(|(place, _)| place);
+                let owner = after.treelets.len() as u32;
+                let members =
+                    after.treelets[owner as usize - 1].members().map(|(member_index, _)| member_index);
                 let mut members: Vec<u32> = members.collect();
                 members.sort_unstable();
-                after.homes.set_all(&members, false, |_| home);
+                after.owners.set_all(&members, false, |_| owner);
             }
         }
         after.settle(self.treelets.len(), &touched, threads);
@@ -72,18 +73,18 @@ impl BoxIndex {
     }
 
     /// The number of the treelet that has the box of a place.
-    fn home(&self, place: u32) -> Option<usize> {
-        self.homes.get(place as usize).and_then(|&home| (home as usize).checked_sub(1))
+    fn owner(&self, member_index: u32) -> Option<usize> {
+        self.owners.get(member_index as usize).and_then(|&owner| (owner as usize).checked_sub(1))
     }
 
     /// All of it from scratch.
     fn built_again(&self, edits: &[BoxEdit], length: usize, boxes_at: BoxesAt, threads: Threads) -> Self {
         let mut boxes = vec![Aabb::EMPTY; length];
-        for (place, bounds) in self.treelets.iter().flat_map(Treelet::members) {
-            boxes[place as usize] = bounds;
+        for (member_index, bounds) in self.treelets.iter().flat_map(Treelet::members) {
+            boxes[member_index as usize] = bounds;
         }
-        for &(place, bounds) in edits {
-            boxes[place as usize] = bounds.unwrap_or(Aabb::EMPTY);
+        for &(member_index, bounds) in edits {
+            boxes[member_index as usize] = bounds.unwrap_or(Aabb::EMPTY);
         }
         let watch = Watch::new(&());
         // A billion boxes take a hundred times the memory of their tree before.
@@ -93,17 +94,17 @@ impl BoxIndex {
 
     /// What is to be done: treelet, place and box, ascending.
     fn orders(&self, edits: &[BoxEdit], parallel: bool) -> Vec<(u32, BoxEdit)> {
-        let order = |&(place, bounds): &BoxEdit| {
+        let order = |&(member_index, bounds): &BoxEdit| {
             let bounds = bounds.filter(|bounds| !bounds.is_empty());
-            let leave = |home: usize| (home as u32, (place, None));
-            let enter = |home: usize, bounds| (home as u32, (place, Some(bounds)));
-            match (self.home(place), bounds) {
+            let leave = |owner: usize| (owner as u32, (member_index, None));
+            let enter = |owner: usize, bounds| (owner as u32, (member_index, Some(bounds)));
+            match (self.owner(member_index), bounds) {
                 (None, None) => [None, None],
-                (Some(home), None) => [Some(leave(home)), None],
-                (None, Some(bounds)) => [Some(enter(self.best_home(&bounds), bounds)), None],
-                (Some(home), Some(bounds)) => match self.better_home(home, &bounds) {
-                    Some(other) => [Some(leave(home)), Some(enter(other, bounds))],
-                    None => [Some(enter(home, bounds)), None],
+                (Some(owner), None) => [Some(leave(owner)), None],
+                (None, Some(bounds)) => [Some(enter(self.best_owner(&bounds), bounds)), None],
+                (Some(owner), Some(bounds)) => match self.better_owner(owner, &bounds) {
+                    Some(other) => [Some(leave(owner)), Some(enter(other, bounds))],
+                    None => [Some(enter(owner, bounds)), None],
                 },
             }
         };
@@ -116,24 +117,24 @@ impl BoxIndex {
         } else {
             edits.iter().flat_map(|edit| order(edit).into_iter().flatten()).collect()
         };
-        orders.sort_unstable_by_key(|&(number, (place, _))| (number, place));
+        orders.sort_unstable_by_key(|&(number, (member_index, _))| (number, member_index));
         orders
     }
 
     /// The treelet whose box grows least.
-    fn best_home(&self, bounds: &Aabb) -> usize {
+    fn best_owner(&self, bounds: &Aabb) -> usize {
         if self.treelets.len() == 1 { 0 } else { self.upper.best_member(bounds) as usize }
     }
 
     /// Another treelet that would grow less by a box than its home.
-    fn better_home(&self, home: usize, bounds: &Aabb) -> Option<usize> {
+    fn better_owner(&self, owner: usize, bounds: &Aabb) -> Option<usize> {
         let by = |number: usize| growth(&self.treelets[number].bounds(), bounds);
-        let here = by(home);
+        let here = by(owner);
         if here == 0.0 || self.treelets.len() == 1 {
             return None;
         }
-        let other = self.best_home(bounds);
-        (other != home && by(other) < here).then_some(other)
+        let other = self.best_owner(bounds);
+        (other != owner && by(other) < here).then_some(other)
     }
 
     /// Treelets after their orders: one each, several where it had to be parted.
@@ -145,19 +146,19 @@ impl BoxIndex {
     ) -> Vec<(usize, Vec<Treelet>)> {
         let edits: Vec<BoxEdit> = orders.iter().map(|(_, edit)| *edit).collect();
         let mut rest = &edits[..];
-        let mut due = Vec::new();
+        let mut dirty = Vec::new();
         for run in orders.chunk_by(|a, b| a.0 == b.0) {
             let (edits, others) = rest.split_at(run.len());
             rest = others;
-            due.push(Due { number: run[0].0 as usize, edits });
+            dirty.push(DirtyTreelet { number: run[0].0 as usize, edits });
         }
         threads.run(|parallel| {
-            let make = |due: &Due| (due.number, self.remade(due, boxes_at));
-            if parallel { due.par_iter().map(make).collect() } else { due.iter().map(make).collect() }
+            let make = |dirty: &DirtyTreelet| (dirty.number, self.remade(dirty, boxes_at));
+            if parallel { dirty.par_iter().map(make).collect() } else { dirty.iter().map(make).collect() }
         })
     }
 
-    fn remade(&self, Due { number, edits }: &Due, boxes_at: BoxesAt) -> Vec<Treelet> {
+    fn remade(&self, DirtyTreelet { number, edits }: &DirtyTreelet, boxes_at: BoxesAt) -> Vec<Treelet> {
         let before = &self.treelets[*number];
         if let Some(after) = before.edited(edits).filter(|after| !after.is_worn()) {
             return vec![after.moving(boxes_at)];
@@ -174,25 +175,27 @@ impl BoxIndex {
 
     /// Enters the homes of what came and left.
     fn rehome(&mut self, orders: &[(u32, BoxEdit)], edits: &[BoxEdit], threads: Threads) {
-        let mut homes: Vec<(u32, u32)> = orders
+        let mut owners: Vec<(u32, u32)> = orders
             .iter()
-            .filter_map(|&(number, (place, bounds))| bounds.map(|_| (place, number + 1)))
+            .filter_map(|&(number, (member_index, bounds))| bounds.map(|_| (member_index, number + 1)))
             .collect();
-        homes.sort_unstable();
-        let home = |place: u32| match homes.binary_search_by_key(&place, |home| home.0) {
-            Ok(at) => homes[at].1,
+        owners.sort_unstable();
+        let owner = |member_index: u32| match owners.binary_search_by_key(&member_index, |owner| owner.0) {
+            Ok(at) => owners[at].1,
             Err(_) => 0,
         };
-        let other = |&place: &u32| self.homes[place as usize] != home(place);
-        let places: Vec<u32> = edits.iter().map(|edit| edit.0).filter(other).collect();
-        let before = self.home_count(&places);
-        threads.run(|parallel| self.homes.set_all(&places, parallel, |place| home(place as u32)));
-        self.count = self.count + self.home_count(&places) - before;
+        let other = |&member_index: &u32| self.owners[member_index as usize] != owner(member_index);
+        let indices: Vec<u32> = edits.iter().map(|edit| edit.0).filter(other).collect();
+        let before = self.owner_count(&indices);
+        threads.run(|parallel| {
+            self.owners.set_all(&indices, parallel, |member_index| owner(member_index as u32))
+        });
+        self.count = self.count + self.owner_count(&indices) - before;
     }
 
     /// How many of these places have a box.
-    fn home_count(&self, places: &[u32]) -> usize {
-        places.iter().filter(|&&place| self.homes[place as usize] != 0).count()
+    fn owner_count(&self, indices: &[u32]) -> usize {
+        indices.iter().filter(|&&member_index| self.owners[member_index as usize] != 0).count()
     }
 
     /// Brings the upper treelet up to date, where there were so many treelets and these have other boxes.
@@ -221,19 +224,23 @@ mod tests {
 
     /// Every box is in one treelet that is its home, and the upper treelet has the box of each.
     fn check(index: &BoxIndex, boxes: &[Aabb]) {
-        let mut seen = vec![0; boxes.len()];
+        let mut visited = vec![0; boxes.len()];
         for (number, treelet) in index.treelets.iter().enumerate() {
-            for (place, bounds) in treelet.members() {
-                assert_eq!(bounds, boxes[place as usize], "place {place}");
-                assert_eq!(index.home(place), Some(number), "the home of {place}");
-                seen[place as usize] += 1;
+            for (member_index, bounds) in treelet.members() {
+                assert_eq!(bounds, boxes[member_index as usize], "place {member_index}");
+                assert_eq!(index.owner(member_index), Some(number), "the home of {member_index}");
+                visited[member_index as usize] += 1;
             }
         }
-        for (place, &n) in seen.iter().enumerate() {
-            assert_eq!(n, usize::from(!boxes[place].is_empty()), "place {place} is there as often");
-            assert_eq!(index.home(place as u32).is_some(), n == 1, "and has a home");
+        for (member_index, &n) in visited.iter().enumerate() {
+            assert_eq!(
+                n,
+                usize::from(!boxes[member_index].is_empty()),
+                "place {member_index} is there as often"
+            );
+            assert_eq!(index.owner(member_index as u32).is_some(), n == 1, "and has a home");
         }
-        assert_eq!(index.count, seen.iter().sum::<usize>(), "as many as there are");
+        assert_eq!(index.count, visited.iter().sum::<usize>(), "as many as there are");
         for (number, bounds) in index.upper.members() {
             assert_eq!(bounds, index.treelets[number as usize].bounds(), "treelet {number} in the upper one");
         }
@@ -260,8 +267,8 @@ mod tests {
             let len = boxes.len() + 40 * usize::from(step % 3 == 0);
             boxes.resize(len, Aabb::EMPTY);
             let mut edits: Vec<BoxEdit> = Vec::new();
-            for place in 0..len as u32 {
-                let is_new = place as usize + 40 >= len && step % 3 == 0;
+            for member_index in 0..len as u32 {
+                let is_new = member_index as usize + 40 >= len && step % 3 == 0;
                 if is_new || random.below(100) == 0 {
                     // Many come to one corner, whose treelets have no room soon.
                     let near = random.point().map(|x| 0.05 * x);
@@ -270,15 +277,15 @@ mod tests {
                         1 => Some(small(random.point())),
                         _ => Some(small(near)),
                     };
-                    edits.push((place, bounds));
-                    boxes[place as usize] = bounds.unwrap_or(Aabb::EMPTY);
+                    edits.push((member_index, bounds));
+                    boxes[member_index as usize] = bounds.unwrap_or(Aabb::EMPTY);
                 }
             }
             let before = index.treelets.len();
-            let alone = index.updated(&edits, &|_| None, Threads::Single);
+            let single = index.updated(&edits, &|_| None, Threads::Single);
             index = index.updated(&edits, &|_| None, Threads::Pool(&pool));
             check(&index, &boxes);
-            let pairs = alone.treelets.iter().zip(&index.treelets).chain([(&alone.upper, &index.upper)]);
+            let pairs = single.treelets.iter().zip(&index.treelets).chain([(&single.upper, &index.upper)]);
             assert!(pairs.into_iter().all(|(a, b)| a.nodes() == b.nodes()), "threads do not show");
             parted += usize::from(index.treelets.len() > before);
             let fresh = build(&boxes);
@@ -286,9 +293,10 @@ mod tests {
             assert!(cost < 2.0 * least, "step {step}: it costs {cost}, built again {least}");
         }
         assert!(parted > 3, "treelets were parted {parted} times");
-        let all: Vec<BoxEdit> = (0..boxes.len() as u32 / 8).map(|place| (place, None)).collect();
-        for (place, _) in &all {
-            boxes[*place as usize] = Aabb::EMPTY;
+        let all: Vec<BoxEdit> =
+            (0..boxes.len() as u32 / 8).map(|member_index| (member_index, None)).collect();
+        for (member_index, _) in &all {
+            boxes[*member_index as usize] = Aabb::EMPTY;
         }
         check(&index.updated(&all, &|_| None, Threads::Single), &boxes);
     }

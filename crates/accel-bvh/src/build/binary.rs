@@ -106,19 +106,19 @@ impl<'a, P: Primitives> Careful<'a, P> {
         }
         let [left, right] = self.divide(references, &part, depth, workspace);
         let counts = [left.count(), right.count()];
-        let (left_room, right_room) = references.split_at_mut(right.start);
+        let (left_slice, right_slice) = references.split_at_mut(right.start);
         let right = Part { start: 0, end: right.count(), ..right };
         let ((left_size, left_costs), (right_size, right_costs)) = if self.tasks.parallel && large {
-            let mut apart = vec![Vec::new()];
+            let mut split_off = vec![Vec::new()];
             let both = self.tasks.both(
-                || self.subtree(left_room, left, depth + 1, workspace, pieces),
-                || self.subtree(right_room, right, depth + 1, &mut Workspace::new(), &mut apart),
+                || self.subtree(left_slice, left, depth + 1, workspace, pieces),
+                || self.subtree(right_slice, right, depth + 1, &mut Workspace::new(), &mut split_off),
             );
-            pieces.append(&mut apart);
+            pieces.append(&mut split_off);
             both
         } else {
-            let left = self.subtree(left_room, left, depth + 1, workspace, pieces);
-            (left, self.subtree(right_room, right, depth + 1, workspace, pieces))
+            let left = self.subtree(left_slice, left, depth + 1, workspace, pieces);
+            (left, self.subtree(right_slice, right, depth + 1, workspace, pieces))
         };
         if large && self.clusters.is_empty() {
             for (count, size) in counts.into_iter().zip([left_size, right_size]) {
@@ -144,10 +144,10 @@ impl<'a, P: Primitives> Careful<'a, P> {
     ) -> [Part; 2] {
         let scale = self.tasks.scale;
         let count = part.count();
-        let room = references.len();
+        let capacity = references.len();
         let Workspace { bins, buffer, right } = workspace;
         let inside = &mut references[..count];
-        let share = |left: usize, right: usize| (room - left - right) * left / (left + right);
+        let share = |left: usize, right: usize| (capacity - left - right) * left / (left + right);
         let around = |references: &[Reference], start: usize, end: usize| {
             let part = self.tasks.around(&references[start..end]);
             Part { start, end, ..part }
@@ -162,8 +162,8 @@ impl<'a, P: Primitives> Careful<'a, P> {
             return [around(references, 0, left), around(references, start, start + count - left)];
         };
         let least = self.least_overlap.max(LEAST_OWN_OVERLAP * part.bounds.half_area(scale));
-        if room > count && overlap(&found.bounds, scale) > least {
-            let plane = self.tasks.find_plane(inside, &part.bounds, room);
+        if capacity > count && overlap(&found.bounds, scale) > least {
+            let plane = self.tasks.find_plane(inside, &part.bounds, capacity);
             if let Some(plane) = plane.filter(|plane| plane.cost < found.split.cost) {
                 let left = self.tasks.cut(self.primitives, inside, &plane, right);
                 if left > 0 && !right.is_empty() {

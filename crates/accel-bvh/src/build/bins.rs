@@ -77,10 +77,10 @@ impl Bins {
     fn put<S: Simd>(&mut self, simd: S, reference: &Reference, origin: f32x4<S>, scale: f32x4<S>) {
         let reference = reference.load(simd);
         let (low, high) = simd.split_f32x8(reference);
-        let place = simd.cvt_i32_f32x4((high - low - origin) * scale);
-        let place = place.as_array();
-        for ((bounds, counts), &place) in self.bounds.iter_mut().zip(&mut self.counts).zip(place) {
-            let bin = place as usize % BINS;
+        let position = simd.cvt_i32_f32x4((high - low - origin) * scale);
+        let position = position.as_array();
+        for ((bounds, counts), &position) in self.bounds.iter_mut().zip(&mut self.counts).zip(position) {
+            let bin = position as usize % BINS;
             bounds[bin] = Lanes::store(bounds[bin].load(simd).max(reference));
             counts[bin] += 1;
         }

@@ -12,14 +12,14 @@ use crate::node::{Child, Node8, WIDTH};
 use crate::tree::{DEEPEST, Tree};
 
 /// Nodes of this depth and what is below them are made by one thread.
-const ALONE: usize = 3;
+const SINGLE_DEPTH: usize = 3;
 
-/// A node to be made of `node`, to hang at `place` of node `parent`.
+/// A node to be made of `node`, to hang at `lane` of node `parent`.
 #[derive(Clone, Copy)]
 struct Pending {
     from: usize,
     parent: usize,
-    place: usize,
+    lane: usize,
     depth: usize,
 }
 
@@ -42,12 +42,12 @@ pub(super) fn collapse(binary: &[BinaryNode], made: &[Node8], tasks: TaskPool) -
     let source = Source { binary, made };
     let root = binary.last()?;
     let bounds = root.bounds.bounds();
-    let first = Pending { from: binary.len() - 1, parent: 0, place: WIDTH, depth: 0 };
-    let alone = if tasks.parallel { ALONE } else { 0 };
+    let first = Pending { from: binary.len() - 1, parent: 0, lane: WIDTH, depth: 0 };
+    let single_depth = if tasks.parallel { SINGLE_DEPTH } else { 0 };
     let mut parts = Vec::new();
     let mut waiting = vec![first];
     while let Some(next) = waiting.pop() {
-        if next.depth == alone {
+        if next.depth == single_depth {
             parts.push((next, None));
             continue;
         }
@@ -90,7 +90,7 @@ pub(super) fn collapse(binary: &[BinaryNode], made: &[Node8], tasks: TaskPool) -
     }
     for (piece, (next, _)) in parts.iter().enumerate().skip(1) {
         let (bounds, index) = (binary[next.from].bounds.bounds(), starts[piece][0]);
-        nodes[next.parent][0].set(next.place, &bounds, Child::node(index));
+        nodes[next.parent][0].set(next.lane, &bounds, Child::node(index));
     }
     let [node_count, block_count] = starts[starts.len() - 1];
     let mut tree = Tree {
@@ -108,15 +108,15 @@ impl Piece {
     /// All that is below a node; `None` where it would be too deep.
     fn below(source: &Source, first: Pending) -> Option<Self> {
         let mut piece = Self::default();
-        let mut waiting = vec![Pending { place: WIDTH, ..first }];
+        let mut waiting = vec![Pending { lane: WIDTH, ..first }];
         while let Some(next) = waiting.pop() {
             if next.depth >= DEEPEST {
                 return None;
             }
-            if next.place < WIDTH {
+            if next.lane < WIDTH {
                 let index = piece.nodes.len();
                 let bounds = source.binary[next.from].bounds.bounds();
-                piece.nodes[next.parent].set(next.place, &bounds, Child::node(index));
+                piece.nodes[next.parent].set(next.lane, &bounds, Child::node(index));
             }
             piece.add(source, next, &mut waiting);
         }
@@ -136,15 +136,15 @@ impl Piece {
         }
         let mut node = Node8::EMPTY;
         let (mut children, count) = open(binary, from);
-        by_promise(binary, &mut children[..count]);
-        for (place, &child) in children[..count].iter().enumerate().rev() {
+        by_priority(binary, &mut children[..count]);
+        for (lane, &child) in children[..count].iter().enumerate().rev() {
             let from = &binary[child];
             if !from.is_leaf() {
-                waiting.push(Pending { from: child, parent: index, place, depth: depth + 1 });
+                waiting.push(Pending { from: child, parent: index, lane, depth: depth + 1 });
             } else if let Some(block) = from.as_made() {
-                node.set(place, &from.bounds.bounds(), block);
+                node.set(lane, &from.bounds.bounds(), block);
             } else {
-                node.set(place, &from.bounds.bounds(), Child::leaf(self.blocks.len(), 1));
+                node.set(lane, &from.bounds.bounds(), Child::leaf(self.blocks.len(), 1));
                 self.blocks.push(from.numbers);
             }
         }
@@ -154,20 +154,20 @@ impl Piece {
 
 /// Puts children in order, those that rays without an order should visit first last: leaves, where a ray may end, after what
 /// only leads to them, and large ones, which more rays meet, after small ones.
-fn by_promise(binary: &[BinaryNode], children: &mut [usize]) {
-    let promise = |child: usize| {
+fn by_priority(binary: &[BinaryNode], children: &mut [usize]) {
+    let priority = |child: usize| {
         let node = &binary[child];
         (node.is_leaf(), node.bounds.bounds().half_area() as f32)
     };
-    let mut promises = [(false, 0.0); WIDTH];
+    let mut priorities = [(false, 0.0); WIDTH];
     for i in 0..children.len() {
-        let (child, mine) = (children[i], promise(children[i]));
+        let (child, mine) = (children[i], priority(children[i]));
         let mut at = i;
-        while at > 0 && promises[at - 1] > mine {
-            (children[at], promises[at]) = (children[at - 1], promises[at - 1]);
+        while at > 0 && priorities[at - 1] > mine {
+            (children[at], priorities[at]) = (children[at - 1], priorities[at - 1]);
             at -= 1;
         }
-        (children[at], promises[at]) = (child, mine);
+        (children[at], priorities[at]) = (child, mine);
     }
 }
 
@@ -178,18 +178,18 @@ fn open(binary: &[BinaryNode], from: usize) -> ([usize; WIDTH], usize) {
     let (mut closed, mut left) = ([(from, WIDTH); WIDTH], 1);
     while left > 0 {
         left -= 1;
-        let (from, mut places) = closed[left];
-        while places > 1 && binary[from].shares[places] == 0 {
-            places -= 1;
+        let (from, mut slots) = closed[left];
+        while slots > 1 && binary[from].shares[slots] == 0 {
+            slots -= 1;
         }
-        if places == 1 {
+        if slots == 1 {
             children[count] = from;
             count += 1;
             continue;
         }
-        let on_left = binary[from].shares[places] as usize;
+        let on_left = binary[from].shares[slots] as usize;
         let [left_child, right_child] = binary[from].children(from);
-        closed[left] = (right_child, places - on_left);
+        closed[left] = (right_child, slots - on_left);
         closed[left + 1] = (left_child, on_left);
         left += 2;
     }

@@ -27,25 +27,25 @@ pub(super) fn made_costs(area: f32, below: f32) -> Costs {
 /// Costs of a node with two children, given half its surface, and how they share its places.
 pub(super) fn inner_costs(area: f32, left: &Costs, right: &Costs) -> (Costs, Shares) {
     let (mut costs, mut shares) = ([f32::INFINITY; WIDTH], [0; WIDTH + 1]);
-    for places in (2..=WIDTH).rev() {
+    for slots in (2..=WIDTH).rev() {
         let (mut least, mut on_left) = (f32::INFINITY, 1);
-        for share in 1..places {
-            let cost = left[share] + right[places - share];
+        for share in 1..slots {
+            let cost = left[share] + right[slots - share];
             if cost < least {
                 (least, on_left) = (cost, share);
             }
         }
-        shares[places] = on_left as u8;
-        if places < WIDTH {
-            costs[places] = least;
+        shares[slots] = on_left as u8;
+        if slots < WIDTH {
+            costs[slots] = least;
         } else {
             costs[1] = least + NODE * area;
         }
     }
-    for places in 2..WIDTH {
-        if costs[places - 1] <= costs[places] {
-            costs[places] = costs[places - 1];
-            shares[places] = 0;
+    for slots in 2..WIDTH {
+        if costs[slots - 1] <= costs[slots] {
+            costs[slots] = costs[slots - 1];
+            shares[slots] = 0;
         }
     }
     (costs, shares)

@@ -95,17 +95,17 @@ impl Curve {
     /// Primitives of one cell get codes within their own box.
     fn part_cell(&mut self, tasks: TaskPool, middles: &[Middle], entries: &mut [u64]) {
         let at = |&entry: &u64| {
-            let place = middles.binary_search_by_key(&(entry as u32), Middle::number);
-            middles[place.expect("all numbers are there")]
+            let found = middles.binary_search_by_key(&(entry as u32), Middle::number);
+            middles[found.expect("all numbers are there")]
         };
         let inside: Vec<Middle> = entries.iter().map(at).collect();
-        let alone = TaskPool { parallel: false, ..tasks };
-        let grid = Grid::around(alone, &inside);
+        let single = TaskPool { parallel: false, ..tasks };
+        let grid = Grid::around(single, &inside);
         if grid.per_unit == 0.0 {
             // In one point.
             return entries.chunks(CLUSTER).for_each(|some| self.push(some));
         }
-        let mut finer = sorted(alone, grid.entries(alone, &inside));
+        let mut finer = sorted(single, grid.entries(single, &inside));
         self.cut(tasks, middles, &mut finer, BITS);
     }
 
@@ -133,10 +133,10 @@ const WHOLE: f32 = (1 << 23) as f32;
 impl Grid {
     fn around(tasks: TaskPool, middles: &[Middle]) -> Self {
         let piece = |middles: &[Middle]| dispatch_two!(tasks.level, simd => range(simd, middles));
-        let together = |[low, high]: [[f32; 4]; 2], [other_low, other_high]: [[f32; 4]; 2]| {
+        let joint = |[low, high]: [[f32; 4]; 2], [other_low, other_high]: [[f32; 4]; 2]| {
             [[0, 1, 2, 3].map(|k| low[k].min(other_low[k])), [0, 1, 2, 3].map(|k| high[k].max(other_high[k]))]
         };
-        let [low, high] = tasks.fold(middles, &piece, &together);
+        let [low, high] = tasks.fold(middles, &piece, &joint);
         let longest = [0, 1, 2].map(|k| high[k] - low[k]).into_iter().fold(0.0, f32::max);
         let cells = (1 << (BITS / 3)) as f32 * 0.999;
         let per_unit = cells / longest;

@@ -90,17 +90,17 @@ fn lowest(tasks: TaskPool, curve: &Curve, boxes: &[Lanes]) -> Made {
 fn node_over(boxes: &[Lanes], first: usize, scale: f32) -> (Node8, Lanes, f32) {
     let mut order = [(0.0, 0); WIDTH];
     let (mut whole, mut below) = (Lanes::EMPTY, 0.0);
-    for (place, bounds) in boxes.iter().enumerate() {
+    for (index, bounds) in boxes.iter().enumerate() {
         let area = bounds.half_area(scale);
-        order[place] = (area, place);
+        order[index] = (area, index);
         below += area;
         whole = whole.union(bounds);
     }
     let order = &mut order[..boxes.len()];
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut node = Node8::EMPTY;
-    for (place, &(_, block)) in order.iter().enumerate() {
-        node.set(place, &boxes[block].bounds(), Child::leaf(first + block, 1));
+    for (index, &(_, block)) in order.iter().enumerate() {
+        node.set(index, &boxes[block].bounds(), Child::leaf(first + block, 1));
     }
     (node, whole, below)
 }

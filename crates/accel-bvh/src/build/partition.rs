@@ -45,8 +45,8 @@ impl<S: Simd> Mover<S> {
     fn put(&mut self, simd: S, references: &mut [Reference], reference: Reference) {
         let lanes = reference.load(simd);
         let along = |lane: usize| f32x8::splat(simd, reference.0[lane & 7]);
-        let place = (along(self.axis + 4) - along(self.axis) - self.origin) * self.scale;
-        let is_left = place.simd_lt(self.border);
+        let position = (along(self.axis + 4) - along(self.axis) - self.origin) * self.scale;
+        let is_left = position.simd_lt(self.border);
         let nothing = Lanes::EMPTY.load(simd);
         let middle = middle(simd, lanes);
         self.middles[0] = self.middles[0].max(is_left.select(middle, nothing));
@@ -135,19 +135,19 @@ mod tests {
                     let mut buffer = Buffer::EMPTY;
                     let Parted { left, middles } = gnurt_simd::dispatch!(level, simd =>
                         partition(simd, &mut references, &mapping, &split, &mut buffer));
-                    let mut seen = vec![false; count];
+                    let mut visited = vec![false; count];
                     let mut ranges = [Aabb::EMPTY; 2];
-                    for (place, reference) in references.iter().enumerate() {
+                    for (position, reference) in references.iter().enumerate() {
                         let number = reference.number() as usize;
                         assert_eq!(reference.bounds(), boxes[number], "{number} keeps its box");
                         assert_eq!(
-                            place < left,
+                            position < left,
                             is_left(number),
                             "{number} is on its side, {count} at {level}"
                         );
-                        assert!(!std::mem::replace(&mut seen[number], true), "{number} is there once");
+                        assert!(!std::mem::replace(&mut visited[number], true), "{number} is there once");
                         let middle = [0, 1, 2].map(|k| reference.0[k + 4] - reference.0[k]);
-                        let range = &mut ranges[usize::from(place >= left)];
+                        let range = &mut ranges[usize::from(position >= left)];
                         *range = range.union(&Aabb { min: middle, max: middle });
                     }
                     assert_eq!(

@@ -49,7 +49,7 @@ pub(crate) fn build_parts<T: Send>(
         let tasks = tasks.scaled_to(&root);
         let parting = Parting {
             careful: Careful::new(&boxes, tasks, &root, BY_NUMBER),
-            alone: Careful::new(&boxes, TaskPool { parallel: false, ..tasks }, &root, BY_NUMBER_WHEN_DEEP),
+            single: Careful::new(&boxes, TaskPool { parallel: false, ..tasks }, &root, BY_NUMBER_WHEN_DEEP),
             options,
             make: &make,
         };
@@ -65,7 +65,7 @@ pub(crate) fn build_parts<T: Send>(
 
 struct Parting<'a, M> {
     careful: Careful<'a, &'a [Aabb]>,
-    alone: Careful<'a, &'a [Aabb]>,
+    single: Careful<'a, &'a [Aabb]>,
     options: PartOptions,
     make: &'a M,
 }
@@ -95,12 +95,12 @@ impl<T: Send, M: Fn(Tree) -> T + Sync> Parting<'_, M> {
         let (left_references, right_references) = references.split_at_mut(right.start);
         let right = Part { start: 0, end: right.count(), ..right };
         if tasks.parallel && large {
-            let mut apart = Vec::new();
+            let mut split_off = Vec::new();
             tasks.both(
                 || self.part(left_references, left, depth + 1, workspace, parts),
-                || self.part(right_references, right, depth + 1, &mut Workspace::new(), &mut apart),
+                || self.part(right_references, right, depth + 1, &mut Workspace::new(), &mut split_off),
             );
-            parts.append(&mut apart);
+            parts.append(&mut split_off);
         } else {
             self.part(left_references, left, depth + 1, workspace, parts);
             self.part(right_references, right, depth + 1, workspace, parts);
@@ -109,10 +109,10 @@ impl<T: Send, M: Fn(Tree) -> T + Sync> Parting<'_, M> {
 
     /// The tree of a part.
     fn tree(&self, references: &mut [Reference], part: Part) -> Option<Tree> {
-        let mut nodes = self.alone.build(references, part);
+        let mut nodes = self.single.build(references, part);
         if self.options.quality == Quality::High {
-            reinsert(&mut nodes, THOROUGH, self.alone.tasks);
+            reinsert(&mut nodes, THOROUGH, self.single.tasks);
         }
-        collapse(&nodes, &[], self.alone.tasks)
+        collapse(&nodes, &[], self.single.tasks)
     }
 }

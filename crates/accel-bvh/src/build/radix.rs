@@ -28,14 +28,14 @@ pub(super) fn sorted(tasks: TaskPool, mut entries: Vec<u64>) -> Vec<u64> {
     let mut others = vec![0; entries.len()];
     let sizes = distribute(tasks, &entries, &mut others);
     let mut buckets = Vec::with_capacity(sizes.len());
-    let (mut rest, mut rest_of_room) = (&mut others[..], &mut entries[..]);
+    let (mut rest, mut rest_of_scratch) = (&mut others[..], &mut entries[..]);
     for size in sizes {
-        let (bucket, room);
+        let (bucket, scratch);
         (bucket, rest) = rest.split_at_mut(size);
-        (room, rest_of_room) = rest_of_room.split_at_mut(size);
-        buckets.push((bucket, room));
+        (scratch, rest_of_scratch) = rest_of_scratch.split_at_mut(size);
+        buckets.push((bucket, scratch));
     }
-    let one = |(bucket, room): (&mut [u64], &mut [u64])| sort_bucket(bucket, room);
+    let one = |(bucket, scratch): (&mut [u64], &mut [u64])| sort_bucket(bucket, scratch);
     if tasks.parallel {
         buckets.into_par_iter().for_each(one);
     } else {
@@ -65,33 +65,33 @@ fn distribute(tasks: TaskPool, entries: &[u64], into: &mut [u64]) -> Vec<usize> 
         false => vec![count(entries)],
     };
     // Each piece has a place of its own in each bucket.
-    let mut places: Vec<Vec<&mut [u64]>> = counts.iter().map(|_| Vec::with_capacity(BUCKETS)).collect();
+    let mut targets: Vec<Vec<&mut [u64]>> = counts.iter().map(|_| Vec::with_capacity(BUCKETS)).collect();
     let mut rest = into;
     for bucket in 0..BUCKETS {
-        for (counts, places) in counts.iter().zip(&mut places) {
-            let place;
-            (place, rest) = rest.split_at_mut(counts[bucket]);
-            places.push(place);
+        for (counts, targets) in counts.iter().zip(&mut targets) {
+            let position;
+            (position, rest) = rest.split_at_mut(counts[bucket]);
+            targets.push(position);
         }
     }
-    let fill = |(piece, mut places): (&[u64], Vec<&mut [u64]>)| {
+    let fill = |(piece, mut targets): (&[u64], Vec<&mut [u64]>)| {
         let mut filled = [0; BUCKETS];
         for &entry in piece {
             let bucket = bucket(entry);
-            places[bucket][filled[bucket]] = entry;
+            targets[bucket][filled[bucket]] = entry;
             filled[bucket] += 1;
         }
     };
     if tasks.parallel {
-        entries.par_chunks(piece).zip(places).for_each(fill);
+        entries.par_chunks(piece).zip(targets).for_each(fill);
     } else {
-        entries.chunks(piece).zip(places).for_each(fill);
+        entries.chunks(piece).zip(targets).for_each(fill);
     }
     (0..BUCKETS).map(|bucket| counts.iter().map(|counts| counts[bucket]).sum()).collect()
 }
 
 /// Sorts by the bits that buckets were not made by.
-fn sort_bucket(bucket: &mut [u64], room: &mut [u64]) {
+fn sort_bucket(bucket: &mut [u64], scratch: &mut [u64]) {
     if bucket.len() <= FEW {
         return bucket.sort_unstable();
     }
@@ -106,8 +106,8 @@ fn sort_bucket(bucket: &mut [u64], room: &mut [u64]) {
             (*start, end) = (end, end + *start);
         }
     }
-    pass(bucket, room, 0, &mut starts[0]);
-    pass(room, bucket, DIGIT, &mut starts[1]);
+    pass(bucket, scratch, 0, &mut starts[0]);
+    pass(scratch, bucket, DIGIT, &mut starts[1]);
 }
 
 fn pass(from: &[u64], to: &mut [u64], shift: u32, starts: &mut [u32; 1 << DIGIT]) {
@@ -133,7 +133,7 @@ mod tests {
         for count in [0, 1, 100, 5000] {
             // All bits, few of the high ones, few of the low ones, one code.
             for mask in [(1 << BITS) - 1, 0x7ff, 0x3ff0_0000, 0] {
-                let code = |place: u64| (random.bits() & mask) << 32 | place;
+                let code = |position: u64| (random.bits() & mask) << 32 | position;
                 let entries: Vec<u64> = (0..count).map(code).collect();
                 let mut expected = entries.clone();
                 expected.sort_unstable();

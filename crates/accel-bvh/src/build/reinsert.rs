@@ -156,14 +156,14 @@ impl<'a> MovableTree<'a> {
         let area = |at: u32| self.movable(at).bounds.half_area(self.tasks.scale);
         let count = self.movables.len() as u32;
         let mut areas: Vec<f32> = (0..count).step_by(SAMPLE).map(area).collect();
-        let place = ((1.0 - share) * areas.len() as f32) as usize;
-        let place = place.min(areas.len() - 1);
-        let least = *areas.select_nth_unstable_by(place, f32::total_cmp).1;
-        let wanted = |&at: &u32| area(at) >= least && self.may_move(at);
+        let rank = ((1.0 - share) * areas.len() as f32) as usize;
+        let rank = rank.min(areas.len() - 1);
+        let least = *areas.select_nth_unstable_by(rank, f32::total_cmp).1;
+        let may_reinsert = |&at: &u32| area(at) >= least && self.may_move(at);
         if self.tasks.parallel {
-            (0..count).into_par_iter().with_min_len(PIECE).filter(wanted).collect()
+            (0..count).into_par_iter().with_min_len(PIECE).filter(may_reinsert).collect()
         } else {
-            (0..count).filter(wanted).collect()
+            (0..count).filter(may_reinsert).collect()
         }
     }
 

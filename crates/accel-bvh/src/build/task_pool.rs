@@ -96,27 +96,26 @@ impl TaskPool<'_> {
         self,
         references: &[R],
         piece: &(impl Fn(&[R]) -> T + Sync),
-        together: &(impl Fn(T, T) -> T + Sync),
+        joint: &(impl Fn(T, T) -> T + Sync),
     ) -> T {
         if references.len() <= PIECE {
             return piece(references);
         }
         let (left, right) = references.split_at(references.len() / 2);
-        let (left, right) =
-            self.both(|| self.fold(left, piece, together), || self.fold(right, piece, together));
-        together(left, right)
+        let (left, right) = self.both(|| self.fold(left, piece, joint), || self.fold(right, piece, joint));
+        joint(left, right)
     }
 
     /// All of `references` as one part.
     pub(super) fn around(self, references: &[Reference]) -> Part {
         let piece = |piece: &[Reference]| dispatch_two!(self.level, simd => Part::around(simd, piece, 0, piece.len()));
-        let together = |left: Part, right: Part| Part {
+        let joint = |left: Part, right: Part| Part {
             start: 0,
             end: left.end + right.end,
             bounds: left.bounds.union(&right.bounds),
             middles: left.middles.union(&right.middles),
         };
-        self.fold(references, &piece, &together)
+        self.fold(references, &piece, &joint)
     }
 
     /// What is in the bins.
@@ -126,11 +125,11 @@ impl TaskPool<'_> {
             dispatch_two!(self.level, simd => bins.add(simd, piece, mapping));
             bins
         };
-        let together = |mut bins: Bins, others: Bins| {
+        let joint = |mut bins: Bins, others: Bins| {
             bins.merge(&others);
             bins
         };
-        self.fold(references, &piece, &together)
+        self.fold(references, &piece, &joint)
     }
 
     /// Parts pieces on their own, then puts them together.
@@ -191,18 +190,23 @@ impl TaskPool<'_> {
             dispatch_two!(self.level, simd => slabs.add(simd, piece, grid));
             slabs
         };
-        let together = |mut slabs: Slabs, others: Slabs| {
+        let joint = |mut slabs: Slabs, others: Slabs| {
             slabs.merge(&others);
             slabs
         };
-        self.fold(references, &piece, &together)
+        self.fold(references, &piece, &joint)
     }
 
-    /// The best plane through the box `whole` around `references`, with at most `room` parts.
-    pub(super) fn find_plane(self, references: &[Reference], whole: &Lanes, room: usize) -> Option<Plane> {
+    /// The best plane through the box `whole` around `references`, with at most `capacity` parts.
+    pub(super) fn find_plane(
+        self,
+        references: &[Reference],
+        whole: &Lanes,
+        capacity: usize,
+    ) -> Option<Plane> {
         let grid = Grid::new(whole);
         let slabs = self.slabs(references, &grid);
-        dispatch_two!(self.level, simd => slabs.best_plane(simd, &grid, room, self.scale))
+        dispatch_two!(self.level, simd => slabs.best_plane(simd, &grid, capacity, self.scale))
     }
 
     /// Cuts `references` by a plane: what is left of it stays in front, `right` takes the others. Returns how many are

@@ -37,15 +37,15 @@ fn check(boxes: &[Aabb], tree: &Tree) {
         assert_eq!((tree.nodes.len(), tree.blocks.len()), (0, 0), "nothing is built over nothing");
         return;
     }
-    let mut seen = vec![0; boxes.len()];
+    let mut visited = vec![0; boxes.len()];
     let mut used = vec![0; tree.blocks.len()];
     let mut nodes = 1;
     let mut waiting = vec![(0, tree.bounds, 0)];
     while let Some((at, bounds, depth)) = waiting.pop() {
         assert!(depth < DEEPEST, "{depth} is not too deep");
         let node = &tree.nodes[at];
-        for place in 0..WIDTH {
-            let (inner, child) = (node.bounds(place), node.child(place));
+        for lane in 0..WIDTH {
+            let (inner, child) = (node.bounds(lane), node.child(lane));
             if inner.is_empty() {
                 assert_eq!(child, Child::NONE, "nothing is in an empty box");
                 continue;
@@ -61,7 +61,7 @@ fn check(boxes: &[Aabb], tree: &Tree) {
             for block in child.blocks() {
                 used[block] += 1;
                 for &number in tree.blocks[block].iter().filter(|&&number| number != INVALID_ID) {
-                    seen[number as usize] += 1;
+                    visited[number as usize] += 1;
                     assert!(holds(&inner, &boxes[number as usize]), "the leaf {inner:?} holds {number}");
                 }
             }
@@ -69,7 +69,7 @@ fn check(boxes: &[Aabb], tree: &Tree) {
     }
     assert_eq!(nodes, tree.nodes.len(), "all nodes are reached once");
     assert!(used.iter().all(|&times| times == 1), "all blocks are in one leaf");
-    assert!(seen.iter().all(|&times| times == 1), "all primitives are in one leaf");
+    assert!(visited.iter().all(|&times| times == 1), "all primitives are in one leaf");
 }
 
 fn check_all(boxes: Vec<Aabb>) -> Tree {
@@ -188,7 +188,7 @@ fn parts_cover_the_whole() {
     let triangles = needles(&mut random, 2000);
     let tree = build(&triangles, Quality::High, Threads::Single);
     // All boxes that a triangle is seen in: those of leaves, as far as the boxes above reach.
-    let mut seen: Vec<Vec<Aabb>> = vec![Vec::new(); triangles.count()];
+    let mut visited: Vec<Vec<Aabb>> = vec![Vec::new(); triangles.count()];
     let mut waiting = vec![(0, tree.bounds)];
     let shared = |a: &Aabb, b: &Aabb| Aabb {
         min: [0, 1, 2].map(|k| a.min[k].max(b.min[k])),
@@ -196,20 +196,20 @@ fn parts_cover_the_whole() {
     };
     while let Some((at, bounds)) = waiting.pop() {
         let node = &tree.nodes[at];
-        for place in (0..WIDTH).filter(|&place| !node.bounds(place).is_empty()) {
-            let (inner, child) = (shared(&bounds, &node.bounds(place)), node.child(place));
-            assert!(!inner.is_empty(), "{:?} meets {bounds:?}", node.bounds(place));
+        for lane in (0..WIDTH).filter(|&lane| !node.bounds(lane).is_empty()) {
+            let (inner, child) = (shared(&bounds, &node.bounds(lane)), node.child(lane));
+            assert!(!inner.is_empty(), "{:?} meets {bounds:?}", node.bounds(lane));
             if !child.is_leaf() {
                 waiting.push((child.index(), inner));
             }
             for &number in child.blocks().flat_map(|block| &tree.blocks[block]) {
                 if number != INVALID_ID {
-                    seen[number as usize].push(inner);
+                    visited[number as usize].push(inner);
                 }
             }
         }
     }
-    let references: usize = seen.iter().map(Vec::len).sum();
+    let references: usize = visited.iter().map(Vec::len).sum();
     assert!(references > 2100 && references <= 4000, "{references} parts: some are cut, within the budget");
     for (number, [a, b, c]) in triangles.0.iter().enumerate() {
         for _ in 0..50 {
@@ -219,14 +219,18 @@ fn parts_cover_the_whole() {
             let near = |bounds: &Aabb| {
                 (0..3).all(|k| point[k] >= bounds.min[k] - 5e-7 && point[k] <= bounds.max[k] + 5e-7)
             };
-            assert!(seen[number].iter().any(near), "{point:?} of {number} is in one of {:?}", seen[number]);
+            assert!(
+                visited[number].iter().any(near),
+                "{point:?} of {number} is in one of {:?}",
+                visited[number]
+            );
         }
     }
 }
 
 /// Expected steps and blocks of a ray, by areas.
 fn cost(tree: &Tree) -> f64 {
-    let children = |node: &Node8| -> f64 { (0..WIDTH).map(|place| node.bounds(place).half_area()).sum() };
+    let children = |node: &Node8| -> f64 { (0..WIDTH).map(|lane| node.bounds(lane).half_area()).sum() };
     tree.nodes.iter().map(children).sum::<f64>() / tree.bounds.half_area()
 }
 
@@ -257,25 +261,25 @@ fn halves_are_as_good_as_thirds() {
         bounds.max[0] += 50.0;
     }
     let tree = check_all(boxes);
-    let far = (0..WIDTH).filter(|&place| tree.nodes[0].bounds(place).min[0] > 40.0).count();
-    let near = (0..WIDTH).filter(|&place| tree.nodes[0].bounds(place).max[0] < 10.0).count();
+    let far = (0..WIDTH).filter(|&lane| tree.nodes[0].bounds(lane).min[0] > 40.0).count();
+    let near = (0..WIDTH).filter(|&lane| tree.nodes[0].bounds(lane).max[0] < 10.0).count();
     assert_eq!(near + far, WIDTH, "no child of the root holds some of both");
 }
 
 /// Least cost of a node in so many places of a node, by trying everything; nodes as in `binary`.
-fn least_cost(nodes: &[BinaryNode], at: usize, places: usize) -> f64 {
+fn least_cost(nodes: &[BinaryNode], at: usize, slots: usize) -> f64 {
     let node = &nodes[at];
     let area = node.bounds.bounds().half_area();
     if node.count > 0 {
         return area;
     }
     let [left, right] = node.children(at);
-    let opened = |places: usize| {
+    let opened = |slots: usize| {
         let shared =
-            |on_left: usize| least_cost(nodes, left, on_left) + least_cost(nodes, right, places - on_left);
-        (1..places).map(shared).fold(f64::INFINITY, f64::min)
+            |on_left: usize| least_cost(nodes, left, on_left) + least_cost(nodes, right, slots - on_left);
+        (1..slots).map(shared).fold(f64::INFINITY, f64::min)
     };
-    (area + opened(WIDTH)).min(opened(places))
+    (area + opened(WIDTH)).min(opened(slots))
 }
 
 #[test]
@@ -305,10 +309,10 @@ fn more_blocks_than_leaves_can_number_are_refused() {
     let most = Child::MOST_NUMBERS as u64;
     // Eight to a block, but blocks are seldom full.
     let error = super::build(&&boxes(8 * Child::MOST_NUMBERS + 1)[..], Quality::Fast, Threads::Single);
-    let Err(BuildError::TooManyBlocks { blocks, most: told }) = error else {
+    let Err(BuildError::TooManyBlocks { blocks, most: reported }) = error else {
         panic!("{error:?} is no refusal")
     };
-    assert!(blocks > most && told == most, "{blocks} of {told}");
+    assert!(blocks > most && reported == most, "{blocks} of {reported}");
     assert!(
         super::build(&&boxes(Child::MOST_NUMBERS)[..], Quality::Fast, Threads::Single).is_ok(),
         "these fit"

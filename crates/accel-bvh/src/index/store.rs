@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use gnurt_accel_core::store::blocks::{check_corners, check_numbers};
 use gnurt_accel_core::store::{
-    LoadError, Reader, Words, Writer, get_bytes, get_floats, is_sound, put_bytes, put_floats,
+    LoadError, Reader, StoredRecord, Writer, get_bytes, get_floats, is_sound, put_bytes, put_floats,
 };
 use gnurt_accel_core::{Aabb, FARTHEST_PLANE, Memory, TreeStats};
 
@@ -19,18 +19,18 @@ use crate::pools::{PooledBlock, Pools};
 use crate::pose::PosedLeaves;
 use crate::tree::{DEEPEST, Tree};
 
-impl Words for Node8 {
-    const WORDS: usize = 8 * WIDTH;
+impl StoredRecord for Node8 {
+    const LENGTH: usize = 8 * WIDTH;
 
     #[inline(always)]
-    fn put(&self, words: &mut [u32]) {
-        put_floats(words, self.rows.as_flattened());
+    fn put(&self, data: &mut [u32]) {
+        put_floats(data, self.rows.as_flattened());
     }
 
     #[inline(always)]
-    fn get(words: &[u32]) -> Self {
+    fn get(data: &[u32]) -> Self {
         let mut node = Self::EMPTY;
-        get_floats(node.rows.as_flattened_mut(), words);
+        get_floats(node.rows.as_flattened_mut(), data);
         node
     }
 }
@@ -38,12 +38,12 @@ impl Words for Node8 {
 /// A compact node with what is in it, as files have it: steps are floats there.
 struct Whole(CompactNode, Children);
 
-impl Words for Whole {
-    const WORDS: usize = 3 + 3 + 3 * 2 * WIDTH / 4 + WIDTH;
+impl StoredRecord for Whole {
+    const LENGTH: usize = 3 + 3 + 3 * 2 * WIDTH / 4 + WIDTH;
 
     #[inline(always)]
-    fn put(&self, words: &mut [u32]) {
-        let (origin, rest) = words.split_at_mut(3);
+    fn put(&self, data: &mut [u32]) {
+        let (origin, rest) = data.split_at_mut(3);
         let (step, rest) = rest.split_at_mut(3);
         let (counts, children) = rest.split_at_mut(3 * 2 * WIDTH / 4);
         let Self(node, below) = self;
@@ -54,9 +54,9 @@ impl Words for Whole {
     }
 
     #[inline(always)]
-    fn get(words: &[u32]) -> Self {
+    fn get(data: &[u32]) -> Self {
         let (mut node, mut below) = (CompactNode::EMPTY, [0.0; WIDTH]);
-        let (origin, rest) = words.split_at(3);
+        let (origin, rest) = data.split_at(3);
         let (step, rest) = rest.split_at(3);
         let (counts, children) = rest.split_at(3 * 2 * WIDTH / 4);
         get_floats(&mut node.origin, origin);
@@ -83,23 +83,23 @@ impl CompactNode {
     }
 }
 
-impl Words for PooledBlock {
-    const WORDS: usize = 3 * WIDTH / 4 + 2 + WIDTH;
+impl StoredRecord for PooledBlock {
+    const LENGTH: usize = 3 * WIDTH / 4 + 2 + WIDTH;
 
     #[inline(always)]
-    fn put(&self, words: &mut [u32]) {
-        let (places, rest) = words.split_at_mut(3 * WIDTH / 4);
-        put_bytes(places, self.places.as_flattened());
+    fn put(&self, data: &mut [u32]) {
+        let (offsets, rest) = data.split_at_mut(3 * WIDTH / 4);
+        put_bytes(offsets, self.offsets.as_flattened());
         (rest[0], rest[1]) = (self.pool as u32, (self.pool >> 32) as u32);
         rest[2..].copy_from_slice(&self.numbers);
     }
 
     #[inline(always)]
-    fn get(words: &[u32]) -> Self {
-        let (places, rest) = words.split_at(3 * WIDTH / 4);
+    fn get(data: &[u32]) -> Self {
+        let (offsets, rest) = data.split_at(3 * WIDTH / 4);
         let pool = u64::from(rest[0]) | u64::from(rest[1]) << 32;
-        let mut block = Self { places: [[0; WIDTH]; 3], pool, numbers: [0; WIDTH] };
-        get_bytes(block.places.as_flattened_mut(), places);
+        let mut block = Self { offsets: [[0; WIDTH]; 3], pool, numbers: [0; WIDTH] };
+        get_bytes(block.offsets.as_flattened_mut(), offsets);
         block.numbers.copy_from_slice(&rest[2..]);
         block
     }
@@ -109,9 +109,9 @@ impl Pools {
     /// Whether blocks have corners, and triangles can be tested, where there are `count` in all.
     fn check(&self, count: u32) -> Result<(), LoadError> {
         check_corners(&self.corners)?;
-        for PooledBlock { places, pool, numbers } in &self.blocks {
+        for PooledBlock { offsets, pool, numbers } in &self.blocks {
             check_numbers(numbers, count)?;
-            let last = places.as_flattened().iter().max().map_or(0, |&last| u64::from(last));
+            let last = offsets.as_flattened().iter().max().map_or(0, |&last| u64::from(last));
             // Three floats from there on.
             if pool.checked_add(last + 3).is_none_or(|end| end > self.corners.len() as u64) {
                 return Err(LoadError::Damaged("a block has corners that do not exist"));
@@ -132,8 +132,8 @@ impl BvhIndex {
             return writer.list(&self.leaves.blocks);
         }
         // A pose goes into a file as a tree by itself.
-        let alone = self.leaves.posed.as_ref().map(PosedLeaves::to_pools);
-        let pools = alone.as_ref().unwrap_or(&self.leaves.pools);
+        let single = self.leaves.posed.as_ref().map(PosedLeaves::to_pools);
+        let pools = single.as_ref().unwrap_or(&self.leaves.pools);
         writer.list(&pools.blocks)?;
         writer.list(&pools.corners)
     }
@@ -221,7 +221,7 @@ impl Tree {
         }
         // Nodes that are to come, the next one last, and their depths; and blocks that have come.
         let mut waiting = if count == 0 { Vec::new() } else { vec![(0, 0)] };
-        let (mut seen, mut seen_blocks) = (vec![false; blocks], 0);
+        let (mut visited, mut visited_blocks) = (vec![false; blocks], 0);
         for at in 0..count {
             let Some((_, depth)) = waiting.pop().filter(|&(next, _)| next == at) else {
                 return damaged("a node is not where a walk comes to it");
@@ -230,8 +230,8 @@ impl Tree {
                 return damaged("it is too deep");
             }
             self.compact.get(at).map_or(Ok(()), CompactNode::check)?;
-            for place in (0..WIDTH).rev() {
-                let (child, bounds) = self.child(at, place);
+            for lane in (0..WIDTH).rev() {
+                let (child, bounds) = self.child(at, lane);
                 if child == Child::NONE {
                     if bounds != Aabb::EMPTY {
                         return damaged("nothing has a box");
@@ -243,17 +243,17 @@ impl Tree {
                 }
                 if child.is_leaf() {
                     let range = child.blocks();
-                    if range.is_empty() || range.end > blocks || seen[range.clone()].contains(&true) {
+                    if range.is_empty() || range.end > blocks || visited[range.clone()].contains(&true) {
                         return damaged("a leaf's blocks are none, or another leaf's");
                     }
-                    seen_blocks += range.len();
-                    seen[range].fill(true);
+                    visited_blocks += range.len();
+                    visited[range].fill(true);
                 } else {
                     waiting.push((child.index(), depth + 1));
                 }
             }
         }
-        if !waiting.is_empty() || seen_blocks != blocks {
+        if !waiting.is_empty() || visited_blocks != blocks {
             return damaged("nodes or blocks are missing, or there are too many");
         }
         Ok(())

@@ -4,11 +4,11 @@
 
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
 use gnurt_accel_core::collect::Collect;
-use gnurt_accel_core::{Counters, Moment, Ray};
+use gnurt_accel_core::{Counters, KeyInterval, Ray};
 use gnurt_simd::{Simd, prelude::*};
 
 use super::MotionIndex;
-use crate::between::{Between, mixed};
+use crate::interpolated::{InterpolatedNodes, mixed};
 use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::walk::{walk, walk_any};
@@ -42,9 +42,9 @@ impl MotionIndex {
         collect: &mut C,
         counters: &mut Counters,
     ) {
-        let moment = Moment::of(ray.time, self.keys.len());
-        let (from, to, weights) = (&self.keys[moment.key], &self.keys[moment.next], moment.weights);
-        let nodes = Between { from: &from.tree.nodes, to: &to.tree.nodes, weights };
+        let interval = KeyInterval::of(ray.time, self.keys.len());
+        let (from, to, weights) = (&self.keys[interval.key], &self.keys[interval.next], interval.weights);
+        let nodes = InterpolatedNodes { from: &from.tree.nodes, to: &to.tree.nodes, weights };
         let (blocks, blocks_to) = (&from.leaves.blocks[..], &to.leaves.blocks[..]);
         let for_nodes = NodeRay::new(simd, ray, self.greatest);
         let for_blocks = BlockRay::new(simd, ray);

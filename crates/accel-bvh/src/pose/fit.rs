@@ -111,7 +111,7 @@ impl BvhIndex {
         stats.sah_cost = 1.0 + f64::from(*cost);
         self.greatest = self.tree.greatest();
         let primitives = structure.count - structure.strays.len() as u64;
-        Ok(Refitted { bad, primitives, same_places: true })
+        Ok(Refitted { bad, primitives, same_slots: true })
     }
 }
 
@@ -177,8 +177,8 @@ fn boxes_of_nodes(nodes: &[Children], blocks: &[Aabb]) -> (Vec<Aabb>, f32) {
     let mut costs = vec![0.0; nodes.len()];
     for (at, children) in nodes.iter().enumerate().rev() {
         let mut sum = Sum::NONE;
-        for place in 0..WIDTH {
-            let child = Child::at(children, place);
+        for lane in 0..WIDTH {
+            let child = Child::at(children, lane);
             sum.add(child, &box_of(child, blocks, &bounds), |index| costs[index]);
         }
         (bounds[at], costs[at]) = (sum.whole, sum.cost());
@@ -196,10 +196,10 @@ fn box_of(child: Child, blocks: &[Aabb], nodes: &[Aabb]) -> Aabb {
 
 fn compact_node(children: &Children, blocks: &[Aabb], nodes: &[Aabb]) -> CompactNode {
     let mut node = Node8::EMPTY;
-    for place in 0..WIDTH {
-        let child = Child::at(children, place);
+    for lane in 0..WIDTH {
+        let child = Child::at(children, lane);
         if child != Child::NONE {
-            node.set(place, &box_of(child, blocks, nodes), child);
+            node.set(lane, &box_of(child, blocks, nodes), child);
         }
     }
     CompactNode::new(&node)

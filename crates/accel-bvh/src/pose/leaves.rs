@@ -5,9 +5,9 @@
 use std::sync::Arc;
 
 use gnurt_accel_core::blocks::TriangleBlock;
+use gnurt_accel_core::filter_region::filter_triangles;
 use gnurt_accel_core::primitive::Primitive;
-use gnurt_accel_core::region::Sieve;
-use gnurt_accel_core::sift::sift_triangles;
+use gnurt_accel_core::region::RegionFilter;
 use gnurt_simd::{Simd, f32x4, prelude::*};
 
 use super::structure::{Structure, VertexBlock};
@@ -74,14 +74,19 @@ impl PosedLeaves {
     }
 
     /// Shows those triangles of a block that may meet it.
-    pub(crate) fn sift(&self, index: usize, sieve: &Sieve, visit: &mut dyn FnMut(u32, Primitive)) {
+    pub(crate) fn filter_region(
+        &self,
+        index: usize,
+        region_filter: &RegionFilter,
+        visit: &mut dyn FnMut(u32, Primitive),
+    ) {
         let mut corners = [[[0.0; WIDTH]; 3]; 3];
         for lane in 0..WIDTH {
             for (rows, corner) in corners.iter_mut().zip(self.triangle(index, lane)) {
                 (rows[0][lane], rows[1][lane], rows[2][lane]) = (corner[0], corner[1], corner[2]);
             }
         }
-        sift_triangles(&corners, &self.structure.blocks[index].numbers, sieve, visit);
+        filter_triangles(&corners, &self.structure.blocks[index].numbers, region_filter, visit);
     }
 
     /// The same blocks as a compact tree by itself has them.

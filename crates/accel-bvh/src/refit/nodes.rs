@@ -56,8 +56,8 @@ impl Tree {
         let mut costs = vec![0.0; self.count()];
         for at in (0..self.count()).rev() {
             let mut sum = Sum::NONE;
-            for place in 0..WIDTH {
-                let (child, bounds) = self.child(at, place);
+            for lane in 0..WIDTH {
+                let (child, bounds) = self.child(at, lane);
                 sum.add(child, &bounds, |index| costs[index]);
             }
             costs[at] = sum.cost();
@@ -69,14 +69,14 @@ impl Tree {
 impl Subtree<'_> {
     fn fit(&mut self, boxes: &[Aabb], parallel: bool) {
         if !parallel || self.nodes.len() <= PIECE {
-            return self.fit_alone(boxes);
+            return self.fit_single(boxes);
         }
         let Some((root, nodes)) = self.nodes.split_first_mut() else { return };
         let (cost, mut costs) = match self.costs.split_first_mut() {
             Some((cost, costs)) => (cost, costs),
             None => return,
         };
-        let children = (0..WIDTH).map(|place| root.child(place));
+        let children = (0..WIDTH).map(|lane| root.child(lane));
         let starts: Vec<usize> =
             children.filter(|child| !child.is_leaf()).map(|child| child.index() - self.base).collect();
         let (mut nodes, mut below) = (nodes, Vec::with_capacity(WIDTH));
@@ -100,7 +100,7 @@ impl Subtree<'_> {
         });
     }
 
-    fn fit_alone(&mut self, boxes: &[Aabb]) {
+    fn fit_single(&mut self, boxes: &[Aabb]) {
         let mut bounds = vec![Aabb::EMPTY; self.nodes.len()];
         for at in (0..self.nodes.len()).rev() {
             let (around, cost) = fit_node(&mut self.nodes[at], boxes, |index| {
@@ -128,8 +128,8 @@ fn side_by_side<T: Send>(all: &mut [T], each: &(impl Fn(&mut T) + Sync)) {
 #[inline(always)]
 fn fit_node(node: &mut Node8, boxes: &[Aabb], mut below: impl FnMut(usize) -> (Aabb, f32)) -> (Aabb, f32) {
     let mut sum = Sum::NONE;
-    for place in 0..WIDTH {
-        let child = node.child(place);
+    for lane in 0..WIDTH {
+        let child = node.child(lane);
         if child == Child::NONE {
             continue;
         }
@@ -141,7 +141,7 @@ fn fit_node(node: &mut Node8, boxes: &[Aabb], mut below: impl FnMut(usize) -> (A
         } else {
             below(child.index())
         };
-        node.set(place, &bounds, child);
+        node.set(lane, &bounds, child);
         sum.add(child, &bounds, |_| cost);
     }
     (sum.whole, sum.cost())
@@ -202,30 +202,30 @@ mod tests {
         for n in [1, 8, 9, 500, 3000] {
             let built = build(&&boxes(n)[..], Quality::Medium, Threads::Single).expect("few enough");
             let of_blocks = boxes(built.blocks.len());
-            let (mut alone, mut together) = (built.clone(), built.clone());
+            let (mut single, mut joint) = (built.clone(), built.clone());
             let (mut costs, mut same_costs) = (Vec::new(), Vec::new());
-            let cost = alone.refit(&of_blocks, false, &mut costs);
-            together.refit(&of_blocks, true, &mut same_costs);
-            assert_eq!((&alone, &costs), (&together, &same_costs), "threads make no difference to {n}");
-            assert_eq!(costs, alone.costs(), "costs as they are measured later, {n}");
-            let measured = alone.measure().sah_cost;
+            let cost = single.refit(&of_blocks, false, &mut costs);
+            joint.refit(&of_blocks, true, &mut same_costs);
+            assert_eq!((&single, &costs), (&joint, &same_costs), "threads make no difference to {n}");
+            assert_eq!(costs, single.costs(), "costs as they are measured later, {n}");
+            let measured = single.measure().sah_cost;
             assert!((cost - measured).abs() < 1e-5 * measured, "{cost} and {measured} of {n}");
-            for at in 0..alone.count() {
-                for place in 0..WIDTH {
-                    let (child, bounds) = alone.child(at, place);
-                    assert_eq!(child, built.child(at, place).0, "what is where stays");
+            for at in 0..single.count() {
+                for lane in 0..WIDTH {
+                    let (child, bounds) = single.child(at, lane);
+                    assert_eq!(child, built.child(at, lane).0, "what is where stays");
                     let below = match child {
                         Child::NONE => Aabb::EMPTY,
                         leaf if leaf.is_leaf() => of_blocks[leaf.blocks().start],
                         node => (0..WIDTH)
-                            .map(|place| alone.child(node.index(), place).1)
+                            .map(|lane| single.child(node.index(), lane).1)
                             .fold(Aabb::EMPTY, |a, b| a.union(&b)),
                     };
-                    assert_eq!(bounds, below, "place {place} of node {at} of {n}");
+                    assert_eq!(bounds, below, "place {lane} of node {at} of {n}");
                 }
             }
             let whole = of_blocks.iter().fold(Aabb::EMPTY, |a, b| a.union(b));
-            assert_eq!(alone.bounds, whole, "around all of {n}");
+            assert_eq!(single.bounds, whole, "around all of {n}");
         }
     }
 }

@@ -34,14 +34,14 @@ impl<B: Send> Blocked<B> {
     }
 }
 
-/// Whether a tree over so many holds all that is there of the geometries that are `wanted`.
+/// Whether a tree over so many holds all that is there of the geometries that are `accept`.
 fn holds_all(
     held: u64,
     geometries: &[Geometry],
     numbering: &Numbering,
-    wanted: impl Fn(&Geometry) -> bool,
+    accept: impl Fn(&Geometry) -> bool,
 ) -> Result<(), RefitError> {
-    let counts = geometries.iter().enumerate().filter(|(_, geometry)| wanted(geometry));
+    let counts = geometries.iter().enumerate().filter(|(_, geometry)| accept(geometry));
     let count: usize = counts.map(|(i, _)| numbering.range(i).len()).sum();
     if count as u64 == held { Ok(()) } else { Err(RefitError::OtherPrimitives) }
 }
@@ -55,10 +55,10 @@ impl SphereIndex {
         &mut self,
         geometries: &[Geometry],
         numbering: &Numbering,
-        wanted: impl Fn(&Geometry) -> bool,
+        accept: impl Fn(&Geometry) -> bool,
         threads: Threads,
     ) -> Result<(), RefitError> {
-        holds_all(self.stats().primitives, geometries, numbering, wanted)?;
+        holds_all(self.stats().primitives, geometries, numbering, accept)?;
         let fit = |block: &mut SphereBlock| {
             let mut all = Aabb::EMPTY;
             for lane in (0..WIDTH).filter(|&lane| block.numbers[lane] != INVALID_ID) {
@@ -94,11 +94,11 @@ impl UserIndex {
         &mut self,
         geometries: &[Geometry],
         numbering: &Numbering,
-        wanted: impl Fn(&Geometry) -> bool,
+        accept: impl Fn(&Geometry) -> bool,
         threads: Threads,
     ) -> Result<(), RefitError> {
-        holds_all(self.stats().primitives, geometries, numbering, &wanted)?;
-        let users = geometries.iter().enumerate().filter(|(_, geometry)| wanted(geometry));
+        holds_all(self.stats().primitives, geometries, numbering, &accept)?;
+        let users = geometries.iter().enumerate().filter(|(_, geometry)| accept(geometry));
         self.geometries = users
             .filter_map(|(i, geometry)| match &geometry.kind {
                 GeometryKind::User(user) => Some((numbering.starts[i], Arc::clone(user))),

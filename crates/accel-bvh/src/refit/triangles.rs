@@ -28,7 +28,7 @@ pub struct Refitted {
     /// What can.
     pub primitives: u64,
     /// Whether all triangles are where they were in their blocks.
-    pub same_places: bool,
+    pub same_slots: bool,
 }
 
 impl BvhIndex {
@@ -61,10 +61,10 @@ impl BvhIndex {
         let tree = &mut self.tree;
         self.stats.sah_cost = threads.run(|parallel| tree.refit(boxes, parallel, costs));
         self.greatest = self.tree.greatest();
-        let same_places = !had_absent && moving.absent.is_empty();
+        let same_slots = !had_absent && moving.absent.is_empty();
         let primitives = moving.count - (moving.strays.len() + moving.missing().len()) as u64;
         self.moving = Some(moving);
-        Ok(Refitted { bad, primitives, same_places })
+        Ok(Refitted { bad, primitives, same_slots })
     }
 
     /// How much more a ray is expected to do than when the tree was built: 1 where it has not been refitted.
@@ -83,8 +83,8 @@ impl BvhIndex {
         for (block, number) in moving.absent.drain(..) {
             let numbers = &mut self.leaves.blocks[block as usize].numbers;
             let first = numbers[0];
-            if let Some(place) = numbers.iter().skip(1).position(|&other| other == first) {
-                numbers[place + 1] = number;
+            if let Some(other_lane) = numbers.iter().skip(1).position(|&other| other == first) {
+                numbers[other_lane + 1] = number;
             }
         }
     }

@@ -8,15 +8,15 @@ use super::{SphereBlock, SphereIndex};
 use crate::blocked::Blocked;
 use crate::node::WIDTH;
 use crate::tree::Tree;
-use gnurt_accel_core::store::{LoadError, Reader, Words, Writer, get_floats, put_floats};
+use gnurt_accel_core::store::{LoadError, Reader, StoredRecord, Writer, get_floats, put_floats};
 use gnurt_accel_core::{Aabb, INVALID_ID, LARGEST_COORDINATE, Memory};
 
-impl Words for SphereBlock {
-    const WORDS: usize = 5 * WIDTH;
+impl StoredRecord for SphereBlock {
+    const LENGTH: usize = 5 * WIDTH;
 
     #[inline(always)]
-    fn put(&self, words: &mut [u32]) {
-        let (centers, rest) = words.split_at_mut(3 * WIDTH);
+    fn put(&self, data: &mut [u32]) {
+        let (centers, rest) = data.split_at_mut(3 * WIDTH);
         let (radii, numbers) = rest.split_at_mut(WIDTH);
         put_floats(centers, self.center.as_flattened());
         put_floats(radii, &self.radius);
@@ -24,10 +24,10 @@ impl Words for SphereBlock {
     }
 
     #[inline(always)]
-    fn get(words: &[u32]) -> Self {
+    fn get(data: &[u32]) -> Self {
         let mut block =
             Self { center: [[0.0; WIDTH]; 3], radius: [0.0; WIDTH], numbers: [INVALID_ID; WIDTH] };
-        let (centers, rest) = words.split_at(3 * WIDTH);
+        let (centers, rest) = data.split_at(3 * WIDTH);
         let (radii, numbers) = rest.split_at(WIDTH);
         get_floats(block.center.as_flattened_mut(), centers);
         get_floats(&mut block.radius, radii);

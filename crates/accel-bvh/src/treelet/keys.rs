@@ -6,10 +6,10 @@
 //! Space: that of the boxes. Invariant: what lies in all boxes of a member, mixed, lies in those above it, mixed: mixing never
 //! reverses an order. Tests: `tests`, `tests/surfaces/motion.rs` of `gnurt-accel`.
 
-use gnurt_accel_core::{Aabb, Moment};
+use gnurt_accel_core::{Aabb, KeyInterval};
 
 use super::fit::refit;
-use crate::between::{Between, hide_nothing};
+use crate::interpolated::{InterpolatedNodes, hide_nothing};
 use crate::node::{Child, Node8, WIDTH};
 
 /// What is at a place at keys, one more than a power of two; `None` of what stands still.
@@ -33,23 +33,23 @@ impl NodesAtKeys {
         first_block: usize,
         boxes_at: impl Fn(usize) -> Option<Vec<Aabb>>,
     ) -> Option<Self> {
-        let mut ways = Vec::new();
+        let mut paths = Vec::new();
         let mut moving = vec![0; nodes.len() - first_block];
         for (at, block) in nodes.iter().enumerate().skip(first_block) {
             for lane in (0..WIDTH).filter(|&lane| block.child(lane) != Child::NONE) {
                 if let Some(boxes) = boxes_at(block.child(lane).index()) {
                     moving[at - first_block] |= 1 << lane;
-                    ways.push((at, lane, boxes));
+                    paths.push((at, lane, boxes));
                 }
             }
         }
-        let pieces = ways.iter().map(|(.., boxes)| boxes.len() - 1).max()?;
+        let pieces = paths.iter().map(|(.., boxes)| boxes.len() - 1).max()?;
         let mut all = Vec::with_capacity((pieces + 1) * nodes.len());
         for key in 0..=pieces {
             let first = all.len();
             all.extend_from_slice(nodes);
             let nodes = &mut all[first..];
-            for (at, lane, boxes) in &ways {
+            for (at, lane, boxes) in &paths {
                 let child = nodes[*at].child(*lane);
                 nodes[*at].set(*lane, &at_key(boxes, key, pieces), child);
             }
@@ -78,15 +78,15 @@ impl NodesAtKeys {
 
     /// The nodes at a moment.
     #[inline(always)]
-    pub(crate) fn between(&self, time: f32) -> Between<'_> {
-        let Moment { key, next, weights } = Moment::of(time, self.keys);
-        Between { from: self.nodes(key), to: self.nodes(next), weights }
+    pub(crate) fn interpolated(&self, time: f32) -> InterpolatedNodes<'_> {
+        let KeyInterval { key, next, weights } = KeyInterval::of(time, self.keys);
+        InterpolatedNodes { from: self.nodes(key), to: self.nodes(next), weights }
     }
 
     /// Whether a member moves: that at a place of a block, which is counted with the nodes.
     #[inline(always)]
-    pub(crate) fn moves(&self, block: usize, place: usize) -> bool {
-        self.moving[block - self.first_block] >> place & 1 != 0
+    pub(crate) fn moves(&self, block: usize, child_lane: usize) -> bool {
+        self.moving[block - self.first_block] >> child_lane & 1 != 0
     }
 
     /// Boxes around all members at each key.
@@ -118,29 +118,29 @@ mod tests {
     use gnurt_testkit::Random;
 
     #[test]
-    fn boxes_hold_their_members_at_every_moment() {
+    fn boxes_hold_their_members_at_all_times() {
         let mut random = Random::new(3);
-        let ways: Vec<Option<Vec<Aabb>>> = (0..60)
+        let paths: Vec<Option<Vec<Aabb>>> = (0..60)
             .map(|i| {
                 let mut next = || Aabb::around(&[random.point(), random.point()]);
                 [None, Some(2), Some(3), Some(9)][i % 4].map(|keys| (0..keys).map(|_| next()).collect())
             })
             .collect();
         let still = Aabb { min: [0.0; 3], max: [0.5; 3] };
-        let around = |way: &Option<Vec<Aabb>>| match way {
+        let around = |path: &Option<Vec<Aabb>>| match path {
             Some(boxes) => boxes.iter().fold(Aabb::EMPTY, |all, one| all.union(one)),
             None => still,
         };
-        let boxes: Vec<Aabb> = ways.iter().map(around).collect();
+        let boxes: Vec<Aabb> = paths.iter().map(around).collect();
         let tree = build(&&boxes[..], Quality::Medium, Threads::Single).expect("a few boxes");
         let treelet = Treelet::new(&tree, |number| (number, boxes[number as usize]));
         assert!(treelet.clone().moving(|_| None).at_keys().is_none(), "nothing moves");
-        let treelet = treelet.moving(|place| ways[place].clone());
+        let treelet = treelet.moving(|child_lane| paths[child_lane].clone());
         let keys = treelet.at_keys().expect("some move");
         assert_eq!(keys.pieces(), 8, "as many as the finest way has");
         for step in 0..=64 {
             let time = step as f32 / 64.0;
-            let Between { from, to, weights: [a, b] } = keys.between(time);
+            let InterpolatedNodes { from, to, weights: [a, b] } = keys.interpolated(time);
             let mix = |from: f32, to: f32| f64::from(a) * f64::from(from) + f64::from(b) * f64::from(to);
             // From below: what is in the boxes of a node's child is in that child's box.
             let boxed = |at: usize, lane: usize| {
@@ -162,15 +162,17 @@ mod tests {
                         }
                         continue;
                     }
-                    assert_eq!(keys.moves(at, lane), ways[child.index()].is_some(), "who moves is known");
-                    let Some(way) = &ways[child.index()] else { continue };
-                    let Moment { key, next, weights: [a, b] } = Moment::of(time, way.len());
+                    assert_eq!(keys.moves(at, lane), paths[child.index()].is_some(), "who moves is known");
+                    let Some(path) = &paths[child.index()] else { continue };
+                    let KeyInterval { key, next, weights: [a, b] } = KeyInterval::of(time, path.len());
                     for (k, here) in here.iter().enumerate() {
                         let mix = |from: f32, to: f32| {
                             f64::from(a) * f64::from(from) + f64::from(b) * f64::from(to)
                         };
-                        let (low, high) =
-                            (mix(way[key].min[k], way[next].min[k]), mix(way[key].max[k], way[next].max[k]));
+                        let (low, high) = (
+                            mix(path[key].min[k], path[next].min[k]),
+                            mix(path[key].max[k], path[next].max[k]),
+                        );
                         let holds = here[0] <= low + 1e-6 && high - 1e-6 <= here[1];
                         assert!(holds, "{low} to {high} in {here:?} at {time}");
                     }

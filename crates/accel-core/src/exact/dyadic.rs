@@ -3,11 +3,11 @@
 //! Schoolbook multiplication. Cost: about a hundred nanoseconds an operation, so this is for what doubles
 //! cannot tell. Invariant: no leading zero words; zero has no word and sign 0. Tests: `tests`.
 
-/// `sign * words * 2^exponent`, lowest word first.
+/// `sign * limbs * 2^exponent`, lowest word first.
 #[derive(Clone, Debug)]
 pub(super) struct Dyadic {
     sign: i8,
-    words: Vec<u64>,
+    limbs: Vec<u64>,
     exponent: i32,
 }
 
@@ -16,14 +16,14 @@ impl Dyadic {
     pub(super) fn new(x: f64) -> Self {
         let bits = x.to_bits();
         let (exponent, fraction) = ((bits >> 52 & 0x7ff) as i32, bits & ((1 << 52) - 1));
-        let (word, exponent) = match exponent {
+        let (limb, exponent) = match exponent {
             0 => (fraction, -1074),
             _ => (fraction | 1 << 52, exponent - 1075),
         };
         // Short words make short products.
-        let zeros = if word == 0 { 0 } else { word.trailing_zeros() };
+        let zeros = if limb == 0 { 0 } else { limb.trailing_zeros() };
         let sign = if x < 0.0 { -1 } else { 1 };
-        Self { sign, words: vec![word >> zeros], exponent: exponent + zeros as i32 }.trimmed()
+        Self { sign, limbs: vec![limb >> zeros], exponent: exponent + zeros as i32 }.trimmed()
     }
 
     pub(super) fn sign(&self) -> i8 {
@@ -35,16 +35,16 @@ impl Dyadic {
             return if self.sign == 0 { other.clone() } else { self.clone() };
         }
         let exponent = self.exponent.min(other.exponent);
-        let a = shifted(&self.words, (self.exponent - exponent) as usize);
-        let b = shifted(&other.words, (other.exponent - exponent) as usize);
-        let (sign, words) = if self.sign == other.sign {
+        let a = shifted(&self.limbs, (self.exponent - exponent) as usize);
+        let b = shifted(&other.limbs, (other.exponent - exponent) as usize);
+        let (sign, limbs) = if self.sign == other.sign {
             (self.sign, sum(a, &b))
         } else if is_less(&a, &b) {
             (other.sign, difference(b, &a))
         } else {
             (self.sign, difference(a, &b))
         };
-        Self { sign, words, exponent }.trimmed()
+        Self { sign, limbs, exponent }.trimmed()
     }
 
     pub(super) fn minus(&self, other: &Self) -> Self {
@@ -52,19 +52,19 @@ impl Dyadic {
     }
 
     pub(super) fn times(&self, other: &Self) -> Self {
-        let mut words = vec![0; self.words.len() + other.words.len()];
-        for (i, &a) in self.words.iter().enumerate() {
+        let mut limbs = vec![0; self.limbs.len() + other.limbs.len()];
+        for (i, &a) in self.limbs.iter().enumerate() {
             let mut carry = 0;
-            for (j, &b) in other.words.iter().enumerate() {
+            for (j, &b) in other.limbs.iter().enumerate() {
                 // The greatest product and two greatest words fit.
-                let value = u128::from(a) * u128::from(b) + u128::from(words[i + j]) + carry;
-                words[i + j] = value as u64;
+                let value = u128::from(a) * u128::from(b) + u128::from(limbs[i + j]) + carry;
+                limbs[i + j] = value as u64;
                 carry = value >> 64;
             }
-            words[i + other.words.len()] = carry as u64;
+            limbs[i + other.limbs.len()] = carry as u64;
         }
         let exponent = self.exponent + other.exponent;
-        Self { sign: self.sign * other.sign, words, exponent }.trimmed()
+        Self { sign: self.sign * other.sign, limbs, exponent }.trimmed()
     }
 
     /// The quotient as a double: two roundings and that of the division. `other` is not zero.
@@ -76,40 +76,40 @@ impl Dyadic {
     /// The first two words, and the power of two that they are to be multiplied by.
     fn leading(&self) -> (f64, i32) {
         let two = 2f64.powi(64);
-        let (value, below) = match self.words[..] {
+        let (value, below) = match self.limbs[..] {
             [] => (0.0, 0),
             [only] => (only as f64, 0),
-            [.., low, high] => (high as f64 * two + low as f64, self.words.len() as i32 - 2),
+            [.., low, high] => (high as f64 * two + low as f64, self.limbs.len() as i32 - 2),
         };
         (f64::from(self.sign) * value, self.exponent + 64 * below)
     }
 
     fn trimmed(mut self) -> Self {
-        while self.words.last() == Some(&0) {
-            self.words.pop();
+        while self.limbs.last() == Some(&0) {
+            self.limbs.pop();
         }
-        if self.words.is_empty() {
+        if self.limbs.is_empty() {
             (self.sign, self.exponent) = (0, 0);
         }
         self
     }
 }
 
-fn shifted(words: &[u64], by: usize) -> Vec<u64> {
+fn shifted(limbs: &[u64], by: usize) -> Vec<u64> {
     let (whole, bits) = (by / 64, by % 64);
     let mut result = vec![0; whole];
-    result.reserve(words.len() + 1);
+    result.reserve(limbs.len() + 1);
     let mut low = 0;
-    for &word in words {
-        result.push(word << bits | low);
-        low = if bits == 0 { 0 } else { word >> (64 - bits) };
+    for &limb in limbs {
+        result.push(limb << bits | low);
+        low = if bits == 0 { 0 } else { limb >> (64 - bits) };
     }
     result.push(low);
     result
 }
 
 fn is_less(a: &[u64], b: &[u64]) -> bool {
-    let at = |words: &[u64], i: usize| words.get(i).copied().unwrap_or(0);
+    let at = |limbs: &[u64], i: usize| limbs.get(i).copied().unwrap_or(0);
     let differing = (0..a.len().max(b.len())).rev().find(|&i| at(a, i) != at(b, i));
     differing.is_some_and(|i| at(a, i) < at(b, i))
 }
@@ -117,10 +117,10 @@ fn is_less(a: &[u64], b: &[u64]) -> bool {
 fn sum(mut a: Vec<u64>, b: &[u64]) -> Vec<u64> {
     a.resize(a.len().max(b.len()) + 1, 0);
     let mut carry = false;
-    for (i, word) in a.iter_mut().enumerate() {
-        let (once, first) = word.overflowing_add(b.get(i).copied().unwrap_or(0));
+    for (i, limb) in a.iter_mut().enumerate() {
+        let (once, first) = limb.overflowing_add(b.get(i).copied().unwrap_or(0));
         let (twice, second) = once.overflowing_add(u64::from(carry));
-        (*word, carry) = (twice, first || second);
+        (*limb, carry) = (twice, first || second);
     }
     a
 }
@@ -128,10 +128,10 @@ fn sum(mut a: Vec<u64>, b: &[u64]) -> Vec<u64> {
 /// `a` is not the lesser.
 fn difference(mut a: Vec<u64>, b: &[u64]) -> Vec<u64> {
     let mut borrow = false;
-    for (i, word) in a.iter_mut().enumerate() {
-        let (once, first) = word.overflowing_sub(b.get(i).copied().unwrap_or(0));
+    for (i, limb) in a.iter_mut().enumerate() {
+        let (once, first) = limb.overflowing_sub(b.get(i).copied().unwrap_or(0));
         let (twice, second) = once.overflowing_sub(u64::from(borrow));
-        (*word, borrow) = (twice, first || second);
+        (*limb, borrow) = (twice, first || second);
     }
     a
 }

@@ -14,7 +14,7 @@
 //! Tests: `tests/surfaces/crossings.rs`.
 
 use super::number::{Formula, Number, V3, cross, dot, minor, minus, of, sign};
-use super::place::{Triangle, UNIT};
+use super::path::{Triangle, UNIT};
 
 /// `org + t * dir` for `t` in `[near, far]`.
 #[derive(Clone, Copy, Debug)]
@@ -79,7 +79,7 @@ impl Line {
 
     /// How far along the line a triangle is that it [crosses](Self::crosses), between its ends, and the weights of the second
     /// and third corner there; in doubles.
-    pub fn meeting(&self, triangle: &Triangle) -> [f64; 3] {
+    pub fn intersection(&self, triangle: &Triangle) -> [f64; 3] {
         let [a, b, c] = triangle.near;
         let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
         let (to_b, to_c) = (away(b, a), away(c, a));
@@ -131,11 +131,11 @@ impl Line {
     /// Whether the origin lies on the triangle, its edges and corners included.
     pub fn starts_on(&self, triangle: &Triangle) -> bool {
         let ([a, b, c], org) = (triangle.near, self.org);
-        let is_beside = |k: usize| {
+        let misses_box = |k: usize| {
             let slack = triangle.error + 4.0 * UNIT * (a[k].abs() + org[k].abs());
             org[k] < a[k].min(b[k]).min(c[k]) - slack || org[k] > a[k].max(b[k]).max(c[k]) + slack
         };
-        if (0..3).any(is_beside) {
+        if (0..3).any(misses_box) {
             return false;
         }
         let (value, error) = height(triangle, [a, b, c], org, 0.0);
@@ -147,9 +147,13 @@ impl Line {
         let n = cross_of(away(b, a), away(c, a)).map(f64::abs);
         let mut axes = [0, 1, 2];
         axes.sort_by(|&i, &j| n[j].total_cmp(&n[i]));
-        let seen = axes.into_iter().map(|k| (k, sign(&Turn { triangle, k, i: 0, j: 1, to: None })));
-        let Some((k, facing)) = seen.into_iter().find(|&(_, facing)| facing != 0) else { return false };
-        let inside = |i: usize, j: usize| facing * sign(&Turn { triangle, k, i, j, to: Some(org) }) >= 0;
+        let orientations =
+            axes.into_iter().map(|k| (k, sign(&Orientation { triangle, k, i: 0, j: 1, to: None })));
+        let Some((k, facing)) = orientations.into_iter().find(|&(_, facing)| facing != 0) else {
+            return false;
+        };
+        let inside =
+            |i: usize, j: usize| facing * sign(&Orientation { triangle, k, i, j, to: Some(org) }) >= 0;
         inside(0, 1) && inside(1, 2) && inside(2, 0)
     }
 }
@@ -225,7 +229,7 @@ impl Formula for Height<'_> {
 }
 
 /// Which way one turns from edge `i`-`j` to a point, or to the third corner, as seen along axis `k`.
-struct Turn<'a> {
+struct Orientation<'a> {
     triangle: &'a Triangle<'a>,
     k: usize,
     i: usize,
@@ -233,7 +237,7 @@ struct Turn<'a> {
     to: Option<[f64; 3]>,
 }
 
-impl Formula for Turn<'_> {
+impl Formula for Orientation<'_> {
     fn value<N: Number>(&self) -> Option<N> {
         let (p, q): (V3<N>, V3<N>) = (self.triangle.corner(self.i)?, self.triangle.corner(self.j)?);
         let to = match self.to {

@@ -7,9 +7,9 @@ mod dyadic;
 mod line;
 mod meeting;
 mod number;
-mod place;
+mod path;
 
 pub use ball::side_of_sphere;
 pub use line::Line;
 pub(crate) use meeting::ExactMeeting;
-pub use place::{Place, Triangle};
+pub use path::{InstancePath, Triangle};

@@ -68,14 +68,14 @@ pub(super) fn eigen(matrix: &[[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
             let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
-            let turn = |a: [f64; 3], b: [f64; 3]| {
+            let rotate = |a: [f64; 3], b: [f64; 3]| {
                 ([0, 1, 2].map(|k| c * a[k] - s * b[k]), [0, 1, 2].map(|k| s * a[k] + c * b[k]))
             };
-            (m[p], m[q]) = turn(m[p], m[q]);
+            (m[p], m[q]) = rotate(m[p], m[q]);
             for row in &mut m {
                 (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
-            (vectors[p], vectors[q]) = turn(vectors[p], vectors[q]);
+            (vectors[p], vectors[q]) = rotate(vectors[p], vectors[q]);
         }
     }
     let mut order = [0, 1, 2];

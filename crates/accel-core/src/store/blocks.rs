@@ -2,25 +2,25 @@
 //! Blocks of triangles on their way into a file and back. The format is that of [`super`].
 //! Tests: `tests/saved.rs` of `gnurt-accel`.
 
+use super::data::{StoredRecord, get_floats, put_floats};
 use super::error::LoadError;
-use super::words::{Words, get_floats, put_floats};
 use crate::blocks::{TriangleBlock, WIDTH};
 use crate::geometry::LARGEST_COORDINATE;
 
-impl Words for TriangleBlock {
-    const WORDS: usize = 10 * WIDTH;
+impl StoredRecord for TriangleBlock {
+    const LENGTH: usize = 10 * WIDTH;
 
     #[inline(always)]
-    fn put(&self, words: &mut [u32]) {
-        let (corners, numbers) = words.split_at_mut(9 * WIDTH);
+    fn put(&self, data: &mut [u32]) {
+        let (corners, numbers) = data.split_at_mut(9 * WIDTH);
         put_floats(corners, self.corners.as_flattened().as_flattened());
         numbers.copy_from_slice(&self.numbers);
     }
 
     #[inline(always)]
-    fn get(words: &[u32]) -> Self {
+    fn get(data: &[u32]) -> Self {
         let mut block = Self { corners: [[[0.0; WIDTH]; 3]; 3], numbers: [0; WIDTH] };
-        let (corners, numbers) = words.split_at(9 * WIDTH);
+        let (corners, numbers) = data.split_at(9 * WIDTH);
         get_floats(block.corners.as_flattened_mut().as_flattened_mut(), corners);
         block.numbers.copy_from_slice(numbers);
         block

@@ -31,7 +31,7 @@ impl fmt::Display for LoadError {
                 write!(
                     f,
                     "a saved tree of version {version}, but only version {} is known",
-                    super::words::VERSION
+                    super::data::VERSION
                 )
             }
             Self::Truncated => f.write_str("a saved tree ends too early"),

@@ -2,7 +2,7 @@
 //! Built trees in files: what `ObjectTree::save` writes and `ObjectTree::load` accepts.
 //!
 //! ```text
-//! "GNURTACC" | version | 0                                                        two words, one, one
+//! "GNURTACC" | version | 0                                                        two data, one, one
 //! starts of geometries, which are quads | bad primitives | statistics             lists, 6 and 7 numbers
 //! number of trees; for each of them:
 //!     mask | kind | statistics | bounds                                           9 numbers, 6 floats
@@ -23,12 +23,12 @@
 //! Tests: `tests/saved.rs`, and the fuzz target `accel_tree`.
 
 pub mod blocks;
+mod data;
 mod error;
 mod read;
-mod words;
 mod write;
 
+pub use data::{StoredRecord, get_bytes, get_floats, put_bytes, put_floats};
 pub use error::LoadError;
 pub use read::{Reader, is_sound};
-pub use words::{Words, get_bytes, get_floats, put_bytes, put_floats};
 pub use write::Writer;

@@ -7,8 +7,8 @@ use std::io::Read;
 
 use gnurt_simd::prefer_huge_pages;
 
+use super::data::{Checksum, MAGIC, PIECE, StoredRecord, VERSION, get_floats};
 use super::error::LoadError;
-use super::words::{Checksum, MAGIC, PIECE, VERSION, Words, get_floats};
 use crate::aabb::Aabb;
 use crate::geometry::FARTHEST_PLANE;
 
@@ -17,17 +17,17 @@ pub struct Reader<'a, R> {
     from: &'a mut R,
     sum: Checksum,
     bytes: Vec<u8>,
-    words: Vec<u32>,
+    data: Vec<u32>,
 }
 
 impl<'a, R: Read> Reader<'a, R> {
     /// Starts a file.
     pub fn new(from: &'a mut R) -> Result<Self, LoadError> {
-        let mut reader = Self { from, sum: Checksum::default(), bytes: Vec::new(), words: Vec::new() };
-        if reader.words(2)? != MAGIC {
+        let mut reader = Self { from, sum: Checksum::default(), bytes: Vec::new(), data: Vec::new() };
+        if reader.data(2)? != MAGIC {
             return Err(LoadError::NotATree);
         }
-        let &[version, _] = reader.words(2)? else { return Err(LoadError::Truncated) };
+        let &[version, _] = reader.data(2)? else { return Err(LoadError::Truncated) };
         if version != VERSION {
             return Err(LoadError::Version(version));
         }
@@ -35,24 +35,24 @@ impl<'a, R: Read> Reader<'a, R> {
     }
 
     /// The next words, not many.
-    fn words(&mut self, count: usize) -> Result<&[u32], LoadError> {
+    fn data(&mut self, count: usize) -> Result<&[u32], LoadError> {
         self.bytes.resize(4 * count, 0);
         self.from.read_exact(&mut self.bytes)?;
-        self.words.clear();
-        self.words.extend(self.bytes.as_chunks::<4>().0.iter().map(|&bytes| u32::from_le_bytes(bytes)));
-        self.sum.add(&self.words);
-        Ok(&self.words)
+        self.data.clear();
+        self.data.extend(self.bytes.as_chunks::<4>().0.iter().map(|&bytes| u32::from_le_bytes(bytes)));
+        self.sum.add(&self.data);
+        Ok(&self.data)
     }
 
     pub fn number(&mut self) -> Result<u64, LoadError> {
-        let words = self.words(2)?;
-        Ok(u64::from(words[0]) | u64::from(words[1]) << 32)
+        let data = self.data(2)?;
+        Ok(u64::from(data[0]) | u64::from(data[1]) << 32)
     }
 
     /// A box that is empty, or has finite sides the right way round.
     pub fn bounds(&mut self) -> Result<Aabb, LoadError> {
         let mut sides = [0.0; 6];
-        get_floats(&mut sides, self.words(6)?);
+        get_floats(&mut sides, self.data(6)?);
         let [a, b, c, d, e, f] = sides;
         let bounds = Aabb { min: [a, b, c], max: [d, e, f] };
         if bounds == Aabb::EMPTY || is_sound(&bounds) {
@@ -62,24 +62,24 @@ impl<'a, R: Read> Reader<'a, R> {
     }
 
     /// A list of at most so many records.
-    pub fn list<T: Words>(&mut self, most: usize) -> Result<Vec<T>, LoadError> {
+    pub fn list<T: StoredRecord>(&mut self, most: usize) -> Result<Vec<T>, LoadError> {
         let count = self.number()?;
         if count > most as u64 {
             return Err(LoadError::Damaged("a list is too long"));
         }
         let count = count as usize;
-        let at_once = PIECE / T::WORDS;
+        let at_once = PIECE / T::LENGTH;
         let mut records = Vec::new();
         while records.len() < count {
             let now = at_once.min(count - records.len());
-            let words = self.words(now * T::WORDS)?;
+            let data = self.data(now * T::LENGTH)?;
             if records.capacity() < records.len() + now {
                 // Twice as much as there is, but for the last time.
-                let room = (2 * records.len()).max(now).min(count) - records.len();
-                records.reserve_exact(room);
+                let additional = (2 * records.len()).max(now).min(count) - records.len();
+                records.reserve_exact(additional);
                 prefer_huge_pages(&records);
             }
-            records.extend(words.chunks_exact(T::WORDS).map(T::get));
+            records.extend(data.chunks_exact(T::LENGTH).map(T::get));
         }
         Ok(records)
     }

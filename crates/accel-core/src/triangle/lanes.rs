@@ -6,7 +6,7 @@
 
 use gnurt_simd::{Simd, SimdFloat, prelude::*};
 
-use super::meeting::Meeting;
+use super::triangle_hit::TriangleHit;
 use super::watertight::{DOUBTFUL, HUGE, LoneRay, SURELY, TINY};
 
 /// Floats in lanes.
@@ -15,7 +15,7 @@ impl<S: Simd, V: SimdFloat<S, Element = f32>> Lanes<S> for V {}
 
 /// Where lanes meet triangles.
 #[derive(Clone, Copy)]
-pub struct LanesMeeting<S: Simd, V: Lanes<S>> {
+pub struct TriangleHits<S: Simd, V: Lanes<S>> {
     pub t: V,
     pub u: V,
     pub v: V,
@@ -93,9 +93,9 @@ impl<S: Simd, V: Lanes<S>> Edges<S, V> {
 
 impl<S: Simd, V: Lanes<S>> Reached<S, V> {
     /// The last part, by floats: where the lanes meet the triangles; and the lanes that floats cannot decide, which are for
-    /// [`meet_alone`].
+    /// [`meet_single`].
     #[inline(always)]
-    pub fn meet(&self, simd: S) -> (LanesMeeting<S, V>, V::Mask) {
+    pub fn meet(&self, simd: S) -> (TriangleHits<S, V>, V::Mask) {
         let Self { edges: Edges { w: [w0, w1, w2], .. }, ts, first, last, t_near, t_far, lanes, .. } = *self;
         let sum = w0 + w1 + w2;
         let least = w0.abs().min(w1.abs()).min(w2.abs());
@@ -106,12 +106,12 @@ impl<S: Simd, V: Lanes<S>> Reached<S, V> {
         let t = (w0 * over) * ts[0] + u * ts[1] + v * ts[2];
         let t = t.max(first).min(last) + V::splat(simd, 0.0);
         let hit = lanes & certain & t.simd_ge(t_near) & t.simd_le(t_far);
-        (LanesMeeting { t, u, v, hit }, lanes & !certain)
+        (TriangleHits { t, u, v, hit }, lanes & !certain)
     }
 
-    /// The same where one asks where: lanes whose `t` may be off too far are for [`meet_alone`], too.
+    /// The same where one asks where: lanes whose `t` may be off too far are for [`meet_single`], too.
     #[inline(always)]
-    pub fn meet_well(&self, simd: S) -> (LanesMeeting<S, V>, V::Mask) {
+    pub fn meet_well(&self, simd: S) -> (TriangleHits<S, V>, V::Mask) {
         let (mut met, mut alone) = self.meet(simd);
         let Self { edges, over_dir, first, last, t_near, t_far, lanes, .. } = *self;
         let Edges { px, py, w: [w0, w1, w2], .. } = edges;
@@ -136,12 +136,12 @@ impl<S: Simd, V: Lanes<S>> Reached<S, V> {
 /// One lane from the start, in the scalar form: `corners` of one triangle along the sheared space's axes.
 #[cold]
 #[inline(never)]
-pub fn meet_alone(
+pub fn meet_single(
     corners: &[[f32; 3]; 3],
     ray: &LoneRay,
     asks_where: bool,
     t_near: f32,
     t_far: f32,
-) -> Option<Meeting> {
+) -> Option<TriangleHit> {
     ray.meet(corners, asks_where, t_near, t_far)
 }

@@ -5,10 +5,10 @@
 //! roundings in the same order. Tests: `tests/brute_force.rs` (`ask`).
 
 mod lanes;
-mod meeting;
 mod precise;
+mod triangle_hit;
 mod watertight;
 
-pub use lanes::{LanesMeeting, meet_alone, pass_edges, relative_to};
-pub use meeting::Meeting;
+pub use lanes::{TriangleHits, meet_single, pass_edges, relative_to};
+pub use triangle_hit::TriangleHit;
 pub use watertight::{LoneRay, Sheared, ShearedRay, axes_from, shear};

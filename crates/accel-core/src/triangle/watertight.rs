@@ -21,8 +21,8 @@
 //! that which of two hits is nearer never depends on the order of visits.
 //! Tests: `tests::agrees_with_double_precision`, `tests/watertight.rs`, `tests/parameters.rs` of `gnurt-accel`.
 
-use super::meeting::Meeting;
 use super::precise::{self, Corners, Weighed};
+use super::triangle_hit::TriangleHit;
 use crate::float::{Number, least, most};
 use crate::ray::Ray;
 
@@ -89,7 +89,7 @@ impl ShearedRay {
         asks_where: bool,
         t_near: f32,
         t_far: f32,
-    ) -> Option<Meeting> {
+    ) -> Option<TriangleHit> {
         let [x, y, z] = self.axes;
         let corners = [[a[x], a[y], a[z]], [b[x], b[y], b[z]], [c[x], c[y], c[z]]];
         self.alone.meet(&corners, asks_where, t_near, t_far)
@@ -105,7 +105,7 @@ impl LoneRay {
         asks_where: bool,
         t_near: f32,
         t_far: f32,
-    ) -> Option<Meeting> {
+    ) -> Option<TriangleHit> {
         let (Self { sheared: Sheared { org, shear }, dir }, [a, b, c]) = (*self, corners);
         let depth = [a[2] - org[2], b[2] - org[2], c[2] - org[2]];
         let px = sheared([a[0], b[0], c[0]], org[0], shear[0], depth);
@@ -154,7 +154,7 @@ impl LoneRay {
                 return exactly();
             }
         }
-        (t >= t_near && t <= t_far).then_some(Meeting { t, u, v })
+        (t >= t_near && t <= t_far).then_some(TriangleHit { t, u, v })
     }
 }
 
@@ -175,7 +175,7 @@ pub(super) fn meet_exactly(
     unrounded: &Corners,
     t_near: f32,
     t_far: f32,
-) -> Option<Meeting> {
+) -> Option<TriangleHit> {
     let (px, py) = (px.map(f64::from), py.map(f64::from));
     let weight = |b: usize, c: usize| px[c] * py[b] - py[c] * px[b];
     let weights = [weight(1, 2), weight(2, 0), weight(0, 1)];
@@ -192,7 +192,7 @@ pub(super) fn meet_exactly(
     let (first, last) = (least(least(ts[0], ts[1]), ts[2]), most(most(ts[0], ts[1]), ts[2]));
     // Adding zero turns -0.0 into 0.0.
     let t = least(most(t as f32, first), last) + 0.0;
-    (t >= t_near && t <= t_far).then_some(Meeting { t, u: (u + 0.0) as f32, v: (v + 0.0) as f32 })
+    (t >= t_near && t <= t_far).then_some(TriangleHit { t, u: (u + 0.0) as f32, v: (v + 0.0) as f32 })
 }
 
 #[cfg(test)]
@@ -232,7 +232,7 @@ mod tests {
                 clear += 1;
                 assert_eq!(met.is_some(), inside, "{ray:?} against {corners:?}");
             }
-            if let Some(Meeting { t, u, v }) = met.filter(|m| !close && m.t.abs() < 10.0) {
+            if let Some(TriangleHit { t, u, v }) = met.filter(|m| !close && m.t.abs() < 10.0) {
                 hits += 1;
                 let on_ray = ray.at(t);
                 for k in 0..3 {
@@ -250,7 +250,7 @@ mod tests {
             let corners = [[0.0, 0.0, size], [size, 0.0, size], [0.0, size, size]];
             let ray = Ray::new([size / 4.0, size / 4.0, 0.0], [0.0, 0.0, 1.0]);
             let met = ShearedRay::new(&ray).meet(&corners, true, 0.0, f32::INFINITY);
-            assert_eq!(met, Some(Meeting { t: size, u: 0.25, v: 0.25 }), "a triangle of size {size:e}");
+            assert_eq!(met, Some(TriangleHit { t: size, u: 0.25, v: 0.25 }), "a triangle of size {size:e}");
         }
     }
 }

@@ -41,15 +41,15 @@ impl Span {
 }
 
 impl Cells {
-    /// About `wanted` cells in `bounds`, which are not empty, as nearly cubes as can be.
-    pub(super) fn new(bounds: &Aabb, wanted: f64) -> Self {
+    /// About `expected` cells in `bounds`, which are not empty, as nearly cubes as can be.
+    pub(super) fn new(bounds: &Aabb, expected: f64) -> Self {
         let extent = bounds.extent();
         let mut long: Vec<usize> = (0..3).filter(|&k| extent[k] > FLAT).collect();
         let mut count = [1u32; 3];
         // In logarithms: volumes of huge boxes are no numbers.
         while !long.is_empty() {
             let sum: f64 = long.iter().map(|&k| extent[k].ln()).sum();
-            let over_edge = ((wanted.clamp(1.0, MOST).ln() - sum) / long.len() as f64).exp();
+            let over_edge = ((expected.clamp(1.0, MOST).ln() - sum) / long.len() as f64).exp();
             let many = |k: usize| extent[k] * over_edge;
             // What would be cut into less than one cell leaves more of them for others.
             let before = long.len();
@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn boxes_are_divided_into_cubes() {
-        let of = |max: [f32; 3], wanted: f64| Cells::new(&Aabb { min: [0.0; 3], max }, wanted).count;
+        let of = |max: [f32; 3], expected: f64| Cells::new(&Aabb { min: [0.0; 3], max }, expected).count;
         assert_eq!(of([1.0; 3], 1000.0), [10; 3], "a cube");
         assert_eq!(of([4.0, 2.0, 1.0], 8.0), [4, 2, 1], "as long as wide");
         assert_eq!(of([1.0, 0.0, 1.0], 100.0), [10, 1, 10], "a square");

@@ -5,9 +5,9 @@
 
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::screened::Screened;
 use gnurt_accel_core::slab::SLACK;
 use gnurt_accel_core::threads::extend;
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 use gnurt_accel_core::{Aabb, BuildError, BuildOptions, Threads, TreeStats};
 
 use super::build::{Slice, slices};
@@ -44,12 +44,12 @@ impl GridIndex {
     /// # Errors
     /// That `watch` stopped it.
     pub fn build(
-        screened: &Screened,
+        valid_triangles: &ValidTriangles,
         options: &BuildOptions,
         threads: Threads,
         watch: &Watch,
     ) -> Result<Self, BuildError> {
-        let (count, bounds) = (screened.good.len(), screened.bounds);
+        let (count, bounds) = (valid_triangles.good.len(), valid_triangles.bounds);
         watch.start(3);
         let passing = count * size_of::<Span>();
         watch.take(count * size_of::<Triangle>() + passing);
@@ -57,17 +57,17 @@ impl GridIndex {
         let mut triangles = Vec::with_capacity(count);
         threads.run(|parallel| {
             extend(parallel, &mut triangles, count, |i| {
-                let number = screened.good[i];
-                Triangle { corners: screened.corners(number), number }
+                let number = valid_triangles.good[i];
+                Triangle { corners: valid_triangles.corners(number), number }
             });
         });
         watch.advance(1);
 
         let most = (f64::from(options.reference_budget).max(1.0) * count as f64).min(f64::from(u32::MAX));
-        let (mut wanted, mut spans) = (DENSITY * count as f64, Vec::with_capacity(count));
+        let (mut expected, mut spans) = (DENSITY * count as f64, Vec::with_capacity(count));
         let (cells, references) = loop {
             watch.result()?;
-            let cells = Cells::new(&bounds, wanted);
+            let cells = Cells::new(&bounds, expected);
             spans.clear();
             threads.run(|parallel| {
                 extend(parallel, &mut spans, count, |i| cells.span(&triangles[i].corners));
@@ -76,7 +76,7 @@ impl GridIndex {
             if references as f64 <= most || cells.total() == 1 {
                 break (cells, references);
             }
-            wanted = wanted.min(cells.total() as f64) * (most / references as f64).clamp(0.05, 0.5);
+            expected = expected.min(cells.total() as f64) * (most / references as f64).clamp(0.05, 0.5);
         };
         let lists = 4 * (cells.total() + references as usize);
         watch.take(lists);
@@ -128,12 +128,12 @@ impl GridIndex {
 
     /// Makes a block of triangles, eight at most.
     #[inline(always)]
-    pub(super) fn put(&self, places: &[u32], block: &mut TriangleBlock) {
-        let at = |place: u32| &self.triangles[place as usize];
-        if let Some((&first, others)) = places.split_first() {
+    pub(super) fn put(&self, positions: &[u32], block: &mut TriangleBlock) {
+        let at = |position: u32| &self.triangles[position as usize];
+        if let Some((&first, others)) = positions.split_first() {
             block.put_everywhere(&at(first).corners, at(first).number);
-            for (lane, &place) in others.iter().enumerate() {
-                block.put(lane + 1, &at(place).corners, at(place).number);
+            for (lane, &position) in others.iter().enumerate() {
+                block.put(lane + 1, &at(position).corners, at(position).number);
             }
         }
     }

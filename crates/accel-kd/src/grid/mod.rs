@@ -8,7 +8,7 @@
 mod build;
 mod cells;
 mod index;
-mod places;
+mod positions;
 mod slices;
 mod walk;
 

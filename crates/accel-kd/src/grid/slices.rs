@@ -11,12 +11,12 @@ use gnurt_accel_core::beam::Ranges;
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::blocks::{TriangleBlock, WIDTH};
 use gnurt_accel_core::chunks::Chunks;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::float::{least, most};
-use gnurt_accel_core::heading::Heading;
 use gnurt_accel_core::tile::LANES;
 use gnurt_accel_core::tile_test::TileTest;
+use gnurt_accel_core::traversal::TileTraversal;
 use gnurt_accel_core::triangle::axes_from;
-use gnurt_accel_core::trip::TileTrip;
 use gnurt_simd::Simd;
 
 use super::index::GridIndex;
@@ -52,11 +52,11 @@ enum Passage {
 }
 
 impl Frustum {
-    fn new(ranges: &Ranges, heading: Heading, grid: &GridIndex) -> Self {
+    fn new(ranges: &Ranges, direction_class: DirectionClass, grid: &GridIndex) -> Self {
         let org = ranges.org();
         let away = org.iter().flatten().fold(0.0, |away, x| most(away, x.abs()));
-        let axes = axes_from(heading.longest_axis);
-        let back = heading.backwards[heading.longest_axis];
+        let axes = axes_from(direction_class.longest_axis);
+        let back = direction_class.backwards[direction_class.longest_axis];
         Self { org, slope: ranges.slope(), axes, back, t_near: ranges.t_near, slack: grid.slack(away) }
     }
 
@@ -106,28 +106,34 @@ impl Frustum {
 impl GridIndex {
     /// Improves the hits of a tile's first rays, all of them active and of one heading.
     #[inline(always)]
-    pub(crate) fn search_tile<S: Simd>(&self, simd: S, heading: Heading, trip: &mut TileTrip) {
-        let TileTrip { rays, kind, slot, .. } = *trip;
-        let count = TILE - trip.active.leading_zeros() as usize;
+    pub(crate) fn search_tile<S: Simd>(
+        &self,
+        simd: S,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+    ) {
+        let TileTraversal { rays, kind, slot, .. } = *traversal;
+        let count = TILE - traversal.active.leading_zeros() as usize;
         let [x, y, z] = self.bounds.extent();
         let size = x.max(y).max(z) as f32;
         let ranges = Cell::new(Ranges::NONE);
-        let chunks = Chunks::new(simd, rays, count, heading, self.greatest, trip.nearest, |whole| {
-            ranges.set(*whole);
-            whole.spread(size) > FARTHEST_SPREAD * size
-        });
+        let chunks =
+            Chunks::new(simd, rays, count, direction_class, self.greatest, traversal.nearest, |whole| {
+                ranges.set(*whole);
+                whole.spread(size) > FARTHEST_SPREAD * size
+            });
         let Some(mut chunks) = chunks else {
-            return trip.one_by_one_outlined(
+            return traversal.one_by_one_outlined(
                 simd,
                 #[inline(always)]
-                |trip| self.search(simd, trip),
+                |traversal| self.search(simd, traversal),
             );
         };
-        let test = TileTest { simd, rays, kind, slot, heading };
-        let frustum = Frustum::new(&ranges.get(), heading, self);
+        let test = TileTest { simd, rays, kind, slot, direction_class };
+        let frustum = Frustum::new(&ranges.get(), direction_class, self);
         let [fx, fy, fz] = frustum.axes;
         let mut mailbox = Mailbox::<256>::EMPTY;
-        let (mut places, mut block) = (Vec::with_capacity(256), TriangleBlock::ZERO);
+        let (mut positions, mut block) = (Vec::with_capacity(256), TriangleBlock::ZERO);
         let (mut visited, mut tested) = (0u64, 0u64);
         let [mut slice, last] = frustum.run(self);
         let mut cell = [0; 3];
@@ -136,7 +142,7 @@ impl GridIndex {
                 Passage::Over => break,
                 Passage::Nothing => {}
                 Passage::Cells(Window { cells: [[x0, x1], [y0, y1]] }) => {
-                    places.clear();
+                    positions.clear();
                     cell[fz] = slice;
                     for j in y0..=y1 {
                         cell[fy] = j;
@@ -144,16 +150,16 @@ impl GridIndex {
                             cell[fx] = i;
                             visited += 1;
                             let items = self.items(cell).iter().copied();
-                            places.extend(items.filter(|&place| !mailbox.has(place)));
+                            positions.extend(items.filter(|&position| !mailbox.has(position)));
                         }
                     }
-                    for eight in places.chunks(WIDTH) {
+                    for eight in positions.chunks(WIDTH) {
                         self.put(eight, &mut block);
                         chunks.block(
                             simd,
                             &block,
-                            trip.active,
-                            trip.nearest,
+                            traversal.active,
+                            traversal.nearest,
                             #[inline(always)]
                             |candidate, slopes, nearest| {
                                 tested += LANES as u64;
@@ -168,7 +174,7 @@ impl GridIndex {
             }
             slice = if frustum.back { slice - 1 } else { slice + 1 };
         }
-        trip.counters.nodes += visited * count as u64;
-        trip.counters.triangles += tested;
+        traversal.counters.nodes += visited * count as u64;
+        traversal.counters.triangles += tested;
     }
 }

@@ -10,8 +10,8 @@ use gnurt_accel_core::blocks::{BlockRay, TriangleBlock, WIDTH};
 use gnurt_accel_core::collect::Collect;
 use gnurt_accel_core::float::{least, most};
 use gnurt_accel_core::slab::Slabs;
+use gnurt_accel_core::traversal::RayTraversal;
 use gnurt_accel_core::triangle::{ShearedRay, axes_from};
-use gnurt_accel_core::trip::RayTrip;
 use gnurt_simd::Simd;
 
 use super::index::{GridIndex, Triangle};
@@ -54,7 +54,7 @@ impl<'a> CellRay<'a> {
 
     /// The part of `[t_min, t_max]` in which it may be between two planes.
     #[inline(always)]
-    fn between(&self, axis: usize, [low, high]: [f32; 2], [t_min, t_max]: [f32; 2]) -> [f32; 2] {
+    fn span(&self, axis: usize, [low, high]: [f32; 2], [t_min, t_max]: [f32; 2]) -> [f32; 2] {
         let Slabs { inv, near, far } = &self.slabs;
         let [first, last] = if self.back[axis] { [high, low] } else { [low, high] };
         [most(t_min, first * inv[axis] - near[axis]), least(t_max, last * inv[axis] - far[axis])]
@@ -64,7 +64,7 @@ impl<'a> CellRay<'a> {
     #[inline(always)]
     fn within(&self, axis: usize, cell: u32, interval: [f32; 2]) -> [f32; 2] {
         let cells = &self.grid.cells;
-        self.between(axis, [cells.plane(axis, cell), cells.plane(axis, cell + 1)], interval)
+        self.span(axis, [cells.plane(axis, cell), cells.plane(axis, cell + 1)], interval)
     }
 
     /// The cells that it may be in meanwhile.
@@ -85,7 +85,7 @@ impl<'a> CellRay<'a> {
         let bounds = &self.grid.bounds;
         let mut whole = interval;
         for k in 0..3 {
-            whole = self.between(k, [bounds.min[k], bounds.max[k]], whole);
+            whole = self.span(k, [bounds.min[k], bounds.max[k]], whole);
         }
         if whole[0] > whole[1] {
             return 0;
@@ -165,40 +165,40 @@ const FEW: usize = 2;
 impl GridIndex {
     /// Offers what the ray meets; it is sound and regular.
     #[inline(always)]
-    pub(crate) fn search<S: Simd>(&self, simd: S, trip: &mut RayTrip) {
-        let RayTrip { ray, slot, .. } = *trip;
-        let (lanes, alone, t_near) = (BlockRay::new(simd, ray), ShearedRay::new(ray), ray.t_near);
+    pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
+        let RayTraversal { ray, slot, .. } = *traversal;
+        let (lanes, single, t_near) = (BlockRay::new(simd, ray), ShearedRay::new(ray), ray.t_near);
         let (mut mailbox, mut block) = (Mailbox::<64>::EMPTY, TriangleBlock::ZERO);
         let mut tested = 0;
         let visited = CellRay::new(self, ray).walk(
-            [t_near, trip.reach()],
+            [t_near, traversal.reach()],
             #[inline(always)]
             |cell| {
-                for places in self.items(cell).chunks(WIDTH) {
+                for positions in self.items(cell).chunks(WIDTH) {
                     let (mut unknown, mut count) = ([0; WIDTH], 0);
-                    for &place in places {
-                        unknown[count & (WIDTH - 1)] = place;
-                        count += usize::from(!mailbox.has(place));
+                    for &position in positions {
+                        unknown[count & (WIDTH - 1)] = position;
+                        count += usize::from(!mailbox.has(position));
                     }
                     tested += count as u64;
                     if const { S::LANES == 1 } || count <= FEW {
-                        for &place in &unknown[..count] {
-                            let Triangle { corners, number } = &self.triangles[place as usize];
-                            if let Some(meeting) =
-                                alone.meet(corners, trip.asks_where(), t_near, trip.reach())
+                        for &position in &unknown[..count] {
+                            let Triangle { corners, number } = &self.triangles[position as usize];
+                            if let Some(hit) =
+                                single.meet(corners, traversal.asks_where(), t_near, traversal.reach())
                             {
-                                trip.offer(meeting, *number, slot);
+                                traversal.offer(hit, *number, slot);
                             }
                         }
                     } else {
                         self.put(&unknown[..count], &mut block);
-                        block.meet(simd, &lanes, slot, trip);
+                        block.meet(simd, &lanes, slot, traversal);
                     }
                 }
-                trip.reach()
+                traversal.reach()
             },
         );
-        trip.counters.nodes += visited;
-        trip.counters.triangles += tested;
+        traversal.counters.nodes += visited;
+        traversal.counters.triangles += tested;
     }
 }

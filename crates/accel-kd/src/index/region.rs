@@ -3,16 +3,18 @@
 //! Projected triangles keep no corners: theirs are as good as what is kept. Tests: `tests/surfaces/crossings.rs`.
 
 use gnurt_accel_core::primitive::Primitive;
-use gnurt_accel_core::region::Sieve;
+use gnurt_accel_core::region::RegionFilter;
 
 use super::{KdIndex, Prepared};
 
 impl KdIndex {
     /// Shows the triangles that may meet it.
-    pub fn sift(&self, sieve: &Sieve, visit: &mut dyn FnMut(u32, Primitive)) {
-        self.tree.sift(sieve, &mut |leaf| match &self.triangles {
+    pub fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
+        self.tree.filter_region(region_filter, &mut |leaf| match &self.triangles {
             Prepared::Watertight(leaves) => {
-                leaves.blocks[leaves.of(leaf)].iter().for_each(|block| block.sift(sieve, visit));
+                leaves.blocks[leaves.of(leaf)]
+                    .iter()
+                    .for_each(|block| block.filter_region(region_filter, visit));
             }
             Prepared::Projected(triangles) => {
                 for &number in self.tree.leaf_items(leaf) {

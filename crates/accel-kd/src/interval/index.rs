@@ -6,13 +6,13 @@ use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock, WIDTH};
 use gnurt_accel_core::chunks::Chunks;
 use gnurt_accel_core::control::Watch;
-use gnurt_accel_core::heading::Heading;
-use gnurt_accel_core::screened::Screened;
+use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::threads::extend;
 use gnurt_accel_core::tile::LANES;
 use gnurt_accel_core::tile_test::TileTest;
+use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 use gnurt_accel_core::triangle::ShearedRay;
-use gnurt_accel_core::trip::{RayTrip, TileTrip};
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 use gnurt_accel_core::{Aabb, BuildError, INVALID_ID, Structure, Threads, TreeStats};
 use gnurt_simd::Simd;
 
@@ -58,12 +58,12 @@ impl IntervalIndex {
     /// # Errors
     /// That `watch` stopped it, or that there are too many nodes.
     pub fn build(
-        screened: &Screened,
+        valid_triangles: &ValidTriangles,
         structure: Structure,
         threads: Threads,
         watch: &Watch,
     ) -> Result<Self, BuildError> {
-        let count = screened.good.len();
+        let count = valid_triangles.good.len();
         let passing = count * size_of::<Reference>();
         watch.take(passing);
         watch.result()?;
@@ -74,8 +74,8 @@ impl IntervalIndex {
         let tree = threads.run(|parallel| {
             let mut references = Vec::new();
             extend(parallel, &mut references, count, |i| {
-                let number = screened.good[i];
-                Reference { bounds: Aabb::around(&screened.corners(number)), number }
+                let number = valid_triangles.good[i];
+                Reference { bounds: Aabb::around(&valid_triangles.corners(number)), number }
             });
             Binary::build(&mut references, rule, parallel, watch)
         })?;
@@ -100,7 +100,7 @@ impl IntervalIndex {
         let block = |i: usize| {
             let mut numbers = [INVALID_ID; LEAF];
             numbers[..in_blocks[i].len()].copy_from_slice(&in_blocks[i]);
-            TriangleBlock::new(|number| screened.corners(number), &numbers)
+            TriangleBlock::new(|number| valid_triangles.corners(number), &numbers)
         };
         let mut blocks = Vec::with_capacity(in_blocks.len());
         threads.run(|parallel| extend(parallel, &mut blocks, in_blocks.len(), block));
@@ -133,17 +133,17 @@ impl IntervalIndex {
 
     /// Offers what the ray meets; it is sound and regular.
     #[inline(always)]
-    pub(crate) fn search<S: Simd>(&self, simd: S, trip: &mut RayTrip) {
-        with_nodes!(&self.nodes, nodes => self.search_in(simd, nodes, trip));
+    pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
+        with_nodes!(&self.nodes, nodes => self.search_in(simd, nodes, traversal));
     }
 
     #[inline(always)]
-    fn search_in<S: Simd, N: Layout>(&self, simd: S, nodes: &[N], trip: &mut RayTrip) {
-        let RayTrip { ray, slot, .. } = *trip;
+    fn search_in<S: Simd, N: Layout>(&self, simd: S, nodes: &[N], traversal: &mut RayTraversal) {
+        let RayTraversal { ray, slot, .. } = *traversal;
         let planes = PlaneRay::new(ray, self.greatest);
         let t_near = ray.t_near;
-        let interval = planes.clip(&self.bounds, [t_near, trip.reach()]);
-        let (lanes, alone) = (BlockRay::new(simd, ray), ShearedRay::new(ray));
+        let interval = planes.clip(&self.bounds, [t_near, traversal.reach()]);
+        let (lanes, single) = (BlockRay::new(simd, ray), ShearedRay::new(ray));
         let mut tested = 0;
         let visited = walk(
             nodes,
@@ -153,21 +153,26 @@ impl IntervalIndex {
             |block| {
                 tested += WIDTH as u64;
                 if const { S::LANES == 1 } {
-                    self.blocks[block].meet_in_turn(&alone, t_near, slot, trip);
+                    self.blocks[block].meet_in_turn(&single, t_near, slot, traversal);
                 } else {
-                    self.blocks[block].meet(simd, &lanes, slot, trip);
+                    self.blocks[block].meet(simd, &lanes, slot, traversal);
                 }
-                trip.reach()
+                traversal.reach()
             },
         );
-        trip.counters.nodes += visited;
-        trip.counters.triangles += tested;
+        traversal.counters.nodes += visited;
+        traversal.counters.triangles += tested;
     }
 
     /// The same for a tile's first rays, all of them active and of one heading.
     #[inline(always)]
-    pub(crate) fn search_tile<S: Simd>(&self, simd: S, heading: Heading, trip: &mut TileTrip) {
-        with_nodes!(&self.nodes, nodes => self.search_tile_in(simd, nodes, heading, trip));
+    pub(crate) fn search_tile<S: Simd>(
+        &self,
+        simd: S,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
+    ) {
+        with_nodes!(&self.nodes, nodes => self.search_tile_in(simd, nodes, direction_class, traversal));
     }
 
     #[inline(always)]
@@ -175,24 +180,25 @@ impl IntervalIndex {
         &self,
         simd: S,
         nodes: &[N],
-        heading: Heading,
-        trip: &mut TileTrip,
+        direction_class: DirectionClass,
+        traversal: &mut TileTraversal,
     ) {
-        let TileTrip { rays, kind, slot, .. } = *trip;
-        let count = TILE - trip.active.leading_zeros() as usize;
+        let TileTraversal { rays, kind, slot, .. } = *traversal;
+        let count = TILE - traversal.active.leading_zeros() as usize;
         let [x, y, z] = self.bounds.extent();
         let size = x.max(y).max(z) as f32;
-        let chunks = Chunks::new(simd, rays, count, heading, self.greatest, trip.nearest, |whole| {
-            whole.spread(size) > FARTHEST_SPREAD * size
-        });
+        let chunks =
+            Chunks::new(simd, rays, count, direction_class, self.greatest, traversal.nearest, |whole| {
+                whole.spread(size) > FARTHEST_SPREAD * size
+            });
         let Some(mut chunks) = chunks else {
-            return trip.one_by_one_outlined(
+            return traversal.one_by_one_outlined(
                 simd,
                 #[inline(always)]
-                |trip| self.search_in(simd, nodes, trip),
+                |traversal| self.search_in(simd, nodes, traversal),
             );
         };
-        let test = TileTest { simd, rays, kind, slot, heading };
+        let test = TileTest { simd, rays, kind, slot, direction_class };
         let (planes, mut tested) = (chunks.beam.planes(), 0u64);
         let interval = planes.clip(&self.bounds, chunks.farthest);
         let visited = walk(
@@ -205,8 +211,8 @@ impl IntervalIndex {
                 chunks.block(
                     simd,
                     block,
-                    trip.active,
-                    trip.nearest,
+                    traversal.active,
+                    traversal.nearest,
                     #[inline(always)]
                     |candidate, slopes, nearest| {
                         tested += LANES as u64;
@@ -216,8 +222,8 @@ impl IntervalIndex {
                 chunks.farthest
             },
         );
-        trip.counters.nodes += visited * count as u64;
-        trip.counters.triangles += tested;
+        traversal.counters.nodes += visited * count as u64;
+        traversal.counters.triangles += tested;
     }
 }
 

@@ -9,7 +9,7 @@
 mod clips;
 mod index;
 mod node;
-mod places;
+mod positions;
 mod refit;
 mod share;
 mod walk;

@@ -10,8 +10,8 @@
 //!
 //!  B-KD  [--- left ---]   [---- right ----]                           the same
 //!
-//!  BIH   | word: u32 | 2 planes: f32 | = 12 bytes      word: two lowest bits = axis, 3 = leaf; third bit: clip
-//!  B-KD  | word: u32 | 4 planes: f32 | = 20 bytes      the other 29: right child of a split, block of a leaf
+//!  BIH   | packed: u32 | 2 planes: f32 | = 12 bytes      packed: two lowest bits = axis, 3 = leaf; third bit: clip
+//!  B-KD  | packed: u32 | 4 planes: f32 | = 20 bytes      the other 29: right child of a split, block of a leaf
 //! ```
 //!
 //! The first child, or the only one, is the next node: a walk to it stays in the cache line. A leaf is one block of up to eight triangles.
@@ -35,9 +35,9 @@ const CLIP: u32 = 4;
 
 /// A node's first word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Word(u32);
+pub(super) struct PackedChild(u32);
 
-impl From<Kind> for Word {
+impl From<Kind> for PackedChild {
     fn from(kind: Kind) -> Self {
         Self(match kind {
             Kind::Leaf { block } => LEAF | (block as u32) << 3,
@@ -47,7 +47,7 @@ impl From<Kind> for Word {
     }
 }
 
-impl Word {
+impl PackedChild {
     #[inline(always)]
     pub(super) fn kind(self) -> Kind {
         let (axis, number) = ((self.0 & 3) as usize, (self.0 >> 3) as usize);
@@ -62,7 +62,7 @@ impl Word {
 }
 
 /// Rays that meet planes, in their own measure.
-pub(super) trait Meets {
+pub(super) trait OverlapTest {
     /// When the first of them may.
     fn first(&self, axis: usize, plane: f32) -> f32;
     /// When the last of them may.
@@ -84,26 +84,26 @@ pub(super) trait Layout: Copy + Send + Sync {
     /// What is known of a split's children where `region` is known of their parent.
     fn regions(&self, axis: usize, region: &Aabb) -> [Aabb; 2];
     /// When rays may be in the nearer child of a split, and in the farther one.
-    fn children<M: Meets>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2];
+    fn children<M: OverlapTest>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2];
 }
 
 /// Two planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub(super) struct BihNode {
-    word: Word,
+    packed: PackedChild,
     /// Of a split: where the left child ends, and where the right one begins. Of a clip: where its child begins and ends.
     planes: [f32; 2],
 }
 
 impl Layout for BihNode {
     fn new(kind: Kind) -> Self {
-        Self { word: kind.into(), planes: [0.0; 2] }
+        Self { packed: kind.into(), planes: [0.0; 2] }
     }
 
     #[inline(always)]
     fn kind(&self) -> Kind {
-        self.word.kind()
+        self.packed.kind()
     }
 
     fn set_split(&mut self, axis: usize, left: &Aabb, right: &Aabb) {
@@ -127,7 +127,7 @@ impl Layout for BihNode {
     }
 
     #[inline(always)]
-    fn children<M: Meets>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2] {
+    fn children<M: OverlapTest>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2] {
         let back = rays.back(axis);
         let last = rays.last(axis, self.planes[back & 1]);
         let first = rays.first(axis, self.planes[1 - (back & 1)]);
@@ -139,19 +139,19 @@ impl Layout for BihNode {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub(super) struct BkdNode {
-    word: Word,
+    packed: PackedChild,
     /// Of a split: where the left child begins and ends, and the right one. Of a clip: its child, twice.
     planes: [f32; 4],
 }
 
 impl Layout for BkdNode {
     fn new(kind: Kind) -> Self {
-        Self { word: kind.into(), planes: [0.0; 4] }
+        Self { packed: kind.into(), planes: [0.0; 4] }
     }
 
     #[inline(always)]
     fn kind(&self) -> Kind {
-        self.word.kind()
+        self.packed.kind()
     }
 
     fn set_split(&mut self, axis: usize, left: &Aabb, right: &Aabb) {
@@ -177,7 +177,7 @@ impl Layout for BkdNode {
     }
 
     #[inline(always)]
-    fn children<M: Meets>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2] {
+    fn children<M: OverlapTest>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2] {
         let back = rays.back(axis) & 1;
         let ends = |child: usize| {
             [
@@ -208,7 +208,7 @@ mod tests {
     /// A ray along x from 0 that meets planes where they are.
     struct Along(usize);
 
-    impl Meets for Along {
+    impl OverlapTest for Along {
         fn first(&self, _: usize, plane: f32) -> f32 {
             if self.0 == 0 { plane } else { -plane }
         }

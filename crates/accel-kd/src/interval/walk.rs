@@ -10,9 +10,9 @@ use gnurt_accel_core::beam::PlaneBeam;
 use gnurt_accel_core::float::{least, most};
 use gnurt_accel_core::slab::Slabs;
 use gnurt_accel_core::{Aabb, Ray};
-use gnurt_simd::StackRoom;
+use gnurt_simd::StackBuffer;
 
-use super::node::{Kind, Layout, Meets};
+use super::node::{Kind, Layout, OverlapTest};
 
 /// No node has so many splits above it.
 pub(super) const DEEPEST: usize = 88;
@@ -59,7 +59,7 @@ impl PlaneRay {
     }
 }
 
-impl Meets for PlaneRay {
+impl OverlapTest for PlaneRay {
     #[inline(always)]
     fn first(&self, axis: usize, plane: f32) -> f32 {
         plane * self.inv[axis & 3] - self.near[axis & 3]
@@ -76,7 +76,7 @@ impl Meets for PlaneRay {
     }
 }
 
-impl Meets for PlaneBeam {
+impl OverlapTest for PlaneBeam {
     #[inline(always)]
     fn first(&self, axis: usize, plane: f32) -> f32 {
         PlaneBeam::meet(self, axis & 3, plane)[0]
@@ -96,7 +96,7 @@ impl Meets for PlaneBeam {
 /// From the root on, where rays are from `t_min` to `t_max`: calls `leaf` with the block of each leaf that they may meet before they
 /// reach `t_max`; it answers with the new reach. Returns the nodes visited.
 #[inline(always)]
-pub(super) fn walk<N: Layout, M: Meets>(
+pub(super) fn walk<N: Layout, M: OverlapTest>(
     nodes: &[N],
     rays: &M,
     [mut t_min, mut t_max]: [f32; 2],
@@ -105,8 +105,8 @@ pub(super) fn walk<N: Layout, M: Meets>(
     if t_min > t_max {
         return 0;
     }
-    let mut room = StackRoom::<Waiting, DEEPEST>::new();
-    let mut waiting = room.stack();
+    let mut buffer = StackBuffer::<Waiting, DEEPEST>::new();
+    let mut waiting = buffer.stack();
     let (mut at, mut visited, mut reach) = (0, 0, t_max);
     loop {
         let node = &nodes[at];

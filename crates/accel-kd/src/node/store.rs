@@ -4,10 +4,10 @@
 //! its leaves take no more room than there is. Tests: `tests/saved.rs`.
 
 use super::{DEEPEST, EMPTY_LEAF, KdTree, Node};
-use gnurt_accel_core::store::{LoadError, Words};
+use gnurt_accel_core::store::{LoadError, StoredRecord};
 
-impl Words for Node {
-    const WORDS: usize = 2;
+impl StoredRecord for Node {
+    const LENGTH: usize = 2;
 
     #[inline(always)]
     fn put(&self, words: &mut [u32]) {

@@ -5,10 +5,10 @@
 use std::io::{self, Read, Write};
 
 use super::{Projected, ProjectedTriangles};
-use gnurt_accel_core::store::{LoadError, Reader, Words, Writer, get_floats, put_floats};
+use gnurt_accel_core::store::{LoadError, Reader, StoredRecord, Writer, get_floats, put_floats};
 
-impl Words for Projected {
-    const WORDS: usize = 10;
+impl StoredRecord for Projected {
+    const LENGTH: usize = 10;
 
     #[inline(always)]
     fn put(&self, words: &mut [u32]) {

@@ -7,8 +7,8 @@ use std::sync::OnceLock;
 use gnurt_accel_bvh::{BvhIndex, MotionIndex, Screen, SphereIndex, UserIndex};
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::Numbering;
-use gnurt_accel_core::screened::Screened;
 use gnurt_accel_core::surfaces::Surfaces;
+use gnurt_accel_core::valid_triangles::ValidTriangles;
 use gnurt_accel_kd::{GridIndex, IntervalIndex, KdIndex};
 
 use super::kind::{Group, Kind, group_of};
@@ -77,14 +77,14 @@ impl ObjectTree {
         let mut parts = Vec::new();
         let mut stats = TreeStats::default();
         for (kind, mask) in groups {
-            let wanted = |geometry: &Geometry| group_of(geometry) == (kind, mask);
+            let in_group = |geometry: &Geometry| group_of(geometry) == (kind, mask);
             let (quality, memory) = (options.quality, options.memory);
             let mut triangles = None;
             watch.result()?;
             let index = match kind {
                 Kind::Surfaces => {
-                    let wanted_numbers = (0..geometries.len()).filter(|&i| wanted(&geometries[i]));
-                    let numbers: usize = wanted_numbers.map(|i| numbering.range(i).len()).sum();
+                    let group_numbers = (0..geometries.len()).filter(|&i| in_group(&geometries[i]));
+                    let numbers: usize = group_numbers.map(|i| numbering.range(i).len()).sum();
                     let number = size_of::<u32>();
                     match options.structure {
                         Structure::Kd
@@ -94,22 +94,26 @@ impl ObjectTree {
                         | Structure::Grid => {
                             watch.take(number * numbers);
                             watch.result()?;
-                            let screened = Screened::over(geometries, &numbering, wanted, threads);
-                            bad += screened.bad;
-                            triangles = Some(screened.good.len() as u64);
-                            if screened.good.is_empty() {
+                            let valid_triangles =
+                                ValidTriangles::over(geometries, &numbering, in_group, threads);
+                            bad += valid_triangles.bad;
+                            triangles = Some(valid_triangles.good.len() as u64);
+                            if valid_triangles.good.is_empty() {
                                 continue;
                             }
                             let index = match options.structure {
                                 Structure::Kd => {
-                                    Index::Kd(KdIndex::build(&screened, options, threads, &watch)?)
+                                    Index::Kd(KdIndex::build(&valid_triangles, options, threads, &watch)?)
                                 }
                                 Structure::Grid => {
-                                    Index::Grid(GridIndex::build(&screened, options, threads, &watch)?)
+                                    Index::Grid(GridIndex::build(&valid_triangles, options, threads, &watch)?)
                                 }
-                                other => {
-                                    Index::Interval(IntervalIndex::build(&screened, other, threads, &watch)?)
-                                }
+                                other => Index::Interval(IntervalIndex::build(
+                                    &valid_triangles,
+                                    other,
+                                    threads,
+                                    &watch,
+                                )?),
                             };
                             watch.give(number * numbers);
                             index
@@ -118,25 +122,25 @@ impl ObjectTree {
                             let each = Screen::bytes_each(quality);
                             watch.take(each * numbers);
                             watch.result()?;
-                            let surfaces = Surfaces::new(geometries, &numbering, wanted);
+                            let surfaces = Surfaces::new(geometries, &numbering, in_group);
                             let mut screen = Screen::over(surfaces, quality, threads);
                             bad += screen.bad;
                             let count = screen.count();
                             triangles = Some(count as u64);
-                            let kept = screen.kept_bytes();
-                            watch.give(each * numbers - kept);
+                            let retained = screen.retained_bytes();
+                            watch.give(each * numbers - retained);
                             if count == 0 {
                                 continue;
                             }
                             let index = BvhIndex::build(&mut screen, quality, memory, threads, &watch)?;
-                            watch.give(kept);
+                            watch.give(retained);
                             Index::Bvh(index)
                         }
                     }
                 }
                 Kind::Moving(0) => continue,
                 Kind::Moving(keys) => {
-                    let surfaces = |key| Surfaces::at_key(geometries, &numbering, wanted, key as usize);
+                    let surfaces = |key| Surfaces::at_key(geometries, &numbering, in_group, key as usize);
                     let surfaces: Vec<Surfaces> = (0..keys).map(surfaces).collect();
                     match MotionIndex::build(&surfaces, &mut bad, quality, threads, &watch)? {
                         Some(index) => Index::Moving(index),
@@ -144,10 +148,10 @@ impl ObjectTree {
                     }
                 }
                 Kind::Spheres => Index::Spheres(SphereIndex::build(
-                    geometries, &numbering, wanted, &mut bad, quality, memory, threads,
+                    geometries, &numbering, in_group, &mut bad, quality, memory, threads,
                 )?),
                 Kind::User => Index::User(UserIndex::build(
-                    geometries, &numbering, wanted, &mut bad, quality, memory, threads,
+                    geometries, &numbering, in_group, &mut bad, quality, memory, threads,
                 )?),
             };
             if !index.bounds().is_empty() {
@@ -161,7 +165,7 @@ impl ObjectTree {
         watch.result()?;
         watch.finish();
         let groups = geometries.iter().map(|geometry| Some(group_of(geometry))).collect();
-        Ok(Self { parts, groups, numbering, bad, bounds, stats, places: OnceLock::new() })
+        Ok(Self { parts, groups, numbering, bad, bounds, stats, locations: OnceLock::new() })
     }
 }
 

@@ -7,7 +7,7 @@
 use gnurt_accel_core::blocks::WIDTH;
 use gnurt_accel_core::primitive::Primitive;
 
-use super::places::Places;
+use super::locations::Locations;
 use super::{Index, ObjectTree};
 use crate::{Hit, INVALID_ID};
 
@@ -42,35 +42,37 @@ impl Index {
 }
 
 impl ObjectTree {
-    fn places(&self) -> &Places {
-        self.places.get_or_init(|| {
-            let mut places = Places { of_number: Vec::new(), starts: Vec::new() };
-            places.of_number.resize(self.numbering.starts.last().map_or(0, |&end| end as usize), INVALID_ID);
+    fn locations(&self) -> &Locations {
+        self.locations.get_or_init(|| {
+            let mut locations = Locations { of_number: Vec::new(), starts: Vec::new() };
+            locations
+                .of_number
+                .resize(self.numbering.starts.last().map_or(0, |&end| end as usize), INVALID_ID);
             let mut start = 0;
             for part in &self.parts {
-                places.starts.push(start as u32);
+                locations.starts.push(start as u32);
                 let blocks = part.index.numbers(&mut |block, numbers| {
                     for (lane, &number) in numbers.iter().enumerate() {
-                        if let Some(place) = places.of_number.get_mut(number as usize) {
-                            *place = (start + block * WIDTH + lane) as u32;
+                        if let Some(location) = locations.of_number.get_mut(number as usize) {
+                            *location = (start + block * WIDTH + lane) as u32;
                         }
                     }
                 });
                 start += blocks * WIDTH;
             }
-            places
+            locations
         })
     }
 
     /// A triangle, half of a quad or sphere, at a moment; `None` of user geometry, and where there is none that can be traced.
     fn primitive(&self, number: u32, time: f32) -> Option<Primitive<'_>> {
-        let places = self.places();
-        let place = *places.of_number.get(number as usize)?;
-        if place == INVALID_ID {
+        let locations = self.locations();
+        let location = *locations.of_number.get(number as usize)?;
+        if location == INVALID_ID {
             return None;
         }
-        let part = places.starts.partition_point(|&start| start <= place) - 1;
-        let within = (place - places.starts[part]) as usize;
+        let part = locations.starts.partition_point(|&start| start <= location) - 1;
+        let within = (location - locations.starts[part]) as usize;
         self.parts[part].index.primitive(number, within / WIDTH, within % WIDTH, time)
     }
 

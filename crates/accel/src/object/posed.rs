@@ -63,7 +63,7 @@ impl ObjectTree {
         };
         let parts = self.parts.iter().map(part).collect::<Result<_, _>>()?;
         let (groups, bad, bounds, stats) = (self.groups.clone(), self.bad, self.bounds, self.stats);
-        let empty = Self { parts, groups, numbering, bad, bounds, stats, places: Default::default() };
+        let empty = Self { parts, groups, numbering, bad, bounds, stats, locations: Default::default() };
         empty.refit_from(geometries, threads)
     }
 

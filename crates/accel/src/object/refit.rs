@@ -57,24 +57,24 @@ impl ObjectTree {
             check_empty(geometries, &numbering, group, &mut bad)?;
         }
         let mut stats = TreeStats::default();
-        let mut same_places = true;
+        let mut same_slots = true;
         for part in &mut self.parts {
             let group = part.group();
-            let wanted = |geometry: &Geometry| group_of(geometry) == group;
+            let in_group = |geometry: &Geometry| group_of(geometry) == group;
             let mut primitives = None;
             match &mut part.index {
                 Index::Kd(_) | Index::Grid(_) | Index::Moving(_) => return Err(RefitError::Structure),
                 Index::Interval(index) => {
-                    index.refit(&Surfaces::new(geometries, &numbering, wanted), threads)?
+                    index.refit(&Surfaces::new(geometries, &numbering, in_group), threads)?
                 }
                 Index::Bvh(index) => {
-                    let refitted = index.refit(&Surfaces::new(geometries, &numbering, wanted), threads)?;
+                    let refitted = index.refit(&Surfaces::new(geometries, &numbering, in_group), threads)?;
                     bad += refitted.bad;
-                    same_places &= refitted.same_places;
+                    same_slots &= refitted.same_slots;
                     primitives = Some(refitted.primitives);
                 }
-                Index::Spheres(index) => index.refit(geometries, &numbering, wanted, threads)?,
-                Index::User(index) => index.refit(geometries, &numbering, wanted, threads)?,
+                Index::Spheres(index) => index.refit(geometries, &numbering, in_group, threads)?,
+                Index::User(index) => index.refit(geometries, &numbering, in_group, threads)?,
             }
             let measured = part.index.stats();
             let primitives = primitives.unwrap_or(measured.primitives);
@@ -82,8 +82,8 @@ impl ObjectTree {
         }
         self.bounds = self.parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));
         (self.bad, self.stats) = (bad, stats);
-        if !same_places {
-            self.places = OnceLock::new();
+        if !same_slots {
+            self.locations = OnceLock::new();
         }
         Ok(self)
     }

@@ -1,36 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The primitives of an object that may meet a region. Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
-use gnurt_accel_core::exact::Place;
+use gnurt_accel_core::exact::InstancePath;
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::Region;
 
 use super::{Index, ObjectTree};
-use crate::surfaces::Seen;
+use crate::surfaces::SurfaceInRegion;
 
 impl ObjectTree {
-    /// Shows them; the object is at `place` and has this slot.
+    /// Shows them; the object is at `path` and has this slot.
     pub(crate) fn show_at(
         &self,
         region: &Region,
         mask: u32,
         slot: u32,
-        place: Option<&Place>,
-        visit: &mut dyn FnMut(&Seen),
+        path: Option<&InstancePath>,
+        visit: &mut dyn FnMut(&SurfaceInRegion),
     ) {
         for part in self.parts.iter().filter(|part| part.mask & mask != 0) {
-            let sieve = region.sieve(part.index.bounds().greatest());
+            let region_filter = region.region_filter(part.index.bounds().greatest());
             let visit = &mut |number: u32, primitive: Primitive| {
-                visit(&Seen { slot, number, primitive, place, region });
+                visit(&SurfaceInRegion { slot, number, primitive, path, region });
             };
             match &part.index {
-                Index::Kd(index) => index.sift(&sieve, visit),
-                Index::Interval(index) => index.sift(&sieve, visit),
-                Index::Grid(index) => index.sift(&sieve, visit),
-                Index::Bvh(index) => index.sift(&sieve, visit),
-                Index::Moving(index) => index.first().sift(&sieve, visit),
-                Index::Spheres(index) => index.sift(&sieve, visit),
-                Index::User(index) => index.sift(&sieve, visit),
+                Index::Kd(index) => index.filter_region(&region_filter, visit),
+                Index::Interval(index) => index.filter_region(&region_filter, visit),
+                Index::Grid(index) => index.filter_region(&region_filter, visit),
+                Index::Bvh(index) => index.filter_region(&region_filter, visit),
+                Index::Moving(index) => index.first().filter_region(&region_filter, visit),
+                Index::Spheres(index) => index.filter_region(&region_filter, visit),
+                Index::User(index) => index.filter_region(&region_filter, visit),
             }
         }
     }

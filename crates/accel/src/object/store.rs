@@ -192,7 +192,7 @@ impl ObjectTree {
         if is_shared {
             return Err(LoadError::Damaged("a geometry is in several trees"));
         }
-        Ok(Self { parts, groups, numbering, bad, bounds, stats, places: OnceLock::new() })
+        Ok(Self { parts, groups, numbering, bad, bounds, stats, locations: OnceLock::new() })
     }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays, one by one and in batches. See docs/reference/queries.md names Embree's calls beside these. Bodies are in `ask.rs`
+//! Rays, one by one and in batches. See docs/reference/queries.md names Embree's calls beside these. Bodies are in `query.rs`
 //! and `batch.rs`. Space: the tree's.
 //! Tests: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/instances.rs`, `tests/nested.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
@@ -146,10 +146,10 @@ macro_rules! queries {
                 batch::occluded(self.target(), query, rays, occluded, record);
             }
 
-            /// The closest hits of a packet's rays: `tell` gets the place of each ray that has one, counted from 0 as they were pushed, and
+            /// The closest hits of a packet's rays: `report` gets the place of each ray that has one, counted from 0 as they were pushed, and
             /// its hit. `query.coherence` says whether the rays have something in common.
-            pub fn intersect_packet(&self, query: &Query, packet: Packet, tell: impl FnMut(usize, Hit)) {
-                self.target().closest_of_packet(query, packet, tell);
+            pub fn intersect_packet(&self, query: &Query, packet: Packet, report: impl FnMut(usize, Hit)) {
+                self.target().closest_of_packet(query, packet, report);
             }
 
             /// Which rays of a packet hit anything, as bits from the lowest on; see [`intersect_packet`](Self::intersect_packet).

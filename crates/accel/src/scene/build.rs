@@ -11,7 +11,7 @@ use gnurt_accel_core::{BuildControl, Quality};
 use super::box64::Box64;
 use super::error::SceneError;
 use super::leaves::Leaves;
-use super::types::{DEEPEST_SCENE, Instance, Placed, SceneTree, Slot};
+use super::types::{DEEPEST_SCENE, Instance, PlacedInstance, SceneTree, Slot};
 use crate::{Aabb, BuildOptions, INVALID_ID, SharedList, Threads};
 
 impl SceneTree {
@@ -55,7 +55,7 @@ impl Default for SceneTree {
 
 /// What there is to know of an instance once it is placed.
 #[derive(Clone, Copy)]
-pub(super) struct Facts {
+pub(super) struct InstanceProperties {
     /// Around it, relative to the origin of boxes; empty where there is nothing to see.
     pub(super) bounds: Aabb,
     /// Objects in what it shows.
@@ -68,23 +68,28 @@ pub(super) struct Facts {
     pub(super) error: Option<SceneError>,
 }
 
-impl Facts {
+impl InstanceProperties {
     /// Of an instance that is not there.
     pub(super) const ABSENT: Self =
         Self { bounds: Aabb::EMPTY, leaves: 1, depth: 0, moves: false, error: None };
 }
 
 /// An instance made ready, its box relative to `origin`.
-pub(super) fn place(instance: &Instance, inst_id: u32, origin: [f32; 3]) -> (Slot, Facts) {
-    let refused = |error| (Slot::Refused, Facts { error: Some(error), ..Facts::ABSENT });
+pub(super) fn place_instance(
+    instance: &Instance,
+    inst_id: u32,
+    origin: [f32; 3],
+) -> (Slot, InstanceProperties) {
+    let refused =
+        |error| (Slot::Refused, InstanceProperties { error: Some(error), ..InstanceProperties::ABSENT });
     if instance.shape.depth() >= DEEPEST_SCENE {
         return refused(SceneError::TooDeep { inst_id });
     }
-    match Placed::new(instance, origin) {
+    match PlacedInstance::new(instance, origin) {
         Some((placed, bounds)) => {
-            let (leaves, depth) = (placed.shape.leaves(), placed.shape.seen_depth());
+            let (leaves, depth) = (placed.shape.leaves(), placed.shape.scene_depth());
             let moves = placed.moves();
-            (Slot::Placed(placed), Facts { bounds, leaves, depth, moves, error: None })
+            (Slot::PlacedInstance(placed), InstanceProperties { bounds, leaves, depth, moves, error: None })
         }
         None => refused(SceneError::NoInverse { inst_id }),
     }
@@ -98,46 +103,47 @@ fn build(
     all: bool,
 ) -> Result<SceneTree, SceneError> {
     let held = instances.len() * size_of::<Slot>();
-    let passing = instances.len() * (size_of::<Facts>() + size_of::<Aabb>());
+    let passing = instances.len() * (size_of::<InstanceProperties>() + size_of::<Aabb>());
     watch.take(held + passing);
     watch.result()?;
     threads.run(|parallel| {
-        let (mut slots, mut facts) =
-            SharedList::with(instances.len(), parallel, |i| place(&instances[i], i as u32, [0.0; 3]));
+        let (mut slots, mut properties) = SharedList::with(instances.len(), parallel, |i| {
+            place_instance(&instances[i], i as u32, [0.0; 3])
+        });
         let mut dropped = 0;
         let (mut depths, mut moving) = ([0; DEEPEST_SCENE as usize], 0);
         let mut leaves = 0;
-        for (i, facts) in facts.iter_mut().enumerate() {
-            let more: u64 = leaves + u64::from(facts.leaves);
+        for (i, properties) in properties.iter_mut().enumerate() {
+            let more: u64 = leaves + u64::from(properties.leaves);
             // The greatest number is that of no object.
             if more >= u64::from(INVALID_ID) {
                 let inst_id = i as u32;
                 *slots.edit(i) = Slot::Refused;
-                *facts = Facts {
-                    error: facts.error.or(Some(SceneError::TooManyObjects { inst_id })),
+                *properties = InstanceProperties {
+                    error: properties.error.or(Some(SceneError::TooManyObjects { inst_id })),
                     leaves: 0,
-                    ..Facts::ABSENT
+                    ..InstanceProperties::ABSENT
                 };
             }
-            leaves += u64::from(facts.leaves);
-            depths[facts.depth as usize] += 1;
-            moving += u32::from(facts.moves);
-            match facts.error {
+            leaves += u64::from(properties.leaves);
+            depths[properties.depth as usize] += 1;
+            moving += u32::from(properties.moves);
+            match properties.error {
                 Some(error) if all => return Err(error),
                 Some(_) => dropped += 1,
                 None => {}
             }
         }
         let mut boxes = Vec::new();
-        extend(parallel, &mut boxes, facts.len(), |i| facts[i].bounds);
+        extend(parallel, &mut boxes, properties.len(), |i| properties[i].bounds);
         let origin = origin_for(&around(&boxes));
         if origin != [0.0; 3] {
             boxes.clear();
             extend(parallel, &mut boxes, slots.len(), |i| slots[i].bounds_from(origin));
         }
-        let leaves = Leaves::new(facts.iter().map(|facts| facts.leaves));
-        drop(facts);
-        let boxes_at = |place: usize| slots[place].boxes_at(origin);
+        let leaves = Leaves::new(properties.iter().map(|properties| properties.leaves));
+        drop(properties);
+        let boxes_at = |place_instance: usize| slots[place_instance].boxes_at(origin);
         let top = BoxIndex::build(&boxes, &boxes_at, origin, quality, threads, watch)?;
         watch.give(passing);
         watch.result()?;

@@ -23,7 +23,7 @@ impl Exact {
 
     /// What rays need of it.
     pub(super) fn stand(&self) -> Stand {
-        Stand { rows: self.rows, place: self.columns[3] }
+        Stand { rows: self.rows, translation: self.columns[3] }
     }
 }
 
@@ -31,13 +31,13 @@ impl Exact {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stand {
     pub(super) rows: [[f64; 3]; 3],
-    pub(super) place: [f64; 3],
+    pub(super) translation: [f64; 3],
 }
 
 impl Stand {
     /// A point of the world in the object's space.
     pub(super) fn point(&self, world: [f64; 3]) -> [f64; 3] {
-        let from = [0, 1, 2].map(|k| world[k] - self.place[k]);
+        let from = [0, 1, 2].map(|k| world[k] - self.translation[k]);
         self.rows.map(|row| row[0] * from[0] + row[1] * from[1] + row[2] * from[2])
     }
 

@@ -13,7 +13,7 @@ use gnurt_accel_core::affine::ObjectFromWorld;
 use super::box64::Box64;
 use super::exact::{Exact, Stand};
 use super::path::{MotionPath, share_of};
-use super::types::{At, Instance, Placed, SceneTree, Shape, Slot};
+use super::types::{At, Instance, PlacedInstance, SceneTree, Shape, Slot};
 use crate::{Aabb, ObjectTree};
 
 impl Instance {
@@ -64,7 +64,7 @@ impl Shape {
     }
 
     /// The same, but 0 where nothing of it can be seen.
-    pub(super) fn seen_depth(&self) -> u32 {
+    pub(super) fn scene_depth(&self) -> u32 {
         if self.bounds().is_empty() { 0 } else { self.depth() }
     }
 
@@ -94,7 +94,7 @@ impl Shape {
 
 const IDENTITY: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
-impl Placed {
+impl PlacedInstance {
     /// With its box, in floats and relative to `origin`; `None` where the transform has no inverse in floats, or a value that
     /// is not finite, or where floats cannot hold the box.
     pub(super) fn new(instance: &Instance, origin: [f32; 3]) -> Option<(Self, Aabb)> {
@@ -123,7 +123,7 @@ impl Placed {
             }
         };
         let in_floats = matches!(self.shape, Shape::Object(_)) || bounds == Box64::from(bounds.rounded());
-        if self.is_in_place() && origin == [0.0; 3] && in_floats {
+        if self.is_identity() && origin == [0.0; 3] && in_floats {
             return Some(bounds.rounded());
         }
         carry_box(&exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
@@ -143,7 +143,7 @@ impl Placed {
     }
 
     /// Whether world and object space are the same at every moment.
-    pub(super) fn is_in_place(&self) -> bool {
+    pub(super) fn is_identity(&self) -> bool {
         matches!(&self.at, At::Still { object_from_world: None, .. })
     }
 
@@ -181,7 +181,7 @@ impl Slot {
     /// The box in floats, relative to `origin`; empty where there is nothing to see.
     pub(super) fn bounds_from(&self, origin: [f32; 3]) -> Aabb {
         match self {
-            Self::Placed(placed) => placed.bounds_from(origin).unwrap_or(Aabb::EMPTY),
+            Self::PlacedInstance(placed) => placed.bounds_from(origin).unwrap_or(Aabb::EMPTY),
             Self::Absent | Self::Refused => Aabb::EMPTY,
         }
     }
@@ -189,7 +189,7 @@ impl Slot {
     /// Boxes of what moves at moments evenly spaced from 0 to 1, relative to `origin`: mixed between two of them, they hold it.
     /// One more than a power of two; `None` where it stands still or cannot be seen.
     pub(super) fn boxes_at(&self, origin: [f32; 3]) -> Option<Vec<Aabb>> {
-        let Self::Placed(placed) = self else { return None };
+        let Self::PlacedInstance(placed) = self else { return None };
         boxes_along(placed.motion()?, &placed.shape.bounds(), origin.map(f64::from))
     }
 }
@@ -203,13 +203,13 @@ pub(super) fn rounded(stand: &Stand) -> Option<ObjectFromWorld> {
     let spans = |v: [f32; 3]| (v[0] != 0.0) | (v[1] != 0.0) | (v[2] != 0.0);
     let [x, y, z] = stand.rows;
     let (x, y, z) = (floats(x), floats(y), floats(z));
-    let place = stand.place;
-    let high = floats(place);
-    let over = |k: usize| (place[k] - f64::from(high[k])) as f32;
+    let translation = stand.translation;
+    let high = floats(translation);
+    let over = |k: usize| (translation[k] - f64::from(high[k])) as f32;
     let low = [over(0), over(1), over(2)];
     let sound = is_finite(x) & is_finite(y) & is_finite(z) & is_finite(high) & is_finite(low);
     (sound && spans(x) && spans(y) && spans(z))
-        .then_some(ObjectFromWorld { rows: [x, y, z], place: [high, low] })
+        .then_some(ObjectFromWorld { rows: [x, y, z], translation: [high, low] })
 }
 
 /// The box around all that an object's box passes through, relative to `origin`; `None` where a float cannot hold it.
@@ -284,10 +284,10 @@ fn carry_box(columns: &[[f64; 3]; 4], object: &Box64, origin: [f64; 3]) -> Optio
     if object.is_empty() {
         return Some(Box64::EMPTY);
     }
-    let [axes @ .., place] = columns;
+    let [axes @ .., translation] = columns;
     let mut bounds = Box64::EMPTY;
     for k in 0..3 {
-        let at = place[k] - origin[k];
+        let at = translation[k] - origin[k];
         let (mut low, mut high, mut size) = (at, at, at.abs());
         for (axis, column) in axes.iter().enumerate() {
             let ends = [object.min[axis], object.max[axis]].map(|x| column[k] * x);
@@ -326,9 +326,9 @@ mod tests {
     #[test]
     fn boxes_at_keys_hold_what_moves() {
         let object = Box64 { min: [-1.0, 0.5, -2.0], max: [3.0, 4.0, 1.0] };
-        let turned = |angle: f64, size: f64, place: [f64; 3]| {
+        let turned = |angle: f64, size: f64, translation: [f64; 3]| {
             let (s, c) = angle.sin_cos();
-            [[c * size, s * size, 0.0], [-s, c, 0.0], [0.0, 0.1, size], place]
+            [[c * size, s * size, 0.0], [-s, c, 0.0], [0.0, 0.1, size], translation]
         };
         let spin = |i: i32| turned(2.0 * f64::from(i), 1.0, [f64::from(i), 0.0, 0.0]);
         let paths = [
@@ -338,16 +338,17 @@ mod tests {
             (vec![turned(0.0, 1.0, [0.0; 3]), turned(2.9, 3.0, [9.0, 1.0, 0.0])], 8, 1.2),
             ((0..12).map(spin).collect(), 8, 4.0),
         ];
-        for (places, pieces, most) in paths {
-            let path = MotionPath::new(&places).expect("they have inverses");
+        for (path_keys, pieces, most) in paths {
+            let path = MotionPath::new(&path_keys).expect("they have inverses");
             let keys = boxes_along(&path, &object, [0.5; 3]).expect("there is something to see");
             assert_eq!(keys.len(), pieces + 1, "as many as its way needs");
             let (mut area, mut least) = (0.0, 0.0);
             for step in 0..=1000 {
                 let time = step as f32 / 1000.0;
-                let moment = crate::Moment::of(time, keys.len());
-                let (from, to) = (&keys[moment.key], &keys[moment.next]);
-                let mixed = Aabb { min: moment.mix3(from.min, to.min), max: moment.mix3(from.max, to.max) };
+                let interval = crate::KeyInterval::of(time, keys.len());
+                let (from, to) = (&keys[interval.key], &keys[interval.next]);
+                let mixed =
+                    Aabb { min: interval.mix3(from.min, to.min), max: interval.mix3(from.max, to.max) };
                 let there = carry_box(&path.at(time), &object, [0.5; 3]).expect("near");
                 // As much as the slabs of rays allow for.
                 let slack = 1e-6 * f64::from(mixed.greatest());
@@ -370,12 +371,12 @@ mod tests {
             let mut instance = Instance::identity(Arc::clone(&object));
             instance.world_from_object[column] = [value; 3];
             assert!(
-                Placed::new(&instance, [0.0; 3]).is_none(),
+                PlacedInstance::new(&instance, [0.0; 3]).is_none(),
                 "{value} in column {column} cannot be undone"
             );
         }
         assert!(
-            Placed::new(&Instance::identity(object), [0.0; 3]).is_some(),
+            PlacedInstance::new(&Instance::identity(object), [0.0; 3]).is_some(),
             "an empty object can be placed"
         );
     }

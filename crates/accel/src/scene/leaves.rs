@@ -31,18 +31,18 @@ impl Leaves {
     /// With other numbers of objects at some places, which ascend, of `len` in all.
     pub(super) fn updated(&self, before: usize, len: usize, changed: &[(u32, u32)]) -> Self {
         let end = before.min(len);
-        let is_as_before = |&(place, count): &(u32, u32)| match (place as usize) < end {
-            true => self.of(place as usize) == count,
+        let is_as_before = |&(index, count): &(u32, u32)| match (index as usize) < end {
+            true => self.of(index as usize) == count,
             false => self.firsts.is_empty() && count == 1,
         };
         if changed.iter().all(is_as_before) && (before == len || self.firsts.is_empty()) {
             let count = if self.firsts.is_empty() { len as u32 } else { self.count };
             return Self { firsts: self.firsts.clone(), count };
         }
-        let mut counts: Vec<u32> = (0..end).map(|place| self.of(place)).collect();
+        let mut counts: Vec<u32> = (0..end).map(|index| self.of(index)).collect();
         counts.resize(len, 1);
-        for &(place, count) in changed {
-            counts[place as usize] = count;
+        for &(index, count) in changed {
+            counts[index as usize] = count;
         }
         Self::new(counts.into_iter())
     }
@@ -53,22 +53,22 @@ impl Leaves {
     }
 
     /// How many objects an instance shows.
-    fn of(&self, place: usize) -> u32 {
-        match self.firsts.get(place) {
-            Some(first) => self.firsts.get(place + 1).unwrap_or(&self.count) - first,
+    fn of(&self, index: usize) -> u32 {
+        match self.firsts.get(index) {
+            Some(first) => self.firsts.get(index + 1).unwrap_or(&self.count) - first,
             None => 1,
         }
     }
 
     /// The first number of an instance.
     #[inline]
-    pub(super) fn first(&self, place: usize) -> u32 {
-        if self.firsts.is_empty() { place as u32 } else { self.firsts[place] }
+    pub(super) fn first(&self, index: usize) -> u32 {
+        if self.firsts.is_empty() { index as u32 } else { self.firsts[index] }
     }
 
     /// The instance that has a number, which is below `count`.
     #[inline]
-    pub(super) fn place(&self, leaf: u32) -> usize {
+    pub(super) fn index(&self, leaf: u32) -> usize {
         if self.firsts.is_empty() {
             return leaf as usize;
         }
@@ -92,14 +92,14 @@ mod tests {
     /// Against a list of who has each number.
     fn check(leaves: &Leaves, counts: &[u32]) {
         let owners: Vec<usize> =
-            counts.iter().enumerate().flat_map(|(place, &count)| vec![place; count as usize]).collect();
+            counts.iter().enumerate().flat_map(|(index, &count)| vec![index; count as usize]).collect();
         assert_eq!(leaves.count() as usize, owners.len(), "{counts:?}");
         for (leaf, owner) in owners.iter().enumerate() {
-            assert_eq!(leaves.place(leaf as u32), *owner, "number {leaf} of {counts:?}");
+            assert_eq!(leaves.index(leaf as u32), *owner, "number {leaf} of {counts:?}");
         }
-        for (place, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
-            let first = owners.iter().position(|owner| *owner == place);
-            assert_eq!(Some(leaves.first(place) as usize), first, "instance {place} of {count}");
+        for (index, &count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+            let first = owners.iter().position(|owner| *owner == index);
+            assert_eq!(Some(leaves.first(index) as usize), first, "instance {index} of {count}");
         }
     }
 
@@ -122,9 +122,9 @@ mod tests {
             let edits = (0..len as u32).filter(|_| random.unit() < 0.3).collect::<Vec<_>>();
             let edits: Vec<(u32, u32)> = edits
                 .into_iter()
-                .map(|place| (place, if nested { random.pick(&[0, 1, 1, 4]) } else { 1 }))
+                .map(|index| (index, if nested { random.pick(&[0, 1, 1, 4]) } else { 1 }))
                 .collect();
-            edits.iter().for_each(|&(place, count)| counts[place as usize] = count);
+            edits.iter().for_each(|&(index, count)| counts[index as usize] = count);
             leaves = leaves.updated(before, len, &edits);
             check(&leaves, &counts);
         }

@@ -15,12 +15,12 @@ impl SceneTree {
         at: Option<[f64; 3]>,
         time: f32,
     ) -> Option<[f64; 3]> {
-        let (place, placed) = self.placed_at(leaf)?;
-        let (stands, exact) = (placed.is_in_place(), placed.exact(time)?);
+        let (index, placed) = self.located_instance(leaf)?;
+        let (stands, exact) = (placed.is_identity(), placed.exact(time)?);
         let at = at.map(|at| if stands { at } else { exact.stand().point(at) });
         let inside = match &placed.shape {
             Shape::Object(object) => object.raw_normal(hit, at, time),
-            Shape::Scene(scene) => scene.raw_normal_at(hit, leaf - self.leaves.first(place), at, time),
+            Shape::Scene(scene) => scene.raw_normal_at(hit, leaf - self.leaves.first(index), at, time),
         }?;
         if stands {
             return Some(inside);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How an instance moves while the shutter is open: matrices at moments that are evenly spaced, and what lies between two.
-//! What turns is in `turn.rs`.
+//! What turns is in `rotation.rs`.
 //! Space: world. Invariant: keys are met exactly, and the box of a path holds the object at every moment.
 //! Tests: `tests`, `tests/surfaces/motion.rs`.
 
@@ -8,7 +8,7 @@ use gnurt_accel_core::affine::inverse;
 
 use super::box64::Box64;
 use super::exact::Stand;
-use super::turn::{Columns, Turn};
+use super::rotation::{Columns, Rotation};
 
 /// Where an instance is at each moment from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct MotionPath {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Piece {
     /// Where the object's origin is at both ends; it goes straight.
-    places: [[f64; 3]; 2],
+    translations: [[f64; 3]; 2],
     linear: Linear,
 }
 
@@ -30,35 +30,35 @@ pub(super) struct Piece {
 enum Linear {
     /// It stays: the rows of its inverse.
     Stays([[f64; 3]; 3]),
-    Turns(Turn),
+    Rotating(Rotation),
 }
 
 impl Piece {
     fn new(from: &Columns, to: &Columns) -> Option<Self> {
         let linear = match from[..3] == to[..3] {
             true => Linear::Stays(inverse(from)?),
-            false => Linear::Turns(Turn::new(from, to)?),
+            false => Linear::Rotating(Rotation::new(from, to)?),
         };
-        Some(Self { places: [from[3], to[3]], linear })
+        Some(Self { translations: [from[3], to[3]], linear })
     }
 
     /// Where the object is at a share of the way that is neither 0 nor 1; `None` where it is flat.
     #[inline(always)]
     pub(super) fn stand(&self, share: f64) -> Option<Stand> {
-        let place = self.place(share);
+        let translation = self.translation(share);
         let rows = match &self.linear {
             Linear::Stays(rows) => *rows,
-            Linear::Turns(turn) => {
-                let [x, y, z] = turn.linear(share);
-                inverse(&[x, y, z, place])?
+            Linear::Rotating(rotation) => {
+                let [x, y, z] = rotation.linear(share);
+                inverse(&[x, y, z, translation])?
             }
         };
-        Some(Stand { rows, place })
+        Some(Stand { rows, translation })
     }
 
     #[inline(always)]
-    fn place(&self, share: f64) -> [f64; 3] {
-        let [from, to] = &self.places;
+    fn translation(&self, share: f64) -> [f64; 3] {
+        let [from, to] = &self.translations;
         let mix = |k: usize| (1.0 - share) * from[k] + share * to[k];
         [mix(0), mix(1), mix(2)]
     }
@@ -66,7 +66,7 @@ impl Piece {
     fn angle(&self) -> f64 {
         match &self.linear {
             Linear::Stays(_) => 0.0,
-            Linear::Turns(turn) => turn.angle(),
+            Linear::Rotating(rotation) => rotation.angle(),
         }
     }
 
@@ -74,7 +74,7 @@ impl Piece {
     fn steps(&self, object: &Box64) -> (f64, f64) {
         match &self.linear {
             Linear::Stays(_) => (1.0, 0.0),
-            Linear::Turns(turn) => turn.steps(object),
+            Linear::Rotating(rotation) => rotation.steps(object),
         }
     }
 }
@@ -84,9 +84,9 @@ impl MotionPath {
     /// moments evenly spaced from 0 to 1. Of each turn between two the shorter way is taken: give more places where an
     /// object turns by more than half a circle. `None` where there is no place, or one is flat or not finite.
     #[must_use]
-    pub fn new(places: &[[[f64; 3]; 4]]) -> Option<Self> {
-        let first = places.first()?;
-        let mut keys = places.to_vec();
+    pub fn new(translations: &[[[f64; 3]; 4]]) -> Option<Self> {
+        let first = translations.first()?;
+        let mut keys = translations.to_vec();
         if keys.len() == 1 {
             keys.push(*first);
         }
@@ -108,10 +108,10 @@ impl MotionPath {
     #[must_use]
     pub fn at(&self, time: f32) -> [[f64; 3]; 4] {
         let (piece, share) = share_of(time, self.pieces.len());
-        self.between(piece, share)
+        self.segment(piece, share)
     }
 
-    fn between(&self, number: usize, share: f64) -> [[f64; 3]; 4] {
+    fn segment(&self, number: usize, share: f64) -> [[f64; 3]; 4] {
         let (from, to) = (&self.keys[number], &self.keys[number + 1]);
         if share == 0.0 {
             return *from;
@@ -120,12 +120,12 @@ impl MotionPath {
             return *to;
         }
         let piece = &self.pieces[number];
-        let place = piece.place(share);
+        let translation = piece.translation(share);
         let [x, y, z] = match &piece.linear {
             Linear::Stays(_) => [from[0], from[1], from[2]],
-            Linear::Turns(turn) => turn.linear(share),
+            Linear::Rotating(rotation) => rotation.linear(share),
         };
-        [x, y, z, place]
+        [x, y, z, translation]
     }
 
     /// The same for rays; `None` at a moment at which the object is flat.
@@ -133,7 +133,7 @@ impl MotionPath {
         let (number, share) = share_of(time, self.pieces.len());
         if share == 0.0 || share == 1.0 {
             let columns = &self.keys[number + usize::from(share == 1.0)];
-            return Some(Stand { rows: inverse(columns)?, place: columns[3] });
+            return Some(Stand { rows: inverse(columns)?, translation: columns[3] });
         }
         self.pieces[number].stand(share)
     }
@@ -149,7 +149,7 @@ impl MotionPath {
         for (i, piece) in self.pieces.iter().enumerate() {
             let (count, bulge) = piece.steps(object);
             for step in 0..count as u32 {
-                let [from, to] = [step, step + 1].map(|step| self.between(i, f64::from(step) / count));
+                let [from, to] = [step, step + 1].map(|step| self.segment(i, f64::from(step) / count));
                 visit(&from, &to, bulge);
             }
         }
@@ -175,8 +175,8 @@ impl MotionPath {
     pub(super) fn straight_pieces(&self) -> usize {
         let count = self.pieces.len();
         let widest = self.pieces.iter().map(Piece::angle).fold(0.0, f64::max) * count as f64;
-        let wanted = count.max((widest / STRAIGHT).ceil() as usize);
-        wanted.next_power_of_two().min(MOST_PIECES)
+        let expected = count.max((widest / STRAIGHT).ceil() as usize);
+        expected.next_power_of_two().min(MOST_PIECES)
     }
 
     /// As [`steps`](Self::steps), cut where one of so many pieces of the time ends. `visit` is called with the number of that
@@ -198,7 +198,7 @@ impl MotionPath {
                 let at = |behind: f64| (i as f64 + behind) / own * pieces as f64;
                 let piece = (at(0.5 * (pair[0] + pair[1])) as usize).min(pieces - 1);
                 let end =
-                    |behind: f64| ((at(behind) - piece as f64).clamp(0.0, 1.0), self.between(i, behind));
+                    |behind: f64| ((at(behind) - piece as f64).clamp(0.0, 1.0), self.segment(i, behind));
                 visit(piece, [end(pair[0]), end(pair[1])], bulge);
             }
         }
@@ -210,10 +210,10 @@ mod tests {
     use super::*;
 
     /// Turned by `angle` around z, scaled, moved.
-    fn turned(angle: f64, scale: [f64; 3], place: [f64; 3]) -> [[f64; 3]; 4] {
+    fn turned(angle: f64, scale: [f64; 3], translation: [f64; 3]) -> [[f64; 3]; 4] {
         let (s, c) = angle.sin_cos();
         let [x, y, z] = scale;
-        [[x * c, x * s, 0.0], [-y * s, y * c, 0.0], [0.0, 0.0, z], place]
+        [[x * c, x * s, 0.0], [-y * s, y * c, 0.0], [0.0, 0.0, z], translation]
     }
 
     fn near(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4]) -> bool {
@@ -221,22 +221,22 @@ mod tests {
     }
 
     #[test]
-    fn turns_follow_the_arc_and_meet_their_keys() {
+    fn rotations_follow_the_arc_and_reach_their_keys() {
         for scale in [[1.0; 3], [2.0, 0.5, 3.0], [-1.0, 1.0, 1.0], [1.0, -2.0, 0.25], [0.5, 1.0, -1.0]] {
             let at = |t: f64| turned(0.3 + 2.8 * t, scale, [1.0 + t, 5.0 * t, -t]);
             let path = MotionPath::new(&[at(0.0), at(1.0)]).expect("two places");
             assert_eq!([path.at(0.0), path.at(1.0)], [at(0.0), at(1.0)], "keys are met");
             for t in [0.1_f32, 0.25, 0.5, 0.9] {
-                let (found, wanted) = (path.at(t), at(f64::from(t)));
-                assert!(near(&found, &wanted), "{scale:?} at {t}: {found:?}, not {wanted:?}");
+                let (found, expected) = (path.at(t), at(f64::from(t)));
+                assert!(near(&found, &expected), "{scale:?} at {t}: {found:?}, not {expected:?}");
             }
         }
         let quarters = MotionPath::new(
             &[0.0, 0.25, 0.5, 0.75, 1.0].map(|t: f64| turned(t * std::f64::consts::TAU, [1.0; 3], [0.0; 3])),
         );
         let third = quarters.expect("five places").at(1.0 / 3.0);
-        let wanted = turned(f64::from(1.0_f32 / 3.0) * std::f64::consts::TAU, [1.0; 3], [0.0; 3]);
-        assert!(near(&third, &wanted), "a whole turn by quarters: {third:?}");
+        let expected = turned(f64::from(1.0_f32 / 3.0) * std::f64::consts::TAU, [1.0; 3], [0.0; 3]);
+        assert!(near(&third, &expected), "a whole turn by quarters: {third:?}");
     }
 
     #[test]
@@ -279,8 +279,8 @@ mod tests {
         });
         let mut true_box = Box64::EMPTY;
         for step in 0..=10_000 {
-            let place = path.at(step as f32 / 10_000.0);
-            for p in (0..8).map(|i| apply(&place, corner(i))) {
+            let translation = path.at(step as f32 / 10_000.0);
+            for p in (0..8).map(|i| apply(&translation, corner(i))) {
                 for (k, &x) in p.iter().enumerate() {
                     assert!(around.min[k] <= x && x <= around.max[k], "step {step}: {p:?} is in {around:?}");
                     true_box.min[k] = true_box.min[k].min(x);

@@ -16,8 +16,8 @@ impl SceneTree {
         let from = self.top.origin();
         let point = [0, 1, 2].map(|k| probe.point[k] - f64::from(from[k]));
         let radius = probe.radius_for(nearest.distance());
-        engine.bvh.boxes_point(&self.top, &point, radius, &mut |place| {
-            self.enter_nearest(engine, place, probe, slot, nearest);
+        engine.bvh.boxes_point(&self.top, &point, radius, &mut |index| {
+            self.enter_nearest(engine, index, probe, slot, nearest);
             probe.radius_for(nearest.distance())
         });
     }
@@ -26,18 +26,18 @@ impl SceneTree {
     fn enter_nearest(
         &self,
         engine: &Engine,
-        place: usize,
+        index: usize,
         probe: &Probe,
         slot: u32,
         nearest: &mut dyn NearestPoint,
     ) {
-        let Some(placed) = self.placed(place).filter(|placed| placed.mask & probe.mask != 0) else {
+        let Some(placed) = self.placed(index).filter(|placed| placed.mask & probe.mask != 0) else {
             return;
         };
-        let slot = slot + self.leaves.first(place);
+        let slot = slot + self.leaves.first(index);
         let Some(exact) = placed.exact(0.0) else { return };
         let [axes @ .., _] = exact.columns;
-        let inside = match placed.is_in_place() {
+        let inside = match placed.is_identity() {
             true => *probe,
             false => probe.inside(exact.stand().point(probe.point), &axes),
         };

@@ -67,12 +67,12 @@ pub(crate) enum Slot {
     Absent,
     /// It cannot be placed.
     Refused,
-    Placed(Placed),
+    PlacedInstance(PlacedInstance),
 }
 
 /// An instance made ready for rays.
 #[derive(Clone, Debug)]
-pub(crate) struct Placed {
+pub(crate) struct PlacedInstance {
     pub(super) shape: Shape,
     pub(super) mask: u32,
     pub(super) at: At,

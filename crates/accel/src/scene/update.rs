@@ -7,12 +7,12 @@ use gnurt_accel_bvh::{BoxEdit, BoxIndex};
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::threads::extend;
 
-use super::build::{Facts, is_near, origin_for, place};
+use super::build::{InstanceProperties, is_near, origin_for, place_instance};
 use super::types::{Instance, SceneTree, Slot};
 use crate::{INVALID_ID, SceneError, Threads};
 
 /// What becomes of a place: what is there afterwards, and what there is to know of it.
-type Change = (u32, Slot, Facts);
+type Change = (u32, Slot, InstanceProperties);
 
 impl SceneTree {
     /// The scene of `len` instances that differs from this one in those that are `changed`: places, and what is there now;
@@ -44,11 +44,11 @@ impl SceneTree {
             let parallel = parallel && last.len() > FEW;
             extend(parallel, &mut changes, last.len(), |i| {
                 let (inst_id, instance) = &changed[last[i]];
-                let (slot, facts) = match instance {
-                    Some(instance) => place(instance, *inst_id, origin),
-                    None => (Slot::Absent, Facts::ABSENT),
+                let (slot, properties) = match instance {
+                    Some(instance) => place_instance(instance, *inst_id, origin),
+                    None => (Slot::Absent, InstanceProperties::ABSENT),
                 };
-                (*inst_id, slot, facts)
+                (*inst_id, slot, properties)
             });
         });
         self.after(len, changes, threads)
@@ -57,34 +57,34 @@ impl SceneTree {
     fn after(&self, len: usize, mut changes: Vec<Change>, threads: Threads) -> Self {
         let before = self.slots.len();
         let mut scene = self.clone();
-        for place in len..before {
-            scene.forget(&self.slots[place]);
+        for index in len..before {
+            scene.forget(&self.slots[index]);
         }
         scene.slots.truncate(len);
         scene.slots.grow(len);
         scene.depths[0] += len.saturating_sub(before) as u32;
-        for (place, ..) in &changes {
+        for (index, ..) in &changes {
             // Places that are new are absent, and so known as one object's.
-            scene.forget(self.slots.get(*place as usize).unwrap_or(&Slot::Absent));
+            scene.forget(self.slots.get(*index as usize).unwrap_or(&Slot::Absent));
         }
         scene.number(before, len, &mut changes);
-        for (_, _, facts) in &changes {
-            scene.depths[facts.depth as usize] += 1;
-            scene.moving += u32::from(facts.moves);
-            scene.dropped += u64::from(facts.error.is_some());
+        for (_, _, properties) in &changes {
+            scene.depths[properties.depth as usize] += 1;
+            scene.moving += u32::from(properties.moves);
+            scene.dropped += u64::from(properties.error.is_some());
         }
-        let gone = (len..before).map(|place| (place as u32, None));
-        let edit = |(place, _, facts): &Change| (*place, Some(facts.bounds));
+        let gone = (len..before).map(|index| (index as u32, None));
+        let edit = |(index, _, properties): &Change| (*index, Some(properties.bounds));
         let edits: Vec<BoxEdit> = changes.iter().map(edit).chain(gone).collect();
-        let places: Vec<u32> = changes.iter().map(|change| change.0).collect();
+        let indices: Vec<u32> = changes.iter().map(|change| change.0).collect();
         threads.run(|parallel| {
-            scene.slots.set_all(&places, parallel, |place| {
-                let at = places.partition_point(|&other| (other as usize) < place);
+            scene.slots.set_all(&indices, parallel, |index| {
+                let at = indices.partition_point(|&other| (other as usize) < index);
                 changes[at].1.clone()
             });
         });
         let (slots, origin) = (&scene.slots, self.top.origin());
-        scene.top = self.top.updated(&edits, &|place| slots[place].boxes_at(origin), threads);
+        scene.top = self.top.updated(&edits, &|index| slots[index].boxes_at(origin), threads);
         let bounds = scene.bounds64();
         if !is_near(&bounds, scene.top.origin()) {
             scene.move_origin(origin_for(&bounds), threads);
@@ -96,7 +96,7 @@ impl SceneTree {
     /// An instance is no longer counted.
     fn forget(&mut self, slot: &Slot) {
         let (depth, moves) = match slot {
-            Slot::Placed(placed) => (placed.shape.seen_depth(), placed.moves()),
+            Slot::PlacedInstance(placed) => (placed.shape.scene_depth(), placed.moves()),
             Slot::Absent | Slot::Refused => (0, false),
         };
         self.depths[depth as usize] -= 1;
@@ -107,21 +107,25 @@ impl SceneTree {
     /// Numbers objects anew; what makes them too many is refused.
     fn number(&mut self, before: usize, len: usize, changes: &mut [Change]) {
         let counts = |changes: &[Change]| -> Vec<(u32, u32)> {
-            changes.iter().map(|(place, _, facts)| (*place, facts.leaves)).collect()
+            changes.iter().map(|(index, _, properties)| (*index, properties.leaves)).collect()
         };
         let none: Vec<(u32, u32)> = changes.iter().map(|change| (change.0, 0)).collect();
-        let wanted: u64 = changes.iter().map(|(_, _, facts)| u64::from(facts.leaves)).sum();
+        let requested: u64 = changes.iter().map(|(_, _, properties)| u64::from(properties.leaves)).sum();
         let most = u64::from(INVALID_ID);
         // As most, those there were, and one for each that is new.
-        if u64::from(self.leaves.count()) + wanted + len.saturating_sub(before) as u64 >= most {
+        if u64::from(self.leaves.count()) + requested + len.saturating_sub(before) as u64 >= most {
             let mut leaves = u64::from(self.leaves.updated(before, len, &none).count());
-            for (inst_id, slot, facts) in changes.iter_mut() {
-                if leaves + u64::from(facts.leaves) >= most {
+            for (inst_id, slot, properties) in changes.iter_mut() {
+                if leaves + u64::from(properties.leaves) >= most {
                     *slot = Slot::Refused;
                     let error = SceneError::TooManyObjects { inst_id: *inst_id };
-                    *facts = Facts { error: facts.error.or(Some(error)), leaves: 0, ..Facts::ABSENT };
+                    *properties = InstanceProperties {
+                        error: properties.error.or(Some(error)),
+                        leaves: 0,
+                        ..InstanceProperties::ABSENT
+                    };
                 }
-                leaves += u64::from(facts.leaves);
+                leaves += u64::from(properties.leaves);
             }
         }
         self.leaves = self.leaves.updated(before, len, &counts(changes));
@@ -133,7 +137,7 @@ impl SceneTree {
         let slots = &self.slots;
         threads.run(|parallel| extend(parallel, &mut boxes, slots.len(), |i| slots[i].bounds_from(origin)));
         // A billion boxes take a hundred times the memory of their tree before.
-        let boxes_at = |place: usize| slots[place].boxes_at(origin);
+        let boxes_at = |index: usize| slots[index].boxes_at(origin);
         self.top = BoxIndex::build(&boxes, &boxes_at, origin, self.top.quality(), threads, &Watch::new(&()))
             .unwrap_or_else(|error| panic!("{error}"));
     }

@@ -79,10 +79,10 @@ pub(crate) fn queries() -> Vec<Query> {
 }
 
 /// Asks an object or a scene in every way and insists on one answer, bit for bit.
-pub(crate) fn ask<T: Ask>(target: &T, rays: &RayBatch) -> Vec<Option<Hit>> {
+pub(crate) fn run_queries<T: QueryTarget>(target: &T, rays: &RayBatch) -> Vec<Option<Hit>> {
     let mut first: Option<Vec<Option<Hit>>> = None;
     for query in queries() {
-        let (hits, occluded) = target.ask(&query, rays);
+        let (hits, occluded) = target.run_queries(&query, rays);
         let hits: Vec<Option<Hit>> = (0..hits.len()).map(|i| hits.get(i)).collect();
         for (i, hit) in hits.iter().enumerate() {
             assert_eq!(hit.is_some(), occluded[i], "{query:?}: closest and any hit of {:?}", rays.get(i));
@@ -102,19 +102,19 @@ pub(crate) fn ask<T: Ask>(target: &T, rays: &RayBatch) -> Vec<Option<Hit>> {
 }
 
 /// Objects and scenes.
-pub(crate) trait Ask {
+pub(crate) trait QueryTarget {
     /// Closest and any hits of a batch.
-    fn ask(&self, query: &Query, rays: &RayBatch) -> (HitBatch, Vec<bool>);
+    fn run_queries(&self, query: &Query, rays: &RayBatch) -> (HitBatch, Vec<bool>);
     /// The closest hit of one ray.
     fn one(&self, query: &Query, ray: &Ray) -> Option<Hit>;
     /// All hits of one ray.
     fn all(&self, ray: &Ray) -> Vec<Hit>;
 }
 
-macro_rules! can_be_asked {
+macro_rules! may_query {
     ($($tree:ty),*) => {$(
-        impl Ask for $tree {
-            fn ask(&self, query: &Query, rays: &RayBatch) -> (HitBatch, Vec<bool>) {
+        impl QueryTarget for $tree {
+            fn run_queries(&self, query: &Query, rays: &RayBatch) -> (HitBatch, Vec<bool>) {
                 let (mut hits, mut occluded, mut record) = (HitBatch::default(), Vec::new(), Record::default());
                 self.intersect_batch(query, rays, &mut hits, &mut record);
                 self.occluded_batch(query, rays, &mut occluded, &mut record);
@@ -133,7 +133,7 @@ macro_rules! can_be_asked {
         }
     )*};
 }
-can_be_asked!(ObjectTree, SceneTree);
+may_query!(ObjectTree, SceneTree);
 
 /// Compares answers with the oracle. A hit must be one of the triangle that it names, up to `margin`; it must not lie
 /// behind anything that is surely hit; and a miss must not pass through anything that is surely hit. Where rays graze

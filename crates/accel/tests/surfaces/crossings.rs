@@ -26,7 +26,7 @@ pub(super) fn aimed(random: &mut Random, n: i64) -> ([i64; 3], [i64; 3]) {
 #[test]
 fn solids_of_cubes_equal_whole_numbers() {
     let mut random = Random::new(11);
-    let mut asked = 0;
+    let mut requests = 0;
     for (round, kind) in WATERTIGHT.iter().cycle().take(28).enumerate() {
         let n = 1 + round as i64 % 5;
         let voxels = Voxels::random(round as u64, n as u32, [0.2, 0.5, 0.9][round % 3]);
@@ -69,9 +69,9 @@ fn solids_of_cubes_equal_whole_numbers() {
             let some = (0..40).map(|i| tree.crossings_with(&query, &rays[i]));
             assert!(some.eq(counts[..40].iter().copied()), "one by one at {level}");
         }
-        asked += rays.len();
+        requests += rays.len();
     }
-    assert!(asked > 10_000, "{asked} rays are enough to tell");
+    assert!(requests > 10_000, "{requests} rays are enough to tell");
 }
 
 /// A mesh whose coordinates are whole multiples of 2^-12.

@@ -9,8 +9,8 @@ use gnurt_testkit::{Random, Soup, Voxels, Where, closed};
 
 use crate::common::{WATERTIGHT, build, scene_of};
 
-fn expected(place: Where) -> Side {
-    match place {
+fn expected(placement: Where) -> Side {
+    match placement {
         Where::Outside => Side::Outside,
         Where::Surface => Side::Surface,
         Where::Inside => Side::Inside,
@@ -29,11 +29,11 @@ fn solids_of_cubes_equal_whole_numbers() {
         for i in 0..count * count * count {
             let point = [i % count - 1, i / count % count - 1, i / count / count - 1];
             points.push(point.map(|x| f64::from(from) + 0.5 * f64::from(side) * x as f64));
-            sides.push(expected(voxels.place(point)));
+            sides.push(expected(voxels.locate(point)));
             // By the least that a double can be off the surface, to either side.
             for towards in [1i64, -1] {
-                let beside = point.map(|x| 4 * x + if x % 2 == 0 { towards } else { 0 });
-                let cube = beside.map(|x| x.div_euclid(8));
+                let offset = point.map(|x| 4 * x + if x % 2 == 0 { towards } else { 0 });
+                let cube = offset.map(|x| x.div_euclid(8));
                 points.push([0, 1, 2].map(|k| {
                     let x: f64 = points[points.len() - if towards == 1 { 1 } else { 2 }][k];
                     if point[k] % 2 != 0 {
@@ -44,7 +44,7 @@ fn solids_of_cubes_equal_whole_numbers() {
                         x.next_down()
                     }
                 }));
-                sides.push(expected(voxels.place(cube.map(|x| 2 * x + 1))));
+                sides.push(expected(voxels.locate(cube.map(|x| 2 * x + 1))));
             }
         }
         let mut found = Vec::new();

@@ -44,18 +44,18 @@ impl Solid {
     }
 
     fn is_in(&self, cube: [i64; 3]) -> bool {
-        self.voxels.place(cube.map(|x| 2 * x + 1)) == Where::Inside
+        self.voxels.locate(cube.map(|x| 2 * x + 1)) == Where::Inside
     }
 
     /// The square of the distance to the surface, in half sides; `faces` are all of it.
     fn distance(&self, point: [i64; 3], faces: &[([i64; 3], usize)]) -> Option<i64> {
         let to = |&(cube, axis): &([i64; 3], usize)| -> i64 {
-            let beside = |k: usize| match point[k] - 2 * cube[k] {
+            let offset = |k: usize| match point[k] - 2 * cube[k] {
                 x if k == axis => x,
                 x if x < 0 => x,
                 x => (x - 2).max(0),
             };
-            (0..3).map(|k| beside(k) * beside(k)).sum()
+            (0..3).map(|k| offset(k) * offset(k)).sum()
         };
         faces.iter().map(to).min()
     }
@@ -84,7 +84,7 @@ impl Solid {
 #[test]
 #[ignore = "takes minutes"]
 fn a_million_rays_are_counted_rightly() {
-    let (mut random, mut asked, mut wrong) = (Random::new(17), 0, 0);
+    let (mut random, mut requests, mut wrong) = (Random::new(17), 0, 0);
     for round in 0..SOLIDS {
         let solid = Solid::new(round);
         let scale = 2f32.powi(round as i32 % 7 - 3);
@@ -103,19 +103,19 @@ fn a_million_rays_are_counted_rightly() {
             solid.tree.crossings_batch(&query, &rays, Threads::Single, &mut found);
             wrong += found.iter().zip(&expected).filter(|(a, b)| a != b).count();
         }
-        asked += count;
+        requests += count;
     }
     let levels = Level::available().len();
     assert!(
-        asked >= MILLION && wrong == 0,
-        "{wrong} counted wrongly of {asked} rays at each of {levels} levels"
+        requests >= MILLION && wrong == 0,
+        "{wrong} counted wrongly of {requests} rays at each of {levels} levels"
     );
 }
 
 #[test]
 #[ignore = "takes minutes"]
 fn a_million_points_are_on_the_right_side() {
-    let (mut random, mut asked) = (Random::new(19), 0);
+    let (mut random, mut requests) = (Random::new(19), 0);
     let (mut wrong_side, mut wrong_contains, mut wrong_sign, mut wrong_distance) = (0, 0, 0, 0);
     for round in 0..SOLIDS {
         let solid = Solid::new(round);
@@ -125,12 +125,12 @@ fn a_million_points_are_on_the_right_side() {
             // Corners, edges, faces and middles of cubes, and beside each of them by as little as a double can be.
             let half = [0; 3].map(|_: i32| random.below(2 * solid.n as usize + 3) as i64 - 1);
             let towards = [0, 1, -1][i % 3];
-            let beside = half.map(|x| 4 * x + if x % 2 == 0 { towards } else { 0 });
-            let cube = beside.map(|x| x.div_euclid(8));
-            let place = if towards == 0 {
-                solid.voxels.place(half)
+            let offset = half.map(|x| 4 * x + if x % 2 == 0 { towards } else { 0 });
+            let cube = offset.map(|x| x.div_euclid(8));
+            let placement = if towards == 0 {
+                solid.voxels.locate(half)
             } else {
-                solid.voxels.place(cube.map(|x| 2 * x + 1))
+                solid.voxels.locate(cube.map(|x| 2 * x + 1))
             };
             points.push([0, 1, 2].map(|k| {
                 let x = f64::from(solid.from) + 0.5 * f64::from(solid.side) * half[k] as f64;
@@ -140,7 +140,7 @@ fn a_million_points_are_on_the_right_side() {
                     _ => x,
                 }
             }));
-            let side = match place {
+            let side = match placement {
                 Where::Outside => Side::Outside,
                 Where::Surface => Side::Surface,
                 Where::Inside => Side::Inside,
@@ -168,12 +168,12 @@ fn a_million_points_are_on_the_right_side() {
                 wrong_distance += usize::from(distance.is_some_and(is_off));
             }
         }
-        asked += points.len();
+        requests += points.len();
     }
     let wrong = wrong_side + wrong_contains + wrong_sign + wrong_distance;
     assert!(
-        asked >= MILLION && wrong == 0,
-        "of {asked} points at each of {} levels {wrong_side} are on the wrong side, {wrong_contains} contained wrongly, \
+        requests >= MILLION && wrong == 0,
+        "of {requests} points at each of {} levels {wrong_side} are on the wrong side, {wrong_contains} contained wrongly, \
          {wrong_sign} signs and {wrong_distance} distances wrong",
         Level::available().len()
     );

@@ -5,12 +5,12 @@
 use std::sync::Arc;
 
 use gnurt_accel::{
-    BuildOptions, Face, Geometry, Hit, HitBatch, Instance, Level, Memory, Moment, MotionPath,
+    BuildOptions, Face, Geometry, Hit, HitBatch, Instance, KeyInterval, Level, Memory, MotionPath,
     MovingTriangles, ObjectTree, Quality, Query, Ray, Ray64, RayBatch, SceneTree, Threads, Triangles,
 };
 use gnurt_testkit::{Random, Soup, rays};
 
-use crate::common::{Ask, ask, queries};
+use crate::common::{QueryTarget, queries, run_queries};
 
 /// A soup at some keys: triangles drift apart, each its own way.
 struct Drift {
@@ -25,8 +25,8 @@ impl Drift {
         for _ in 1..keys {
             let mut next = all[all.len() - 1].clone();
             for triangle in next.chunks_mut(3) {
-                let (way, one) = (random.point(), random.point());
-                for (p, further) in triangle.iter_mut().zip([way, way, one]) {
+                let (motion_path, one) = (random.point(), random.point());
+                for (p, further) in triangle.iter_mut().zip([motion_path, motion_path, one]) {
                     *p = [0, 1, 2].map(|k| p[k] + 0.6 * (further[k] - 0.5));
                 }
             }
@@ -41,9 +41,9 @@ impl Drift {
 
     /// All vertices as they are at a moment.
     fn positions(&self, time: f32) -> Vec<[f32; 3]> {
-        let moment = Moment::of(time, self.keys.len());
-        let (from, to) = (&self.keys[moment.key], &self.keys[moment.next]);
-        from.iter().zip(to).map(|(&from, &to)| moment.mix3(from, to)).collect()
+        let interval = KeyInterval::of(time, self.keys.len());
+        let (from, to) = (&self.keys[interval.key], &self.keys[interval.next]);
+        from.iter().zip(to).map(|(&from, &to)| interval.mix3(from, to)).collect()
     }
 }
 
@@ -66,19 +66,19 @@ fn some_rays(seed: u64, count: usize) -> Vec<Ray> {
     rays::random(seed, count).into_iter().enumerate().map(ray).collect()
 }
 
-/// Insists that rays of several moments find what `frozen` has at each of them.
-fn compare<T: Ask>(moving: &T, rays: &[Ray], mut frozen: impl FnMut(f32) -> T) {
+/// Insists that rays of several moments find what `snapshot` has at each of them.
+fn compare<T: QueryTarget>(moving: &T, rays: &[Ray], mut snapshot: impl FnMut(f32) -> T) {
     let batch: RayBatch = rays.iter().copied().collect();
-    let found = ask(moving, &batch);
+    let found = run_queries(moving, &batch);
     for time in TIMES {
-        let still = frozen(time);
+        let still = snapshot(time);
         let mut hits = 0;
         for (ray, found) in rays.iter().zip(&found).filter(|(ray, _)| ray.time == time) {
             let bits = |hit: Option<Hit>| hit.map(|hit| (hit, [hit.t, hit.u, hit.v].map(f32::to_bits)));
-            let wanted = still.one(&Query::default(), ray);
-            assert_eq!(bits(*found), bits(wanted), "{ray:?}");
+            let expected = still.one(&Query::default(), ray);
+            assert_eq!(bits(*found), bits(expected), "{ray:?}");
             assert_eq!(moving.all(ray), still.all(ray), "all hits of {ray:?}");
-            hits += usize::from(wanted.is_some());
+            hits += usize::from(expected.is_some());
         }
         assert!(hits > 20, "{hits} hits at {time} are enough to tell");
     }
@@ -121,9 +121,9 @@ fn meshes_are_seen_where_they_are_at_the_moment() {
 }
 
 /// A place, turned and scaled in some way.
-fn place(random: &mut Random) -> [[f64; 3]; 4] {
-    let turn = f64::from(random.between(-3.0, 3.0));
-    let (s, c) = turn.sin_cos();
+fn placement(random: &mut Random) -> [[f64; 3]; 4] {
+    let rotation = f64::from(random.between(-3.0, 3.0));
+    let (s, c) = rotation.sin_cos();
     let scale = f64::from(random.pick(&[0.5_f32, 1.0, -1.0]));
     let at = random.point().map(f64::from);
     [[c, 0.2 * s, s], [0.0, scale, 0.0], [-s, 0.1, c], at]
@@ -141,22 +141,22 @@ fn instances_are_seen_where_they_are_at_the_moment() {
     let still = object(Triangles { positions: &soup.positions, indices: &soup.indices }.into());
     let moving = object(mesh.into());
     let path = |random: &mut Random, keys: usize| {
-        let places: Vec<_> = (0..keys).map(|_| place(random)).collect();
-        Arc::new(MotionPath::new(&places).expect("they have inverses"))
+        let placements: Vec<_> = (0..keys).map(|_| placement(random)).collect();
+        Arc::new(MotionPath::new(&placements).expect("they have inverses"))
     };
     let mut instances = vec![
-        Instance::new(still.clone(), place(&mut random)),
+        Instance::new(still.clone(), placement(&mut random)),
         Instance::moving(still.clone(), path(&mut random, 2)).with_mask(3),
         Instance::moving(moving.clone(), path(&mut random, 4)),
         Instance::identity(moving.clone()),
     ];
     let inner = Arc::new(SceneTree::build(&instances, &options, threads));
     instances.push(Instance::moving(inner.clone(), path(&mut random, 3)));
-    instances.push(Instance::new(inner, place(&mut random)));
+    instances.push(Instance::new(inner, placement(&mut random)));
     let rays = some_rays(4, 1200);
 
     // By hand, instance by instance.
-    fn frozen(instances: &[Instance], time: f32) -> SceneTree {
+    fn snapshot(instances: &[Instance], time: f32) -> SceneTree {
         let still = |instance: &Instance| {
             let columns = instance.motion.as_ref().map_or(instance.world_from_object, |path| path.at(time));
             let shape = match &instance.shape {
@@ -171,7 +171,7 @@ fn instances_are_seen_where_they_are_at_the_moment() {
     for count in [2, instances.len()] {
         let scene = SceneTree::build(&instances[..count], &options, threads);
         assert!(scene.moves() && !scene.at(0.5, threads).moves(), "it moves until it is stopped");
-        compare(&scene, &rays, |time| frozen(&instances[..count], time));
+        compare(&scene, &rays, |time| snapshot(&instances[..count], time));
         compare(&scene, &rays, |time| scene.at(time, threads));
     }
     // Alone: no top tree is in the way. And with origins in double precision.
@@ -189,7 +189,7 @@ fn instances_are_seen_where_they_are_at_the_moment() {
     let mut following = SceneTree::build(&instances[..1], &options, threads);
     let more: Vec<(u32, Option<Instance>)> = (1..).zip(instances[1..].iter().cloned().map(Some)).collect();
     following = following.updated(instances.len(), &more, threads);
-    compare(&following, &rays, |time| frozen(&instances, time));
+    compare(&following, &rays, |time| snapshot(&instances, time));
 }
 
 /// So many that the top tree is in parts, some of which move; and what becomes of it when some of them go another way.
@@ -202,7 +202,7 @@ fn many_instances_are_met_where_they_are() {
     let object = Arc::new(ObjectTree::build(&[mesh], &options, threads));
     let small = |random: &mut Random, from: [f32; 3]| {
         let near = random.point();
-        let [axes @ .., _] = place(random);
+        let [axes @ .., _] = placement(random);
         let at = [0, 1, 2].map(|k| f64::from(10.0 * from[k] + near[k]));
         let [x, y, z] = axes.map(|axis| axis.map(|x| 0.9 * x));
         [x, y, z, at]
@@ -210,12 +210,12 @@ fn many_instances_are_met_where_they_are() {
     let instance = |random: &mut Random| {
         let from = random.point();
         let keys = random.pick(&[1, 1, 2, 3, 5, 12]);
-        let places: Vec<_> = (0..keys).map(|_| small(random, from)).collect();
+        let placements: Vec<_> = (0..keys).map(|_| small(random, from)).collect();
         match keys {
-            1 => Instance::new(object.clone(), places[0]),
+            1 => Instance::new(object.clone(), placements[0]),
             _ => Instance::moving(
                 object.clone(),
-                Arc::new(MotionPath::new(&places).expect("they have inverses")),
+                Arc::new(MotionPath::new(&placements).expect("they have inverses")),
             ),
         }
     };
@@ -228,14 +228,14 @@ fn many_instances_are_met_where_they_are() {
     compare(&scene, &rays, |time| scene.at(time, threads));
     // All at one moment, in tiles: what moves stands still for them.
     let stopped = scene.at(0.734, threads);
-    let together = |random: &mut Random| {
+    let joint = |random: &mut Random| {
         let to = random.point();
         Ray::new([-5.0, 4.0, 6.0], [0, 1, 2].map(|k| 10.0 * to[k] - [-5.0, 4.0, 6.0][k])).with_time(0.734)
     };
-    let bundle: RayBatch = (0..256).map(|_| together(&mut random)).collect();
-    assert_eq!(ask(&scene, &bundle), ask(&stopped, &bundle), "at one moment");
+    let bundle: RayBatch = (0..256).map(|_| joint(&mut random)).collect();
+    assert_eq!(run_queries(&scene, &bundle), run_queries(&stopped, &bundle), "at one moment");
     let spread: RayBatch = (0..256).map(|i| bundle.get(i).with_time(i as f32 / 256.0)).collect();
-    let found = ask(&scene, &spread);
+    let found = run_queries(&scene, &spread);
     for (i, found) in found.iter().enumerate().step_by(64) {
         let ray = spread.get(i);
         assert_eq!(*found, scene.at(ray.time, threads).intersect(&ray), "{ray:?} in a tile of many moments");
@@ -266,9 +266,9 @@ fn normals_and_faces_are_those_of_the_moment() {
         object.intersect_batch(&Query::default(), &rays, &mut hits, &mut Default::default());
         object.normals(&rays, &hits, threads, &mut normals);
         assert_eq!(normals, [[0.0, 0.0, object_z]], "of the object at {time}");
-        let (seen, unseen) =
+        let (visible, unseen) =
             if object_z > 0.0 { (Face::Front, Face::Back) } else { (Face::Back, Face::Front) };
-        assert!(object.occluded_face(&Query::default(), &ray(time), seen), "{seen:?} at {time}");
+        assert!(object.occluded_face(&Query::default(), &ray(time), visible), "{visible:?} at {time}");
         assert!(!object.occluded_face(&Query::default(), &ray(time), unseen), "{unseen:?} at {time}");
         scene.intersect_batch(&Query::default(), &rays, &mut hits, &mut Default::default());
         scene.normals(&rays, &hits, threads, &mut normals);

@@ -94,7 +94,7 @@ fn the_nearest_primitives_equal_brute_force() {
     for kind in WATERTIGHT {
         let mesh = Soup::random(1, 150, 0.3);
         let tree = build(std::slice::from_ref(&mesh), kind);
-        let alone: Vec<ObjectTree> = (0..mesh.indices.len())
+        let single: Vec<ObjectTree> = (0..mesh.indices.len())
             .map(|i| {
                 let mut one = Soup::default();
                 one.push(mesh.corners(i).expect("a triangle"));
@@ -106,7 +106,7 @@ fn the_nearest_primitives_equal_brute_force() {
         let mut lists = Lists::default();
         tree.nearest_primitives_batch(&query, &points, 0.8, 7, Threads::Pool(&pool), &mut lists);
         for (i, &point) in points.iter().enumerate() {
-            let mut all: Vec<(f64, u32)> = alone
+            let mut all: Vec<(f64, u32)> = single
                 .iter()
                 .zip(0..)
                 .filter_map(|(tree, i)| Some((tree.closest_point(point, 0.8)?.distance, i)))
@@ -171,16 +171,16 @@ fn visitors_see_what_is_near() {
     let (query, mut random, mut ids) = (Query::default(), Random::new(5), Vec::new());
     for _ in 0..50 {
         let point = random.point().map(f64::from);
-        let mut seen = Vec::new();
+        let mut reported = Vec::new();
         tree.visit_near(&query, point, 0.5, |hit| {
             let PointHit { leaf_id, geom_id, prim_id, .. } = *hit;
-            seen.push(PrimitiveId { leaf_id, geom_id, prim_id });
+            reported.push(PrimitiveId { leaf_id, geom_id, prim_id });
             0.5
         });
-        seen.sort_unstable();
-        seen.dedup();
+        reported.sort_unstable();
+        reported.dedup();
         tree.touching_ball(&query, point, 0.5, &mut ids);
-        assert_eq!(seen, ids, "all within the radius, near {point:?}");
+        assert_eq!(reported, ids, "all within the radius, near {point:?}");
         let mut nearest = f64::INFINITY;
         tree.visit_near(&query, point, nearest, |hit| {
             nearest = nearest.min(hit.distance);
@@ -195,8 +195,8 @@ fn visitors_see_what_is_near() {
 fn visitors_see_a_triangle_alone_once() {
     let corners = [[-1.0, 0.0, -1.0], [1.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
     for kind in WATERTIGHT {
-        let alone = Soup { positions: corners.into(), indices: vec![[0, 1, 2]] };
-        let (tree, mut count) = (build(&[alone], kind), 0);
+        let single = Soup { positions: corners.into(), indices: vec![[0, 1, 2]] };
+        let (tree, mut count) = (build(&[single], kind), 0);
         tree.visit_near(&Query::default(), [0.0; 3], f64::INFINITY, |_| {
             count += 1;
             f64::INFINITY

@@ -71,14 +71,14 @@ fn slices_equal_single_rays() {
                 };
                 scene.intersect_slices(&query, &borrowed, threads, &mut into).expect("room for all");
                 let masked = borrowed.with_masks(&masks).expect("one each");
-                let mut seen = vec![true; plain.len()];
-                scene.occluded_slices(&query, &masked, threads, &mut seen).expect("room for all");
+                let mut found = vec![true; plain.len()];
+                scene.occluded_slices(&query, &masked, threads, &mut found).expect("room for all");
                 for (i, hit) in expected.iter().enumerate() {
                     assert_eq!(t[i], hit.map_or(f32::INFINITY, |hit| hit.t), "ray {i}");
                     assert_eq!(prim_id[i], hit.map_or(INVALID_ID, |hit| hit.prim_id), "ray {i}");
                     let expected = hit.and_then(|hit| scene.normal(&hit));
                     assert_eq!(normal[i], expected.unwrap_or_default(), "ray {i}");
-                    assert_eq!(seen[i], hit.is_some() && i % 3 != 0, "ray {i}");
+                    assert_eq!(found[i], hit.is_some() && i % 3 != 0, "ray {i}");
                 }
             }
         }
@@ -121,8 +121,8 @@ fn origins_in_double_precision_stay_so() {
 #[test]
 fn what_does_not_fit_is_refused() {
     let (three, two) = ([[0.0f32; 3]; 3], [[1.0f32; 3]; 2]);
-    let told = RaySlices::new(&three[..], &two[..]).expect_err("too few directions").to_string();
-    assert_eq!(told, "directions: 2 values where there are 3 rays", "what, and how many");
+    let reported = RaySlices::new(&three[..], &two[..]).expect_err("too few directions").to_string();
+    assert_eq!(reported, "directions: 2 values where there are 3 rays", "what, and how many");
     let rays = RaySlices::new(&three[..], &three[..]).expect("they fit");
     assert!(
         rays.with_masks(&[1, 2]).is_err() && rays.with_t_far(Column::new(&[1.0f32][..])).is_err(),
@@ -130,8 +130,12 @@ fn what_does_not_fit_is_refused() {
     );
     let mut t = [0.0; 2];
     let mut hits = HitSlices { t: Some(&mut t), ..HitSlices::default() };
-    let told = scene(0.0).intersect_slices(&Query::default(), &rays, Threads::Single, &mut hits);
-    assert_eq!(told.expect_err("too few").to_string(), "t: 2 values where there are 3 rays", "and for hits");
+    let reported = scene(0.0).intersect_slices(&Query::default(), &rays, Threads::Single, &mut hits);
+    assert_eq!(
+        reported.expect_err("too few").to_string(),
+        "t: 2 values where there are 3 rays",
+        "and for hits"
+    );
     let x = [1.0f32, 2.0];
     let other = Vectors::columns(Column::new(&x[..]), Column::same(&x[..], 0), Column::new(&x[..1]));
     assert!(other.is_err(), "columns of different lengths");

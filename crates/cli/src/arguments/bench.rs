@@ -11,7 +11,7 @@ use gnurt_bench::Class;
 
 use super::value;
 use super::value::Resolution;
-use super::{FileArguments, MachineArguments, TalkArguments, ViewArguments};
+use super::{FileArguments, MachineArguments, VerbosityArguments, ViewArguments};
 
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
@@ -42,13 +42,13 @@ pub(crate) enum BenchCommand {
 }
 
 impl BenchCommand {
-    pub(crate) fn talk(&self) -> &TalkArguments {
+    pub(crate) fn verbosity_arguments(&self) -> &VerbosityArguments {
         match self {
-            Self::Rays(arguments) => &arguments.talk,
-            Self::Build(arguments) => &arguments.talk,
-            Self::Dynamic(arguments) => &arguments.talk,
-            Self::Paper(arguments) => &arguments.talk,
-            Self::Light(arguments) => &arguments.talk,
+            Self::Rays(arguments) => &arguments.verbosity_arguments,
+            Self::Build(arguments) => &arguments.verbosity_arguments,
+            Self::Dynamic(arguments) => &arguments.verbosity_arguments,
+            Self::Paper(arguments) => &arguments.verbosity_arguments,
+            Self::Light(arguments) => &arguments.verbosity_arguments,
         }
     }
 
@@ -101,7 +101,7 @@ pub(crate) struct BenchRaysArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `bench build`.
@@ -127,7 +127,7 @@ pub(crate) struct BenchBuildArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `bench dynamic`.
@@ -165,7 +165,7 @@ pub(crate) struct BenchDynamicArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `bench paper`.
@@ -186,7 +186,7 @@ pub(crate) struct BenchPaperArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `bench light`.
@@ -244,5 +244,5 @@ pub(crate) struct BenchLightArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }

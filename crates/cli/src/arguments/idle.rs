@@ -19,10 +19,10 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
     let is_given = |id: &str| {
         matches.try_contains_id(id).is_ok() && matches.value_source(id) == Some(ValueSource::CommandLine)
     };
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     let mut tell = |options: &[(&str, &str)], why: &str| {
         let given = options.iter().filter(|(id, _)| is_given(id));
-        told.extend(given.map(|(_, option)| format!("{option} has no effect {why}")));
+        reported.extend(given.map(|(_, option)| format!("{option} has no effect {why}")));
     };
     const LOOK: [(&str, &str); 2] = [("tone", "--tone"), ("exposure", "--exposure")];
     const FILES: [(&str, &str); 2] = [("confine", "--confine"), ("texture_memory", "--texture-memory")];
@@ -48,7 +48,7 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
         }
         _ => {}
     }
-    told
+    reported
 }
 
 /// What integrators do not look at.

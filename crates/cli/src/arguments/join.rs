@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{DenoiserArguments, LightArguments, MachineArguments, TalkArguments};
+use super::{DenoiserArguments, LightArguments, MachineArguments, VerbosityArguments};
 
 /// Arguments of `join`.
 #[derive(Args, Debug)]
@@ -23,5 +23,5 @@ pub(crate) struct JoinArguments {
     #[command(flatten)]
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }

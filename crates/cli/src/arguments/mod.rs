@@ -9,11 +9,11 @@ mod files;
 mod help;
 mod idle;
 mod join;
-mod moments;
 mod refusal;
 mod render;
-mod talk;
+mod times;
 pub(crate) mod value;
+mod verbosity_arguments;
 mod view;
 mod window;
 
@@ -31,12 +31,14 @@ pub(crate) use files::FileArguments;
 pub(crate) use help::HelpArguments;
 pub(crate) use idle::without_effect;
 pub(crate) use join::JoinArguments;
-pub(crate) use moments::MomentArguments;
 pub(crate) use refusal::{Refusal, explain};
 pub(crate) use render::{RenderArguments, StatisticsForm};
-pub(crate) use talk::{TalkArguments, talk_behind_command};
+pub(crate) use times::TimeArguments;
 pub(crate) use value::{ExposureChoice, Pixel, Resolution, ShaderChoice};
-pub(crate) use view::{FrameArguments, LightArguments, Look, MachineArguments, TreeArguments, ViewArguments};
+pub(crate) use verbosity_arguments::{VerbosityArguments, verbosity_behind_command};
+pub(crate) use view::{
+    DisplayOptions, FrameArguments, LightArguments, MachineArguments, TreeArguments, ViewArguments,
+};
 pub(crate) use window::WindowArguments;
 
 /// Ray tracing from the command line.
@@ -119,18 +121,18 @@ pub(crate) enum Command {
 
 impl Command {
     /// How much it is to say.
-    pub(crate) fn talk(&self) -> &TalkArguments {
+    pub(crate) fn verbosity_arguments(&self) -> &VerbosityArguments {
         match self {
-            Self::Render(arguments) => &arguments.talk,
-            Self::Join(arguments) => &arguments.talk,
-            Self::View(arguments) => &arguments.talk,
-            Self::Info(arguments) => &arguments.talk,
-            Self::Diff(arguments) => &arguments.talk,
-            Self::Convert(arguments) => &arguments.talk,
-            Self::Trace(arguments) => &arguments.talk,
-            Self::Bench(arguments) => arguments.command.talk(),
-            Self::Scenes(arguments) => &arguments.talk,
-            Self::Manuals(arguments) => &arguments.talk,
+            Self::Render(arguments) => &arguments.verbosity_arguments,
+            Self::Join(arguments) => &arguments.verbosity_arguments,
+            Self::View(arguments) => &arguments.verbosity_arguments,
+            Self::Info(arguments) => &arguments.verbosity_arguments,
+            Self::Diff(arguments) => &arguments.verbosity_arguments,
+            Self::Convert(arguments) => &arguments.verbosity_arguments,
+            Self::Trace(arguments) => &arguments.verbosity_arguments,
+            Self::Bench(arguments) => arguments.command.verbosity_arguments(),
+            Self::Scenes(arguments) => &arguments.verbosity_arguments,
+            Self::Manuals(arguments) => &arguments.verbosity_arguments,
         }
     }
 
@@ -166,7 +168,7 @@ pub(crate) struct InfoArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `diff`.
@@ -180,7 +182,7 @@ pub(crate) struct DiffArguments {
     #[arg(long, value_name = "T", value_parser = value::tolerance, allow_hyphen_values = true, default_value = "0")]
     pub(crate) fail: f64,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `convert`.
@@ -199,7 +201,7 @@ pub(crate) struct ConvertArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `trace`.
@@ -221,14 +223,14 @@ pub(crate) struct TraceArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `scenes`.
 #[derive(Args, Debug)]
 pub(crate) struct ScenesArguments {
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }
 
 /// Arguments of `manuals`.
@@ -238,5 +240,5 @@ pub(crate) struct ManualsArguments {
     #[arg(value_name = "DIR")]
     pub(crate) folder: PathBuf,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
 }

@@ -6,8 +6,8 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, CommandFactory};
 
 use super::Arguments;
+use crate::command_line::command_line;
 use crate::nearest::unknown;
-use crate::words::words;
 
 /// What became of a command line that is no command.
 #[derive(Debug)]
@@ -84,12 +84,12 @@ fn unknown_argument(argument: &str) -> String {
 
 /// The subcommand that the process was called with, or its subcommand.
 fn used_command(root: &Command) -> &Command {
-    words().iter().skip(1).fold(root, |command, word| command.find_subcommand(word).unwrap_or(command))
+    command_line().iter().skip(1).fold(root, |command, name| command.find_subcommand(name).unwrap_or(command))
 }
 
 fn commands(root: &Command) -> Vec<&str> {
-    let seen = root.get_subcommands().filter(|command| !command.is_hide_set());
-    seen.map(Command::get_name).chain(["help"]).collect()
+    let visible = root.get_subcommands().filter(|command| !command.is_hide_set());
+    visible.map(Command::get_name).chain(["help"]).collect()
 }
 
 /// `--spp <N>` without what stands behind the name.
@@ -119,8 +119,8 @@ mod tests {
     use super::*;
     use clap::Parser;
 
-    fn message(words: &[&str]) -> String {
-        let line = std::iter::once("gnurt").chain(words.iter().copied());
+    fn message(command_line: &[&str]) -> String {
+        let line = std::iter::once("gnurt").chain(command_line.iter().copied());
         match explain(&Arguments::try_parse_from(line).expect_err("a bad command line")) {
             Refusal::Answer(text) | Refusal::Mistake(text) => text,
         }

@@ -12,7 +12,7 @@ use gnurt_view::TevAddress;
 use super::value::{self, Crop};
 use super::{
     DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
-    MomentArguments, TalkArguments, TreeArguments, ViewArguments,
+    TimeArguments, TreeArguments, VerbosityArguments, ViewArguments,
 };
 
 /// Arguments of `render`.
@@ -39,7 +39,7 @@ pub(crate) struct RenderArguments {
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "I/N", value_parser = value::piece, allow_hyphen_values = true)]
     pub(crate) piece: Option<Piece>,
     #[command(flatten)]
-    pub(crate) moments: MomentArguments,
+    pub(crate) times: TimeArguments,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
     #[command(flatten)]
@@ -84,7 +84,7 @@ pub(crate) struct RenderArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
     #[command(flatten)]
     pub(crate) help: HelpArguments,
 }

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use gnurt::Surroundings;
 use gnurt::accel::Memory;
+use gnurt::display_rules::TONE;
 use gnurt::image::{Picture, ToneCurve, exposure_for};
-use gnurt::look::TONE;
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
@@ -237,23 +237,23 @@ impl LightArguments {
     }
 
     /// Curve and exposure of this picture; the note says what was chosen, if anything was.
-    pub(crate) fn look(self, picture: &Picture) -> (Look, Option<String>) {
+    pub(crate) fn display_options(self, picture: &Picture) -> (DisplayOptions, Option<String>) {
         match self.exposure {
-            ExposureChoice::Stops(exposure) => (Look { tone: self.tone, exposure }, None),
+            ExposureChoice::Stops(exposure) => (DisplayOptions { tone: self.tone, exposure }, None),
             ExposureChoice::Auto => self.chosen(exposure_for(picture)),
         }
     }
 
     /// The same for an exposure that was chosen elsewhere.
-    pub(crate) fn chosen(self, exposure: f32) -> (Look, Option<String>) {
+    pub(crate) fn chosen(self, exposure: f32) -> (DisplayOptions, Option<String>) {
         let note = format!("exposure {exposure:+.2} chosen from the picture; --exposure {exposure} keeps it");
-        (Look { tone: self.tone, exposure }, Some(note))
+        (DisplayOptions { tone: self.tone, exposure }, Some(note))
     }
 }
 
 /// How light becomes bytes of a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Look {
+pub(crate) struct DisplayOptions {
     pub(crate) tone: ToneCurve,
     /// Stops.
     pub(crate) exposure: f32,

@@ -10,7 +10,7 @@ use gnurt_view::TevAddress;
 use super::value;
 use super::{
     DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
-    StatisticsForm, TalkArguments, TreeArguments, ViewArguments,
+    StatisticsForm, TreeArguments, VerbosityArguments, ViewArguments,
 };
 
 /// Arguments of `view`.
@@ -72,7 +72,7 @@ pub(crate) struct WindowArguments {
     #[command(flatten)]
     pub(crate) files: FileArguments,
     #[command(flatten)]
-    pub(crate) talk: TalkArguments,
+    pub(crate) verbosity_arguments: VerbosityArguments,
     #[command(flatten)]
     pub(crate) help: HelpArguments,
 }

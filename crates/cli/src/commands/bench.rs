@@ -5,7 +5,7 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use gnurt_bench::rays::News;
+use gnurt_bench::rays::BenchEvent;
 use gnurt_bench::{
     Class, EmbreeLibrary, Error, Filter, Subject, builds, crowd, dynamic, dynamic_plot, dynamic_row, paper,
     plot, rays, record, stadium, table, to_json, top,
@@ -64,10 +64,10 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
     for source in sources {
         let subject = Subject::new(&source.stem(), &source.load(messages)?);
         let mut heard = Ok(());
-        let mut tell = |news: News| match news {
-            News::Built(what) => messages.detail(what),
-            News::Differs(what) => messages.note(what),
-            News::Class(rows) => {
+        let mut tell = |news: BenchEvent| match news {
+            BenchEvent::Built(what) => messages.detail(what),
+            BenchEvent::Differs(what) => messages.note(what),
+            BenchEvent::Class(rows) => {
                 // The first failure counts; a reader who has left hears nothing more.
                 if heard.is_ok() {
                     heard = print(table::of_class(rows));
@@ -118,33 +118,33 @@ fn measure_motion(
     let options =
         dynamic::Options { frames: arguments.frames, rounds: arguments.rounds, size: arguments.size, level };
     let cases = &arguments.cases;
-    let is_wanted = |case: &str| cases.is_empty() || cases.iter().any(|wanted| wanted == case);
+    let is_requested = |case: &str| cases.is_empty() || cases.iter().any(|requested| requested == case);
     let mut rows = Vec::new();
-    if is_wanted("refit") || is_wanted("rebuild") {
+    if is_requested("refit") || is_requested("rebuild") {
         for source in sources {
             let subject = Subject::new(&source.stem(), &source.load(messages)?);
             let measured = dynamic::run(&subject, &options, embree.as_ref(), &pool, &mut quietly(messages));
             let mut measured = measured.map_err(failure)?;
-            measured.retain(|row| is_wanted(row.case));
+            measured.retain(|row| is_requested(row.case));
             print(dynamic_row::table(&measured))?;
             rows.extend(measured);
         }
     }
-    if is_wanted("top") {
+    if is_requested("top") {
         let (count, rounds) = (arguments.instances, arguments.rounds);
         let measured = top::run(count, rounds, embree.as_ref(), &pool).map_err(failure)?;
         let measured = top::dynamic_rows(&measured, count);
         print(dynamic_row::table(&measured))?;
         rows.extend(measured);
     }
-    if is_wanted("stadium") {
+    if is_requested("stadium") {
         let options = stadium::Options { rounds: arguments.rounds, size: arguments.size, level };
         let measured = stadium::run(&stadium::RATIOS, &options, &mut quietly(messages)).map_err(failure)?;
         print(dynamic_row::table(&measured))?;
         rows.extend(measured);
     }
     for (case, poses) in [("crowd", arguments.characters), ("crowd64", 64)] {
-        if is_wanted(case) {
+        if is_requested(case) {
             let (characters, frames) = (arguments.characters, arguments.frames.min(10));
             let options = crowd::Options { characters, frames, size: arguments.size, level };
             let measured = crowd::run(case, poses, &options).map_err(failure)?;
@@ -171,11 +171,11 @@ fn measure_paper(arguments: &BenchPaperArguments, environment: &Environment, mes
 }
 
 /// News without tables.
-fn quietly(messages: Messages) -> impl FnMut(News) {
+fn quietly(messages: Messages) -> impl FnMut(BenchEvent) {
     move |news| match news {
-        News::Built(what) => messages.detail(what),
-        News::Differs(what) => messages.note(what),
-        News::Class(_) => {}
+        BenchEvent::Built(what) => messages.detail(what),
+        BenchEvent::Differs(what) => messages.note(what),
+        BenchEvent::Class(_) => {}
     }
 }
 

@@ -55,19 +55,19 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
         seeds: arguments.rounds as u64,
         lights_apart: arguments.lights_apart,
     };
-    let mut kept = Ok(());
+    let mut retained = Ok(());
     let mut keep = |point: &light::Point, picture: &image::Picture| {
         messages.detail(format_args!(
             "{} {}: {} samples, {:.2} s, relMSE {:.6}, mean {:+.4}",
             point.integrator, point.seed, point.samples, point.seconds, point.rel_mse, point.mean_error
         ));
-        if let Some(folder) = arguments.pictures.as_deref().filter(|_| point.seed == 0 && kept.is_ok()) {
+        if let Some(folder) = arguments.pictures.as_deref().filter(|_| point.seed == 0 && retained.is_ok()) {
             let file = folder.join(format!("{}.exr", point.integrator));
-            kept = image::write(picture, &file, &WriteOptions::default()).map_err(Failure::data);
+            retained = image::write(picture, &file, &WriteOptions::default()).map_err(Failure::data);
         }
     };
     let points = light::run(&world, &*camera, &options, &truth, &pool, &mut keep).map_err(Failure::usage)?;
-    kept?;
+    retained?;
     let name = source.stem();
     write(arguments.csv.as_deref(), || light::csv(&name, &points))?;
     write(arguments.svg.as_deref(), || light_plot::svg(&name, &points))?;

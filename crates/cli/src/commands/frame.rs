@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use gnurt::ThreadPool;
 use gnurt::denoise::{self, denoise};
+use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::Picture;
-use gnurt::look::{FEW_SAMPLES, is_noisy};
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
     Accumulation, CommitOptions, CommitReport, Frame, Piece, RenderOptions, ShaderTable, World, fingerprint,
@@ -24,7 +24,7 @@ use gnurt_view::TevImage;
 
 use super::pieces;
 use crate::arguments::{
-    FrameArguments, LightArguments, Look, RenderArguments, StatisticsForm, TreeArguments,
+    DisplayOptions, FrameArguments, LightArguments, RenderArguments, StatisticsForm, TreeArguments,
 };
 use crate::checkpoint::Checkpoint;
 use crate::display::Displayed;
@@ -38,7 +38,7 @@ use crate::shaders::{self, Shaders};
 use crate::signals;
 use crate::source::Source;
 use crate::statistics::Statistics;
-use crate::view::{self, Chosen, Way};
+use crate::view::{self, CameraMotion, Chosen};
 
 /// What was decided before any work.
 pub(super) struct Plan {
@@ -70,7 +70,7 @@ struct Filter {
     /// Whether nobody has asked for it: many samples need none then.
     is_default: bool,
     /// Whether it was said: once is enough for all frames of a film.
-    is_told: Cell<bool>,
+    is_reported: Cell<bool>,
 }
 
 /// A scene that is ready for rays.
@@ -79,7 +79,7 @@ pub(super) struct Ready {
     pub(super) report: CommitReport,
     pub(super) chosen: Chosen,
     /// The camera's way while the shutter is open, if it moves.
-    pub(super) way: Option<Way>,
+    pub(super) motion: Option<CameraMotion>,
     pub(super) shaders: Shaders,
     pub(super) checkpoint: Option<Checkpoint>,
     /// The fingerprint of the picture, if somebody needs it.
@@ -104,7 +104,7 @@ pub(super) fn make(
     ready.shaders.tell_faults(messages);
     let camera = ready.chosen.shader.iter();
     camera.flat_map(|shader| shader.script.faults()).for_each(|fault| messages.warning(fault));
-    if signals::is_stopped() && arguments.moments.frames.is_some() {
+    if signals::is_stopped() && arguments.times.frames.is_some() {
         // A file that is there counts as a frame that is done.
         return Ok(());
     }
@@ -136,7 +136,7 @@ fn render_frame(
     let displayed = Displayed::new(&watcher, tev);
     let every = ready.checkpoint.as_ref().map(|checkpoint| checkpoint.every);
     let mut saved = Ok(());
-    let rays: &dyn CameraShader = ready.way.as_ref().map_or(&*ready.chosen.rays, |way| &*way.rays);
+    let rays: &dyn CameraShader = ready.motion.as_ref().map_or(&*ready.chosen.rays, |motion| &*motion.rays);
     let frame = render_on(begun, &ready.world, rays, pool, &displayed, every, &mut |picture| {
         if let Some(checkpoint) = &ready.checkpoint {
             saved = checkpoint.save(picture);
@@ -158,7 +158,7 @@ fn take_noise_out(frame: &mut Frame, plan: &Plan, pool: &ThreadPool, messages: M
     let is_needed = |filter: &&Filter| !filter.is_default || is_welcome;
     let Some(filter) = plan.filter.as_ref().filter(is_needed) else { return Ok(()) };
     let used = denoise(&mut frame.picture, &filter.options, pool).map_err(Failure::data)?;
-    if filter.is_told.replace(true) {
+    if filter.is_reported.replace(true) {
         messages.detail(&used);
     } else if filter.is_default {
         messages.note(format_args!(
@@ -235,8 +235,8 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
     let given = arguments.output.as_deref().map(Output::named).transpose()?;
     let heatmap = arguments.heatmap.as_deref().map(Output::named).transpose()?;
     let source = Source::find(&arguments.scene, &arguments.files, environment)?;
-    arguments.moments.check(source.numbered().is_some(), arguments.checkpoint.is_some())?;
-    let is_sequence = arguments.moments.frames.is_some();
+    arguments.times.check(source.numbered().is_some(), arguments.checkpoint.is_some())?;
+    let is_sequence = arguments.times.frames.is_some();
     let picture = given.map_or_else(|| Output::named(&source.picture_name(is_sequence)), Ok)?;
     if is_sequence {
         for (option, output) in [("--output", Some(&picture)), ("--heatmap", heatmap.as_ref())] {
@@ -288,7 +288,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
 fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
     let crop = arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution));
     if let Some(options) = arguments.denoiser.options(crop) {
-        return Some(Filter { options, is_default: false, is_told: Cell::default() });
+        return Some(Filter { options, is_default: false, is_reported: Cell::default() });
     }
     let FrameArguments { integrator, spp, .. } = arguments.frame;
     // A rendering that ends early has fewer samples; one that is gone on with must look the same all the time.
@@ -298,7 +298,7 @@ fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
         && is_noisy(integrator, 1)
         && may_be_few;
     let options = arguments.denoiser.options_or_built_in(crop);
-    options.filter(|_| is_default).map(|options| Filter { options, is_default, is_told: Cell::default() })
+    options.filter(|_| is_default).map(|options| Filter { options, is_default, is_reported: Cell::default() })
 }
 
 /// How the scene is to be made ready for rays.
@@ -458,7 +458,7 @@ fn save(
     }
     if let (Some(target), Some(heatmap)) = (&targets.heatmap, &frame.heatmap) {
         // Its colours are no light.
-        target.write(heatmap, Look::default())?;
+        target.write(heatmap, DisplayOptions::default())?;
         messages.detail(format_args!("wrote {}", target.path().display()));
     }
     Ok(())

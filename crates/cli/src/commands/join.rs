@@ -6,8 +6,8 @@
 use std::path::{Path, PathBuf};
 
 use gnurt::denoise::{self, denoise};
+use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::{self, Opacity, Picture};
-use gnurt::look::{FEW_SAMPLES, is_noisy};
 use gnurt::memory::check_memory;
 use gnurt::render::{Piece, empty_picture, pack_piece, rendered_rects, unpack_piece};
 
@@ -143,11 +143,11 @@ impl Whole {
         if all == 0 {
             return Ok(());
         }
-        let told: Vec<String> =
+        let reported: Vec<String> =
             missing().take(TOLD).map(|index| Piece { index, count }.to_string()).collect();
         let more = if all > TOLD { format!(" and {} others", all - TOLD) } else { String::new() };
         let verb = if all == 1 { "is" } else { "are" };
-        Err(Failure::data(format_args!("piece {}{more} {verb} missing", told.join(", "))))
+        Err(Failure::data(format_args!("piece {}{more} {verb} missing", reported.join(", "))))
     }
 
     /// As `render` does: where it is asked for, or a picture for screens has few samples. The name of the filter.
@@ -165,8 +165,8 @@ impl Whole {
             && is_noisy(integrator, 1)
             && spp.min(self.spp_max) < FEW_SAMPLES
             && check_memory(&self.header.options(), true).is_ok();
-        let asked = how.options(crop).or_else(|| how.options_or_built_in(crop).filter(|_| is_default));
-        let Some(options) = asked else { return Ok(None) };
+        let requested = how.options(crop).or_else(|| how.options_or_built_in(crop).filter(|_| is_default));
+        let Some(options) = requested else { return Ok(None) };
         let (pool, _) = machine(&arguments.machine, environment)?;
         let used = denoise(&mut self.picture, &options, &pool).map_err(Failure::data)?;
         if is_default {

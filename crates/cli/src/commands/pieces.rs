@@ -96,7 +96,7 @@ impl Header {
     pub(super) fn of(picture: &Picture) -> Option<Self> {
         let text = |name: &str| picture.metadata(name);
         let numbers = |text: &str, between: char| -> Option<Vec<u32>> {
-            text.split(between).map(|word| word.parse().ok()).collect()
+            text.split(between).map(|argument| argument.parse().ok()).collect()
         };
         let optional = |name: &str, read: &dyn Fn(&str) -> Option<Vec<u32>>| match text(name) {
             None => Some(None),

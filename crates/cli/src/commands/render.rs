@@ -8,7 +8,7 @@ use gnurt::ThreadPool;
 use gnurt::render::RenderOptions;
 
 use super::frame::{Plan, Ready, check, commit, commit_options, identify, make, options};
-use super::moments;
+use super::times;
 use crate::arguments::RenderArguments;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -22,13 +22,13 @@ use crate::workers::machine;
 pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messages: Messages) -> Outcome {
     let begin = Instant::now();
     let plan = check(arguments, environment)?;
-    let is_sequence = arguments.moments.frames.is_some();
+    let is_sequence = arguments.times.frames.is_some();
     signals::listen(if is_sequence { FirstSignal::Stops } else { FirstSignal::Saves }, messages)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let options = options(arguments, &plan, level);
     let source = plan.source.clone();
-    let outcome = if arguments.moments.is_given() {
-        moments::run(arguments, plan, &options, &pool, messages)
+    let outcome = if arguments.times.is_given() {
+        times::run(arguments, plan, &options, &pool, messages)
     } else {
         let ready = prepare(arguments, &plan, &options, &pool, messages)?;
         make(arguments, begin, &plan, &ready, &options, &pool, messages)
@@ -58,5 +58,5 @@ fn prepare(
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
     let (print, checkpoint) = identify(arguments, &scene, &chosen, &(), options);
-    Ok(Ready { world, report, chosen, way: None, shaders, checkpoint, print, load_time, light: None })
+    Ok(Ready { world, report, chosen, motion: None, shaders, checkpoint, print, load_time, light: None })
 }

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use gnurt::ThreadPool;
+use gnurt::display_rules::{is_noisy, meter};
 use gnurt::image::Picture;
-use gnurt::look::{is_noisy, meter};
 use gnurt::render::RenderOptions;
 use gnurt::simd::Level;
 use gnurt_view::{
@@ -17,7 +17,7 @@ use gnurt_view::{
 use serde_json::json;
 
 use super::frame::{commit, commit_options, frame_options};
-use crate::arguments::{ExposureChoice, LightArguments, Look, StatisticsForm, WindowArguments};
+use crate::arguments::{DisplayOptions, ExposureChoice, LightArguments, StatisticsForm, WindowArguments};
 use crate::clips::clip;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
@@ -59,10 +59,10 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     signals::listen(FirstSignal::Leaves, messages)?;
     let (stage, chosen) = prepare(&source, arguments, level, &pool, messages)?;
     let render = frame_options(&arguments.frame, level);
-    let (look, note) = look(arguments.light, &stage, &chosen, &render, &pool)?;
+    let (show_view, note) = show_view(arguments.light, &stage, &chosen, &render, &pool)?;
     let options = WindowOptions {
         camera: chosen.camera,
-        exposure: Exposure { stops: look.exposure, tone: look.tone },
+        exposure: Exposure { stops: show_view.exposure, tone: show_view.tone },
         title: format!("{} - GNU RT", source.stem()),
         frames: arguments.frames.map(u64::from),
         folder: PathBuf::from("."),
@@ -82,16 +82,16 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
 
 /// Curve and exposure of all frames, and what to say of it; the exposure is chosen once, from what is seen first, unless it is
 /// given.
-fn look(
+fn show_view(
     light: LightArguments,
     stage: &Stage,
     chosen: &Chosen,
     options: &RenderOptions,
     pool: &ThreadPool,
-) -> Result<(Look, Option<String>), Failure> {
+) -> Result<(DisplayOptions, Option<String>), Failure> {
     let light = light.suited(chosen.exposure_of(options.integrator));
     Ok(match light.exposure {
-        ExposureChoice::Stops(exposure) => (Look { tone: light.tone, exposure }, None),
+        ExposureChoice::Stops(exposure) => (DisplayOptions { tone: light.tone, exposure }, None),
         ExposureChoice::Auto => {
             light.chosen(meter(&stage.world, &*chosen.rays, options, pool).map_err(Failure::usage)?)
         }
@@ -148,15 +148,17 @@ fn run_windowless(
     let render = frame_options(&arguments.frame, level);
     // Frames that nobody keeps need not look well.
     let is_kept = output.is_some_and(Output::is_for_screens);
-    let (look, note) = match arguments.light.exposure {
-        ExposureChoice::Auto if !is_kept => (Look { tone: arguments.light.tone, exposure: 0.0 }, None),
-        _ => look(arguments.light, &stage, &chosen, &render, pool)?,
+    let (show_view, note) = match arguments.light.exposure {
+        ExposureChoice::Auto if !is_kept => {
+            (DisplayOptions { tone: arguments.light.tone, exposure: 0.0 }, None)
+        }
+        _ => show_view(arguments.light, &stage, &chosen, &render, pool)?,
     };
     note.iter().for_each(|note| messages.note(note));
     let options = HeadlessOptions {
         render,
         camera: chosen.camera,
-        exposure: Exposure { stops: look.exposure, tone: look.tone },
+        exposure: Exposure { stops: show_view.exposure, tone: show_view.tone },
         frames,
         orbit: arguments.orbit.unwrap_or(if frames > 1 { 360.0 } else { 0.0 }),
         rest: arguments.rest.unwrap_or(0),
@@ -178,7 +180,7 @@ fn run_windowless(
     if let (Some(output), Some(mut picture)) = (output, last) {
         // On a screen the background is part of the picture.
         picture.make_opaque(None);
-        output.write(&picture, look)?;
+        output.write(&picture, show_view)?;
     }
     report(&times, arguments, &options, source, messages)
 }

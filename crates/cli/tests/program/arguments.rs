@@ -245,8 +245,9 @@ fn options_win_over_variables() {
     ];
     for (name, value, options) in rows {
         println!("{name}={value} {options:?}");
-        let words = [&["render", "ok.obj", "-r", "4x4", "--spp", "1", "-o", "p.png"], options].concat();
-        let mut command = folder.command(&words);
+        let arguments_given =
+            [&["render", "ok.obj", "-r", "4x4", "--spp", "1", "-o", "p.png"], options].concat();
+        let mut command = folder.command(&arguments_given);
         command.env(name, value);
         finish(command).success();
     }
@@ -305,7 +306,7 @@ fn values_may_begin_with_a_minus() {
 #[test]
 fn options_without_effect_are_told() {
     let folder = folder();
-    let told = |line: &str| {
+    let reported = |line: &str| {
         let run = folder.gnurt(line).success();
         run.lines("warning: ").into_iter().map(str::to_owned).collect::<Vec<_>>()
     };
@@ -322,7 +323,7 @@ fn options_without_effect_are_told() {
         ("convert ok.obj a.ply --tone clamp --confine .".to_owned(), &["--tone"]),
         ("convert a.pfm a.png".to_owned(), &[]),
     ] {
-        let found = told(&line);
+        let found = reported(&line);
         let of_options: Vec<&String> = found.iter().filter(|text| text.contains("has no effect")).collect();
         assert_eq!(of_options.len(), expected.len(), "{line}: {found:?}");
         for option in expected {

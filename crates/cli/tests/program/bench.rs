@@ -81,8 +81,8 @@ fn what_moves_is_measured() {
 fn the_papers_tables_are_made() {
     let folder = Folder::new();
     let run = folder.gnurt("bench paper builtin:cornell --size 32 --rounds 1 --json paper.json").success();
-    for word in ["Table 1", "Table 2", "cornell"] {
-        assert!(run.stdout.contains(word), "{word}: {}", run.stdout);
+    for expected_text in ["Table 1", "Table 2", "cornell"] {
+        assert!(run.stdout.contains(expected_text), "{expected_text}: {}", run.stdout);
     }
     let rows: serde_json::Value = serde_json::from_slice(&folder.read("paper.json")).expect("JSON");
     assert!(rows[0]["scalar_mrays"].as_f64().is_some_and(|rate| rate > 0.0), "{rows}");

@@ -94,7 +94,7 @@ fn projections_and_lenses_are_options() {
         render(&folder, &format!("{view} {change} -o changed.pfm"));
         assert_ne!(folder.read("plain.pfm"), folder.read("changed.pfm"), "{change} changes the picture");
     }
-    for (wrong, word) in [
+    for (wrong, expected_text) in [
         ("--view-height 3", "--projection orthographic"),
         ("--focus 3", "--aperture"),
         ("--fov 200", "180"),
@@ -104,6 +104,6 @@ fn projections_and_lenses_are_options() {
     ] {
         let run = folder.gnurt(&format!("render a.obj {view} {wrong} -o p.png"));
         assert_eq!(run.status, Some(2), "{wrong}: {}", run.stderr);
-        assert!(run.stderr.contains(word), "{wrong}: {}", run.stderr);
+        assert!(run.stderr.contains(expected_text), "{wrong}: {}", run.stderr);
     }
 }

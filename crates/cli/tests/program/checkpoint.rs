@@ -14,11 +14,11 @@ fn a_killed_rendering_goes_on_with_the_same_bits() {
     let folder = Folder::new();
     folder.gnurt(&format!("{PICTURE} --spp 64 -t 2 -o whole.png")).success();
     let line = format!("{PICTURE} --spp 64 -t 1 -o broken.png --checkpoint state --checkpoint-every 50ms");
-    let words: Vec<&str> = line.split_whitespace().collect();
+    let arguments_given: Vec<&str> = line.split_whitespace().collect();
     let mut before = Vec::new();
     let mut kills = 0;
     for _ in 0..3 {
-        let mut command = folder.command(&words);
+        let mut command = folder.command(&arguments_given);
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
         let begin = Instant::now();
         // Until it has come further than the kill before.
@@ -32,7 +32,7 @@ fn a_killed_rendering_goes_on_with_the_same_bits() {
         before = folder.read("state");
     }
     assert!(kills > 0, "killed in the middle at least once");
-    let run = folder.run(&words).success();
+    let run = folder.run(&arguments_given).success();
     assert!(run.stderr.contains("going on from state"), "it says so: {}", run.stderr);
     assert!(folder.read("whole.png") == folder.read("broken.png"), "the same picture, bit for bit");
 

@@ -6,7 +6,7 @@ use super::harness::{Folder, finish};
 const SCENE: [&str; 9] =
     ["render", "builtin:cornell", "-r", "40x30", "--spp", "2", "--integrator", "path", "--max-depth=3"];
 
-fn words<'a>(more: &[&'a str]) -> Vec<&'a str> {
+fn arguments_given<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&SCENE, more].concat()
 }
 
@@ -14,15 +14,15 @@ fn words<'a>(more: &[&'a str]) -> Vec<&'a str> {
 fn the_built_in_one_gives_the_same_bits_on_any_number_of_threads() {
     let folder = Folder::new();
     for (threads, picture) in [("1", "one.png"), ("7", "seven.png")] {
-        let run = folder.run(&words(&["--denoise=built-in", "-t", threads, "-o", picture]));
+        let run = folder.run(&arguments_given(&["--denoise=built-in", "-t", threads, "-o", picture]));
         let run = run.success();
         let notes = run.lines("note: ");
         assert!(notes.iter().any(|line| line.contains("denoised by the built-in filter")), "{}", run.stderr);
     }
-    folder.run(&words(&["--denoise=none", "-o", "noisy.png"])).success();
+    folder.run(&arguments_given(&["--denoise=none", "-o", "noisy.png"])).success();
     assert_eq!(folder.read("one.png"), folder.read("seven.png"), "threads must not show");
     assert_ne!(folder.read("one.png"), folder.read("noisy.png"), "something was done");
-    let quiet = folder.run(&words(&["-q", "--denoise=built-in", "-o", "quiet.png"]));
+    let quiet = folder.run(&arguments_given(&["-q", "--denoise=built-in", "-o", "quiet.png"]));
     assert_eq!(quiet.stderr, "", "quiet means quiet");
 }
 
@@ -30,7 +30,7 @@ fn the_built_in_one_gives_the_same_bits_on_any_number_of_threads() {
 fn a_library_that_is_none_is_an_error_or_a_reason() {
     let folder = Folder::new();
     let run = |how: &str| {
-        let mut command = folder.command(&words(&[how, "-o", "a.exr"]));
+        let mut command = folder.command(&arguments_given(&[how, "-o", "a.exr"]));
         command.env("OIDN_LIB", folder.at("no.so"));
         finish(command)
     };
@@ -43,14 +43,14 @@ fn a_library_that_is_none_is_an_error_or_a_reason() {
 
 #[test]
 fn unknown_denoisers_are_refused_with_the_names_of_others() {
-    Folder::new().run(&words(&["--denoise=oidm"])).fails(2, "did you mean 'oidn'?");
+    Folder::new().run(&arguments_given(&["--denoise=oidm"])).fails(2, "did you mean 'oidn'?");
 }
 
 #[test]
 fn files_with_layers_are_denoised_as_renderings_are() {
     let folder = Folder::new();
-    folder.run(&words(&["-q", "-o", "noisy.exr"])).success();
-    folder.run(&words(&["-q", "--denoise=built-in", "-o", "direct.exr"])).success();
+    folder.run(&arguments_given(&["-q", "-o", "noisy.exr"])).success();
+    folder.run(&arguments_given(&["-q", "--denoise=built-in", "-o", "direct.exr"])).success();
     folder.gnurt("convert -q noisy.exr later.exr --denoise=built-in").success();
     let [noisy, direct, later] = ["noisy", "direct", "later"]
         .map(|name| gnurt::image::read(&folder.at(&format!("{name}.exr"))).expect("a picture"));
@@ -59,7 +59,7 @@ fn files_with_layers_are_denoised_as_renderings_are() {
         apart(&direct, &later) < 0.01 * apart(&direct, &noisy),
         "files keep less than memory, but enough"
     );
-    folder.run(&words(&["-q", "-o", "flat.png"])).success();
+    folder.run(&arguments_given(&["-q", "-o", "flat.png"])).success();
     folder
         .gnurt("convert flat.png later.png --denoise=built-in")
         .fails(1, "flat.png: the picture has no channel");

@@ -37,15 +37,15 @@ impl Run {
     /// Panics unless there is exactly one line on standard error, an error, that contains `expected`.
     #[track_caller]
     pub(crate) fn fails(&self, status: i32, expected: &str) {
-        let said = &self.stderr;
-        assert_eq!(self.status, Some(status), "exit status; said: {said}{}", self.stdout);
-        assert_eq!(self.lines("error: ").len(), 1, "exactly one error line: {said}");
+        let message = &self.stderr;
+        assert_eq!(self.status, Some(status), "exit status; said: {message}{}", self.stdout);
+        assert_eq!(self.lines("error: ").len(), 1, "exactly one error line: {message}");
         let others =
-            said.lines().filter(|line| !line.starts_with("error: ") && !line.starts_with("warning: "));
-        assert_eq!(others.count(), 0, "nothing but the error and warnings: {said}");
-        assert!(self.lines("error: ")[0].contains(expected), "'{expected}' must be said: {said}");
-        assert!(!said.contains("panicked") && !said.contains("internal:"), "a bug: {said}");
-        assert!(!said.contains('\x1b'), "no colours where there is no terminal: {said}");
+            message.lines().filter(|line| !line.starts_with("error: ") && !line.starts_with("warning: "));
+        assert_eq!(others.count(), 0, "nothing but the error and warnings: {message}");
+        assert!(self.lines("error: ")[0].contains(expected), "'{expected}' must be said: {message}");
+        assert!(!message.contains("panicked") && !message.contains("internal:"), "a bug: {message}");
+        assert!(!message.contains('\x1b'), "no colours where there is no terminal: {message}");
     }
 }
 
@@ -96,9 +96,9 @@ impl Folder {
     }
 
     /// The program, to be run here.
-    pub(crate) fn command<S: AsRef<OsStr>>(&self, words: &[S]) -> Command {
+    pub(crate) fn command<S: AsRef<OsStr>>(&self, arguments_given: &[S]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_gnurt"));
-        command.current_dir(self.path()).args(words).stdin(Stdio::null());
+        command.current_dir(self.path()).args(arguments_given).stdin(Stdio::null());
         let reaches_it = |name: &OsStr| {
             name.to_string_lossy().starts_with("GNURT_")
                 || ["EMBREE4_LIB", "OIDN_LIB"].iter().any(|other| name == *other)
@@ -110,8 +110,8 @@ impl Folder {
     }
 
     /// Runs the program here with these words.
-    pub(crate) fn run<S: AsRef<OsStr>>(&self, words: &[S]) -> Run {
-        finish(self.command(words))
+    pub(crate) fn run<S: AsRef<OsStr>>(&self, arguments_given: &[S]) -> Run {
+        finish(self.command(arguments_given))
     }
 
     /// Runs the program here; words are separated by blanks.

@@ -20,7 +20,7 @@ fn counts() {
     assert!(info["tree"]["nodes"].is_u64(), "trees: {info}");
     let text = folder.gnurt("info a.obj").success().stdout;
     assert!(text.contains("'default', 'red'\n"), "names of materials: {text}");
-    for word in [
+    for expected_text in [
         "triangles",
         "vertices",
         "objects",
@@ -31,7 +31,7 @@ fn counts() {
         "bounds",
         "memory",
     ] {
-        assert!(text.contains(word), "{word} is told: {text}");
+        assert!(text.contains(expected_text), "{expected_text} is told: {text}");
     }
 }
 

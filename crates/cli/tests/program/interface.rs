@@ -79,8 +79,8 @@ fn a_pixel_is_followed() {
     let folder = Folder::new();
     folder.write("a.ply", samples::PLY);
     let run = folder.gnurt("trace a.ply --pixel 32,24 -r 64x48").success();
-    for word in ["ray", "hit", "normal", "radiance"] {
-        assert!(run.stdout.contains(word), "'{word}' is told: {}", run.stdout);
+    for expected_text in ["ray", "hit", "normal", "radiance"] {
+        assert!(run.stdout.contains(expected_text), "'{expected_text}' is told: {}", run.stdout);
     }
     folder.gnurt("trace a.ply --pixel 0,0 -r 64x48").success();
 }
@@ -105,8 +105,8 @@ fn file_names_need_not_be_text() {
     folder.run(&unknown).fails(2, "unknown built-in scene");
     let name = OsStr::from_bytes(b"na\xffme.ply");
     std::fs::write(folder.path().join(name), samples::PLY).expect("a file");
-    let words = ["render", "-r", "4x4", "--spp", "1"].map(OsStr::new);
-    folder.run(&[&words[..], &[name]].concat()).success();
+    let arguments_given = ["render", "-r", "4x4", "--spp", "1"].map(OsStr::new);
+    folder.run(&[&arguments_given[..], &[name]].concat()).success();
     assert!(
         folder.path().join(OsStr::from_bytes(b"na\xffme.png")).exists(),
         "the picture has the scene's name"

@@ -14,8 +14,8 @@ fn signal(name: &str, child: &Child) {
 
 /// A rendering that would take hours.
 fn long_rendering(folder: &Folder, output: &str, more: &[&str]) -> Child {
-    let words = ["render", "builtin:cornell", "-r", "400x300", "--spp", "10000000", "-o", output];
-    let mut command = folder.command(&words);
+    let arguments_given = ["render", "builtin:cornell", "-r", "400x300", "--spp", "10000000", "-o", output];
+    let mut command = folder.command(&arguments_given);
     command.args(more);
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     command.spawn().expect("the program starts")

@@ -16,11 +16,11 @@ mod conversion;
 mod denoising;
 mod determinism;
 mod differences;
+mod display;
 mod harness;
 mod info;
 mod interface;
 mod interrupts;
-mod look;
 mod manuals;
 #[cfg(target_os = "linux")]
 mod out_of_core;

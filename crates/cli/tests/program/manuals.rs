@@ -26,10 +26,10 @@ fn every_command_has_a_page() {
         }
     }
     let render = read("gnurt-render.1");
-    for words in ["Also write a picture of the cost of each pixel", "How deep light is followed"] {
+    for arguments_given in ["Also write a picture of the cost of each pixel", "How deep light is followed"] {
         assert!(
-            render.contains(words),
-            "the page says what options do that the short help leaves out: {words}"
+            render.contains(arguments_given),
+            "the page says what options do that the short help leaves out: {arguments_given}"
         );
     }
     assert!(!folder.at("new/folder/gnurt-manuals.1").exists(), "it is not for everybody");

@@ -81,11 +81,11 @@ fn an_exr_tells_how_it_was_made() {
     let folder = Folder::new();
     folder.gnurt(&format!("{SMALL} --seed 77 -o p.exr")).success();
     let bytes = folder.read("p.exr");
-    let holds = |word: &str| bytes.windows(word.len()).any(|window| window == word.as_bytes());
-    for word in
+    let holds = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
+    for text in
         ["seed", "commandLine", "cameraFromWorld", "ndcFromWorld", "samplesPerPixel", "albedo.R", "N.X"]
     {
-        assert!(holds(word), "the file says {word}");
+        assert!(holds(text), "the file says {text}");
     }
     assert!(!holds(&folder.path().to_string_lossy()), "but not where its maker works");
 }

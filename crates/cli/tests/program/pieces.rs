@@ -20,7 +20,7 @@ fn render_pieces(folder: &Folder, options: &str, count: u32) -> String {
 
 #[test]
 fn the_bytes_of_the_single_run() {
-    for (options, count, output, look) in [
+    for (options, count, output, display) in [
         (SMALL.to_owned(), 3, "png", ""),
         (format!("{SMALL} --crop 5,7,61,40 --seed 9"), 4, "png", "--denoise=none --tone clamp"),
         (format!("{SMALL} --integrator whitted"), 2, "pfm", ""),
@@ -29,11 +29,11 @@ fn the_bytes_of_the_single_run() {
         ("render builtin:cornell -r 70x50 --spp 64 --noise 0.3".into(), 2, "png", "--denoise=built-in"),
     ] {
         let folder = Folder::new();
-        folder.gnurt(&format!("{options} {look} -o whole.{output}")).success();
+        folder.gnurt(&format!("{options} {display} -o whole.{output}")).success();
         let files = render_pieces(&folder, &options, count);
         // Some come twice.
         let twice = files.split(' ').next().expect("a piece");
-        let run = folder.gnurt(&format!("join {files} {twice} {look} -o joined.{output}")).success();
+        let run = folder.gnurt(&format!("join {files} {twice} {display} -o joined.{output}")).success();
         assert!(
             folder.read(&format!("whole.{output}")) == folder.read(&format!("joined.{output}")),
             "{options}"
@@ -76,7 +76,7 @@ fn pieces_of_frames() {
 #[test]
 fn what_does_not_go_with_pieces() {
     let folder = Folder::new();
-    for (more, said) in [
+    for (more, message) in [
         ("--piece 1/2 -o p.png", "the file of a piece is an .exr"),
         ("--piece 1/2", "give --output FILE.exr"),
         ("--piece 1/2 -o p.exr --time 1s", "give --spp"),
@@ -87,7 +87,7 @@ fn what_does_not_go_with_pieces() {
         ("--piece 0/2 -o p.exr", "like 2/8"),
         ("--piece 2 -o p.exr", "like 2/8"),
     ] {
-        folder.gnurt(&format!("{SMALL} {more}")).fails(2, said);
+        folder.gnurt(&format!("{SMALL} {more}")).fails(2, message);
     }
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "nothing is left behind");
 }
@@ -105,7 +105,7 @@ fn what_does_not_fit_is_not_joined() {
     ] {
         folder.gnurt(&format!("{options} -o {name}.exr")).success();
     }
-    for (pieces, said) in [
+    for (pieces, message) in [
         ("p.1.exr p.2.exr", "piece 3/3 is missing"),
         ("p.2.exr p.2.exr", "piece 1/3, 3/3 are missing"),
         ("p.1.exr seed.exr p.3.exr", "seed.exr is of another picture than p.1.exr"),
@@ -115,7 +115,7 @@ fn what_does_not_fit_is_not_joined() {
         ("p.1.exr p.2.exr whole.exr", "whole.exr: is no piece"),
         ("p.1.exr p.2.exr nowhere.exr", "nowhere.exr"),
     ] {
-        folder.gnurt(&format!("join {pieces} -o out.png")).fails(1, said);
+        folder.gnurt(&format!("join {pieces} -o out.png")).fails(1, message);
     }
     // The same piece with other pixels: somebody's memory or disk is at fault.
     let other = read(&folder.at("p.2.exr")).expect("a piece");

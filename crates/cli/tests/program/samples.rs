@@ -86,15 +86,15 @@ pub(crate) fn glb_of(json: &str, binary: &[u8]) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     let length = 12 + 8 + json.len() + 8 + binary.len();
     let mut bytes = b"glTF".to_vec();
-    let word = |bytes: &mut Vec<u8>, value: usize| {
+    let put_u64 = |bytes: &mut Vec<u8>, value: usize| {
         bytes.extend(u32::try_from(value).expect("a small file").to_le_bytes());
     };
-    word(&mut bytes, 2);
-    word(&mut bytes, length);
-    word(&mut bytes, json.len());
+    put_u64(&mut bytes, 2);
+    put_u64(&mut bytes, length);
+    put_u64(&mut bytes, json.len());
     bytes.extend(b"JSON");
     bytes.extend(&json);
-    word(&mut bytes, binary.len());
+    put_u64(&mut bytes, binary.len());
     bytes.extend(b"BIN\0");
     bytes.extend(binary);
     bytes

@@ -28,10 +28,10 @@ fn a_diffuse_script_is_the_built_in_matte() {
         let found = difference(&folder, ["class.pfm", "script.pfm"]);
         assert!(found < 1e-4, "{integrator}: the same light: {found}");
     }
-    let seen =
+    let shown =
         folder.gnurt("trace builtin:cornell --pixel 8,6 -r 16x12 --shader *=matte.osl:tint=0.25").success();
-    for wanted in ["tint = 0.25 0.25 0.25", "Ci = (0.25, 0.25, 0.25) * diffuse"] {
-        assert!(seen.stdout.contains(wanted), "{wanted}: {}", seen.stdout);
+    for expected in ["tint = 0.25 0.25 0.25", "Ci = (0.25, 0.25, 0.25) * diffuse"] {
+        assert!(shown.stdout.contains(expected), "{expected}: {}", shown.stdout);
     }
 }
 
@@ -109,7 +109,7 @@ fn wrong_scripts_are_refused() {
     folder.write("matte.osl", MATTE);
     folder.write("lamp.osl", "light lamp () { Cl = 1; L = N; }");
     folder.write("eye.osl", "camera eye () { I = N; }");
-    for (choice, said) in [
+    for (choice, message) in [
         (
             "*=bad.osl",
             "bad.osl: bad.osl:3:10: function 'diffus' was not declared in this scope; did you mean 'diffuse'?\n",
@@ -123,7 +123,7 @@ fn wrong_scripts_are_refused() {
     ] {
         let run = folder.run(&["render", "builtin:cornell", "-r", "8x8", "-o", "p.png", "--shader", choice]);
         assert!(matches!(run.status, Some(1 | 2)), "{choice}: {:?} {}", run.status, run.stderr);
-        assert!(run.stderr.contains(said), "{choice}: '{said}' must be said: {}", run.stderr);
+        assert!(run.stderr.contains(message), "{choice}: '{message}' must be said: {}", run.stderr);
         assert!(!run.stderr.contains("panicked") && !folder.at("p.png").exists(), "{choice}");
     }
     // What does not end is stopped, and the picture goes on.
@@ -156,7 +156,7 @@ fn cameras_in_the_language_see() {
     folder.gnurt(&format!("render b.gltf {clip} -o file.pfm")).success();
     folder.gnurt(&format!("render a.gltf {clip} --camera eye.osl -o option.pfm")).success();
     assert!(folder.read("file.pfm") == folder.read("option.pfm"), "the file's or the option's");
-    for (options, said) in [
+    for (options, message) in [
         ("--camera eye.osl --fov 30", "give its parameters as eye.osl:NAME=VALUE"),
         ("--camera none.osl", "--camera: none.osl: no such file"),
         ("--camera eye.osl:fv=1", "no parameter 'fv'"),
@@ -166,7 +166,7 @@ fn cameras_in_the_language_see() {
     ] {
         let run = folder.gnurt(&format!("render builtin:cornell -r 8x8 -o p.png {options}"));
         assert!(matches!(run.status, Some(1 | 2)), "{options}: {:?} {}", run.status, run.stderr);
-        assert!(run.stderr.contains(said), "{options}: '{said}' must be said: {}", run.stderr);
+        assert!(run.stderr.contains(message), "{options}: '{message}' must be said: {}", run.stderr);
     }
 }
 
@@ -195,6 +195,6 @@ fn pixels_show_what_a_shader_says() {
     assert_ne!(folder.gnurt("join 1.exr other.exr -o no.png").status, Some(0), "of another picture");
     folder.gnurt("view builtin:cornell --headless -r 40x30 --integrator eyelight --pixel-shader grade.osl:gain=0 -o v.pfm").success();
     assert!(picture(&folder, "v.pfm").color.iter().all(|pixel| pixel[..3] == [0.0; 3]), "in the viewer, too");
-    let seen = folder.gnurt("trace builtin:cornell --pixel 8,6 -r 16x12 --pixel-shader grade.osl").success();
-    assert!(seen.stdout.contains("radiance"), "{}", seen.stdout);
+    let shown = folder.gnurt("trace builtin:cornell --pixel 8,6 -r 16x12 --pixel-shader grade.osl").success();
+    assert!(shown.stdout.contains("radiance"), "{}", shown.stdout);
 }

@@ -93,7 +93,7 @@ fn wrong_shaders_are_refused() {
     compile(&folder, "diffuse", SAME);
     compile(&folder, "studio", SAME);
     folder.write("text.so", "no library");
-    for (status, choice, said) in [
+    for (status, choice, message) in [
         (2, "red", "give MATERIAL=CLASS"),
         (2, "*=MatteShader:color", "'color' is no parameter"),
         (2, "nosuch=MatteShader", "unknown material 'nosuch'"),
@@ -106,7 +106,7 @@ fn wrong_shaders_are_refused() {
         (1, "*=diffuse@diffuse.so:shadows=0.5", "'0.5' is not 1 whole number"),
     ] {
         let run = folder.run(&["render", "builtin:cornell", "-r", "8x8", "-o", "p.png", "--shader", choice]);
-        run.fails(status, said);
+        run.fails(status, message);
         assert!(!folder.at("p.png").exists(), "no picture of {choice}");
     }
     folder.gnurt("render builtin:cornell --shader *=MatteShader --force-diffuse").fails(2, "--force-diffuse");

@@ -45,8 +45,8 @@ fn lights_of_nobody_are_needed_there() {
 fn wrong_surroundings_are_refused() {
     let folder = folder();
     folder.write("broken.hdr", "no picture");
-    let fails = |options: &str, status: i32, said: &str| {
-        folder.gnurt(&format!("{RENDER} {options} -o p.png")).fails(status, said);
+    let fails = |options: &str, status: i32, message: &str| {
+        folder.gnurt(&format!("{RENDER} {options} -o p.png")).fails(status, message);
         assert!(!folder.at("p.png").exists(), "no picture is left behind");
     };
     fails("--environment builtin:dya", 2, "did you mean 'day'");

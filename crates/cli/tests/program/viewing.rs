@@ -59,7 +59,7 @@ fn a_still_view_is_what_render_makes() {
 #[test]
 fn bad_arguments_of_view_are_refused() {
     let folder = Folder::new();
-    for (line, said) in [
+    for (line, message) in [
         ("view", "SCENE"),
         ("view builtin:cornel", "did you mean"),
         ("view builtin:cornell --frames 0", "--frames"),
@@ -73,7 +73,7 @@ fn bad_arguments_of_view_are_refused() {
         ("view builtin:cornell --display screen", "tev:HOST:PORT"),
         ("render builtin:cornell --display tev:a:b", "tev:HOST:PORT"),
     ] {
-        folder.gnurt(line).fails(2, said);
+        folder.gnurt(line).fails(2, message);
     }
     folder.gnurt("view none.obj --headless").fails(1, "no such file");
     assert!(folder.contents().is_empty(), "nothing was written");
@@ -143,8 +143,8 @@ fn another_program_shows_the_picture() {
             "{command}: created, then two bands for each of three passes"
         );
         let picture = gnurt::image::read(&folder.at(&format!("{command}.pfm"))).expect("a picture");
-        let wanted: Vec<f32> = picture.color.iter().flat_map(|pixel| pixel[..3].to_vec()).collect();
-        assert!(last == wanted, "{command}: what was shown at last is what was written");
+        let expected: Vec<f32> = picture.color.iter().flat_map(|pixel| pixel[..3].to_vec()).collect();
+        assert!(last == expected, "{command}: what was shown at last is what was written");
     }
 }
 

@@ -37,15 +37,15 @@ impl Display {
             .spawn()
             .expect("Xvfb starts");
         let mut number = String::new();
-        let said = server.stdout.as_mut().expect("a pipe");
-        BufReader::new(said).read_line(&mut number).expect("it says its number");
+        let message = server.stdout.as_mut().expect("a pipe");
+        BufReader::new(message).read_line(&mut number).expect("it says its number");
         Some(Self { server, name: format!(":{}", number.trim()) })
     }
 
     /// What xdotool says, if it succeeds. Never with its `--sync`: that waits for ever for a window that has gone.
-    fn ask(&self, words: &str) -> Result<String, String> {
+    fn ask(&self, arguments_given: &str) -> Result<String, String> {
         let mut command = Command::new("xdotool");
-        command.env("DISPLAY", &self.name).args(words.split_whitespace());
+        command.env("DISPLAY", &self.name).args(arguments_given.split_whitespace());
         let output = command.output().expect("xdotool starts");
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         if output.status.success() { Ok(text(&output.stdout)) } else { Err(text(&output.stderr)) }
@@ -53,9 +53,9 @@ impl Display {
 
     /// Lets hands act.
     #[track_caller]
-    fn act(&self, words: &str) {
-        if let Err(said) = self.ask(words) {
-            panic!("xdotool {words}: {said}");
+    fn act(&self, arguments_given: &str) {
+        if let Err(message) = self.ask(arguments_given) {
+            panic!("xdotool {arguments_given}: {message}");
         }
     }
 
@@ -88,7 +88,7 @@ struct Viewer<'a> {
     display: &'a Display,
     folder: &'a Folder,
     child: Child,
-    said: Receiver<String>,
+    message: Receiver<String>,
     pictures: u32,
 }
 
@@ -103,12 +103,12 @@ impl<'a> Viewer<'a> {
     }
 
     fn start(display: &'a Display, folder: &'a Folder, line: &str) -> Self {
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let mut command = folder.command(&words);
+        let arguments_given: Vec<&str> = line.split_whitespace().collect();
+        let mut command = folder.command(&arguments_given);
         command.env("DISPLAY", &display.name).env_remove("WAYLAND_DISPLAY");
         let mut child =
             command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
-        let (sender, said) = channel();
+        let (sender, message) = channel();
         let pipes: [Box<dyn Read + Send>; 2] =
             [Box::new(child.stdout.take().expect("a pipe")), Box::new(child.stderr.take().expect("a pipe"))];
         for pipe in pipes {
@@ -117,7 +117,7 @@ impl<'a> Viewer<'a> {
                 BufReader::new(pipe).lines().map_while(Result::ok).for_each(|line| drop(sender.send(line)));
             });
         }
-        Self { display, folder, child, said, pictures: 0 }
+        Self { display, folder, child, message, pictures: 0 }
     }
 
     /// Waits for a line that contains this.
@@ -125,7 +125,7 @@ impl<'a> Viewer<'a> {
     fn hears(&self, part: &str) -> String {
         let begin = Instant::now();
         let mut others = Vec::new();
-        while let Ok(line) = self.said.recv_timeout(PATIENCE.saturating_sub(begin.elapsed())) {
+        while let Ok(line) = self.message.recv_timeout(PATIENCE.saturating_sub(begin.elapsed())) {
             if line.contains(part) {
                 return line;
             }
@@ -227,8 +227,8 @@ fn hands_move_the_camera() {
     // What was printed leads there from the command line.
     display.act("key Escape");
     viewer.ends(0);
-    let words = format!("render builtin:materials -r 320x240 --spp 1 -o there.png {away}");
-    folder.gnurt(&words).success();
+    let arguments_given = format!("render builtin:materials -r 320x240 --spp 1 -o there.png {away}");
+    folder.gnurt(&arguments_given).success();
     let there = gnurt::image::read(&folder.at("there.png")).expect("a picture");
     assert!(there.color == flown.color, "the pixels that were seen");
 }
@@ -254,8 +254,8 @@ fn keys_switch_what_is_shown() {
     }
     display.act("mousemove 100 150 click 1");
     let line = viewer.hears("pixel 100,150");
-    for word in ["instance", "object", "triangle", "material"] {
-        assert!(line.contains(word), "'{word}' is told: {line}");
+    for expected_text in ["instance", "object", "triangle", "material"] {
+        assert!(line.contains(expected_text), "'{expected_text}' is told: {line}");
     }
     display.act("key h key g key p key p key f key f key ctrl+q");
     viewer.ends(0);
@@ -329,7 +329,8 @@ fn faults_of_plugins_are_told() {
     // The file is looked at and faults are asked for again and again.
     std::thread::sleep(Duration::from_millis(700));
     // On a busy machine other notes may come late.
-    let again: Vec<String> = viewer.said.try_iter().filter(|line| line.contains("NaN or infinite")).collect();
+    let again: Vec<String> =
+        viewer.message.try_iter().filter(|line| line.contains("NaN or infinite")).collect();
     assert!(again.is_empty(), "said once: {again:?}");
     display.act("key Escape");
     viewer.ends(0);
@@ -373,15 +374,15 @@ fn pictures_are_recorded_while_asked_for() {
     }
     display.act("keyup w");
     // When it is written the camera rests, and what is seen then was recorded, too.
-    let seen = viewer.picture();
+    let shown = viewer.picture();
     display.act("sleep 0.2 key ctrl+r");
-    let told = viewer.hears("recorded");
+    let reported = viewer.hears("recorded");
     let count = std::fs::read_dir(folder.path()).expect("a folder").filter_map(Result::ok);
     let count = count.filter(|file| file.file_name().to_string_lossy().starts_with("take-001-")).count();
-    assert!(told.contains(&format!("recorded {count} pictures")), "{count} files: {told}");
+    assert!(reported.contains(&format!("recorded {count} pictures")), "{count} files: {reported}");
     let last = gnurt::image::read(&folder.at(&format!("take-001-{count:05}.png"))).expect("a picture");
     assert_eq!((last.width, last.height), (160, 120), "as large as the window");
-    assert!(last.color == seen.color && differ(&first, &last), "what is seen at last, without numbers");
+    assert!(last.color == shown.color && differ(&first, &last), "what is seen at last, without numbers");
     display.act("key ctrl+r key b");
     viewer.pictures += 1;
     display.act("key F12");

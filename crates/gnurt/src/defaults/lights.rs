@@ -5,7 +5,7 @@
 //! Space: world; linear light. A white matte surface that faces the key light shows about 1.
 //! Tests: `tests`.
 
-use super::{bounds_of, sight};
+use super::{bounds_of, distance_rays};
 use crate::scene::{Affine, Camera, Light, Projection, Scene};
 
 /// Irradiance of the key light.
@@ -36,7 +36,7 @@ pub(super) fn is_open(scene: &Scene, eye: [f64; 3], up: [f64; 3]) -> bool {
             v.map(|x| x / length)
         })
         .collect();
-    sight::distances(scene, eye, &directions).iter().filter(|d| d.is_infinite()).count() >= 3
+    distance_rays::distances(scene, eye, &directions).iter().filter(|d| d.is_infinite()).count() >= 3
 }
 
 /// The lamp and the background that suit a camera within the scene; `None` if it stands outside, or sees nothing.
@@ -60,12 +60,12 @@ pub fn lit_within(scene: &Scene, camera: &Camera) -> Option<[Light; 2]> {
     let mut directions = vec![toward(TOWARDS_LAMP)];
     directions.extend(pixels.map(|(x, y)| toward([x * half_height * 4.0 / 3.0, y * half_height, 1.0])));
 
-    let seen = sight::distances(scene, eye, &directions);
-    let mut ahead: Vec<f64> = seen[1..].iter().copied().filter(|d| d.is_finite()).collect();
+    let measured = distance_rays::distances(scene, eye, &directions);
+    let mut ahead: Vec<f64> = measured[1..].iter().copied().filter(|d| d.is_finite()).collect();
     ahead.sort_by(f64::total_cmp);
     let typical = *ahead.get(ahead.len() / 2)?;
     // Not behind a wall: at most half way to whatever is there.
-    let distance = (LAMP_DISTANCE * typical).min(0.5 * seen[0]);
+    let distance = (LAMP_DISTANCE * typical).min(0.5 * measured[0]);
     let position = [0, 1, 2].map(|k| (eye[k] + distance * directions[0][k]) as f32);
     let intensity = f64::from(KEY) * typical * typical;
     (intensity.is_finite() && intensity > 0.0).then_some([
@@ -111,7 +111,7 @@ mod tests {
     }
 
     /// A room of 8 x 6 x 4, closed.
-    fn room() -> Scene {
+    fn interior() -> Scene {
         let mut scene = Scene::new();
         let positions = (0..8_u32)
             .map(|i| {
@@ -137,30 +137,30 @@ mod tests {
             fov_y: 45.0,
             ..Camera::default()
         };
-        let room = room();
-        assert!(lit_within(&room, &camera([-9.0, 0.0, 0.0])).is_none(), "seen from outside");
+        let interior = interior();
+        assert!(lit_within(&interior, &camera([-9.0, 0.0, 0.0])).is_none(), "seen from outside");
         let near_corner = [-3.9, 2.95, 1.95];
         for eye in [[-3.0, 0.0, 0.0], near_corner] {
-            let lights = lit_within(&room, &camera(eye)).expect("seen from within");
+            let lights = lit_within(&interior, &camera(eye)).expect("seen from within");
             let [Light::Point { position, intensity }, Light::Environment { .. }] = lights else {
                 panic!("a lamp and a background: {lights:?}");
             };
-            let bounds = bounds_of(&room).expect("a room");
+            let bounds = bounds_of(&interior).expect("a room");
             assert!(bounds.contains(position.map(f64::from)), "{position:?} is in the room");
             let irradiance = intensity[0] / (4.0 - eye[0]).powi(2);
             assert!((0.3..3.0).contains(&irradiance), "the far wall gets {irradiance}");
         }
-        let lights = lit_within(&room, &camera([-3.0, 0.0, 0.0])).expect("seen from within");
+        let lights = lit_within(&interior, &camera([-3.0, 0.0, 0.0])).expect("seen from within");
         let [Light::Point { position: [x, y, z], .. }, _] = lights else { panic!("a lamp") };
         assert!(x < -3.0 && y > 0.0 && z > 0.0, "behind, left and above: {x} {y} {z}");
     }
 
     #[test]
     fn the_sky_is_open_or_not() {
-        let room = room();
+        let interior = interior();
         for up in [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]] {
-            assert!(!is_open(&room, [0.0; 3], up), "under a roof");
-            assert!(is_open(&room, [0.0, 2.0, 9.0], up), "beside it");
+            assert!(!is_open(&interior, [0.0; 3], up), "under a roof");
+            assert!(is_open(&interior, [0.0, 2.0, 9.0], up), "beside it");
         }
     }
 }

@@ -6,9 +6,9 @@
 mod added;
 mod bounds;
 mod camera;
+mod distance_rays;
 mod lights;
 mod own_light;
-mod sight;
 mod studio;
 
 use std::fmt;

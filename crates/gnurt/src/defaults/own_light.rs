@@ -6,7 +6,7 @@
 //!    label, which is modelled to be seen in other light: pictures for screens get that light, files of floats do not.
 //!
 //! Space: linear radiance, any channel. Invariant: the answer does not depend on areas, on distances or on other
-//! surfaces. Tests: `tests`; crates/cli/tests/program/look.rs.
+//! surfaces. Tests: `tests`; crates/cli/tests/program/display.rs.
 
 use crate::render::ShaderTable;
 use crate::scene::{Material, Mesh, ObjectId, RayMask, Scene};
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn textures_are_lights_above_white() {
         let float = |red: f32| Some(TexelData::Float(vec![[0.0; 4], [red, 0.0, 0.0, 1.0]]));
-        for (factor, texels, wanted) in [
+        for (factor, texels, expected) in [
             (1.0, srgb(255), OwnLight::Displays),
             (1.01, srgb(255), OwnLight::Lights),
             (1.01, srgb(200), OwnLight::Displays),
@@ -196,28 +196,28 @@ mod tests {
             (1.0, float(f32::NAN), OwnLight::Nothing),
         ] {
             let name = format!("{factor} x {texels:?}");
-            assert_eq!(own_light(&thing([factor; 3], texels, 5.0)), wanted, "{name}");
+            assert_eq!(own_light(&thing([factor; 3], texels, 5.0)), expected, "{name}");
         }
     }
 
     #[test]
     fn lights_count_where_they_are_shown() {
         let mut scene = thing([3.0; 3], None, 1.0);
-        let lamp = scene.instances()[0].clone();
-        let hidden = Instance { visible: false, ..lamp.clone() };
-        let for_camera = Instance { mask: RayMask::CAMERA, ..lamp.clone() };
+        let emitter = scene.instances()[0].clone();
+        let hidden = Instance { visible: false, ..emitter.clone() };
+        let for_camera = Instance { mask: RayMask::CAMERA, ..emitter.clone() };
         let mut now = |instance: Instance| {
             *scene.edit_instance(crate::scene::InstanceId(0)) = instance;
             own_light(&scene)
         };
         assert_eq!(now(hidden.clone()), OwnLight::Nothing, "nobody sees it");
         assert_eq!(now(for_camera), OwnLight::Displays, "it lights nothing else");
-        let for_none = Instance { mask: RayMask::NONE, ..lamp.clone() };
+        let for_none = Instance { mask: RayMask::NONE, ..emitter.clone() };
         assert_eq!(now(for_none), OwnLight::Nothing, "no ray meets it");
-        assert_eq!(now(lamp.clone()), OwnLight::Lights, "seen by all");
+        assert_eq!(now(emitter.clone()), OwnLight::Lights, "seen by all");
         now(hidden);
         let held = scene.add_object(Object {
-            members: vec![Member::new(lamp.object, Affine::IDENTITY)],
+            members: vec![Member::new(emitter.object, Affine::IDENTITY)],
             ..Object::default()
         });
         assert_eq!(own_light(&scene), OwnLight::Nothing, "held by what is not shown");
@@ -239,9 +239,9 @@ mod tests {
     #[test]
     fn scenes_in_the_making_count_their_meshes() {
         let mut scene = Scene::new();
-        let mut lamp = Material::matte("lamp", [0.5; 3]);
-        lamp.emission = [0.0, 0.2, 0.0];
-        let material = scene.add_material(lamp);
+        let mut emitter = Material::matte("lamp", [0.5; 3]);
+        emitter.emission = [0.0, 0.2, 0.0];
+        let material = scene.add_material(emitter);
         assert_eq!(own_light(&scene), OwnLight::Nothing, "a material that nothing is made of");
         let mut mesh = Mesh { positions: vec![[0.0; 3]; 3], material, ..Mesh::default() };
         scene.add_mesh(mesh.clone());

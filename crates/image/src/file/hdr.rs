@@ -7,7 +7,7 @@
 
 use std::io::{BufRead, Read};
 
-use super::limits::{PICTURE_BYTES, Room, check_density};
+use super::limits::{FileBudget, PICTURE_BYTES, check_density};
 use super::source::Source;
 use crate::{Error, Picture};
 
@@ -85,11 +85,11 @@ fn encode_runs(values: &[u8], bytes: &mut Vec<u8>) {
     }
 }
 
-pub(super) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
+pub(super) fn decode(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<Picture, Error> {
     let header = read_header(source)?;
     let size = [u64::from(header.width), u64::from(header.height)];
     check_density("HDR", size, length, PIXELS_PER_BYTE)?;
-    room.check("HDR", size, PICTURE_BYTES)?;
+    budget.check("HDR", size, PICTURE_BYTES)?;
     let width = header.width as usize;
     let mut picture = Picture { width: header.width, height: header.height, ..Picture::default() };
     picture.color.reserve_exact(picture.pixel_count());
@@ -131,8 +131,8 @@ fn read_header(source: &mut dyn Source) -> Result<Header, Error> {
                 exposure.iter_mut().for_each(|exposure| *exposure *= factor);
             }
             "COLORCORR" => {
-                for (exposure, word) in exposure.iter_mut().zip(value.split_whitespace()) {
-                    *exposure *= word.parse::<f32>().unwrap_or(1.0);
+                for (exposure, token) in exposure.iter_mut().zip(value.split_whitespace()) {
+                    *exposure *= token.parse::<f32>().unwrap_or(1.0);
                 }
             }
             _ => {}
@@ -140,9 +140,9 @@ fn read_header(source: &mut dyn Source) -> Result<Header, Error> {
     }
     let line = read_line(source, &mut rest)?;
     let bad_size = || Error::corrupt("HDR", format!("'{line}' is no size like '-Y height +X width'"));
-    let words: Vec<&str> = line.split_whitespace().collect();
-    let ["-Y", height, "+X", width] = words[..] else { return Err(bad_size()) };
-    let number = |word: &str| word.parse::<u32>().map_err(|_| bad_size());
+    let parts: Vec<&str> = line.split_whitespace().collect();
+    let ["-Y", height, "+X", width] = parts[..] else { return Err(bad_size()) };
+    let number = |token: &str| token.parse::<u32>().map_err(|_| bad_size());
     let exposure = exposure.map(|x| if x.is_finite() && x > 0.0 { x } else { 1.0 });
     Ok(Header { width: number(width)?, height: number(height)?, exposure })
 }
@@ -279,8 +279,8 @@ mod tests {
     fn old_runs_are_read() {
         let bytes =
             b"#?RADIANCE\nEXPOSURE=2\n\n-Y 1 +X 300\n\x80\x40\x20\x81\x01\x01\x01\x2b\x01\x01\x01\x01";
-        let picture =
-            decode(&mut std::io::Cursor::new(bytes), 1000, Room::of_file(1000)).expect("1 + 43 + 256 pixels");
+        let picture = decode(&mut std::io::Cursor::new(bytes), 1000, FileBudget::of_file(1000))
+            .expect("1 + 43 + 256 pixels");
         assert_eq!(picture.color.len(), 300, "all pixels are there");
         assert!(picture.color.iter().all(|p| *p == picture.color[0]), "all pixels are alike");
         assert!((picture.color[0][0] - 0.5).abs() < 3e-3, "exposure is undone: {:?}", picture.color[0]);
@@ -289,7 +289,8 @@ mod tests {
     #[test]
     fn corrections_of_channels_are_undone() {
         let bytes = b"#?RADIANCE\nCOLORCORR= 2 1 0.5\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
-        let picture = decode(&mut std::io::Cursor::new(bytes), 1000, Room::of_file(1000)).expect("a pixel");
+        let picture =
+            decode(&mut std::io::Cursor::new(bytes), 1000, FileBudget::of_file(1000)).expect("a pixel");
         let [r, g, b, _] = picture.color[0];
         assert!((r / g - 0.5).abs() < 1e-3 && (b / g - 2.0).abs() < 1e-3, "{:?}", picture.color[0]);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How large a picture may be, from its declared size and the length of its file, before memory is taken.
 //! Invariant: what a picture takes while it is read, its decoder's buffers included, stays below
-//! [`Room::of_file`] or what the caller allows. Tests: `tests`, `tests/growth.rs`, and the corruption tests of each format.
+//! [`FileBudget::of_file`] or what the caller allows. Tests: `tests`, `tests/growth.rs`, and the corruption tests of each format.
 
 use crate::Error;
 
@@ -22,12 +22,12 @@ pub(super) const PICTURE_BYTES: u64 = 16;
 
 /// What reading a picture may take.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Room {
+pub(crate) struct FileBudget {
     /// Bytes at once.
     pub(crate) most_bytes: u64,
 }
 
-impl Room {
+impl FileBudget {
     /// For a file of so many bytes.
     pub(crate) fn of_file(length: u64) -> Self {
         Self { most_bytes: length.saturating_mul(MOST_GROWTH).max(BELIEVED_BYTES) }
@@ -114,14 +114,17 @@ mod tests {
     #[test]
     fn memory_has_a_limit() {
         let side = 1 << 14;
-        let room = Room::of_file(2 << 20);
-        let error = room.check("PNG", [side, side], 24).expect_err("6 GiB of 2 MiB").to_string();
+        let budget = FileBudget::of_file(2 << 20);
+        let error = budget.check("PNG", [side, side], 24).expect_err("6 GiB of 2 MiB").to_string();
         assert!(
             error.contains("6144 MiB") && error.contains("512 MiB"),
             "what it takes and may take: {error}"
         );
-        assert!(room.check("PNG", [side, side / 8], 16).is_ok(), "512 MiB may be taken");
-        assert!(Room::of_file(100 << 20).check("PNG", [side, side], 24).is_ok(), "a long file may take more");
+        assert!(budget.check("PNG", [side, side / 8], 16).is_ok(), "512 MiB may be taken");
+        assert!(
+            FileBudget::of_file(100 << 20).check("PNG", [side, side], 24).is_ok(),
+            "a long file may take more"
+        );
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub use replace::{check_writable, replace_file, replace_file_if};
 
 use crate::{Error, Picture, Stored, StoredValues, Texels};
 use format::InputFormat;
-use limits::Room;
+use limits::FileBudget;
 use raster::Meaning;
 use source::Source;
 
@@ -114,8 +114,8 @@ pub fn decode_data_texture_within(bytes: &[u8], name: &str, most_bytes: u64) -> 
 
 fn decode_texels(bytes: &[u8], name: &str, meaning: Meaning, most_bytes: u64) -> Result<Texels, Error> {
     let length = bytes.len() as u64;
-    let room = Room { most_bytes: Room::of_file(length).most_bytes.min(most_bytes) };
-    texels_from(&mut Cursor::new(bytes), length, name, meaning, room)
+    let budget = FileBudget { most_bytes: FileBudget::of_file(length).most_bytes.min(most_bytes) };
+    texels_from(&mut Cursor::new(bytes), length, name, meaning, budget)
 }
 
 /// Reads a colour texture from a file; see [`decode_texture`].
@@ -140,39 +140,44 @@ pub fn read_data_texture(path: &Path) -> Result<Texels, Error> {
 /// As [`read`].
 pub fn read_stored(path: &Path) -> Result<Stored, Error> {
     let (mut source, length) = open::open_regular(path, "a picture file")?;
-    let room = Room::of_file(length);
-    stored_from(&mut source, length, &path.to_string_lossy(), room).map_err(|error| error.in_file(path))
+    let budget = FileBudget::of_file(length);
+    stored_from(&mut source, length, &path.to_string_lossy(), budget).map_err(|error| error.in_file(path))
 }
 
-fn stored_from(source: &mut dyn Source, length: u64, name: &str, room: Room) -> Result<Stored, Error> {
+fn stored_from(
+    source: &mut dyn Source,
+    length: u64,
+    name: &str,
+    budget: FileBudget,
+) -> Result<Stored, Error> {
     let of_picture = |picture: Picture| {
         let values = picture.color.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
         Stored::plain([picture.width as usize, picture.height as usize], 3, StoredValues::F32(values))
     };
     match InputFormat::of(source, length, name)? {
-        InputFormat::Tiff => tiff::stored(source, length, room, true),
-        InputFormat::Exr => exr::stored(source, length, room),
-        InputFormat::Pfm => pfm::decode(source, length, room).map(of_picture),
-        InputFormat::Hdr => hdr::decode(source, length, room).map(of_picture),
-        InputFormat::Raster(format) => raster::stored(source, length, format, room),
+        InputFormat::Tiff => tiff::stored(source, length, budget, true),
+        InputFormat::Exr => exr::stored(source, length, budget),
+        InputFormat::Pfm => pfm::decode(source, length, budget).map(of_picture),
+        InputFormat::Hdr => hdr::decode(source, length, budget).map(of_picture),
+        InputFormat::Raster(format) => raster::stored(source, length, format, budget),
     }
 }
 
 fn read_texels(path: &Path, meaning: Meaning) -> Result<Texels, Error> {
     let (mut source, length) = open::open_regular(path, "a picture file")?;
-    let room = Room::of_file(length);
-    texels_from(&mut source, length, &path.to_string_lossy(), meaning, room)
+    let budget = FileBudget::of_file(length);
+    texels_from(&mut source, length, &path.to_string_lossy(), meaning, budget)
         .map_err(|error| error.in_file(path))
 }
 
 fn picture_from(source: &mut dyn Source, length: u64, name: &str) -> Result<Picture, Error> {
-    let room = Room::of_file(length);
+    let budget = FileBudget::of_file(length);
     match InputFormat::of(source, length, name)? {
-        InputFormat::Exr => exr::decode(source, length, room),
-        InputFormat::Pfm => pfm::decode(source, length, room),
-        InputFormat::Hdr => hdr::decode(source, length, room),
-        InputFormat::Tiff => tiff::texels(source, length, Meaning::Color, room).map(Picture::from),
-        InputFormat::Raster(format) => raster::picture(source, length, format, room),
+        InputFormat::Exr => exr::decode(source, length, budget),
+        InputFormat::Pfm => pfm::decode(source, length, budget),
+        InputFormat::Hdr => hdr::decode(source, length, budget),
+        InputFormat::Tiff => tiff::texels(source, length, Meaning::Color, budget).map(Picture::from),
+        InputFormat::Raster(format) => raster::picture(source, length, format, budget),
     }
 }
 
@@ -181,13 +186,13 @@ fn texels_from(
     length: u64,
     name: &str,
     meaning: Meaning,
-    room: Room,
+    budget: FileBudget,
 ) -> Result<Texels, Error> {
     match InputFormat::of(source, length, name)? {
-        InputFormat::Exr => exr::decode(source, length, room).map(Texels::from),
-        InputFormat::Pfm => pfm::decode(source, length, room).map(Texels::from),
-        InputFormat::Hdr => hdr::decode(source, length, room).map(Texels::from),
-        InputFormat::Tiff => tiff::texels(source, length, meaning, room),
-        InputFormat::Raster(format) => raster::texels(source, length, format, meaning, room),
+        InputFormat::Exr => exr::decode(source, length, budget).map(Texels::from),
+        InputFormat::Pfm => pfm::decode(source, length, budget).map(Texels::from),
+        InputFormat::Hdr => hdr::decode(source, length, budget).map(Texels::from),
+        InputFormat::Tiff => tiff::texels(source, length, meaning, budget),
+        InputFormat::Raster(format) => raster::texels(source, length, format, meaning, budget),
     }
 }

@@ -8,13 +8,13 @@ use std::path::Path;
 
 use crate::Error;
 
-/// Opens a regular file that `wanted` ("a picture file") is to be in; gives its length too.
-pub(crate) fn open_regular(path: &Path, wanted: &str) -> Result<(BufReader<File>, u64), Error> {
+/// Opens a regular file that `request` ("a picture file") is to be in; gives its length too.
+pub(crate) fn open_regular(path: &Path, request: &str) -> Result<(BufReader<File>, u64), Error> {
     // Asked before the file is opened: opening a pipe waits for its other end.
     let metadata = std::fs::metadata(path).map_err(|error| Error::file(path, "cannot be read", &error))?;
     if !metadata.is_file() {
         let kind = if metadata.is_dir() { "is a folder" } else { "is a device or pipe" };
-        return Err(Error::File { path: path.into(), what: format!("{kind}; {wanted} is needed") });
+        return Err(Error::File { path: path.into(), what: format!("{kind}; {request} is needed") });
     }
     let file = File::open(path).map_err(|error| Error::file(path, "cannot be read", &error))?;
     Ok((BufReader::with_capacity(1 << 16, file), metadata.len()))

@@ -3,7 +3,7 @@
 //! From the format's description by Debevec. Written little-endian (scale -1); read in both orders,
 //! grey (`Pf`) or coloured (`PF`), values times the scale's magnitude. Tests: `tests` in `tests/round_trip.rs`.
 
-use super::limits::{PICTURE_BYTES, Room, check_bytes};
+use super::limits::{FileBudget, PICTURE_BYTES, check_bytes};
 use super::source::Source;
 use crate::{Error, Picture};
 
@@ -24,16 +24,16 @@ pub(super) fn encode(picture: &Picture) -> Vec<u8> {
     bytes
 }
 
-pub(super) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
+pub(super) fn decode(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<Picture, Error> {
     let mut header = Header { source, read: 0 };
-    let channels: usize = if header.word()? == "PF" { 3 } else { 1 };
+    let channels: usize = if header.token()? == "PF" { 3 } else { 1 };
     let width = header.number("width")?;
     let height = header.number("height")?;
     let scale = header.scale()?;
     let size = [u64::from(width), u64::from(height)];
     let row_bytes = u64::from(width) * channels as u64 * 4;
     check_bytes("PFM", size, header.read.saturating_add(row_bytes.saturating_mul(size[1])), length)?;
-    room.check("PFM", size, PICTURE_BYTES)?;
+    budget.check("PFM", size, PICTURE_BYTES)?;
 
     let mut picture = Picture::new(width, height);
     let mut bytes = vec![0; row_bytes as usize];
@@ -61,16 +61,18 @@ struct Header<'a> {
 }
 
 impl Header<'_> {
-    fn word(&mut self) -> Result<String, Error> {
-        let mut word = String::new();
+    fn token(&mut self) -> Result<String, Error> {
+        let mut token = String::new();
         loop {
             let mut byte = [0];
             self.source.read_exact(&mut byte).map_err(Error::reading)?;
             self.read += 1;
             match byte[0] {
-                space if space.is_ascii_whitespace() && !word.is_empty() => return Ok(word),
+                space if space.is_ascii_whitespace() && !token.is_empty() => return Ok(token),
                 space if space.is_ascii_whitespace() => {}
-                letter if letter.is_ascii_graphic() && word.len() < MAX_WORD => word.push(char::from(letter)),
+                letter if letter.is_ascii_graphic() && token.len() < MAX_WORD => {
+                    token.push(char::from(letter))
+                }
                 _ => return Err(Error::corrupt("PFM", "the header is not text")),
             }
             if self.read > 8 * MAX_WORD as u64 {
@@ -80,15 +82,17 @@ impl Header<'_> {
     }
 
     fn number(&mut self, what: &str) -> Result<u32, Error> {
-        let word = self.word()?;
-        word.parse().map_err(|_| Error::corrupt("PFM", format!("the {what} '{word}' is no number of pixels")))
+        let token = self.token()?;
+        token
+            .parse()
+            .map_err(|_| Error::corrupt("PFM", format!("the {what} '{token}' is no number of pixels")))
     }
 
     fn scale(&mut self) -> Result<f32, Error> {
-        let word = self.word()?;
-        match word.parse::<f32>() {
+        let token = self.token()?;
+        match token.parse::<f32>() {
             Ok(scale) if scale.is_finite() && scale != 0.0 => Ok(scale),
-            _ => Err(Error::corrupt("PFM", format!("the scale '{word}' is no finite number other than 0"))),
+            _ => Err(Error::corrupt("PFM", format!("the scale '{token}' is no finite number other than 0"))),
         }
     }
 }

@@ -85,8 +85,8 @@ pub fn encode_texels(texels: &Texels, measures: bool) -> Result<Vec<u8>, Error> 
             let color = |x: f32| wide(if measures { x } else { srgb::encode(x.clamp(0.0, 1.0)) });
             let texel = |[r, g, b, a]: [f32; 4]| [color(r), color(g), color(b), wide(a)];
             let [width, height] = size.map(|n| n as usize);
-            let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-            let all = places.map(|(x, y)| texels.texel(x, y));
+            let pixel_positions = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+            let all = pixel_positions.map(|(x, y)| texels.texel(x, y));
             (png::BitDepth::Sixteen, all.flat_map(texel).flatten().collect())
         }
     };

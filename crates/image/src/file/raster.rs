@@ -12,7 +12,7 @@ use image::codecs::{
 use image::{DynamicImage, ImageDecoder, Limits};
 
 use super::guard::decode_guarded;
-use super::limits::{PICTURE_BYTES, Room, check_bytes, check_density};
+use super::limits::{FileBudget, PICTURE_BYTES, check_bytes, check_density};
 use super::source::Source;
 use super::{jpeg, png, webp};
 use crate::{Error, Picture, Stored, StoredValues, TexelData, Texels, srgb};
@@ -62,10 +62,10 @@ pub(super) fn picture(
     source: &mut dyn Source,
     length: u64,
     format: RasterFormat,
-    room: Room,
+    budget: FileBudget,
 ) -> Result<Picture, Error> {
-    let wanted = Wanted { floats: true, wide: PICTURE_BYTES, room };
-    Ok(texels_of(decode(source, length, format, wanted)?, Meaning::Color)?.into())
+    let request = Request { floats: true, wide: PICTURE_BYTES, budget };
+    Ok(texels_of(decode(source, length, format, request)?, Meaning::Color)?.into())
 }
 
 /// The picture as a texture.
@@ -74,11 +74,11 @@ pub(super) fn texels(
     length: u64,
     format: RasterFormat,
     meaning: Meaning,
-    room: Room,
+    budget: FileBudget,
 ) -> Result<Texels, Error> {
     let wide = if meaning == Meaning::Color { PICTURE_BYTES } else { 8 };
-    let wanted = Wanted { floats: false, wide, room };
-    texels_of(decode(source, length, format, wanted)?, meaning)
+    let request = Request { floats: false, wide, budget };
+    texels_of(decode(source, length, format, request)?, meaning)
 }
 
 /// The picture as it is stored.
@@ -86,9 +86,9 @@ pub(super) fn stored(
     source: &mut dyn Source,
     length: u64,
     format: RasterFormat,
-    room: Room,
+    budget: FileBudget,
 ) -> Result<Stored, Error> {
-    let image = decode(source, length, format, Wanted { floats: false, wide: PICTURE_BYTES, room })?;
+    let image = decode(source, length, format, Request { floats: false, wide: PICTURE_BYTES, budget })?;
     let size = [image.width() as usize, image.height() as usize];
     let channels = usize::from(image.color().channel_count());
     let values = match image {
@@ -107,50 +107,50 @@ pub(super) fn stored(
 
 /// What is to become of a picture, and what that may take.
 #[derive(Clone, Copy)]
-struct Wanted {
+struct Request {
     /// Whether bytes become floats in the end.
     floats: bool,
     /// Bytes that a texel of 16-bit values becomes.
     wide: u64,
-    room: Room,
+    budget: FileBudget,
 }
 
 fn decode(
     source: &mut dyn Source,
     length: u64,
     format: RasterFormat,
-    wanted: Wanted,
+    request: Request,
 ) -> Result<DynamicImage, Error> {
     let library_error = |error: image::ImageError| Error::corrupt(format.name(), describe(&error));
     decode_guarded(format.name(), || match format {
         // Beside the pixels a decoder takes rows, or for each pixel so many bytes of coefficients, planes or frames.
         RasterFormat::Png => {
-            let limits = alloc_limits(png::check(source, length)?, wanted.room);
+            let limits = alloc_limits(png::check(source, length)?, request.budget);
             let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
-            decode_within(decoder, Beside::pixels(0), format, wanted)
+            decode_within(decoder, Sidecar::pixels(0), format, request)
         }
         RasterFormat::Jpeg => {
             let in_scans = jpeg::check(source, length)?;
             let decoder = JpegDecoder::new(source).map_err(library_error)?;
-            decode_within(decoder, Beside::pixels(if in_scans { 8 } else { 0 }), format, wanted)
+            decode_within(decoder, Sidecar::pixels(if in_scans { 8 } else { 0 }), format, request)
         }
         RasterFormat::Tga => {
             check_tga(source, length)?;
             let decoder = TgaDecoder::new(source).map_err(library_error)?;
-            decode_within(decoder, Beside::pixels(4), format, wanted)
+            decode_within(decoder, Sidecar::pixels(4), format, request)
         }
         RasterFormat::Bmp => {
             let decoder = BmpDecoder::new(source).map_err(library_error)?;
             check_density(format.name(), size_of(&decoder), length, RUN_PIXELS_PER_BYTE)?;
-            decode_within(decoder, Beside::pixels(4), format, wanted)
+            decode_within(decoder, Sidecar::pixels(4), format, request)
         }
         RasterFormat::Webp => {
-            let tables = webp::check(source, length, wanted.room)?;
+            let tables = webp::check(source, length, request.budget)?;
             let decoder = WebPDecoder::new(source).map_err(library_error)?;
             check_density(format.name(), size_of(&decoder), length, WEBP_PIXELS_PER_BYTE)?;
             // An animation's frame is put together with those before.
             let pixel_bytes = if decoder.has_animation() { 16 } else { 8 };
-            decode_within(decoder, Beside { pixel_bytes, bytes: tables }, format, wanted)
+            decode_within(decoder, Sidecar { pixel_bytes, bytes: tables }, format, request)
         }
     })
 }
@@ -162,14 +162,14 @@ fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
 
 /// What a decoder takes beside what it gives.
 #[derive(Clone, Copy)]
-struct Beside {
+struct Sidecar {
     /// For each pixel.
     pixel_bytes: u64,
     /// For all.
     bytes: u64,
 }
 
-impl Beside {
+impl Sidecar {
     fn pixels(pixel_bytes: u64) -> Self {
         Self { pixel_bytes, bytes: 0 }
     }
@@ -178,19 +178,19 @@ impl Beside {
 /// Decodes what may take the memory that it needs.
 fn decode_within(
     decoder: impl ImageDecoder,
-    beside: Beside,
+    beside: Sidecar,
     format: RasterFormat,
-    wanted: Wanted,
+    request: Request,
 ) -> Result<DynamicImage, Error> {
     let color = decoder.color_type();
     let native = u64::from(color.bytes_per_pixel());
-    let texel = if is_wide(color) { wanted.wide } else { 4 };
+    let texel = if is_wide(color) { request.wide } else { 4 };
     // First the decoder's own and what it gives, then that and the texels, then those and the floats.
-    let last = if wanted.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
+    let last = if request.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
     let size = size_of(&decoder);
     let decoded = (native + texel).max(last);
-    wanted.room.check(format.name(), size, decoded.max(beside.pixel_bytes + native))?;
-    wanted.room.check_bytes(size, size[0] * size[1] * (beside.pixel_bytes + native) + beside.bytes)?;
+    request.budget.check(format.name(), size, decoded.max(beside.pixel_bytes + native))?;
+    request.budget.check_bytes(size, size[0] * size[1] * (beside.pixel_bytes + native) + beside.bytes)?;
     DynamicImage::from_decoder(decoder).map_err(|error| Error::corrupt(format.name(), describe(&error)))
 }
 
@@ -199,11 +199,11 @@ fn is_wide(color: image::ColorType) -> bool {
     color.bytes_per_pixel() > color.channel_count()
 }
 
-fn alloc_limits(pixel_bytes: u64, room: Room) -> Limits {
+fn alloc_limits(pixel_bytes: u64, budget: FileBudget) -> Limits {
     let mut limits = Limits::no_limits();
     // Palettes and low depths grow by up to 8 x 4 when expanded to bytes.
     let needed = pixel_bytes.saturating_mul(33).saturating_add(EXTRA_BYTES);
-    limits.max_alloc = Some(needed.min(room.most_bytes));
+    limits.max_alloc = Some(needed.min(budget.most_bytes));
     limits
 }
 
@@ -274,7 +274,7 @@ fn incomplete() -> Error {
 
 /// The library's words on one line, without the format's name, which ours say already.
 fn describe(error: &image::ImageError) -> String {
-    let words = match error {
+    let message = match error {
         image::ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {
             "the file ends too early".into()
         }
@@ -282,5 +282,5 @@ fn describe(error: &image::ImageError) -> String {
         _ => std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string),
     };
     // Some come in quotes.
-    words.trim_matches('"').split_whitespace().collect::<Vec<_>>().join(" ")
+    message.trim_matches('"').split_whitespace().collect::<Vec<_>>().join(" ")
 }

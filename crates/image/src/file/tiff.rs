@@ -10,7 +10,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 use super::guard::decode_guarded;
-use super::limits::{PICTURE_BYTES, Room, check_density};
+use super::limits::{FileBudget, PICTURE_BYTES, check_density};
 use super::raster::Meaning;
 use super::source::Source;
 use crate::{Error, Stored, StoredLevel, StoredValues, TexelData, Texels, srgb};
@@ -34,8 +34,8 @@ fn library_error(error: tiff::TiffError) -> Error {
         other => other.to_string(),
     };
     // On one line, in words of users.
-    let words = what.split_whitespace().collect::<Vec<_>>().join(" ").replace("::", " ");
-    Error::corrupt("TIFF", words)
+    let parts = what.split_whitespace().collect::<Vec<_>>().join(" ").replace("::", " ");
+    Error::corrupt("TIFF", parts)
 }
 
 /// How pixels of a directory are stored.
@@ -109,8 +109,8 @@ fn texts(reader: &mut Reader<'_>) -> Vec<(String, String)> {
         })
         .collect();
     let description = found.iter().find(|(name, _)| name == "ImageDescription").map(|(_, text)| text.clone());
-    for word in description.iter().flat_map(|text| text.split_whitespace()) {
-        if let Some((name, value)) = word.split_once('=').filter(|(name, _)| name.starts_with("oiio:")) {
+    for token in description.iter().flat_map(|text| text.split_whitespace()) {
+        if let Some((name, value)) = token.split_once('=').filter(|(name, _)| name.starts_with("oiio:")) {
             found.push((name.to_owned(), value.to_owned()));
         }
     }
@@ -118,16 +118,26 @@ fn texts(reader: &mut Reader<'_>) -> Vec<(String, String)> {
 }
 
 /// The first picture of the file and, where `all`, the smaller copies of it that follow.
-pub(super) fn stored(source: &mut dyn Source, length: u64, room: Room, all: bool) -> Result<Stored, Error> {
-    read(source, length, room, all).map(|(stored, _)| stored)
+pub(super) fn stored(
+    source: &mut dyn Source,
+    length: u64,
+    budget: FileBudget,
+    all: bool,
+) -> Result<Stored, Error> {
+    read(source, length, budget, all).map(|(stored, _)| stored)
 }
 
 /// The same, and whether its colours are multiplied with their opacity.
-fn read(source: &mut dyn Source, length: u64, room: Room, all: bool) -> Result<(Stored, bool), Error> {
+fn read(
+    source: &mut dyn Source,
+    length: u64,
+    budget: FileBudget,
+    all: bool,
+) -> Result<(Stored, bool), Error> {
     decode_guarded("TIFF", || {
         let limits = {
             let mut limits = Limits::default();
-            limits.decoding_buffer_size = usize::try_from(room.most_bytes).unwrap_or(usize::MAX);
+            limits.decoding_buffer_size = usize::try_from(budget.most_bytes).unwrap_or(usize::MAX);
             limits.intermediate_buffer_size = limits.decoding_buffer_size;
             limits.ifd_value_size = TAG_BYTES;
             limits
@@ -138,7 +148,7 @@ fn read(source: &mut dyn Source, length: u64, room: Room, all: bool) -> Result<(
         check_density("TIFF", size, length, MOST_DENSE)?;
         // Values of at most 8 bytes, what is kept of them, and what that becomes; smaller copies are a third more of what is kept.
         let copies = if all { 2 } else { 0 };
-        room.check("TIFF", size, first.channels as u64 * (8 + 4 + copies) + PICTURE_BYTES)?;
+        budget.check("TIFF", size, first.channels as u64 * (8 + 4 + copies) + PICTURE_BYTES)?;
         let values_of_first = values(&mut reader, first)?;
         let mut stored = Stored::plain(first.size, first.channels, values_of_first);
         if let ColorType::Multiband { num_samples: 4.., .. } = reader.colortype().map_err(library_error)? {
@@ -199,15 +209,15 @@ pub(super) fn texels(
     source: &mut dyn Source,
     length: u64,
     meaning: Meaning,
-    room: Room,
+    budget: FileBudget,
 ) -> Result<Texels, Error> {
-    let (Stored { channels, mut levels, .. }, is_associated) = read(source, length, room, false)?;
+    let (Stored { channels, mut levels, .. }, is_associated) = read(source, length, budget, false)?;
     let StoredLevel { width, height, mut values, .. } = levels.swap_remove(0);
     if is_associated && matches!(channels, 2 | 4) {
         straighten(&mut values, channels);
     }
     // Grey is red, green and blue at once.
-    let place = |c: usize| match (c, channels) {
+    let channel_index = |c: usize| match (c, channels) {
         (0..=2, 1 | 2) => Some(0),
         (3, 2) => Some(1),
         (c, n) if c < n => Some(c),
@@ -216,13 +226,14 @@ pub(super) fn texels(
     let data = match values {
         StoredValues::U8(list) => {
             let pixels = list.chunks_exact(channels);
-            let pixels = pixels.map(|p| std::array::from_fn(|c| place(c).map_or(255, |k| p[k]))).collect();
+            let pixels =
+                pixels.map(|p| std::array::from_fn(|c| channel_index(c).map_or(255, |k| p[k]))).collect();
             if meaning == Meaning::Color { TexelData::Srgb8(pixels) } else { TexelData::Linear8(pixels) }
         }
         StoredValues::U16(list) => {
             let pixels = list.chunks_exact(channels);
             if meaning == Meaning::Measure {
-                let whole = |p: &[u16]| std::array::from_fn(|c| place(c).map_or(u16::MAX, |k| p[k]));
+                let whole = |p: &[u16]| std::array::from_fn(|c| channel_index(c).map_or(u16::MAX, |k| p[k]));
                 let data = TexelData::Linear16(pixels.map(whole).collect());
                 return Ok(Texels { width: width as u32, height: height as u32, data });
             }
@@ -230,12 +241,12 @@ pub(super) fn texels(
                 0..=2 => srgb::decode_u16(x),
                 _ => f32::from(x) / 65535.0,
             };
-            let pixel = |p: &[u16]| std::array::from_fn(|c| place(c).map_or(1.0, |k| value(c, p[k])));
+            let pixel = |p: &[u16]| std::array::from_fn(|c| channel_index(c).map_or(1.0, |k| value(c, p[k])));
             TexelData::Float(pixels.map(pixel).collect())
         }
         StoredValues::F32(list) => {
             let pixels = list.chunks_exact(channels);
-            let pixel = |p: &[f32]| std::array::from_fn(|c| place(c).map_or(1.0, |k| p[k]));
+            let pixel = |p: &[f32]| std::array::from_fn(|c| channel_index(c).map_or(1.0, |k| p[k]));
             TexelData::Float(pixels.map(pixel).collect())
         }
     };

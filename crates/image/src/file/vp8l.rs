@@ -164,8 +164,8 @@ impl Codes<'_> {
         let mut lengths = vec![0; symbols];
         let mut length_lengths = [0; LENGTH_ORDER.len()];
         let given = some!(self.bits(4)?) as usize + 4;
-        for &place in &LENGTH_ORDER[..given] {
-            length_lengths[place] = some!(self.bits(3)?) as u8;
+        for &index in &LENGTH_ORDER[..given] {
+            length_lengths[index] = some!(self.bits(3)?) as u8;
         }
         let code = some!(Code::new(&length_lengths));
         some!(self.lengths(&code, &mut lengths)?);

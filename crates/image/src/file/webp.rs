@@ -5,7 +5,7 @@
 
 use std::io::SeekFrom;
 
-use super::limits::Room;
+use super::limits::FileBudget;
 use super::source::Source;
 use super::vp8l;
 use crate::Error;
@@ -31,14 +31,14 @@ impl Chunk {
 }
 
 /// Checks the lengths and sizes that a file declares; tells what the tables of its codes take, in bytes.
-pub(super) fn check(source: &mut dyn Source, length: u64, room: Room) -> Result<u64, Error> {
+pub(super) fn check(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<u64, Error> {
     let head: [u8; HEAD as usize] = read(source, 0)?.ok_or_else(|| truncated(length, HEAD))?;
     let declared = u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]])) + CHUNK_HEAD;
     if declared > length {
         // The decoder takes some truncated files for whole ones.
         return Err(truncated(length, declared));
     }
-    let mut walk = Walk { source, size: None, room, tables: 0 };
+    let mut walk = Walk { source, size: None, budget, tables: 0 };
     walk.file(length)?;
     let tables = walk.tables;
     source.seek(SeekFrom::Start(0)).map_err(Error::reading)?;
@@ -53,7 +53,7 @@ struct Walk<'a> {
     source: &'a mut dyn Source,
     /// Of the picture or the frame.
     size: Option<[u32; 2]>,
-    room: Room,
+    budget: FileBudget,
     /// The largest tables of any part, in bytes.
     tables: u64,
 }
@@ -141,9 +141,9 @@ impl Walk<'_> {
     fn codes(&mut self, begin: u64, length: u64, size: [u32; 2]) -> Result<(), Error> {
         self.source.seek(SeekFrom::Start(begin)).map_err(Error::reading)?;
         let tables =
-            vp8l::table_bytes(self.source, length, size, self.room.most_bytes).map_err(Error::reading)?;
+            vp8l::table_bytes(self.source, length, size, self.budget.most_bytes).map_err(Error::reading)?;
         self.tables = self.tables.max(tables);
-        self.room.check_bytes(size.map(u64::from), tables)
+        self.budget.check_bytes(size.map(u64::from), tables)
     }
 
     fn chunk(&mut self, at: u64, length: u64) -> Result<Option<Chunk>, Error> {

@@ -18,7 +18,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::Error;
-use crate::file::limits::Room;
+use crate::file::limits::FileBudget;
 use crate::file::open::open_regular;
 use bytes::{Budget, Bytes, corrupt, too_large};
 use tree::{LEAF_SIZE, Reader, Tree};
@@ -59,12 +59,12 @@ impl Volume {
     /// If it cannot be read, is no regular file, is none of OpenVDB's, is broken, holds no numbers, or takes too much memory.
     pub fn read(path: &Path, limit: usize) -> Result<Self, Error> {
         let (source, length) = open_regular(path, "a file of OpenVDB")?;
-        let wanted = usize::try_from(length).ok().filter(|&length| length <= limit);
-        let Some(wanted) = wanted else {
+        let request = usize::try_from(length).ok().filter(|&length| length <= limit);
+        let Some(request) = request else {
             return Err(too_large(limit).in_file(path));
         };
         let mut bytes = Vec::new();
-        bytes.try_reserve_exact(wanted).map_err(|_| too_large(limit).in_file(path))?;
+        bytes.try_reserve_exact(request).map_err(|_| too_large(limit).in_file(path))?;
         let read = source.take(length).read_to_end(&mut bytes);
         read.map_err(|error| Error::file(path, "cannot be read", &error))?;
         Self::decode(&bytes, limit).map_err(|error| error.in_file(path))
@@ -75,8 +75,8 @@ impl Volume {
     /// # Errors
     /// As [`read`](Self::read); the file is not named.
     pub fn decode(bytes: &[u8], limit: usize) -> Result<Self, Error> {
-        let room = Room::of_file(bytes.len() as u64).most_bytes;
-        let budget = &mut Budget::new(limit.min(usize::try_from(room).unwrap_or(usize::MAX)));
+        let read_budget = FileBudget::of_file(bytes.len() as u64).most_bytes;
+        let budget = &mut Budget::new(limit.min(usize::try_from(read_budget).unwrap_or(usize::MAX)));
         let bytes = &mut Bytes::new(bytes);
         let has_offsets = header(bytes)?;
         skip_metadata(bytes)?;
@@ -248,17 +248,17 @@ fn map(bytes: &mut Bytes<'_>) -> Result<DAffine3, Error> {
             DAffine3::from_scale(scale)
         }
         "UniformScaleTranslateMap" | "ScaleTranslateMap" => {
-            let (way, scale) = (vector()?, vector()?);
+            let (offset, scale) = (vector()?, vector()?);
             (0..4).try_for_each(|_| vector().map(drop))?;
-            DAffine3 { matrix3: DMat3::from_diagonal(scale), translation: way }
+            DAffine3 { matrix3: DMat3::from_diagonal(scale), translation: offset }
         }
         "TranslationMap" => DAffine3::from_translation(vector()?),
         // Rows of four; points are rows, too.
         "AffineMap" | "UnitaryMap" => {
             let mut row =
                 || Ok::<_, Error>((DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?), bytes.f64()?).0);
-            let [x, y, z, way] = [row()?, row()?, row()?, row()?];
-            DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: way }
+            let [x, y, z, offset] = [row()?, row()?, row()?, row()?];
+            DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: offset }
         }
         _ => return Err(corrupt(format!("a map of the kind {kind}; scales, ways and affine ones are read"))),
     })

@@ -45,18 +45,18 @@ struct Node {
 }
 
 /// The place in a node of 2^`outer` voxels along an edge where a child of 2^`inner` voxels has a voxel.
-fn place(voxel: [i32; 3], outer: u32, inner: u32) -> usize {
+fn child_index(voxel: [i32; 3], outer: u32, inner: u32) -> usize {
     let along = |k: usize| (voxel[k] & ((1 << outer) - 1)) as usize >> inner;
     let log = outer - inner;
     along(0) << (2 * log) | along(1) << log | along(2)
 }
 
 /// The first voxel of a child; the other way round.
-fn corner(first: [i32; 3], place: usize, outer: u32, inner: u32) -> [i32; 3] {
+fn corner(first: [i32; 3], child_index: usize, outer: u32, inner: u32) -> [i32; 3] {
     let log = outer - inner;
-    let along = |shift: u32| ((place >> shift & ((1 << log) - 1)) << inner) as i32;
-    let way = [along(2 * log), along(log), along(0)];
-    std::array::from_fn(|k| first[k].wrapping_add(way[k]))
+    let along = |shift: u32| ((child_index >> shift & ((1 << log) - 1)) << inner) as i32;
+    let strides = [along(2 * log), along(log), along(0)];
+    std::array::from_fn(|k| first[k].wrapping_add(strides[k]))
 }
 
 /// What a tree is read from.
@@ -82,13 +82,13 @@ impl Reader<'_, '_> {
         [outer, inner]: [u32; 2],
         mut active: impl FnMut(usize),
     ) -> Result<(Mask, Node), Error> {
-        let places = 1 << (3 * (outer - inner));
-        let children = Mask::read(self.bytes, places)?;
-        let values = Mask::read(self.bytes, places)?;
-        values.places().filter(|&place| !children.has(place)).for_each(&mut active);
-        let values = Values::read(self.bytes, self.budget, (&self.format, background), (places, &values))?;
-        self.budget.take(places * size_of::<u32>())?;
-        Ok((children, Node { children: vec![NO_CHILD; places].into(), values }))
+        let cells = 1 << (3 * (outer - inner));
+        let children = Mask::read(self.bytes, cells)?;
+        let values = Mask::read(self.bytes, cells)?;
+        values.cells().filter(|&child_index| !children.has(child_index)).for_each(&mut active);
+        let values = Values::read(self.bytes, self.budget, (&self.format, background), (cells, &values))?;
+        self.budget.take(cells * size_of::<u32>())?;
+        Ok((children, Node { children: vec![NO_CHILD; cells].into(), values }))
     }
 }
 
@@ -144,13 +144,13 @@ impl Tree {
         first: [i32; 3],
         leaves: &mut u32,
     ) -> Result<Node, Error> {
-        let tile = |place| corner(first, place, UPPER, LOWER);
-        let (children, mut node) = reader.node(self.background, [UPPER, LOWER], |place| {
-            self.activate(tile(place), [(1 << LOWER) - 1; 3]);
+        let tile = |child_index| corner(first, child_index, UPPER, LOWER);
+        let (children, mut node) = reader.node(self.background, [UPPER, LOWER], |child_index| {
+            self.activate(tile(child_index), [(1 << LOWER) - 1; 3]);
         })?;
-        for place in children.places() {
-            let lower = self.read_lower(reader, tile(place), leaves)?;
-            node.children[place] = self.lower.len() as u32;
+        for child_index in children.cells() {
+            let lower = self.read_lower(reader, tile(child_index), leaves)?;
+            node.children[child_index] = self.lower.len() as u32;
             self.lower.push(lower);
         }
         Ok(node)
@@ -162,14 +162,14 @@ impl Tree {
         first: [i32; 3],
         leaves: &mut u32,
     ) -> Result<Node, Error> {
-        let tile = |place| corner(first, place, LOWER, LEAF);
-        let (children, mut node) = reader.node(self.background, [LOWER, LEAF], |place| {
-            self.activate(tile(place), [LEAF_SIZE - 1; 3]);
+        let tile = |child_index| corner(first, child_index, LOWER, LEAF);
+        let (children, mut node) = reader.node(self.background, [LOWER, LEAF], |child_index| {
+            self.activate(tile(child_index), [LEAF_SIZE - 1; 3]);
         })?;
-        for place in children.places() {
+        for child_index in children.cells() {
             let mask = Mask::read(reader.bytes, 512)?;
-            self.activate_leaf(tile(place), &mask);
-            node.children[place] = *leaves;
+            self.activate_leaf(tile(child_index), &mask);
+            node.children[child_index] = *leaves;
             *leaves += 1;
         }
         Ok(node)
@@ -185,8 +185,8 @@ impl Tree {
 
     /// Takes the active voxels of a leaf, whose words are planes of one x and their bytes rows of one y.
     fn activate_leaf(&mut self, first: [i32; 3], mask: &Mask) {
-        let planes = mask.words();
-        let all = planes.iter().fold(0, |all, word| all | word);
+        let planes = mask.mask_bits();
+        let all = planes.iter().fold(0, |all, bits| all | bits);
         if all == 0 {
             return;
         }
@@ -206,15 +206,15 @@ impl Tree {
             Some(Top::Value(value)) => return *value,
             Some(Top::Node(number)) => &self.upper[*number as usize],
         };
-        let at = place(voxel, UPPER, LOWER);
+        let at = child_index(voxel, UPPER, LOWER);
         if upper.children[at] == NO_CHILD {
             return upper.values.get(at, self.channels);
         }
         let lower = &self.lower[upper.children[at] as usize];
-        let at = place(voxel, LOWER, LEAF);
+        let at = child_index(voxel, LOWER, LEAF);
         if lower.children[at] == NO_CHILD {
             return lower.values.get(at, self.channels);
         }
-        self.leaves[lower.children[at] as usize].get(place(voxel, LEAF, 0), self.channels)
+        self.leaves[lower.children[at] as usize].get(child_index(voxel, LEAF, 0), self.channels)
     }
 }

@@ -110,34 +110,36 @@ impl Format {
 pub(super) struct Mask(Vec<u64>);
 
 impl Mask {
-    pub(super) fn read(bytes: &mut Bytes<'_>, places: usize) -> Result<Self, Error> {
-        let words = bytes.take(places / 8)?.chunks_exact(8);
+    pub(super) fn read(bytes: &mut Bytes<'_>, cells: usize) -> Result<Self, Error> {
+        let mask_bits = bytes.take(cells / 8)?.chunks_exact(8);
         Ok(Self(
-            words.map(|word| word.iter().rev().fold(0, |all, &byte| all << 8 | u64::from(byte))).collect(),
+            mask_bits
+                .map(|bits| bits.iter().rev().fold(0, |all, &byte| all << 8 | u64::from(byte)))
+                .collect(),
         ))
     }
 
-    pub(super) fn has(&self, place: usize) -> bool {
-        self.0[place / 64] >> (place % 64) & 1 != 0
+    pub(super) fn has(&self, index: usize) -> bool {
+        self.0[index / 64] >> (index % 64) & 1 != 0
     }
 
-    pub(super) fn words(&self) -> &[u64] {
+    pub(super) fn mask_bits(&self) -> &[u64] {
         &self.0
     }
 
     /// How many places it has.
     pub(super) fn count(&self) -> usize {
-        self.0.iter().map(|word| word.count_ones() as usize).sum()
+        self.0.iter().map(|bits| bits.count_ones() as usize).sum()
     }
 
     /// The places that it has, in order.
-    pub(super) fn places(&self) -> impl Iterator<Item = usize> {
-        self.0.iter().enumerate().flat_map(|(i, &word)| {
-            let mut left = word;
+    pub(super) fn cells(&self) -> impl Iterator<Item = usize> {
+        self.0.iter().enumerate().flat_map(|(i, &bits)| {
+            let mut left = bits;
             std::iter::from_fn(move || {
-                let place = (left != 0).then(|| 64 * i + left.trailing_zeros() as usize);
+                let index = (left != 0).then(|| 64 * i + left.trailing_zeros() as usize);
                 left &= left.wrapping_sub(1);
-                place
+                index
             })
         })
     }
@@ -152,7 +154,7 @@ impl Values {
         bytes: &mut Bytes<'_>,
         budget: &mut Budget,
         (format, background): (&Format, Value),
-        (places, mask): (usize, &Mask),
+        (cells, mask): (usize, &Mask),
     ) -> Result<Self, Error> {
         const ALL: u8 = 6;
         let channels = format.channels;
@@ -165,18 +167,18 @@ impl Values {
             5 => inactive = [format.value(bytes)?, format.value(bytes)?],
             _ => return Err(corrupt(format!("values are stored in a way numbered {how}; 0 to 6 are known"))),
         }
-        let second = if matches!(how, 3..=5) { Some(Mask::read(bytes, places)?) } else { None };
+        let second = if matches!(how, 3..=5) { Some(Mask::read(bytes, cells)?) } else { None };
         let sparse = format.compression & 2 != 0 && how != ALL;
-        let stored = if sparse { mask.count() } else { places };
+        let stored = if sparse { mask.count() } else { cells };
         let mut list = format.list(bytes, stored)?;
         if sparse {
-            let mut whole = Vec::with_capacity(places * channels);
+            let mut whole = Vec::with_capacity(cells * channels);
             let mut next = list.chunks_exact(channels);
-            for place in 0..places {
-                if mask.has(place) {
+            for index in 0..cells {
+                if mask.has(index) {
                     whole.extend_from_slice(next.next().unwrap_or_default());
                 } else {
-                    let other = second.as_ref().is_some_and(|second| second.has(place));
+                    let other = second.as_ref().is_some_and(|second| second.has(index));
                     whole.extend_from_slice(&inactive[usize::from(other)][..channels]);
                 }
             }
@@ -189,8 +191,8 @@ impl Values {
         Ok(Self(list.into()))
     }
 
-    pub(super) fn get(&self, place: usize, channels: usize) -> Value {
-        let start = if self.0.len() == channels { 0 } else { place * channels };
+    pub(super) fn get(&self, index: usize, channels: usize) -> Value {
+        let start = if self.0.len() == channels { 0 } else { index * channels };
         let mut value = [0.0; 3];
         value[..channels].copy_from_slice(&self.0[start..start + channels]);
         value

@@ -28,7 +28,7 @@ pub(crate) struct Variable {
 
 /// What was found out.
 #[derive(Default)]
-pub(crate) struct Facts {
+pub(crate) struct Analysis {
     /// By cell.
     pub(crate) varying: Vec<bool>,
     /// Local variables.
@@ -36,14 +36,14 @@ pub(crate) struct Facts {
 }
 
 /// Looks at a group. With one lane nothing varies.
-pub(crate) fn facts(plan: &Plan, known: &[&dyn Known], lanes: usize) -> Facts {
-    let mut facts = Facts { varying: vec![false; plan.memory.len()], ..Facts::default() };
-    let mut uses = Uses { facts: &mut facts, open: Vec::new(), stack: Vec::new() };
+pub(crate) fn analysis(plan: &Plan, known: &[&dyn Known], lanes: usize) -> Analysis {
+    let mut analysis = Analysis { varying: vec![false; plan.memory.len()], ..Analysis::default() };
+    let mut uses = Uses { analysis: &mut analysis, open: Vec::new(), stack: Vec::new() };
     for (number, layer) in plan.layers.iter().enumerate() {
         for (id, symbol) in layer.shader.symbols.iter().enumerate() {
             if matches!(symbol.kind, SymbolKind::Local | SymbolKind::Temp) {
                 let fresh = Variable { block: u32::MAX, clean: false, uses: 0 };
-                uses.facts.variables.insert(layer.slots[id].at, fresh);
+                uses.analysis.variables.insert(layer.slots[id].at, fresh);
             }
         }
         for param in &layer.params {
@@ -52,13 +52,13 @@ pub(crate) fn facts(plan: &Plan, known: &[&dyn Known], lanes: usize) -> Facts {
         uses.block(&layer.code, known[number]);
     }
     if lanes > 1 {
-        vary(plan, known, &mut facts);
+        vary(plan, known, &mut analysis);
     }
-    facts
+    analysis
 }
 
 struct Uses<'a> {
-    facts: &'a mut Facts,
+    analysis: &'a mut Analysis,
     /// By block, whether it is not ended.
     open: Vec<bool>,
     stack: Vec<u32>,
@@ -67,7 +67,7 @@ struct Uses<'a> {
 impl Uses<'_> {
     fn touch(&mut self, at: u32, touch: Touch) {
         let here = self.stack.last().copied().unwrap_or(0);
-        let Some(v) = self.facts.variables.get_mut(&at) else { return };
+        let Some(v) = self.analysis.variables.get_mut(&at) else { return };
         if v.uses == 0 {
             (v.block, v.clean) = (here, touch == Touch::Write);
         } else if !self.open[v.block as usize] {
@@ -116,7 +116,7 @@ impl Uses<'_> {
 }
 
 /// Marks what varies, until nothing is added.
-fn vary(plan: &Plan, known: &[&dyn Known], facts: &mut Facts) {
+fn vary(plan: &Plan, known: &[&dyn Known], analysis: &mut Analysis) {
     let mark = |varying: &mut [bool], slot: &Slot| {
         let cells = &mut varying[slot.at as usize..][..slot.cells()];
         let new = cells.iter().any(|v| !v);
@@ -124,24 +124,24 @@ fn vary(plan: &Plan, known: &[&dyn Known], facts: &mut Facts) {
         new
     };
     for slot in plan.globals.values() {
-        mark(&mut facts.varying, slot);
+        mark(&mut analysis.varying, slot);
     }
     for layer in &plan.layers {
         for (id, symbol) in layer.shader.symbols.iter().enumerate() {
             if matches!(symbol.kind, SymbolKind::OutputParam | SymbolKind::Global) {
-                mark(&mut facts.varying, &layer.slots[id]);
+                mark(&mut analysis.varying, &layer.slots[id]);
             }
         }
         for param in layer.params.iter().filter(|p| p.source != Source::Value) {
-            mark(&mut facts.varying, &layer.slots[param.symbol as usize]);
+            mark(&mut analysis.varying, &layer.slots[param.symbol as usize]);
         }
         for copy in &layer.copies {
-            mark(&mut facts.varying, &layer.slots[copy.to_symbol as usize]);
+            mark(&mut analysis.varying, &layer.slots[copy.to_symbol as usize]);
         }
     }
     let mut split_loops = HashSet::new();
     for _ in 0..PASSES {
-        let mut walk = Vary { varying: &mut facts.varying, split_loops: &mut split_loops, changed: false };
+        let mut walk = Vary { varying: &mut analysis.varying, split_loops: &mut split_loops, changed: false };
         for (number, layer) in plan.layers.iter().enumerate() {
             for param in &layer.params {
                 let split = param.source == Source::Geometry;
@@ -157,7 +157,7 @@ fn vary(plan: &Plan, known: &[&dyn Known], facts: &mut Facts) {
     for layer in &plan.layers {
         for (slot, symbol) in layer.slots.iter().zip(&layer.shader.symbols) {
             if symbol.kind != SymbolKind::Const {
-                mark(&mut facts.varying, slot);
+                mark(&mut analysis.varying, slot);
             }
         }
     }
@@ -210,20 +210,23 @@ impl Vary<'_> {
                     split |= yes.split || no.split || inner && (yes.jumps | no.jumps) != 0;
                     jumps |= yes.jumps | no.jumps;
                 }
-                Instruction::Loop(turns) => {
-                    let init = self.block(&turns.init, split, known);
+                Instruction::Loop(iterations) => {
+                    let init = self.block(&iterations.init, split, known);
                     split |= init.split;
-                    let key: *const Loop = &**turns;
-                    let mut inner = split || self.varies(&turns.condition) || self.split_loops.contains(&key);
+                    let key: *const Loop = &**iterations;
+                    let mut inner =
+                        split || self.varies(&iterations.condition) || self.split_loops.contains(&key);
                     let is_known = inner;
                     let [mut all, mut late] = [init.jumps, 0];
-                    for (i, part) in [&turns.test, &turns.body, &turns.step].into_iter().enumerate() {
+                    for (i, part) in
+                        [&iterations.test, &iterations.body, &iterations.step].into_iter().enumerate()
+                    {
                         let ways = self.block(part, inner, known);
                         inner |= ways.split;
                         all |= ways.jumps;
                         late |= if i > 0 { ways.jumps } else { 0 };
                     }
-                    inner |= self.varies(&turns.condition);
+                    inner |= self.varies(&iterations.condition);
                     // Once for the whole of it: the next time round its early parts know.
                     if inner && !is_known {
                         self.changed |= self.split_loops.insert(key);
@@ -267,9 +270,9 @@ fn any(list: &[Instruction], test: &dyn Fn(Flow) -> bool, in_calls: &dyn Fn(Flow
     list.iter().any(|instruction| match instruction {
         Instruction::Do(_) => false,
         Instruction::If { yes, no, .. } => any(yes, test, in_calls) || any(no, test, in_calls),
-        Instruction::Loop(turns) => {
+        Instruction::Loop(iterations) => {
             let outer = |flow| test(flow) && !matches!(flow, Flow::Break | Flow::Continue);
-            [&turns.init, &turns.test, &turns.body, &turns.step]
+            [&iterations.init, &iterations.test, &iterations.body, &iterations.step]
                 .iter()
                 .any(|part| any(part, &outer, in_calls))
         }

@@ -4,7 +4,7 @@
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl_lib::noise::{self, NoiseKind};
-use gnurt_sl_lib::{Number, Words, math};
+use gnurt_sl_lib::{Number, UInts, math};
 
 use crate::term::{Bits, Term, Which};
 
@@ -89,11 +89,11 @@ fn fixed<const D: usize>(list: &[Term]) -> [Term; D] {
 /// Noise of one kind at a place, one number or three.
 pub(crate) fn noise<N: Number<Real = Term, Mask = Which>>(
     kind: NoiseKind,
-    place: &[N],
+    point: &[N],
     period: Option<&[Term]>,
     three: bool,
 ) -> [N; 3] {
-    match *place {
+    match *point {
         [x] => of(kind, [x], period.map(fixed), three),
         [x, y] => of(kind, [x, y], period.map(fixed), three),
         [x, y, z] => of(kind, [x, y, z], period.map(fixed), three),
@@ -140,10 +140,10 @@ fn of<N: Number<Real = Term, Mask = Which>, const D: usize>(
 /// The hash of one to four floats, or of an int.
 pub(crate) fn hash(x: &[Bits]) -> Bits {
     match *x {
-        [a] => noise::hash_words([a]),
-        [a, b] => noise::hash_words([a, b]),
-        [a, b, c] => noise::hash_words([a, b, c]),
-        [a, b, c, d, ..] => noise::hash_words([a, b, c, d]),
+        [a] => noise::hash_uints([a]),
+        [a, b] => noise::hash_uints([a, b]),
+        [a, b, c] => noise::hash_uints([a, b, c]),
+        [a, b, c, d, ..] => noise::hash_uints([a, b, c, d]),
         [] => unreachable!("a hash of something"),
     }
 }
@@ -155,7 +155,7 @@ pub(crate) fn five_bits(x: Bits) -> Bits {
 
 /// Without the sign.
 pub(crate) fn int_abs(x: Bits) -> Bits {
-    let zero = Words::constant(x, 0);
+    let zero = UInts::constant(x, 0);
     x.signed_max(zero - x).or_least(x)
 }
 

@@ -11,7 +11,7 @@ mod steps;
 mod values;
 
 use gnurt_sl::exec::{
-    Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, asks_together, makes_closures,
+    Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, makes_closures, queries_in_batches,
 };
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
@@ -82,10 +82,10 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
     }
     let constants = Constants { plan, cells };
     let known: Vec<&dyn Known> = plan.layers.iter().map(|_| &constants as &dyn Known).collect();
-    let facts = analyse::facts(plan, &known, lanes);
+    let analysis = analyse::analysis(plan, &known, lanes);
     let mut lowerer = Lowerer {
         known: &constants,
-        values: Values::new(plan, facts, constants.cells.clone()),
+        values: Values::new(plan, analysis, constants.cells.clone()),
         program: Program::default(),
         nodes: Vec::new(),
         layer: 0,
@@ -103,7 +103,7 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
     take();
     result?;
     let mut program = lowerer.program;
-    program.varying = lowerer.values.facts.varying;
+    program.varying = lowerer.values.analysis.varying;
     Ok(program)
 }
 
@@ -116,8 +116,8 @@ fn note_written(list: &[Instruction], written: &mut HashSet<u32>) {
                 written.extend((0..step.args.len()).filter(is_written).map(|i| step.args[i].at));
             }
             Instruction::If { yes, no, .. } => [yes, no].iter().for_each(|part| note_written(part, written)),
-            Instruction::Loop(turns) => {
-                let parts = [&turns.init, &turns.test, &turns.body, &turns.step];
+            Instruction::Loop(iterations) => {
+                let parts = [&iterations.init, &iterations.test, &iterations.body, &iterations.step];
                 parts.iter().for_each(|part| note_written(part, written));
             }
             Instruction::Call(body) => note_written(body, written),
@@ -203,7 +203,7 @@ impl Lowerer<'_> {
         let mut count = 0;
         self.values.block = u32::MAX - 1;
         for slot in &layer.slots {
-            let due = self.values.facts.variables.get(&slot.at).is_some_and(|v| !v.clean && v.uses > 0);
+            let due = self.values.analysis.variables.get(&slot.at).is_some_and(|v| !v.clean && v.uses > 0);
             if !due {
                 continue;
             }
@@ -213,7 +213,7 @@ impl Lowerer<'_> {
             }
             for i in 0..slot.cells() as u32 {
                 let start = constant(plan.memory[(slot.at + i) as usize]);
-                self.values.set_word(slot, i, start);
+                self.values.set_bits(slot, i, start);
             }
         }
         self.flush();
@@ -365,7 +365,7 @@ impl Lowerer<'_> {
                 let [other, done] = [self.slot(), self.slot()];
                 self.nodes.push(Node::If { test, yes, no, other, done });
             }
-            Instruction::Loop(inner) => self.turns(inner)?,
+            Instruction::Loop(inner) => self.iterations(inner)?,
             Instruction::Call(body) => {
                 self.flush();
                 let nodes = self.frame_within(body, self.exit)?;
@@ -386,7 +386,7 @@ impl Lowerer<'_> {
         Ok(())
     }
 
-    fn turns(&mut self, inner: &Loop) -> Result<(), String> {
+    fn iterations(&mut self, inner: &Loop) -> Result<(), String> {
         if [&inner.init, &inner.test, &inner.step].iter().any(|part| analyse::leaves(part)) {
             return Err("a loop is left from within its condition".into());
         }
@@ -441,7 +441,7 @@ impl Lowerer<'_> {
             let call = if makes_closures(&step) {
                 let is_named = ins.iter().all(|slot| slot.ty.base != Base::String);
                 Call::Closure(Box::new(Making { layer, step, ins, outs, is_named, bound: OnceLock::new() }))
-            } else if asks_together(&step) {
+            } else if queries_in_batches(&step) {
                 Call::Together { layer, step, ins, outs }
             } else {
                 Call::Step { layer, step, ins, outs }
@@ -505,8 +505,8 @@ impl Lowerer<'_> {
             || from.ty.base == Base::Int && to.ty.base == Base::Int
         {
             for i in 0..from.size.min(to.size) {
-                let word = v.word(from.at + i);
-                v.set_word(to, i, word);
+                let bits_id = v.bits(from.at + i);
+                v.set_bits(to, i, bits_id);
             }
             return;
         }
@@ -516,14 +516,14 @@ impl Lowerer<'_> {
             }
             let value = if copy.from_derivs > 0 {
                 let i = if from.size == 1 { 0 } else { i };
-                let [x, dx, dy] = [0, 1, 2].map(|k| Term(v.word(from.at + i + k * copy.from_derivs)));
+                let [x, dx, dy] = [0, 1, 2].map(|k| Term(v.bits(from.at + i + k * copy.from_derivs)));
                 Dual::new(x, dx, dy)
             } else {
                 v.dual(from, i as usize)
             };
             if copy.to_derivs > 0 {
                 for (k, x) in [value.value, value.dx, value.dy].into_iter().enumerate() {
-                    v.set_word(to, i + k as u32 * copy.to_derivs, x.0);
+                    v.set_bits(to, i + k as u32 * copy.to_derivs, x.0);
                 }
             } else {
                 Dual::put(v, to, i as usize, value);

@@ -111,10 +111,10 @@ pub(crate) fn is_native(step: &Step, known: &dyn Known) -> bool {
     match name {
         "eq" | "neq" => {
             let [a, b] = rest else { return false };
-            let words = |s: &Slot| matches!(s.ty.base, Base::String | Base::Closure | Base::Int);
+            let is_integer = |s: &Slot| matches!(s.ty.base, Base::String | Base::Closure | Base::Int);
             let larger = if a.size > b.size { a } else { b };
             one_number(out)
-                && (words(a) && words(b) && a.ty.base == b.ty.base && a.size == 1 && b.size == 1
+                && (is_integer(a) && is_integer(b) && a.ty.base == b.ty.base && a.size == 1 && b.size == 1
                     || one_number(a) && one_number(b) && serves(a, larger) && serves(b, larger))
         }
         "lt" | "gt" | "le" | "ge" => {
@@ -125,11 +125,11 @@ pub(crate) fn is_native(step: &Step, known: &dyn Known) -> bool {
         "isnan" | "isinf" | "isfinite" => one_number(out) && rest.first().is_some_and(numeric),
         "assign" | "int" | "float" => {
             let Some(a) = rest.first() else { return false };
-            let words = |s: &Slot| matches!(s.ty.base, Base::String | Base::Closure);
+            let is_integer = |s: &Slot| matches!(s.ty.base, Base::String | Base::Closure);
             if out.ty.is_array() || a.ty.is_array() {
-                return (numeric(out) && numeric(a)) || (words(out) && words(a));
+                return (numeric(out) && numeric(a)) || (is_integer(out) && is_integer(a));
             }
-            words(out)
+            is_integer(out)
                 || out_number
                     && a.size > 0
                     && numeric(a)
@@ -137,8 +137,8 @@ pub(crate) fn is_native(step: &Step, known: &dyn Known) -> bool {
                     && (out.ty.base != Base::Matrix || matrix(a))
         }
         "arraycopy" => {
-            let words = |s: &Slot| matches!(s.ty.base, Base::String | Base::Closure);
-            rest.first().is_some_and(|a| (numeric(out) && numeric(a)) || (words(out) && words(a)))
+            let is_integer = |s: &Slot| matches!(s.ty.base, Base::String | Base::Closure);
+            rest.first().is_some_and(|a| (numeric(out) && numeric(a)) || (is_integer(out) && is_integer(a)))
         }
         "aref" => {
             rest.len() >= 2

@@ -7,7 +7,7 @@ use gnurt_sl::exec::{Slot, Step};
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::math::{self, vectors};
-use gnurt_sl_lib::{Dual, Number, Real, Words};
+use gnurt_sl_lib::{Dual, Number, Real, UInts};
 
 use super::functions;
 use super::native::{Known, element, noise};
@@ -37,8 +37,8 @@ pub(crate) fn step(v: &mut Values<'_>, layer: usize, step: &Step, known: &dyn Kn
         "assign" | "int" | "float" if out.ty.is_array() || args[1].ty.is_array() => copy(v, out, &args[1]),
         "assign" | "int" | "float" if matches!(out.ty.base, Base::String | Base::Closure) => {
             let same = args[1].ty.base == out.ty.base;
-            let word = if same { v.word(args[1].at) } else { constant(0) };
-            v.set_word(out, 0, word);
+            let bits_id = if same { v.bits(args[1].at) } else { constant(0) };
+            v.set_bits(out, 0, bits_id);
         }
         "arraylength" => v.set_int(out, Bits(constant(args[1].ty.array as u32))),
         "isconnected" => {
@@ -111,7 +111,7 @@ fn numbers<N: Held>(v: &mut Values<'_>, step: &Step, known: &dyn Known) {
         "assign" | "int" | "float" => {
             if out.ty.base == Base::Int {
                 let value = v.int(&rest[0]);
-                v.set_word(out, 0, value.0);
+                v.set_bits(out, 0, value.0);
             } else if out.ty.base == Base::Matrix {
                 let value = matrix(v, &rest[0]);
                 set_matrix(v, out, value);
@@ -191,9 +191,9 @@ fn numbers<N: Held>(v: &mut Values<'_>, step: &Step, known: &dyn Known) {
                 x.extend((0..slot.size as usize).map(|i| N::get(v, slot, i)));
             }
             let periodic = name.starts_with('p');
-            let (place, period) = if periodic { x.split_at(x.len() / 2) } else { (&*x, [].as_slice()) };
+            let (point, period) = if periodic { x.split_at(x.len() / 2) } else { (&*x, [].as_slice()) };
             let period: Vec<Term> = period.iter().map(|x| x.value()).collect();
-            let value = functions::noise(kind, place, periodic.then_some(&*period), out.size == 3);
+            let value = functions::noise(kind, point, periodic.then_some(&*period), out.size == 3);
             for (i, value) in value.into_iter().enumerate().take(out.size as usize) {
                 N::put(v, out, i, value);
             }
@@ -226,7 +226,7 @@ fn on_ints(v: &mut Values<'_>, name: &str, args: &[Slot]) {
             let either = v.truth(a.0) | v.truth(b.0);
             v.int_of(either)
         }
-        "neg" => Words::constant(a, 0) - a,
+        "neg" => UInts::constant(a, 0) - a,
         "compl" => a ^ u32::MAX,
         _ => functions::int_abs(a),
     };
@@ -237,11 +237,11 @@ fn equal(v: &mut Values<'_>, name: &str, args: &[Slot]) {
     let [out, a, b] = args else { return };
     let same = match (a.ty.base, b.ty.base) {
         (Base::String, _) | (_, Base::String) | (Base::Int, Base::Int) => {
-            Which(binary(Binary::IntEqual, v.word(a.at), v.word(b.at)))
+            Which(binary(Binary::IntEqual, v.bits(a.at), v.bits(b.at)))
         }
         (Base::Closure, _) | (_, Base::Closure) => {
             let empty = |x: u32| binary(Binary::IntEqual, x, constant(0));
-            let (a, b) = (v.word(a.at), v.word(b.at));
+            let (a, b) = (v.bits(a.at), v.bits(b.at));
             Which(binary(Binary::IntEqual, empty(a), empty(b)))
         }
         (Base::Matrix, _) | (_, Base::Matrix) => {
@@ -266,7 +266,7 @@ fn all(list: impl Iterator<Item = Which>) -> Which {
 fn ordered(v: &mut Values<'_>, name: &str, args: &[Slot]) {
     let [out, a, b] = args else { return };
     let value = if a.ty == Type::INT && b.ty == Type::INT {
-        let (a, b) = (v.word(a.at), v.word(b.at));
+        let (a, b) = (v.bits(a.at), v.bits(b.at));
         let greater = |a, b| Which(binary(Binary::IntGreater, a, b));
         match name {
             "lt" => greater(b, a),
@@ -312,8 +312,8 @@ fn copy(v: &mut Values<'_>, out: &Slot, a: &Slot) {
             let value = D::get(v, a, if a.size == 1 { 0 } else { i });
             D::put(v, out, i, value);
         } else {
-            let word = v.word(a.at + i as u32);
-            v.set_word(out, i as u32, word);
+            let bits_id = v.bits(a.at + i as u32);
+            v.set_bits(out, i as u32, bits_id);
         }
     }
 }
@@ -324,8 +324,8 @@ fn copy_part(v: &mut Values<'_>, out: &Slot, at: usize, from: &Slot, start: usiz
             let value = D::get(v, from, start + i);
             D::put(v, out, at + i, value);
         } else {
-            let word = v.word(from.at + (start + i) as u32);
-            v.set_word(out, (at + i) as u32, word);
+            let bits_id = v.bits(from.at + (start + i) as u32);
+            v.set_bits(out, (at + i) as u32, bits_id);
         }
     }
 }
@@ -340,7 +340,7 @@ fn parts(v: &mut Values<'_>, step: &Step, at: usize) {
         }
         "aassign" if args[0].ty.base == Base::Int => {
             let value = v.int(&args[2]);
-            v.set_word(&args[0], at as u32, value.0);
+            v.set_bits(&args[0], at as u32, value.0);
         }
         "aassign" => copy_part(v, &args[0], at, &args[2], 0, args[0].one as usize),
         "compref" => {
@@ -384,13 +384,13 @@ fn slopes(v: &mut Values<'_>, slot: &Slot) -> [[Term; 3]; 2] {
 fn hash(v: &mut Values<'_>, args: &[Slot]) {
     let rest = &args[1..];
     let value = if rest.len() == 1 && rest[0].ty.base == Base::Int {
-        functions::hash(&[Bits(v.word(rest[0].at))])
+        functions::hash(&[Bits(v.bits(rest[0].at))])
     } else {
-        let mut words: Vec<Bits> = Vec::new();
+        let mut cell_values: Vec<Bits> = Vec::new();
         for slot in rest {
-            words.extend((0..slot.size as usize).map(|i| v.float(slot, i).known_bits()));
+            cell_values.extend((0..slot.size as usize).map(|i| v.float(slot, i).known_bits()));
         }
-        functions::hash(&words)
+        functions::hash(&cell_values)
     };
     v.set_int(&args[0], value);
 }

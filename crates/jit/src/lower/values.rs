@@ -7,7 +7,7 @@ use gnurt_sl::exec::{Plan, Slot};
 use gnurt_sl::types::Base;
 use gnurt_sl_lib::{Dual, Number, Real};
 
-use super::analyse::Facts;
+use super::analyse::Analysis;
 use crate::op::{Binary, Id, Op, Region};
 use crate::program::Test;
 use crate::term::{Bits, QuickMap, Term, Which, binary, constant, count, op_of, push, take};
@@ -25,7 +25,7 @@ struct Cell {
 /// What the region that is recorded knows.
 pub(crate) struct Values<'p> {
     pub(crate) plan: &'p Plan,
-    pub(crate) facts: Facts,
+    pub(crate) analysis: Analysis,
     /// By cell, whether it never changes.
     pub(crate) constant: Vec<bool>,
     /// The block that is lowered.
@@ -42,11 +42,11 @@ pub(crate) struct Values<'p> {
 const LONGEST: usize = 6000;
 
 impl<'p> Values<'p> {
-    pub(crate) fn new(plan: &'p Plan, facts: Facts, constant: Vec<bool>) -> Self {
+    pub(crate) fn new(plan: &'p Plan, analysis: Analysis, constant: Vec<bool>) -> Self {
         take();
         Self {
             plan,
-            facts,
+            analysis,
             constant,
             block: 0,
             cells: QuickMap::default(),
@@ -66,7 +66,7 @@ impl<'p> Values<'p> {
     }
 
     /// What a cell holds.
-    pub(crate) fn word(&mut self, cell: u32) -> Id {
+    pub(crate) fn bits(&mut self, cell: u32) -> Id {
         if self.constant[cell as usize] {
             return constant(self.plan.memory[cell as usize]);
         }
@@ -79,11 +79,11 @@ impl<'p> Values<'p> {
     }
 
     /// Puts a word into a slot.
-    pub(crate) fn set_word(&mut self, slot: &Slot, i: u32, value: Id) {
+    pub(crate) fn set_bits(&mut self, slot: &Slot, i: u32, value: Id) {
         let cell = slot.at + i;
-        let variable = self.facts.variables.get(&slot.at);
+        let variable = self.analysis.variables.get(&slot.at);
         let own = variable.is_some_and(|v| v.clean && v.block == self.block);
-        let keep = self.facts.varying[cell as usize] && !own;
+        let keep = self.analysis.varying[cell as usize] && !own;
         self.cells.insert(cell, Cell { value, changed: true, keep, owner: slot.at });
     }
 
@@ -93,7 +93,7 @@ impl<'p> Values<'p> {
         let mut changed: Vec<(u32, Cell)> = self.cells.drain().filter(|(_, c)| c.changed).collect();
         changed.sort_unstable_by_key(|(cell, _)| *cell);
         for (cell, state) in changed {
-            let nowhere_else = self.facts.variables.get(&state.owner).is_some_and(|v| {
+            let nowhere_else = self.analysis.variables.get(&state.owner).is_some_and(|v| {
                 v.clean && v.block == self.block && self.seen.get(&state.owner) == Some(&v.uses)
             });
             if nowhere_else {
@@ -118,12 +118,12 @@ impl<'p> Values<'p> {
 
     /// Which lanes an int in a slot sends on; `slot` is taken where they differ.
     pub(crate) fn test(&mut self, condition: &Slot, mut slot: impl FnMut() -> u32) -> Test {
-        if !self.facts.varying[condition.at as usize] {
+        if !self.analysis.varying[condition.at as usize] {
             // The branch reads the cell, so that this use is not one of the region.
             return Test::Cell(condition.at);
         }
         self.touch(condition.at);
-        let value = self.word(condition.at);
+        let value = self.bits(condition.at);
         let mask = self.truth(value);
         let slot = slot();
         self.tests.push((slot, mask.0));
@@ -131,36 +131,36 @@ impl<'p> Values<'p> {
     }
 
     /// Whether words are not 0.
-    pub(crate) fn truth(&mut self, word: Id) -> Which {
-        match self.masks.get(&word) {
+    pub(crate) fn truth(&mut self, bits: Id) -> Which {
+        match self.masks.get(&bits) {
             Some(&mask) => Which(mask),
-            None => !Which(binary(Binary::IntEqual, word, constant(0))),
+            None => !Which(binary(Binary::IntEqual, bits, constant(0))),
         }
     }
 
     /// 0 or 1.
     pub(crate) fn int_of(&mut self, mask: Which) -> Bits {
-        let word = Bits(mask.0) & 1;
-        self.masks.insert(word.0, mask.0);
-        word
+        let bits = Bits(mask.0) & 1;
+        self.masks.insert(bits.0, mask.0);
+        bits
     }
 
     /// Number `i` of a slot. Single numbers stand for all components.
     pub(crate) fn float(&mut self, slot: &Slot, i: usize) -> Term {
         let i = if slot.size == 1 { 0 } else { i as u32 };
-        let word = self.word(slot.at + i);
-        if slot.ty.base == Base::Int { Term::from_int(Bits(word)) } else { Term(word) }
+        let bits = self.bits(slot.at + i);
+        if slot.ty.base == Base::Int { Term::from_int(Bits(bits)) } else { Term(bits) }
     }
 
     /// An int.
     pub(crate) fn int(&mut self, slot: &Slot) -> Bits {
-        let word = self.word(slot.at);
-        if slot.ty.base == Base::Int { Bits(word) } else { Term(word).to_int() }
+        let bits = self.bits(slot.at);
+        if slot.ty.base == Base::Int { Bits(bits) } else { Term(bits).to_int() }
     }
 
     pub(crate) fn set_int(&mut self, slot: &Slot, value: Bits) {
         if slot.ty.base == Base::Int {
-            self.set_word(slot, 0, value.0);
+            self.set_bits(slot, 0, value.0);
         } else {
             Dual::put(self, slot, 0, Dual::lift(Term::from_int(value)));
         }
@@ -173,8 +173,8 @@ impl<'p> Values<'p> {
             return Dual::lift(value);
         }
         let i = if slot.size == 1 { 0 } else { i as u32 };
-        let dx = Term(self.word(slot.at + slot.size + i));
-        let dy = Term(self.word(slot.at + 2 * slot.size + i));
+        let dx = Term(self.bits(slot.at + slot.size + i));
+        let dy = Term(self.bits(slot.at + 2 * slot.size + i));
         Dual::new(value, dx, dy)
     }
 }
@@ -192,8 +192,8 @@ impl Held for Term {
 
     /// Only where the slot has no derivatives.
     fn put(values: &mut Values<'_>, slot: &Slot, i: usize, value: Self) {
-        let word = if slot.ty.base == Base::Int { value.to_int().0 } else { value.0 };
-        values.set_word(slot, i as u32, word);
+        let bits = if slot.ty.base == Base::Int { value.to_int().0 } else { value.0 };
+        values.set_bits(slot, i as u32, bits);
     }
 }
 
@@ -205,8 +205,8 @@ impl Held for Dual<Term> {
     fn put(values: &mut Values<'_>, slot: &Slot, i: usize, value: Self) {
         Term::put(values, slot, i, value.value);
         if slot.derivs && slot.ty.base != Base::Int {
-            values.set_word(slot, slot.size + i as u32, value.dx.0);
-            values.set_word(slot, 2 * slot.size + i as u32, value.dy.0);
+            values.set_bits(slot, slot.size + i as u32, value.dx.0);
+            values.set_bits(slot, 2 * slot.size + i as u32, value.dy.0);
         }
     }
 }

@@ -62,7 +62,7 @@ pub(crate) enum Gpr {
 
 /// What is done to a register and a word of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Word {
+pub(crate) enum Access {
     Load = 0x8b,
     Store = 0x89,
     And = 0x23,
@@ -102,7 +102,7 @@ impl Asm {
     }
 
     /// Where a label stands.
-    pub(crate) fn place(&self, label: Label) -> u32 {
+    pub(crate) fn address(&self, label: Label) -> u32 {
         self.labels[label.0 as usize]
     }
 
@@ -143,7 +143,7 @@ impl Asm {
     }
 
     /// Between a register and a word of memory.
-    pub(crate) fn word(&mut self, what: Word, reg: Gpr, at: u32) {
+    pub(crate) fn access(&mut self, what: Access, reg: Gpr, at: u32) {
         self.raw(&[what as u8, 0x83 | (reg as u8) << 3]);
         self.distance(at);
     }
@@ -164,7 +164,7 @@ impl Asm {
     }
 
     /// A number into a word of memory.
-    pub(crate) fn set_word(&mut self, at: u32, value: u32) {
+    pub(crate) fn set_bits(&mut self, at: u32, value: u32) {
         self.raw(&[0xc7, 0x83]);
         self.distance(at);
         self.distance(value);
@@ -327,7 +327,7 @@ mod tests {
         // vmovups [rbx+64], zmm20
         assert_eq!(bytes(|a| a.store(wide, 20, 64)), [0x62, 0xe1, 0x7c, 0x48, 0x11, 0xa3, 0x40, 0, 0, 0]);
         // mov ecx, [rbx+8]
-        assert_eq!(bytes(|a| a.word(Word::Load, Gpr::Ecx, 8)), [0x8b, 0x8b, 8, 0, 0, 0]);
+        assert_eq!(bytes(|a| a.access(Access::Load, Gpr::Ecx, 8)), [0x8b, 0x8b, 8, 0, 0, 0]);
         // jmp over nothing
         let jump = bytes(|a| {
             let label = a.label();

@@ -10,11 +10,11 @@ mod region;
 
 use gnurt_simd::Level;
 
-use crate::layout::{Layout, Place, SPILLS};
+use crate::layout::{CellAddress, Layout, SPILLS};
 use crate::op::Region;
 use crate::program::{Loop, Node, Program, Test};
-use asm::{Asm, Gpr, Label, When, Width, Word};
-use region::Rooms;
+use asm::{Access, Asm, Gpr, Label, When, Width};
+use region::Areas;
 
 use Gpr::{Eax, Ecx};
 
@@ -57,7 +57,7 @@ pub(crate) fn code(program: &Program, layout: &mut Layout, level: Level) -> Resu
         return Err(format!("more than {SPILLS} values are needed at once"));
     }
     emitter.asm.finish();
-    let layers = emitter.layers.iter().map(|&l| emitter.asm.place(l)).collect();
+    let layers = emitter.layers.iter().map(|&l| emitter.asm.address(l)).collect();
     Ok(Code { bytes: emitter.asm.bytes, layers })
 }
 
@@ -72,19 +72,19 @@ struct Emitter<'a> {
 
 impl Emitter<'_> {
     fn load(&mut self, reg: Gpr, slot: u32) {
-        self.asm.word(Word::Load, reg, Layout::slot(slot));
+        self.asm.access(Access::Load, reg, Layout::slot(slot));
     }
 
     fn store(&mut self, reg: Gpr, slot: u32) {
-        self.asm.word(Word::Store, reg, Layout::slot(slot));
+        self.asm.access(Access::Store, reg, Layout::slot(slot));
     }
 
     fn load_exec(&mut self) {
-        self.asm.word(Word::Load, Eax, Layout::EXEC);
+        self.asm.access(Access::Load, Eax, Layout::EXEC);
     }
 
     fn store_exec(&mut self) {
-        self.asm.word(Word::Store, Eax, Layout::EXEC);
+        self.asm.access(Access::Store, Eax, Layout::EXEC);
     }
 
     /// `eax &= !slot`
@@ -104,7 +104,7 @@ impl Emitter<'_> {
         self.asm.test(Eax, Eax);
         self.asm.jump_if(When::Zero, out);
         self.store_exec();
-        self.asm.word(Word::OrInto, Eax, Layout::slot(layer.done));
+        self.asm.access(Access::OrInto, Eax, Layout::slot(layer.done));
         self.block(&layer.code);
         self.load(Eax, layer.entry);
         self.store_exec();
@@ -130,9 +130,9 @@ impl Emitter<'_> {
             Node::Region(region) => self.region(region),
             Node::Call(number) => self.call(*number),
             Node::If { test, yes, no, other, done } => self.choice(*test, yes, no, *other, *done),
-            Node::Loop(inner) => self.turns(inner),
+            Node::Loop(inner) => self.iterations(inner),
             Node::Frame { body, entry, left, gone } => {
-                self.asm.set_word(Layout::slot(*left), 0);
+                self.asm.set_bits(Layout::slot(*left), 0);
                 self.load_exec();
                 self.store(Eax, *entry);
                 self.block(body);
@@ -150,7 +150,7 @@ impl Emitter<'_> {
                 self.asm.test(Eax, Eax);
                 self.asm.jump_if(When::Zero, out);
                 self.store_exec();
-                self.asm.word(Word::OrInto, Eax, Layout::slot(*flag));
+                self.asm.access(Access::OrInto, Eax, Layout::slot(*flag));
                 self.block(body);
                 self.load(Eax, *entry);
                 self.store_exec();
@@ -163,20 +163,23 @@ impl Emitter<'_> {
             Node::Leave(note) => {
                 if let Some(note) = note {
                     self.load_exec();
-                    self.asm.word(Word::OrInto, Eax, Layout::slot(*note));
+                    self.asm.access(Access::OrInto, Eax, Layout::slot(*note));
                 }
-                self.asm.set_word(Layout::EXEC, 0);
+                self.asm.set_bits(Layout::EXEC, 0);
             }
         }
     }
 
     fn region(&mut self, region: &Region) {
-        let [lane_bits, scratch, spills] = self.layout.rooms();
+        let [lane_bits, scratch, spills] = self.layout.areas();
         let one = region.tests.is_empty()
-            && region.stores.iter().all(|&(cell, _)| matches!(self.layout.place(cell), Place::One(_)));
+            && region
+                .stores
+                .iter()
+                .all(|&(cell, _)| matches!(self.layout.address(cell), CellAddress::One(_)));
         let width = if one { Width::One } else { self.wide };
         let most =
-            region::region(&mut self.asm, self.layout, region, width, Rooms { spills, scratch, lane_bits });
+            region::region(&mut self.asm, self.layout, region, width, Areas { spills, scratch, lane_bits });
         self.most = self.most.max(most);
     }
 
@@ -190,7 +193,7 @@ impl Emitter<'_> {
         let (otherwise, end) = (self.asm.label(), self.asm.label());
         let lanes = match test {
             Test::Cell(cell) => {
-                let (Place::One(at) | Place::Each(at)) = self.layout.place(cell);
+                let (CellAddress::One(at) | CellAddress::Each(at)) = self.layout.address(cell);
                 self.asm.compare_word_with_zero(at);
                 self.asm.jump_if(When::Zero, otherwise);
                 self.block(yes);
@@ -210,7 +213,7 @@ impl Emitter<'_> {
         self.asm.and(Ecx, Eax);
         self.asm.raw(&[0x31, 0xc8]); // xor eax, ecx
         self.store(Eax, other);
-        self.asm.word(Word::Store, Ecx, Layout::EXEC);
+        self.asm.access(Access::Store, Ecx, Layout::EXEC);
         self.store(Ecx, done);
         self.asm.test(Ecx, Ecx);
         self.asm.jump_if(When::Zero, otherwise);
@@ -222,7 +225,7 @@ impl Emitter<'_> {
         self.asm.bind(otherwise);
         self.load(Eax, other);
         if no.is_empty() {
-            self.asm.word(Word::Or, Eax, Layout::slot(done));
+            self.asm.access(Access::Or, Eax, Layout::slot(done));
             self.store_exec();
             return;
         }
@@ -232,11 +235,11 @@ impl Emitter<'_> {
         self.block(no);
         self.asm.bind(end);
         self.load_exec();
-        self.asm.word(Word::Or, Eax, Layout::slot(done));
+        self.asm.access(Access::Or, Eax, Layout::slot(done));
         self.store_exec();
     }
 
-    fn turns(&mut self, inner: &Loop) {
+    fn iterations(&mut self, inner: &Loop) {
         let (top, body, done) = (self.asm.label(), self.asm.label(), self.asm.label());
         let fueled = self.asm.label();
         self.load_exec();
@@ -249,12 +252,12 @@ impl Emitter<'_> {
         self.block(&inner.test);
         match inner.condition {
             Test::Cell(cell) => {
-                let (Place::One(at) | Place::Each(at)) = self.layout.place(cell);
+                let (CellAddress::One(at) | CellAddress::Each(at)) = self.layout.address(cell);
                 self.asm.compare_word_with_zero(at);
             }
             Test::Lanes(lanes) => {
                 self.load_exec();
-                self.asm.word(Word::And, Eax, Layout::slot(lanes));
+                self.asm.access(Access::And, Eax, Layout::slot(lanes));
                 self.store_exec();
                 self.store(Eax, inner.live);
                 self.asm.test(Eax, Eax);
@@ -265,16 +268,16 @@ impl Emitter<'_> {
         self.asm.decrement_word(Layout::FUEL);
         self.asm.jump_if(When::NotNegative, fueled);
         // Stopped: all that still turn leave, and more turns are not to be had.
-        self.asm.set_word(Layout::FUEL, 0);
+        self.asm.set_bits(Layout::FUEL, 0);
         self.call(inner.say);
         self.load_exec();
-        self.asm.word(Word::OrInto, Eax, Layout::slot(inner.stopped));
+        self.asm.access(Access::OrInto, Eax, Layout::slot(inner.stopped));
         self.asm.jump(done);
         self.asm.bind(fueled);
-        self.asm.set_word(Layout::slot(inner.waiting), 0);
+        self.asm.set_bits(Layout::slot(inner.waiting), 0);
         self.block(&inner.body);
         self.load_exec();
-        self.asm.word(Word::Or, Eax, Layout::slot(inner.waiting));
+        self.asm.access(Access::Or, Eax, Layout::slot(inner.waiting));
         self.store_exec();
         self.store(Eax, inner.live);
         self.asm.test(Eax, Eax);

@@ -4,17 +4,17 @@
 //! A region has no branches, so one pass over it is enough. Constants and cells are loaded where they are needed.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
-use crate::layout::{Layout, Place};
+use crate::layout::{CellAddress, Layout};
 use crate::op::{Binary, Id, Op, Region, Shift, Unary};
 
-use super::asm::{Asm, Code, Gpr, Rm, When, Width, Word};
+use super::asm::{Access, Asm, Code, Gpr, Rm, When, Width};
 
 /// No register, no place.
 const NONE: u32 = u32::MAX;
 
 /// Where memory has what regions need beside cells.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rooms {
+pub(crate) struct Areas {
     /// Values that found no register, 64 bytes each.
     pub(crate) spills: u32,
     /// Two rows for divisions of whole numbers.
@@ -28,7 +28,7 @@ struct Emitter<'a> {
     layout: &'a mut Layout,
     region: &'a Region,
     width: Width,
-    rooms: Rooms,
+    areas: Areas,
     /// The first lane of this part.
     lane: u32,
     /// Places where each value is used, in order, and where its list starts.
@@ -47,7 +47,7 @@ struct Emitter<'a> {
 }
 
 /// Writes the instructions of a region. Returns how many spill rooms it wants.
-pub(crate) fn region(asm: &mut Asm, layout: &mut Layout, region: &Region, width: Width, rooms: Rooms) -> u32 {
+pub(crate) fn region(asm: &mut Asm, layout: &mut Layout, region: &Region, width: Width, areas: Areas) -> u32 {
     let live = region.live();
     let count = region.ops.len();
     let mut starts = vec![0_u32; count + 1];
@@ -88,7 +88,7 @@ pub(crate) fn region(asm: &mut Asm, layout: &mut Layout, region: &Region, width:
             layout,
             region,
             width,
-            rooms,
+            areas,
             lane: lane as u32,
             uses: &uses,
             starts: &starts,
@@ -125,11 +125,11 @@ impl Emitter<'_> {
         for k in 0..self.region.stores.len() {
             let (cell, id) = self.region.stores[k];
             let reg = self.ensure(id);
-            match self.layout.place(cell) {
-                Place::Each(at) => self.asm.store(self.width, reg, at + 4 * self.lane),
+            match self.layout.address(cell) {
+                CellAddress::Each(at) => self.asm.store(self.width, reg, at + 4 * self.lane),
                 // All lanes of it are the same; later parts still read the old one.
-                Place::One(at) if last => self.asm.store_one(self.width, reg, at),
-                Place::One(_) => {}
+                CellAddress::One(at) if last => self.asm.store_one(self.width, reg, at),
+                CellAddress::One(_) => {}
             }
             self.used(id);
             self.locked = 0;
@@ -142,7 +142,7 @@ impl Emitter<'_> {
             if self.width == Width::Eight {
                 self.asm.store_byte(Gpr::Eax, at + self.lane / 8);
             } else {
-                self.asm.word(Word::Store, Gpr::Eax, at);
+                self.asm.access(Access::Store, Gpr::Eax, at);
             }
             self.used(id);
             self.locked = 0;
@@ -163,9 +163,9 @@ impl Emitter<'_> {
             if reg != NONE {
                 self.holds[reg as usize] = None;
             }
-            let room = self.spilled[id as usize];
-            if room != NONE {
-                self.free.push(room);
+            let area = self.spilled[id as usize];
+            if area != NONE {
+                self.free.push(area);
             }
         }
     }
@@ -199,12 +199,12 @@ impl Emitter<'_> {
         if let Some(id) = self.holds[best].take() {
             self.register[id as usize] = NONE;
             if !self.can_reload(id) && self.spilled[id as usize] == NONE {
-                let room = self.free.pop().unwrap_or_else(|| {
+                let area = self.free.pop().unwrap_or_else(|| {
                     self.spills += 1;
                     self.spills - 1
                 });
-                self.spilled[id as usize] = room;
-                self.store_whole(best as u8, self.rooms.spills + 64 * room);
+                self.spilled[id as usize] = area;
+                self.store_whole(best as u8, self.areas.spills + 64 * area);
             }
         }
         self.locked |= 1 << best;
@@ -231,7 +231,7 @@ impl Emitter<'_> {
         }
         let reg = self.take();
         if self.spilled[id as usize] != NONE {
-            let at = self.rooms.spills + 64 * self.spilled[id as usize];
+            let at = self.areas.spills + 64 * self.spilled[id as usize];
             self.asm.lanes(self.width, Code(0, 1, 0x10), reg, 0, Rm::Mem(at));
         } else {
             match self.region.ops[id as usize] {
@@ -243,9 +243,9 @@ impl Emitter<'_> {
                         _ => self.asm.lanes(self.width, Code(0, 1, 0x10), reg, 0, Rm::Mem(at)),
                     }
                 }
-                Op::Cell(cell) => match self.layout.place(cell) {
-                    Place::Each(at) => self.asm.load(self.width, reg, at + 4 * self.lane),
-                    Place::One(at) => self.asm.load_each(self.width, reg, at),
+                Op::Cell(cell) => match self.layout.address(cell) {
+                    CellAddress::Each(at) => self.asm.load(self.width, reg, at + 4 * self.lane),
+                    CellAddress::One(at) => self.asm.load_each(self.width, reg, at),
                 },
                 Op::Exec => self.exec(reg),
                 _ => unreachable!("what is computed has a register or a room"),
@@ -262,7 +262,7 @@ impl Emitter<'_> {
             self.asm.spread_k1(reg);
             return;
         }
-        let bits = self.rooms.lane_bits + 4 * self.lane;
+        let bits = self.areas.lane_bits + 4 * self.lane;
         let long = Width::Eight;
         self.asm.lanes(long, Code(1, 2, 0x18), reg, 0, Rm::Mem(at));
         self.asm.lanes(long, AND, reg, reg, Rm::Mem(bits));
@@ -279,10 +279,10 @@ impl Emitter<'_> {
                     return if self.width == Width::Sixteen { Rm::Each(at) } else { Rm::Mem(at) };
                 }
                 Op::Cell(cell) if !self.pinned[id as usize] && self.uses_left(id) == 1 => {
-                    match self.layout.place(cell) {
-                        Place::Each(at) => return Rm::Mem(at + 4 * self.lane),
-                        Place::One(at) if self.width == Width::Sixteen => return Rm::Each(at),
-                        Place::One(_) => {}
+                    match self.layout.address(cell) {
+                        CellAddress::Each(at) => return Rm::Mem(at + 4 * self.lane),
+                        CellAddress::One(at) if self.width == Width::Sixteen => return Rm::Each(at),
+                        CellAddress::One(_) => {}
                     }
                 }
                 _ => {}
@@ -420,7 +420,7 @@ impl Emitter<'_> {
     /// Lane by lane, as the CPU has no division of whole numbers in lanes.
     fn divide(&mut self, id: Id, what: Binary, a: Id, b: Id) {
         let (first, second) = (self.ensure(a), self.ensure(b));
-        let (x, y) = (self.rooms.scratch, self.rooms.scratch + 64);
+        let (x, y) = (self.areas.scratch, self.areas.scratch + 64);
         self.store_whole(first, x);
         self.store_whole(second, y);
         self.used(a);

@@ -5,13 +5,13 @@
 use glam::Vec3;
 use gnurt_shading::Vec3s;
 
-use crate::tracer::{BatchTracer, MID_GREY, Wanted};
+use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
 use crate::world::HitLanes;
 
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
     let mut albedo = Vec3s::default();
-    tracer.for_each_surface(camera, Wanted::Sides, |_, shader, lanes, points| {
+    tracer.for_each_surface(camera, AttributeRequests::Sides, |_, shader, lanes, points| {
         albedo.reset(lanes.len(), MID_GREY);
         shader.albedo(points, &mut albedo);
         for (k, &lane) in lanes.iter().enumerate() {

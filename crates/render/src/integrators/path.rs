@@ -17,7 +17,7 @@ use gnurt_shading::bsdf::left_after;
 use gnurt_shading::{Tracer, Vec3s};
 use gnurt_simd::dispatch_wide;
 
-use crate::tracer::{BatchTracer, Wanted};
+use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::transport::absorption::absorb;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
@@ -61,18 +61,18 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     // Those of what the camera sees start side by side and aim at few lamps; later ones start wherever paths went.
     tracer.shadows = if from.depth == 0 { Coherence::Fanned } else { Coherence::Incoherent };
     environment(tracer, from, wavefront, radiance);
-    wavefront.finals.clear();
+    wavefront.radiance_only.clear();
     wavefront.next.begin();
     wavefront.unshadowed.begin();
     surfaces(tracer, from, wavefront, radiance);
     wavefront.next.end();
     wavefront.unshadowed.end();
     if options.aovs && from.depth == 0 {
-        note_seen(tracer, &wavefront.finals, radiance);
+        note_direct(tracer, &wavefront.radiance_only, radiance);
     }
     let Wavefront { unshadowed, through, .. } = wavefront;
     tracer.occluded(&unshadowed.request, through);
-    panes::look_through(tracer, &unshadowed.request, unshadowed.sought(), through);
+    panes::trace_through(tracer, &unshadowed.request, unshadowed.delta_requests(), through);
     for k in 0..through.len() {
         let share = through.get(k);
         if share != Vec3::ZERO {
@@ -85,9 +85,9 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
 /// The step of the paths that met surfaces, shader by shader.
 fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let (world, options) = (tracer.world, tracer.options);
-    let Wavefront { paths, next, unshadowed, order, finals, closures, .. } = wavefront;
+    let Wavefront { paths, next, unshadowed, order, radiance_only, closures, .. } = wavefront;
     world.sort_by_material(from.hits, 0..from.hits.len(), order);
-    tracer.for_each_surface_of(order, from, Wanted::Light, |tracer, shader, numbers, points| {
+    tracer.for_each_surface_of(order, from, AttributeRequests::Light, |tracer, shader, numbers, points| {
         if let Some(log) = &mut tracer.log {
             log.surface(shader, points);
         }
@@ -96,7 +96,7 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         let backdrop = shader.backdrop();
         // The backdrop of a shadow catcher stands for scattered light, and light is taken from it.
         if is_final || backdrop.is_some() {
-            finals.extend(numbers.iter().map(|&number| paths.lane[number as usize]));
+            radiance_only.extend(numbers.iter().map(|&number| paths.lane[number as usize]));
         }
         let met = Met { world, options, from, paths, numbers, points, closures, backdrop, is_final };
         let mut onward = Onward { next, unshadowed, radiance };
@@ -139,9 +139,9 @@ fn ask_plugins(met: &Met, onward: &mut Onward) {
 
 /// Keeps what camera rays see without anything scattered, for a layer of its own: all light there is before lamps are asked.
 /// What surfaces send back whose shaders do not tell why is none of that.
-fn note_seen(tracer: &mut BatchTracer, finals: &[u32], radiance: &Vec3s) {
-    tracer.seen.clone_from(radiance);
-    finals.iter().for_each(|&lane| tracer.seen.set(lane as usize, Vec3::ZERO));
+fn note_direct(tracer: &mut BatchTracer, radiance_only: &[u32], radiance: &Vec3s) {
+    tracer.direct.clone_from(radiance);
+    radiance_only.iter().for_each(|&lane| tracer.direct.set(lane as usize, Vec3::ZERO));
 }
 
 /// What paths see that left the scene.
@@ -150,16 +150,16 @@ fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, 
     if missed.is_empty() || tracer.world.lights().environment.is_none() {
         return;
     }
-    let seen = tracer.environment(from.rays, &missed, |lane| from.is_of_camera(lane));
+    let direct = tracer.environment(from.rays, &missed, |lane| from.is_of_camera(lane));
     let lights = tracer.world.light_set();
-    for (k, &i) in missed.iter().enumerate().filter(|&(k, _)| seen.get(k) != Vec3::ZERO) {
+    for (k, &i) in missed.iter().enumerate().filter(|&(k, _)| direct.get(k) != Vec3::ZERO) {
         let path = wavefront.paths.get(i, from.keys[i]);
         let dir = Vec3::from(from.rays.get(i).dir);
         let weight = path.from.map_or(1.0, |origin| {
             power_heuristic(origin.pdf, lights.pdf_environment(origin.p, origin.ns, dir))
         });
         let left = left_after(f32::INFINITY, [path.absorption, Vec3::ZERO]);
-        let light = path.throughput * seen.get(k) * weight * left;
+        let light = path.throughput * direct.get(k) * weight * left;
         add(radiance, path.lane, light, path.edges, tracer.options.clamp);
     }
 }

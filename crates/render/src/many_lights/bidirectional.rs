@@ -47,15 +47,15 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
 
 /// Chooses virtual lights by what they bring, each as often as it says, spread evenly: places and weights.
 pub(super) fn spread(all: &[(impl Borrow<Candidate>, f32)], count: usize, u: f32) -> Vec<(usize, f32)> {
-    let places: Vec<Vec3> = all.iter().map(|(own, _)| own.borrow().vpl.point.p).collect();
-    let order = neighbours::in_order(&places, 1);
+    let positions: Vec<Vec3> = all.iter().map(|(own, _)| own.borrow().vpl.point.p).collect();
+    let order = neighbours::in_order(&positions, 1);
     let importance = |&i: &u32| {
         let (own, share) = &all[i as usize];
         f64::from(own.borrow().importance * share)
     };
     let chosen = resample(order.iter().map(importance), count, u);
-    let place = |(n, weight): (usize, f32)| (order[n] as usize, weight * all[order[n] as usize].1);
-    chosen.into_iter().map(place).collect()
+    let position = |(n, weight): (usize, f32)| (order[n] as usize, weight * all[order[n] as usize].1);
+    chosen.into_iter().map(position).collect()
 }
 
 /// Both sides of the paths of a pass, and where they were joined.

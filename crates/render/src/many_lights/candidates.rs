@@ -18,7 +18,7 @@ use gnurt_shading::{RayRequest, SampleKey, SurfacePoint, Tracer, Vec3s};
 
 use super::lanes::{BLOCK, END};
 use super::light_path::{self, LightVertex, Numbers};
-use super::pilots::{Pilots, Scratch, Seen};
+use super::pilots::{Pilots, Scratch, VisibleMask};
 use super::vpl::{self, Vpl, is_open};
 use crate::cone::Cone;
 use crate::tracer::BatchTracer;
@@ -29,13 +29,13 @@ use crate::transport::walks::Walks;
 /// The number of the edge from the camera's side, among the numbers of a path.
 pub(super) const EYE_EDGE: u32 = 1;
 /// Pairs of it that choose the camera's side of a path.
-pub(super) const EYE_PAIRS: Range<u32> = pair::PILOT..pair::PLACE + 1;
+pub(super) const EYE_PAIRS: Range<u32> = pair::PILOT..pair::POSITION + 1;
 /// Pairs of that edge: which pilot, two for a direction, two for a lamp. Others of edge 1 belong to the light path.
 mod pair {
     pub(super) const PILOT: u32 = 4;
     pub(super) const DIRECTION: u32 = 5;
     pub(super) const LAMP: u32 = 6;
-    pub(super) const PLACE: u32 = 7;
+    pub(super) const POSITION: u32 = 7;
 }
 
 /// A virtual light and how much it matters.
@@ -64,8 +64,8 @@ pub(super) struct EyeSide {
 struct End {
     point: SurfacePoint,
     bsdf: Bsdf,
-    lamp_gain: f32,
-    seen: Seen,
+    light_gain: f32,
+    mask: VisibleMask,
     /// Per area, of all pilots' rays.
     density: f32,
 }
@@ -76,7 +76,7 @@ struct Join {
     /// Whose light it is.
     of: usize,
     vpl: Vpl,
-    seen: Seen,
+    mask: VisibleMask,
 }
 
 /// Light that virtual lights bring to pilots.
@@ -101,26 +101,26 @@ pub(super) fn light_sides(
     let mut sides = vec![LightSide::default(); paths.len()];
     let light = light_path::trace(tracer, paths, numbers, pilots.max_depth.saturating_sub(2));
     let points: Vec<_> = light.iter().map(|v| (v.vpl.point, &v.vpl.bsdf)).collect();
-    let seen = pilots.seen_from(tracer, &points, &mut scratch);
+    let mask = pilots.visible_from(tracer, &points, &mut scratch);
     let both_ways = both_ways(tracer, pilots);
-    for (vertex, seen) in light.into_iter().zip(seen) {
+    for (vertex, mask) in light.into_iter().zip(mask) {
         let side = &mut sides[(vertex.path - first) as usize];
-        if vertex.vpl.shines() {
+        if vertex.vpl.emits() {
             let share = if both_ways && vertex.connectable {
-                let reverse = pilots.pdf(&vertex.vpl.point, &seen, &mut scratch) * vertex.reverse;
+                let reverse = pilots.pdf(&vertex.vpl.point, &mask, &mut scratch) * vertex.reverse;
                 balance_heuristic(vertex.pdf, reverse)
             } else {
                 1.0
             };
-            side.own.extend(judged(pilots, vertex.vpl.scaled(share), &seen, &mut scratch));
+            side.own.extend(judged(pilots, vertex.vpl.scaled(share), &mask, &mut scratch));
         }
         side.vertices.push(vertex);
     }
     sides
 }
 
-fn judged(pilots: &Pilots, vpl: Vpl, seen: &Seen, scratch: &mut Scratch) -> Option<Candidate> {
-    let importance = pilots.importance(&vpl, seen, scratch);
+fn judged(pilots: &Pilots, vpl: Vpl, mask: &VisibleMask, scratch: &mut Scratch) -> Option<Candidate> {
+    let importance = pilots.importance(&vpl, mask, scratch);
     (importance > 0.0 && vpl.power.is_finite()).then_some(Candidate { vpl, importance })
 }
 
@@ -138,14 +138,14 @@ pub(super) fn eye_sides(
     }
     let (ends, pilot_of) = ends(tracer, pilots, paths, numbers);
     let points: Vec<_> = ends.iter().map(|(_, vertex)| (vertex.point, &vertex.scattering.bsdf)).collect();
-    let mut seen = pilots.seen_from(tracer, &points, &mut scratch);
+    let mut mask = pilots.visible_from(tracer, &points, &mut scratch);
     // By rounding a ray may meet what a shadow ray between the same points does not.
-    seen.iter_mut().zip(&pilot_of).for_each(|(seen, &k)| seen[k / BLOCK] |= 1 << (k % BLOCK));
+    mask.iter_mut().zip(&pilot_of).for_each(|(mask, &k)| mask[k / BLOCK] |= 1 << (k % BLOCK));
     let mut joins = Vec::new();
-    for ((path, vertex), seen) in ends.iter().zip(seen) {
-        let density = pilots.pdf(&vertex.point, &seen, &mut scratch);
+    for ((path, vertex), mask) in ends.iter().zip(mask) {
+        let density = pilots.pdf(&vertex.point, &mask, &mut scratch);
         let (point, bsdf) = (vertex.point, vertex.scattering.bsdf.clone());
-        let end = End { point, bsdf, lamp_gain: vertex.lamp_gain, seen, density };
+        let end = End { point, bsdf, light_gain: vertex.light_gain, mask, density };
         if density > 0.0 {
             joins.extend(to_lamp(tracer, *path, (*path - first) as usize, &end, numbers));
         }
@@ -187,8 +187,8 @@ fn settle(
     let mut through = Vec3s::default();
     tracer.occluded(&request, &mut through);
     let lit =
-        joins.into_iter().enumerate().filter(|(i, join)| through.get(*i) != Vec3::ZERO && join.vpl.shines());
-    lit.filter_map(|(_, join)| Some((join.of, judged(pilots, join.vpl, &join.seen, scratch)?))).collect()
+        joins.into_iter().enumerate().filter(|(i, join)| through.get(*i) != Vec3::ZERO && join.vpl.emits());
+    lit.filter_map(|(_, join)| Some((join.of, judged(pilots, join.vpl, &join.mask, scratch)?))).collect()
 }
 
 /// Where a ray from a pilot ends, for each path that has one, and which pilot it came from.
@@ -224,10 +224,10 @@ fn ends(
 /// The reverse virtual light that a lamp shines on.
 fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numbers) -> Option<Join> {
     let lights = tracer.world.light_set();
-    let [lamp, _] = numbers(path, EYE_EDGE, pair::LAMP);
-    let [u, v] = numbers(path, EYE_EDGE, pair::PLACE);
+    let [emitter_choice, _] = numbers(path, EYE_EDGE, pair::LAMP);
+    let [u, v] = numbers(path, EYE_EDGE, pair::POSITION);
     let point = end.point;
-    let sample = lights.sample(point.p, Vec3::ZERO, [lamp, u, v])?;
+    let sample = lights.sample(point.p, Vec3::ZERO, [emitter_choice, u, v])?;
     let LightKind::Triangle(triangle) = lights.kind(sample.light) else { return None };
     if !is_lit(&point, sample.dir) {
         return None;
@@ -238,17 +238,17 @@ fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numb
     let standard = share * lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
     let left = left_after(sample.dist, [end.bsdf.absorption(sample.dir), Vec3::ZERO]);
     let power =
-        sample.radiance * left * (end.lamp_gain * cos * over_both(end.density * sample.pdf, standard));
+        sample.radiance * left * (end.light_gain * cos * over_both(end.density * sample.pdf, standard));
     let vpl = Vpl::new(point, end.bsdf.clone(), sample.dir, power, 1);
     let ray = point.spawn_to(sample.dir, sample.dist);
-    Some(Join { ray, of, vpl, seen: end.seen })
+    Some(Join { ray, of, vpl, mask: end.mask })
 }
 
 /// The reverse virtual light that a vertex of the light path shines on.
 fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
-    let way = end.point.p - z.vpl.point.p;
-    let distance2 = way.length_squared();
-    let to = way / distance2.sqrt();
+    let offset = end.point.p - z.vpl.point.p;
+    let distance2 = offset.length_squared();
+    let to = offset / distance2.sqrt();
     let point = end.point;
     // A light path goes on to either side, but does not cheat its facet.
     let through = z.vpl.point.ng.dot(to) < 0.0;
@@ -269,9 +269,9 @@ fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
     let power = z.vpl.power * scattered * left * (per_area * over_both(end.density, standard));
     let vpl = Vpl::new(point, end.bsdf.clone(), -to, power, z.vpl.edges + 1);
     let start = vpl::end(&z.vpl.point, to);
-    let way = vpl::end(&point, -to) - start;
-    let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
-    Some(Join { ray, of, vpl, seen: end.seen })
+    let offset = vpl::end(&point, -to) - start;
+    let ray = gnurt_accel::Ray::new(start.into(), offset.into()).within(0.0, END);
+    Some(Join { ray, of, vpl, mask: end.mask })
 }
 
 /// Whether light from `from` shines on the side of a point that was met.

@@ -32,19 +32,19 @@ impl Learned {
         Self { lights: vec![[0.0; 2]; lights], clusters: vec![[0.0; 2]; lights.div_ceil(CLUSTER)] }
     }
 
-    /// Of `asked` rays of a light, `came` met nothing.
-    pub(super) fn note(&mut self, light: usize, asked: u32, came: u32) {
+    /// Of `requests` rays of a light, `came` met nothing.
+    pub(super) fn note(&mut self, light: usize, requests: u32, came: u32) {
         for sums in [&mut self.lights[light], &mut self.clusters[light / CLUSTER]] {
-            sums[0] += asked as f32;
+            sums[0] += requests as f32;
             sums[1] += came as f32;
         }
     }
 
     /// The share that comes through, by what is known of the light and of its cluster.
     fn share(&self, light: usize) -> f32 {
-        let ([asked, came], [of_all, came_of_all]) = (self.lights[light], self.clusters[light / CLUSTER]);
+        let ([requests, came], [of_all, came_of_all]) = (self.lights[light], self.clusters[light / CLUSTER]);
         let of_cluster = (came_of_all + OF_CLUSTER) / (of_all + OF_CLUSTER);
-        ((came + OF_LIGHT * of_cluster) / (asked + OF_LIGHT)).max(HOPE)
+        ((came + OF_LIGHT * of_cluster) / (requests + OF_LIGHT)).max(HOPE)
     }
 }
 
@@ -60,9 +60,9 @@ impl Rows {
         self.rows.clear();
     }
 
-    pub(super) fn push(&mut self, light: usize, promise: &Lanes) {
-        if promise.iter().any(|&promise| promise > 0.0) {
-            self.rows.push((light, *promise));
+    pub(super) fn push(&mut self, light: usize, contribution: &Lanes) {
+        if contribution.iter().any(|&contribution| contribution > 0.0) {
+            self.rows.push((light, *contribution));
         }
     }
 
@@ -94,9 +94,9 @@ mod tests {
     use gnurt_simd::Level;
 
     use super::super::bound::Bound;
+    use super::super::contribution::each_contribution;
     use super::super::eye::EyePoint;
     use super::super::lanes::{Block, Light};
-    use super::super::promise::each_promise;
     use super::super::test_points::{random, surface};
     use super::super::vpl::Vpl;
     use super::*;
@@ -119,10 +119,10 @@ mod tests {
         };
         let eyes: Vec<EyePoint> = (0..64).map(eye).collect();
         let eyes: Vec<&EyePoint> = eyes.iter().collect();
-        let (mut rows, mut room) = (Rows::default(), Box::<Light>::default());
+        let (mut rows, mut scratch) = (Rows::default(), Box::<Light>::default());
         let block = Block::new(&eyes, 6);
-        let asked = (&block, &eyes[..]);
-        each_promise(Level::default(), asked, &sources, (&bound, 6), &mut room, |i, row, _| {
+        let requests = (&block, &eyes[..]);
+        each_contribution(Level::default(), requests, &sources, (&bound, 6), &mut scratch, |i, row, _| {
             rows.push(i, row)
         });
         // Lights in one half of the room are hidden.
@@ -132,11 +132,11 @@ mod tests {
             if is_hidden(i) { 0.0 } else { brought.map(|color| luminance(color.into())).sum() }
         };
         let light: Vec<f32> = (0..sources.len()).map(brings).collect();
-        let wanted: f32 = light.iter().sum();
+        let requested: f32 = light.iter().sum();
         let mut learned = Learned::new(sources.len());
         let all: f32 =
             rows.chosen(&learned, sources.len(), 0.5).iter().map(|&(i, weight)| light[i] * weight).sum();
-        assert!((all / wanted - 1.0).abs() < 1e-4, "so few are all asked: {all} instead of {wanted}");
+        assert!((all / requested - 1.0).abs() < 1e-4, "so few are all asked: {all} instead of {requested}");
         let most = sources.len() / 8;
         let mut noise = [0.0; 2];
         for noise in &mut noise {
@@ -147,9 +147,9 @@ mod tests {
                 assert!(some.len() <= most, "a part of them: {}", some.len());
                 let sum: f32 = some.iter().map(|&(i, weight)| light[i] * weight).sum();
                 mean += sum / TIMES as f32;
-                *noise += (sum / wanted - 1.0).powi(2) / TIMES as f32;
+                *noise += (sum / requested - 1.0).powi(2) / TIMES as f32;
             }
-            assert!((mean / wanted - 1.0).abs() < 0.02, "{mean} instead of {wanted}");
+            assert!((mean / requested - 1.0).abs() < 0.02, "{mean} instead of {requested}");
             for i in 0..sources.len() {
                 learned.note(i, 64, if is_hidden(i) { 0 } else { 64 });
             }

@@ -5,13 +5,13 @@
 
 use std::sync::OnceLock;
 
-use super::lamp_choice::LampChoice;
+use super::light_choice::LightChoice;
 
 /// Learned once for a world, a camera and options.
 #[derive(Debug, Default)]
 pub(crate) struct Common {
     /// Lamps that matter, where it is worth asking.
-    pub(super) lamps: OnceLock<Option<LampChoice>>,
+    pub(super) light_choices: OnceLock<Option<LightChoice>>,
     /// How many light paths bring the lights that are wanted.
     pub(super) paths: OnceLock<u32>,
 }

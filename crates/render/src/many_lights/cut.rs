@@ -30,16 +30,16 @@ pub(super) fn cut_of(points: &[&EyePoint], sources: &[Source], most: usize, u: f
     let witnesses: Vec<Vec3> = points.iter().step_by(step).map(|point| point.point.p).collect();
     let far = |p: Vec3| witnesses.iter().map(|w| w.distance_squared(p)).fold(0.0, f32::max);
     let extent = far(witnesses[0]).max(f32::MIN_POSITIVE);
-    let promise = |source: &Source| {
+    let contribution = |source: &Source| {
         let vpl = &source.vpl;
         let to = |w: &Vec3| {
-            let way = *w - vpl.point.p;
-            let cos = vpl.point.ng.dot(way.normalize_or_zero()).max(0.0);
-            (0.05 + cos) / (way.length_squared() + extent)
+            let offset = *w - vpl.point.p;
+            let cos = vpl.point.ng.dot(offset.normalize_or_zero()).max(0.0);
+            (0.05 + cos) / (offset.length_squared() + extent)
         };
         f64::from(vpl.strength() * witnesses.iter().map(to).sum::<f32>())
     };
-    resample(sources.iter().map(promise), most, u)
+    resample(sources.iter().map(contribution), most, u)
 }
 
 /// Chooses `count` times among weights, evenly spaced along their sum: places and one over how often each is chosen on
@@ -73,7 +73,7 @@ mod tests {
     fn samples_keep_the_sum() {
         let weights = [0.1, 3.0, 0.0, 0.7, 1.2, 5.0, 0.01];
         let values = [1.0, 2.0, 99.0, 3.0, -1.0, 0.5, 40.0_f64];
-        let wanted: f64 = values.iter().zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).sum();
+        let requested: f64 = values.iter().zip(&weights).filter(|(_, w)| **w > 0.0).map(|(v, _)| v).sum();
         const N: usize = 20_000;
         let mean: f64 = (0..N)
             .map(|i| {
@@ -81,7 +81,7 @@ mod tests {
                 chosen.iter().map(|&(i, weight)| values[i] * f64::from(weight)).sum::<f64>() / N as f64
             })
             .sum();
-        assert!((mean - wanted).abs() < 0.05 * wanted, "{mean} instead of {wanted}");
+        assert!((mean - requested).abs() < 0.05 * requested, "{mean} instead of {requested}");
         assert!(resample([0.0; 3].into_iter(), 2, 0.5).is_empty(), "nothing to choose");
     }
 }

@@ -6,7 +6,7 @@
 //! Tests: crates/render/tests/{determinism,many_lights,agreement}.rs.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{Kept, left_after};
+use gnurt_shading::bsdf::{CachedLobes, left_after};
 use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::lights::{LightSamples, LightSet};
 use gnurt_shading::real::{Real, Vector};
@@ -34,12 +34,12 @@ pub(super) fn light_samples(
     let seed = tracer.options.seed;
     let lights = tracer.world.light_set();
     let there: Vec<&Stop> = stops.iter().filter(|stop| stop.eye.bsdf.is_smooth()).collect();
-    let most = there.iter().map(|stop| pass.light_samples(stop.walk.is_seen)).max().unwrap_or(0);
+    let most = there.iter().map(|stop| pass.light_samples(stop.walk.is_directly_visible)).max().unwrap_or(0);
     // Sample by sample, so that neighbouring rays are neighbours.
     let mut rounds: Vec<Offers> = (0..most).map(|_| Offers::default()).collect();
     let mut one_each: Vec<&Stop> = Vec::new();
     for &stop in &there {
-        let count = pass.light_samples(stop.walk.is_seen);
+        let count = pass.light_samples(stop.walk.is_directly_visible);
         if count == 1 && !stop.eye.bsdf.is_translucent() {
             one_each.push(stop);
         } else if count < MANY {
@@ -74,12 +74,12 @@ pub(super) fn light_samples(
         })
         .collect();
     ask_plugin_lights(tracer.world, seed, &asking, |i, Offer { dir, dist, arriving }| {
-        let Stop { walk, eye, lamp_gain, .. } = there[i];
+        let Stop { walk, eye, light_gain, .. } = there[i];
         let absorption = eye.bsdf.absorption(dir);
         let left = left_after(dist, [absorption, Vec3::ZERO]);
         let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving * left;
         if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
-            let offer = scattered * (lamp_gain * there[i].rest(dir));
+            let offer = scattered * (light_gain * there[i].rest(dir));
             offers.push_of_lamp(ray, walk, offer, absorption == Vec3::ZERO);
         }
     });
@@ -100,24 +100,24 @@ fn sample<W: Width>(
     let side = sampling_normal(&eye.point, &eye.bsdf);
     let is_two_sided = side == Vec3::ZERO;
     let (p, ns) = (Vector::all(zero, eye.point.p), Vector::all(zero, eye.point.ns));
-    let mut seen = None;
+    let mut visible = None;
     let first_of = walk.key.sample.wrapping_mul(count);
     for first in (0..count).step_by(W::R::LANES) {
         let key = |n: usize| SampleKey { sample: first_of.wrapping_add(first + n as u32), ..walk.key };
         let keys: [SampleKey; LANES] = std::array::from_fn(key);
         let draws = width.draws(seed, &keys, &[walk.edges; LANES]);
-        let [lamp, _] = W::pair(draws, purpose::LAMP);
-        let [u, v] = W::pair(draws, purpose::PLACE);
-        let wanted = (count - first).min(W::R::LANES as u32);
-        let asks = zero.points((1 << wanted) - 1);
+        let [emitter_choice, _] = W::pair(draws, purpose::LAMP);
+        let [u, v] = W::pair(draws, purpose::POSITION);
+        let requested = (count - first).min(W::R::LANES as u32);
+        let requests_light = zero.points((1 << requested) - 1);
         let all_sides = zero.points(if is_two_sided { u64::from(u32::MAX) } else { 0 });
-        let light = width.lights(lights, [asks, all_sides], [p, ns], [lamp, u, v]);
-        if !W::R::any(light.found & asks) {
+        let light = width.lights(lights, [requests_light, all_sides], [p, ns], [emitter_choice, u, v]);
+        if !W::R::any(light.found & requests_light) {
             continue;
         }
-        let seen = seen.get_or_insert_with(|| eye.bsdf.seen(eye.wo));
-        let (scattered, pdf) = seen.eval_pdf_all(light.dir);
-        let lit = light.found & asks & !scattered.is_zero();
+        let visible = visible.get_or_insert_with(|| eye.bsdf.prepared(eye.wo));
+        let (scattered, pdf) = visible.eval_pdf_all(light.dir);
+        let lit = light.found & requests_light & !scattered.is_zero();
         for i in LanesOf(W::R::bits(lit)) {
             offer(stop, count, (&light, i), (scattered.get(i), pdf.lane(i)), &mut rounds[first as usize + i]);
         }
@@ -138,17 +138,18 @@ fn sample_each<W: Width>(width: W, lights: &LightSet, seed: u64, stops: &[&Stop]
         all_sides |= u64::from(sampling_normal(&eye.point, &eye.bsdf) == Vec3::ZERO) << i;
     }
     let draws = width.draws(seed, &keys, &edges);
-    let [lamp, _] = W::pair(draws, purpose::LAMP);
-    let [u, v] = W::pair(draws, purpose::PLACE);
-    let asks = zero.points((1 << stops.len()) - 1);
+    let [emitter_choice, _] = W::pair(draws, purpose::LAMP);
+    let [u, v] = W::pair(draws, purpose::POSITION);
+    let requests_light = zero.points((1 << stops.len()) - 1);
     let [p, ns] = [&p, &ns].map(|[x, y, z]| Vector::load(zero, [x, y, z], 0));
-    let light = width.lights(lights, [asks, zero.points(all_sides)], [p, ns], [lamp, u, v]);
-    if !W::R::any(light.found & asks) {
+    let light =
+        width.lights(lights, [requests_light, zero.points(all_sides)], [p, ns], [emitter_choice, u, v]);
+    if !W::R::any(light.found & requests_light) {
         return;
     }
-    let kept = Kept::new(stops.iter().map(|stop| (&stop.eye.bsdf, stop.eye.wo)));
-    let (scattered, pdf) = kept.eval_pdf(0, light.dir);
-    let lit = light.found & asks & !scattered.is_zero();
+    let persistent = CachedLobes::new(stops.iter().map(|stop| (&stop.eye.bsdf, stop.eye.wo)));
+    let (scattered, pdf) = persistent.eval_pdf(0, light.dir);
+    let lit = light.found & requests_light & !scattered.is_zero();
     for i in LanesOf(W::R::bits(lit)) {
         offer(stops[i], 1, (&light, i), (scattered.get(i), pdf.lane(i)), offers);
     }
@@ -163,7 +164,7 @@ fn offer<R: Real>(
     (scattered, pdf): (Vec3, f32),
     offers: &mut Offers,
 ) {
-    let Stop { walk, eye, lamp_gain, .. } = stop;
+    let Stop { walk, eye, light_gain, .. } = stop;
     let (dir, dist, chosen) = (light.dir.get(i), light.dist.lane(i), light.pdf.lane(i));
     let count = count as f32;
     let is_delta = R::bits(light.delta) >> i & 1 != 0;
@@ -171,7 +172,7 @@ fn offer<R: Real>(
     let offer = eye.throughput * scattered * light.radiance.get(i) * (share / (count * chosen));
     let absorption = eye.bsdf.absorption(dir);
     let left = left_after(dist, [absorption, Vec3::ZERO]);
-    let offer = offer * left * (lamp_gain * stop.rest(dir));
+    let offer = offer * left * (light_gain * stop.rest(dir));
     if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
         offers.push_of_lamp(ray, walk, offer, is_delta && absorption == Vec3::ZERO);
     }

@@ -16,6 +16,7 @@ use gnurt_shading::bsdf::BsdfSample;
 use gnurt_shading::sampling::{Basis, cosine_hemisphere, sample_pair};
 use gnurt_shading::{SampleKey, SurfaceBatch, Vec3s};
 
+use super::contribution::Contributions;
 use super::cut::{MOST, cut};
 use super::direct::light_samples;
 use super::eye::EyePoint;
@@ -25,10 +26,9 @@ use super::lanes::{BLOCK, END, Source};
 use super::mixing::mix;
 use super::offers::Offers;
 use super::pass::PassLights;
-use super::promise::Promises;
 use super::vpl;
 use super::walk::{Last, Stop, Walk, purpose};
-use crate::cone::{Cone, Meeting, fineness};
+use crate::cone::{Cone, ConeHit, fineness};
 use crate::tracer::{BatchTracer, Sharing};
 use crate::transport::mis::balance_heuristic;
 use crate::transport::walks::Walks;
@@ -86,8 +86,8 @@ fn all_radiance(
         absorption: Vec3::ZERO,
         edges: 1,
         last: None,
-        is_seen: true,
-        lamp_gain: 1.0,
+        is_directly_visible: true,
+        light_gain: 1.0,
         siblings: 1.0,
     };
     let carried = camera.keys.iter().enumerate().map(walk).collect();
@@ -116,17 +116,17 @@ pub(crate) fn radiance_apart(
 ) {
     all_radiance(tracer, pass, camera, radiance, Some(&mut *texels));
     for (lane, texel) in texels.iter_mut().enumerate() {
-        let seen = radiance.get(lane);
+        let radiance_there = radiance.get(lane);
         if texel.instance == INVALID_ID {
-            texel.plain = seen;
+            texel.plain = radiance_there;
             continue;
         }
         for k in 0..3 {
             // What a surface sends that scatters nothing is not light on it.
             if texel.share[k] > LEAST_SHARE {
-                texel.light[k] = seen[k] / texel.share[k];
+                texel.light[k] = radiance_there[k] / texel.share[k];
             } else {
-                (texel.share[k], texel.plain[k]) = (0.0, texel.plain[k] + seen[k]);
+                (texel.share[k], texel.plain[k]) = (0.0, texel.plain[k] + radiance_there[k]);
             }
         }
     }
@@ -150,16 +150,17 @@ fn go_on(
             take_apart(tracer, &stops, radiance, texels);
         }
         light_samples(tracer, pass, &stops, radiance);
-        let seen: Vec<&EyePoint> =
-            stops.iter().filter(|stop| stop.walk.is_seen).map(|stop| &stop.eye).collect();
+        let radiance_there: Vec<&EyePoint> =
+            stops.iter().filter(|stop| stop.walk.is_directly_visible).map(|stop| &stop.eye).collect();
         if pass.is_few {
             // What the eye sees asks a few by chance, too.
         } else if texels.is_none() {
-            gather(tracer, &seen, keys, pass.whole(), &pass.bound, radiance);
+            gather(tracer, &radiance_there, keys, pass.whole(), &pass.bound, radiance);
         } else if let Some(n) = tracer.options.pattern() {
-            let place = |eye: &EyePoint| place_of(keys[eye.lane as usize].pixel, tracer.options.width, n);
+            let position = |eye: &EyePoint| place_of(keys[eye.lane as usize].pixel, tracer.options.width, n);
             for (number, share) in pass.sources.iter().enumerate() {
-                let there: Vec<&EyePoint> = seen.iter().copied().filter(|eye| place(eye) == number).collect();
+                let there: Vec<&EyePoint> =
+                    radiance_there.iter().copied().filter(|eye| position(eye) == number).collect();
                 gather(tracer, &there, keys, share, &pass.bound, radiance);
             }
         }
@@ -174,7 +175,7 @@ fn go_on(
 
 /// From the first surface on that scatters smoothly, what a pixel sees is light on that surface.
 fn take_apart(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels: &mut [Texel]) {
-    for stop in stops.iter().filter(|stop| stop.walk.is_seen && stop.eye.bsdf.is_smooth()) {
+    for stop in stops.iter().filter(|stop| stop.walk.is_directly_visible && stop.eye.bsdf.is_smooth()) {
         let lane = stop.walk.lane as usize;
         if texels[lane].instance != INVALID_ID {
             continue;
@@ -202,7 +203,10 @@ fn take_finals_apart(
     texels: &mut [Texel],
 ) {
     for (walk, vertex) in walks.iter().zip(vertices) {
-        let Some(vertex) = vertex.as_ref().filter(|vertex| vertex.is_final && walk.is_seen) else { continue };
+        let Some(vertex) = vertex.as_ref().filter(|vertex| vertex.is_final && walk.is_directly_visible)
+        else {
+            continue;
+        };
         let texel = &mut texels[walk.lane as usize];
         if texel.instance == INVALID_ID {
             *texel = Texel {
@@ -219,27 +223,37 @@ fn take_finals_apart(
 
 /// What walks meet: where the eye sees it by mirrors alone, shaders that only know `shade` show what they show.
 fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option<Vertex>> {
-    let first_is_seen = walks.carried.first().is_some_and(|walk| walk.is_seen);
-    if walks.carried.iter().all(|walk| walk.is_seen == first_is_seen) {
+    let first_is_seen = walks.carried.first().is_some_and(|walk| walk.is_directly_visible);
+    if walks.carried.iter().all(|walk| walk.is_directly_visible == first_is_seen) {
         return meet(tracer, walks, first_is_seen, depth);
     }
     let mut vertices: Vec<Option<Vertex>> = Vec::new();
     vertices.resize_with(walks.carried.len(), || None);
-    for is_seen in [true, false] {
+    for is_directly_visible in [true, false] {
         let mut some = Walks::default();
-        for (i, walk) in walks.carried.iter().enumerate().filter(|(_, walk)| walk.is_seen == is_seen) {
+        for (i, walk) in walks
+            .carried
+            .iter()
+            .enumerate()
+            .filter(|(_, walk)| walk.is_directly_visible == is_directly_visible)
+        {
             let cone = walks.cones.as_ref().map_or_else(Cone::default, |cones| cones.get(i));
             some.push((walks.rays.get(i), cone), walk.key, i);
         }
-        let found = meet(tracer, &some, is_seen, depth);
+        let found = meet(tracer, &some, is_directly_visible, depth);
         some.carried.into_iter().zip(found).for_each(|(i, vertex)| vertices[i] = vertex);
     }
     vertices
 }
 
 /// What walks meet that are all seen by the eye, or none.
-fn meet<W>(tracer: &mut BatchTracer, walks: &Walks<W>, is_seen: bool, depth: u32) -> Vec<Option<Vertex>> {
-    let probes = std::mem::replace(&mut tracer.probes, !is_seen);
+fn meet<W>(
+    tracer: &mut BatchTracer,
+    walks: &Walks<W>,
+    is_directly_visible: bool,
+    depth: u32,
+) -> Vec<Option<Vertex>> {
+    let probes = std::mem::replace(&mut tracer.probes, !is_directly_visible);
     let found = walks.meet(tracer, depth);
     tracer.probes = probes;
     found
@@ -279,7 +293,7 @@ pub(super) fn rest_at(
         let last = Last { point, pdf, side: point.ns, light_samples: 1.0, bound: pass.bound };
         let sample =
             BsdfSample { wi: dir, weight: Vec3::ONE, pdf, delta: false, transmitted: false, wide: true };
-        let cone = Meeting::of(points, i).after(&sample, fineness(key));
+        let cone = ConeHit::of(points, i).after(&sample, fineness(key));
         walks.push(
             (ray, cone),
             key,
@@ -291,9 +305,9 @@ pub(super) fn rest_at(
                 absorption: Vec3::ZERO,
                 edges: edges + 1,
                 last: Some(last),
-                is_seen: false,
+                is_directly_visible: false,
                 // The shader asks lamps itself.
-                lamp_gain: 0.0,
+                light_gain: 0.0,
                 siblings: 1.0,
             },
         );
@@ -336,13 +350,13 @@ fn arrive(
         let Some(vertex) = vertex else {
             let dir = Vec3::from(rays.get(i).dir);
             let is_backdrop = walk.edges == 1 && tracer.world.lights().backdrop.is_some();
-            let seen = match is_backdrop {
+            let radiance_there = match is_backdrop {
                 true => tracer.environment(rays, &[i], |_| true).get(0),
                 false => lights.environment(dir),
             };
-            if seen != Vec3::ZERO {
+            if radiance_there != Vec3::ZERO {
                 let pdf = walk.last.map_or(0.0, |last| lights.pdf_environment(last.point.p, last.side, dir));
-                radiance.add(lane, walk.throughput * seen * (walk.lamp_gain * share(pdf)));
+                radiance.add(lane, walk.throughput * radiance_there * (walk.light_gain * share(pdf)));
             }
             continue;
         };
@@ -357,17 +371,17 @@ fn arrive(
             });
             // Light samples find what the description lets shine, not what a shader that was probed shows beside it.
             let shown = vertex.shown;
-            let gain = if light.is_some() { walk.lamp_gain } else { 1.0 };
+            let gain = if light.is_some() { walk.light_gain } else { 1.0 };
             radiance.add(lane, walk.throughput * (emission - shown) * (gain * share(pdf)));
             radiance.add(lane, walk.throughput * shown);
         }
         if vertex.is_final || walk.edges >= tracer.options.max_depth {
             continue;
         }
-        let Vertex { lamp_gain, ids: [instance, ..], t: distance, cone, .. } = vertex;
+        let Vertex { light_gain, ids: [instance, ..], t: distance, cone, .. } = vertex;
         let eye = EyePoint::new(vertex, walk.throughput, walk.edges, walk.lane);
-        let (rays, chance) = if walk.is_seen { rays_from(pass, &eye) } else { (1, 1.0) };
-        let stop = Stop { walk: *walk, eye, lamp_gain, rays, chance, instance, distance, cone };
+        let (rays, probability) = if walk.is_directly_visible { rays_from(pass, &eye) } else { (1, 1.0) };
+        let stop = Stop { walk: *walk, eye, light_gain, rays, probability, instance, distance, cone };
         if !stop.is_spent() {
             stops.push(stop);
         }
@@ -387,16 +401,16 @@ fn environment_of_shaders(
         return;
     }
     let missed: Vec<usize> = (0..walks.len()).filter(|&i| vertices[i].is_none()).collect();
-    let seen = tracer.environment(rays, &missed, |lane| walks[lane].edges == 1);
+    let radiance_there = tracer.environment(rays, &missed, |lane| walks[lane].edges == 1);
     for (k, &i) in missed.iter().enumerate() {
         let walk = walks[i].absorbed(None);
-        radiance.add(walk.lane as usize, walk.throughput * seen.get(k));
+        radiance.add(walk.lane as usize, walk.throughput * radiance_there.get(k));
     }
 }
 
 /// Whether all that virtual lights bring there is brought by a few of them.
 fn asks_few(pass: &PassLights, stop: &Stop) -> bool {
-    pass.is_few || !stop.walk.is_seen
+    pass.is_few || !stop.walk.is_directly_visible
 }
 
 /// Light from a few virtual lights on what scattered rays met: chosen by what they bring if nothing is in between [TCE05],
@@ -445,16 +459,16 @@ fn ask_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&
     let [u, _] = sample_pair(seed, stops[0].walk.key, stops[0].walk.edges, purpose::CUT);
     let fewer = cut(&eyes, share, MOST, u);
     let bound = pass.bound_at(false);
-    let mut promises = Promises::new(fewer.as_deref().unwrap_or(share), bound, max_edges);
-    promises.ask(level, &eyes);
+    let mut contributions = Contributions::new(fewer.as_deref().unwrap_or(share), bound, max_edges);
+    contributions.query(level, &eyes);
     for (lane, Stop { walk, eye, .. }) in stops.iter().enumerate() {
         let [u, _] = sample_pair(seed, walk.key, walk.edges, purpose::CHOICE);
-        promises.choose(lane, pass.few_at(walk.edges), u, |vpl, brought| {
-            let way = vpl.point.p - eye.point.p;
-            let offer = brought * stops[lane].rest(way.normalize());
-            let Some(start) = vpl::start(eye, way) else { return };
-            let way = vpl::end(&vpl.point, -way) - start;
-            let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
+        contributions.choose(lane, pass.few_at(walk.edges), u, |vpl, brought| {
+            let offset = vpl.point.p - eye.point.p;
+            let offer = brought * stops[lane].rest(offset.normalize());
+            let Some(start) = vpl::start(eye, offset) else { return };
+            let offset = vpl::end(&vpl.point, -offset) - start;
+            let ray = gnurt_accel::Ray::new(start.into(), offset.into()).within(0.0, END);
             offers.push(ray, walk, offer);
         });
     }
@@ -475,19 +489,19 @@ fn scatter(tracer: &BatchTracer, pass: &PassLights, stops: &[Stop]) -> Walks<Wal
 
 /// The `n`th of the rays that go on from a stop.
 fn scattered(seed: u64, pass: &PassLights, stop: &Stop, n: u32) -> Option<((gnurt_accel::Ray, Cone), Walk)> {
-    let Stop { walk, eye, rays: count, chance, .. } = stop;
-    let (count, chance) = (*count, *chance);
+    let Stop { walk, eye, rays: count, probability, .. } = stop;
+    let (count, probability) = (*count, *probability);
     let key = SampleKey { sample: walk.key.sample.wrapping_mul(count).wrapping_add(n), ..walk.key };
     let [u, v] = sample_pair(seed, key, walk.edges, purpose::DIRECTION);
     let [lobe, end] = sample_pair(seed, key, walk.edges, purpose::LOBE);
-    if walk.is_seen && end >= chance {
+    if walk.is_directly_visible && end >= probability {
         return None;
     }
     let (ray, sample) = eye.scatter([lobe, u, v])?;
     let rest = if sample.delta { 1.0 } else { stop.rest(sample.wi) };
     let mut throughput = walk.throughput * sample.weight * rest;
     // The edge to a virtual light is still to come, and siblings are not ended for being many.
-    if roulette::decides(walk.edges + 1) && !walk.is_seen {
+    if roulette::decides(walk.edges + 1) && !walk.is_directly_visible {
         let survival = roulette::survival(throughput.max_element() * walk.siblings);
         if end >= survival {
             return None;
@@ -502,8 +516,8 @@ fn scattered(seed: u64, pass: &PassLights, stop: &Stop, n: u32) -> Option<((gnur
         point: eye.point,
         pdf: sample.pdf,
         side: sampling_normal(&eye.point, &eye.bsdf),
-        light_samples: pass.light_samples(walk.is_seen) as f32 / stop.mean_rays(),
-        bound: pass.bound_at(walk.is_seen),
+        light_samples: pass.light_samples(walk.is_directly_visible) as f32 / stop.mean_rays(),
+        bound: pass.bound_at(walk.is_directly_visible),
     };
     let next = Walk {
         key: if count > 1 { walk.key.fork(n) } else { walk.key },
@@ -512,8 +526,8 @@ fn scattered(seed: u64, pass: &PassLights, stop: &Stop, n: u32) -> Option<((gnur
         absorption: eye.bsdf.absorption(sample.wi),
         edges: walk.edges + 1,
         last: (!sample.delta).then_some(last),
-        is_seen: walk.is_seen && sample.delta,
-        lamp_gain: stop.lamp_gain,
+        is_directly_visible: walk.is_directly_visible && sample.delta,
+        light_gain: stop.light_gain,
         siblings: walk.siblings * count as f32,
         ..*walk
     };

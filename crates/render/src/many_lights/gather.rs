@@ -17,12 +17,12 @@ use gnurt_simd::{dispatch, dispatch_wide, f32x16, prelude::*};
 
 use super::bound::Bound;
 use super::chosen::{Learned, Rows};
+use super::contribution::each_contribution;
 use super::cut::{MOST, cut_of};
 use super::eye::EyePoint;
 use super::lanes::{BLOCK, Block, Color, END, Light, Source};
 use super::mixing::mix;
 use super::neighbours;
-use super::promise::each_promise;
 use super::vpl::{self, Vpl};
 use crate::tracer::BatchTracer;
 
@@ -31,8 +31,8 @@ const CUT: u32 = 0x6000;
 
 /// Virtual lights ready to be gathered, such that neighbours in the list are neighbours.
 pub(super) fn sources(vpls: &[Vpl], bound: &Bound) -> Vec<Source> {
-    let places: Vec<Vec3> = vpls.iter().map(|vpl| vpl.point.p).collect();
-    neighbours::in_order(&places, 1).into_iter().map(|i| Source::new(&vpls[i as usize], bound)).collect()
+    let positions: Vec<Vec3> = vpls.iter().map(|vpl| vpl.point.p).collect();
+    neighbours::in_order(&positions, 1).into_iter().map(|i| Source::new(&vpls[i as usize], bound)).collect()
 }
 
 /// Gathers; adds to `radiance` by lane.
@@ -61,7 +61,7 @@ fn gather_all(
     bound: &Bound,
     radiance: &mut Vec3s,
 ) {
-    let mut room = Room::default();
+    let mut scratch = Scratch::default();
     let most = asked_of(sources.len());
     let SampleKey { pixel, sample, .. } = keys[points[0].lane as usize];
     let mixed = (sources.len() > most).then(|| hash_combine(pixel, sample));
@@ -71,16 +71,16 @@ fn gather_all(
         for near in sources.chunks(NEAR) {
             for part in &mut parts {
                 for source in near {
-                    part.gather(tracer, (source, 1.0), bound, &mut room);
+                    part.gather(tracer, (source, 1.0), bound, &mut scratch);
                 }
             }
         }
     } else {
         let mut learned = Learned::new(sources.len());
         for part in &mut parts {
-            for (i, weight) in part.choice(tracer, (sources, &learned), most, bound, &mut room) {
-                let [asked, came] = part.gather(tracer, (&sources[i], weight), bound, &mut room);
-                learned.note(i, asked, came);
+            for (i, weight) in part.choice(tracer, (sources, &learned), most, bound, &mut scratch) {
+                let [requests, came] = part.gather(tracer, (&sources[i], weight), bound, &mut scratch);
+                learned.note(i, requests, came);
             }
         }
     }
@@ -103,7 +103,7 @@ fn asked_of(lights: usize) -> usize {
 
 /// Memory for one virtual light on one block, and for what all promise to it.
 #[derive(Default)]
-struct Room {
+struct Scratch {
     light: Box<Light>,
     rows: Rows,
 }
@@ -138,7 +138,7 @@ impl<'a> Part<'a> {
         (sources, learned): (&[Source], &Learned),
         most: usize,
         bound: &Bound,
-        room: &mut Room,
+        scratch: &mut Scratch,
     ) -> Vec<(usize, f32)> {
         let [u, _] = sample_pair(tracer.options.seed, self.keys[0], 0, CUT);
         if self.block.other.len() == self.eyes.len() {
@@ -148,11 +148,13 @@ impl<'a> Part<'a> {
                 _ => cut_of(&self.eyes, sources, MOST, u),
             };
         }
-        let Room { light, rows } = room;
+        let Scratch { light, rows } = scratch;
         let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
         rows.clear();
-        let asked = (&self.block, &self.eyes[..]);
-        each_promise(level, asked, sources, (bound, max_edges), light, |i, promise, _| rows.push(i, promise));
+        let requests = (&self.block, &self.eyes[..]);
+        each_contribution(level, requests, sources, (bound, max_edges), light, |i, contribution, _| {
+            rows.push(i, contribution)
+        });
         rows.chosen(learned, most, u)
     }
 
@@ -163,10 +165,10 @@ impl<'a> Part<'a> {
         tracer: &mut BatchTracer,
         (source, weight): (&Source, f32),
         bound: &Bound,
-        room: &mut Room,
+        scratch: &mut Scratch,
     ) -> [u32; 2] {
         let Self { eyes, keys, block, sums, single, by_pencils } = self;
-        let Room { light, .. } = room;
+        let Scratch { light, .. } = scratch;
         let (level, max_edges) = (tracer.options.level, tracer.options.max_depth);
         let lanes = if block.other.len() == eyes.len() {
             None
@@ -187,16 +189,16 @@ impl<'a> Part<'a> {
             Some(_) => {
                 let lit = |i: &usize| light.rays.t_far()[*i] > 0.0;
                 for i in (0..eyes.len()).filter(lit) {
-                    let way = Vec3::from(light.rays.org) - block.end(i);
-                    single.push((block.end(i), way), keys[i], i, light.color.get(i) * weight);
+                    let offset = Vec3::from(light.rays.org) - block.end(i);
+                    single.push((block.end(i), offset), keys[i], i, light.color.get(i) * weight);
                 }
             }
         }
-        let mut ask = |i: usize| single.ask((&source.vpl, weight), i, eyes, keys, bound, max_edges);
+        let mut query = |i: usize| single.query((&source.vpl, weight), i, eyes, keys, bound, max_edges);
         if lanes.is_some() {
-            block.other.iter().for_each(|&i| ask(i));
+            block.other.iter().for_each(|&i| query(i));
         } else {
-            (0..eyes.len()).for_each(ask);
+            (0..eyes.len()).for_each(query);
         }
         if single.lanes.len() >= ENOUGH {
             single.settle(tracer, sums);
@@ -209,8 +211,8 @@ impl<'a> Part<'a> {
 fn blocks<'a>(points: &[&'a EyePoint], seed: Option<u32>) -> impl Iterator<Item = Vec<&'a EyePoint>> {
     let kinds = [0, 1, 2].map(|kind| points.iter().copied().filter(|eye| kind_of(eye) == kind).collect());
     let in_order = |kind: Vec<&'a EyePoint>| {
-        let places: Vec<Vec3> = kind.iter().map(|eye| eye.point.p).collect();
-        let order = neighbours::in_order(&places, BLOCK);
+        let positions: Vec<Vec3> = kind.iter().map(|eye| eye.point.p).collect();
+        let order = neighbours::in_order(&positions, BLOCK);
         let mut turns: Vec<usize> = (0..order.len()).collect();
         if let Some(seed) = seed {
             for near in turns.chunks_mut(MIXED * BLOCK) {
@@ -219,7 +221,7 @@ fn blocks<'a>(points: &[&'a EyePoint], seed: Option<u32>) -> impl Iterator<Item 
                 near.chunks_mut(BLOCK).for_each(<[_]>::sort_unstable);
             }
         }
-        turns.into_iter().map(move |turn| kind[order[turn] as usize])
+        turns.into_iter().map(move |angle_change| kind[order[angle_change] as usize])
     };
     let all: Vec<&EyePoint> = kinds.into_iter().flat_map(in_order).collect();
     (0..all.len()).step_by(BLOCK).map(move |first| all[first..all.len().min(first + BLOCK)].to_vec())
@@ -252,15 +254,15 @@ struct Single {
 }
 
 impl Single {
-    fn push(&mut self, (start, way): (Vec3, Vec3), key: SampleKey, lane: usize, color: Vec3) {
-        let ray = gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END);
+    fn push(&mut self, (start, offset): (Vec3, Vec3), key: SampleKey, lane: usize, color: Vec3) {
+        let ray = gnurt_accel::Ray::new(start.into(), offset.into()).within(0.0, END);
         self.request.rays.push(ray);
         self.request.key.push(key);
         self.lanes.push((lane, color));
     }
 
     /// What a virtual light brings to lane `i`, whatever its BSDF, times a weight.
-    fn ask(
+    fn query(
         &mut self,
         (vpl, weight): (&Vpl, f32),
         i: usize,
@@ -271,9 +273,9 @@ impl Single {
     ) {
         let eye = eyes[i];
         let Some(color) = vpl.brings(eye, bound, max_edges).filter(|color| color.is_finite()) else { return };
-        let way = vpl.point.p - eye.point.p;
-        let start = vpl::start(eye, way).unwrap_or(eye.point.p);
-        self.push((start, vpl::end(&vpl.point, -way) - start), keys[i], i, color * weight);
+        let offset = vpl.point.p - eye.point.p;
+        let start = vpl::start(eye, offset).unwrap_or(eye.point.p);
+        self.push((start, vpl::end(&vpl.point, -offset) - start), keys[i], i, color * weight);
     }
 
     /// Adds what arrives.

@@ -68,9 +68,9 @@ impl Texel {
 
     /// Whether light of two pixels may be averaged.
     fn agrees(&self, other: &Self) -> bool {
-        let way = other.p - self.p;
-        let distance = way.length();
-        let is_in_plane = |normal: Vec3| way.dot(normal).abs() <= SAME_PLANE * distance;
+        let offset = other.p - self.p;
+        let distance = offset.length();
+        let is_in_plane = |normal: Vec3| offset.dot(normal).abs() <= SAME_PLANE * distance;
         self.instance == other.instance
             && self.is_diffuse == other.is_diffuse
             && self.ns.dot(other.ns) >= SAME_NORMAL
@@ -88,10 +88,10 @@ pub(crate) fn place_of(pixel: u32, width: u32, n: u32) -> usize {
 /// The key of a pixel's random numbers: all pixels at one place of the pattern have the same, so that neighbours differ by
 /// their places alone, which are averaged, and not by noise; together the places are one stratified set.
 pub(super) fn key_of_place(key: SampleKey, width: u32, n: u32) -> SampleKey {
-    let place = place_of(key.pixel, width, n) as u32;
+    let position = place_of(key.pixel, width, n) as u32;
     // Within 32 bits the last samples of a long rendering may use numbers again, but never leave their places.
     let sample = key.sample % (u32::MAX / (n * n));
-    SampleKey { pixel: PATTERN, sample: sample * (n * n) + place, ..key }
+    SampleKey { pixel: PATTERN, sample: sample * (n * n) + position, ..key }
 }
 
 /// The share that a key belongs to, of so many.
@@ -105,14 +105,15 @@ pub(super) fn share_of_key(sharing: Sharing, key: SampleKey, shares: usize) -> u
 }
 
 /// The virtual lights of each of so many shares, each as strong as all of them.
-pub(super) fn shares(vpls: &[Vpl], places: usize) -> Vec<Vec<Vpl>> {
-    let share =
-        |place: usize| vpls.iter().skip(place).step_by(places).map(|vpl| vpl.scaled(places as f32)).collect();
-    (0..places).map(share).collect()
+pub(super) fn shares(vpls: &[Vpl], pattern_size: usize) -> Vec<Vec<Vpl>> {
+    let share = |position: usize| {
+        vpls.iter().skip(position).step_by(pattern_size).map(|vpl| vpl.scaled(pattern_size as f32)).collect()
+    };
+    (0..pattern_size).map(share).collect()
 }
 
 /// What the pixels of a picture's part saw, by tiles of the film.
-pub(crate) struct Seen<'a> {
+pub(crate) struct PatternTexels<'a> {
     /// Row by row in each tile.
     tiles: Vec<(&'a [u32; 4], &'a [Texel])>,
     /// Tiles beside each other.
@@ -123,7 +124,7 @@ pub(crate) struct Seen<'a> {
     n: u32,
 }
 
-impl<'a> Seen<'a> {
+impl<'a> PatternTexels<'a> {
     /// `tiles` cover `region` in rows, on a grid of `size` pixels from the picture's corner.
     pub(crate) fn new(
         tiles: impl Iterator<Item = (&'a [u32; 4], &'a [Texel])>,
@@ -155,7 +156,7 @@ impl<'a> Seen<'a> {
         radiance.reset(tile.first.len(), Vec3::ZERO);
         for (lane, [x, y]) in tile.pixels().enumerate() {
             let middle = self.at(x, y);
-            let mut seen = middle.plain;
+            let mut pattern_texels = middle.plain;
             if middle.is_surface() {
                 let (mut sum, mut count) = (Vec3::ZERO, 0.0);
                 for row in window(y, y0, y1) {
@@ -167,9 +168,9 @@ impl<'a> Seen<'a> {
                         }
                     }
                 }
-                seen += middle.share * sum / count;
+                pattern_texels += middle.share * sum / count;
             }
-            radiance.set(lane, seen);
+            radiance.set(lane, pattern_texels);
         }
     }
 }
@@ -180,7 +181,7 @@ mod tests {
     use crate::options::RenderOptions;
 
     /// A floor left of `edge`, and beside it another thing.
-    fn texel(x: u32, y: u32, edge: u32, beside: fn(&mut Texel)) -> Texel {
+    fn texel(x: u32, y: u32, edge: u32, neighbours: fn(&mut Texel)) -> Texel {
         let light = if x < edge { 1.0 } else { 100.0 };
         let mut texel = Texel {
             share: Vec3::splat(0.5),
@@ -193,12 +194,12 @@ mod tests {
             ..Texel::default()
         };
         if x >= edge {
-            beside(&mut texel);
+            neighbours(&mut texel);
         }
         texel
     }
 
-    fn filtered(edge: u32, beside: fn(&mut Texel)) -> Vec<([u32; 2], f32)> {
+    fn filtered(edge: u32, neighbours: fn(&mut Texel)) -> Vec<([u32; 2], f32)> {
         let region = [5, 3, 60, 40];
         let options = RenderOptions { interleave: 3, ..RenderOptions::default() };
         let tiles = TileFilm::cover(region, &options);
@@ -206,14 +207,14 @@ mod tests {
             .iter()
             .map(|tile| {
                 let [x0, y0, x1, y1] = tile.rect;
-                (y0..y1).flat_map(|y| (x0..x1).map(move |x| texel(x, y, edge, beside))).collect()
+                (y0..y1).flat_map(|y| (x0..x1).map(move |x| texel(x, y, edge, neighbours))).collect()
             })
             .collect();
         let rects = tiles.iter().map(|tile| &tile.rect).zip(texels.iter().map(Vec::as_slice));
-        let seen = Seen::new(rects, region, crate::film::tile_size(&options), 3);
+        let pattern_texels = PatternTexels::new(rects, region, crate::film::tile_size(&options), 3);
         let of_tile = |tile: &TileFilm| {
             let mut radiance = Vec3s::default();
-            seen.filtered(tile, &mut radiance);
+            pattern_texels.filtered(tile, &mut radiance);
             tile.pixels().enumerate().map(|(i, pixel)| (pixel, radiance.x[i])).collect::<Vec<_>>()
         };
         tiles.iter().flat_map(of_tile).collect()
@@ -234,9 +235,9 @@ mod tests {
             |texel| texel.p.z += 2.0,
             |texel| texel.p.x += 20.0,
         ];
-        for beside in others {
+        for neighbours in others {
             // The first column beyond has light.
-            let all = filtered(31, beside);
+            let all = filtered(31, neighbours);
             let near = |pixel: &&([u32; 2], f32)| pixel.0[0] < 31;
             let brightest = all.iter().filter(near).map(|(_, light)| *light).fold(0.0, f32::max);
             assert!(brightest < 2.0, "a hundred times brighter, but next door: {brightest}");

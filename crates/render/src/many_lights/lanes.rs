@@ -9,7 +9,7 @@
 use glam::Vec3;
 use gnurt_accel::Pencil;
 use gnurt_shading::SurfacePoint;
-use gnurt_shading::bsdf::{Carrying, GRAZING, Kept};
+use gnurt_shading::bsdf::{CachedLobes, Carrying, GRAZING};
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::real::{Real, Vector};
 
@@ -38,11 +38,11 @@ pub(super) struct Block {
     /// Most edges that a virtual light's path may have.
     most_edges: Lanes,
     /// What they do to light, seen from the eye, by sixteens.
-    kept: Vec<Kept>,
+    persistent: Vec<CachedLobes>,
     /// Lanes that light may go through.
     pub(super) other: Vec<usize>,
     /// Least and greatest places and shading normals.
-    places: Extent,
+    positions: Extent,
     normals: Extent,
 }
 
@@ -108,14 +108,14 @@ impl Color {
     #[inline(always)]
     pub(super) fn add(&mut self, other: &Self, except: u64, weight: f32) {
         // All bits or none: then this is plain arithmetic on lanes.
-        let mut kept = [0_u32; BLOCK];
-        for (i, kept) in kept.iter_mut().enumerate() {
+        let mut persistent = [0_u32; BLOCK];
+        for (i, persistent) in persistent.iter_mut().enumerate() {
             let half = (except >> (i & 32)) as u32;
-            *kept = (half >> (i & 31) & 1).wrapping_sub(1);
+            *persistent = (half >> (i & 31) & 1).wrapping_sub(1);
         }
         for (sums, colors) in self.0.iter_mut().zip(&other.0) {
             for i in 0..BLOCK {
-                sums[i] += f32::from_bits(colors[i].to_bits() & kept[i]) * weight;
+                sums[i] += f32::from_bits(colors[i].to_bits() & persistent[i]) * weight;
             }
         }
     }
@@ -180,9 +180,9 @@ impl Block {
             lifted: [0.0; BLOCK],
             throughput: zero,
             most_edges: [-1.0; BLOCK],
-            kept: Vec::with_capacity(BLOCK / LANES),
+            persistent: Vec::with_capacity(BLOCK / LANES),
             other: Vec::new(),
-            places: Extent::NONE,
+            positions: Extent::NONE,
             normals: Extent::NONE,
         };
         for (i, eye) in points.iter().enumerate() {
@@ -197,7 +197,7 @@ impl Block {
                 block.ng[k][i] = point.ng[k];
                 block.throughput[k][i] = eye.throughput[k];
             }
-            block.places.add(point.p);
+            block.positions.add(point.p);
             block.normals.add(point.ns);
             block.lifted[i] = f32::from(u8::from(point.lift != Vec3::ZERO));
             block.most_edges[i] = max_edges as f32 - 1.0 - eye.edges as f32;
@@ -207,7 +207,7 @@ impl Block {
             }
         }
         for some in points.chunks(LANES) {
-            block.kept.push(Kept::new(some.iter().map(|eye| (&eye.bsdf, eye.wo))));
+            block.persistent.push(CachedLobes::new(some.iter().map(|eye| (&eye.bsdf, eye.wo))));
         }
         block
     }
@@ -218,9 +218,9 @@ impl Block {
         if source.sender.is_none() {
             return true;
         }
-        let way = Extent { low: source.p - self.places.high, high: source.p - self.places.low };
+        let offset = Extent { low: source.p - self.positions.high, high: source.p - self.positions.low };
         let back = Extent { low: -source.ng, high: -source.ng };
-        way.most_dot(&back) > 0.0 && way.most_dot(&self.normals) > 0.0
+        offset.most_dot(&back) > 0.0 && offset.most_dot(&self.normals) > 0.0
     }
 }
 
@@ -244,9 +244,9 @@ impl Block {
         let [bent_light, ng_light] = [source.bent, source.ng].map(|v| Vector::all(zero, v));
         let (start, p_light) = (Vector::all(zero, source.start), Vector::all(zero, source.p));
         for first in (0..BLOCK).step_by(R::LANES) {
-            let way = p_light - at(zero, &self.p, first);
-            let near = zero.all(1.0) / way.length_squared();
-            let to = way * near.root();
+            let offset = p_light - at(zero, &self.p, first);
+            let near = zero.all(1.0) / offset.length_squared();
+            let to = offset * near.root();
             let (eye_b, eye_s) = (at(zero, &self.bent, first).dot(to), at(zero, &self.ns, first).dot(to));
             let eye_g = at(zero, &self.ng, first).dot(to);
             let (vpl_b, vpl_g) = (-bent_light.dot(to), -ng_light.dot(to));
@@ -290,8 +290,8 @@ impl Block {
     /// What the points from `first` on make of light from the unit `to`, and the density with which they choose it.
     #[inline(always)]
     fn kept_at<R: Real>(&self, first: usize, to: Vector<R>) -> (Vector<R>, R) {
-        match self.kept.get(first / LANES) {
-            Some(kept) => kept.eval_pdf(first % LANES, to),
+        match self.persistent.get(first / LANES) {
+            Some(persistent) => persistent.eval_pdf(first % LANES, to),
             None => (Vector::grey(to.x.all(0.0)), to.x.all(0.0)),
         }
     }
@@ -311,11 +311,11 @@ impl Block {
         rays.org = start.into();
         let ([wx, wy, wz], t_far) = rays.lanes();
         for first in (0..BLOCK).step_by(R::LANES) {
-            let way = p - at(zero, &self.p, first);
-            let above = at(zero, &self.ns, first).dot(way).above(zero)
-                & (at(zero, &self.ng, first).dot(way).above(zero)
+            let offset = p - at(zero, &self.p, first);
+            let above = at(zero, &self.ns, first).dot(offset).above(zero)
+                & (at(zero, &self.ng, first).dot(offset).above(zero)
                     | zero.load(&self.lifted, first).above(zero));
-            let front = zero.above(n.dot(way));
+            let front = zero.above(n.dot(offset));
             let (all, to_lanes) = (zero.is(zero), at(zero, &self.end, first) - from);
             R::pick(above & front, zero.all(END), zero.all(-1.0)).squeeze(all, t_far, first);
             to_lanes.squeeze(all, [wx, wy, wz], first);
@@ -329,9 +329,9 @@ impl Block {
         let zero = like.all(0.0);
         let (p, n) = (Vector::all(zero, point.p), Vector::all(zero, point.ng));
         for first in (0..BLOCK).step_by(R::LANES) {
-            let way = p - at(zero, &self.p, first);
-            let near = zero.all(1.0) / way.length_squared();
-            let to = way * near.root();
+            let offset = p - at(zero, &self.p, first);
+            let near = zero.all(1.0) / offset.length_squared();
+            let to = offset * near.root();
             let front = -n.dot(to);
             let (_, chosen) = self.kept_at(first, to);
             let density = chosen * front * near;
@@ -373,7 +373,7 @@ mod tests {
     }
 
     /// Plastic, metal, something between, or Lambert's reflector.
-    fn facets(n: u32, ns: Vec3) -> Bsdf {
+    fn microfacets(n: u32, ns: Vec3) -> Bsdf {
         let metallic = [0.0, 1.0, 0.5][n as usize % 3];
         let roughness = 0.3 + 0.7 * random(n, 4)[0];
         let principled = Principled::new(Vec3::new(0.8, 0.5, 0.2), metallic, roughness, 1.5);
@@ -397,7 +397,7 @@ mod tests {
             4 => Lobe::fibres(tint, 0.6).into(),
             5 => Lobes::from(tilted(Lobe::coat(0.4))).over(body),
             6 => Lobes::from(Lobe::coat(0.4)).over(tilted(body)),
-            7 => Lobes::from(tilted(body)).plus(Lobe::facets(0.5, tint, Vec3::ONE)),
+            7 => Lobes::from(tilted(body)).plus(Lobe::microfacets(0.5, tint, Vec3::ONE)),
             8 => Lobes::from(tilted(Lobe::fibres(tint, 0.4))).plus(body),
             _ => Lobes::from(tilted(Lobe::phong(9.0))).over(body),
         };
@@ -425,16 +425,16 @@ mod tests {
 
     #[test]
     fn lanes_agree_with_single_points() {
-        let ways: [(Make, Make); 7] = [
+        let makers: [(Make, Make); 7] = [
             (lambert, lambert),
-            (lambert, facets),
-            (facets, lambert),
-            (facets, facets),
+            (lambert, microfacets),
+            (microfacets, lambert),
+            (microfacets, microfacets),
             (odd, lambert),
             (lambert, odd),
             (odd, odd),
         ];
-        for (of_eyes, of_lights) in ways {
+        for (of_eyes, of_lights) in makers {
             agree(of_eyes, of_lights);
         }
     }
@@ -456,11 +456,11 @@ mod tests {
             let bsdf = of_lights(n, point.ns);
             let vpl = Vpl::new(point, bsdf, point.ns, Vec3::new(3.0, 2.0, 1.0), 2 + n % 3);
             let (source, mut light) = (Source::new(&vpl, &bound), Light::default());
-            let asked = by_lanes(&block, &source, &mut light).expect("lanes know");
+            let requests = by_lanes(&block, &source, &mut light).expect("lanes know");
             assert!(block.other.is_empty(), "all of them");
-            assert!(asked == 0 || block.may_get(&source), "light {n} is not left out");
+            assert!(requests == 0 || block.may_get(&source), "light {n} is not left out");
             let rays = light.rays.t_far().iter().filter(|&&far| far > 0.0).count();
-            assert_eq!(asked as usize, rays, "light {n}: lanes that ask");
+            assert_eq!(requests as usize, rays, "light {n}: lanes that ask");
             for (i, eye) in eyes.iter().enumerate() {
                 // Lanes raise views to the front of the point's normal before those of lobes' own, single points do not.
                 let tilted = vpl.bsdf.lobes().as_slice().iter().any(|lobe| lobe.normal != Vec3::ZERO);
@@ -468,15 +468,15 @@ mod tests {
                 if tilted && vpl.bsdf.normal().dot(away) < 2.0 * GRAZING {
                     continue;
                 }
-                let wanted = vpl.brings(eye, &bound, max_edges).unwrap_or(Vec3::ZERO);
+                let expected = vpl.brings(eye, &bound, max_edges).unwrap_or(Vec3::ZERO);
                 let found = light.color.get(i);
-                let off = (found - wanted).length() / wanted.length().max(1e-2);
-                assert!(off < 1e-3, "light {n}, point {i}: {found} instead of {wanted}");
-                let is_dark = wanted.length() < 1e-6;
+                let off = (found - expected).length() / expected.length().max(1e-2);
+                assert!(off < 1e-3, "light {n}, point {i}: {found} instead of {expected}");
+                let is_dark = expected.length() < 1e-6;
                 assert!(is_dark || light.rays.t_far()[i] > 0.0, "light {n}, point {i}: asks for shadow");
                 let free = vpl.brings(eye, &Bound::on_geometry_term(f32::INFINITY), max_edges);
-                lit += u32::from(wanted != Vec3::ZERO);
-                bounded += u32::from(free.is_some_and(|free| free.x > wanted.x * 1.01));
+                lit += u32::from(expected != Vec3::ZERO);
+                bounded += u32::from(free.is_some_and(|free| free.x > expected.x * 1.01));
             }
         }
         assert!(lit > 200 && bounded > 20, "the test has something to test: {lit}, {bounded}");
@@ -484,7 +484,7 @@ mod tests {
 
     #[test]
     fn densities_are_those_of_single_points() {
-        for of_eyes in [lambert as Make, facets, odd] {
+        for of_eyes in [lambert as Make, microfacets, odd] {
             let eyes: Vec<EyePoint> = (0..BLOCK as u32)
                 .map(|n| {
                     let point = point(n);
@@ -500,21 +500,21 @@ mod tests {
                 block.densities(0.0_f32, &point, &mut densities.0);
                 block.ways_from(0.0_f32, &point, &mut rays);
                 for (i, eye) in eyes.iter().enumerate() {
-                    let way = point.p - eye.point.p;
-                    let to = way.normalize();
-                    let is_seen = vpl::is_open(&eye.point, to) && eye.point.ns.dot(to) > 0.0;
-                    let is_seen = is_seen && point.ng.dot(to) < 0.0;
+                    let offset = point.p - eye.point.p;
+                    let to = offset.normalize();
+                    let is_facing = vpl::is_open(&eye.point, to) && eye.point.ns.dot(to) > 0.0;
+                    let is_facing = is_facing && point.ng.dot(to) < 0.0;
                     assert_eq!(
                         rays.t_far()[i] > 0.0,
-                        is_seen,
+                        is_facing,
                         "point {n}, lane {i}: a ray where both see fronts"
                     );
-                    if is_seen {
-                        let wanted = eye.bsdf.pdf(eye.wo, to) * -point.ng.dot(to) / way.length_squared();
+                    if is_facing {
+                        let expected = eye.bsdf.pdf(eye.wo, to) * -point.ng.dot(to) / offset.length_squared();
                         let found = densities.0[i];
                         assert!(
-                            (found - wanted).abs() < 1e-3 * wanted.max(1e-2),
-                            "{found} instead of {wanted}"
+                            (found - expected).abs() < 1e-3 * expected.max(1e-2),
+                            "{found} instead of {expected}"
                         );
                         some += 1;
                     }

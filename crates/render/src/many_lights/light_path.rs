@@ -11,7 +11,7 @@ use gnurt_shading::lights::LightKind;
 use gnurt_shading::sampling::{hash_combine, sample_pair};
 use gnurt_shading::{SampleKey, Vec3s};
 
-use super::shader_lamps::{self, Source, Start};
+use super::plugin_emitters::{self, Source, Start};
 use super::vpl::{Vpl, is_open};
 use crate::cone::{Cone, fineness};
 use crate::tracer::BatchTracer;
@@ -57,12 +57,12 @@ pub(crate) mod pair {
     /// The lobe, and whether the path ends; on edge 0 the lamp, and which surfaces that are there in part the edge meets.
     pub(crate) const LOBE: u32 = 1;
     /// The place on a lamp; on other edges which surfaces they meet.
-    pub(crate) const PLACE: u32 = 2;
+    pub(crate) const POSITION: u32 = 2;
 }
 
 /// The number that decides which of the surfaces that are there in part an edge meets, after so many others.
-fn chance(path: u32, before: u32, numbers: &Numbers) -> f32 {
-    if before == 0 { numbers(path, 0, pair::LOBE)[1] } else { numbers(path, before, pair::PLACE)[0] }
+fn probability(path: u32, before: u32, numbers: &Numbers) -> f32 {
+    if before == 0 { numbers(path, 0, pair::LOBE)[1] } else { numbers(path, before, pair::POSITION)[0] }
 }
 
 struct Walk {
@@ -78,11 +78,11 @@ struct Walk {
     /// How much is absorbed along the edge where it begins.
     absorption: Vec3,
     /// The lamp's triangle and normal, on the first edge.
-    lamp: Option<(u32, Vec3)>,
+    emitter_choice: Option<(u32, Vec3)>,
     /// On the first edge from a light of a shader plugin: which one; `power` then is what its light is multiplied with.
     plugin: Option<Source>,
     /// Whether it comes straight from a lamp, by nothing but mirrors and smooth glass.
-    is_lamplight: bool,
+    is_direct_light: bool,
 }
 
 /// Share of paths that start at lights of shader plugins where there are others.
@@ -90,7 +90,7 @@ const OF_PLUGINS: f32 = 0.5;
 
 /// Share of paths that start at lights of the light set.
 pub(super) fn share_of_light_set(world: &World) -> f32 {
-    match (world.shader_lamps().len(), world.light_set().len()) {
+    match (world.plugin_emitters().len(), world.light_set().len()) {
         (0, _) => 1.0,
         (_, 0) => 0.0,
         _ => 1.0 - OF_PLUGINS,
@@ -105,9 +105,9 @@ fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Option<Start>, (
     if choice >= share {
         return Err(((choice - share) / (1.0 - share), 1.0 / (1.0 - share)));
     }
-    let start = world.shader_lamps().start(
+    let start = world.plugin_emitters().start(
         choice / share,
-        numbers(path, 0, pair::PLACE),
+        numbers(path, 0, pair::POSITION),
         numbers(path, 0, pair::DIRECTION),
     );
     Ok(start.map(|start| Start { weight: start.weight / share, ..start }))
@@ -122,9 +122,9 @@ fn ask_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[O
     if let Some(environment) = world.lights().environment.as_ref().filter(|_| !lanes.is_empty()) {
         let mut dirs = Vec3s::default();
         lanes.iter().for_each(|&i| dirs.push(-Vec3::from(rays.get(i).dir)));
-        let mut seen = Vec3s::splat(lanes.len(), Vec3::ZERO);
-        environment.miss(&dirs, &mut seen);
-        lanes.into_iter().enumerate().for_each(|(k, i)| walks[i].power *= seen.get(k));
+        let mut visible = Vec3s::splat(lanes.len(), Vec3::ZERO);
+        environment.miss(&dirs, &mut visible);
+        lanes.into_iter().enumerate().for_each(|(k, i)| walks[i].power *= visible.get(k));
     }
     for (light, shader) in world.lights().shaders[world.lights().plugins.clone()].iter().enumerate() {
         let lanes = of(Source::Light(light), walks);
@@ -136,7 +136,7 @@ fn ask_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[O
             p.push(vertex.point.p);
             normal.push(vertex.point.ns);
         }
-        let arriving = shader_lamps::arriving(&**shader, &p, &normal);
+        let arriving = plugin_emitters::arriving(&**shader, &p, &normal);
         lanes.into_iter().zip(arriving).for_each(|(i, arriving)| walks[i].power *= arriving);
     }
 }
@@ -160,7 +160,7 @@ pub(crate) fn trace(
             Ok(None) => continue,
             Ok(Some(start)) => {
                 let ray = Ray::new(start.org.into(), start.dir.into());
-                walks.chances.push(chance(path, 0, numbers));
+                walks.chances.push(probability(path, 0, numbers));
                 walks.push(
                     (ray, Cone::default()),
                     key(path, numbers),
@@ -174,21 +174,22 @@ pub(crate) fn trace(
                         is_far: true,
                         is_endless: start.source == Source::Environment,
                         absorption: Vec3::ZERO,
-                        lamp: None,
+                        emitter_choice: None,
                         plugin: Some(start.source),
                         // Shaders do not ask what is around the scene.
-                        is_lamplight: start.source != Source::Environment,
+                        is_direct_light: start.source != Source::Environment,
                     },
                 );
                 continue;
             }
         };
-        let Some(ray) = lights.emit(choice, numbers(path, 0, pair::PLACE), numbers(path, 0, pair::DIRECTION))
+        let Some(ray) =
+            lights.emit(choice, numbers(path, 0, pair::POSITION), numbers(path, 0, pair::DIRECTION))
         else {
             continue;
         };
         let pdf = if ray.is_surface { ray.pdf_dir } else { f32::INFINITY };
-        walks.chances.push(chance(path, 0, numbers));
+        walks.chances.push(probability(path, 0, numbers));
         walks.push(
             (ray.point.spawn(ray.dir, f32::INFINITY), Cone::from_point(pdf)),
             key(path, numbers),
@@ -202,12 +203,12 @@ pub(crate) fn trace(
                 is_far: !ray.is_surface,
                 is_endless: matches!(ray.kind, LightKind::Directional(_) | LightKind::Environment),
                 absorption: Vec3::ZERO,
-                lamp: match ray.kind {
+                emitter_choice: match ray.kind {
                     LightKind::Triangle(triangle) => Some((triangle, ray.normal)),
                     _ => None,
                 },
                 plugin: None,
-                is_lamplight: true,
+                is_direct_light: true,
             },
         );
     }
@@ -228,9 +229,9 @@ pub(crate) fn trace(
             } else {
                 walk.pdf * point.ng.dot(from).abs() / (point.p - walk.origin).length_squared()
             };
-            let gain = if walk.is_lamplight { vertex.lamp_gain } else { 1.0 };
-            let way = if walk.is_endless { f32::INFINITY } else { (point.p - walk.origin).length() };
-            let power = walk.power * left_after(way, [walk.absorption, bsdf.medium().on(true)]) * gain;
+            let gain = if walk.is_direct_light { vertex.light_gain } else { 1.0 };
+            let offset = if walk.is_endless { f32::INFINITY } else { (point.p - walk.origin).length() };
+            let power = walk.power * left_after(offset, [walk.absorption, bsdf.medium().on(true)]) * gain;
             let vpl = Vpl::new(point, bsdf.clone(), from, power, walk.edges);
             let [lobe, end] = numbers(walk.path, walk.edges, pair::LOBE);
             let direction = numbers(walk.path, walk.edges, pair::DIRECTION);
@@ -240,10 +241,10 @@ pub(crate) fn trace(
                 vpl,
                 pdf: per_area,
                 connectable: walk.smooth && per_area.is_finite(),
-                reverse: walk.lamp.map_or(1.0, |(triangle, normal)| {
+                reverse: walk.emitter_choice.map_or(1.0, |(triangle, normal)| {
                     let dist = (walk.origin - point.p).length();
-                    let seen = lights.pdf_triangle(point.p, Vec3::ZERO, triangle, from, dist);
-                    seen * normal.dot(from).abs() / (dist * dist)
+                    let visible = lights.pdf_triangle(point.p, Vec3::ZERO, triangle, from, dist);
+                    visible * normal.dot(from).abs() / (dist * dist)
                 }),
                 survival,
             });
@@ -258,7 +259,7 @@ pub(crate) fn trace(
             }
             // Light paths are few: they are as fine as cones get.
             let fine = fineness(SampleKey { sample: u32::MAX, ..SampleKey::default() });
-            next.chances.push(chance(walk.path, walk.edges, numbers));
+            next.chances.push(probability(walk.path, walk.edges, numbers));
             next.push(
                 (ray, vertex.cone.after(&sample, fine)),
                 key(walk.path, numbers).fork(walk.edges),
@@ -272,9 +273,9 @@ pub(crate) fn trace(
                     is_far: false,
                     is_endless: false,
                     absorption: bsdf.absorption(sample.wi),
-                    lamp: None,
+                    emitter_choice: None,
                     plugin: None,
-                    is_lamplight: walk.is_lamplight && sample.delta,
+                    is_direct_light: walk.is_direct_light && sample.delta,
                 },
             );
         }
@@ -312,9 +313,10 @@ mod tests {
         let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Alpha };
         let veil = Material { alpha: Alpha::Blend { opacity }, ..Material::matte("veil", [0.0; 3]) };
         let veil = scene.add_material(veil);
-        let lamp = scene.add_material(Material { emission: [1.0; 3], ..Material::matte("lamp", [0.0; 3]) });
+        let emitter_choice =
+            scene.add_material(Material { emission: [1.0; 3], ..Material::matte("lamp", [0.0; 3]) });
         let floor = scene.add_material(Material::matte("floor", [0.5; 3]));
-        let mut place = |z: f32, size: f32, down: bool, material| {
+        let mut position = |z: f32, size: f32, down: bool, material| {
             let indices = if down { vec![[0, 2, 1], [0, 3, 2]] } else { vec![[0, 1, 2], [0, 2, 3]] };
             let corners = [[-size, -size, z], [size, -size, z], [size, size, z], [-size, size, z]];
             let mesh = Mesh { positions: corners.into(), indices, material, ..Mesh::default() };
@@ -322,9 +324,9 @@ mod tests {
             let object = scene.add_object_of("", vec![mesh]);
             scene.instantiate(object, Affine::IDENTITY);
         };
-        place(0.0, 1000.0, false, floor);
-        (0..veils).for_each(|k| place(1.0 - 0.1 * k as f32, 1000.0, false, veil));
-        place(2.0, 0.1, true, lamp);
+        position(0.0, 1000.0, false, floor);
+        (0..veils).for_each(|k| position(1.0 - 0.1 * k as f32, 1000.0, false, veil));
+        position(2.0, 0.1, true, emitter_choice);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread starts");
         let mut world = World::new();
         let how = CommitOptions::default();
@@ -345,15 +347,19 @@ mod tests {
     #[test]
     fn sets_decide_about_holes() {
         let share = |ends: &[bool]| ends.iter().filter(|&&veil| veil).count() as f64 / ends.len() as f64;
-        for (veils, wanted) in [(1, 0.5), (3, 0.875)] {
+        for (veils, requested) in [(1, 0.5), (3, 0.875)] {
             let world = veiled(veils);
             for seed in [3, 5] {
                 let options = RenderOptions { seed, ..RenderOptions::default() };
                 let all: Vec<bool> = (0..256).flat_map(|set| ends(&world, &options, set, 8)).collect();
-                assert!((share(&all) - wanted).abs() < 0.03, "{veils} veils, seed {seed}: {}", share(&all));
+                assert!(
+                    (share(&all) - requested).abs() < 0.03,
+                    "{veils} veils, seed {seed}: {}",
+                    share(&all)
+                );
                 // Within a set they are spread as evenly as other numbers are.
                 let one = share(&ends(&world, &options, 7, 256));
-                assert!((one - wanted).abs() < 0.02, "{veils} veils, one set of seed {seed}: {one}");
+                assert!((one - requested).abs() < 0.02, "{veils} veils, one set of seed {seed}: {one}");
             }
         }
         // Pictures that differ in their seeds alone may share the lights.

@@ -34,7 +34,7 @@ const SMALL: [f32; 2] = [1.0 / 1024.0, 1.0 / 32.0];
 /// Edges whose numbers are changed, at most; those beyond keep what the chain started with.
 const EDGES: u32 = 24;
 /// Pairs of each edge of a light path.
-const PAIRS: u32 = light_path::pair::PLACE + 1;
+const PAIRS: u32 = light_path::pair::POSITION + 1;
 /// Pairs of the camera's side.
 const OF_EYE: usize = (EYE_PAIRS.end - EYE_PAIRS.start) as usize;
 /// Says that a number is for chains.

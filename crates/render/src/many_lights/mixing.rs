@@ -24,7 +24,7 @@ mod tests {
         for seed in 0..TIMES {
             let mut items: [usize; N] = std::array::from_fn(|i| i);
             mix(&mut items, seed);
-            items.iter().enumerate().for_each(|(place, &item)| counts[item][place] += 1);
+            items.iter().enumerate().for_each(|(position, &item)| counts[item][position] += 1);
         }
         // 1000 each, six deviations at most.
         assert!(counts.iter().flatten().all(|count| count.abs_diff(1000) < 190), "{counts:?}");

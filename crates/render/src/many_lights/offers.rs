@@ -16,16 +16,16 @@ pub(super) struct Offers {
     request: RayRequest,
     offers: Vec<(u32, Vec3)>,
     /// Rays whose lamps no scattered ray meets, and which begin where nothing is absorbed; and edges up to these lamps.
-    sought: Vec<(usize, u32)>,
+    delta_requests: Vec<(usize, u32)>,
 }
 
 impl Offers {
     /// Light of a lamp, which is sought through glass if it says so.
-    pub(super) fn push_of_lamp(&mut self, ray: Ray, walk: &Walk, offer: Vec3, is_sought: bool) {
+    pub(super) fn push_of_lamp(&mut self, ray: Ray, walk: &Walk, offer: Vec3, is_delta: bool) {
         let before = self.offers.len();
         self.push(ray, walk, offer);
-        if is_sought && self.offers.len() > before {
-            self.sought.push((before, walk.edges + 1));
+        if is_delta && self.offers.len() > before {
+            self.delta_requests.push((before, walk.edges + 1));
         }
     }
 
@@ -39,7 +39,7 @@ impl Offers {
 
     pub(super) fn append(&mut self, other: &Self) {
         let before = self.offers.len();
-        self.sought.extend(other.sought.iter().map(|&(i, edges)| (before + i, edges)));
+        self.delta_requests.extend(other.delta_requests.iter().map(|&(i, edges)| (before + i, edges)));
         other.offers.iter().enumerate().for_each(|(i, &offer)| {
             self.request.rays.push(other.request.rays.get(i));
             self.request.key.push(other.request.key[i]);
@@ -51,7 +51,7 @@ impl Offers {
     pub(super) fn settle(self, tracer: &mut BatchTracer, radiance: &mut Vec3s) {
         let mut through = Vec3s::default();
         tracer.occluded(&self.request, &mut through);
-        panes::look_through(tracer, &self.request, self.sought.into_iter(), &mut through);
+        panes::trace_through(tracer, &self.request, self.delta_requests.into_iter(), &mut through);
         for (i, (lane, offer)) in self.offers.into_iter().enumerate() {
             radiance.add(lane as usize, offer * through.get(i));
         }

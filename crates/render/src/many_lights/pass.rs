@@ -111,8 +111,8 @@ impl PassLights {
     }
 
     /// The bound on what virtual lights bring to a point.
-    pub(crate) fn bound_at(&self, is_seen: bool) -> Bound {
-        if is_seen && !self.is_few { self.bound } else { self.bound.times(UNSEEN) }
+    pub(crate) fn bound_at(&self, is_directly_visible: bool) -> Bound {
+        if is_directly_visible && !self.is_few { self.bound } else { self.bound.times(UNSEEN) }
     }
 
     /// How many virtual lights are asked at the end of a path of so many edges from the eye, where that does not see.
@@ -125,8 +125,8 @@ impl PassLights {
     }
 
     /// How many light samples a point gets: many where the eye sees it.
-    pub(crate) fn light_samples(&self, is_seen: bool) -> u32 {
-        if is_seen { self.light_samples } else { 1 }
+    pub(crate) fn light_samples(&self, is_directly_visible: bool) -> u32 {
+        if is_directly_visible { self.light_samples } else { 1 }
     }
 }
 

@@ -24,7 +24,7 @@ use super::vpl::{self, Vpl};
 use crate::cone::{Cone, Cones};
 use crate::job::Job;
 use crate::tracer::BatchTracer;
-use crate::transport::holes;
+use crate::transport::opacity;
 use crate::transport::walks::Walks;
 
 /// Points that the eye sees, at most.
@@ -42,7 +42,7 @@ const MOST_MIRRORS: u32 = 8;
 const DEFENSIVE: f32 = 0.005;
 
 /// Which pilots see a point.
-pub(super) type Seen = [u64; BLOCKS];
+pub(super) type VisibleMask = [u64; BLOCKS];
 
 /// Points that the camera sees.
 pub(super) struct Pilots {
@@ -79,11 +79,11 @@ impl Pilots {
             options.region().unwrap_or([0, 0, options.width, options.height]).map(|x| x as f32);
         let keys: Vec<SampleKey> =
             (0..SEEN).map(|sample| SampleKey { pixel, sample, branch: PURPOSE }).collect();
-        let place = |key: &SampleKey| {
+        let position = |key: &SampleKey| {
             let [u, v] = sample_pair(options.seed_of_lights(), *key, 0, PURPOSE);
             [(x0 + (x1 - x0) * u) / options.width as f32, 1.0 - (y0 + (y1 - y0) * v) / options.height as f32]
         };
-        let places: Vec<[f32; 2]> = keys.iter().map(place).collect();
+        let positions: Vec<[f32; 2]> = keys.iter().map(position).collect();
         let mut rays = RayBatch::default();
         let lens: Vec<[f32; 2]> =
             keys.iter().map(|&key| sample_pair(options.seed_of_lights(), key, 0, PURPOSE + 5)).collect();
@@ -91,7 +91,7 @@ impl Pilots {
             true => keys.iter().map(|&key| job.world.time(key)).collect(),
             false => Vec::new(),
         };
-        let samples = CameraSamples { places: &places, lens: &lens, times: &times };
+        let samples = CameraSamples { positions: &positions, lens: &lens, times: &times };
         job.camera.rays(&samples, options.width as f32 / options.height as f32, &mut rays);
         // Each carries what light at its end is multiplied with.
         let carried = vec![Vec3::ONE; rays.len()];
@@ -121,9 +121,9 @@ impl Pilots {
         }
         points.extend(ends_of_rays(job, tracer, pixel, &points, &bound));
         // Lanes side by side look the same way.
-        let places: Vec<Vec3> = points.iter().map(|eye| eye.point.p).collect();
+        let positions: Vec<Vec3> = points.iter().map(|eye| eye.point.p).collect();
         let points: Vec<EyePoint> =
-            neighbours::in_order(&places, BLOCK).into_iter().map(|i| points[i as usize].clone()).collect();
+            neighbours::in_order(&positions, BLOCK).into_iter().map(|i| points[i as usize].clone()).collect();
         let across =
             job.world.bounds().map_or(1.0, |(low, high)| (Vec3::from(high) - Vec3::from(low)).length());
         let anywhere = DEFENSIVE * 2.0 / (std::f32::consts::PI * across * across).max(f32::MIN_POSITIVE);
@@ -138,13 +138,13 @@ impl Pilots {
     }
 
     /// Which pilots see the front of each point; those behind surfaces that send nothing there do not count.
-    pub(super) fn seen_from(
+    pub(super) fn visible_from(
         &self,
         tracer: &mut BatchTracer,
         points: &[(SurfacePoint, &Bsdf)],
         scratch: &mut Scratch,
-    ) -> Vec<Seen> {
-        let mut seen = vec![Seen::default(); points.len()];
+    ) -> Vec<VisibleMask> {
+        let mut masks = vec![VisibleMask::default(); points.len()];
         let mut request = RayRequest::default();
         let mut lanes = Vec::new();
         let by_pencils = tracer.world.materials().all_solid();
@@ -160,21 +160,23 @@ impl Pilots {
                         simd => group.block.ways_from(f32x16::splat(simd, 0.0), point, rays),
                         else group.block.ways_from(0.0_f32, point, rays)
                     );
-                    let asked =
+                    let queried =
                         (0..BLOCK).filter(|&i| rays.t_far()[i] > 0.0).fold(0, |mask, i| mask | 1_u64 << i);
-                    if asked != 0 {
-                        tracer.stats.shadow_rays += u64::from(asked.count_ones());
-                        seen[n][b] = asked & !tracer.occluded_pencil(rays) & !group.other;
+                    if queried != 0 {
+                        tracer.stats.shadow_rays += u64::from(queried.count_ones());
+                        masks[n][b] = queried & !tracer.occluded_pencil(rays) & !group.other;
                     }
                 }
                 for (i, eye) in self.of_block(b, one_by_one) {
-                    let way = point.p - eye.point.p;
-                    if is_one_sided && point.ng.dot(way) >= 0.0 {
+                    let offset = point.p - eye.point.p;
+                    if is_one_sided && point.ng.dot(offset) >= 0.0 {
                         continue;
                     }
-                    if let Some(start) = vpl::start(eye, way) {
-                        let way = vpl::end(point, -way) - start;
-                        request.rays.push(gnurt_accel::Ray::new(start.into(), way.into()).within(0.0, END));
+                    if let Some(start) = vpl::start(eye, offset) {
+                        let offset = vpl::end(point, -offset) - start;
+                        request
+                            .rays
+                            .push(gnurt_accel::Ray::new(start.into(), offset.into()).within(0.0, END));
                         lanes.push((n, b, i));
                     }
                 }
@@ -185,28 +187,28 @@ impl Pilots {
         tracer.occluded(&request, &mut through);
         for (i, (n, b, k)) in lanes.into_iter().enumerate() {
             if through.get(i) != Vec3::ZERO {
-                seen[n][b] |= 1 << k;
+                masks[n][b] |= 1 << k;
             }
         }
-        seen
+        masks
     }
 
     /// Density per area with which a ray from a pilot, chosen by its BSDF, meets the front of a point that these pilots
     /// see.
-    pub(super) fn pdf(&self, point: &SurfacePoint, seen: &Seen, scratch: &mut Scratch) -> f32 {
+    pub(super) fn pdf(&self, point: &SurfacePoint, masks: &VisibleMask, scratch: &mut Scratch) -> f32 {
         let mut sum = 0.0;
-        for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| seen[b] != 0) {
+        for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| masks[b] != 0) {
             let densities = &mut scratch.densities.0;
             dispatch_wide!(
                 self.level,
                 simd => group.block.densities(f32x16::splat(simd, 0.0), point, densities),
                 else group.block.densities(0.0_f32, point, densities)
             );
-            sum += bits(seen[b] & !group.other).map(|i| densities[i]).sum::<f32>();
-            for (_, eye) in self.of_block(b, seen[b] & group.other) {
-                let way = point.p - eye.point.p;
-                let distance2 = way.length_squared();
-                let to = way / distance2.sqrt();
+            sum += bits(masks[b] & !group.other).map(|i| densities[i]).sum::<f32>();
+            for (_, eye) in self.of_block(b, masks[b] & group.other) {
+                let offset = point.p - eye.point.p;
+                let distance2 = offset.length_squared();
+                let to = offset / distance2.sqrt();
                 let pdf = eye.bsdf.pdf(eye.wo, to) * -point.ng.dot(to).min(0.0) / distance2;
                 sum += if pdf.is_finite() { pdf } else { 0.0 };
             }
@@ -215,16 +217,16 @@ impl Pilots {
     }
 
     /// How much a virtual light matters: the mean light that it brings to pilots, and a little for those not there.
-    pub(super) fn importance(&self, vpl: &Vpl, seen: &Seen, scratch: &mut Scratch) -> f32 {
+    pub(super) fn importance(&self, vpl: &Vpl, masks: &VisibleMask, scratch: &mut Scratch) -> f32 {
         let mut sum = 0.0;
         let source = Source::new(vpl, &self.bound);
         let light_of = |color: [f32; 3]| {
             let light = luminance(color);
             if light < f32::INFINITY { light } else { 0.0 }
         };
-        for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| seen[b] != 0) {
+        for (b, group) in self.groups.iter().enumerate().filter(|&(b, _)| masks[b] != 0) {
             let light = &mut *scratch.light;
-            let mut one_by_one = seen[b];
+            let mut one_by_one = masks[b];
             let lit = dispatch_wide!(
                 self.level,
                 simd => group.block.light(f32x16::splat(simd, 0.0), &source, light),
@@ -235,7 +237,7 @@ impl Pilots {
                 Some(0) => one_by_one &= group.other,
                 Some(_) => {
                     one_by_one &= group.other;
-                    let by_lanes = bits(seen[b] & !group.other);
+                    let by_lanes = bits(masks[b] & !group.other);
                     sum += by_lanes.map(|i| light_of(light.color.get(i).into())).sum::<f32>();
                 }
             }
@@ -258,7 +260,7 @@ impl Pilots {
 
 /// Numbers that decide which surfaces walks meet that are there in part: by the seed of virtual lights, as all about pilots.
 fn chances(seed: u64, keys: &[SampleKey], edges: u32) -> Vec<f32> {
-    keys.iter().map(|&key| holes::chance(seed, key, edges)).collect()
+    keys.iter().map(|&key| opacity::probability(seed, key, edges)).collect()
 }
 
 /// Where a ray from each point ends that brings what virtual lights leave to it, if that is much: on gloss it is most.
@@ -297,8 +299,8 @@ fn ends_of_rays(
 /// Places of the bits that are set.
 fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
-        let place = mask.trailing_zeros() as usize;
+        let position = mask.trailing_zeros() as usize;
         mask &= mask.wrapping_sub(1);
-        (place < 64).then_some(place)
+        (position < 64).then_some(position)
     })
 }

@@ -69,10 +69,10 @@ impl FurtherLights for PassLights {
 
 /// Direction, distance and what arrives at a surface that faces a virtual light, its bound applied; `None` if nothing.
 fn brings(vpl: &Vpl, point: &SurfacePoint, bound: &Bound) -> Option<(Vec3, f32, Vec3)> {
-    let way = vpl.point.p - point.p;
-    let distance2 = way.length_squared();
+    let offset = vpl.point.p - point.p;
+    let distance2 = offset.length_squared();
     let distance = distance2.sqrt();
-    let to = way / distance;
+    let to = offset / distance;
     if !(distance2 > 0.0 && to.is_finite() && is_open(point, to)) {
         return None;
     }

@@ -49,7 +49,7 @@ impl Vpl {
     }
 
     /// Whether any light may come from it.
-    pub(crate) fn shines(&self) -> bool {
+    pub(crate) fn emits(&self) -> bool {
         self.diffuse
             .map_or(self.bsdf.is_smooth() && self.power != Vec3::ZERO, |diffuse| diffuse != Vec3::ZERO)
     }
@@ -81,9 +81,9 @@ impl Vpl {
         if self.edges + 1 + eye.edges > max_edges {
             return None;
         }
-        let way = self.point.p - eye.point.p;
-        let distance2 = way.length_squared();
-        let to = way / distance2.sqrt();
+        let offset = self.point.p - eye.point.p;
+        let distance2 = offset.length_squared();
+        let to = offset / distance2.sqrt();
         if !(distance2 > 0.0 && to.is_finite() && eye.point.scatters_to(to, eye.bsdf.is_transmitted(to))) {
             return None;
         }

@@ -10,7 +10,7 @@ use gnurt_shading::{SampleKey, SurfacePoint};
 use super::bound::Bound;
 use super::eye::EyePoint;
 use super::vpl::pdf_of_other_end;
-use crate::cone::Meeting;
+use crate::cone::ConeHit;
 use crate::transport::Vertex;
 
 /// Purposes of random numbers; those of light samples follow the last one.
@@ -18,7 +18,7 @@ pub(super) mod purpose {
     pub(crate) const DIRECTION: u32 = 0x5000;
     pub(crate) const LOBE: u32 = 0x5001;
     pub(crate) const LAMP: u32 = 0x5002;
-    pub(crate) const PLACE: u32 = 0x5003;
+    pub(crate) const POSITION: u32 = 0x5003;
     pub(crate) const CHOICE: u32 = 0x5004;
     pub(crate) const CUT: u32 = 0x5005;
     pub(crate) const SHARE: u32 = 0x5006;
@@ -52,9 +52,9 @@ pub(super) struct Walk {
     /// `None` if the edge under way comes from the eye, a mirror or smooth glass.
     pub(super) last: Option<Last>,
     /// Whether all edges so far do.
-    pub(super) is_seen: bool,
+    pub(super) is_directly_visible: bool,
     /// What light straight from lamps counts where it left.
-    pub(super) lamp_gain: f32,
+    pub(super) light_gain: f32,
     /// How many walks share the light of its lane.
     pub(super) siblings: f32,
 }
@@ -62,10 +62,10 @@ pub(super) struct Walk {
 impl Walk {
     /// It at the end of the edge under way: without what is absorbed along that. `None` = it leaves the scene.
     pub(super) fn absorbed(&self, vertex: Option<&Vertex>) -> Self {
-        let (way, there) = vertex.map_or((f32::INFINITY, Vec3::ZERO), |vertex| {
+        let (offset, there) = vertex.map_or((f32::INFINITY, Vec3::ZERO), |vertex| {
             ((vertex.point.p - self.start).length(), vertex.scattering.bsdf.medium().on(true))
         });
-        Self { throughput: self.throughput * left_after(way, [self.absorption, there]), ..*self }
+        Self { throughput: self.throughput * left_after(offset, [self.absorption, there]), ..*self }
     }
 }
 
@@ -74,15 +74,15 @@ pub(super) struct Stop {
     pub(super) walk: Walk,
     pub(super) eye: EyePoint,
     /// What light straight from lamps counts here.
-    pub(super) lamp_gain: f32,
+    pub(super) light_gain: f32,
     /// How many rays may go on from here, and the chance that each of them does.
     pub(super) rays: u32,
-    pub(super) chance: f32,
+    pub(super) probability: f32,
     /// What was met, and how far the last edge was.
     pub(super) instance: u32,
     pub(super) distance: f32,
     /// How the ray's cone met it.
-    pub(super) cone: Meeting<f32>,
+    pub(super) cone: ConeHit<f32>,
 }
 
 impl Stop {
@@ -100,7 +100,7 @@ impl Stop {
 
     /// How many rays go on from here on average.
     pub(super) fn mean_rays(&self) -> f32 {
-        self.rays as f32 * self.chance
+        self.rays as f32 * self.probability
     }
 
     /// Whether virtual lights bring all that it could.

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt_shading::CameraShader;
 
-use super::look::Sight;
-use super::sight::{Light, Spot};
+use super::surface_key::{Light, SurfaceKey};
+use super::surface_sample::SurfaceSample;
 
 /// How much faster light of narrow lobes is forgotten than the view turns by their width.
 const TURN: f32 = 4.0;
@@ -27,18 +27,18 @@ pub(super) struct Before {
     pub(super) eye: Vec3,
     pub(super) size: [u32; 2],
     /// Row by row.
-    pub(super) spots: Vec<Spot>,
+    pub(super) spots: Vec<SurfaceKey>,
     pub(super) lights: Vec<Light>,
 }
 
 impl Before {
     /// What it knows of the light that is seen there; `most` samples count at most.
-    pub(super) fn recall(&self, sight: &Sight, most: f32) -> Light {
-        if !sight.spot.is_surface() {
+    pub(super) fn recall(&self, sample: &SurfaceSample, most: f32) -> Light {
+        if !sample.spot.is_surface() {
             return Light::default();
         }
         let [width, height] = self.size;
-        let Some([across, up]) = self.camera.place(sight.image, width as f32 / height as f32) else {
+        let Some([across, up]) = self.camera.project(sample.image, width as f32 / height as f32) else {
             return Light::default();
         };
         // From the middle of a pixel that would be left of and above all.
@@ -61,7 +61,7 @@ impl Before {
                 continue;
             }
             let i = row as usize * width as usize + column as usize;
-            if sight.spot.agrees(&self.spots[i], 1.5) {
+            if sample.spot.agrees(&self.spots[i], 1.5) {
                 sum.add(&self.lights[i], weight);
                 weights += weight;
             }
@@ -71,16 +71,17 @@ impl Before {
         }
         let Light { mean, count } = sum.averaged();
         let count = (count / weights).min(most);
-        Light { mean, count: count * self.lasting(sight) }
+        Light { mean, count: count * self.lasting(sample) }
     }
 
     /// The share of samples that still count.
-    fn lasting(&self, sight: &Sight) -> f32 {
-        let grain = sight.tint.grain;
-        if grain >= WIDE {
+    fn lasting(&self, sample: &SurfaceSample) -> f32 {
+        let roughness = sample.tint.roughness;
+        if roughness >= WIDE {
             return 1.0;
         }
-        let turn = (sight.toward - (self.eye - sight.image).normalize_or_zero()).length() * TURN / grain;
-        1.0 / (1.0 + turn * turn)
+        let angle_change =
+            (sample.toward - (self.eye - sample.image).normalize_or_zero()).length() * TURN / roughness;
+        1.0 / (1.0 + angle_change * angle_change)
     }
 }

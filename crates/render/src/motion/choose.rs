@@ -2,14 +2,14 @@
 //! Which pixels of a picture in motion get a fresh sample: those that know least first, the others in turns.
 //! Places by the R2 sequence [Rob18], turns by the golden section: each part of the picture and each span of frames gets its share. Invariant: a function of the counts and the number of the frame. Tests: `tests`.
 
-use super::sight::{Light, Spot};
+use super::surface_key::{Light, SurfaceKey};
 
 /// Steps of the R2 sequence, and of the golden section.
 const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 const TURN: f64 = 0.618_033_988_749_894_9;
 
 /// How much more a pixel needs a sample than one that knows its light.
-pub(super) fn need(spot: &Spot, light: &Light) -> f32 {
+pub(super) fn need(spot: &SurfaceKey, light: &Light) -> f32 {
     if !spot.is_surface() {
         return 0.0;
     }
@@ -21,24 +21,24 @@ pub(super) fn need(spot: &Spot, light: &Light) -> f32 {
 }
 
 /// A pixel's place in the turns of a frame, from 0 to 1.
-pub(super) fn turn(x: u32, y: u32, frame: u32) -> f32 {
+pub(super) fn turn_of(x: u32, y: u32, frame: u32) -> f32 {
     let at = f64::from(x) * STEPS[0] + f64::from(y) * STEPS[1] + f64::from(frame) * TURN;
     at.fract() as f32
 }
 
-/// What needs are multiplied by, so that about `wanted` pixels are chosen, of which so many have each of the needs 1, 2 and 4.
-pub(super) fn scale(counts: [u64; 3], wanted: f64) -> f32 {
+/// What needs are multiplied by, so that about `requested` pixels are chosen, of which so many have each of the needs 1, 2 and 4.
+pub(super) fn scale(counts: [u64; 3], requested: f64) -> f32 {
     let (mut low, mut high) = (0.0, 1.0);
     let chosen = |scale: f64| -> f64 {
         let share = |need: f64| (need * scale).min(1.0);
         counts.iter().zip([1.0, 2.0, 4.0]).map(|(&count, need)| count as f64 * share(need)).sum()
     };
-    if chosen(1.0) <= wanted {
+    if chosen(1.0) <= requested {
         return 1.0;
     }
     for _ in 0..40 {
         let middle = 0.5 * (low + high);
-        *(if chosen(middle) < wanted { &mut low } else { &mut high }) = middle;
+        *(if chosen(middle) < requested { &mut low } else { &mut high }) = middle;
     }
     high as f32
 }
@@ -54,7 +54,7 @@ mod tests {
         for frame in 0..frames {
             let mut chosen = 0;
             for (y, x) in (0..size).flat_map(|y| (0..size).map(move |x| (y, x))) {
-                if turn(x, y, frame) < share {
+                if turn_of(x, y, frame) < share {
                     times[(y * size + x) as usize] += 1;
                     chosen += 1;
                 }

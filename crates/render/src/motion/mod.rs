@@ -6,9 +6,9 @@
 
 mod before;
 mod choose;
-mod look;
 mod picture;
-mod sight;
 mod smooth;
+mod surface_key;
+mod surface_sample;
 
-pub use picture::{KeptPicture, MotionCost};
+pub use picture::{MotionCost, PictureHistory};

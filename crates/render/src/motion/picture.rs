@@ -17,14 +17,14 @@ use gnurt_shading::sampling::hash_combine;
 use rayon::prelude::*;
 
 use super::before::Before;
-use super::choose::{need, scale, turn};
-use super::look::{ROWS, look};
-use super::sight::{Light, Spot, Tint};
+use super::choose::{need, scale, turn_of};
 use super::smooth::{Given, Smooth, Strength, is_shiny};
+use super::surface_key::{Light, SurfaceKey, Tint};
+use super::surface_sample::{ROWS, sample_surfaces};
 use crate::film::{self, TileFilm};
 use crate::integrators;
 use crate::job::Job;
-use crate::many_lights::{KeptLights, PassLights, alike};
+use crate::many_lights::{PassLights, PersistentLights, alike};
 use crate::options::{Integrator, RenderOptions};
 use crate::sampler::Sampler;
 use crate::stats::RenderStats;
@@ -48,8 +48,8 @@ const TOGETHER: usize = 1024;
 /// What pictures of a camera in motion leave to the next one: light on what they showed, and virtual lights; see
 /// [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
 #[derive(Default)]
-pub struct KeptPicture {
-    pub(crate) lights: KeptLights,
+pub struct PictureHistory {
+    pub(crate) lights: PersistentLights,
     of: Option<(WorldMark, RenderOptions)>,
     before: Option<Before>,
     /// Pictures so far: each has random numbers of its own.
@@ -65,7 +65,7 @@ pub struct KeptPicture {
     /// Light as it is shown.
     shown: Smooth,
     spare: Vec<Light>,
-    spare_spots: Vec<Spot>,
+    spare_spots: Vec<SurfaceKey>,
     cost: MotionCost,
 }
 
@@ -80,7 +80,7 @@ pub struct MotionCost {
     pub other_seconds: f64,
 }
 
-impl KeptPicture {
+impl PictureHistory {
     /// Whether pictures in motion by this integrator and this camera are made of earlier ones: where light is found by chance, and the
     /// camera tells where points show. Other ones take one sample of each pixel.
     #[must_use]
@@ -89,7 +89,7 @@ impl KeptPicture {
         let is_plain = !options.aovs && !options.heatmap && options.crop.is_none() && options.piece.is_none();
         by_chance && is_plain && world.pixel().is_none() && !world.is_open() && {
             let [eye, forward] = crate::job::middle(camera, options);
-            camera.place(eye + forward, options.width as f32 / options.height as f32).is_some()
+            camera.project(eye + forward, options.width as f32 / options.height as f32).is_some()
         }
     }
 
@@ -117,7 +117,10 @@ impl KeptPicture {
         let Self { lights, before, tints, .. } = self;
         // Few paths bring virtual lights: they would not be work for all threads.
         let (counts, pass) = pool.install(|| {
-            rayon::join(|| frame.look(job, before.as_ref(), tints, fading, stats), || lights.next_few(job))
+            rayon::join(
+                || frame.sample_surfaces(job, before.as_ref(), tints, fading, stats),
+                || lights.next_few(job),
+            )
         });
         let looked = Instant::now();
         if let Some(pass) = &pass {
@@ -125,8 +128,8 @@ impl KeptPicture {
         }
         // The first one has nothing to remember.
         let fresh = if self.before.is_some() { fresh } else { FIRST * fresh };
-        let wanted = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(size[0]) * f64::from(size[1]);
-        let scale = scale(counts, wanted);
+        let requested = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(size[0]) * f64::from(size[1]);
+        let scale = scale(counts, requested);
         let chosen = pool.install(|| frame.choose(scale, self.frame));
         let sampled = pool.install(|| {
             let cut = [self.mean, Strength::of(self.noise.unwrap_or_default()).most_of_one()];
@@ -202,8 +205,8 @@ impl KeptPicture {
 }
 
 /// Luminance of light on the mean pixel that shows a surface.
-fn mean_of(spots: &[Spot], shown: &Smooth, width: usize) -> f32 {
-    let of_row = |(y, spots): (usize, &[Spot])| {
+fn mean_of(spots: &[SurfaceKey], shown: &Smooth, width: usize) -> f32 {
+    let of_row = |(y, spots): (usize, &[SurfaceKey])| {
         let surfaces = (0..width).filter(|&x| spots[x].is_surface()).map(|x| shown.light(x, y));
         let known = surfaces.filter(|light| light.count > 0.0);
         known.fold((0.0, 0.0), |(sum, count), light| (sum + luminance(light.mean.into()), count + 1.0))
@@ -235,26 +238,26 @@ fn noise_of(
 }
 
 /// Some rows, by their number from the top.
-type Band<'a> = (usize, ((&'a mut [Spot], &'a mut [Light]), &'a mut [Tint]));
+type Band<'a> = (usize, ((&'a mut [SurfaceKey], &'a mut [Light]), &'a mut [Tint]));
 
 /// A picture in the making, row by row.
 struct Frame {
     size: [u32; 2],
-    spots: Vec<Spot>,
+    spots: Vec<SurfaceKey>,
     lights: Vec<Light>,
 }
 
 impl Frame {
     /// In this memory.
-    fn new(size: [u32; 2], mut spots: Vec<Spot>, mut lights: Vec<Light>) -> Self {
+    fn new(size: [u32; 2], mut spots: Vec<SurfaceKey>, mut lights: Vec<Light>) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
-        spots.resize(pixels, Spot::default());
+        spots.resize(pixels, SurfaceKey::default());
         lights.resize(pixels, Light::default());
         Self { size, spots, lights }
     }
 
     /// Looks at all pixels, and remembers light; how many pixels have each of the needs 1, 2 and 4.
-    fn look(
+    fn sample_surfaces(
         &mut self,
         job: &Job,
         before: Option<&Before>,
@@ -271,12 +274,12 @@ impl Frame {
         let see = |tracer: &mut BatchTracer, (n, ((spots, lights), tints)): Band| {
             let top = n as u32 * ROWS;
             let mut counts = [0; 3];
-            look(job, tracer, [top, (top + ROWS).min(height)], &mut |x, y, sight| {
+            sample_surfaces(job, tracer, [top, (top + ROWS).min(height)], &mut |x, y, surface_key| {
                 let i = ((y - top) * width + x) as usize;
-                let mut light = before.map_or_else(Light::default, |before| before.recall(sight, MOST));
+                let mut light = before.map_or_else(Light::default, |before| before.recall(surface_key, MOST));
                 light.count *= fading;
-                (spots[i], tints[i], lights[i]) = (sight.spot, sight.tint, light);
-                match need(&sight.spot, &light) {
+                (spots[i], tints[i], lights[i]) = (surface_key.spot, surface_key.tint, light);
+                match need(&surface_key.spot, &light) {
                     need if need >= 4.0 => counts[2] += 1,
                     need if need >= 2.0 => counts[1] += 1,
                     need if need > 0.0 => counts[0] += 1,
@@ -301,7 +304,7 @@ impl Frame {
             for [x0, y0, x1, y1] in film::blocks([0, top, width, (top + ROWS).min(height)]) {
                 for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
                     let i = (y * width + x) as usize;
-                    if turn(x, y, frame) < scale * need(&self.spots[i], &self.lights[i]) {
+                    if turn_of(x, y, frame) < scale * need(&self.spots[i], &self.lights[i]) {
                         chosen.push([x, y]);
                     }
                 }
@@ -324,9 +327,10 @@ impl Frame {
     ) -> Option<Vec<f32>> {
         let sampler = Sampler { job, pass };
         let take = |tracer: &mut BatchTracer, pixels: &[[u32; 2]]| {
-            let is_wanted = !job.should_stop();
-            let seen = if is_wanted { radiance(job, pass, tracer, pixels, frame) } else { Vec::new() };
-            (seen, tracer.take_stats())
+            let is_requested = !job.should_stop();
+            let fresh_radiance =
+                if is_requested { radiance(job, pass, tracer, pixels, frame) } else { Vec::new() };
+            (fresh_radiance, tracer.take_stats())
         };
         let found: Vec<(Vec<Vec3>, RenderStats)> =
             chosen.par_chunks(TOGETHER).map_init(|| sampler.tracer(), take).collect();
@@ -334,13 +338,13 @@ impl Frame {
         if job.should_stop() {
             return None;
         }
-        let light_of = |(&[x, y], &seen): (&[u32; 2], &Vec3)| {
+        let light_of = |(&[x, y], &fresh_radiance): (&[u32; 2], &Vec3)| {
             let tint = &tints[(y * self.size[0] + x) as usize];
-            let is_number = seen.is_finite();
-            if is_number { (seen - tint.plain).max(Vec3::ZERO) / tint.share } else { Vec3::NAN }
+            let is_number = fresh_radiance.is_finite();
+            if is_number { (fresh_radiance - tint.plain).max(Vec3::ZERO) / tint.share } else { Vec3::NAN }
         };
-        let seen = found.iter().flat_map(|(seen, _)| seen);
-        let mut samples: Vec<Vec3> = chosen.iter().zip(seen).map(light_of).collect();
+        let fresh_radiance = found.iter().flat_map(|(fresh_radiance, _)| fresh_radiance);
+        let mut samples: Vec<Vec3> = chosen.iter().zip(fresh_radiance).map(light_of).collect();
         // Nobody knew how bright the first picture is.
         let mean = if mean > 0.0 { mean } else { mean_brightness(&samples) };
         let mut count_in = |(&[x, y], sample): (&[u32; 2], &mut Vec3)| {
@@ -392,8 +396,8 @@ fn radiance(
     integrators::radiance(job.options.integrator, tracer, pass, batch.met(), &mut radiance);
     tracer.stats.camera_rays += pixels.len() as u64;
     tracer.stats.samples += pixels.len() as u64;
-    let seen = (0..pixels.len()).map(|i| radiance.get(i)).collect();
+    let fresh_radiance = (0..pixels.len()).map(|i| radiance.get(i)).collect();
     batch.radiance = radiance;
     tracer.camera = batch;
-    seen
+    fresh_radiance
 }

@@ -12,7 +12,7 @@ use gnurt_shading::real::{Real, Vector};
 use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 use rayon::prelude::*;
 
-use super::sight::{Light, Same, Spot, Tint};
+use super::surface_key::{Light, Same, SurfaceKey, Tint};
 
 /// Samples that make a pixel good enough where they err as much as what they tell, in the mean of squares, or less.
 const ENOUGH: f32 = 100.0;
@@ -65,7 +65,7 @@ mod light {
 
 /// Whether what a pixel shows is blurred first, and sharp the longer it is seen.
 pub(super) fn is_shiny(tint: &Tint) -> bool {
-    tint.grain < SHINY
+    tint.roughness < SHINY
 }
 
 /// How much is averaged.
@@ -103,7 +103,7 @@ impl Strength {
 #[derive(Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) width: usize,
-    pub(super) spots: &'a [Spot],
+    pub(super) spots: &'a [SurfaceKey],
     pub(super) tints: &'a [Tint],
     pub(super) lights: &'a [Light],
 }
@@ -141,13 +141,13 @@ impl Smooth {
     }
 
     /// Averages what neighbours so many pixels away know, for pixels of surfaces that know nothing.
-    fn ask_far(&mut self, given: &Given, (step, [beside, corner]): Step) {
+    fn ask_far(&mut self, given: &Given, (step, [neighbours, corner]): Step) {
         let Given { width, spots, .. } = *given;
-        let of_row = |(y, spots_of_row): (usize, &[Spot])| -> Vec<(usize, Light)> {
+        let of_row = |(y, spots_of_row): (usize, &[SurfaceKey])| -> Vec<(usize, Light)> {
             let first = (y * light::COUNT + light::SAMPLES) * self.stride + MARGIN;
             let counts = &self.light[first..first + width];
             let unknown = |x: &usize| spots_of_row[*x].is_surface() && counts[*x] <= 0.0;
-            let ask = |x: usize| {
+            let query = |x: usize| {
                 let mut sum = Light::default();
                 for [row, column] in AROUND {
                     // Beyond all where it would be left of or above all.
@@ -157,13 +157,13 @@ impl Smooth {
                         continue;
                     }
                     if spots_of_row[x].agrees(&spots[above * width + left], step as f32) {
-                        let weight = if row == 1 || column == 1 { beside } else { corner };
+                        let weight = if row == 1 || column == 1 { neighbours } else { corner };
                         sum.add(&self.light(left, above), weight);
                     }
                 }
                 sum.averaged()
             };
-            (0..width).filter(unknown).map(|x| (x, ask(x))).filter(|(_, light)| light.count > 0.0).collect()
+            (0..width).filter(unknown).map(|x| (x, query(x))).filter(|(_, light)| light.count > 0.0).collect()
         };
         let found: Vec<Vec<(usize, Light)>> = spots.par_chunks(width).enumerate().map(of_row).collect();
         for (y, found) in found.iter().enumerate() {
@@ -302,7 +302,7 @@ impl From<'_> {
         &self,
         like: R,
         y: usize,
-        ((step, [beside, corner]), is_first): (Step, bool),
+        ((step, [neighbours, corner]), is_first): (Step, bool),
         out: &mut [f32],
     ) {
         let stride = self.stride;
@@ -335,12 +335,12 @@ impl From<'_> {
             let same = Same::new(wide, step as f32);
             let (mut sum, mut n) = (mean * own, own);
             for [row, column] in AROUND {
-                let weight = if row == 1 || column == 1 { beside } else { corner };
+                let weight = if row == 1 || column == 1 { neighbours } else { corner };
                 let Some((shape, light)) = near[row] else { continue };
                 let other = first + column * step - step;
-                let way = vector_at(zero, shape, shape::P, stride, other) - p;
+                let offset = vector_at(zero, shape, shape::P, stride, other) - p;
                 let cos = vector_at(zero, shape, shape::NS, stride, other).dot(ns);
-                let is_same = same.holds(way.length_squared(), way.dot(ns), cos)
+                let is_same = same.holds(offset.length_squared(), offset.dot(ns), cos)
                     & id.is(zero.load(shape, shape::ID * stride + other));
                 let (mean, count) = light_at(zero, light, stride, other);
                 let count = R::pick(is_same, count * weight, zero);
@@ -375,10 +375,10 @@ mod tests {
         let at = |i: usize| ((i % width) as f32, (i / width) as f32);
         let spot = |i: usize| {
             let (x, y) = at(i);
-            Spot { p: Vec3::new(x, y, 0.0), ns: Vec3::Z, id: if x < 20.0 { 1 } else { 3 }, width: 1.0 }
+            SurfaceKey { p: Vec3::new(x, y, 0.0), ns: Vec3::Z, id: if x < 20.0 { 1 } else { 3 }, width: 1.0 }
         };
-        let spots: Vec<Spot> = (0..40 * 32).map(spot).collect();
-        let tints = vec![Tint { grain: 1.0, ..Tint::default() }; spots.len()];
+        let spots: Vec<SurfaceKey> = (0..40 * 32).map(spot).collect();
+        let tints = vec![Tint { roughness: 1.0, ..Tint::default() }; spots.len()];
         let light = |i: usize| {
             let (x, y) = at(i);
             let count = if (x as u32 + 4 * (y as u32 % 4)).is_multiple_of(16) { 1.0 } else { 0.0 };
@@ -403,8 +403,8 @@ mod tests {
     #[test]
     fn few_samples_light_whole_surfaces() {
         for (i, light) in smoothed(Strength::of([0.0; 2]), |_| 2.0).into_iter().enumerate() {
-            let wanted = if i % 40 < 20 { 2.0 } else { 100.0 };
-            assert!(light.count > 0.0 && (light.mean.x - wanted).abs() < 1e-3, "pixel {i}: {light:?}");
+            let requested = if i % 40 < 20 { 2.0 } else { 100.0 };
+            assert!(light.count > 0.0 && (light.mean.x - requested).abs() < 1e-3, "pixel {i}: {light:?}");
         }
     }
 

@@ -7,7 +7,7 @@
 use gnurt_shading::SurfaceBatch;
 use gnurt_shading::bsdf::{ClosureBatch, left_after};
 
-use super::holes;
+use super::opacity;
 use super::paths::Paths;
 use crate::options::RenderOptions;
 use crate::world::HitLanes;
@@ -26,7 +26,9 @@ pub(crate) fn absorb(
     for (k, &number) in numbers.iter().enumerate() {
         let number = number as usize;
         let path = paths.get(number, from.keys[number]);
-        if closures.has_holes() && !holes::is_met(options.seed, path.key, path.edges, closures.coverage(k)) {
+        if closures.is_partly_transparent()
+            && !opacity::is_met(options.seed, path.key, path.edges, closures.coverage(k))
+        {
             continue;
         }
         let left = left_after(

@@ -4,12 +4,12 @@
 //! Source: see each file.
 
 pub(crate) mod absorption;
-mod finals;
-pub(crate) mod holes;
 mod light_samples;
 pub(crate) mod mis;
+pub(crate) mod opacity;
 pub(crate) mod panes;
 mod paths;
+mod radiance_only;
 pub(crate) mod roulette;
 pub(crate) mod step;
 mod vertex;

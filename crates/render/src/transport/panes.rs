@@ -14,9 +14,9 @@ use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::{ClosureBatch, left_after};
 use gnurt_shading::{RayRequest, SampleKey, SurfaceBatch, Vec3s};
 
-use super::{Known, holes};
+use super::{Known, opacity};
 use crate::cone::Cones;
-use crate::tracer::{BatchTracer, Wanted};
+use crate::tracer::{AttributeRequests, BatchTracer};
 use crate::world::HitLanes;
 
 /// Square of how far a unit direction may be off that still counts as unbent.
@@ -26,7 +26,7 @@ const SAME: f32 = 1e-6;
 
 /// A way that is being followed.
 #[derive(Clone, Copy)]
-struct Way {
+struct StraightPath {
     /// Which ray of the request it is of.
     ray: usize,
     /// Edges up to the lamp so far.
@@ -48,23 +48,23 @@ struct Way {
 struct Ways {
     rays: RayBatch,
     keys: Vec<SampleKey>,
-    ways: Vec<Way>,
+    straight_paths: Vec<StraightPath>,
 }
 
 impl Ways {
-    fn push(&mut self, ray: Ray, key: SampleKey, way: Way) {
+    fn push(&mut self, ray: Ray, key: SampleKey, straight_path: StraightPath) {
         self.rays.push(ray);
         self.keys.push(key);
-        self.ways.push(way);
+        self.straight_paths.push(straight_path);
     }
 }
 
-/// Adds to what reaches the lamps, by ray of the request, what does so through glass. `lamps` are the rays whose lamps no scattered ray
+/// Adds to what reaches the lamps, by ray of the request, what does so through glass. `emitters` are the rays whose lamps no scattered ray
 /// meets, and which begin where nothing is absorbed, with the edges up to these lamps.
-pub(crate) fn look_through(
+pub(crate) fn trace_through(
     tracer: &mut BatchTracer,
     request: &RayRequest,
-    lamps: impl Iterator<Item = (usize, u32)>,
+    emitters: impl Iterator<Item = (usize, u32)>,
     through: &mut Vec3s,
 ) {
     let world = tracer.world;
@@ -72,21 +72,27 @@ pub(crate) fn look_through(
         return;
     }
     let mut these = Ways::default();
-    for (ray, edges) in lamps.filter(|&(ray, _)| through.get(ray) != Vec3::ONE) {
+    for (ray, edges) in emitters.filter(|&(ray, _)| through.get(ray) != Vec3::ONE) {
         let shadow = request.rays.get(ray);
         let towards = (!shadow.t_far.is_finite()).then_some(Vec3::from(shadow.dir));
         let (left, start, absorption) = (Vec3::ONE, shadow.org.into(), Vec3::ZERO);
-        let way = Way { ray, edges, towards, left, start, absorption, is_through: false, layers: 0 };
-        these.push(shadow, request.key[ray], way);
+        let straight_path =
+            StraightPath { ray, edges, towards, left, start, absorption, is_through: false, layers: 0 };
+        these.push(shadow, request.key[ray], straight_path);
     }
     let (mut hits, mut order, no_width) = Default::default();
     let mut closures = std::mem::take(&mut tracer.closures);
-    while !these.ways.is_empty() {
-        let Ways { rays, keys, ways } = &these;
+    while !these.straight_paths.is_empty() {
+        let Ways { rays, keys, straight_paths } = &these;
         tracer.stats.shadow_rays += rays.len() as u64;
         tracer.intersect_into(RayMask::SHADOW, rays, keys, Coherence::Incoherent, &mut hits);
-        for (i, way) in ways.iter().enumerate().filter(|&(i, way)| is_free(hits.prim_id[i], way)) {
-            through.set(way.ray, through.get(way.ray) + beyond(way, &rays.get(i)));
+        for (i, straight_path) in straight_paths
+            .iter()
+            .enumerate()
+            .filter(|&(i, straight_path)| is_free(hits.prim_id[i], straight_path))
+        {
+            through
+                .set(straight_path.ray, through.get(straight_path.ray) + beyond(straight_path, &rays.get(i)));
         }
         world.sort_by_material(&hits, 0..rays.len(), &mut order);
         order.retain(|&entry| {
@@ -96,59 +102,86 @@ pub(crate) fn look_through(
         let cones: &Cones = &no_width;
         let from = HitLanes { rays, keys, hits: &hits, cones: Some(cones), depth: 1 };
         let mut next = Ways::default();
-        tracer.for_each_surface_of(&order, from, Wanted::Light, |tracer, shader, lanes, points| {
-            if tracer.closures_of(shader, points, &mut closures) != Known::Told {
-                return;
-            }
-            for (k, &lane) in lanes.iter().enumerate() {
-                let (way, lane) = (&ways[lane as usize], lane as usize);
-                let (ray, key) = (rays.get(lane), keys[lane]);
-                if let Some((ray, key, way)) = ahead(tracer, (way, &ray, key), (points, &closures, k)) {
-                    next.push(ray, key, way);
+        tracer.for_each_surface_of(
+            &order,
+            from,
+            AttributeRequests::Light,
+            |tracer, shader, lanes, points| {
+                if tracer.closures_of(shader, points, &mut closures) != Known::Told {
+                    return;
                 }
-            }
-        });
+                for (k, &lane) in lanes.iter().enumerate() {
+                    let (straight_path, lane) = (&straight_paths[lane as usize], lane as usize);
+                    let (ray, key) = (rays.get(lane), keys[lane]);
+                    if let Some((ray, key, straight_path)) =
+                        ahead(tracer, (straight_path, &ray, key), (points, &closures, k))
+                    {
+                        next.push(ray, key, straight_path);
+                    }
+                }
+            },
+        );
         these = next;
     }
     tracer.closures = closures;
 }
 
 /// Whether a way through glass meets nothing more; one through none is known to the shadow ray.
-fn is_free(prim_id: u32, way: &Way) -> bool {
-    prim_id == INVALID_ID && way.is_through
+fn is_free(prim_id: u32, straight_path: &StraightPath) -> bool {
+    prim_id == INVALID_ID && straight_path.is_through
 }
 
 /// What is left of light that comes along a way that met nothing more.
-fn beyond(way: &Way, ray: &Ray) -> Vec3 {
-    if way.towards.is_some_and(|towards| towards.distance_squared(ray.dir.into()) > SAME) {
+fn beyond(straight_path: &StraightPath, ray: &Ray) -> Vec3 {
+    if straight_path.towards.is_some_and(|towards| towards.distance_squared(ray.dir.into()) > SAME) {
         return Vec3::ZERO;
     }
-    way.left * left_after(ray.t_far, [way.absorption, Vec3::ZERO])
+    straight_path.left * left_after(ray.t_far, [straight_path.absorption, Vec3::ZERO])
 }
 
 /// Where a way leads from point `k`, if anywhere.
 fn ahead(
     tracer: &BatchTracer,
-    (way, ray, key): (&Way, &Ray, SampleKey),
+    (straight_path, ray, key): (&StraightPath, &Ray, SampleKey),
     (points, closures, k): (&SurfaceBatch, &ClosureBatch, usize),
-) -> Option<(Ray, SampleKey, Way)> {
+) -> Option<(Ray, SampleKey, StraightPath)> {
     let (p, dir) = (points.p.get(k), Vec3::from(ray.dir));
-    if closures.has_holes() && !holes::is_met(tracer.options.seed, key, way.edges, closures.coverage(k)) {
-        let onward = holes::rest(ray, points.spawn(k, dir, f32::INFINITY));
-        let next = Way { layers: way.layers + 1, ..*way };
-        return (way.layers < holes::MOST_LAYERS).then_some((onward, holes::key_beyond(key), next));
+    if closures.is_partly_transparent()
+        && !opacity::is_met(tracer.options.seed, key, straight_path.edges, closures.coverage(k))
+    {
+        let onward = opacity::rest(ray, points.spawn(k, dir, f32::INFINITY));
+        let next = StraightPath { layers: straight_path.layers + 1, ..*straight_path };
+        return (straight_path.layers < opacity::MOST_LAYERS).then_some((
+            onward,
+            opacity::key_beyond(key),
+            next,
+        ));
     }
-    if way.edges >= tracer.options.max_depth {
+    if straight_path.edges >= tracer.options.max_depth {
         return None;
     }
     let bsdf = closures.point(k).bsdf;
     let (wi, share) = bsdf.straight(-dir)?;
-    if way.towards.is_none() && wi.distance_squared(dir) > UNBENT {
+    if straight_path.towards.is_none() && wi.distance_squared(dir) > UNBENT {
         return None;
     }
     let onward = points.point(k).scatter_ray(wi, true, f32::INFINITY)?;
-    let onward = if way.towards.is_none() { holes::rest(ray, onward) } else { onward };
-    let gone = left_after((p - way.start).length(), [way.absorption, closures.medium(k).on(true)]);
-    let (left, absorption) = (way.left * gone * share, bsdf.absorption(wi));
-    Some((onward, key, Way { edges: way.edges + 1, left, start: p, absorption, is_through: true, ..*way }))
+    let onward = if straight_path.towards.is_none() { opacity::rest(ray, onward) } else { onward };
+    let gone = left_after(
+        (p - straight_path.start).length(),
+        [straight_path.absorption, closures.medium(k).on(true)],
+    );
+    let (left, absorption) = (straight_path.left * gone * share, bsdf.absorption(wi));
+    Some((
+        onward,
+        key,
+        StraightPath {
+            edges: straight_path.edges + 1,
+            left,
+            start: p,
+            absorption,
+            is_through: true,
+            ..*straight_path
+        },
+    ))
 }

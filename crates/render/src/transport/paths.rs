@@ -50,7 +50,7 @@ pub(crate) const NOWHERE: f32 = -1.0;
 pub(crate) struct Paths {
     count: usize,
     /// How long all arrays are at least.
-    room: usize,
+    capacity: usize,
     pub(crate) lane: Vec<u32>,
     keys: Vec<SampleKey>,
     pub(crate) throughput: Vec3s,
@@ -121,13 +121,13 @@ impl Paths {
     pub(crate) fn set_media(&mut self, has_media: bool) {
         self.has_media = has_media;
         self.absorption.resize(0);
-        self.room = 0;
+        self.capacity = 0;
     }
 
     /// One path for each camera ray; rays, keys and cones are not in it.
     pub(crate) fn start(&mut self, rays: &RayBatch) {
         let n = rays.len();
-        (self.count, self.room) = (n, 0);
+        (self.count, self.capacity) = (n, 0);
         self.lane.clear();
         self.lane.extend(0..n as u32);
         self.throughput.reset(n, Vec3::ONE);
@@ -170,7 +170,7 @@ impl Paths {
     /// Makes room for `more` paths behind those that are there, and as many lanes as are written at once.
     pub(crate) fn reserve(&mut self, more: usize) {
         // Longer is as good, and need not be cleared.
-        if self.room < self.count + more + LANES {
+        if self.capacity < self.count + more + LANES {
             self.resize(self.count + more + LANES);
         }
     }
@@ -185,7 +185,7 @@ impl Paths {
     }
 
     fn resize(&mut self, n: usize) {
-        self.room = n;
+        self.capacity = n;
         let Self { lane, edges, layers, .. } = self;
         [lane, edges, layers].into_iter().for_each(|array| array.resize(n, 0));
         let Self { throughput, from_p, from_ns, .. } = self;
@@ -264,7 +264,7 @@ pub(crate) struct Unshadowed {
     /// Edges up to the lamp.
     edges: Vec<u32>,
     /// Whether no scattered ray meets the lamp, and nothing is absorbed where the ray begins: such lamps are sought through glass.
-    is_sought: Vec<bool>,
+    is_delta: Vec<bool>,
     count: usize,
 }
 
@@ -290,19 +290,19 @@ impl Unshadowed {
     }
 
     fn resize(&mut self, n: usize) {
-        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, is_sought, .. } = self;
+        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, is_delta, .. } = self;
         [parent, edges].into_iter().for_each(|array| array.resize(n, 0));
-        is_sought.resize(n, false);
+        is_delta.resize(n, false);
         radiance.resize(n);
         let floats = rays.org.iter_mut().chain(&mut rays.dir).chain([&mut rays.t_far]);
         floats.for_each(|array| array.resize(n, 0.0));
     }
 
-    /// As [`Paths::push_all`]: light at the eye; `sought` are those whose lamps are sought through glass.
+    /// As [`Paths::push_all`]: light at the eye; `delta_requests` are those whose lamps are sought through glass.
     #[inline(always)]
     pub(crate) fn push_all<R: Real>(
         &mut self,
-        [lit, sought]: [R::Mask; 2],
+        [lit, delta_requests]: [R::Mask; 2],
         of: Of,
         ray: &Rays<R>,
         light: Vector<R>,
@@ -320,14 +320,14 @@ impl Unshadowed {
             let number = of.numbers[i] as usize;
             parent[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
-            self.is_sought[self.count] = R::bits(sought) >> i & 1 != 0;
+            self.is_delta[self.count] = R::bits(delta_requests) >> i & 1 != 0;
             key.push(of.keys[number]);
             self.count += 1;
         }
     }
 
-    /// Appends light to the vertex at the end of a path; there must be room. `is_sought`: whether its lamp is sought through glass.
-    pub(crate) fn push(&mut self, path: &Path, ray: Ray, radiance: Vec3, is_sought: bool) {
+    /// Appends light to the vertex at the end of a path; there must be room. `is_delta`: whether its lamp is sought through glass.
+    pub(crate) fn push(&mut self, path: &Path, ray: Ray, radiance: Vec3, is_delta: bool) {
         let at = self.count;
         self.count += 1;
         let RayRequest { rays, parent, key, .. } = &mut self.request;
@@ -337,12 +337,12 @@ impl Unshadowed {
         (rays.t_far[at], parent[at], self.edges[at]) = (ray.t_far, path.lane, path.edges + 1);
         key.push(path.key);
         self.radiance.set(at, radiance);
-        self.is_sought[at] = is_sought;
+        self.is_delta[at] = is_delta;
     }
 
     /// Those whose lamps are sought through glass, and edges up to there.
-    pub(crate) fn sought(&self) -> impl Iterator<Item = (usize, u32)> {
-        (0..self.count).filter(|&k| self.is_sought[k]).map(|k| (k, self.edges[k]))
+    pub(crate) fn delta_requests(&self) -> impl Iterator<Item = (usize, u32)> {
+        (0..self.count).filter(|&k| self.is_delta[k]).map(|k| (k, self.edges[k]))
     }
 
     /// Light `k`: whose radiance it is, how much and over how many edges.
@@ -363,6 +363,6 @@ pub(crate) struct Wavefront {
     /// Paths in order of the materials that they met: material in the upper half, number in the lower one.
     pub(crate) order: Vec<u64>,
     /// Lanes whose shader says what comes back from there, and not why.
-    pub(crate) finals: Vec<u32>,
+    pub(crate) radiance_only: Vec<u32>,
     pub(crate) closures: ClosureBatch,
 }

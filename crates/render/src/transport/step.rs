@@ -6,7 +6,7 @@
 //! Tests: crates/render/tests/{lanes,path,agreement}.rs.
 
 use glam::Vec3;
-use gnurt_shading::bsdf::{ClosureBatch, Sampled, Seen, left_after};
+use gnurt_shading::bsdf::{ClosureBatch, Prepared, Sampled, left_after};
 use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::real::{Real, Vector};
@@ -16,8 +16,8 @@ use gnurt_shading::{Leaving, RayKind, SurfaceBatch, Vec3s};
 use super::mis::{power_heuristic, weigh};
 use super::paths::{NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::Width;
-use super::{add, holes, roulette};
-use crate::cone::{Meeting, fineness};
+use super::{add, opacity, roulette};
+use crate::cone::{ConeHit, fineness};
 use crate::options::RenderOptions;
 use crate::world::{HitLanes, World};
 
@@ -56,7 +56,7 @@ impl Met<'_> {
 
     /// Whether the path at point `k` meets the surface; else it goes through a hole.
     pub(crate) fn is_there(&self, k: usize, path: &Path) -> bool {
-        holes::is_met(self.options.seed, path.key, path.edges, self.closures.coverage(k))
+        opacity::is_met(self.options.seed, path.key, path.edges, self.closures.coverage(k))
     }
 
     /// Sends the path at point `k` on if it goes through a hole, and says so.
@@ -66,10 +66,10 @@ impl Met<'_> {
             return false;
         }
         path.layers += 1;
-        path.key = holes::key_beyond(path.key);
-        if path.layers <= holes::MOST_LAYERS {
+        path.key = opacity::key_beyond(path.key);
+        if path.layers <= opacity::MOST_LAYERS {
             let ray = self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY);
-            onward.next.push(path, (ray, Meeting::of(self.points, k).straight()));
+            onward.next.push(path, (ray, ConeHit::of(self.points, k).straight()));
         }
         true
     }
@@ -133,8 +133,8 @@ impl Met<'_> {
         let weight = weigh(lights, path, ids, points.p.get(k), dir);
         match lights.triangle(ids, dir) {
             Some(triangle) if self.is_final && points.front(k) && path.from.is_some() => {
-                let place = [points.u[k], points.v[k]];
-                found - lights.radiance_of_triangle(triangle, place, dir) * (1.0 - weight)
+                let position = [points.u[k], points.v[k]];
+                found - lights.radiance_of_triangle(triangle, position, dir) * (1.0 - weight)
             }
             _ => found * weight,
         }
@@ -147,12 +147,13 @@ pub(crate) fn step<W: Width>(width: W, met: &Met, onward: &mut Onward) {
     let count = met.numbers.len();
     onward.next.reserve(count);
     onward.unshadowed.reserve(count);
-    let looks = met.closures.emits() || met.closures.has_holes() || met.backdrop.is_some();
+    let needs_vertices =
+        met.closures.emits() || met.closures.is_partly_transparent() || met.backdrop.is_some();
     for first in (0..count).step_by(W::R::LANES) {
         let mut there = u64::MAX >> (64 - W::R::LANES.min(count - first));
-        if looks {
+        if needs_vertices {
             for i in LanesOf(there) {
-                if met.closures.has_holes() && met.passes(first + i, onward) {
+                if met.closures.is_partly_transparent() && met.passes(first + i, onward) {
                     there &= !(1 << i);
                 } else {
                     met.take_light(first + i, met.world.light_set(), onward);
@@ -193,22 +194,22 @@ fn scatter<W: Width>(
         |i| number_of(of, i).map_or([0.0; 3], |number| met.paths.throughput.get(number).into()),
     );
     let throughput = Vector::new(r, g, b);
-    let mut seen = Seen::none(zero);
-    width.look(met.closures, first, (wo, throughput), &mut seen);
+    let mut prepared = Prepared::none(zero);
+    width.prepare(met.closures, first, (wo, throughput), &mut prepared);
     let draws = width.draws(options.seed, &points.key[first..], edges);
-    let translucent = seen.is_translucent();
+    let translucent = prepared.is_translucent();
     if !lights.is_empty() {
-        let asks = there & seen.is_smooth();
-        if W::R::any(asks) {
-            let [x, y] = W::pair(draws, purpose::LIGHT_PLACE);
+        let requests_light = there & prepared.is_smooth();
+        if W::R::any(requests_light) {
+            let [x, y] = W::pair(draws, purpose::LIGHT_POSITION);
             let [choice, _] = W::pair(draws, purpose::LIGHT_CHOICE);
-            let light = width.lights(lights, [asks, translucent], [at.p, at.ns], [choice, x, y]);
-            let (value, pdf) = seen.eval_pdf(light.dir);
-            let lit = asks & light.found & !value.is_zero() & !light.radiance.is_zero();
+            let light = width.lights(lights, [requests_light, translucent], [at.p, at.ns], [choice, x, y]);
+            let (value, pdf) = prepared.eval_pdf(light.dir);
+            let lit = requests_light & light.found & !value.is_zero() & !light.radiance.is_zero();
             let weight = if met.backdrop.is_some() { one } else { power_heuristic(light.pdf, pdf) };
             let weight = W::R::pick(light.delta, one, weight);
             let arriving = light.radiance * (weight / light.pdf);
-            let transmitted = zero.above(seen.normal().dot(light.dir));
+            let transmitted = zero.above(prepared.normal().dot(light.dir));
             let (ray, sends) = at.shadow_rays(light.dir, light.dist, transmitted);
             let lit = lit & sends;
             let here = throughput * value * arriving;
@@ -222,23 +223,23 @@ fn scatter<W: Width>(
                 }
             }
             let begins = met.absorption(first, lit, transmitted, zero);
-            let sought = lit & light.delta & begins.is_zero();
-            onward.unshadowed.push_all([lit, sought], of, &ray, here);
+            let delta_requests = lit & light.delta & begins.is_zero();
+            onward.unshadowed.push_all([lit, delta_requests], of, &ray, here);
         }
     }
     let [x, y] = W::pair(draws, purpose::DIRECTION);
     let [choice, survival] = W::pair(draws, purpose::CHOICE);
-    let chosen = seen.sample([choice, x, y]);
+    let chosen = prepared.sample([choice, x, y]);
     let mut cone = None;
     if !points.footprint.is_empty() {
-        let at = meeting(zero, points, first, wo);
+        let at = hit_info(zero, points, first, wo);
         let fineness = zero.each(
             #[inline(always)]
             |i| points.key.get(first + i).map_or(1.0, |&key| fineness(key)),
         );
         cone = Some([at.width, at.spread_after(chosen.pdf, chosen.delta, chosen.transmitted, fineness)]);
     }
-    go_on((met, first), (of, there), &at, &seen, (chosen, throughput), (survival, edges, cone), onward);
+    go_on((met, first), (of, there), &at, &prepared, (chosen, throughput), (survival, edges, cone), onward);
 }
 
 /// Sends on the paths that are there, in the directions that were chosen.
@@ -247,7 +248,7 @@ fn go_on<R: Real>(
     (met, first): (&Met, usize),
     (of, there): (Of, R::Mask),
     at: &Leaving<R>,
-    seen: &Seen<R>,
+    prepared: &Prepared<R>,
     (chosen, throughput): (Sampled<R>, Vector<R>),
     (survival, edges, cone): (R, &[u32; LANES], Option<[R; 2]>),
     onward: &mut Onward,
@@ -270,7 +271,7 @@ fn go_on<R: Real>(
     // What catches shadow leaves all that light samples can find to them.
     let pdf = if met.backdrop.is_some() { zero } else { chosen.pdf };
     let pdf = R::pick(chosen.delta, one.all(NOWHERE), pdf);
-    let ns = Vector::pick(seen.is_translucent(), Vector::grey(zero), at.ns);
+    let ns = Vector::pick(prepared.is_translucent(), Vector::grey(zero), at.ns);
     let absorption = met.absorption(first, alive, chosen.transmitted, zero);
     let how = [chosen.delta, chosen.transmitted, chosen.wide].map(R::bits);
     let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how };
@@ -289,12 +290,12 @@ fn vectors<R: Real>(like: R, v: &Vec3s, first: usize) -> Vector<R> {
 
 /// How the cones of rays from `-wo` meet the points from `first` on.
 #[inline(always)]
-fn meeting<R: Real>(like: R, points: &SurfaceBatch, first: usize, wo: Vector<R>) -> Meeting<R> {
+fn hit_info<R: Real>(like: R, points: &SurfaceBatch, first: usize, wo: Vector<R>) -> ConeHit<R> {
     let zero = like.all(0.0);
     let cos = vectors(like, &points.ng, first).dot(wo);
     let known = |values: &[f32]| if values.is_empty() { zero } else { like.load(values, first) };
     let curvature = known(&points.curvature);
-    Meeting {
+    ConeHit {
         width: known(&points.footprint),
         spread: known(&points.cone_spread),
         curvature: R::pick(zero.above(cos), -curvature, curvature),

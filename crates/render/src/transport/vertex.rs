@@ -7,9 +7,9 @@ use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Scattering};
 use gnurt_shading::{SurfaceBatch, SurfacePoint, SurfaceShader, Vec3s};
 
-use super::finals;
-use crate::cone::Meeting;
-use crate::tracer::{BatchTracer, Sharing, Wanted};
+use super::radiance_only;
+use crate::cone::ConeHit;
+use crate::tracer::{AttributeRequests, BatchTracer, Sharing};
 use crate::world::HitLanes;
 
 /// How what a surface does to light is known.
@@ -38,11 +38,11 @@ pub(crate) struct Vertex {
     /// know it.
     pub(crate) shown: Vec3,
     /// What light straight from lamps counts here more than other light; 1 where shaders tell what they do to light.
-    pub(crate) lamp_gain: f32,
+    pub(crate) light_gain: f32,
     /// How far the ray came.
     pub(crate) t: f32,
     /// How its cone met the surface.
-    pub(crate) cone: Meeting<f32>,
+    pub(crate) cone: ConeHit<f32>,
     /// What was hit: leaf, mesh, triangle.
     pub(crate) ids: [u32; 3],
 }
@@ -59,7 +59,7 @@ impl BatchTracer<'_> {
     pub(crate) fn vertices(&mut self, from: HitLanes) -> Vec<Option<Vertex>> {
         let mut vertices = Vec::new();
         vertices.resize_with(from.rays.len(), || None);
-        self.for_each_surface(from, Wanted::Light, |tracer, shader, lanes, points| {
+        self.for_each_surface(from, AttributeRequests::Light, |tracer, shader, lanes, points| {
             if let Some(log) = &mut tracer.log {
                 log.surface(shader, points);
             }
@@ -79,7 +79,7 @@ impl BatchTracer<'_> {
         shader.evaluate(points, closures);
         let Some(shader) = shader.radiance() else { return Known::Told };
         if self.probes {
-            self.dark = finals::probe(shader, points, self.options.white, closures);
+            self.dark = radiance_only::probe(shader, points, self.options.white, closures);
             (0..points.len()).for_each(|k| closures.emit(k, self.dark.get(k)));
             return Known::Probed;
         }
@@ -87,7 +87,7 @@ impl BatchTracer<'_> {
         shader.shade(self, points, &mut radiance);
         if self.sharing == Sharing::Pattern {
             // What light is averaged without.
-            finals::probe(shader, points, self.options.white, closures);
+            radiance_only::probe(shader, points, self.options.white, closures);
         }
         (0..points.len()).for_each(|k| closures.emit(k, radiance.get(k)));
         Known::Shown
@@ -104,7 +104,7 @@ impl BatchTracer<'_> {
         let mut closures = std::mem::take(&mut self.closures);
         let known = self.closures_of(shader, points, &mut closures);
         let is_final = known == Known::Shown;
-        let lamp_gain = if known == Known::Probed { std::f32::consts::PI * self.options.white } else { 1.0 };
+        let light_gain = if known == Known::Probed { std::f32::consts::PI * self.options.white } else { 1.0 };
         for (k, &lane) in lanes.iter().enumerate() {
             let vertex = Vertex {
                 point: points.point(k),
@@ -112,9 +112,9 @@ impl BatchTracer<'_> {
                 scattering: closures.point(k),
                 is_final,
                 shown: if known == Known::Probed { self.dark.get(k) } else { Vec3::ZERO },
-                lamp_gain,
+                light_gain,
                 t: points.t[k],
-                cone: Meeting::of(points, k),
+                cone: ConeHit::of(points, k),
                 ids: [points.leaf_id[k], points.geom_id[k], points.prim_id[k]],
             };
             with(lane as usize, vertex);

@@ -14,7 +14,7 @@ use gnurt_shading::bsdf::{Bsdf, BsdfSample, Carrying};
 use gnurt_shading::{SampleKey, SurfacePoint};
 
 use super::Vertex;
-use super::holes::{self, MOST_LAYERS};
+use super::opacity::{self, MOST_LAYERS};
 use crate::cone::{Cone, Cones};
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
@@ -78,23 +78,23 @@ impl BatchTracer<'_> {
         let mut vertices = self.vertices(from);
         // Which vertices may be holes, and the keys and chances that they were met with.
         let chance_of = |lane: usize| chances.get(lane).copied();
-        let asked = from.keys.iter().enumerate();
-        let mut asked: Vec<(usize, SampleKey, Option<f32>)> =
-            asked.map(|(lane, &key)| (lane, key, chance_of(lane))).collect();
+        let requests = from.keys.iter().enumerate();
+        let mut requests: Vec<(usize, SampleKey, Option<f32>)> =
+            requests.map(|(lane, &key)| (lane, key, chance_of(lane))).collect();
         for layer in 0.. {
             let mut beyond = Walks::default();
-            for (lane, key, chance) in asked {
+            for (lane, key, probability) in requests {
                 let Some(vertex) = &mut vertices[lane] else { continue };
                 let coverage = vertex.scattering.coverage;
                 if coverage >= 1.0 {
                     continue;
                 }
-                let number = chance.unwrap_or_else(|| holes::chance(seed, key, depth));
-                let Some(next) = holes::passed(number, coverage) else { continue };
+                let number = probability.unwrap_or_else(|| opacity::probability(seed, key, depth));
+                let Some(next) = opacity::passed(number, coverage) else { continue };
                 if layer < MOST_LAYERS {
                     let straight = vertex.point.spawn(-vertex.wo, f32::INFINITY);
-                    let carried = (lane, chance.map(|_| next));
-                    beyond.push((straight, vertex.cone.straight()), holes::key_beyond(key), carried);
+                    let carried = (lane, probability.map(|_| next));
+                    beyond.push((straight, vertex.cone.straight()), opacity::key_beyond(key), carried);
                 } else {
                     vertex.darken();
                 }
@@ -108,7 +108,7 @@ impl BatchTracer<'_> {
             let found = self.vertices(HitLanes { rays, keys, hits: &hits, cones: cones.as_ref(), depth });
             carried.iter().zip(found).for_each(|(&(lane, _), found)| vertices[lane] = found);
             let met = beyond.carried.into_iter().zip(beyond.keys);
-            asked = met.map(|((lane, chance), key)| (lane, key, chance)).collect();
+            requests = met.map(|((lane, probability), key)| (lane, key, probability)).collect();
         }
         vertices
     }

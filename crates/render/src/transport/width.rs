@@ -5,11 +5,11 @@
 
 use glam::Vec3;
 use gnurt_shading::SampleKey;
-use gnurt_shading::bsdf::{ClosureBatch, Seen};
+use gnurt_shading::bsdf::{ClosureBatch, Prepared};
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::lights::{LightSamples, LightSet};
 use gnurt_shading::real::{Real, Vector};
-use gnurt_shading::sampling::{Draws, DrawsX16, key_words};
+use gnurt_shading::sampling::{Draws, DrawsX16, key_values};
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
 /// How many points at once.
@@ -19,14 +19,14 @@ pub(crate) trait Width: Copy {
 
     /// Zeros.
     fn zero(self) -> Self::R;
-    /// Looks at points of a batch from `first` on, from `wo`, where the light that they scatter will count `light`; `seen` is
-    /// [`Seen::none`].
-    fn look(
+    /// Looks at points of a batch from `first` on, from `wo`, where the light that they scatter will count `light`; `prepared` is
+    /// [`Prepared::none`].
+    fn prepare(
         self,
         closures: &ClosureBatch,
         first: usize,
         from: (Vector<Self::R>, Vector<Self::R>),
-        seen: &mut Seen<Self::R>,
+        prepared: &mut Prepared<Self::R>,
     );
     /// The random numbers of some keys at some edges, as many as there are points or fewer.
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Self::Draws;
@@ -59,14 +59,14 @@ impl Width for One {
         0.0
     }
 
-    fn look(
+    fn prepare(
         self,
         closures: &ClosureBatch,
         first: usize,
         (wo, light): (Vector<f32>, Vector<f32>),
-        seen: &mut Seen<f32>,
+        prepared: &mut Prepared<f32>,
     ) {
-        *seen = closures.point(first).bsdf.seen_by(wo.into(), light.into());
+        *prepared = closures.point(first).bsdf.prepared_for(wo.into(), light.into());
     }
 
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Draws {
@@ -99,19 +99,19 @@ impl<S: Simd> Width for Sixteen<S> {
     }
 
     #[inline(always)]
-    fn look(
+    fn prepare(
         self,
         closures: &ClosureBatch,
         first: usize,
         from: (Vector<f32x16<S>>, Vector<f32x16<S>>),
-        seen: &mut Seen<f32x16<S>>,
+        prepared: &mut Prepared<f32x16<S>>,
     ) {
-        closures.look(self.0, first, from, seen);
+        closures.prepare(self.0, first, from, prepared);
     }
 
     #[inline(always)]
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> DrawsX16<S> {
-        DrawsX16::new(self.0, seed, key_words(self.0, keys), u32x16::from_slice(self.0, edges))
+        DrawsX16::new(self.0, seed, key_values(self.0, keys), u32x16::from_slice(self.0, edges))
     }
 
     #[inline(always)]

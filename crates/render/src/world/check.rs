@@ -5,36 +5,36 @@
 
 use gnurt_scene::{Scene, Surface};
 
-use super::due::Due;
+use super::dirty::DirtyParts;
 use super::materials;
 use super::table::ShaderTable;
 use crate::error::CommitError;
 
-pub(super) fn check(scene: &Scene, shaders: &ShaderTable, due: &Due) -> Result<(), CommitError> {
+pub(super) fn check(scene: &Scene, shaders: &ShaderTable, dirty: &DirtyParts) -> Result<(), CommitError> {
     let dangling =
         |what, index: u32, used, id| CommitError::DanglingId { what, index: index as usize, used, id };
-    for &index in &due.instances {
+    for &index in &dirty.instances {
         let object = scene.instances()[index as usize].object;
         if object.index() >= scene.objects().len() {
             return Err(dangling("instance", index, "object", object.0));
         }
     }
-    if due.objects.iter().any(|&index| !scene.objects()[index as usize].members.is_empty()) {
+    if dirty.objects.iter().any(|&index| !scene.objects()[index as usize].members.is_empty()) {
         scene.levels()?;
     }
-    for &index in &due.objects {
+    for &index in &dirty.objects {
         let object = &scene.objects()[index as usize];
         if let Some(mesh) = object.meshes.iter().find(|mesh| mesh.index() >= scene.meshes().len()) {
             return Err(dangling("object", index, "mesh", mesh.0));
         }
     }
-    for &index in &due.meshes {
+    for &index in &dirty.meshes {
         let material = scene.meshes()[index as usize].material;
         if material.index() >= scene.materials().len() {
             return Err(dangling("mesh", index, "material", material.0));
         }
     }
-    for &index in &due.materials {
+    for &index in &dirty.materials {
         let material = &scene.materials()[index as usize];
         if let Some(texture) = materials::textures_of(material).find(|t| t.index() >= scene.textures().len())
         {
@@ -47,7 +47,7 @@ pub(super) fn check(scene: &Scene, shaders: &ShaderTable, due: &Due) -> Result<(
             return Err(CommitError::UnknownShader { material: index as usize, shader, known });
         }
     }
-    for &index in &due.lights {
+    for &index in &dirty.lights {
         if let Some(texture) = scene.lights()[index as usize].texture()
             && texture.index() >= scene.textures().len()
         {

@@ -14,7 +14,7 @@ use glam::Vec3;
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Affine, Scene};
 
-use super::due::Due;
+use super::dirty::DirtyParts;
 use super::instance::InstanceSlot;
 use super::lights::ChangedLights;
 use super::open::{Open, Shutter};
@@ -56,24 +56,26 @@ impl World {
         let start = Instant::now();
         let followed = self.follows.as_ref();
         let followed = followed.filter(|it| it.options == *options && it.identity == *scene.identity());
-        let (mut world, mut due) = match followed {
-            Some(followed) => (self.clone(), Due::since(followed.cursor, scene, &self.materials, shaders)),
-            None => (Self::new(), Due::everything(scene)),
+        let (mut world, mut dirty) = match followed {
+            Some(followed) => {
+                (self.clone(), DirtyParts::since(followed.cursor, scene, &self.materials, shaders))
+            }
+            None => (Self::new(), DirtyParts::everything(scene)),
         };
         let mut open = Open::new(scene, exposure);
-        due.open(&open);
+        dirty.open(&open);
         if let Some(before) = &world.open {
-            due.open(before);
+            dirty.open(before);
         }
-        due.objects.retain(|&id| (id as usize) < scene.objects().len());
-        due.instances.retain(|&id| (id as usize) < scene.instances().len());
-        check::check(scene, shaders, &due)?;
+        dirty.objects.retain(|&id| (id as usize) < scene.objects().len());
+        dirty.instances.retain(|&id| (id as usize) < scene.instances().len());
+        check::check(scene, shaders, &dirty)?;
         let mut report = CommitReport::default();
         let is_first = followed.is_none();
-        world.update(is_first, &due, (scene, exposure), shaders, options, pool, &mut report);
+        world.update(is_first, &dirty, (scene, exposure), shaders, options, pool, &mut report);
         world.shutter = Shutter::Closed;
         world.pixel.clone_from(&shaders.pixel);
-        open.lamps_move = world.lights.lamps.move_in(&world.instances);
+        open.lamps_move = world.lights.emitters.move_in(&world.instances);
         world.open = (!exposure.is_still()).then(|| Arc::new(open));
         world.follows =
             Some(Followed { identity: scene.identity().clone(), cursor: scene.cursor(), options: *options });
@@ -88,7 +90,7 @@ impl World {
     fn update(
         &mut self,
         is_first: bool,
-        due: &Due,
+        dirty: &DirtyParts,
         (scene, exposure): (&Scene, &Exposure),
         shaders: &ShaderTable,
         options: &CommitOptions,
@@ -97,14 +99,14 @@ impl World {
     ) {
         self.face_normals = options.force_diffuse;
         let mut emission_changed = false;
-        if !due.materials.is_empty() {
+        if !dirty.materials.is_empty() {
             let materials = Arc::make_mut(&mut self.materials);
-            let changed = materials.update(&due.materials, scene, shaders, options.force_diffuse);
+            let changed = materials.update(&dirty.materials, scene, shaders, options.force_diffuse);
             (report.made_shaders, emission_changed) = (changed.made, changed.emission);
         }
 
         let Geometry { changed, is_moved } =
-            self.update_geometry(due, (scene, exposure), options, pool, report);
+            self.update_geometry(dirty, (scene, exposure), options, pool, report);
         let tree_before = self.tree.clone();
         if is_moved {
             self.tree = top::after(&self.tree, scene, &self.instances, &changed, pool);
@@ -112,15 +114,16 @@ impl World {
         }
 
         let lights = &self.lights;
-        let lamps = &lights.lamps;
-        let found = lamps.after(&changed, emission_changed, self.shown(pool));
-        let is_numbered = || lamps.ids.is_empty() || tree_before.numbers_alike(&self.tree);
-        let lamps = found.or_else(|| (!is_numbered()).then(|| lamps.renumbered(&tree_before, &self.tree)));
-        report.found_lamps = lamps.is_some();
+        let emitters = &lights.emitters;
+        let found = emitters.after(&changed, emission_changed, self.shown(pool));
+        let is_numbered = || emitters.ids.is_empty() || tree_before.numbers_alike(&self.tree);
+        let emitters =
+            found.or_else(|| (!is_numbered()).then(|| emitters.renumbered(&tree_before, &self.tree)));
+        report.found_lamps = emitters.is_some();
         let bounds = self.tree.bounds();
         let changed = ChangedLights {
-            edited: is_first || !due.lights.is_empty() || !due.textures.is_empty(),
-            lamps,
+            edited: is_first || !dirty.lights.is_empty() || !dirty.textures.is_empty(),
+            emitters,
             bounds: [bounds.min, bounds.max].map(Vec3::from),
         };
         if let Some(lights) = lights.after(changed, scene, shaders, pool) {
@@ -132,7 +135,7 @@ impl World {
     /// Objects and instances.
     fn update_geometry(
         &mut self,
-        due: &Due,
+        dirty: &DirtyParts,
         (scene, exposure): (&Scene, &Exposure),
         options: &CommitOptions,
         pool: &rayon::ThreadPool,
@@ -141,12 +144,12 @@ impl World {
         // Instances that are to be looked at: hidden ones that stay hidden are not there.
         let slot = |id: u32| self.instances.get(id as usize);
         let object_before = |id: u32| slot(id).and_then(InstanceSlot::object);
-        let is_seen = |id: &u32| scene.instances()[*id as usize].visible || object_before(*id).is_some();
-        let mut changed: Vec<u32> = due.instances.iter().copied().filter(is_seen).collect();
+        let is_visible = |id: &u32| scene.instances()[*id as usize].visible || object_before(*id).is_some();
+        let mut changed: Vec<u32> = dirty.instances.iter().copied().filter(is_visible).collect();
         let mut is_moved = !changed.is_empty();
 
-        let mut objects_due = due.objects.clone();
-        if !changed.is_empty() || !objects_due.is_empty() {
+        let mut dirty_objects = dirty.objects.clone();
+        if !changed.is_empty() || !dirty_objects.is_empty() {
             let objects = Arc::make_mut(&mut self.objects);
             objects.grow(scene.objects().len());
             for &id in &changed {
@@ -157,30 +160,30 @@ impl World {
                     continue;
                 }
                 if let Some(now) = now {
-                    users::retain(objects, scene, now.0, &mut objects_due);
+                    users::retain(objects, scene, now.0, &mut dirty_objects);
                 }
                 if let Some(before) = before {
-                    users::release(objects, before.0, &mut objects_due);
+                    users::release(objects, before.0, &mut dirty_objects);
                 }
             }
-            for &id in &due.objects {
+            for &id in &dirty.objects {
                 if objects[id as usize].users > 0 {
-                    users::hold(objects, scene, id, &mut objects_due);
+                    users::hold(objects, scene, id, &mut dirty_objects);
                 }
             }
-            objects_due.sort_unstable();
-            objects_due.dedup();
+            dirty_objects.sort_unstable();
+            dirty_objects.dedup();
             let before = objects.clone();
             let mut rebuilt = object_build::update(
                 objects,
                 &self.crowds,
-                &objects_due,
+                &dirty_objects,
                 (scene, exposure),
                 options.memory,
                 pool,
             );
-            members::update(objects, &before, &objects_due, (scene, exposure), pool, &mut rebuilt);
-            let mut touched = [&objects_due[..], &rebuilt.ids].concat();
+            members::update(objects, &before, &dirty_objects, (scene, exposure), pool, &mut rebuilt);
+            let mut touched = [&dirty_objects[..], &rebuilt.ids].concat();
             touched.sort_unstable();
             touched.dedup();
             for &id in &touched {
@@ -206,12 +209,12 @@ impl World {
             let instances = Arc::make_mut(&mut self.instances);
             instances.grow(last as usize + 1);
             let objects = &self.objects;
-            let ways: HashMap<u32, &[Affine]> =
-                exposure.instances.iter().map(|(id, places)| (id.0, &places[..])).collect();
-            let place = |id: usize| {
-                InstanceSlot::new(&scene.instances()[id], objects, ways.get(&(id as u32)).copied())
+            let paths: HashMap<u32, &[Affine]> =
+                exposure.instances.iter().map(|(id, positions)| (id.0, &positions[..])).collect();
+            let index = |id: usize| {
+                InstanceSlot::new(&scene.instances()[id], objects, paths.get(&(id as u32)).copied())
             };
-            pool.install(|| instances.set_all(&changed, true, place));
+            pool.install(|| instances.set_all(&changed, true, index));
             let is_dropped =
                 |slot: Option<&InstanceSlot>| usize::from(slot.is_some_and(InstanceSlot::is_dropped));
             for &id in &changed {

@@ -58,9 +58,9 @@ fn key(meshes: &[Arc<Mesh>]) -> [u64; 2] {
     const BY: [u64; 4] =
         [0x9e37_79b9_7f4a_7c15, 0xff51_afd7_ed55_8ccd, 0xc4ce_b9fe_1a85_ec53, 0xd6e8_feb8_6659_fd93];
     let mut lanes = BY;
-    let mut mix = |words: [u32; 4]| {
-        for ((lane, word), by) in lanes.iter_mut().zip(words).zip(BY) {
-            *lane = (*lane ^ u64::from(word)).wrapping_mul(by).rotate_left(29);
+    let mut mix = |values: [u32; 4]| {
+        for ((lane, value), by) in lanes.iter_mut().zip(values).zip(BY) {
+            *lane = (*lane ^ u64::from(value)).wrapping_mul(by).rotate_left(29);
         }
     };
     for mesh in meshes {
@@ -99,7 +99,7 @@ mod tests {
         for i in 0..100 {
             crowds.kind_of(&mesh(0.0, i % 4));
         }
-        let kept = crowds.0.lock().expect("nobody panics").len();
-        assert!(kept <= 8, "{kept} kinds are remembered");
+        let cached = crowds.0.lock().expect("nobody panics").len();
+        assert!(cached <= 8, "{cached} kinds are remembered");
     }
 }

@@ -9,7 +9,7 @@ use gnurt_scene::{Affine, Instance, ObjectId, RayMask};
 
 use super::object::{ObjectSlot, WorldObject};
 use super::open::path;
-use super::place::Place;
+use super::transform::Transform;
 
 /// An instance as shading needs it.
 #[derive(Clone)]
@@ -18,8 +18,8 @@ pub(crate) struct PlacedInstance {
     pub(crate) object_id: ObjectId,
     /// Which rays see it.
     pub(crate) mask: RayMask,
-    pub(crate) place: Place,
-    /// Its way while the shutter is open; `place` is where it is at first.
+    pub(crate) transform: Transform,
+    /// Its way while the shutter is open; `transform` is where it is at first.
     pub(crate) motion: Option<Arc<MotionPath>>,
 }
 
@@ -39,19 +39,19 @@ impl InstanceSlot {
     pub(super) fn new(
         instance: &Instance,
         objects: &SharedList<ObjectSlot>,
-        places: Option<&[Affine]>,
+        transforms: Option<&[Affine]>,
     ) -> Self {
         let object = objects.get(instance.object.index()).and_then(|slot| slot.object.clone());
         let Some(object) = object.filter(|_| instance.visible) else { return Self::Hidden };
-        let Some(place) = Place::new(&instance.world_from_object) else {
+        let Some(transform) = Transform::new(&instance.world_from_object) else {
             return Self::Dropped(instance.object);
         };
-        let motion = places.and_then(|places| path(places, &object.bounds()));
+        let motion = transforms.and_then(|transforms| path(transforms, &object.bounds()));
         Self::Placed(PlacedInstance {
             object,
             object_id: instance.object,
             mask: instance.mask,
-            place,
+            transform,
             motion,
         })
     }
@@ -79,20 +79,21 @@ impl InstanceSlot {
 
 impl PlacedInstance {
     /// Where it is at a moment.
-    pub(crate) fn at(&self, time: f32) -> Place {
+    pub(crate) fn at(&self, time: f32) -> Transform {
         // Where it is flat then, it stays.
-        let moved = self.motion.as_ref().and_then(|motion| Place::new(&Affine { columns: motion.at(time) }));
-        moved.unwrap_or(self.place)
+        let moved =
+            self.motion.as_ref().and_then(|motion| Transform::new(&Affine { columns: motion.at(time) }));
+        moved.unwrap_or(self.transform)
     }
 
     /// Where number `leaf` of the objects that it shows is at a moment.
-    pub(crate) fn leaf_at(&self, leaf: u32, time: f32) -> Place {
-        let (mut object, mut leaf, mut place) = (&*self.object, leaf, self.at(time));
+    pub(crate) fn leaf_at(&self, leaf: u32, time: f32) -> Transform {
+        let (mut object, mut leaf, mut transform) = (&*self.object, leaf, self.at(time));
         while let Some((member, inner)) = object.member_at(leaf) {
-            place = member.at(&place, time);
+            transform = member.at(&transform, time);
             (object, leaf) = (&member.object, inner);
         }
-        place
+        transform
     }
 
     /// Number `leaf` of the objects that it shows, and its id.

@@ -15,10 +15,10 @@ use gnurt_shading::lights as shading;
 use gnurt_shading::lights::{EnvironmentLight, LightSet};
 use gnurt_shading::{EnvironmentShader, LightShader};
 
-use super::lamps::Lamps;
+use super::emitters::Emitters;
 use super::table::ShaderTable;
 use super::textures::sharp;
-use crate::many_lights::ShaderLamps;
+use crate::many_lights::PluginEmitters;
 
 /// Tells what shines from all else that ever shone.
 #[derive(Clone, Default)]
@@ -41,7 +41,7 @@ pub(crate) struct Lights {
     pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
     /// What misses of camera rays see in place of that.
     pub(crate) backdrop: Option<Arc<shading::PictureEnvironment>>,
-    pub(super) lamps: Arc<Lamps>,
+    pub(super) emitters: Arc<Emitters>,
     /// The same for lights that differ in nothing but what they light.
     pub(super) content: LightsContent,
     /// The scene's own environment, unless the shader table has one.
@@ -53,7 +53,7 @@ pub(crate) struct Lights {
     /// Made for the first integrator that wants it.
     set: OnceLock<LightSet>,
     /// Likewise: where light paths start at lights that only know `illuminate`.
-    shader_lamps: OnceLock<ShaderLamps>,
+    plugin_emitters: OnceLock<PluginEmitters>,
 }
 
 /// Lights and the environment of the shader table.
@@ -64,7 +64,7 @@ pub(super) struct ChangedLights {
     /// Those of the scene were edited, or a texture.
     pub(super) edited: bool,
     /// The triangles that shine, if they are others.
-    pub(super) lamps: Option<Lamps>,
+    pub(super) emitters: Option<Emitters>,
     /// Of all that can be lit.
     pub(super) bounds: [Vec3; 2],
 }
@@ -86,10 +86,10 @@ impl Lights {
     }
 
     /// Where light paths start at lights of shader plugins, within `bounds`.
-    pub(crate) fn shader_lamps(&self, bounds: Option<([f32; 3], [f32; 3])>) -> &ShaderLamps {
+    pub(crate) fn plugin_emitters(&self, bounds: Option<([f32; 3], [f32; 3])>) -> &PluginEmitters {
         let lights = &self.shaders[self.plugins.clone()];
         let environment = self.environment.as_deref().filter(|_| self.parts.environment.is_none());
-        self.shader_lamps.get_or_init(|| ShaderLamps::new(lights, environment, bounds))
+        self.plugin_emitters.get_or_init(|| PluginEmitters::new(lights, environment, bounds))
     }
 
     /// The lights after changes; `None` if they are as they were.
@@ -116,12 +116,12 @@ impl Lights {
         let same_environment = same(backdrop.as_ref(), self.backdrop.as_ref(), Arc::ptr_eq)
             && same(own_environment.as_ref(), self.own_environment.as_ref(), EnvironmentLight::is);
         let same_bounds = changed.bounds == self.parts.bounds;
-        let same_lights = !changed.edited && changed.lamps.is_none() && !table_changed && same_environment;
+        let same_lights = !changed.edited && changed.emitters.is_none() && !table_changed && same_environment;
         if same_lights && same_bounds {
             return None;
         }
-        let lamps = changed.lamps.map_or_else(|| self.lamps.clone(), Arc::new);
-        let mut lights = Self::of(scene, shaders, lamps, own_environment, changed.bounds);
+        let emitters = changed.emitters.map_or_else(|| self.emitters.clone(), Arc::new);
+        let mut lights = Self::of(scene, shaders, emitters, own_environment, changed.bounds);
         lights.backdrop = backdrop;
         if same_lights || (same_environment && !table_changed && lights.is_like(self)) {
             // An edit of a light that nobody sees, or of a texture that is not the environment's, is none.
@@ -140,35 +140,35 @@ impl Lights {
     fn of(
         scene: &Scene,
         table: &ShaderTable,
-        lamps: Arc<Lamps>,
+        emitters: Arc<Emitters>,
         own_environment: Option<EnvironmentLight>,
         bounds: [Vec3; 2],
     ) -> Self {
         let others = (&table.lights[..], &table.environment);
-        Self::made(scene.lights(), others, lamps, own_environment, bounds)
+        Self::made(scene.lights(), others, emitters, own_environment, bounds)
     }
 
     /// The same lights at a moment of the open shutter: those of the scene, and the triangles that shine, where they are others
     /// then.
-    pub(super) fn at(&self, lights: Option<Vec<Light>>, lamps: Option<Lamps>) -> Self {
+    pub(super) fn at(&self, lights: Option<Vec<Light>>, emitters: Option<Emitters>) -> Self {
         let lights = lights.unwrap_or_else(|| self.punctual.clone());
-        let lamps = lamps.map_or_else(|| self.lamps.clone(), Arc::new);
+        let emitters = emitters.map_or_else(|| self.emitters.clone(), Arc::new);
         let from_table = self.environment.clone().filter(|_| self.own_environment.is_none());
         let others = (&self.shaders[self.plugins.clone()], &from_table);
-        let made = Self::made(&lights, others, lamps, self.own_environment.clone(), self.parts.bounds);
+        let made = Self::made(&lights, others, emitters, self.own_environment.clone(), self.parts.bounds);
         Self { backdrop: self.backdrop.clone(), ..made }
     }
 
     fn made(
         lights: &[Light],
         (others, environment): FromTable,
-        lamps: Arc<Lamps>,
+        emitters: Arc<Emitters>,
         own_environment: Option<EnvironmentLight>,
         bounds: [Vec3; 2],
     ) -> Self {
         let mut parts = shading::LightParts {
-            triangles: lamps.triangles.clone(),
-            triangle_ids: lamps.ids.clone(),
+            triangles: emitters.triangles.clone(),
+            triangle_ids: emitters.ids.clone(),
             environment: own_environment.clone(),
             bounds,
             ..Default::default()
@@ -192,19 +192,19 @@ impl Lights {
             shaders.push(light);
             environment = Some(own);
         }
-        let (set, shader_lamps, content) = Default::default();
+        let (set, plugin_emitters, content) = Default::default();
         Self {
             content,
             shaders,
             plugins,
             environment,
             backdrop: None,
-            lamps,
+            emitters,
             own_environment,
             punctual,
             parts,
             set,
-            shader_lamps,
+            plugin_emitters,
         }
     }
 
@@ -220,7 +220,7 @@ impl Lights {
 
     /// Whether the parts that edits of lights reach are equal.
     fn is_like(&self, before: &Self) -> bool {
-        Arc::ptr_eq(&self.lamps, &before.lamps) && self.punctual == before.punctual
+        Arc::ptr_eq(&self.emitters, &before.emitters) && self.punctual == before.punctual
     }
 
     /// The scene's own environment.

@@ -95,7 +95,7 @@ impl MaterialTable {
         self.entries.iter().map(|entry| entry.as_ref().and_then(|entry| entry.emitter.as_ref()))
     }
 
-    pub(super) fn shines(&self, material: usize) -> bool {
+    pub(super) fn is_emissive(&self, material: usize) -> bool {
         self.get(material).emitter.is_some()
     }
 
@@ -109,19 +109,19 @@ impl MaterialTable {
         self.from_table.iter().filter(is_other).copied()
     }
 
-    /// Makes the shaders of `due`, ascending.
+    /// Makes the shaders of `dirty`, ascending.
     pub(super) fn update(
         &mut self,
-        due: &[u32],
+        dirty: &[u32],
         scene: &Scene,
         shaders: &ShaderTable,
         force_diffuse: bool,
     ) -> ChangedMaterials {
-        let mut changed = ChangedMaterials { made: due.len(), emission: false };
+        let mut changed = ChangedMaterials { made: dirty.len(), emission: false };
         self.entries.grow(scene.materials().len());
-        for &id in due {
-            let place = self.entries.edit(id as usize);
-            let before = place.take();
+        for &id in dirty {
+            let index = self.entries.edit(id as usize);
+            let before = index.take();
             let now = entry((scene, &self.textures), id, shaders, force_diffuse, before.as_ref());
             let emitter = |entry: &MaterialEntry| entry.emitter.as_ref().map(Arc::as_ptr);
             changed.emission |= before.as_ref().and_then(emitter) != emitter(&now);
@@ -142,7 +142,7 @@ impl MaterialTable {
                 (Err(at), Some(number)) => self.from_table.insert(at, (id, number)),
                 (Err(_), None) => {}
             }
-            *place = Some(now);
+            *index = Some(now);
         }
         self.textures.tidy();
         changed
@@ -165,24 +165,25 @@ fn entry(
     before: Option<&MaterialEntry>,
 ) -> MaterialEntry {
     let material = &scene.materials()[id as usize];
-    let holes = if force_diffuse { None } else { materials::holes(&material.alpha) };
-    let from = Reading { scene, textures, holes };
+    let opacity_texture = if force_diffuse { None } else { materials::opacity_texture(&material.alpha) };
+    let from = Reading { scene, textures, opacity_texture };
     let emission = materials::emission(from, material);
     let coverage = if force_diffuse { None } else { materials::coverage(from, &material.alpha) };
     // Forced or not: who swaps it asks for the surface to be looked at again.
     let from_table = number_of(scene, id).map(|number| shaders.surfaces[number as usize].clone());
     // What surfaces show by their own rays and loops over lights is no light.
-    let asked = from_table.as_ref().filter(|it| !force_diffuse && it.emits() && it.radiance().is_none());
+    let emission_shader =
+        from_table.as_ref().filter(|it| !force_diffuse && it.emits() && it.radiance().is_none());
     let before = before.and_then(|before| before.emitter.as_ref());
-    let told = emission.clone().filter(|_| asked.is_none()).map(|emission| {
+    let reported = emission.clone().filter(|_| emission_shader.is_none()).map(|emission| {
         let same = before.filter(|emitter| emitter.gives_off(&emission, coverage.as_ref()));
         same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
     });
-    let is_asked = asked.is_some();
+    let is_asked = emission_shader.is_some();
     // Cones know what sent a ray, too.
     let asks_for_kinds = matches!(material.surface, Surface::Shader(_) | Surface::Unlit { .. });
     let shader = materials::shader(from, material, shaders, force_diffuse, emission, coverage);
-    let emitter = told.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
+    let emitter = reported.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
     MaterialEntry {
         is_opaque: shader.is_opaque(),
         is_solid: shader.is_solid(),

@@ -89,7 +89,7 @@ fn surface(from: Reading, surface: &Surface, shaders: &ShaderTable) -> Arc<dyn S
         Surface::ShadowCatcher { albedo, radiance } => {
             Arc::new(shading::ShadowCatcher { albedo: Vec3::from(*albedo), radiance: Vec3::from(*radiance) })
         }
-        Surface::Unlit { color: seen } => Arc::new(shading::Unlit { color: color(from, seen) }),
+        Surface::Unlit { color: visible } => Arc::new(shading::Unlit { color: color(from, visible) }),
         Surface::Shader(number) => shaders.surfaces[*number as usize].clone(),
     }
 }
@@ -176,7 +176,7 @@ pub(super) fn coverage(from: Reading, alpha: &Alpha) -> Option<shading::Coverage
 }
 
 /// The texture whose alpha says where a material is not there.
-pub(super) fn holes(alpha: &Alpha) -> Option<TextureId> {
+pub(super) fn opacity_texture(alpha: &Alpha) -> Option<TextureId> {
     match alpha {
         Alpha::Mask { opacity, .. } | Alpha::Blend { opacity }
             if opacity.channel == OpacityChannel::Alpha =>

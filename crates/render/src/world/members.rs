@@ -16,12 +16,12 @@ use super::object::{MemberSlot, Members, ObjectSlot, PlacedMember, WorldObject};
 use super::object_build::ChangedObjects;
 use super::open::ways_in;
 
-/// Brings objects in use that hold others up to date: those of `due`, ascending, and those that hold what has changed. Adds them
+/// Brings objects in use that hold others up to date: those of `dirty`, ascending, and those that hold what has changed. Adds them
 /// to `changed`.
 pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
     before: &SharedList<ObjectSlot>,
-    due: &[u32],
+    dirty: &[u32],
     (scene, exposure): (&Scene, &Exposure),
     pool: &rayon::ThreadPool,
     changed: &mut ChangedObjects,
@@ -34,7 +34,7 @@ pub(super) fn update(
     let mut all: BTreeSet<u32> = changed.ids.iter().copied().collect();
     for holders in levels {
         let is_due = |(id, holds): &(u32, Arc<[u32]>)| {
-            due.binary_search(id).is_ok() || holds.iter().any(|held| all.contains(held))
+            dirty.binary_search(id).is_ok() || holds.iter().any(|held| all.contains(held))
         };
         let ids: Vec<u32> = holders.into_iter().filter(is_due).map(|(id, _)| id).collect();
         for id in ids {
@@ -72,7 +72,7 @@ impl Members {
     pub(super) fn after(
         before: Option<&Self>,
         own: &WorldObject,
-        (members, ways): (&[Member], &HashMap<u32, &[Affine]>),
+        (members, paths): (&[Member], &HashMap<u32, &[Affine]>),
         objects: &SharedList<ObjectSlot>,
         pool: &rayon::ThreadPool,
     ) -> Self {
@@ -89,19 +89,25 @@ impl Members {
                     .is_none_or(|placed| now.is_some_and(|now| Arc::ptr_eq(now, &placed.object)))
         };
         let moves = |slot: &MemberSlot| slot.placed.as_ref().is_some_and(|placed| placed.motion.is_some());
-        let is_other = |&place: &u32| {
-            let slot = &list[place as usize];
-            !is_shown(slot, &members[place as usize]) || moves(slot) || ways.contains_key(&place)
+        let is_other = |&member_index: &u32| {
+            let slot = &list[member_index as usize];
+            !is_shown(slot, &members[member_index as usize])
+                || moves(slot)
+                || paths.contains_key(&member_index)
         };
         let changed: Vec<u32> = (0..own_place).filter(is_other).collect();
-        let make = |place: usize| MemberSlot {
-            from: Some(members[place]),
-            placed: PlacedMember::new(&members[place], objects, ways.get(&(place as u32)).copied()),
+        let make = |member_index: usize| MemberSlot {
+            from: Some(members[member_index]),
+            placed: PlacedMember::new(
+                &members[member_index],
+                objects,
+                paths.get(&(member_index as u32)).copied(),
+            ),
         };
         pool.install(|| list.set_all(&changed, true, make));
-        let shown = |place: u32| {
-            let member = members.get(place as usize)?;
-            let placed = list[place as usize].placed.as_ref()?;
+        let shown = |member_index: u32| {
+            let member = members.get(member_index as usize)?;
+            let placed = list[member_index as usize].placed.as_ref()?;
             let instance = match &placed.motion {
                 Some(motion) => Instance::moving(placed.object.shape(), motion.clone()),
                 None => Instance::new(placed.object.shape(), member.object_from_member.columns),
@@ -112,13 +118,13 @@ impl Members {
         let threads = Threads::Pool(pool);
         let tree = match alike.filter(|_| changed.len() <= members.len() / 2) {
             Some(before) => {
-                let changes = changed.iter().map(|&place| (place, shown(place)));
+                let changes = changed.iter().map(|&member_index| (member_index, shown(member_index)));
                 let all: Vec<_> = changes.chain([(own_place, Some(own_instance()))]).collect();
                 before.tree.updated(members.len() + 1, &all, threads)
             }
             None => {
                 let nothing = || Instance::identity(Arc::new(SceneTree::default()));
-                let all = (0..own_place).map(|place| shown(place).unwrap_or_else(nothing));
+                let all = (0..own_place).map(|member_index| shown(member_index).unwrap_or_else(nothing));
                 let all: Vec<Instance> = all.chain([own_instance()]).collect();
                 SceneTree::build(&all, &BuildOptions::default(), threads)
             }

@@ -9,10 +9,9 @@ mod areas;
 mod check;
 mod commit;
 mod crowds;
-mod due;
-mod glow;
+mod dirty;
+mod emitters;
 mod instance;
-mod lamps;
 mod lights;
 mod material_table;
 mod materials;
@@ -21,13 +20,14 @@ mod normals;
 mod object;
 mod object_build;
 mod open;
-mod place;
+mod shader_emission;
 mod surface;
 mod table;
 #[cfg(test)]
 mod tests;
 mod textures;
 mod top;
+mod transform;
 mod users;
 
 use std::collections::HashSet;
@@ -40,17 +40,17 @@ use gnurt_scene::edit::{Cursor, SceneIdentity};
 use gnurt_shading::lights::LightSet;
 use gnurt_shading::{PixelShader, SampleKey, SurfaceShader};
 
-use crate::many_lights::ShaderLamps;
+use crate::many_lights::PluginEmitters;
 use crowds::Crowds;
+use emitters::Shown;
 use instance::InstanceSlot;
-use lamps::Shown;
 pub(crate) use lights::{Lights, LightsContent};
 pub(crate) use material_table::MaterialTable;
 use object::{ObjectSlot, WorldObject};
 use open::Open;
 pub(crate) use open::Shutter;
 use surface::Leaves;
-pub(crate) use surface::{HitLanes, Places};
+pub(crate) use surface::{HitLanes, SurfacePoints};
 pub use table::{CommitOptions, CommitReport, ShaderTable};
 
 /// Sizes of a world.
@@ -185,16 +185,16 @@ impl World {
             ..WorldStats::default()
         };
         // What is shared counts once: trees by objects in equal poses, structures by poses.
-        let mut seen = HashSet::new();
+        let mut visible = HashSet::new();
         for object in self.objects.iter().filter_map(|slot| slot.object.as_ref()) {
             let tree = object.tree.stats();
             stats.objects += 1;
             stats.triangles += tree.primitives as usize;
             stats.tree_nodes += tree.nodes as usize;
-            if seen.insert(Arc::as_ptr(&object.tree).cast::<()>()) {
+            if visible.insert(Arc::as_ptr(&object.tree).cast::<()>()) {
                 stats.tree_bytes += (tree.tree_bytes + tree.primitive_bytes) as usize;
             }
-            if object.tree.is_posed() && seen.insert(object.kind_ptr()) {
+            if object.tree.is_posed() && visible.insert(object.kind_ptr()) {
                 stats.tree_bytes += object.tree.shared_bytes() as usize;
             }
             if let Some(members) = &object.members {
@@ -241,7 +241,7 @@ impl World {
     }
 
     /// Whether nobody has said yet when its rays see what moves.
-    pub(crate) fn wants_moments(&self) -> bool {
+    pub(crate) fn needs_times(&self) -> bool {
         self.is_open() && self.shutter == Shutter::Closed
     }
 
@@ -251,13 +251,13 @@ impl World {
     }
 
     /// The same world, whose rays have moments of their own.
-    pub(crate) fn with_moments(&self, seed: u64) -> Self {
+    pub(crate) fn with_times(&self, seed: u64) -> Self {
         Self { shutter: Shutter::Each(seed), ..self.clone() }
     }
 
     /// The world at the moment of a pass.
     pub(crate) fn of_pass(&self, seed: u64, sample: u32, pool: &rayon::ThreadPool) -> Self {
-        self.at(open::moment_of_pass(seed, sample), pool)
+        self.at(open::time_of_pass(seed, sample), pool)
     }
 
     /// The world at one moment of the open shutter, from 0 to 1: all rays see it then, and lights are where they are then.
@@ -265,18 +265,18 @@ impl World {
     pub fn at(&self, time: f32, pool: &rayon::ThreadPool) -> Self {
         let mut world = Self { shutter: Shutter::All(time), ..self.clone() };
         if let Some(open) = self.open.as_ref().filter(|open| open.lights_move()) {
-            let lamps = open.lamps_move.then(|| self.lights.lamps.at(time, self.shown(pool)));
-            world.lights = Arc::new(self.lights.at(open.lights_at(time), lamps));
+            let emitters = open.lamps_move.then(|| self.lights.emitters.at(time, self.shown(pool)));
+            world.lights = Arc::new(self.lights.at(open.lights_at(time), emitters));
         }
         world
     }
 
     /// Where its points are computed.
-    pub(crate) fn places(&self) -> Places<'_> {
+    pub(crate) fn surface_points(&self) -> SurfacePoints<'_> {
         let shutter = self.is_open().then_some(self.shutter);
         let (instances, leaves) = (&*self.instances, Leaves::Tree(&self.tree));
         let (face_normals, curved) = (self.face_normals, self.materials.read_widths());
-        Places { instances, leaves, shutter, face_normals, curved }
+        SurfacePoints { instances, leaves, shutter, face_normals, curved }
     }
 
     /// What lamps are looked for in.
@@ -305,8 +305,8 @@ impl World {
     }
 
     /// Where light paths start at lights of shader plugins.
-    pub(crate) fn shader_lamps(&self) -> &ShaderLamps {
-        self.lights.shader_lamps(self.bounds())
+    pub(crate) fn plugin_emitters(&self) -> &PluginEmitters {
+        self.lights.plugin_emitters(self.bounds())
     }
 
     /// What tells it from any world that came of another commit.
@@ -378,7 +378,7 @@ impl World {
 
     /// The object that a leaf of the tree is, and its id.
     pub(crate) fn leaf(&self, leaf_id: u32) -> (&WorldObject, ObjectId) {
-        let (instance, leaf) = self.places().instance(leaf_id);
+        let (instance, leaf) = self.surface_points().instance(leaf_id);
         instance.leaf(leaf)
     }
 }

@@ -13,7 +13,7 @@ use gnurt_scene::{Affine, Member, Mesh, ObjectId, RayMask};
 use super::areas::Areas;
 use super::crowds::Kind;
 use super::open::path;
-use super::place::Place;
+use super::transform::Transform;
 
 /// An object's arrays and the tree over them.
 #[derive(Clone)]
@@ -68,8 +68,8 @@ impl WorldObject {
     /// itself.
     pub(super) fn member_at(&self, leaf: u32) -> Option<(&PlacedMember, u32)> {
         let members = self.members.as_ref()?;
-        let (place, inner) = members.tree.instance_at(leaf)?;
-        members.get(place as usize).map(|member| (member, inner))
+        let (transform, inner) = members.tree.instance_at(leaf)?;
+        members.get(transform as usize).map(|member| (member, inner))
     }
 
     /// Whether some material of its meshes, or of those in it, is one of these.
@@ -137,10 +137,10 @@ pub(super) struct MemberSlot {
 pub(crate) struct PlacedMember {
     pub(crate) object: Arc<WorldObject>,
     pub(crate) object_id: ObjectId,
-    place: Place,
+    transform: Transform,
     /// The greatest coordinates that its points have in the object that holds it.
     reach: Vec3,
-    /// Its way while the shutter is open; `place` is where it is at first.
+    /// Its way while the shutter is open; `transform` is where it is at first.
     pub(super) motion: Option<Arc<MotionPath>>,
 }
 
@@ -149,30 +149,31 @@ impl PlacedMember {
     pub(super) fn new(
         member: &Member,
         objects: &SharedList<ObjectSlot>,
-        places: Option<&[Affine]>,
+        positions: Option<&[Affine]>,
     ) -> Option<Self> {
         let object = objects.get(member.object.index()).and_then(|slot| slot.object.clone())?;
-        let place = Place::new(&member.object_from_member)?;
-        let reach = reach(&object, &place);
-        let motion = places.and_then(|places| path(places, &object.bounds()));
-        Some(Self { object, object_id: member.object, place, reach, motion })
+        let transform = Transform::new(&member.object_from_member)?;
+        let reach = reach(&object, &transform);
+        let motion = positions.and_then(|positions| path(positions, &object.bounds()));
+        Some(Self { object, object_id: member.object, transform, reach, motion })
     }
 
     /// Where it is at a moment, in the world where the object that holds it is at `outer`.
-    pub(super) fn at(&self, outer: &Place, time: f32) -> Place {
+    pub(super) fn at(&self, outer: &Transform, time: f32) -> Transform {
         // Where it is flat then, it stays.
-        let moved = self.motion.as_ref().and_then(|motion| Place::new(&Affine { columns: motion.at(time) }));
+        let moved =
+            self.motion.as_ref().and_then(|motion| Transform::new(&Affine { columns: motion.at(time) }));
         match moved {
-            Some(place) => outer.then(&place, reach(&self.object, &place)),
-            None => outer.then(&self.place, self.reach),
+            Some(transform) => outer.then(&transform, reach(&self.object, &transform)),
+            None => outer.then(&self.transform, self.reach),
         }
     }
 }
 
 /// The greatest coordinates that points of an object have where it is.
-fn reach(object: &WorldObject, place: &Place) -> Vec3 {
+fn reach(object: &WorldObject, transform: &Transform) -> Vec3 {
     let Aabb { min, max } = object.bounds();
-    if min[0] > max[0] { Vec3::ZERO } else { place.reach(min.into(), max.into()) }
+    if min[0] > max[0] { Vec3::ZERO } else { transform.reach(min.into(), max.into()) }
 }
 
 impl Members {
@@ -182,16 +183,16 @@ impl Members {
     }
 
     /// A member, if it is there.
-    pub(super) fn get(&self, place: usize) -> Option<&PlacedMember> {
-        self.list.get(place).and_then(|slot| slot.placed.as_ref())
+    pub(super) fn get(&self, transform: usize) -> Option<&PlacedMember> {
+        self.list.get(transform).and_then(|slot| slot.placed.as_ref())
     }
 
     /// All that are there, with the number of the first object in each, and who sees it.
     pub(super) fn iter(&self) -> impl Iterator<Item = (u32, &PlacedMember, RayMask)> {
         let there = (0..).zip(self.list.iter());
-        there.filter_map(|(place, slot)| {
+        there.filter_map(|(transform, slot)| {
             let mask = slot.from.map_or(RayMask::ALL, |member| member.mask);
-            Some((self.tree.first_leaf(place), slot.placed.as_ref()?, mask))
+            Some((self.tree.first_leaf(transform), slot.placed.as_ref()?, mask))
         })
     }
 

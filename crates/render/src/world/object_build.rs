@@ -30,17 +30,17 @@ pub(super) struct ChangedObjects {
     pub(super) reshaped: bool,
 }
 
-/// Brings those of `due`, ascending, up to date: builds what is needed, lets go what is not.
+/// Brings those of `dirty`, ascending, up to date: builds what is needed, lets go what is not.
 pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
     crowds: &Crowds,
-    due: &[u32],
+    dirty: &[u32],
     scene: (&Scene, &Exposure),
     memory: Memory,
     pool: &rayon::ThreadPool,
 ) -> ChangedObjects {
     let needed = |&&id: &&u32| objects[id as usize].users > 0;
-    let ids: Vec<u32> = due.iter().filter(needed).copied().collect();
+    let ids: Vec<u32> = dirty.iter().filter(needed).copied().collect();
     // All are known by their kinds before the first is built: those of many are told by that.
     let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
     prepare_crowds(&found, memory, pool);
@@ -56,7 +56,7 @@ pub(super) fn update(
     let count = |of: fn(Update) -> bool| made.iter().filter(|(_, update)| update.is_some_and(of)).count();
     let refitted = count(|update| update == Update::Refitted);
     let built = count(|update| update != Update::Refitted);
-    for &id in due {
+    for &id in dirty {
         let slot = objects.edit(id as usize);
         if slot.users == 0 {
             slot.object = None;
@@ -120,11 +120,11 @@ impl Found {
 /// Builds what objects of a kind will share, over the first of them: once, by all threads. Those that are built side by side
 /// would not wait for each other, but each build it for itself.
 fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
-    let mut seen: HashSet<*const Kind> = HashSet::new();
+    let mut visible: HashSet<*const Kind> = HashSet::new();
     let firsts: Vec<(&Found, &Arc<Kind>)> = found
         .iter()
         .filter_map(|found| Some((found, found.crowd()?)))
-        .filter(|(_, kind)| seen.insert(Arc::as_ptr(kind)))
+        .filter(|(_, kind)| visible.insert(Arc::as_ptr(kind)))
         .collect();
     let prepare = |(found, kind): &(&Found, &Arc<Kind>)| {
         kind.crowd.prepare(&found.geometries(), &options(memory), Threads::Pool(pool));

@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use gnurt_accel::{Aabb, Moment, MotionPath};
+use gnurt_accel::{Aabb, KeyInterval, MotionPath};
 use gnurt_scene::animation::Exposure;
 use gnurt_scene::{Affine, Light, Scene};
 use gnurt_shading::SampleKey;
@@ -39,7 +39,7 @@ impl Shutter {
 }
 
 /// The moment of a pass.
-pub(super) fn moment_of_pass(seed: u64, sample: u32) -> f32 {
+pub(super) fn time_of_pass(seed: u64, sample: u32) -> f32 {
     let shift = hash_combine(seed as u32, (seed >> 32) as u32 ^ purpose::TIME);
     // The sum wraps around, as the moments do.
     let bits = sample.reverse_bits().wrapping_add(shift);
@@ -95,17 +95,17 @@ impl Open {
     /// The scene's lights at a moment; `None` where none of them moves.
     pub(super) fn lights_at(&self, time: f32) -> Option<Vec<Light>> {
         let mut lights = self.lights.clone();
-        for (place, keys) in &self.moving {
-            let moment = Moment::of(time, keys.len());
-            lights[*place] = mixed(&keys[moment.key], &keys[moment.next], &moment);
+        for (instance_index, keys) in &self.moving {
+            let interval = KeyInterval::of(time, keys.len());
+            lights[*instance_index] = mixed(&keys[interval.key], &keys[interval.next], &interval);
         }
         (!self.moving.is_empty()).then_some(lights)
     }
 }
 
 /// A light between two keys; where these are of different kinds, the first.
-fn mixed(from: &Light, to: &Light, moment: &Moment) -> Light {
-    let mix = |a: &[f32; 3], b: &[f32; 3]| moment.mix3(*a, *b);
+fn mixed(from: &Light, to: &Light, interval: &KeyInterval) -> Light {
+    let mix = |a: &[f32; 3], b: &[f32; 3]| interval.mix3(*a, *b);
     match (from, to) {
         (
             Light::Point { position, intensity },
@@ -124,8 +124,8 @@ fn mixed(from: &Light, to: &Light, moment: &Moment) -> Light {
             position: mix(position, to_position),
             direction: mix(direction, to_direction),
             intensity: mix(intensity, to_intensity),
-            inner_angle: moment.mix(*inner_angle, *to_inner),
-            outer_angle: moment.mix(*outer_angle, *to_outer),
+            inner_angle: interval.mix(*inner_angle, *to_inner),
+            outer_angle: interval.mix(*outer_angle, *to_outer),
         },
         (
             Light::Directional { direction, irradiance },
@@ -144,23 +144,28 @@ const OFF: f64 = 1.0 / 4096.0;
 /// Places of those members of an object that move, by their places in its list.
 pub(super) fn ways_in(exposure: &Exposure, object: u32) -> HashMap<u32, &[Affine]> {
     let of = exposure.members.iter().filter(|((holder, _), _)| holder.0 == object);
-    of.map(|((_, member), places)| (*member, &places[..])).collect()
+    of.map(|((_, member), transforms)| (*member, &transforms[..])).collect()
 }
 
 /// A path through as few of the places, evenly spaced, as say where an object with these bounds is at the others; `None` where a
 /// place is flat, or there is nothing to see.
-pub(super) fn path(places: &[Affine], bounds: &Aabb) -> Option<Arc<MotionPath>> {
+pub(super) fn path(transforms: &[Affine], bounds: &Aabb) -> Option<Arc<MotionPath>> {
     if bounds.is_empty() {
         return None;
     }
-    let columns: Vec<[[f64; 3]; 4]> = places.iter().map(|place| place.columns).collect();
+    let columns: Vec<[[f64; 3]; 4]> =
+        transforms.iter().map(|instance_index| instance_index.columns).collect();
     let pieces = columns.len().checked_sub(1)?;
     let steps = (0..).map(|i| pieces >> i).take_while(|&step| step > 1);
     for step in steps.filter(|step| pieces.is_multiple_of(*step)) {
         let some: Vec<[[f64; 3]; 4]> = columns.iter().copied().step_by(step).collect();
         let path = MotionPath::new(&some)?;
         let share = |i: usize| i as f32 / pieces as f32;
-        if columns.iter().enumerate().all(|(i, place)| is_near(&path.at(share(i)), place, bounds)) {
+        if columns
+            .iter()
+            .enumerate()
+            .all(|(i, instance_index)| is_near(&path.at(share(i)), instance_index, bounds))
+        {
             return Some(Arc::new(path));
         }
     }
@@ -193,10 +198,10 @@ mod tests {
     #[test]
     fn moments_of_passes_fill_the_time_evenly() {
         for (seed, count) in [(0, 64), (7, 64), (99, 16)] {
-            let mut places: Vec<usize> =
-                (0..count).map(|sample| (moment_of_pass(seed, sample) * count as f32) as usize).collect();
-            places.sort_unstable();
-            assert_eq!(places, (0..count as usize).collect::<Vec<_>>(), "one in each piece, seed {seed}");
+            let mut transforms: Vec<usize> =
+                (0..count).map(|sample| (time_of_pass(seed, sample) * count as f32) as usize).collect();
+            transforms.sort_unstable();
+            assert_eq!(transforms, (0..count as usize).collect::<Vec<_>>(), "one in each piece, seed {seed}");
         }
     }
 
@@ -204,14 +209,14 @@ mod tests {
     fn paths_have_as_few_places_as_do() {
         let bounds = Aabb { min: [-1.0; 3], max: [1.0; 3] };
         let turned = |t: f64| Affine::translation([3.0 * t, 0.0, 0.0]) * Affine::rotation([0.0, 1.0, 0.0], t);
-        let places =
+        let transforms =
             |angle: f64| -> Vec<Affine> { (0..=16).map(|i| turned(angle * f64::from(i) / 16.0)).collect() };
         assert_eq!(
-            path(&places(1.0), &bounds).expect("a path").keys().len(),
+            path(&transforms(1.0), &bounds).expect("a path").keys().len(),
             2,
             "a turn in place, and a line"
         );
-        let whole = path(&places(7.0), &bounds).expect("a path");
+        let whole = path(&transforms(7.0), &bounds).expect("a path");
         assert!(whole.keys().len() > 2, "more than half a turn needs more places");
         assert!(is_near(&whole.at(0.5), &turned(3.5).columns, &bounds), "and is followed");
         let swing: Vec<Affine> = (0..=16)

@@ -9,7 +9,7 @@
 use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
-use gnurt_accel::{HitBatch, Moment, RayBatch, SceneTree, SharedList};
+use gnurt_accel::{HitBatch, KeyInterval, RayBatch, SceneTree, SharedList};
 use gnurt_scene::{Attribute, Mesh, Rate};
 use gnurt_shading::lanes::LANES;
 use gnurt_shading::real::{Real, Vector};
@@ -19,7 +19,7 @@ use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 use super::instance::{InstanceSlot, PlacedInstance};
 use super::normals::{Columns, Precise};
 use super::open::Shutter;
-use super::place::Place;
+use super::transform::Transform;
 use crate::cone::Cones;
 
 /// Rounding errors of the point, of its transform, and of the test that the next ray makes against the same triangle,
@@ -58,7 +58,7 @@ pub(super) enum Leaves<'w> {
 
 /// Where points are computed: the world, or what of it shines.
 #[derive(Clone, Copy)]
-pub(crate) struct Places<'w> {
+pub(crate) struct SurfacePoints<'w> {
     pub(super) instances: &'w SharedList<InstanceSlot>,
     pub(super) leaves: Leaves<'w>,
     /// When rays see what moves; `None` = nothing does.
@@ -84,7 +84,7 @@ struct Gathered<'w> {
     /// Their texture coordinates.
     uv: [Row; 6],
     /// Linear part, matrix of normals, origin, greatest coordinate on the way.
-    place: [Row; 22],
+    transform: [Row; 22],
     has: Has,
     /// Whether curvatures are wanted, and all that `Detail::Full` has.
     curved: bool,
@@ -112,7 +112,7 @@ impl<'w> Gathered<'w> {
             corners: [[0.0; LANES]; 9],
             normals: [[0.0; LANES]; 9],
             uv: [[0.0; LANES]; 6],
-            place: [[0.0; LANES]; 22],
+            transform: [[0.0; LANES]; 22],
             has: Has::default(),
             curved: false,
             full: false,
@@ -120,7 +120,7 @@ impl<'w> Gathered<'w> {
     }
 
     /// Reads what the points of these lanes need, sixteen or fewer.
-    fn read(&mut self, places: &Places<'w>, from: HitLanes, lanes: &[u32]) {
+    fn read(&mut self, point_sources: &SurfacePoints<'w>, from: HitLanes, lanes: &[u32]) {
         let hits = from.hits;
         self.has = Has::default();
         let (mut last, mut known) = ([u32::MAX; 2], None);
@@ -128,7 +128,7 @@ impl<'w> Gathered<'w> {
             let lane = lane as usize;
             let ids = [hits.leaf_id[lane], hits.geom_id[lane]];
             if ids != last {
-                let (instance, leaf) = places.instance(ids[0]);
+                let (instance, leaf) = point_sources.instance(ids[0]);
                 let (object, geom_id) = (instance.leaf(leaf).0, ids[1] as usize);
                 let keys = object.keys.get(geom_id).map_or(&[][..], |keys| &keys[..]);
                 known = Some(((instance, leaf), &*object.meshes[geom_id], keys));
@@ -136,7 +136,7 @@ impl<'w> Gathered<'w> {
             }
             let Some((instance, mesh, keys)) = known else { continue };
             (self.instances[i], self.meshes[i], self.keys[i]) = (Some(instance), Some(mesh), keys);
-            if let Some(shutter) = places.shutter {
+            if let Some(shutter) = point_sources.shutter {
                 self.times[i] = shutter.time(from.keys[lane]);
             }
             let vertices = mesh.indices[hits.prim_id[lane] as usize].map(|v| v as usize);
@@ -144,7 +144,7 @@ impl<'w> Gathered<'w> {
             for (c, &vertex) in vertices.iter().enumerate() {
                 put_vector(&mut self.corners, 3 * c, i, mesh.positions[vertex]);
             }
-            self.read_attributes(i, mesh, !places.face_normals);
+            self.read_attributes(i, mesh, !point_sources.face_normals);
             if !keys.is_empty() {
                 self.bend(i);
             }
@@ -178,16 +178,16 @@ impl<'w> Gathered<'w> {
     /// Corners and normals of lane `i` as they are at its moment.
     #[cold]
     fn bend(&mut self, i: usize) {
-        let (moment, keys) = (Moment::of(self.times[i], self.keys[i].len()), self.keys[i]);
-        let (from, to) = (&keys[moment.key], &keys[moment.next]);
+        let (interval, keys) = (KeyInterval::of(self.times[i], self.keys[i].len()), self.keys[i]);
+        let (from, to) = (&keys[interval.key], &keys[interval.next]);
         for (c, &vertex) in self.vertices[i].iter().enumerate() {
             if let (Some(&a), Some(&b)) = (from.positions.get(vertex), to.positions.get(vertex)) {
-                put_vector(&mut self.corners, 3 * c, i, moment.mix3(a, b));
+                put_vector(&mut self.corners, 3 * c, i, interval.mix3(a, b));
             }
             // Without any where they are not wanted.
             let has_one = (0..3).any(|k| self.normals[3 * c + k][i] != 0.0);
             if let (true, Some(&a), Some(&b)) = (has_one, from.normals.get(vertex), to.normals.get(vertex)) {
-                put_vector(&mut self.normals, 3 * c, i, moment.mix3(a, b));
+                put_vector(&mut self.normals, 3 * c, i, interval.mix3(a, b));
             }
         }
     }
@@ -203,16 +203,17 @@ impl<'w> Gathered<'w> {
             let end = (first + 1..count)
                 .find(|&i| !is_same(&i) || (moves && self.times[i] != self.times[first]))
                 .unwrap_or(count);
-            let Place { linear, normals, origin, between, .. } = instance.leaf_at(leaf, self.times[first]);
+            let Transform { linear, normals, origin, interpolated, .. } =
+                instance.leaf_at(leaf, self.times[first]);
             let (linear, normals) = (linear.to_cols_array(), normals.to_cols_array());
             for k in 0..9 {
-                self.place[k][first..end].fill(linear[k]);
-                self.place[9 + k][first..end].fill(normals[k]);
+                self.transform[k][first..end].fill(linear[k]);
+                self.transform[9 + k][first..end].fill(normals[k]);
             }
             for k in 0..3 {
-                self.place[18 + k][first..end].fill(origin[k]);
+                self.transform[18 + k][first..end].fill(origin[k]);
             }
-            self.place[21][first..end].fill(between);
+            self.transform[21][first..end].fill(interpolated);
             first = end;
         }
     }
@@ -269,16 +270,16 @@ fn put3<R: Real>(out: &mut Vec3s, range: (usize, usize), v: Vector<R>) {
     put(&mut out.z, range, v.z);
 }
 
-impl<'w> Places<'w> {
+impl<'w> SurfacePoints<'w> {
     /// The instance that a leaf belongs to, and the leaf's number in what that shows. Panics where nothing can be hit; hits name only
     /// instances that are there.
     #[inline]
     pub(super) fn instance(&self, leaf_id: u32) -> (&'w PlacedInstance, u32) {
-        let (place, leaf) = match self.leaves {
+        let (transform, leaf) = match self.leaves {
             Leaves::Tree(tree) => tree.instance_at(leaf_id).expect("hits name objects that are there"),
             Leaves::Listed(list) => (list[leaf_id as usize][0], list[leaf_id as usize][1]),
         };
-        (self.instances[place as usize].placed().expect("hits name instances that are there"), leaf)
+        (self.instances[transform as usize].placed().expect("hits name instances that are there"), leaf)
     }
 
     /// Writes the points of some lanes, all of which hit something: others panic. `epsilon`: world units added to each point's error.
@@ -332,7 +333,7 @@ impl<'w> Places<'w> {
             for i in 0..lanes {
                 let (instance, leaf) = self.instance(points.leaf_id[i]);
                 // As it is when the shutter opens.
-                let Place { linear, origin, .. } = instance.leaf_at(leaf, 0.0);
+                let Transform { linear, origin, .. } = instance.leaf_at(leaf, 0.0);
                 let columns = [linear.x_axis, linear.y_axis, linear.z_axis];
                 let numbers = columns.into_iter().chain([origin]).flat_map(|v| v.to_array());
                 numbers.take(components).enumerate().for_each(|(k, x)| values[k * lanes + i] = x);
@@ -352,8 +353,8 @@ impl<'w> Places<'w> {
                 if ids != last.0 {
                     let (instance, leaf) = self.instance(ids[0]);
                     let object = instance.leaf(leaf).0;
-                    let place = instance.leaf_at(leaf, 0.0);
-                    last = (ids, object.areas.of(&object.meshes, ids[1], &place.linear));
+                    let transform = instance.leaf_at(leaf, 0.0);
+                    last = (ids, object.areas.of(&object.meshes, ids[1], &transform.linear));
                 }
                 *value = last.1;
             }
@@ -396,9 +397,9 @@ impl Gathered<'_> {
     ) {
         let (zero, one, range) = (like.all(0.0), like.all(1.0), (at, count));
         let corners = vectors(zero, &self.corners, 0, first);
-        let linear = Columns(vectors(zero, &self.place, 0, first));
-        let normals = Columns(vectors(zero, &self.place, 9, first));
-        let origin = vector(zero, &self.place, 18, first);
+        let linear = Columns(vectors(zero, &self.transform, 0, first));
+        let normals = Columns(vectors(zero, &self.transform, 9, first));
+        let origin = vector(zero, &self.transform, 18, first);
         let (u, v) = (zero.load(&out.u, at), zero.load(&out.v, at));
         let weights = [one - u - v, u, v];
         let p = linear.times(mix(&corners, weights)) + origin;
@@ -431,9 +432,9 @@ impl Gathered<'_> {
                     |unit| normals.times(unit).normalize_or(black),
                 );
                 for (corner, (normal, weight)) in placed.iter().zip(turned.iter().zip(weights)) {
-                    let seen = Vector::pick(behind, -*normal, *normal);
-                    let below = (*corner - p).dot(seen).or_more(zero);
-                    lift = lift + seen * below * weight;
+                    let visible = Vector::pick(behind, -*normal, *normal);
+                    let below = (*corner - p).dot(visible).or_more(zero);
+                    lift = lift + visible * below * weight;
                 }
                 lift = Vector::pick(flat, black, lift);
                 if self.curved {
@@ -460,7 +461,7 @@ impl Gathered<'_> {
             let [x, y, z] = linear.0;
             let most = x.abs() * reach.x + y.abs() * reach.y;
             let magnitude = (most + z.abs() * reach.z + origin.abs()).max_element();
-            let magnitude = magnitude.or_more(zero.load(&self.place[21], first));
+            let magnitude = magnitude.or_more(zero.load(&self.transform[21], first));
             put(&mut out.error, range, magnitude * ERROR_SCALE + zero.all(epsilon));
             put3(&mut out.lift, range, lift);
         }
@@ -505,17 +506,17 @@ impl Gathered<'_> {
         }
         for i in 0..count {
             let (Some(mesh), vertices) = (self.meshes[i], self.vertices[i]) else { continue };
-            let linear = Mat3::from_cols_array(&std::array::from_fn(|k| self.place[k][i]));
-            let place = at + i;
-            let (u, v) = (out.u[place], out.v[place]);
+            let linear = Mat3::from_cols_array(&std::array::from_fn(|k| self.transform[k][i]));
+            let transform = at + i;
+            let (u, v) = (out.u[transform], out.v[transform]);
             let weights = [1.0 - u - v, u, v];
             let [r, g, b, a] = vertex_color(mesh, vertices, weights);
-            out.color.set(place, Vec3::new(r, g, b));
-            out.alpha[place] = a;
+            out.color.set(transform, Vec3::new(r, g, b));
+            out.alpha[transform] = a;
             if divisors && let Some(q) = mesh.texcoord_divisors(vertices) {
                 let divisor = (0..3).map(|c| weights[c] * q[c]).sum::<f32>();
-                (out.texcoord[0][place], out.texcoord[1][place]) =
-                    (out.texcoord[0][place] / divisor, out.texcoord[1][place] / divisor);
+                (out.texcoord[0][transform], out.texcoord[1][transform]) =
+                    (out.texcoord[0][transform] / divisor, out.texcoord[1][transform] / divisor);
                 let mut divided = Self::new();
                 divided.has.uv = true;
                 for (k, row) in divided.uv.iter_mut().enumerate() {
@@ -523,13 +524,13 @@ impl Gathered<'_> {
                 }
                 let corners = [0, 3, 6].map(|k| Vector::from(self.vector_of(k, i)));
                 let linear = Columns([linear.x_axis, linear.y_axis, linear.z_axis].map(Vector::from));
-                divided.changes((0.0_f32, 0), &corners, &linear, (place, 1), out);
+                divided.changes((0.0_f32, 0), &corners, &linear, (transform, 1), out);
             }
             if let Some([along, across]) = self.tangents(i, weights) {
                 let length = |v: Vec3| if v == Vec3::ZERO { 1.0 } else { v.length() };
-                let lengths = [out.dp_du.get(place), out.dp_dv.get(place)].map(length);
-                out.dp_du.set(place, (linear * along).normalize_or_zero() * lengths[0]);
-                out.dp_dv.set(place, (linear * across).normalize_or_zero() * lengths[1]);
+                let lengths = [out.dp_du.get(transform), out.dp_dv.get(transform)].map(length);
+                out.dp_du.set(transform, (linear * along).normalize_or_zero() * lengths[0]);
+                out.dp_dv.set(transform, (linear * across).normalize_or_zero() * lengths[1]);
             }
         }
     }
@@ -561,9 +562,9 @@ impl Gathered<'_> {
     /// The tangent of a vertex of lane `i` at its moment, if the mesh bends.
     fn bent_tangent(&self, i: usize, vertex: usize) -> Option<[f32; 3]> {
         let keys = self.keys[i];
-        let moment = Moment::of(self.times[i], keys.len());
+        let interval = KeyInterval::of(self.times[i], keys.len());
         let at = |key: usize| keys.get(key)?.tangents.get(vertex).map(|&[x, y, z, _]| [x, y, z]);
-        Some(moment.mix3(at(moment.key)?, at(moment.next)?))
+        Some(interval.mix3(at(interval.key)?, at(interval.next)?))
     }
 }
 

@@ -47,7 +47,7 @@ struct Shared {
     objects: bool,
     top_tree: bool,
     grey: bool,
-    lamp: bool,
+    emitter_choice: bool,
     triangles: bool,
     light_tree: bool,
     lights: bool,
@@ -59,7 +59,7 @@ const ALL: Shared = Shared {
     objects: true,
     top_tree: true,
     grey: true,
-    lamp: true,
+    emitter_choice: true,
     triangles: true,
     light_tree: true,
     lights: true,
@@ -79,8 +79,8 @@ fn shared(a: &World, b: &World) -> Shared {
         objects: (0..2).all(|id| Arc::ptr_eq(&object(a, id).tree, &object(b, id).tree)),
         top_tree: Arc::ptr_eq(&a.tree, &b.tree),
         grey: shader(0),
-        lamp: shader(2),
-        triangles: Arc::ptr_eq(&a.lights.lamps, &b.lights.lamps),
+        emitter_choice: shader(2),
+        triangles: Arc::ptr_eq(&a.lights.emitters, &b.lights.emitters),
         light_tree: a.light_set().shares_tree(b.light_set()),
         lights: Arc::ptr_eq(&a.lights, &b.lights),
         environment: sky(a).is(&sky(b)),
@@ -92,14 +92,14 @@ fn shared(a: &World, b: &World) -> Shared {
 fn an_edit_touches_its_part() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
     let (mut scene, mut world) = (scene(), World::new());
-    let mut check = |scene: &Scene, wanted: Shared, what: &str| {
+    let mut check = |scene: &Scene, requested: Shared, what: &str| {
         let before = world.clone();
         // Made when first asked for, so that it can be shared.
         let _ = before.light_set();
         let done = world.commit(scene, &ShaderTable::default(), &CommitOptions::default(), &pool);
         done.expect("the scene is sound");
         if what != "all" {
-            assert_eq!(shared(&before, &world), wanted, "{what}");
+            assert_eq!(shared(&before, &world), requested, "{what}");
         }
     };
     check(&scene, ALL, "all");
@@ -107,7 +107,7 @@ fn an_edit_touches_its_part() {
     scene.edit_material(MaterialId(0)).surface = Surface::Matte { base_color: Color::constant([0.1; 3]) };
     check(&scene, Shared { grey: false, ..ALL }, "a shader's parameter");
     scene.edit_material(MaterialId(2)).surface = Surface::Matte { base_color: Color::constant([0.1; 3]) };
-    check(&scene, Shared { lamp: false, ..ALL }, "how the lamp's surface reflects");
+    check(&scene, Shared { emitter_choice: false, ..ALL }, "how the lamp's surface reflects");
     scene.edit_instance(InstanceId(0)).world_from_object.columns[0][0] = 0.5;
     check(&scene, Shared { top_tree: false, ..ALL }, "a matrix, within the box of all");
     scene.edit_instance(InstanceId(0)).world_from_object.columns[3][2] = -50.0;
@@ -121,7 +121,8 @@ fn an_edit_touches_its_part() {
     scene.edit_mesh(MeshId(0)).positions[0][0] = 0.1;
     check(&scene, Shared { objects: false, top_tree: false, ..ALL }, "a mesh");
     scene.edit_material(MaterialId(2)).emission = [2.0; 3];
-    let brighter = Shared { lamp: false, triangles: false, light_tree: false, lights: false, ..ALL };
+    let brighter =
+        Shared { emitter_choice: false, triangles: false, light_tree: false, lights: false, ..ALL };
     check(&scene, brighter, "what the lamp gives off");
     if let Light::Point { position, .. } = scene.edit_light(LightId(1)) {
         position[0] = 0.1;

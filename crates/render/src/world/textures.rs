@@ -29,7 +29,7 @@ pub(super) struct Reading<'a> {
     pub(super) scene: &'a Scene,
     pub(super) textures: &'a Textures,
     /// Whose opacity says where the material is not there: its colours count by that.
-    pub(super) holes: Option<TextureId>,
+    pub(super) opacity_texture: Option<TextureId>,
 }
 
 impl Reading<'_> {
@@ -41,8 +41,8 @@ impl Reading<'_> {
 
     /// The same of a texture of colours.
     pub(super) fn colors(&self, reference: &TextureRef) -> TextureSampler {
-        let has_holes = self.holes == Some(reference.texture);
-        self.sampler(reference, if has_holes { Weigh::ByOpacity } else { Weigh::Alike })
+        let is_partly_transparent = self.opacity_texture == Some(reference.texture);
+        self.sampler(reference, if is_partly_transparent { Weigh::ByOpacity } else { Weigh::Alike })
     }
 }
 

@@ -20,12 +20,12 @@ pub(super) fn after(
     changed: &[u32],
     pool: &rayon::ThreadPool,
 ) -> Arc<SceneTree> {
-    let shown = |place: usize| {
-        let placed = instances[place].placed()?;
+    let shown = |index: usize| {
+        let placed = instances[index].placed()?;
         let shape = placed.object.shape();
         let instance = match &placed.motion {
             Some(motion) => Instance::moving(shape, motion.clone()),
-            None => Instance::new(shape, scene.instances()[place].world_from_object.columns),
+            None => Instance::new(shape, scene.instances()[index].world_from_object.columns),
         };
         Some(instance.with_mask(placed.mask.0))
     };
@@ -33,14 +33,14 @@ pub(super) fn after(
     let tree = if changed.len() > instances.len() / 2 {
         let nothing = Arc::new(ObjectTree::build(&[], &BuildOptions::default(), Threads::Single));
         let shown_or_nothing =
-            |place: usize| shown(place).unwrap_or_else(|| Instance::identity(nothing.clone()));
+            |index: usize| shown(index).unwrap_or_else(|| Instance::identity(nothing.clone()));
         let list: Vec<Instance> = pool.install(|| {
-            let places = (0..instances.len()).into_par_iter();
-            places.with_min_len(FEW).map(shown_or_nothing).collect()
+            let positions = (0..instances.len()).into_par_iter();
+            positions.with_min_len(FEW).map(shown_or_nothing).collect()
         });
         SceneTree::build(&list, &BuildOptions::default(), threads)
     } else {
-        let change = |&place: &u32| (place, shown(place as usize));
+        let change = |&index: &u32| (index, shown(index as usize));
         let changes: Vec<(u32, Option<Instance>)> = match changed.len() > FEW {
             true => pool.install(|| changed.par_iter().with_min_len(FEW).map(change).collect()),
             false => changed.iter().map(change).collect(),

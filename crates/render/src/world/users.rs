@@ -11,29 +11,29 @@ use gnurt_scene::Scene;
 use super::object::ObjectSlot;
 
 /// An object has one user more, which may be its first.
-pub(super) fn retain(objects: &mut SharedList<ObjectSlot>, scene: &Scene, id: u32, due: &mut Vec<u32>) {
+pub(super) fn retain(objects: &mut SharedList<ObjectSlot>, scene: &Scene, id: u32, dirty: &mut Vec<u32>) {
     let slot = objects.edit(id as usize);
     slot.users += 1;
     if slot.users == 1 {
-        due.push(id);
-        hold(objects, scene, id, due);
+        dirty.push(id);
+        hold(objects, scene, id, dirty);
     }
 }
 
 /// An object has one user less, which may have been its last.
-pub(super) fn release(objects: &mut SharedList<ObjectSlot>, id: u32, due: &mut Vec<u32>) {
+pub(super) fn release(objects: &mut SharedList<ObjectSlot>, id: u32, dirty: &mut Vec<u32>) {
     let slot = objects.edit(id as usize);
     slot.users -= 1;
     if slot.users == 0 {
-        due.push(id);
+        dirty.push(id);
         for &held in std::mem::take(&mut slot.holds).iter() {
-            release(objects, held, due);
+            release(objects, held, dirty);
         }
     }
 }
 
 /// An object in use holds what the scene says now.
-pub(super) fn hold(objects: &mut SharedList<ObjectSlot>, scene: &Scene, id: u32, due: &mut Vec<u32>) {
+pub(super) fn hold(objects: &mut SharedList<ObjectSlot>, scene: &Scene, id: u32, dirty: &mut Vec<u32>) {
     let members = &scene.objects()[id as usize].members;
     let before = objects[id as usize].holds.clone();
     if members.is_empty() && before.is_empty() {
@@ -41,7 +41,7 @@ pub(super) fn hold(objects: &mut SharedList<ObjectSlot>, scene: &Scene, id: u32,
     }
     let now: BTreeSet<u32> = members.iter().map(|member| member.object.0).collect();
     let now: Arc<[u32]> = now.into_iter().collect();
-    now.iter().for_each(|&held| retain(objects, scene, held, due));
+    now.iter().for_each(|&held| retain(objects, scene, held, dirty));
     objects.edit(id as usize).holds = now;
-    before.iter().for_each(|&held| release(objects, held, due));
+    before.iter().for_each(|&held| release(objects, held, dirty));
 }

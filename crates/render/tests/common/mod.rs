@@ -48,7 +48,7 @@ pub fn sphere(centre: [f32; 3], radius: f32, rings: u32, material: MaterialId) -
 }
 
 /// Adds an object of one mesh where it stands.
-pub fn place(scene: &mut Scene, mesh: Mesh) {
+pub fn put_mesh(scene: &mut Scene, mesh: Mesh) {
     let mesh = scene.add_mesh(mesh);
     let object = scene.add_object_of("", vec![mesh]);
     scene.instantiate(object, Affine::IDENTITY);
@@ -69,7 +69,7 @@ pub fn floor(albedo: f32, half: f32) -> Scene {
     let mut scene = Scene::new();
     let material = matte(&mut scene, [albedo; 3]);
     let edge = 2.0 * half;
-    place(&mut scene, quad([-half, -half, 0.0], [edge, 0.0, 0.0], [0.0, edge, 0.0], material));
+    put_mesh(&mut scene, quad([-half, -half, 0.0], [edge, 0.0, 0.0], [0.0, edge, 0.0], material));
     scene
 }
 
@@ -118,9 +118,9 @@ pub fn radiance_at(scene: &Scene, eye: [f32; 3], target: [f32; 3], spp: u32) -> 
 }
 
 /// Asserts that two numbers agree within a share of the wanted one.
-pub fn assert_close(found: f64, wanted: f64, tolerance: f64, what: &str) {
+pub fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!(
-        (found - wanted).abs() <= tolerance * wanted.abs().max(1e-12),
-        "{what}: {found} instead of {wanted}"
+        (found - expected).abs() <= tolerance * expected.abs().max(1e-12),
+        "{what}: {found} instead of {expected}"
     );
 }

@@ -3,9 +3,9 @@
 
 /// Puts the right checksum to the end of `file`.
 pub(crate) fn sign(file: &mut [u8]) {
-    let Some((last, words)) = file.as_chunks_mut::<8>().0.split_last_mut() else { return };
-    let sum = words.iter().fold(0, |sum: u64, word| {
-        (sum ^ u64::from_le_bytes(*word)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23)
+    let Some((last, values)) = file.as_chunks_mut::<8>().0.split_last_mut() else { return };
+    let sum = values.iter().fold(0, |sum: u64, value| {
+        (sum ^ u64::from_le_bytes(*value)).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(23)
     });
     *last = sum.to_le_bytes();
 }

@@ -76,9 +76,9 @@ impl Deltas {
         self.values.is_empty()
     }
 
-    /// Of the vertices in `kept`, ascending, alone.
+    /// Of the vertices in `retained`, ascending, alone.
     #[must_use]
-    pub(crate) fn keep(&self, kept: &[u32]) -> Self {
+    pub(crate) fn keep(&self, retained: &[u32]) -> Self {
         if self.is_empty() {
             return self.clone();
         }
@@ -86,7 +86,7 @@ impl Deltas {
             None => self.values[vertex as usize],
             Some(vertices) => vertices.binary_search(&vertex).map_or([0.0; 3], |i| self.values[i]),
         };
-        Self::new(kept.iter().map(|&vertex| at(vertex)).collect())
+        Self::new(retained.iter().map(|&vertex| at(vertex)).collect())
     }
 
     /// How many vertices there must be.
@@ -145,10 +145,10 @@ impl Influences {
         &self.joints[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 
-    /// Of the vertices in `kept` alone.
-    pub(crate) fn keep(&self, kept: &[u32]) -> Self {
-        let mut to = Self::with_capacity(kept.len());
-        kept.iter().for_each(|&vertex| to.push(self.of(vertex as usize).iter().copied()));
+    /// Of the vertices in `retained` alone.
+    pub(crate) fn keep(&self, retained: &[u32]) -> Self {
+        let mut to = Self::with_capacity(retained.len());
+        retained.iter().for_each(|&vertex| to.push(self.of(vertex as usize).iter().copied()));
         to
     }
 
@@ -312,8 +312,8 @@ mod tests {
     fn deltas_keep_what_is_not_zero() {
         let few = Deltas::new(vec![[0.0; 3], [1.0; 3], [0.0; 3], [2.0; 3]]);
         assert_eq!(few.vertices, Some(vec![1, 3]), "two of four");
-        let kept = few.keep(&[0, 3]);
-        assert_eq!((kept.vertices, kept.values), (Some(vec![1]), vec![[2.0; 3]]), "renumbered");
+        let retained = few.keep(&[0, 3]);
+        assert_eq!((retained.vertices, retained.values), (Some(vec![1]), vec![[2.0; 3]]), "renumbered");
         let most = Deltas::new(vec![[1.0; 3]; 4]);
         assert_eq!(most.vertices, None, "all");
         assert_eq!(most.keep(&[2]).values, [[1.0; 3]], "one of them");
@@ -330,7 +330,7 @@ mod tests {
         let mirrored = normal_vector(&Affine::scale([-1.0, 1.0, 1.0]), [1.0, 1.0, 0.0]);
         assert!(mirrored[0] < 0.0 && mirrored[1] > 0.0, "a mirror turns the normal with it: {mirrored:?}");
         assert!(stretches(&stretch) && !stretches(&Affine::scale([3.0; 3])), "uneven, and even");
-        let turn = Affine::rotation([1.0, 2.0, 3.0], 0.7);
-        assert!(!stretches(&turn) && stretches(&(stretch * turn)), "a turn does not, a slant does");
+        let rotated = Affine::rotation([1.0, 2.0, 3.0], 0.7);
+        assert!(!stretches(&rotated) && stretches(&(stretch * rotated)), "a turn does not, a slant does");
     }
 }

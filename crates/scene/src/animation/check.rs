@@ -3,14 +3,14 @@
 //! Files are checked by their readers, and by this once more. Cost: one pass. Tests: `tests/animation.rs`.
 
 use super::clip::{Channel, Target};
-use super::model::{Animation, Place};
+use super::model::{Animation, Attachment};
 use crate::check::CheckError;
 use crate::scene::Scene;
 
 pub(super) fn check(animation: &Animation, scene: &Scene) -> Result<(), CheckError> {
     let at = |list: &str, i: usize| {
-        let place = format!("animation {list} {i}");
-        move |problem| CheckError { place, problem }
+        let location = format!("animation {list} {i}");
+        move |problem| CheckError { location, problem }
     };
     for (i, node) in animation.nodes.iter().enumerate() {
         on_node(&node.parent, i).map_err(at("node", i))?;
@@ -30,14 +30,14 @@ pub(super) fn check(animation: &Animation, scene: &Scene) -> Result<(), CheckErr
     }
     for (i, skin) in animation.skins.iter().enumerate() {
         let mut joints = skin.joints.iter();
-        joints.try_for_each(|joint| on_node(&joint.place, nodes)).map_err(at("skin", i))?;
+        joints.try_for_each(|joint| on_node(&joint.attachment, nodes)).map_err(at("skin", i))?;
     }
     for i in 0..animation.bodies.len() {
         check_body(animation, i, scene).map_err(at("body", i))?;
     }
     for (i, camera) in animation.cameras.iter().enumerate() {
         exists("camera", camera.camera.index(), scene.cameras().len())
-            .and_then(|()| on_node(&camera.place, nodes))
+            .and_then(|()| on_node(&camera.attachment, nodes))
             .and_then(|()| {
                 exists("field of view", camera.field_of_view as usize, animation.fields_of_view.len())
             })
@@ -45,7 +45,7 @@ pub(super) fn check(animation: &Animation, scene: &Scene) -> Result<(), CheckErr
     }
     for (i, light) in animation.lights.iter().enumerate() {
         exists("light", light.light.index(), scene.lights().len())
-            .and_then(|()| on_node(&light.place, nodes))
+            .and_then(|()| on_node(&light.attachment, nodes))
             .and_then(|()| exists("light factors", light.factors as usize, animation.light_factors.len()))
             .map_err(at("light", i))?;
     }
@@ -64,9 +64,9 @@ fn exists(what: &str, number: usize, count: usize) -> Result<(), String> {
 }
 
 /// Whether what it stands on is among the first `count` nodes.
-fn on_node(place: &Place, count: usize) -> Result<(), String> {
-    match place {
-        Place::On(node) if *node as usize >= count => {
+fn on_node(location: &Attachment, count: usize) -> Result<(), String> {
+    match location {
+        Attachment::On(node) if *node as usize >= count => {
             Err(format!("stands on node {node}, which is not before it"))
         }
         _ => Ok(()),

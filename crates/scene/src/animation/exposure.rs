@@ -57,7 +57,7 @@ impl Exposure {
 
 /// What a moment shows of what can move, meshes aside.
 #[derive(Clone)]
-struct Moment {
+struct Instant {
     instances: Vec<(Affine, bool)>,
     members: Vec<Option<Affine>>,
     cameras: Vec<Camera>,
@@ -126,7 +126,7 @@ struct Shutter<'a> {
     closes: f64,
     pieces: usize,
     /// What was seen at each moment so far.
-    moments: Vec<Option<Moment>>,
+    moments: Vec<Option<Instant>>,
     /// Materials that one moment changes, at most.
     materials: usize,
 }
@@ -141,14 +141,14 @@ impl Shutter<'_> {
             return;
         }
         let scene = &*self.scene;
-        let place = |id: InstanceId| (scene.instance(id).world_from_object, scene.instance(id).visible);
+        let attachment = |id: InstanceId| (scene.instance(id).world_from_object, scene.instance(id).visible);
         let in_object = |moving: &MovingMember| {
             let member = scene.object(moving.object).members.get(moving.member as usize);
             member.map(|member| member.object_from_member)
         };
         let Animation { instances, members, cameras, lights, .. } = self.animation;
-        self.moments[i] = Some(Moment {
-            instances: instances.iter().map(|moving| place(moving.instance)).collect(),
+        self.moments[i] = Some(Instant {
+            instances: instances.iter().map(|moving| attachment(moving.instance)).collect(),
             members: members.iter().map(in_object).collect(),
             cameras: cameras.iter().map(|moving| scene.camera(moving.camera).clone()).collect(),
             lights: lights.iter().map(|moving| scene.light(moving.light).clone()).collect(),
@@ -227,27 +227,29 @@ impl Scene {
         }
         for (i, moving) in animation.instances.iter().enumerate() {
             let (first, visible) = all[0].instances[i];
-            exposure.held += usize::from(all.iter().any(|moment| moment.instances[i].1 != visible));
-            if visible && all.iter().any(|moment| moment.instances[i].0 != first) {
-                let places = all.iter().map(|moment| moment.instances[i].0).collect();
-                exposure.instances.push((moving.instance, places));
+            exposure.held += usize::from(all.iter().any(|instant| instant.instances[i].1 != visible));
+            if visible && all.iter().any(|instant| instant.instances[i].0 != first) {
+                let transforms = all.iter().map(|instant| instant.instances[i].0).collect();
+                exposure.instances.push((moving.instance, transforms));
             }
         }
         for (i, moving) in animation.members.iter().enumerate() {
-            let places: Option<Vec<Affine>> = all.iter().map(|moment| moment.members[i]).collect();
-            if let Some(places) = places.filter(|places| places.iter().any(|place| *place != places[0])) {
-                exposure.members.push(((moving.object, moving.member), places));
+            let transforms: Option<Vec<Affine>> = all.iter().map(|instant| instant.members[i]).collect();
+            if let Some(transforms) = transforms
+                .filter(|transforms| transforms.iter().any(|attachment| *attachment != transforms[0]))
+            {
+                exposure.members.push(((moving.object, moving.member), transforms));
             }
         }
         for (i, moving) in animation.cameras.iter().enumerate() {
-            if all.iter().any(|moment| moment.cameras[i] != all[0].cameras[i]) {
-                let cameras = all.iter().map(|moment| moment.cameras[i].clone()).collect();
+            if all.iter().any(|instant| instant.cameras[i] != all[0].cameras[i]) {
+                let cameras = all.iter().map(|instant| instant.cameras[i].clone()).collect();
                 exposure.cameras.push((moving.camera, cameras));
             }
         }
         for (i, moving) in animation.lights.iter().enumerate() {
-            if all.iter().any(|moment| moment.lights[i] != all[0].lights[i]) {
-                let lights = all.iter().map(|moment| moment.lights[i].clone()).collect();
+            if all.iter().any(|instant| instant.lights[i] != all[0].lights[i]) {
+                let lights = all.iter().map(|instant| instant.lights[i].clone()).collect();
                 exposure.lights.push((moving.light, lights));
             }
         }

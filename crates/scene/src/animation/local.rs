@@ -91,14 +91,14 @@ mod tests {
     use super::*;
 
     /// A turn around an axis.
-    fn turn(axis: [f64; 3], degrees: f64) -> [f64; 4] {
+    fn axis_angle(axis: [f64; 3], degrees: f64) -> [f64; 4] {
         let (s, c) = (degrees.to_radians() / 2.0).sin_cos();
         [axis[0] * s, axis[1] * s, axis[2] * s, c]
     }
 
     #[test]
     fn slerp_turns_evenly_on_the_shorter_way() {
-        let (a, b) = (turn([0.0, 0.0, 1.0], 10.0), turn([0.0, 0.0, 1.0], 100.0));
+        let (a, b) = (axis_angle([0.0, 0.0, 1.0], 10.0), axis_angle([0.0, 0.0, 1.0], 100.0));
         for (t, degrees) in [(0.0, 10.0), (0.25, 32.5), (0.5, 55.0), (1.0, 100.0)] {
             let expected = Affine::rotation([0.0, 0.0, 1.0], f64::to_radians(degrees));
             for b in [b, b.map(|x| -x), b.map(|x| 7.0 * x)] {

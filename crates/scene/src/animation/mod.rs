@@ -4,7 +4,7 @@
 //! KHR_node_visibility.
 //!
 //! ```text
-//! Clip (channels: Sampler -> Target) -- moment --> Moment (local transforms, weights, factors)
+//! Clip (channels: Sampler -> Target) -- instant --> Instant (local transforms, weights, factors)
 //!     -- rig: nodes, skins, bodies --> edits of the Scene: instances, meshes, cameras, lights, materials
 //! ```
 //!
@@ -18,9 +18,9 @@ mod body;
 mod check;
 mod clip;
 mod exposure;
+mod instant;
 mod local;
 mod model;
-mod moment;
 mod playback;
 mod pose;
 mod sampler;
@@ -32,8 +32,8 @@ pub use exposure::Exposure;
 pub use local::{Local, Trs};
 pub(crate) use model::camera_at;
 pub use model::{
-    Animation, Joint, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight, MovingMaterial,
-    MovingMember, Node, Place, Skin,
+    Animation, Attachment, Joint, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight,
+    MovingMaterial, MovingMember, Node, Skin,
 };
 pub(crate) use playback::Playback;
 pub use pose::Posed;

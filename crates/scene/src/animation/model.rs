@@ -48,7 +48,7 @@ pub struct Node {
     /// For people.
     pub name: String,
     /// What it stands on.
-    pub parent: Place,
+    pub parent: Attachment,
     /// Where it is on it, at rest.
     pub rest: Local,
     /// Whether it is seen, at rest, with all below it.
@@ -57,7 +57,7 @@ pub struct Node {
 
 /// Where something stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum Attachment {
     /// On a node that can move.
     On(u32),
     /// Where it always is.
@@ -77,7 +77,7 @@ pub struct MovingInstance {
     /// Where.
     pub node: u32,
     /// Whether its place is the node's; a skinned mesh's is the world's, and only its visibility is the node's.
-    pub is_placed: bool,
+    pub has_transform: bool,
 }
 
 /// A member of an object that goes with a node.
@@ -107,7 +107,7 @@ pub struct Skin {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
     /// Where it is.
-    pub place: Place,
+    pub attachment: Attachment,
     /// The inverse of where it was when the mesh was bound to it.
     pub joint_from_mesh: Affine,
 }
@@ -118,7 +118,7 @@ pub struct MovingCamera {
     /// Which.
     pub camera: CameraId,
     /// Where: it looks along -z, y is up.
-    pub place: Place,
+    pub attachment: Attachment,
     /// Which angle; a number of `Animation::fields_of_view`.
     pub field_of_view: u32,
 }
@@ -129,7 +129,7 @@ pub struct MovingLight {
     /// Which.
     pub light: LightId,
     /// Where: it shines along -z.
-    pub place: Place,
+    pub attachment: Attachment,
     /// Which factors; a number of `Animation::light_factors`.
     pub factors: u32,
 }

@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use super::body::Body;
+use super::instant::{Instant, NodePose, at};
 use super::model::{Animation, camera_at};
-use super::moment::{Moment, NodePose, at};
 use super::playback::{Playback, Shown};
 use crate::check::CheckError;
 use crate::scene::Scene;
@@ -55,31 +55,31 @@ impl Scene {
     /// If there is no such clip in [`animation`](Self::animation).
     pub fn pose(&mut self, clip: usize, seconds: f64) -> Posed {
         let animation = self.shared_animation().expect("the scene has an animation");
-        let mut moment = Moment::rest(&animation);
-        moment.play(&animation.clips[clip], seconds);
-        self.show(&animation, &moment)
+        let mut instant = Instant::rest(&animation);
+        instant.play(&animation.clips[clip], seconds);
+        self.show(&animation, &instant)
     }
 
     /// Shows everything at rest, as no clip drives it. Nothing happens without an animation.
     pub fn rest(&mut self) -> Posed {
         let Some(animation) = self.shared_animation() else { return Posed::default() };
-        let moment = Moment::rest(&animation);
-        self.show(&animation, &moment)
+        let instant = Instant::rest(&animation);
+        self.show(&animation, &instant)
     }
 
-    fn show(&mut self, animation: &Animation, moment: &Moment) -> Posed {
+    fn show(&mut self, animation: &Animation, instant: &Instant) -> Posed {
         let mut playback = std::mem::take(self.playback());
         if !playback.is_begun {
             playback = begin(self, animation);
         }
-        let node_poses = moment.node_poses(animation);
+        let node_poses = instant.node_poses(animation);
         let posed = Posed {
-            meshes: show_bodies(self, animation, moment, &node_poses, &mut playback),
+            meshes: show_bodies(self, animation, instant, &node_poses, &mut playback),
             instances: show_instances(self, animation, &node_poses, &mut playback),
             members: show_members(self, animation, &node_poses),
-            cameras: show_cameras(self, animation, moment, &node_poses, &playback),
-            lights: show_lights(self, animation, moment, &node_poses, &playback),
-            materials: show_materials(self, animation, moment, &mut playback),
+            cameras: show_cameras(self, animation, instant, &node_poses, &playback),
+            lights: show_lights(self, animation, instant, &node_poses, &playback),
+            materials: show_materials(self, animation, instant, &mut playback),
         };
         *self.playback() = playback;
         posed
@@ -101,13 +101,13 @@ fn begin(scene: &Scene, animation: &Animation) -> Playback {
 fn show_bodies(
     scene: &mut Scene,
     animation: &Animation,
-    moment: &Moment,
+    instant: &Instant,
     node_poses: &[NodePose],
     playback: &mut Playback,
 ) -> usize {
     let mut count = 0;
     for (i, (body, shown)) in animation.bodies.iter().zip(&mut playback.bodies).enumerate() {
-        let bend = moment.bend(animation, i, node_poses);
+        let bend = instant.bend(animation, i, node_poses);
         if shown.bend.as_ref() == Some(&bend) {
             continue;
         }
@@ -140,7 +140,7 @@ fn show_instances(
     for (moving, was_visible) in animation.instances.iter().zip(&mut playback.visible) {
         let node = node_poses[moving.node as usize];
         let instance = scene.instance(moving.instance);
-        let moves = moving.is_placed && instance.world_from_object != node.world_from_node;
+        let moves = moving.has_transform && instance.world_from_object != node.world_from_node;
         // Somebody else may have hidden it.
         let appears = *was_visible != node.visible;
         if !moves && !appears {
@@ -162,11 +162,11 @@ fn show_instances(
 fn show_members(scene: &mut Scene, animation: &Animation, node_poses: &[NodePose]) -> usize {
     let mut count = 0;
     for moving in &animation.members {
-        let place = node_poses[moving.node as usize].world_from_node;
+        let attachment = node_poses[moving.node as usize].world_from_node;
         // Somebody may have taken it out.
         let member = scene.object(moving.object).members.get(moving.member as usize);
-        if member.is_some_and(|member| member.object_from_member != place) {
-            scene.edit_object(moving.object).members[moving.member as usize].object_from_member = place;
+        if member.is_some_and(|member| member.object_from_member != attachment) {
+            scene.edit_object(moving.object).members[moving.member as usize].object_from_member = attachment;
             count += 1;
         }
     }
@@ -176,14 +176,14 @@ fn show_members(scene: &mut Scene, animation: &Animation, node_poses: &[NodePose
 fn show_cameras(
     scene: &mut Scene,
     animation: &Animation,
-    moment: &Moment,
+    instant: &Instant,
     node_poses: &[NodePose],
     playback: &Playback,
 ) -> usize {
     let mut count = 0;
     for (moving, rest) in animation.cameras.iter().zip(&playback.cameras) {
-        let angle = moment.fields_of_view[moving.field_of_view as usize];
-        let node = at(&moving.place, node_poses);
+        let angle = instant.fields_of_view[moving.field_of_view as usize];
+        let node = at(&moving.attachment, node_poses);
         // One that has no view just then is where it is at rest.
         let camera = camera_at(rest, &node.world_from_node, angle).unwrap_or_else(|| rest.clone());
         if *scene.camera(moving.camera) != camera {
@@ -197,14 +197,14 @@ fn show_cameras(
 fn show_lights(
     scene: &mut Scene,
     animation: &Animation,
-    moment: &Moment,
+    instant: &Instant,
     node_poses: &[NodePose],
     playback: &Playback,
 ) -> usize {
     let mut count = 0;
     for (moving, rest) in animation.lights.iter().zip(&playback.lights) {
-        let node = at(&moving.place, node_poses);
-        let light = moment.lights[moving.factors as usize].light(&node.world_from_node, node.visible);
+        let node = at(&moving.attachment, node_poses);
+        let light = instant.lights[moving.factors as usize].light(&node.world_from_node, node.visible);
         let light = light.unwrap_or_else(|| rest.clone());
         if *scene.light(moving.light) != light {
             *scene.edit_light(moving.light) = light;
@@ -217,11 +217,11 @@ fn show_lights(
 fn show_materials(
     scene: &mut Scene,
     animation: &Animation,
-    moment: &Moment,
+    instant: &Instant,
     playback: &mut Playback,
 ) -> usize {
     let mut count = 0;
-    let shown = animation.materials.iter().zip(&mut playback.materials).zip(&moment.materials);
+    let shown = animation.materials.iter().zip(&mut playback.materials).zip(&instant.materials);
     for ((moving, was), factors) in shown {
         let material = factors.material();
         // What somebody else put there stays.

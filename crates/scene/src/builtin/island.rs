@@ -88,13 +88,14 @@ const DRESSES: [(&str, &str, &str); 5] = [
 
 fn dress(scene: &mut Scene) {
     for (name, shader, values) in DRESSES {
-        let Some(place) = scene.materials().iter().position(|material| material.name == name) else {
+        let Some(location) = scene.materials().iter().position(|material| material.name == name) else {
             continue;
         };
         let parameters = values.split(' ').filter_map(|value| value.split_once('='));
         let parameters = parameters.map(|(name, value)| (name.into(), value.into())).collect();
         let file = format!("builtin/{shader}.osl").into();
-        scene.set_shader_file(MaterialId(place as u32), ShaderFile { file, parameters, confined_to: None });
+        scene
+            .set_shader_file(MaterialId(location as u32), ShaderFile { file, parameters, confined_to: None });
     }
 }
 
@@ -115,25 +116,25 @@ fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) -> Ve
     const CELLS: i32 = 230;
     let step = 2.0 * REACH / CELLS as f32;
     for (i, j) in (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j))) {
-        let chance = |seed: u32| hash(i, j, seed);
-        let x = -REACH + (i as f32 + chance(1)) * step;
-        let z = -REACH + (j as f32 + chance(2)) * step;
+        let random = |seed: u32| hash(i, j, seed);
+        let x = -REACH + (i as f32 + random(1)) * step;
+        let z = -REACH + (j as f32 + random(2)) * step;
         let spot = terrain.spot(x, z);
         if cape::is_near(x, z) {
             continue;
         }
-        let wooded = spot.wood > 0.35 + 0.5 * chance(3);
+        let wooded = spot.wood > 0.35 + 0.5 * random(3);
         if wooded {
-            let conifer = chance(4) < 0.25 + 0.9 * spot.height;
+            let conifer = random(4) < 0.25 + 0.9 * spot.height;
             let kinds = if conifer { &plants.conifers[..] } else { &plants.broadleaf[..] };
-            let kind = kinds[(chance(5) * kinds.len() as f32) as usize % kinds.len()];
+            let kind = kinds[(random(5) * kinds.len() as f32) as usize % kinds.len()];
             let at = [x, spot.height - 0.01, z];
-            let (id, rest) = put(scene, kind, at, 0.10 + 0.10 * chance(6), chance(7), 0.15 * chance(8));
+            let (id, rest) = put(scene, kind, at, 0.10 + 0.10 * random(6), random(7), 0.15 * random(8));
             trees.push((id, rest, conifer));
-        } else if spot.height > -0.05 && spot.wood < 0.1 && chance(9) < 0.05 {
-            let kind = plants.rocks[(chance(10) * plants.rocks.len() as f32) as usize % plants.rocks.len()];
-            let size = 0.02 + 0.075 * chance(11).powi(3);
-            put(scene, kind, [x, spot.height - 0.2 * size, z], size, chance(12), 0.0);
+        } else if spot.height > -0.05 && spot.wood < 0.1 && random(9) < 0.05 {
+            let kind = plants.rocks[(random(10) * plants.rocks.len() as f32) as usize % plants.rocks.len()];
+            let size = 0.02 + 0.075 * random(11).powi(3);
+            put(scene, kind, [x, spot.height - 0.2 * size, z], size, random(12), 0.0);
         }
     }
     trees
@@ -146,12 +147,12 @@ fn put(
     object: ObjectId,
     at: [f32; 3],
     size: f32,
-    turn: f32,
+    yaw: f32,
     stretch: f32,
 ) -> (InstanceId, Trs) {
     let size = f64::from(size);
     let (angle, scale) =
-        (f64::from(turn) * std::f64::consts::TAU, [size, size * (1.0 + f64::from(stretch)), size]);
+        (f64::from(yaw) * std::f64::consts::TAU, [size, size * (1.0 + f64::from(stretch)), size]);
     let world_from_object = Affine::translation(at.map(f64::from))
         * Affine::rotation([0.0, 1.0, 0.0], angle)
         * Affine::scale(scale);

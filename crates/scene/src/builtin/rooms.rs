@@ -36,8 +36,8 @@ pub(super) fn scene() -> Scene {
     let crate_shape = block([[1.6, 2.2], [1.4, 2.9], [2.1, 3.1], [2.3, 2.4]], 0.9);
     show(&mut scene, "crate", crate_shape, red);
     // In the last room, above the opening to it: it shines away from that.
-    let lamp = quad([2.0 * LENGTH + 0.2, 2.0, 3.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]);
-    show(&mut scene, "lamp", lamp, light);
+    let light_mesh = quad([2.0 * LENGTH + 0.2, 2.0, 3.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]);
+    show(&mut scene, "lamp", light_mesh, light);
     scene.add_camera(Camera {
         name: "in the first room".into(),
         eye: [0.3, 1.6, 3.7],

@@ -93,7 +93,7 @@ pub(super) fn append(to: &mut Mesh, from: &Mesh) {
 }
 
 /// The mesh under a transform that neither shears nor stretches unevenly.
-pub(super) fn placed(mut mesh: Mesh, transform: Affine) -> Mesh {
+pub(super) fn transformed(mut mesh: Mesh, transform: Affine) -> Mesh {
     for p in &mut mesh.positions {
         *p = transform.point(p.map(f64::from)).map(|x| x as f32);
     }
@@ -105,7 +105,7 @@ pub(super) fn placed(mut mesh: Mesh, transform: Affine) -> Mesh {
 
 /// The mesh moved.
 pub(super) fn moved(mesh: Mesh, by: [f32; 3]) -> Mesh {
-    placed(mesh, Affine::translation(by.map(f64::from)))
+    transformed(mesh, Affine::translation(by.map(f64::from)))
 }
 
 /// Adds an object of one mesh and shows it where it stands.

@@ -30,7 +30,7 @@ pub const SKIES: &[BuiltinSky] = &[
         sky: Sky {
             zenith: [0.17, 0.33, 0.75],
             horizon: [0.75, 0.86, 1.0],
-            glow: [0.8, 0.75, 0.65],
+            glow_radiance: [0.8, 0.75, 0.65],
             ground: [0.16, 0.15, 0.13],
             sun: [-0.5, 0.7, 0.51],
             sunlight: [4.4, 4.1, 3.7],
@@ -43,7 +43,7 @@ pub const SKIES: &[BuiltinSky] = &[
         sky: Sky {
             zenith: [1.2, 1.23, 1.28],
             horizon: [0.4, 0.41, 0.43],
-            glow: [0.0; 3],
+            glow_radiance: [0.0; 3],
             ground: [0.1, 0.1, 0.1],
             sun: [0.0, 1.0, 0.0],
             sunlight: [0.0; 3],
@@ -55,7 +55,7 @@ pub const SKIES: &[BuiltinSky] = &[
 pub(super) const EVENING: Sky = Sky {
     zenith: [0.10, 0.20, 0.46],
     horizon: [0.62, 0.56, 0.58],
-    glow: [0.95, 0.50, 0.22],
+    glow_radiance: [0.95, 0.50, 0.22],
     ground: [0.012, 0.050, 0.062],
     sun: [-0.8387, 0.3172, 0.4427],
     sunlight: [4.1, 2.75, 1.65],
@@ -77,7 +77,7 @@ pub(super) struct Sky {
     pub(super) zenith: [f32; 3],
     pub(super) horizon: [f32; 3],
     /// Added around the sun, most at the horizon.
-    pub(super) glow: [f32; 3],
+    pub(super) glow_radiance: [f32; 3],
     /// Below the horizon.
     pub(super) ground: [f32; 3],
     /// Towards the sun; a unit vector.
@@ -124,7 +124,7 @@ impl Sky {
         let ground = smoothstep(0.0, -0.02, up);
         [0, 1, 2].map(|k| {
             let air = self.horizon[k] + (self.zenith[k] - self.horizon[k]) * height;
-            let air = air + self.glow[k] * (veil + patch);
+            let air = air + self.glow_radiance[k] * (veil + patch);
             air + (self.ground[k] - air) * ground
         })
     }

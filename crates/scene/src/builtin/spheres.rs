@@ -50,7 +50,7 @@ pub(super) fn scene() -> Scene {
     Sky {
         zenith: [0.16, 0.34, 0.75],
         horizon: [0.72, 0.82, 0.95],
-        glow: [0.9, 0.7, 0.4],
+        glow_radiance: [0.9, 0.7, 0.4],
         ground: [0.25, 0.24, 0.22],
         sun: [-0.594, 0.653, 0.470],
         sunlight: [2.6, 2.4, 2.0],

@@ -79,15 +79,15 @@ fn project(corners: &[[f32; 3]]) -> Vec<Point> {
 }
 
 /// Twice the signed area of a triangle: above 0 if it runs counter-clockwise.
-fn turn(a: Point, b: Point, c: Point) -> f64 {
+fn orientation(a: Point, b: Point, c: Point) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
 /// Whether a polygon turns left at every corner, and only once around (a pentagram turns left too).
 fn is_convex(p: &[Point]) -> bool {
     let n = p.len();
-    let left = (0..n).all(|i| turn(p[i], p[(i + 1) % n], p[(i + 2) % n]) >= 0.0);
-    left && (2..n).all(|i| turn(p[0], p[i - 1], p[i]) >= 0.0)
+    let left = (0..n).all(|i| orientation(p[i], p[(i + 1) % n], p[(i + 2) % n]) >= 0.0);
+    left && (2..n).all(|i| orientation(p[0], p[i - 1], p[i]) >= 0.0)
 }
 
 /// Cuts off corner after corner that is convex and holds no other corner.
@@ -99,7 +99,7 @@ fn clip_ears(p: &[Point], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) 
         at %= n;
         let ear = [ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]];
         // A reflex corner is refused at once.
-        let is_convex = turn(p[ear[0]], p[ear[1]], p[ear[2]]) > 0.0;
+        let is_convex = orientation(p[ear[0]], p[ear[1]], p[ear[2]]) > 0.0;
         *work_left = work_left.saturating_sub(if is_convex { n as u64 } else { 1 });
         if is_ear(p, &ring, ear) {
             triangles.push(ear);
@@ -118,10 +118,15 @@ fn is_ear(p: &[Point], ring: &[usize], ear: [usize; 3]) -> bool {
     // Corners in the same place as one of the ear's (bridges to holes) do not stand in its way; asked last, since most lie
     // elsewhere.
     let inside = |q: Point| {
-        turn(a, b, q) >= 0.0 && turn(b, c, q) >= 0.0 && turn(c, a, q) >= 0.0 && q != a && q != b && q != c
+        orientation(a, b, q) >= 0.0
+            && orientation(b, c, q) >= 0.0
+            && orientation(c, a, q) >= 0.0
+            && q != a
+            && q != b
+            && q != c
     };
     // A reflex, straight or NaN corner is no ear.
-    turn(a, b, c) > 0.0 && !ring.iter().any(|&i| inside(p[i]))
+    orientation(a, b, c) > 0.0 && !ring.iter().any(|&i| inside(p[i]))
 }
 
 #[cfg(test)]
@@ -137,7 +142,7 @@ mod tests {
     /// Sum of the areas of the triangles: above the polygon's own where they overlap or lie outside.
     fn area(corners: &[[f32; 3]]) -> f64 {
         let p = project(corners);
-        triangles(corners).iter().map(|t| turn(p[t[0]], p[t[1]], p[t[2]]).abs() / 2.0).sum()
+        triangles(corners).iter().map(|t| orientation(p[t[0]], p[t[1]], p[t[2]]).abs() / 2.0).sum()
     }
 
     #[test]

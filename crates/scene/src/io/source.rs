@@ -82,8 +82,8 @@ impl Access {
         let (file, length) = self.open(path)?;
         let length = length.min(limit);
         self.budget.add_file(length);
-        let wanted = usize::try_from(length).unwrap_or(usize::MAX);
-        self.budget.hold(wanted).map_err(|e| Error::io(path, e.to_string(), Excess::REMEDY))?;
+        let capacity = usize::try_from(length).unwrap_or(usize::MAX);
+        self.budget.hold(capacity).map_err(|e| Error::io(path, e.to_string(), Excess::REMEDY))?;
         read_open(file, length, path)
     }
 }
@@ -136,8 +136,8 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
 
 fn read_open(file: File, length: u64, path: &Path) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
-    let wanted = usize::try_from(length).unwrap_or(usize::MAX);
-    bytes.try_reserve_exact(wanted).map_err(|_| Error::io(path, "does not fit into memory", ""))?;
+    let capacity = usize::try_from(length).unwrap_or(usize::MAX);
+    bytes.try_reserve_exact(capacity).map_err(|_| Error::io(path, "does not fit into memory", ""))?;
     file.take(length).read_to_end(&mut bytes).map_err(|e| Error::system(path, &e))?;
     Ok(bytes)
 }

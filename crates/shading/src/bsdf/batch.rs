@@ -12,7 +12,7 @@ use super::lobe::{Kind, Lobe};
 use super::lobes::{Lobes, MOST};
 use super::lobes_at::{LobesAt, Rarities};
 use super::medium::Medium;
-use super::seen::Seen;
+use super::prepared::Prepared;
 use super::{Bsdf, Scattering};
 use crate::batch::SurfaceBatch;
 use crate::lanes::{LANES, Vec3x16};
@@ -30,13 +30,13 @@ pub(super) struct LobeRows {
     pub(super) kind: Row<f32>,
     /// Weight, normal, a, b, c; alpha, eta, cover.
     pub(super) numbers: [Row<f32>; 18],
-    pub(super) under: Row<u32>,
+    pub(super) layers_above: Row<u32>,
     /// Tangent, width across it; share, index and thickness of the film; spread of indices: meant where `rare` is not 0.
     rarities: [Row<f32>; 8],
     pub(super) rare: u32,
     /// Kinds that are there, and bits of all lobes that lie above some.
     pub(super) kinds: u32,
-    pub(super) under_any: u32,
+    pub(super) any_layer_above: u32,
     pub(super) covers: bool,
 }
 
@@ -57,7 +57,7 @@ pub struct ClosureBatch {
     len: usize,
     pub(super) blocks: Vec<Block>,
     emits: bool,
-    has_holes: bool,
+    is_partly_transparent: bool,
     /// What lies beside the points; empty if nothing does.
     media: Vec<Medium>,
 }
@@ -71,8 +71,8 @@ pub(super) fn numbers(lobe: &Lobe) -> [f32; 18] {
 
 impl LobeRows {
     pub(super) fn clear(&mut self) {
-        (self.kind, self.under) = (Row::default(), Row::default());
-        (self.kinds, self.under_any, self.covers, self.rare) = (0, 0, false, 0);
+        (self.kind, self.layers_above) = (Row::default(), Row::default());
+        (self.kinds, self.any_layer_above, self.covers, self.rare) = (0, 0, false, 0);
     }
 
     /// The first `count` points' are like this one, which has nothing rare and lies below none; there are no others.
@@ -88,9 +88,9 @@ impl LobeRows {
     pub(super) fn set(&mut self, i: usize, lobe: &Lobe) {
         self.kind.0[i] = lobe.kind as u32 as f32;
         self.numbers.iter_mut().zip(numbers(lobe)).for_each(|(row, x)| row.0[i] = x);
-        self.under.0[i] = lobe.under;
+        self.layers_above.0[i] = lobe.layers_above;
         self.kinds |= lobe.kind.bit();
-        self.under_any |= lobe.under;
+        self.any_layer_above |= lobe.layers_above;
         self.covers |= lobe.cover > 0.0;
         let rare = lobe.rare();
         if rare != 0 {
@@ -120,7 +120,7 @@ impl LobeRows {
             alpha: self.numbers[15].0[i],
             eta: self.numbers[16].0[i],
             cover: self.numbers[17].0[i],
-            under: self.under.0[i],
+            layers_above: self.layers_above.0[i],
             tangent: Vec3::new(x, y, z),
             across,
             film: Film { share, ior, thickness },
@@ -151,8 +151,8 @@ impl LobeRows {
             alpha: self.row(simd, 15),
             eta: self.row(simd, 16),
             cover: self.row(simd, 17),
-            under: &self.under.0,
-            under_any: self.under_any,
+            layers_above: &self.layers_above.0,
+            any_layer_above: self.any_layer_above,
             covers: self.covers,
             rare: self.rare,
             rarities: self.rare_lanes(simd),
@@ -180,7 +180,7 @@ impl ClosureBatch {
     /// Makes it `n` points that are there, scatter nothing and give off nothing, and keeps the memory.
     pub fn reset(&mut self, n: usize) {
         self.len = n;
-        (self.emits, self.has_holes) = (false, false);
+        (self.emits, self.is_partly_transparent) = (false, false);
         self.media.clear();
         let blocks = n.div_ceil(LANES);
         if self.blocks.len() < blocks {
@@ -256,8 +256,8 @@ impl ClosureBatch {
 
     /// Whether some point may let light through holes.
     #[must_use]
-    pub fn has_holes(&self) -> bool {
-        self.has_holes
+    pub fn is_partly_transparent(&self) -> bool {
+        self.is_partly_transparent
     }
 
     /// Adds to it.
@@ -276,7 +276,7 @@ impl ClosureBatch {
 
     /// Makes point `i` stop no more than this share of the light that it would have stopped.
     pub fn cover(&mut self, i: usize, share: f32) {
-        self.has_holes |= share < 1.0;
+        self.is_partly_transparent |= share < 1.0;
         self.blocks[i / LANES].coverage.0[i % LANES] *= share;
     }
 
@@ -306,7 +306,7 @@ impl ClosureBatch {
         let [x, y, z] = &block.normal;
         let mut lobes = Lobes::default();
         block.lobes[..block.count as usize].iter().for_each(|rows| lobes.push(rows.get(lane)));
-        let bsdf = Bsdf::new(Vec3::new(x.0[lane], y.0[lane], z.0[lane]), lobes).beside(self.medium(i));
+        let bsdf = Bsdf::new(Vec3::new(x.0[lane], y.0[lane], z.0[lane]), lobes).neighbours(self.medium(i));
         Scattering { bsdf, emission: self.emission(i), coverage: self.coverage(i) }
     }
 
@@ -335,17 +335,17 @@ impl ClosureBatch {
     }
 
     /// Looks at the sixteen points from `first` on, a multiple of sixteen, from the unit directions `wo`, where the light that they scatter
-    /// will count `light` by colour (ones where nobody knows): see [`Bsdf::seen_by`]. `seen` must be [`Seen::none`].
+    /// will count `light` by colour (ones where nobody knows): see [`Bsdf::prepared_for`]. `prepared` must be [`Prepared::none`].
     #[inline(always)]
-    pub fn look<S: Simd>(
+    pub fn prepare<S: Simd>(
         &self,
         simd: S,
         first: usize,
         (wo, light): (Vec3x16<S>, Vec3x16<S>),
-        seen: &mut Seen<f32x16<S>>,
+        prepared: &mut Prepared<f32x16<S>>,
     ) {
         let block = &self.blocks[first / LANES];
-        seen.look(
+        prepared.prepare(
             block.count as usize,
             #[inline(always)]
             |k| block.lobes[k].lanes(simd),

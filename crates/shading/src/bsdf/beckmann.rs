@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::rough_dielectric::Facets;
+use super::rough_dielectric::Microfacets;
 use crate::real::Vector;
 
 /// Slopes of two widths.
@@ -37,7 +37,7 @@ impl Beckmann {
     }
 }
 
-impl Facets<f32> for Beckmann {
+impl Microfacets<f32> for Beckmann {
     fn density(&self, _: Vector<f32>, h: Vector<f32>) -> f32 {
         if h.z <= 0.0 {
             return 0.0;
@@ -88,10 +88,10 @@ fn visible_slope(tan: f32, u: f32) -> f32 {
     };
     let (mut low, mut high) = ((-1.0 / tan.max(1e-20)).max(-STEEPEST), STEEPEST);
     let (start, end) = (below(low), below(high));
-    let wanted = start + (end - start) * u;
+    let target = start + (end - start) * u;
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        *(if below(middle) < wanted { &mut low } else { &mut high }) = middle;
+        *(if below(middle) < target { &mut low } else { &mut high }) = middle;
     }
     0.5 * (low + high)
 }
@@ -118,14 +118,14 @@ mod tests {
     #[test]
     fn facets_cover_the_ground_and_what_is_seen_of_it() {
         for widths in [[0.3, 0.3], [0.9, 0.3], [0.15, 0.6], [1.0, 1.0]] {
-            let facets = Beckmann::new(widths);
-            let ground = sum(|h| facets.density(Vec3::Z.into(), h.into()) * h.z);
+            let microfacets = Beckmann::new(widths);
+            let ground = sum(|h| microfacets.density(Vec3::Z.into(), h.into()) * h.z);
             assert!((ground - 1.0).abs() < 2e-3, "{widths:?}: projected area {ground}");
             for wo in [Vec3::new(0.3, 0.1, 0.9), Vec3::new(0.2, 0.9, 0.2), Vec3::new(1.0, 0.4, 0.05)] {
                 let wo = wo.normalize();
-                let seen = sum(|h| facets.density(Vec3::Z.into(), h.into()) * wo.dot(h).max(0.0));
-                let wanted = wo.z * (1.0 + facets.lambda(wo.into(), wo.z));
-                assert!((seen / wanted - 1.0).abs() < 4e-3, "{widths:?} {wo}: {seen}, not {wanted}");
+                let visible = sum(|h| microfacets.density(Vec3::Z.into(), h.into()) * wo.dot(h).max(0.0));
+                let target = wo.z * (1.0 + microfacets.lambda(wo.into(), wo.z));
+                assert!((visible / target - 1.0).abs() < 4e-3, "{widths:?} {wo}: {visible}, not {target}");
             }
         }
     }
@@ -133,20 +133,20 @@ mod tests {
     /// Means over evenly spread samples are those over the visible facets.
     #[test]
     fn samples_are_what_is_seen() {
-        let facets = Beckmann::new([0.7, 0.25]);
+        let microfacets = Beckmann::new([0.7, 0.25]);
         for wo in [Vec3::Z, Vec3::new(0.5, 0.3, 0.7).normalize(), Vec3::new(-0.3, 1.0, 0.1).normalize()] {
             let n = 100;
             let mut found = Vec3::ZERO;
             for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
                 let u = [i, j].map(|k| (k as f32 + 0.5) / n as f32);
-                found += Vec3::from(facets.sample_visible(wo.into(), u)) / (n * n) as f32;
+                found += Vec3::from(microfacets.sample_visible(wo.into(), u)) / (n * n) as f32;
             }
             let share = |h: Vec3| {
-                facets.density(Vec3::Z.into(), h.into()) * wo.dot(h).max(0.0)
-                    / (wo.z * (1.0 + facets.lambda(wo.into(), wo.z)))
+                microfacets.density(Vec3::Z.into(), h.into()) * wo.dot(h).max(0.0)
+                    / (wo.z * (1.0 + microfacets.lambda(wo.into(), wo.z)))
             };
-            let wanted = Vec3::from([0, 1, 2].map(|k: usize| sum(|h| share(h) * h[k])));
-            assert!((found - wanted).length() < 4e-3, "{wo}: {found}, not {wanted}");
+            let target = Vec3::from([0, 1, 2].map(|k: usize| sum(|h| share(h) * h[k])));
+            assert!((found - target).length() < 4e-3, "{wo}: {found}, not {target}");
         }
     }
 }

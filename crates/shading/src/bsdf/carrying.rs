@@ -11,10 +11,10 @@ use glam::Vec3;
 use super::Bsdf;
 use super::exchange::Exchange;
 use super::lobes::MOST;
+use super::prepared::Prepared;
+use super::prepared_sum::Sum;
+use super::prepared_values::GRAZING;
 use super::sample::BsdfSample;
-use super::seen::Seen;
-use super::seen_sum::Sum;
-use super::seen_values::GRAZING;
 use crate::real::{Real, Vector};
 use crate::sampling::{Basis, cosine_hemisphere};
 
@@ -24,7 +24,7 @@ const TO_ALL_SIDES: f32 = 0.25;
 /// Lobes seen from where light came from.
 #[derive(Clone, Debug)]
 pub struct Carrying {
-    seen: Seen<f32>,
+    prepared: Prepared<f32>,
     normal: Vec3,
     from: Vec3,
     /// To the normal.
@@ -42,13 +42,13 @@ impl Carrying {
         Self::by(bsdf, from, Vec3::ONE)
     }
 
-    /// The same where the light counts `light` by colour; see [`Bsdf::seen_by`].
+    /// The same where the light counts `light` by colour; see [`Bsdf::prepared_for`].
     #[must_use]
     pub fn by(bsdf: &Bsdf, from: Vec3, light: Vec3) -> Self {
         let (normal, etas) = (bsdf.normal(), bsdf.etas());
         let (lobes, cos) = (bsdf.lobes().as_slice(), normal.dot(from));
         let mut this = Self {
-            seen: bsdf.seen_by(from, light),
+            prepared: bsdf.prepared_for(from, light),
             normal,
             from,
             cos,
@@ -76,9 +76,9 @@ impl Carrying {
     /// [`correction`](Self::correction), and the density per solid angle with which lobes choose it.
     #[inline(always)]
     pub fn eval_pdf_all<R: Real>(&self, wi: Vector<R>) -> (Vector<R>, R) {
-        let Some(exchanges) = &self.exchanges else { return self.seen.eval_pdf_all(wi) };
+        let Some(exchanges) = &self.exchanges else { return self.prepared.eval_pdf_all(wi) };
         let mut sum = Sum::new(Vector::all(wi.x, self.normal), wi);
-        for (k, (lobe, exchange)) in self.seen.lobes().zip(exchanges).enumerate() {
+        for (k, (lobe, exchange)) in self.prepared.lobes().zip(exchanges).enumerate() {
             sum.add_carried(k, &lobe.for_all(wi.x), wi, exchange);
         }
         (sum.value, sum.pdf)
@@ -118,13 +118,13 @@ impl Carrying {
             share -= TO_ALL_SIDES;
             u[0] = ((u[0] - TO_ALL_SIDES) / share).min(0.999_999_9);
         }
-        let mut sample = self.seen.sample(u).of_point()?;
+        let mut sample = self.prepared.sample(u).of_point()?;
         if let Some(exchanges) = &self.exchanges {
             if !sample.delta {
                 return self.chosen(sample.wi, ng, sample.wide);
             }
-            let k = self.seen.place_of(u[0]);
-            let normal = self.seen.lobes().nth(k).map_or(self.normal, |lobe| lobe.normal.into());
+            let k = self.prepared.place_of(u[0]);
+            let normal = self.prepared.lobes().nth(k).map_or(self.normal, |lobe| lobe.normal.into());
             let Exchange { tilt, through } = exchanges[k];
             let tilt =
                 tilt.map_or(1.0, |tilt| (tilt * self.normal.dot(sample.wi) / normal.dot(sample.wi)).abs());

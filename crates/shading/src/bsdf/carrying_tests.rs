@@ -54,12 +54,12 @@ fn light_paths_are_corrected() {
             // What a light path scatters is counted per area across its way: ng's cosines stand for the surface.
             let found = carrying.eval_pdf(eye, ng).0 * carrying.correction(eye, ng);
             let from_eye = if through { behind.eval(eye, light) } else { bsdf.eval(eye, light) };
-            let wanted = from_eye * (ng.dot(eye) / ng.dot(light)).abs();
-            let off = (found - wanted).abs().max_element();
-            if off > 4e-3 * wanted.max_element() + 1e-5 {
-                mistakes.push(format!("{name} {light} {eye}: {found}, not {wanted}"));
+            let expected = from_eye * (ng.dot(eye) / ng.dot(light)).abs();
+            let off = (found - expected).abs().max_element();
+            if off > 4e-3 * expected.max_element() + 1e-5 {
+                mistakes.push(format!("{name} {light} {eye}: {found}, not {expected}"));
             }
-            some[usize::from(through)] += u32::from(wanted.max_element() > 1e-3);
+            some[usize::from(through)] += u32::from(expected.max_element() > 1e-3);
         }
         // What is chosen has the density that is said, and its weight.
         let light = Vec3::new(-0.4, 0.3, 0.7).normalize();
@@ -94,18 +94,18 @@ fn light_paths_of_deltas_are_corrected() {
     let lobes = Lobes::from(tilted).plus(Lobe { weight: Vec3::splat(0.25), ..Lobe::translucent(Vec3::ONE) });
     let bsdf = around_z(lobes);
     let carrying = Carrying::new(&bsdf, light);
-    let (mut found, mut wanted) = ([0.0; 2], [0.0; 2]);
+    let (mut found, mut expected) = ([0.0; 2], [0.0; 2]);
     for (through, branch) in bsdf.delta_branches(light).into_iter().enumerate() {
         let BsdfSample { wi, weight, .. } = branch.expect("light goes both ways");
         let bent = if through == 1 { 1.0 / 2.25 } else { 1.0 };
         let cosines = (normal.dot(light) * ng.dot(wi) / (ng.dot(light) * normal.dot(wi))).abs();
-        wanted[through] = weight.x * bent * cosines;
+        expected[through] = weight.x * bent * cosines;
     }
     let n = 4096;
     for sample in randoms(n).filter_map(|u| carrying.sample(u, ng)).filter(|sample| sample.delta) {
         found[usize::from(sample.transmitted)] += sample.weight.x / n as f32;
     }
-    for (found, wanted) in found.into_iter().zip(wanted) {
-        assert!((found / wanted - 1.0).abs() < 0.01, "{found}, not {wanted}");
+    for (found, expected) in found.into_iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 0.01, "{found}, not {expected}");
     }
 }

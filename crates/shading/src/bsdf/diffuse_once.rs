@@ -103,8 +103,8 @@ mod tests {
         for ring in 0..rings {
             let i = (ring as f32 + 0.5) / rings as f32;
             for sector in 0..sectors {
-                let turn = TAU * (sector as f32 + 0.5) / sectors as f32;
-                let dot = o * i + ((1.0 - o * o) * (1.0 - i * i)).sqrt() * turn.cos();
+                let angle = TAU * (sector as f32 + 0.5) / sectors as f32;
+                let dot = o * i + ((1.0 - o * o) * (1.0 - i * i)).sqrt() * angle.cos();
                 sum += f64::from(of(dot, [o, i]) * i);
             }
         }
@@ -117,19 +117,19 @@ mod tests {
             let of =
                 |model: Model, top: f32| sum(|dot, cosines| model.value([roughness, top], dot, cosines), o);
             let found = Model::OrenNayar.albedo([roughness, 1.0], o);
-            let wanted = of(Model::OrenNayar, 1.0);
-            assert!((found - wanted).abs() < 2e-3, "oren-nayar {roughness} {o}: {found}, not {wanted}");
+            let expected = of(Model::OrenNayar, 1.0);
+            assert!((found - expected).abs() < 2e-3, "oren-nayar {roughness} {o}: {found}, not {expected}");
             let plain = |dot: f32, [o, i]: [f32; 2]| {
                 let rise = roughness * (1.0 + dot) - 0.5;
                 (1.0 + rise * fall(o)) * (1.0 + rise * fall(i))
             };
-            let (found, wanted) = (burley(roughness, o), sum(plain, o));
-            assert!((found - wanted).abs() < 2e-3, "burley {roughness} {o}: {found}, not {wanted}");
+            let (found, expected) = (burley(roughness, o), sum(plain, o));
+            assert!((found - expected).abs() < 2e-3, "burley {roughness} {o}: {found}, not {expected}");
             for top in [0.5, 1.0] {
-                let (found, wanted) = (Model::Burley.albedo([roughness, top], o), of(Model::Burley, top));
-                let light = top * wanted;
+                let (found, expected) = (Model::Burley.albedo([roughness, top], o), of(Model::Burley, top));
+                let light = top * expected;
                 assert!(light < 1.001, "{roughness} {top} {o}: makes light: {light}");
-                assert!((found - wanted).abs() < 0.05, "{roughness} {top} {o}: {found}, not {wanted}");
+                assert!((found - expected).abs() < 0.05, "{roughness} {top} {o}: {found}, not {expected}");
             }
         }
     }

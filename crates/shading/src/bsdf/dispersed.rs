@@ -11,7 +11,7 @@ use super::dielectric::refract;
 use super::film::{self, Base, Film};
 use super::fresnel;
 use super::lobe::eta_of;
-use super::rough_dielectric::{Glass, SeenGlass};
+use super::rough_dielectric::{Glass, PreparedGlass};
 use crate::real::{Real, Vector};
 
 /// What some points' indices and chances of colours are.
@@ -61,8 +61,8 @@ pub(super) fn eval_pdf<R: Real>(
         is,
         #[inline(always)]
         |k| {
-            let ways = [wo.get(k), wi.get(k)];
-            one(&glass.point(k), colours.point(k), n.get(k), ways, [o.lane(k), i.lane(k)])
+            let directions = [wo.get(k), wi.get(k)];
+            one(&glass.point(k), colours.point(k), n.get(k), directions, [o.lane(k), i.lane(k)])
         },
     );
     (Vector::pick(is, Vector::new(r, g, b), value), R::pick(is, density, pdf))
@@ -79,8 +79,8 @@ fn one(
     let (mut value, mut pdf) = (Vec3::ZERO, 0.0);
     for channel in 0..3 {
         let glass = of_colour(glass, spread, channel);
-        let seen = glass.seen(wo.into(), o);
-        let (light, density) = glass.eval_pdf(seen, n.into(), [wo.into(), wi.into()], [o, i]);
+        let prepared = glass.prepared(wo.into(), o);
+        let (light, density) = glass.eval_pdf(prepared, n.into(), [wo.into(), wi.into()], [o, i]);
         value[channel] = Vec3::from(light)[channel];
         pdf += chances[channel] * density;
     }
@@ -118,8 +118,8 @@ pub(super) fn sample<R: Real>(
         #[inline(always)]
         |k, _| {
             let u = [u[0].lane(k), u[1].lane(k), u[2].lane(k)];
-            let ways = [wo.get(k), local.get(k)];
-            sample_one(&glass.point(k), colours.point(k), ways, u, cosine.get(k)).unwrap_or(none)
+            let directions = [wo.get(k), local.get(k)];
+            sample_one(&glass.point(k), colours.point(k), directions, u, cosine.get(k)).unwrap_or(none)
         },
     );
     (chosen, (is & !chosen.is_zero()) | (!is & some))
@@ -135,8 +135,8 @@ fn sample_one(
 ) -> Option<Vec3> {
     let (channel, first) = choose(chances, first);
     let glass = of_colour(glass, spread, channel);
-    let seen: SeenGlass<f32> = glass.seen(wo.into(), local.z);
-    let (wi, some) = glass.sample(seen, local.into(), [first, x, y], cosine.into());
+    let prepared: PreparedGlass<f32> = glass.prepared(wo.into(), local.z);
+    let (wi, some) = glass.sample(prepared, local.into(), [first, x, y], cosine.into());
     some.then(|| wi.into())
 }
 
@@ -161,14 +161,14 @@ pub(super) fn branch(
     }));
     let lights = [tints[0] * mirrored, tints[1] * (Vec3::ONE - mirrored)];
     let [a, b] = lights.map(|light| chances.dot(light));
-    let chance = if a + b > 0.0 { a / (a + b) } else { 1.0 };
-    if u < chance {
-        return (Vec3::new(-wo.x, -wo.y, wo.z), lights[0] / chance);
+    let probability = if a + b > 0.0 { a / (a + b) } else { 1.0 };
+    if u < probability {
+        return (Vec3::new(-wo.x, -wo.y, wo.z), lights[0] / probability);
     }
     let shares = chances * lights[1] / b;
-    let (channel, _) = choose(shares, ((u - chance) / (1.0 - chance)).min(0.999_999_9));
+    let (channel, _) = choose(shares, ((u - probability) / (1.0 - probability)).min(0.999_999_9));
     let (through, _) = refract(wo.into(), Vec3::Z.into(), etas[channel]);
     let mut light = Vec3::ZERO;
-    light[channel] = lights[1][channel] / ((1.0 - chance) * shares[channel]);
+    light[channel] = lights[1][channel] / ((1.0 - probability) * shares[channel]);
     (Vec3::from(through), light)
 }

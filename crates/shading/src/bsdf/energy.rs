@@ -53,7 +53,7 @@ impl<R: Real> Energy<R> {
         let average = roughness.each_of(
             #[inline(always)]
             |i| {
-                let (row, beyond) = place(roughness.lane(i), ROUGHNESSES);
+                let (row, beyond) = cell(roughness.lane(i), ROUGHNESSES);
                 mix(table().average[row], table().average[row + 1], beyond).into()
             },
         );
@@ -67,8 +67,8 @@ impl<R: Real> Energy<R> {
         cos.each_of(
             #[inline(always)]
             |i| {
-                let (row, beyond) = place(self.roughness.lane(i), ROUGHNESSES);
-                let (column, t) = place(cos.lane(i), COSINES);
+                let (row, beyond) = cell(self.roughness.lane(i), ROUGHNESSES);
+                let (column, t) = cell(cos.lane(i), COSINES);
                 let at = |row: &[Split; COSINES]| mix(row[column], row[column + 1], t);
                 mix(at(&table.albedo[row]), at(&table.albedo[row + 1]), beyond).into()
             },
@@ -108,7 +108,7 @@ fn mix(a: Split, b: Split, t: f32) -> Split {
 
 /// The entry at or before `x` of [0, 1] cut into `n` entries, and how far `x` is beyond it.
 #[inline(always)]
-pub(super) fn place(x: f32, n: usize) -> (usize, f32) {
+pub(super) fn cell(x: f32, n: usize) -> (usize, f32) {
     let scaled = x.clamp(0.0, 1.0) * (n - 1) as f32;
     let entry = (scaled as usize).min(n - 2);
     (entry, scaled - entry as f32)
@@ -181,10 +181,10 @@ mod tests {
                 let lobe = density / ((1.0 + ggx.lambda(cos) + ggx.lambda(z)) * 4.0 * cos);
                 sum += f64::from(lobe * (0.1 + 0.9 * schlick_rise(wo.dot(h))));
             }
-            let wanted = sum * std::f64::consts::TAU / f64::from(rings * sectors);
+            let expected = sum * std::f64::consts::TAU / f64::from(rings * sectors);
             let [normal, grazing] = Energy::of(ggx).split(cos);
             let found = 0.1 * normal + grazing;
-            assert!((f64::from(found) - wanted).abs() < 2e-3, "{roughness} {cos}: {found}, not {wanted}");
+            assert!((f64::from(found) - expected).abs() < 2e-3, "{roughness} {cos}: {found}, not {expected}");
         }
         // A sanity bound: the value itself is compared above.
         assert!(lost(Energy::of(Ggx::new(1.0)).split(1.0)) > 0.25, "one bounce loses light");
@@ -202,8 +202,11 @@ mod tests {
                         std::f32::consts::TAU * cos_i * left * lost(energy.split(cos_i)) * scale / n as f32
                     })
                     .sum();
-                let wanted = left;
-                assert!((more - wanted).abs() < 2e-3 + 2e-3 * wanted, "{roughness} {cos}: {more} {wanted}");
+                let expected = left;
+                assert!(
+                    (more - expected).abs() < 2e-3 + 2e-3 * expected,
+                    "{roughness} {cos}: {more} {expected}"
+                );
             }
             let more = energy.more(Vector::grey(1.0)).x;
             assert!((more - 1.0).abs() < 1e-5, "white facets let all out in the end");

@@ -58,10 +58,10 @@ const RGB: [[f32; 4]; 3] = [
     [0.055_63, 0.055_63, -0.203_977, 1.056_972],
 ];
 
-/// What one channel sees of a wave with the path difference `way` (metres) and a shift of phase, over what it sees without both.
-fn seen(channel: usize, way: f32, shift: f32) -> f32 {
-    let at = |way: f32, shift: f32| -> f32 {
-        let phase = TAU * way;
+/// What one channel sees of a wave with the path difference `path` (metres) and a shift of phase, over what it sees without both.
+fn response(channel: usize, path: f32, shift: f32) -> f32 {
+    let at = |path: f32, shift: f32| -> f32 {
+        let phase = TAU * path;
         let curve = |([strength, middle, variance], by): ([f32; 3], f32)| {
             by * strength
                 * variance.sqrt()
@@ -70,7 +70,7 @@ fn seen(channel: usize, way: f32, shift: f32) -> f32 {
         };
         CURVES.into_iter().zip(RGB[channel]).map(curve).sum()
     };
-    at(way, shift) / at(0.0, 0.0)
+    at(path, shift) / at(0.0, 0.0)
 }
 
 /// The product of two complex numbers, and the quotient.
@@ -112,7 +112,7 @@ pub(super) fn reflectance(film: Film, cos: f32, base: Base) -> Vec3 {
     }
     let within = (1.0 - sin2).sqrt();
     let upper = amplitudes(cos, here, Vec2::new(film.ior, 0.0)).map(|r| r.x);
-    let way = 2.0 * film.ior * film.thickness * 1e-9 * within;
+    let path = 2.0 * film.ior * film.thickness * 1e-9 * within;
     let beyond = |channel: usize| match base {
         Base::Normal(f0) => {
             let root = f0[channel].clamp(0.0, 0.9999).sqrt();
@@ -124,14 +124,14 @@ pub(super) fn reflectance(film: Film, cos: f32, base: Base) -> Vec3 {
     let channel = |channel: usize| {
         let lower = amplitudes(within, film.ior, beyond(channel));
         let mirrored: f32 =
-            upper.into_iter().zip(lower).map(|(r, below)| interfere(channel, r, below, way)).sum();
+            upper.into_iter().zip(lower).map(|(r, below)| interfere(channel, r, below, path)).sum();
         (0.5 * mirrored).clamp(0.0, 1.0)
     };
     Vec3::new(channel(0), channel(1), channel(2))
 }
 
 /// What the film mirrors of one polarisation; `r` is the amplitude of its upper side, seen from above, `below` that of its lower one.
-fn interfere(channel: usize, r: f32, below: Vec2, way: f32) -> f32 {
+fn interfere(channel: usize, r: f32, below: Vec2, path: f32) -> f32 {
     let (upper, lower) = (r * r, below.length_squared().min(1.0));
     let both = (upper * lower).min(0.9999);
     let through = 1.0 - upper;
@@ -143,7 +143,7 @@ fn interfere(channel: usize, r: f32, below: Vec2, way: f32) -> f32 {
     for order in 1..=ORDERS {
         part *= both.sqrt();
         let order = order as f32;
-        sum += 2.0 * part * seen(channel, order * way, order * shift);
+        sum += 2.0 * part * response(channel, order * path, order * shift);
     }
     sum
 }
@@ -201,16 +201,16 @@ mod tests {
                     Base::Normal(_) => unreachable!("not here"),
                 };
                 let lower = amplitudes(within, 1.33, beyond);
-                let mut wanted = 0.0;
+                let mut expected = 0.0;
                 for (i, (r, below)) in
                     (0..100).flat_map(|i| upper.into_iter().zip(lower).map(move |x| (i, x)))
                 {
-                    let turn = times(below, Vec2::from_angle(TAU * i as f32 / 100.0));
-                    let r = over(r + turn, Vec2::X + times(r, turn));
-                    wanted += 0.5 * r.length_squared() / 100.0;
+                    let angle = times(below, Vec2::from_angle(TAU * i as f32 / 100.0));
+                    let r = over(r + angle, Vec2::X + times(r, angle));
+                    expected += 0.5 * r.length_squared() / 100.0;
                 }
-                let off = (found[channel] - wanted).abs();
-                assert!(off < 0.01, "cos {cos}, channel {channel}: {}, not {wanted}", found[channel]);
+                let off = (found[channel] - expected).abs();
+                assert!(off < 0.01, "cos {cos}, channel {channel}: {}, not {expected}", found[channel]);
             }
         }
     }

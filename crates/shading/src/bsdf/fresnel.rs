@@ -83,9 +83,9 @@ mod tests {
             assert!((metal - dielectric(cos, 1.0 / 1.5)).abs() < 1e-5, "cos {cos}: {metal}");
         }
         let (eta, k) = (0.2_f32, 3.9_f32);
-        let wanted = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
+        let expected = ((eta - 1.0).powi(2) + k * k) / ((eta + 1.0).powi(2) + k * k);
         let found = conductor(1.0, eta, k);
-        assert!((found - wanted).abs() < 1e-5, "the closed form at normal incidence");
+        assert!((found - expected).abs() < 1e-5, "the closed form at normal incidence");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use std::ops::{Div, Mul};
 use glam::Vec3;
 
 use crate::real::{Real, Vector};
-use crate::sampling::sin_cos_of_turn;
+use crate::sampling::sin_cos_of_fraction;
 
 /// Below this the lobe is a mirror's for a float, and its peak would overflow.
 pub(crate) const SMALLEST_ALPHA: f32 = 1e-3;
@@ -58,7 +58,7 @@ impl<R: Real> Ggx<R> {
     #[inline(always)]
     pub(crate) fn sample_visible_across(self, across: R, wo: Vector<R>, u: [R; 2]) -> Vector<R> {
         let stretched = Vector::new(wo.x * self.alpha, wo.y * across, wo.z).normalize();
-        let (sin, cos) = sin_cos_of_turn(u[0]);
+        let (sin, cos) = sin_cos_of_fraction(u[0]);
         let z = u[1].rest() * (stretched.z + wo.z.all(1.0)) - stretched.z;
         let radius = (z * z).rest().or_more(z.all(0.0)).root();
         let h = Vector::new(radius * cos, radius * sin, z) + stretched;
@@ -92,7 +92,7 @@ impl Ggx<f32> {
     pub(super) fn mean_visible_across<T>(
         self,
         across: f32,
-        (turn, [around, steps]): (f32, [usize; 2]),
+        (phase, [around, steps]): (f32, [usize; 2]),
         wo: Vec3,
         f: impl Fn(Vec3) -> T,
     ) -> T
@@ -102,7 +102,7 @@ impl Ggx<f32> {
         let strata = (0..around).flat_map(|i| (0..steps).map(move |j| (i, j)));
         let values = strata.map(|(i, j)| {
             let left = 1.0 - (j as f32 + 0.5) / steps as f32;
-            let u = [turn * (i as f32 + 0.5) / around as f32, 1.0 - left * left];
+            let u = [phase * (i as f32 + 0.5) / around as f32, 1.0 - left * left];
             f(self.sample_visible_across(across, wo.into(), u).into()) * (2.0 * left)
         });
         values.sum::<T>() / (around * steps) as f32
@@ -159,8 +159,8 @@ mod tests {
                 let wi = (-wo).reflect(ggx.sample_visible_across(ggx.alpha(), wo.into(), u).into());
                 let weight = if wi.z > 0.0 { f64::from(ggx.sample_weight(wo.z, wi.z)) } else { 0.0 };
                 let weight = weight / f64::from(N);
-                for (sum, moment) in sampled.iter_mut().zip([1.0, wi.x, wi.z]) {
-                    *sum += weight * f64::from(moment);
+                for (sum, statistic) in sampled.iter_mut().zip([1.0, wi.x, wi.z]) {
+                    *sum += weight * f64::from(statistic);
                 }
             }
             let lobe = |wi: Vec3| {
@@ -169,10 +169,13 @@ mod tests {
                 let density = ggx.density(h.z, h.x * h.x + h.y * h.y);
                 if wi.z > 0.0 { f64::from(density / ((1.0 + hidden) * 4.0 * wo.z)) } else { 0.0 }
             };
-            let moments: [fn(Vec3) -> f32; 3] = [|_| 1.0, |w| w.x, |w| w.z];
-            for (sampled, moment) in sampled.iter().zip(moments) {
-                let wanted = integrate(|wi| lobe(wi) * f64::from(moment(wi)));
-                assert!((sampled - wanted).abs() < 4e-3, "roughness {roughness}: {sampled}, lobe {wanted}");
+            let statistics: [fn(Vec3) -> f32; 3] = [|_| 1.0, |w| w.x, |w| w.z];
+            for (sampled, statistic) in sampled.iter().zip(statistics) {
+                let expected = integrate(|wi| lobe(wi) * f64::from(statistic(wi)));
+                assert!(
+                    (sampled - expected).abs() < 4e-3,
+                    "roughness {roughness}: {sampled}, lobe {expected}"
+                );
             }
             assert!(sampled[0] <= 1.0, "no energy is made");
         }

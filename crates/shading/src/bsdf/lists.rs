@@ -90,17 +90,17 @@ impl<'a> Lists<'a> {
             let end = self.ends[left.trailing_zeros() as usize];
             let same = left & bits(|i| self.ends[i] == end);
             left &= !same;
-            let place = usize::from(end);
-            let Some(rows) = self.block.lobes.get_mut(place) else {
+            let entry = usize::from(end);
+            let Some(rows) = self.block.lobes.get_mut(entry) else {
                 self.full |= same;
                 continue;
             };
-            if place as u32 == self.block.count {
+            if entry as u32 == self.block.count {
                 self.block.count += 1;
                 rows.clear();
             }
-            write(rows, same, self.taken[place] == 0);
-            self.taken[place] |= same;
+            write(rows, same, self.taken[entry] == 0);
+            self.taken[entry] |= same;
             LanesOf(u64::from(same)).for_each(|i| self.ends[i] += 1);
         }
     }
@@ -122,9 +122,9 @@ impl<'a> Lists<'a> {
                     blend(&mut row.0, &mask, &[x; LANES]);
                 }
             }
-            if lobe.under != 0 {
-                LanesOf(u64::from(same)).for_each(|i| rows.under.0[i] = lobe.under);
-                rows.under_any |= lobe.under;
+            if lobe.layers_above != 0 {
+                LanesOf(u64::from(same)).for_each(|i| rows.layers_above.0[i] = lobe.layers_above);
+                rows.any_layer_above |= lobe.layers_above;
             }
             rows.kinds |= lobe.kind.bit();
             rows.covers |= lobe.cover > 0.0;
@@ -133,17 +133,17 @@ impl<'a> Lists<'a> {
 
     /// Appends a lobe to the list of one point.
     pub fn push_to(&mut self, i: usize, lobe: &Lobe) {
-        let place = usize::from(self.ends[i]);
-        let Some(rows) = self.block.lobes.get_mut(place) else {
+        let entry = usize::from(self.ends[i]);
+        let Some(rows) = self.block.lobes.get_mut(entry) else {
             self.full |= 1 << i;
             return;
         };
-        if place as u32 == self.block.count {
+        if entry as u32 == self.block.count {
             self.block.count += 1;
             rows.clear();
         }
         rows.set(i, lobe);
-        self.taken[place] |= 1 << i;
+        self.taken[entry] |= 1 << i;
         self.ends[i] += 1;
     }
 
@@ -163,11 +163,11 @@ impl<'a> Lists<'a> {
 
     /// Calls `with(rows, points)` for each place that lies behind `from` in the lists of some points.
     fn each_since(&mut self, lanes: u32, from: &Ends, mut with: impl FnMut(&mut LobeRows, u32)) {
-        for place in 0..self.block.count as usize {
+        for entry in 0..self.block.count as usize {
             let same =
-                lanes & bits(|i| usize::from(from[i]) <= place) & bits(|i| place < usize::from(self.ends[i]));
+                lanes & bits(|i| usize::from(from[i]) <= entry) & bits(|i| entry < usize::from(self.ends[i]));
             if same != 0 {
-                with(&mut self.block.lobes[place], same);
+                with(&mut self.block.lobes[entry], same);
             }
         }
     }
@@ -186,25 +186,25 @@ impl<'a> Lists<'a> {
     /// Lays what lies in the lists of some points from `top` to `base` over what follows: [`Lobes::over`](super::Lobes::over).
     pub fn layer(&mut self, lanes: u32, top: &Ends, base: &Ends) {
         let (mut hidden, mut above) = ([0.0_f32; LANES], [0_u32; LANES]);
-        for place in 0..self.block.count as usize {
-            let rows = &mut self.block.lobes[place];
+        for entry in 0..self.block.count as usize {
+            let rows = &mut self.block.lobes[entry];
             for i in LanesOf(u64::from(lanes)) {
-                if !(usize::from(top[i])..usize::from(base[i])).contains(&place) {
+                if !(usize::from(top[i])..usize::from(base[i])).contains(&entry) {
                     continue;
                 }
                 let [cover, hides] = rows.get(i).above();
                 hidden[i] += hides;
                 rows.numbers[COVER].0[i] = cover;
                 rows.covers |= cover > 0.0;
-                above[i] |= 1 << place;
+                above[i] |= 1 << entry;
             }
         }
         let shown = hidden.map(|hidden| (1.0 - hidden).max(0.0));
         self.times(lanes, base, &[shown; 3]);
         self.each_since(lanes, base, |rows, same| {
             for i in LanesOf(u64::from(same)) {
-                rows.under.0[i] |= above[i];
-                rows.under_any |= above[i];
+                rows.layers_above.0[i] |= above[i];
+                rows.any_layer_above |= above[i];
             }
         });
     }

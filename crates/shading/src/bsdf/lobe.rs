@@ -19,7 +19,7 @@ pub enum Kind {
     /// Scatters to all sides; rough surfaces send more back to where light came from.
     Diffuse,
     /// GGX facets under Schlick's reflectances.
-    Facets,
+    Microfacets,
     /// GGX facets of a metal by its complex index.
     Metal,
     /// GGX facets that mirror and refract.
@@ -53,7 +53,7 @@ impl Kind {
     pub(super) const ALL: [Self; 16] = [
         Self::None,
         Self::Diffuse,
-        Self::Facets,
+        Self::Microfacets,
         Self::Metal,
         Self::Glass,
         Self::Pane,
@@ -84,7 +84,7 @@ impl Kind {
 
     /// Whether it has facets, or is as wide as slopes are.
     fn has_slopes(self) -> bool {
-        let is_common = matches!(self, Self::Facets | Self::Metal | Self::Glass | Self::Pane);
+        let is_common = matches!(self, Self::Microfacets | Self::Metal | Self::Glass | Self::Pane);
         is_common || matches!(self, Self::Ward | Self::Beckmann | Self::SchlickGlass)
     }
 
@@ -99,7 +99,7 @@ impl Kind {
 /// What few lobes have, as bits: who has none of it pays nothing for it.
 pub(super) mod rare {
     /// Facets that are wider along one direction than across it.
-    pub(crate) const GRAIN: u32 = 1;
+    pub(crate) const ANISOTROPY: u32 = 1;
     /// A thin film.
     pub(crate) const FILM: u32 = 2;
     /// Indices that differ by colour.
@@ -149,7 +149,7 @@ pub struct Lobe {
     /// How much of what it sends back is missing below it.
     pub(super) cover: f32,
     /// Bits of the lobes of its point that lie above it.
-    pub(super) under: u32,
+    pub(super) layers_above: u32,
 }
 
 impl Lobe {
@@ -196,8 +196,8 @@ impl Lobe {
 
     /// Facets of width `alpha`, in (0, 1], that mirror `f0` head on and `f90` at grazing incidence.
     #[must_use]
-    pub fn facets(alpha: f32, f0: Vec3, f90: Vec3) -> Self {
-        Self { a: f0, b: f90, alpha, ..Self::of(Kind::Facets) }
+    pub fn microfacets(alpha: f32, f0: Vec3, f90: Vec3) -> Self {
+        Self { a: f0, b: f90, alpha, ..Self::of(Kind::Microfacets) }
     }
 
     /// A metal of width `alpha` by its index of refraction (> 0) and its extinction coefficient (>= 0) per channel.
@@ -292,7 +292,7 @@ impl Lobe {
     #[must_use]
     pub fn risen(self, power: f32) -> Self {
         let is_other = power != SCHLICK && power > 0.0 && power.is_finite();
-        if self.kind == Kind::Facets && is_other { Self { eta: -power, ..self } } else { self }
+        if self.kind == Kind::Microfacets && is_other { Self { eta: -power, ..self } } else { self }
     }
 
     /// The same under a film. What is no facets, and no glass, stays as it is.
@@ -300,7 +300,7 @@ impl Lobe {
     pub fn filmed(self, film: Film) -> Self {
         let carries = matches!(
             self.kind,
-            Kind::Facets
+            Kind::Microfacets
                 | Kind::Metal
                 | Kind::Glass
                 | Kind::Pane
@@ -313,7 +313,7 @@ impl Lobe {
         }
         let filmed = Self { film, ..self };
         match self.kind {
-            Kind::Facets | Kind::Metal => {
+            Kind::Microfacets | Kind::Metal => {
                 let bare = match self.kind {
                     Kind::Metal => self.c,
                     _ => fresnel::schlick_average(self.a.into(), self.b.into()).into(),
@@ -336,7 +336,7 @@ impl Lobe {
     pub(super) fn base(&self) -> Base {
         match self.kind {
             Kind::Metal => Base::Metal(self.a, self.b),
-            Kind::Facets => Base::Normal(self.a),
+            Kind::Microfacets => Base::Normal(self.a),
             _ => Base::Index(self.eta),
         }
     }
@@ -345,8 +345,8 @@ impl Lobe {
     #[inline]
     pub(super) fn rare(&self) -> u32 {
         let bit = |has: bool, bit: u32| if has { bit } else { 0 };
-        let brushed = bit(self.across > 0.0, rare::GRAIN);
-        let risen = self.kind == Kind::Facets && self.eta < 0.0 || self.kind == Kind::SchlickGlass;
+        let brushed = bit(self.across > 0.0, rare::ANISOTROPY);
+        let risen = self.kind == Kind::Microfacets && self.eta < 0.0 || self.kind == Kind::SchlickGlass;
         let film = bit(self.film.share > 0.0, rare::FILM);
         brushed | bit(risen, rare::POWER) | film | bit(self.is_dispersed(), rare::SPREAD)
     }
@@ -379,7 +379,7 @@ impl Lobe {
     /// A clear coat: facets of an index of 1.5.
     #[must_use]
     pub fn coat(alpha: f32) -> Self {
-        Self::facets(alpha, Vec3::splat(fresnel::normal_reflectance(1.5)), Vec3::ONE)
+        Self::microfacets(alpha, Vec3::splat(fresnel::normal_reflectance(1.5)), Vec3::ONE)
     }
 
     /// Whether facets narrower than `alpha`, or none, send its light.

@@ -80,8 +80,8 @@ impl Lobes {
     #[inline]
     pub(super) fn push(&mut self, lobe: Lobe) {
         let count = self.count as usize;
-        if let Some(place) = self.few.get_mut(count) {
-            *place = lobe;
+        if let Some(entry) = self.few.get_mut(count) {
+            *entry = lobe;
             self.count += 1;
         } else if count < MOST {
             let many = Arc::make_mut(self.many.get_or_insert_default());
@@ -95,8 +95,8 @@ impl Lobes {
 
     /// Appends a lobe below those whose bits are set; gives its bit.
     #[inline]
-    pub(super) fn put(&mut self, lobe: Lobe, under: u32) -> u32 {
-        self.push(Lobe { under, ..lobe });
+    pub(super) fn put(&mut self, lobe: Lobe, layers_above: u32) -> u32 {
+        self.push(Lobe { layers_above, ..lobe });
         1 << (self.count - 1)
     }
 
@@ -105,7 +105,7 @@ impl Lobes {
     pub fn plus(mut self, other: impl Into<Self>) -> Self {
         let first = self.count;
         for lobe in other.into().as_slice() {
-            self.push(Lobe { under: lobe.under << first, ..*lobe });
+            self.push(Lobe { layers_above: lobe.layers_above << first, ..*lobe });
         }
         self
     }
@@ -140,7 +140,7 @@ impl Lobes {
         let base = base.into().times(Vec3::splat((1.0 - hidden).max(0.0)));
         let first = self.count;
         for lobe in base.as_slice() {
-            self.push(Lobe { under: lobe.under << first | above, ..*lobe });
+            self.push(Lobe { layers_above: lobe.layers_above << first | above, ..*lobe });
         }
         self
     }

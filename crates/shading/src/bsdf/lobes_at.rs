@@ -20,8 +20,8 @@ pub(crate) struct LobesAt<'a, R> {
     pub(super) eta: R,
     pub(super) cover: R,
     /// Which lobes lie above, by point; a bit set for all of them.
-    pub(super) under: &'a [u32],
-    pub(super) under_any: u32,
+    pub(super) layers_above: &'a [u32],
+    pub(super) any_layer_above: u32,
     pub(super) covers: bool,
     /// Which rare things some have: bits of `rare`.
     pub(super) rare: u32,
@@ -77,8 +77,8 @@ impl<'a> LobesAt<'a, f32> {
             alpha: lobe.alpha,
             eta: lobe.eta,
             cover: lobe.cover,
-            under: std::slice::from_ref(&lobe.under),
-            under_any: lobe.under,
+            layers_above: std::slice::from_ref(&lobe.layers_above),
+            any_layer_above: lobe.layers_above,
             covers: lobe.cover > 0.0,
             rare: lobe.rare(),
             rarities: Rarities {

@@ -14,9 +14,10 @@
 //! [`SurfacePoint::scatter_ray`](crate::SurfacePoint::scatter_ray), with the same horizon as for light samples.
 //! Tests: `tests`.
 
-mod alone;
+mod anisotropy;
 mod batch;
 mod beckmann;
+mod cached_lobes;
 mod carrying;
 #[cfg(test)]
 mod carrying_tests;
@@ -30,8 +31,6 @@ mod fibres;
 mod film;
 pub(crate) mod fresnel;
 mod ggx;
-mod grain;
-mod kept;
 mod lists;
 mod lobe;
 mod lobes;
@@ -39,15 +38,16 @@ mod lobes_at;
 mod medium;
 mod oren_nayar;
 mod phong;
+mod prepared;
+mod prepared_glass;
+mod prepared_lobe;
+mod prepared_scalar;
+mod prepared_sum;
+mod prepared_values;
 mod principled;
 mod rough_dielectric;
 mod sample;
-mod seen;
-mod seen_alone;
-mod seen_glass;
-mod seen_lobe;
-mod seen_sum;
-mod seen_values;
+mod scalar_lobes;
 mod sheen;
 #[cfg(test)]
 mod tests;
@@ -56,17 +56,17 @@ mod ward;
 use glam::Vec3;
 
 pub use batch::ClosureBatch;
+pub use cached_lobes::CachedLobes;
 pub use carrying::Carrying;
 pub use film::Film;
-pub use kept::Kept;
 pub use lists::{Ends, Lists};
 pub use lobe::{Kind, Lobe};
 pub use lobes::{Lobes, MOST};
 pub use medium::{Medium, left_after};
+pub use prepared::{Prepared, Sampled};
+pub use prepared_values::GRAZING;
 pub use principled::Principled;
 pub use sample::BsdfSample;
-pub use seen::{Sampled, Seen};
-pub use seen_values::GRAZING;
 
 /// The BSDF of one point. Plain data: it outlives the batch that it was made from.
 #[derive(Clone, Debug)]
@@ -85,7 +85,7 @@ impl Bsdf {
 
     /// The same with something on one of its sides.
     #[must_use]
-    pub fn beside(self, medium: Medium) -> Self {
+    pub fn neighbours(self, medium: Medium) -> Self {
         Self { medium, ..self }
     }
 
@@ -127,15 +127,15 @@ impl Bsdf {
 
     /// It as it is seen from `wo`: for many questions about one direction.
     #[must_use]
-    pub fn seen(&self, wo: Vec3) -> Seen<f32> {
-        self.seen_by(wo, Vec3::ONE)
+    pub fn prepared(&self, wo: Vec3) -> Prepared<f32> {
+        self.prepared_for(wo, Vec3::ONE)
     }
 
     /// The same where the light that it scatters will count `light` by colour: glass that bends colours into different directions then
     /// chooses them by that. Values stay the same, densities are others.
     #[must_use]
-    pub fn seen_by(&self, wo: Vec3, light: Vec3) -> Seen<f32> {
-        Seen::of_point(self.lobes.as_slice(), self.normal, wo, light)
+    pub fn prepared_for(&self, wo: Vec3, light: Vec3) -> Prepared<f32> {
+        Prepared::of_point(self.lobes.as_slice(), self.normal, wo, light)
     }
 
     /// Whether some of its glass bends colours into different directions.
@@ -148,7 +148,7 @@ impl Bsdf {
     /// chooses it; delta lobes count nothing.
     #[must_use]
     pub fn eval_pdf(&self, wo: Vec3, wi: Vec3) -> (Vec3, f32) {
-        let (value, pdf) = self.seen(wo).eval_pdf(wi.into());
+        let (value, pdf) = self.prepared(wo).eval_pdf(wi.into());
         (value.into(), pdf)
     }
 
@@ -171,16 +171,16 @@ impl Bsdf {
         self.sample_by(wo, Vec3::ONE, u)
     }
 
-    /// The same where the light that it scatters will count `light` by colour; see [`seen_by`](Self::seen_by).
+    /// The same where the light that it scatters will count `light` by colour; see [`prepared_for`](Self::prepared_for).
     #[must_use]
     pub fn sample_by(&self, wo: Vec3, light: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
-        self.seen_by(wo, light).sample(u).of_point()
+        self.prepared_for(wo, light).sample(u).of_point()
     }
 
     /// What leaves by delta lobes, mirrored and through the surface, each with its share of the light.
     #[must_use]
     pub fn delta_branches(&self, wo: Vec3) -> [Option<BsdfSample>; 2] {
-        let [mirrored, through] = self.seen(wo).delta_branches();
+        let [mirrored, through] = self.prepared(wo).delta_branches();
         let branch = |branch: Option<(Vec3, Vec3)>, transmitted| {
             let (wi, weight) = branch?;
             Some(BsdfSample { wi, weight, pdf: f32::INFINITY, delta: true, transmitted, wide: false })
@@ -193,15 +193,15 @@ impl Bsdf {
     #[must_use]
     pub fn straight(&self, wo: Vec3) -> Option<(Vec3, Vec3)> {
         let mut glass = self.lobes.as_slice().iter().filter(|lobe| lobe.is_clear());
-        let bends_one_way = glass.next().is_some_and(|lobe| !lobe.is_dispersed()) && glass.next().is_none();
-        let [_, through] = bends_one_way.then(|| self.delta_branches(wo))?;
+        let refracts_once = glass.next().is_some_and(|lobe| !lobe.is_dispersed()) && glass.next().is_none();
+        let [_, through] = refracts_once.then(|| self.delta_branches(wo))?;
         through.map(|sample| (sample.wi, sample.weight))
     }
 
     /// Share of light from `wo` that is scattered to all sides, in [0, 1] per channel; about, where no closed form is known.
     #[must_use]
     pub fn albedo(&self, wo: Vec3) -> Vec3 {
-        self.seen(wo).albedo().into()
+        self.prepared(wo).albedo().into()
     }
 
     /// The albedo of a point that scatters alike to all sides, and does nothing else.

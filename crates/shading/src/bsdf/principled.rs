@@ -115,14 +115,14 @@ impl Principled {
             let cover = p.sheen.max_element();
             above |= lobes.put(Lobe { cover, ..Lobe::sheen(p.sheen, p.sheen_roughness) }, above);
         }
-        let facets = |lobe: Lobe| {
+        let microfacets = |lobe: Lobe| {
             let brushed = if p.across > 0.0 { lobe.brushed(p.tangent, p.across) } else { lobe };
             if p.film.is_there() { brushed.filmed(p.film) } else { brushed }
         };
         let translucence = p.translucence;
         if plastic > 0.0 {
             let weight = Vec3::splat(plastic);
-            let lobe = facets(Lobe::facets(p.alpha, p.f0, Vec3::splat(p.f90)));
+            let lobe = microfacets(Lobe::microfacets(p.alpha, p.f0, Vec3::splat(p.f90)));
             let above = above | lobes.put(Lobe { weight, cover: 1.0, ..lobe }, above);
             if translucence < 1.0 {
                 let weight = Vec3::splat(plastic * (1.0 - translucence));
@@ -135,7 +135,7 @@ impl Principled {
         }
         if metal > 0.0 {
             let weight = Vec3::splat(metal);
-            lobes.put(Lobe { weight, ..facets(Lobe::facets(p.alpha, p.base, Vec3::ONE)) }, above);
+            lobes.put(Lobe { weight, ..microfacets(Lobe::microfacets(p.alpha, p.base, Vec3::ONE)) }, above);
         }
         if glass > 0.0 {
             let weight = Vec3::splat(glass);
@@ -143,7 +143,7 @@ impl Principled {
             let glass = if p.has_smooth_glass() {
                 Lobe::glass(p.eta, Vec3::ONE, p.base, thin).filmed(p.film)
             } else {
-                facets(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, p.base, thin))
+                microfacets(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, p.base, thin))
             };
             lobes.put(Lobe { weight, ..glass.dispersed(p.spread) }, above);
         }

@@ -11,12 +11,12 @@ use std::sync::OnceLock;
 
 use glam::{FloatExt, Vec3};
 
+use super::anisotropy::{self, Slopes};
 use super::dielectric::{pane, refract};
-use super::energy::{Energy, average, lost, place};
+use super::energy::{Energy, average, cell, lost};
 use super::film::{self, Base, Film};
 use super::fresnel;
 use super::ggx::Ggx;
-use super::grain::{self, Slopes};
 use crate::real::{Real, Vector};
 
 /// Nearer to 1 than this an index bends nothing that a float could tell.
@@ -34,14 +34,14 @@ pub(super) fn losses(widths: [f32; 2], eta: f32, thin: bool) -> (f32, Vec3) {
     };
     let rare = eta.min(1.0 / eta);
     if thin {
-        let lost = if even { lost(Energy::of(ggx).average) } else { 1.0 - grain::mean_kept(widths) };
+        let lost = if even { lost(Energy::of(ggx).average) } else { 1.0 - anisotropy::mean_retained(widths) };
         return (eta, Vec3::new(lost, lost, 1.0 - pane_average(rare)));
     }
-    let kept = |eta: f32| match even {
+    let retained = |eta: f32| match even {
         true => Albedos::of(ggx.alpha(), eta).average(),
-        false => grain::mean_kept_by_glass(widths, eta),
+        false => anisotropy::mean_retained_by_glass(widths, eta),
     };
-    let lost = [eta, 1.0 / eta].map(|eta| 1.0 - kept(eta));
+    let lost = [eta, 1.0 / eta].map(|eta| 1.0 - retained(eta));
     let mirrored = fresnel_average(rare);
     // With the index beyond as unit: shares through are as the inverse of these on the two sides.
     let capacity = [lost[0] * eta * eta, lost[1]];
@@ -50,7 +50,7 @@ pub(super) fn losses(widths: [f32; 2], eta: f32, thin: bool) -> (f32, Vec3) {
 }
 
 /// Facets that mirror and refract.
-pub(super) trait Facets<R: Real>: Copy {
+pub(super) trait Microfacets<R: Real>: Copy {
     /// Facets facing the unit `h` per solid angle and ground area, around the normal `n`.
     fn density(&self, n: Vector<R>, h: Vector<R>) -> R;
     /// Smith's auxiliary function of `w` at the cosine `cos`, of either sign.
@@ -61,7 +61,7 @@ pub(super) trait Facets<R: Real>: Copy {
     fn lost(&self, w: Vector<R>, cos: R, eta: R, thin: bool) -> R;
 }
 
-impl<R: Real> Facets<R> for Slopes<R> {
+impl<R: Real> Microfacets<R> for Slopes<R> {
     #[inline(always)]
     fn density(&self, n: Vector<R>, h: Vector<R>) -> R {
         Slopes::density(self, n, h)
@@ -87,7 +87,7 @@ impl<R: Real> Facets<R> for Slopes<R> {
             #[inline(always)]
             |i| Albedos::of(alpha.lane(i), eta.lane(i)).albedo(cos.lane(i)),
         );
-        self.kept_by_glass(w, cos, eta, plain).rest()
+        self.retained_by_glass(w, cos, eta, plain).rest()
     }
 }
 
@@ -132,7 +132,7 @@ pub(super) struct Glass<R: Real, S = Slopes<R>, M = Plain> {
 
 /// Rough glass seen from `wo`.
 #[derive(Clone, Copy)]
-pub(super) struct SeenGlass<R> {
+pub(super) struct PreparedGlass<R> {
     /// Smith's auxiliary function of `wo`.
     pub(super) hidden: R,
     /// Share of light that one bounce loses.
@@ -176,7 +176,7 @@ impl<R: Real> Glass<R> {
     }
 }
 
-impl<R: Real, S: Facets<R>, M: Mirrored<R>> Glass<R, S, M> {
+impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
     /// Share of light that a facet mirrors, by colour.
     #[inline(always)]
     pub(super) fn mirrored(&self, cos: R) -> Vector<R> {
@@ -189,7 +189,7 @@ impl<R: Real, S: Facets<R>, M: Mirrored<R>> Glass<R, S, M> {
 
     /// Probability with which a facet's mirrored branch is followed.
     #[inline(always)]
-    pub(super) fn chance(&self, mirrored: Vector<R>) -> R {
+    pub(super) fn probability(&self, mirrored: Vector<R>) -> R {
         let mean = match self.film {
             _ if !M::IS_GREY => mirrored.sum() * (1.0 / 3.0),
             Some([share, ..]) => R::pick(share.above_all(0.0), mirrored.sum() * (1.0 / 3.0), mirrored.x),
@@ -209,15 +209,15 @@ impl<R: Real, S: Facets<R>, M: Mirrored<R>> Glass<R, S, M> {
 
     /// What all directions share: `wo` lies at the cosine `cos_o` > 0.
     #[inline(always)]
-    pub(super) fn seen(&self, wo: Vector<R>, cos_o: R) -> SeenGlass<R> {
-        SeenGlass { hidden: self.slopes.lambda(wo, cos_o), lost: self.lost(wo, cos_o, false) }
+    pub(super) fn prepared(&self, wo: Vector<R>, cos_o: R) -> PreparedGlass<R> {
+        PreparedGlass { hidden: self.slopes.lambda(wo, cos_o), lost: self.lost(wo, cos_o, false) }
     }
 
     /// Value times cosine and density of the unit `wi`, for the unit normal `n`; `wo` lies at the cosine `o` > 0, `wi` at `i`.
     #[inline(always)]
     pub(super) fn eval_pdf(
         &self,
-        seen: SeenGlass<R>,
+        prepared: PreparedGlass<R>,
         n: Vector<R>,
         [wo, wi]: [Vector<R>; 2],
         [o, i]: [R; 2],
@@ -227,7 +227,7 @@ impl<R: Real, S: Facets<R>, M: Mirrored<R>> Glass<R, S, M> {
         let hidden = self.slopes.lambda(wi, cos_i);
         // The facet that leads to `wi`, and the change of its solid angle with that of `wi`.
         let mirror = (wo + wi).normalize_or(n);
-        let (facet, change) = if self.thin {
+        let (microfacet, change) = if self.thin {
             let flipped = wi - n * (i * 2.0);
             let h = (wo + flipped).normalize_or(n);
             (h, o.all(0.25) / wo.dot(h))
@@ -235,12 +235,12 @@ impl<R: Real, S: Facets<R>, M: Mirrored<R>> Glass<R, S, M> {
             let h = (wo * self.eta + wi).normalize_or(n);
             let h = Vector::pick(n.dot(h).above(zero), h, -h);
             let (cos_h, beyond) = (wo.dot(h), wi.dot(h));
-            let way = self.eta * cos_h + beyond;
+            let denominator = self.eta * cos_h + beyond;
             let good = cos_h.above(zero) & zero.above(beyond);
-            (h, R::pick(good, -beyond / (way * way), zero))
+            (h, R::pick(good, -beyond / (denominator * denominator), zero))
         };
         let change = R::pick(change.is_number() & change.above(zero), change, zero);
-        let h = Vector::pick(above, mirror, facet);
+        let h = Vector::pick(above, mirror, microfacet);
         let cos_h = wo.dot(h);
         let change = R::pick(above, o.all(0.25) / cos_h.or_more(o.all(1e-20)), change);
         let density = self.slopes.density(n, h) * cos_h * change / o;
@@ -258,14 +258,14 @@ impl<R: Real, S: Facets<R>, M: Mirrored<R>> Glass<R, S, M> {
             R::pick(above, self.lost(wi, cos_i, false), self.lost(wi, cos_i, true))
         };
         let by_cosine = cos_i * FRAC_1_PI;
-        let more = R::pick(mean.above_all(1e-6), seen.lost * lost_i * by_cosine / mean, zero);
+        let more = R::pick(mean.above_all(1e-6), prepared.lost * lost_i * by_cosine / mean, zero);
         let tint = Vector::pick(above, self.tints[0], self.tints[1]);
-        let once = density / (seen.hidden + hidden + o.all(1.0));
+        let once = density / (prepared.hidden + hidden + o.all(1.0));
         let value = tint * (share * once + Vector::grey(ends * more));
-        let chance = self.chance(mirrored);
-        let chance = R::pick(above, chance, chance.rest());
-        let facets = chance * density / (seen.hidden + o.all(1.0));
-        let pdf = seen.lost.rest() * facets + seen.lost * ends * by_cosine;
+        let probability = self.probability(mirrored);
+        let probability = R::pick(above, probability, probability.rest());
+        let microfacets = probability * density / (prepared.hidden + o.all(1.0));
+        let pdf = prepared.lost.rest() * microfacets + prepared.lost * ends * by_cosine;
         let none = i.is(zero);
         (Vector::pick(none, Vector::grey(zero), value), R::pick(none, zero, pdf))
     }
@@ -275,21 +275,21 @@ impl<R: Real, S: Facets<R>, M: Mirrored<R>> Glass<R, S, M> {
     #[inline(always)]
     pub(super) fn sample(
         &self,
-        seen: SeenGlass<R>,
+        prepared: PreparedGlass<R>,
         wo: Vector<R>,
         u: [R; 3],
         cosine: Vector<R>,
     ) -> (Vector<R>, R::Mask) {
         let zero = wo.z.all(0.0);
         let flip = |w: Vector<R>| Vector::new(w.x, w.y, -w.z);
-        let further = seen.lost.above(u[0]);
-        let beyond = (seen.lost * self.losses.z).above(u[0]);
+        let further = prepared.lost.above(u[0]);
+        let beyond = (prepared.lost * self.losses.z).above(u[0]);
         let scattered = Vector::pick(beyond, flip(cosine), cosine);
-        let choice = (u[0] - seen.lost) / seen.lost.rest();
+        let choice = (u[0] - prepared.lost) / prepared.lost.rest();
         let h = self.slopes.sample_visible(wo, [u[1], u[2]]);
         let cos = wo.dot(h);
         let mirrored = h * (cos * 2.0) - wo;
-        let is_mirrored = self.chance(self.mirrored(cos)).above(choice);
+        let is_mirrored = self.probability(self.mirrored(cos)).above(choice);
         let (through, some) = if self.thin {
             (flip(mirrored), cos.is(cos))
         } else {
@@ -323,7 +323,7 @@ fn pane_average(eta: f32) -> f32 {
             (0..STEPS).map(middle).map(|cos| 2.0 * cos * share(cos) / STEPS as f32).sum()
         })
     });
-    let (index, beyond) = place(2.0 * (1.0 - eta) / (1.0 + eta), INDICES);
+    let (index, beyond) = cell(2.0 * (1.0 - eta) / (1.0 + eta), INDICES);
     means[index].lerp(means[index + 1], beyond)
 }
 
@@ -347,8 +347,8 @@ struct Albedos {
 
 impl Albedos {
     fn of(alpha: f32, eta: f32) -> Self {
-        let (index, beyond) = place((eta - 1.0) / (eta + 1.0) + 0.5, INDICES);
-        let (roughness, rougher) = place(alpha.sqrt(), ROUGHNESSES);
+        let (index, beyond) = cell((eta - 1.0) / (eta + 1.0) + 0.5, INDICES);
+        let (roughness, rougher) = cell(alpha.sqrt(), ROUGHNESSES);
         let rows = [index, index + 1].map(|i| [roughness, roughness + 1].map(|r| row(i, r)));
         Self { rows, beyond: [beyond, rougher] }
     }
@@ -359,7 +359,7 @@ impl Albedos {
     }
 
     fn albedo(&self, cos: f32) -> f32 {
-        let (column, t) = place(cos, COSINES);
+        let (column, t) = cell(cos, COSINES);
         self.mix(|row| row.albedo[column].lerp(row.albedo[column + 1], t))
     }
 
@@ -406,12 +406,12 @@ mod tests {
     fn panes_mirror_on_average_what_the_average_of_their_shares_is() {
         for (ior, normal) in [(1.01_f32, 0.0), (1.33, 0.03), (1.5, 0.07), (2.2, 0.24)] {
             let share = |cos: f32| f64::from(pane(fresnel::dielectric(cos, 1.0 / ior)));
-            let wanted: f64 = (0..10_000)
+            let expected: f64 = (0..10_000)
                 .map(|k| (k as f32 + 0.5) / 10_000.0)
                 .map(|c| 2e-4 * f64::from(c) * share(c))
                 .sum();
             let found = f64::from(pane_average(1.0 / ior));
-            assert!((found - wanted).abs() < 1e-3, "{ior}: {found}, not {wanted}");
+            assert!((found - expected).abs() < 1e-3, "{ior}: {found}, not {expected}");
             assert!(found > normal, "more than head on: {found}");
         }
     }
@@ -424,11 +424,11 @@ mod tests {
             let ggx = Ggx::new(roughness);
             // Nothing lost: one bounce alone.
             let tints = [Vector::grey(1.0); 2];
-            let slopes = Slopes { ggx, grain: None };
+            let slopes = Slopes { ggx, anisotropy: None };
             let losses = Vector::grey(0.0);
             let glass = Glass { slopes, eta, film: None, rise: Plain, tints, losses, thin: false };
             let wo = Vec3::new((1.0_f32 - cos * cos).sqrt(), 0.0, cos);
-            let seen = glass.seen(wo.into(), cos);
+            let prepared = glass.prepared(wo.into(), cos);
             let (rings, sectors) = (1600, 200);
             let mut sum = 0.0_f64;
             for (ring, sector) in (0..rings).flat_map(|r| (0..sectors).map(move |s| (r, s))) {
@@ -436,12 +436,12 @@ mod tests {
                 let (sin, azimuth) = ((1.0 - z * z).sqrt(), (sector as f32 + 0.5) / sectors as f32);
                 let (s, c) = (azimuth * std::f32::consts::TAU).sin_cos();
                 let wi = Vec3::new(sin * c, sin * s, z);
-                let (value, _) = glass.eval_pdf(seen, Vec3::Z.into(), [wo.into(), wi.into()], [cos, z]);
+                let (value, _) = glass.eval_pdf(prepared, Vec3::Z.into(), [wo.into(), wi.into()], [cos, z]);
                 sum += f64::from(value.x);
             }
-            let wanted = sum * 2.0 * std::f64::consts::TAU / f64::from(rings * sectors);
+            let expected = sum * 2.0 * std::f64::consts::TAU / f64::from(rings * sectors);
             let found = f64::from(Albedos::of(ggx.alpha(), eta).albedo(cos));
-            assert!((found - wanted).abs() < 4e-3, "{roughness} {eta} {cos}: {found}, not {wanted}");
+            assert!((found - expected).abs() < 4e-3, "{roughness} {eta} {cos}: {found}, not {expected}");
         }
     }
 }

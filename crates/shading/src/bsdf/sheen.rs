@@ -11,7 +11,7 @@ use std::sync::OnceLock;
 
 use glam::Vec3;
 
-use super::energy::place;
+use super::energy::cell;
 use crate::real::Real;
 
 /// Equal steps of the root of the cosine, and of the logarithm of the roughness from the smallest on.
@@ -35,7 +35,7 @@ fn scaled(roughness: f32, [o, i]: [f32; 2], sin: f32) -> f32 {
         return 0.0;
     }
     let table = table();
-    let made = |cos| look_up(&table.made, roughness, cos);
+    let made = |cos| interpolate(&table.made, roughness, cos);
     model_cos(roughness, [o, i], sin) / made(o).max(made(i)).max(1.0)
 }
 
@@ -57,8 +57,8 @@ pub(super) fn albedo<R: Real>(roughness: R, cos: R) -> R {
 
 fn sent_back(roughness: f32, cos: f32) -> f32 {
     let table = table();
-    let [made, kept] = [&table.made, &table.kept].map(|entries| look_up(entries, roughness, cos));
-    (made.min(1.0) * kept).clamp(0.0, 1.0)
+    let [made, retained] = [&table.made, &table.retained].map(|entries| interpolate(entries, roughness, cos));
+    (made.min(1.0) * retained).clamp(0.0, 1.0)
 }
 
 fn alpha(roughness: f32) -> f32 {
@@ -72,12 +72,12 @@ struct Table {
     /// What the papers' lobe sends back of all light: more than 1 at grazing views.
     made: Entries,
     /// The same after scaling, over the smaller of `made` and 1: smoother than itself.
-    kept: Entries,
+    retained: Entries,
 }
 
-fn look_up(entries: &Entries, roughness: f32, cos: f32) -> f32 {
-    let (row, t) = place(1.0 - roughness.max(SMOOTHEST).ln() / SMOOTHEST.ln(), ROUGHNESSES);
-    let (column, s) = place(cos.max(0.0).sqrt(), COSINES);
+fn interpolate(entries: &Entries, roughness: f32, cos: f32) -> f32 {
+    let (row, t) = cell(1.0 - roughness.max(SMOOTHEST).ln() / SMOOTHEST.ln(), ROUGHNESSES);
+    let (column, s) = cell(cos.max(0.0).sqrt(), COSINES);
     let at = |row: &[f32; COSINES]| row[column] + (row[column + 1] - row[column]) * s;
     let [below, above] = [at(&entries[row]), at(&entries[row + 1])];
     below + (above - below) * t
@@ -87,7 +87,7 @@ fn table() -> &'static Table {
     static TABLE: OnceLock<Box<Table>> = OnceLock::new();
     TABLE.get_or_init(|| {
         let nothing = [[0.0; COSINES]; ROUGHNESSES];
-        let mut table = Box::new(Table { made: nothing, kept: nothing });
+        let mut table = Box::new(Table { made: nothing, retained: nothing });
         let roughness = |row: usize| SMOOTHEST.powf(1.0 - row as f32 / (ROUGHNESSES - 1) as f32);
         let cos = |column: usize| (column as f32 / (COSINES - 1) as f32).powi(2).max(1e-4);
         for row in 0..ROUGHNESSES {
@@ -97,10 +97,10 @@ fn table() -> &'static Table {
                 table.made[row][column] = integral(cos(column), GRID, model);
             }
             for column in 0..COSINES {
-                let made = |cos| look_up(&table.made, roughness, cos);
+                let made = |cos| interpolate(&table.made, roughness, cos);
                 let here = made(cos(column)).max(1.0);
                 let lobe = |wo, wi: Vec3| model(wo, wi) / made(wi.z).max(here);
-                table.kept[row][column] =
+                table.retained[row][column] =
                     integral(cos(column), GRID, lobe) / table.made[row][column].clamp(1e-30, 1.0);
             }
         }
@@ -139,37 +139,37 @@ mod tests {
     use super::*;
 
     /// Roughnesses and cosines on and between the tables' entries, many where fibres send back more than all.
-    fn places() -> impl Iterator<Item = (f32, f32)> {
+    fn table_nodes() -> impl Iterator<Item = (f32, f32)> {
         let cosines = [0.005, 0.02, 0.05, 0.08, 0.11, 0.2, 0.4, 0.7, 1.0];
         [0.0, 0.09, 0.15, 0.22, 0.3, 0.5, 0.8, 1.0].into_iter().flat_map(move |r| cosines.map(|c| (r, c)))
     }
 
     #[test]
     fn albedo_is_what_the_lobe_sends_back() {
-        for (roughness, cos) in places() {
-            let wanted =
+        for (roughness, cos) in table_nodes() {
+            let expected =
                 integral(cos, [300, 100], |wo, wi| lobe_cos(roughness, [wo.z, wi.z], sin_half(wo, wi)));
             let found = albedo(roughness, cos);
-            assert!((found - wanted).abs() < 0.005, "{roughness} {cos}: {found}, not {wanted}");
-            assert!(wanted < 1.005, "{roughness} {cos}: makes light: {wanted}");
+            assert!((found - expected).abs() < 0.005, "{roughness} {cos}: {found}, not {expected}");
+            assert!(expected < 1.005, "{roughness} {cos}: makes light: {expected}");
         }
     }
 
     #[test]
     fn only_what_makes_light_is_scaled() {
-        for (roughness, cos) in places() {
+        for (roughness, cos) in table_nodes() {
             let made = |cos| {
                 integral(cos, [300, 100], |wo, wi| model_cos(roughness, [wo.z, wi.z], sin_half(wo, wi)))
             };
             let z = 0.3;
             let (wo, wi) =
                 (Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos), Vec3::new(0.0, (1.0_f32 - z * z).sqrt(), z));
-            let wanted =
+            let expected =
                 model_cos(roughness, [wo.z, wi.z], sin_half(wo, wi)) / made(cos).max(made(z)).max(1.0);
             let found = lobe_cos(roughness, [wo.z, wi.z], sin_half(wo, wi));
             assert!(
-                (found - wanted).abs() < 0.005 * wanted + 1e-6,
-                "{roughness} {cos}: {found}, not {wanted}"
+                (found - expected).abs() < 0.005 * expected + 1e-6,
+                "{roughness} {cos}: {found}, not {expected}"
             );
         }
     }

@@ -20,7 +20,7 @@ pub(super) fn models() -> Vec<(String, Lobes)> {
     let mut models: Vec<(String, Lobes)> = vec![("lambert".into(), lambert.into())];
     let mut add = |name: String, lobes| models.push((name, lobes));
     for alpha in [0.1, 0.4, 1.0] {
-        let metal = Lobe::facets(alpha, white, white);
+        let metal = Lobe::microfacets(alpha, white, white);
         add(format!("conductor {alpha}"), metal.into());
         add(format!("half conductor {alpha}, half lambert"), Lobes::from(metal).mixed(lambert, 0.5));
     }
@@ -70,14 +70,14 @@ fn rare_models() -> Vec<(&'static str, Lobes)> {
         Lobes::from(part(false).brushed(slant, 0.2)).plus(part(true).brushed(slant, 0.2))
     };
     vec![
-        ("brushed conductor", Lobe::facets(0.6, white, white).brushed(slant, 0.1).into()),
-        ("brushed across", Lobe::facets(0.2, white, white).brushed(slant, 0.7).into()),
+        ("brushed conductor", Lobe::microfacets(0.6, white, white).brushed(slant, 0.1).into()),
+        ("brushed across", Lobe::microfacets(0.2, white, white).brushed(slant, 0.7).into()),
         ("brushed plastic", Principled { tangent: slant, across: 0.6, ..plain }.into()),
         ("brushed glass in", rough_glass(0.6, 0.66).brushed(slant, 0.2).into()),
         ("brushed glass out", rough_glass(0.15, 1.5).brushed(slant, 0.5).into()),
         ("brushed pane", Lobe::rough_glass(0.5, 0.66, white, white, true).brushed(slant, 0.2).into()),
-        ("risen facets", Lobe::facets(0.4, white, white).risen(2.0).into()),
-        ("filmed conductor", Lobe::facets(0.4, white, white).filmed(film).into()),
+        ("risen facets", Lobe::microfacets(0.4, white, white).risen(2.0).into()),
+        ("filmed conductor", Lobe::microfacets(0.4, white, white).filmed(film).into()),
         ("filmed plastic", Principled { film, ..plain }.into()),
         ("filmed glass in", rough_glass(0.3, 0.66).filmed(film).into()),
         ("filmed glass out", rough_glass(0.3, 1.5).filmed(film).into()),
@@ -121,13 +121,13 @@ pub(super) fn around_z(lobes: impl Into<Lobes>) -> Bsdf {
 /// The same surface met from the other side, in the same frame.
 pub(super) fn turned_over(lobes: &Lobes) -> Lobes {
     let mut over = lobes.clone();
-    let turns = |lobe: &&mut Lobe| matches!(lobe.kind, Kind::Glass | Kind::SchlickGlass);
+    let scales = |lobe: &&mut Lobe| matches!(lobe.kind, Kind::Glass | Kind::SchlickGlass);
     over.as_mut_slice().iter_mut().filter(|lobe| lobe.kind == Kind::Beckmann && lobe.eta > 0.0).for_each(
         |lobe| {
             lobe.eta = 1.0 / lobe.eta;
         },
     );
-    over.as_mut_slice().iter_mut().filter(turns).for_each(|lobe| {
+    over.as_mut_slice().iter_mut().filter(scales).for_each(|lobe| {
         let other = Lobe::rough_glass(lobe.alpha, 1.0 / lobe.eta, lobe.a, lobe.b, false);
         let other = if lobe.across > 0.0 { other.brushed(lobe.tangent, lobe.across) } else { other };
         (lobe.eta, lobe.c) = (other.eta, other.c);
@@ -182,13 +182,13 @@ fn samples_follow_the_density() {
         for wo in views().skip(usize::from(is_rare)).step_by(1 + usize::from(is_rare)) {
             let cell = |w: Vec3| {
                 let ring = ((w.z * 0.5 + 0.5) * CELLS[0] as f32).min(CELLS[0] as f32 - 1.0) as usize;
-                let turn = f64::from(w.y.atan2(w.x)) / TAU + 0.5;
-                ring * CELLS[1] + ((turn * CELLS[1] as f64) as usize).min(CELLS[1] - 1)
+                let azimuth = f64::from(w.y.atan2(w.x)) / TAU + 0.5;
+                ring * CELLS[1] + ((azimuth * CELLS[1] as f64) as usize).min(CELLS[1] - 1)
             };
-            let mut wanted = vec![0.0; CELLS[0] * CELLS[1]];
-            let mut counts = wanted.clone();
-            let seen = bsdf.seen(wo);
-            fine(grid, |w, area| wanted[cell(w)] += f64::from(seen.eval_pdf(w.into()).1) * area);
+            let mut expected = vec![0.0; CELLS[0] * CELLS[1]];
+            let mut counts = expected.clone();
+            let prepared = bsdf.prepared(wo);
+            fine(grid, |w, area| expected[cell(w)] += f64::from(prepared.eval_pdf(w.into()).1) * area);
             for u in randoms(N) {
                 let Some(sample) = bsdf.sample(wo, u) else { continue };
                 assert!((sample.wi.length() - 1.0).abs() < 1e-5, "{name}: unit directions");
@@ -203,17 +203,20 @@ fn samples_follow_the_density() {
                 assert_eq!(sample.transmitted, sample.wi.z < 0.0, "{name}: which side");
             }
             let (mut chi_square, mut cells) = (0.0, 0);
-            let (mut rest_wanted, mut rest_counts) = (0.0, 0.0);
-            for (w, c) in wanted.iter().map(|w| w * f64::from(N)).zip(&counts) {
+            let (mut rest_expected, mut rest_counts) = (0.0, 0.0);
+            for (w, c) in expected.iter().map(|w| w * f64::from(N)).zip(&counts) {
                 if w < 8.0 {
-                    rest_wanted += w;
+                    rest_expected += w;
                     rest_counts += c;
                 } else {
                     chi_square += (c - w).powi(2) / w;
                     cells += 1;
                 }
             }
-            assert!((rest_wanted - rest_counts).abs() < 6.0 * rest_wanted.sqrt() + 8.0, "{name}: rare cells");
+            assert!(
+                (rest_expected - rest_counts).abs() < 6.0 * rest_expected.sqrt() + 8.0,
+                "{name}: rare cells"
+            );
             // Stratified samples stay far below what chance allows; the quadrature's error needs the rest.
             let bound = f64::from(cells) + 4.0 * f64::from(2 * cells).sqrt();
             assert!(chi_square < bound, "{name} seen from {wo}: chi-square {chi_square} in {cells} cells");
@@ -254,13 +257,13 @@ fn densities_and_values_integrate() {
     for (name, model) in models() {
         let bsdf = around_z(model);
         for wo in views() {
-            let seen = bsdf.seen(wo);
+            let prepared = bsdf.prepared(wo);
             let [value, density] = integrate(|wi| {
-                let (value, pdf) = seen.eval_pdf(wi.into());
+                let (value, pdf) = prepared.eval_pdf(wi.into());
                 [f64::from(value.x), f64::from(pdf)]
             });
             assert!(density < 1.01 && density > 0.3, "{name} from {wo}: density {density}");
-            let said = f64::from(bsdf.albedo(wo).x);
+            let reported = f64::from(bsdf.albedo(wo).x);
             // Coat and sheen take a little more of gloss below them than they send back, where two directions differ.
             let lost: f64 = match name.split(' ').next() {
                 Some("coated") => 0.03,
@@ -276,8 +279,8 @@ fn densities_and_values_integrate() {
                 _ => 0.015,
             };
             assert!(
-                (value - said).abs() < lost.min(0.14) + 0.015,
-                "{name} from {wo}: albedo {value}, said {said}"
+                (value - reported).abs() < lost.min(0.14) + 0.015,
+                "{name} from {wo}: albedo {value}, said {reported}"
             );
             // Tables are of Fresnel's equations.
             let most = if name.starts_with("schlick") { 1.02 } else { 1.01 };
@@ -293,24 +296,24 @@ fn facets_lose_the_larger_share_below_layers() {
     let white = Vec3::ONE;
     let sheens = [0.1, 0.4, 1.0].map(|roughness| Lobe::sheen(white, roughness));
     let tops = sheens.into_iter().chain([0.15, 0.6].map(Lobe::coat));
-    let bases = [0.15, 0.5, 1.0].map(|alpha| Lobe::facets(alpha, white, white));
+    let bases = [0.15, 0.5, 1.0].map(|alpha| Lobe::microfacets(alpha, white, white));
     let mut least = 1.0_f64;
     for (top, base) in tops.flat_map(|top| bases.map(|base| (top, base))) {
         let [above, below] = [top, base].map(around_z);
         let both = around_z(Lobes::from(top).over(base));
         for wo in views() {
-            let [both, below, alone] = [&both, &below, &above].map(|bsdf| bsdf.seen(wo));
+            let [both, below, scalar] = [&both, &below, &above].map(|bsdf| bsdf.prepared(wo));
             let back = above.albedo(wo).x;
-            let (mut found, mut wanted) = (0.0, 0.0);
+            let (mut found, mut expected) = (0.0, 0.0);
             fine([12, 12], |wi, area| {
-                let value = |seen: &Seen<f32>| seen.eval_pdf(wi.into()).0.x;
+                let value = |prepared: &Prepared<f32>| prepared.eval_pdf(wi.into()).0.x;
                 let value_below = value(&below);
                 found += f64::from(value(&both)) * area;
                 let lost = if value_below > 0.0 { back.max(above.albedo(wi).x) } else { 0.0 };
-                wanted += f64::from(value(&alone) + value_below * (1.0 - lost)) * area;
+                expected += f64::from(value(&scalar) + value_below * (1.0 - lost)) * area;
             });
             let of = format!("{:?} {} over facets {} from {wo}", top.kind, top.alpha, base.alpha);
-            assert!((found - wanted).abs() < 0.01, "{of}: {found}, not {wanted}");
+            assert!((found - expected).abs() < 0.01, "{of}: {found}, not {expected}");
             assert!(found < 1.01, "{of} makes energy: {found}");
             least = least.min(found);
         }
@@ -326,8 +329,8 @@ fn smooth_cloth_keeps_light() {
         let bsdf = around_z(Principled { sheen: Vec3::ONE, sheen_roughness, ..matte });
         for cos in [0.02_f32, 0.06, 0.1, 0.2, 0.5, 0.9] {
             let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-            let (seen, mut value) = (bsdf.seen(wo), 0.0);
-            fine([48, 32], |wi, area| value += f64::from(seen.eval_pdf(wi.into()).0.x) * area);
+            let (prepared, mut value) = (bsdf.prepared(wo), 0.0);
+            fine([48, 32], |wi, area| value += f64::from(prepared.eval_pdf(wi.into()).0.x) * area);
             assert!((value - 1.0).abs() < 0.008, "{sheen_roughness} from {cos}: {value} of 1 comes back");
         }
     }
@@ -336,18 +339,21 @@ fn smooth_cloth_keeps_light() {
 #[test]
 fn reflectances_rise_by_their_power() {
     let of = |power: f32| {
-        around_z(Lobe::facets(0.05, Vec3::new(0.1, 0.5, 1.0), Vec3::new(1.0, 0.2, 1.0)).risen(power))
+        around_z(Lobe::microfacets(0.05, Vec3::new(0.1, 0.5, 1.0), Vec3::new(1.0, 0.2, 1.0)).risen(power))
     };
     for (power, angle) in [(1.0_f32, 0.3_f32), (2.0, 1.2), (5.0, 1.0), (9.0, 1.4)] {
         let wo = Vec3::new(angle.sin(), 0.0, angle.cos());
         let found = of(power).eval(wo, wo * Vec3::new(-1.0, 1.0, 1.0));
         let rise = (1.0 - angle.cos()).powf(power);
         for (channel, [f0, f90]) in [[0.1, 1.0], [0.5, 0.2]].into_iter().enumerate() {
-            let (found, wanted) = (found[channel] / found.z, f0 + (f90 - f0) * rise);
-            assert!((found - wanted).abs() < 0.01, "power {power} at {angle}: {found}, not {wanted}");
+            let (found, expected) = (found[channel] / found.z, f0 + (f90 - f0) * rise);
+            assert!((found - expected).abs() < 0.01, "power {power} at {angle}: {found}, not {expected}");
         }
     }
-    assert_eq!(Lobe::facets(0.3, Vec3::ZERO, Vec3::ONE).risen(5.0), Lobe::facets(0.3, Vec3::ZERO, Vec3::ONE));
+    assert_eq!(
+        Lobe::microfacets(0.3, Vec3::ZERO, Vec3::ONE).risen(5.0),
+        Lobe::microfacets(0.3, Vec3::ZERO, Vec3::ONE)
+    );
 }
 
 #[test]
@@ -440,8 +446,8 @@ fn delta_lobes_keep_all_light() {
                 share(&s)
             })
             .sum();
-        let wanted = bsdf.delta_branches(wo)[1].map_or(0.0, |s| f64::from(s.weight.x));
-        assert!((through - wanted).abs() < 0.01, "{lobe:?}: {through} goes through, not {wanted}");
+        let expected = bsdf.delta_branches(wo)[1].map_or(0.0, |s| f64::from(s.weight.x));
+        assert!((through - expected).abs() < 0.01, "{lobe:?}: {through} goes through, not {expected}");
         assert!(!bsdf.is_smooth() && bsdf.eval(wo, wo) == Vec3::ZERO, "light samples bring nothing");
     }
 }
@@ -470,7 +476,7 @@ fn smooth_principled_glass_is_as_its_smallest_facets() {
         assert!(!smooth.is_smooth() && rough.is_smooth(), "deltas, and facets");
         for cos in [1.0_f32, 0.85, 0.5] {
             let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-            let wanted = smooth.delta_branches(wo).map(|to| to.map_or(Vec3::ZERO, |to| to.weight));
+            let expected = smooth.delta_branches(wo).map(|to| to.map_or(Vec3::ZERO, |to| to.weight));
             let n = 4096;
             let mut found = [Vec3::ZERO; 2];
             for u in randoms(n) {
@@ -478,10 +484,10 @@ fn smooth_principled_glass_is_as_its_smallest_facets() {
                     found[usize::from(sample.transmitted)] += sample.weight / n as f32;
                 }
             }
-            for (found, wanted) in found.into_iter().zip(wanted) {
+            for (found, expected) in found.into_iter().zip(expected) {
                 assert!(
-                    (found - wanted).abs().max_element() < 0.03,
-                    "{thin} {eta} {cos}: {found}, not {wanted}"
+                    (found - expected).abs().max_element() < 0.03,
+                    "{thin} {eta} {cos}: {found}, not {expected}"
                 );
             }
         }
@@ -529,10 +535,10 @@ fn in_lanes<S: Simd>(
     u: &[[f32; 3]; LANES],
 ) -> [Found; LANES] {
     let light = Vec3x16::splat(simd, Vec3::ONE);
-    let mut seen = Seen::none(light.x);
-    closures.look(simd, 0, (Vec3x16::splat(simd, wo), light), &mut seen);
-    let (value, pdf) = seen.eval_pdf(Vec3x16::splat(simd, wi));
-    let s = seen.sample([0, 1, 2].map(|k| f32x16::from_fn(simd, |i| u[i][k])));
+    let mut prepared = Prepared::none(light.x);
+    closures.prepare(simd, 0, (Vec3x16::splat(simd, wo), light), &mut prepared);
+    let (value, pdf) = prepared.eval_pdf(Vec3x16::splat(simd, wi));
+    let s = prepared.sample([0, 1, 2].map(|k| f32x16::from_fn(simd, |i| u[i][k])));
     let (found, delta, through) = (s.found.to_bitmask(), s.delta.to_bitmask(), s.transmitted.to_bitmask());
     let wide = s.wide.to_bitmask();
     std::array::from_fn(|i| {
@@ -545,7 +551,7 @@ fn in_lanes<S: Simd>(
             transmitted: has(through),
             wide: has(wide),
         };
-        (value.get(i), pdf[i], has(found).then_some(sample), seen.albedo().get(i))
+        (value.get(i), pdf[i], has(found).then_some(sample), prepared.albedo().get(i))
     })
 }
 
@@ -555,7 +561,7 @@ fn sixteen_points_have_the_bits_of_one_at_every_level() {
     let tint = Vec3::new(0.9, 0.4, 0.2);
     let smooth =
         Lobes::from(Lobe::glass(0.7, tint, Vec3::ONE, false)).mixed(Lobe::oren_nayar(tint, 0.4), 0.3);
-    let turned = Lobe { normal: Vec3::new(0.6, 0.0, 0.8), ..Lobe::facets(0.2, tint, Vec3::ONE) };
+    let turned = Lobe { normal: Vec3::new(0.6, 0.0, 0.8), ..Lobe::microfacets(0.2, tint, Vec3::ONE) };
     for (name, lobes) in [
         ("nothing", Lobes::default()),
         ("metal", Lobe::metal(0.3, tint * 2.0, tint * 5.0).into()),
@@ -611,12 +617,12 @@ fn sixteen_points_have_the_bits_of_one_at_every_level() {
 #[inline(always)]
 fn of_kept<S: Simd>(
     simd: S,
-    (kept, seen): (&Kept, &Seen<f32>),
+    (retained, prepared): (&CachedLobes, &Prepared<f32>),
     wi: &[Vec3; LANES],
 ) -> [[(Vec3, f32); LANES]; 2] {
     let row = |k: usize| f32x16::from_fn(simd, |i| wi[i][k]);
     let wi = Vec3x16::new(row(0), row(1), row(2));
-    [kept.eval_pdf(0, wi), seen.eval_pdf_all(wi)]
+    [retained.eval_pdf(0, wi), prepared.eval_pdf_all(wi)]
         .map(|(value, pdf)| std::array::from_fn(|i| (value.get(i), pdf[i])))
 }
 
@@ -637,30 +643,30 @@ fn kept_copies_have_the_bits_of_what_is_seen() {
         let points: [Bsdf; LANES] = std::array::from_fn(|i| {
             Bsdf::new(normal, models[(round as usize + step * i) % models.len()].1.clone())
         });
-        let kept = Kept::new(points.iter().map(|bsdf| (bsdf, wo)));
-        let seen = points.each_ref().map(|bsdf| bsdf.seen(wo));
+        let retained = CachedLobes::new(points.iter().map(|bsdf| (bsdf, wo)));
+        let prepared = points.each_ref().map(|bsdf| bsdf.prepared(wo));
         // Some of them where narrow lobes are.
         let wi = std::array::from_fn(|i| {
             let u = draw(round, 2 + i as u32);
             let chosen = points[i].sample(wo, [u[0], u[1], (u[0] * 37.0).fract()]);
             chosen.filter(|_| i % 2 == 0).map_or_else(|| uniform_sphere(u), |sample| sample.wi)
         });
-        let wanted: [(Vec3, f32); LANES] = std::array::from_fn(|i| points[i].eval_pdf(wo, wi[i]));
-        for (i, wanted) in wanted.iter().enumerate() {
-            let (value, pdf) = kept.eval_pdf(i, Vector::from(wi[i]));
-            assert_eq!((Vec3::from(value), pdf), *wanted, "{} alone among sixteen", name(i));
-            let (value, pdf) = seen[i].eval_pdf_all(Vector::from(wi[i]));
-            assert_eq!((Vec3::from(value), pdf), *wanted, "{} alone", name(i));
-            lit += u32::from(wanted.0 != Vec3::ZERO);
+        let expected: [(Vec3, f32); LANES] = std::array::from_fn(|i| points[i].eval_pdf(wo, wi[i]));
+        for (i, expected) in expected.iter().enumerate() {
+            let (value, pdf) = retained.eval_pdf(i, Vector::from(wi[i]));
+            assert_eq!((Vec3::from(value), pdf), *expected, "{} alone among sixteen", name(i));
+            let (value, pdf) = prepared[i].eval_pdf_all(Vector::from(wi[i]));
+            assert_eq!((Vec3::from(value), pdf), *expected, "{} alone", name(i));
+            lit += u32::from(expected.0 != Vec3::ZERO);
         }
         for level in Level::available() {
             let [by_kept, _] =
-                dispatch_wide!(level, simd => of_kept(simd, (&kept, &seen[0]), &wi), else continue);
-            assert_eq!(by_kept, wanted, "{} and others at {level}", name(0));
+                dispatch_wide!(level, simd => of_kept(simd, (&retained, &prepared[0]), &wi), else continue);
+            assert_eq!(by_kept, expected, "{} and others at {level}", name(0));
             let [_, of_one] =
-                dispatch_wide!(level, simd => of_kept(simd, (&kept, &seen[0]), &wi), else continue);
-            let wanted: [(Vec3, f32); LANES] = std::array::from_fn(|i| points[0].eval_pdf(wo, wi[i]));
-            assert_eq!(of_one, wanted, "{} for many directions at {level}", name(0));
+                dispatch_wide!(level, simd => of_kept(simd, (&retained, &prepared[0]), &wi), else continue);
+            let expected: [(Vec3, f32); LANES] = std::array::from_fn(|i| points[0].eval_pdf(wo, wi[i]));
+            assert_eq!(of_one, expected, "{} for many directions at {level}", name(0));
         }
     }
     assert!(lit > 2000, "the test has something to test: {lit}");
@@ -678,9 +684,9 @@ fn layers_are_as_they_are_put_together() {
         transmission: 0.25,
         ..plain
     };
-    let plastic = Lobes::from(Lobe::facets(p.alpha, p.f0, Vec3::splat(p.f90))).over(Lobe::lambert(tint));
+    let plastic = Lobes::from(Lobe::microfacets(p.alpha, p.f0, Vec3::splat(p.f90))).over(Lobe::lambert(tint));
     let glass = Lobes::from(Lobe::rough_glass(p.alpha, p.eta, Vec3::ONE, tint, p.thin));
-    let metal = Lobes::from(Lobe::facets(p.alpha, tint, Vec3::ONE));
+    let metal = Lobes::from(Lobe::microfacets(p.alpha, tint, Vec3::ONE));
     let by = |lobes: Lobes, share: f32| lobes.times(Vec3::splat(share));
     let rest = 1.0 - p.metallic;
     let body = by(plastic, rest * (1.0 - p.transmission)).plus(by(metal, p.metallic));
@@ -712,7 +718,7 @@ fn lambertians_at_once_are_those_one_by_one() {
     let albedo = |i: usize| Vec3::splat(0.03 * i as f32);
     let mut at_once = ClosureBatch::default();
     at_once.reset(32);
-    let brushed = Lobe::facets(0.6, Vec3::ONE, Vec3::ONE).brushed(Vec3::X, 0.1);
+    let brushed = Lobe::microfacets(0.6, Vec3::ONE, Vec3::ONE).brushed(Vec3::X, 0.1);
     (0..32).for_each(|i| at_once.set(i, Vec3::Z, Lobes::from(Lobe::coat(0.2)).over(brushed).as_slice()));
     for hits in [flat, bumpy] {
         at_once.reset(hits.len());
@@ -723,9 +729,9 @@ fn lambertians_at_once_are_those_one_by_one() {
             one_by_one.set(i, hits.facing_ns(i), &[Lobe::lambert(albedo(i))]);
         }
         for i in 0..hits.len() {
-            let [found, wanted] = [&at_once, &one_by_one].map(|batch| batch.point(i).bsdf);
-            assert_eq!(found.normal(), wanted.normal(), "point {i}");
-            assert_eq!(found.lobes(), wanted.lobes(), "point {i}");
+            let [found, expected] = [&at_once, &one_by_one].map(|batch| batch.point(i).bsdf);
+            assert_eq!(found.normal(), expected.normal(), "point {i}");
+            assert_eq!(found.lobes(), expected.lobes(), "point {i}");
         }
         assert_eq!([0, 16].map(|i| at_once.kinds(i)), [Kind::Diffuse.bit(); 2], "nothing else is left");
     }
@@ -749,16 +755,16 @@ fn lists_of_any_length_keep_their_lobes() {
         used.clear();
         for k in 0..MOST + 2 {
             used.push(lobe(k));
-            let wanted: Vec<Lobe> = (0..MOST.min(k + 1)).map(lobe).collect();
-            assert_eq!(used.as_slice(), wanted, "{} lobes", k + 1);
+            let expected: Vec<Lobe> = (0..MOST.min(k + 1)).map(lobe).collect();
+            assert_eq!(used.as_slice(), expected, "{} lobes", k + 1);
             let (copy, halved) = (used.clone(), used.clone().times(Vec3::splat(0.5)));
-            assert_eq!(copy.as_slice(), wanted, "a copy of them");
+            assert_eq!(copy.as_slice(), expected, "a copy of them");
             assert!(
                 halved.as_slice().iter().all(|lobe| lobe.weight == Vec3::splat(0.5)),
                 "half of each of {}",
                 k + 1
             );
-            assert_eq!(used.as_slice(), wanted, "whoever halves a copy");
+            assert_eq!(used.as_slice(), expected, "whoever halves a copy");
         }
     }
     assert_eq!(Lobes::from(lobe(0)).lambertian(), Some(Vec3::ONE), "around the point's normal");
@@ -774,17 +780,17 @@ fn lists_of_many_points_are_those_of_each() {
         (state >> 16) % sides
     };
     let slant = Vec3::new(0.8, 0.6, 0.3).normalize();
-    for turn in 0..200 {
+    for azimuth in 0..200 {
         let mut batch = ClosureBatch::default();
         batch.reset(LANES);
         let mut lists = Lists::of(&mut batch, 0);
-        let mut wanted: [Lobes; LANES] = Default::default();
+        let mut expected: [Lobes; LANES] = Default::default();
         let lobe = |dice: &mut dyn FnMut(u32) -> u32| {
             let x = (1 + dice(9)) as f32 * 0.1;
             match dice(7) {
                 0 => Lobe::lambert(Vec3::new(x, 0.5, 0.25)),
-                1 => Lobe::facets(x, Vec3::splat(0.04), Vec3::ONE),
-                2 => Lobe::facets(x, Vec3::splat(x), Vec3::ONE).brushed(slant, 0.05),
+                1 => Lobe::microfacets(x, Vec3::splat(0.04), Vec3::ONE),
+                2 => Lobe::microfacets(x, Vec3::splat(x), Vec3::ONE).brushed(slant, 0.05),
                 3 => Lobe::metal(x, Vec3::splat(0.2), Vec3::splat(3.0)),
                 4 => Lobe::rough_glass(x, 1.5, Vec3::ONE, Vec3::splat(x), false),
                 5 => Lobe::sheen(Vec3::splat(x), 0.5),
@@ -822,21 +828,21 @@ fn lists_of_many_points_are_those_of_each() {
             for i in (0..LANES).filter(|i| lanes >> i & 1 != 0) {
                 let weight = Vec3::new(weight[0][i], weight[1][i], weight[2][i]);
                 let [top, base] = [&parts[0][i], &parts[1][i]].map(Lobes::clone);
-                wanted[i] = wanted[i].clone().plus(top.over(base).times(weight));
+                expected[i] = expected[i].clone().plus(top.over(base).times(weight));
             }
         }
-        for (i, wanted) in wanted.iter().enumerate() {
-            assert_eq!(lists.lobes(i), *wanted, "turn {turn}, point {i}");
+        for (i, expected) in expected.iter().enumerate() {
+            assert_eq!(lists.lobes(i), *expected, "turn {azimuth}, point {i}");
         }
         (0..LANES).for_each(|i| lists.face(i, Vec3::Y, |n| n));
-        for (i, wanted) in wanted.iter().enumerate() {
+        for (i, expected) in expected.iter().enumerate() {
             let found = batch.point(i).bsdf;
-            assert_eq!(found.normal(), Vec3::Y, "turn {turn}, point {i}");
+            assert_eq!(found.normal(), Vec3::Y, "turn {azimuth}, point {i}");
             // Places that other points need stay empty.
             let found = found.lobes().as_slice();
-            let count = wanted.as_slice().len();
-            assert_eq!(found[..count], *wanted.as_slice(), "turn {turn}, point {i}");
-            assert!(found[count..].iter().all(|lobe| lobe.kind == Kind::None), "turn {turn}, point {i}");
+            let count = expected.as_slice().len();
+            assert_eq!(found[..count], *expected.as_slice(), "turn {azimuth}, point {i}");
+            assert!(found[count..].iter().all(|lobe| lobe.kind == Kind::None), "turn {azimuth}, point {i}");
         }
     }
 }

@@ -41,8 +41,8 @@ pub(super) fn sent_back([along, across]: [f32; 2], wo: Vec3) -> f32 {
     let lean = x * y * (across * across - along * along) / (width * width);
     let (mut sum, mut total) = (0.0, 0.0);
     for step in 0..STEPS {
-        let place = STEEPEST * (2.0 * (step as f32 + 0.5) / STEPS as f32 - 1.0);
-        let (slope, weight) = (place * width, (-place * place).exp());
+        let abscissa = STEEPEST * (2.0 * (step as f32 + 0.5) / STEPS as f32 - 1.0);
+        let (slope, weight) = (abscissa * width, (-abscissa * abscissa).exp());
         total += weight;
         // Gauss's and Hermite's rule with five points.
         for (node, share) in [
@@ -71,11 +71,11 @@ mod tests {
     #[test]
     fn no_more_than_all_is_sent_back() {
         for widths in [[0.1, 0.1], [0.5, 0.2], [1.0, 1.0], [0.2, 0.9]] {
-            for (cos, turn) in [(0.01_f32, 0.3_f32), (0.05, 1.5), (0.3, 0.0), (0.8, 0.7)] {
+            for (cos, angle) in [(0.01_f32, 0.3_f32), (0.05, 1.5), (0.3, 0.0), (0.8, 0.7)] {
                 let sin = (1.0 - cos * cos).sqrt();
-                let wo = Vec3::new(sin * turn.cos(), sin * turn.sin(), cos);
+                let wo = Vec3::new(sin * angle.cos(), sin * angle.sin(), cos);
                 let (rings, sectors) = (60, 60);
-                let said = sent_back(widths, wo);
+                let reported = sent_back(widths, wo);
                 let (mut published, mut ours) = (0.0_f64, 0.0_f64);
                 for (ring, sector) in (0..rings).flat_map(|r| (0..sectors).map(move |s| (r, s))) {
                     let edge = |k: i32| (k as f32 / rings as f32).powi(2);
@@ -83,17 +83,17 @@ mod tests {
                     let z = 0.5 * (a + b);
                     let r = (1.0 - z * z).sqrt();
                     // Narrow sectors opposite to the view.
-                    let edge = |k: i32| PI * (2.0 * k as f32 / sectors as f32 - 1.0).powi(3) + PI + turn;
+                    let edge = |k: i32| PI * (2.0 * k as f32 / sectors as f32 - 1.0).powi(3) + PI + angle;
                     let (from, to) = (edge(sector), edge(sector + 1));
                     let (s, c) = (0.5 * (from + to)).sin_cos();
                     let wi = Vec3::new(r * c, r * s, z);
-                    let value = eval_pdf(widths, said, wo, wi).0 * (b - a) * (to - from);
-                    let made = said.max(sent_back(widths, wi)).max(1.0);
+                    let value = eval_pdf(widths, reported, wo, wi).0 * (b - a) * (to - from);
+                    let made = reported.max(sent_back(widths, wi)).max(1.0);
                     ours += f64::from(value);
                     published += f64::from(value * made);
                 }
-                let off = (f64::from(said) - published).abs();
-                assert!(off < 0.16 * published + 0.01, "{widths:?} {wo}: {said}, not {published}");
+                let off = (f64::from(reported) - published).abs();
+                assert!(off < 0.16 * published + 0.01, "{widths:?} {wo}: {reported}, not {published}");
                 assert!(ours < 1.01, "{widths:?} {wo}: makes light: {ours}");
             }
         }

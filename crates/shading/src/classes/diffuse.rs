@@ -49,8 +49,8 @@ mod tests {
     fn follows_the_cosine_and_ignores_shadows() {
         let mut probe = Probe::lit(Vec3::new(0.0, 3.0, 4.0).normalize(), Vec3::splat(2.0));
         probe.transmittance = Vec3::ZERO;
-        let seen = shade(&diffuse(), &mut probe, &floor());
-        assert!((seen - Vec3::new(0.6, 1.2, 0.0)).length() < 1e-6, "2 * cos 53 degrees: {seen}");
+        let found = shade(&diffuse(), &mut probe, &floor());
+        assert!((found - Vec3::new(0.6, 1.2, 0.0)).length() < 1e-6, "2 * cos 53 degrees: {found}");
     }
 
     #[test]

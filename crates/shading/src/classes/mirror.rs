@@ -59,7 +59,7 @@ mod tests {
         let mut hits = floor();
         hits.ray_dir.set(0, Vec3::new(0.6, -0.8, 0.0));
         let mut probe = Probe::dark();
-        probe.seen = Vec3::new(1.0, 2.0, 4.0);
+        probe.found = Vec3::new(1.0, 2.0, 4.0);
         let shader = Shown { shader: Mirror { attenuation: 0.5 }, attributes: vec![normals_given()] };
         assert_eq!(shade(&shader, &mut probe, &hits), Vec3::new(0.5, 1.0, 2.0), "half of what the ray sees");
         let [ray] = probe.traced[..] else { panic!("one ray per point: {:?}", probe.traced) };

@@ -12,13 +12,13 @@ mod emissive;
 mod glass;
 mod infinite_light;
 mod lambert;
-mod look_cameras;
 mod matte;
 mod metallic_roughness;
 mod mirror;
 mod phong;
 mod pinhole_camera;
 mod projection_camera;
+mod projective_cameras;
 mod sample;
 mod shown;
 mod spot_light;
@@ -48,10 +48,10 @@ pub static ALL: &[&ShaderClass] = &[
     &spot_light::CLASS,
     &infinite_light::CLASS,
     &pinhole_camera::CLASS,
-    &look_cameras::THIN_LENS,
-    &look_cameras::ORTHOGRAPHIC,
-    &look_cameras::FISHEYE,
-    &look_cameras::PANORAMIC,
+    &projective_cameras::THIN_LENS,
+    &projective_cameras::ORTHOGRAPHIC,
+    &projective_cameras::FISHEYE,
+    &projective_cameras::PANORAMIC,
     &constant_environment::CLASS,
 ];
 
@@ -72,26 +72,26 @@ mod tests {
     /// The physical materials by name, under a light from above, at their defaults: the closed forms.
     #[test]
     fn materials_by_name() {
-        let seen = |name: &str, edit: &[(usize, Value)], probe: &mut Probe| {
+        let found = |name: &str, edit: &[(usize, Value)], probe: &mut Probe| {
             let class = find(name).expect("a class");
             let mut values = class.defaults();
-            edit.iter().for_each(|(place, value)| values.0[*place] = value.clone());
+            edit.iter().for_each(|(index, value)| values.0[*index] = value.clone());
             let Shader::Surface(surface) = class.make(&values) else { panic!("{name} is of surfaces") };
             let mut hits = floor();
             hits.color = Vec3s::splat(1, Vec3::ONE);
             shade(&*surface, probe, &hits)
         };
         let pi = std::f32::consts::PI;
-        let matte = seen("MatteShader", &[], &mut Probe::lit(Vec3::Y, Vec3::ONE));
+        let matte = found("MatteShader", &[], &mut Probe::lit(Vec3::Y, Vec3::ONE));
         assert!((matte - Vec3::splat(0.8 / pi)).length() < 1e-6, "E color / pi: {matte}");
-        let lamp = seen("EmissiveShader", &[], &mut Probe::dark());
-        assert_eq!(lamp, Vec3::ONE, "its radiance");
-        let mut around = Probe { seen: Vec3::splat(2.0), ..Probe::dark() };
-        let glass = seen("GlassShader", &[], &mut around);
+        let light = found("EmissiveShader", &[], &mut Probe::dark());
+        assert_eq!(light, Vec3::ONE, "its radiance");
+        let mut around = Probe { found: Vec3::splat(2.0), ..Probe::dark() };
+        let glass = found("GlassShader", &[], &mut around);
         assert!((glass - Vec3::splat(2.0)).length() < 1e-5, "all of what is around: {glass}");
         assert_eq!(around.traced.len(), 2, "mirrored and refracted");
         let black = (0, Value::Floats(vec![0.0; 3]));
-        let plastic = seen("MetallicRoughnessShader", &[black], &mut Probe::lit(Vec3::Y, Vec3::ONE));
+        let plastic = found("MetallicRoughnessShader", &[black], &mut Probe::lit(Vec3::Y, Vec3::ONE));
         assert!(plastic.x > 0.0 && plastic.x < 0.2, "only the coat's highlight: {plastic}");
     }
 

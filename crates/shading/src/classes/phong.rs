@@ -128,20 +128,20 @@ impl Phong {
     }
 
     /// Adds `weight` times what rays in these directions see.
-    fn add_seen(
+    fn add_radiance(
         tracer: &mut dyn Tracer,
         hits: &SurfaceBatch,
         dirs: impl Iterator<Item = Vec3>,
         (branch, weight): (u32, f32),
         out: &mut Vec3s,
     ) {
-        let (mut request, mut seen) = (RayRequest::default(), Vec3s::default());
+        let (mut request, mut found) = (RayRequest::default(), Vec3s::default());
         for (i, dir) in dirs.enumerate() {
             request.push(hits.spawn(i, dir, f32::INFINITY), i, hits.key[i].fork(branch));
             request.width.push(hits.footprint.get(i).copied().unwrap_or(0.0));
         }
-        tracer.trace(hits.depth, &request, &mut seen);
-        (0..hits.len()).for_each(|i| out.add(i, weight * seen.get(i)));
+        tracer.trace(hits.depth, &request, &mut found);
+        (0..hits.len()).for_each(|i| out.add(i, weight * found.get(i)));
     }
 }
 
@@ -153,13 +153,13 @@ impl RadianceShader for Phong {
         let goes_on = hits.depth < self.max_depth;
         if goes_on && self.reflective > 0.0 {
             let dirs = normals.iter().enumerate().map(|(i, &normal)| reflection(hits, i, normal));
-            Self::add_seen(tracer, hits, dirs, (REFLECTED, self.reflective), out);
+            Self::add_radiance(tracer, hits, dirs, (REFLECTED, self.reflective), out);
         }
         if self.transparency > 0.0 {
             (0..hits.len()).for_each(|i| out.set(i, (1.0 - self.transparency) * out.get(i)));
             if goes_on {
                 let dirs = (0..hits.len()).map(|i| hits.ray_dir.get(i));
-                Self::add_seen(tracer, hits, dirs, (STRAIGHT, self.transparency), out);
+                Self::add_radiance(tracer, hits, dirs, (STRAIGHT, self.transparency), out);
             }
         }
     }
@@ -198,8 +198,8 @@ mod tests {
     /// The defaults but for one parameter.
     fn with(name: &str, value: Value) -> Phong {
         let mut values = CLASS.defaults();
-        let place = CLASS.parameters.iter().position(|p| p.name == name).expect("a parameter");
-        values.0[place] = value;
+        let index = CLASS.parameters.iter().position(|p| p.name == name).expect("a parameter");
+        values.0[index] = value;
         Phong::new(&values)
     }
 
@@ -213,8 +213,8 @@ mod tests {
 
     #[test]
     fn sums_its_parts() {
-        let mut lamp = Probe::lit(Vec3::Y, Vec3::splat(2.0));
-        near(shade(&floats("reflective", &[0.0]), &mut lamp, &floor()), Vec3::splat(0.8 * (0.2 + 2.0)));
+        let mut lit_probe = Probe::lit(Vec3::Y, Vec3::splat(2.0));
+        near(shade(&floats("reflective", &[0.0]), &mut lit_probe, &floor()), Vec3::splat(0.8 * (0.2 + 2.0)));
         near(shade(&floats("ambientIntensity", &[1.0]), &mut Probe::dark(), &floor()), Vec3::splat(0.8));
         near(
             shade(&floats("emissiveColor", &[1.0, 0.0, 0.5]), &mut Probe::dark(), &floor()),
@@ -228,16 +228,16 @@ mod tests {
             Vec3::splat(0.16 + 0.8 * cos + 0.5),
         );
         // Off by 45 degrees from the eye, 22.5 between half vector and normal: the exponent is 0.2 * 128.
-        let seen = shade(&floats("specularColor", &[1.0; 3]), &mut lamp, &floor());
+        let found = shade(&floats("specularColor", &[1.0; 3]), &mut lit_probe, &floor());
         let highlight = 22.5_f32.to_radians().cos().powf(25.6);
-        near(seen, Vec3::splat(0.16 + 2.0 * (0.8 + highlight)));
-        lamp.transmittance = Vec3::ZERO;
-        near(shade(&floats("specularColor", &[1.0; 3]), &mut lamp, &floor()), Vec3::splat(0.16));
+        near(found, Vec3::splat(0.16 + 2.0 * (0.8 + highlight)));
+        lit_probe.transmittance = Vec3::ZERO;
+        near(shade(&floats("specularColor", &[1.0; 3]), &mut lit_probe, &floor()), Vec3::splat(0.16));
     }
 
     #[test]
     fn mirrors_and_is_seen_through_to_its_depth() {
-        let mut probe = Probe { seen: Vec3::new(1.0, 2.0, 3.0), ..Probe::dark() };
+        let mut probe = Probe { found: Vec3::new(1.0, 2.0, 3.0), ..Probe::dark() };
         near(shade(&floats("reflective", &[0.5]), &mut probe, &floor()), Vec3::new(0.66, 1.16, 1.66));
         assert_eq!(probe.traced.len(), 1, "one ray");
         let half = floats("transparency", &[0.5]);

@@ -47,7 +47,7 @@ struct PinholeCamera {
 
 impl CameraShader for PinholeCamera {
     fn rays(&self, samples: &CameraSamples, _aspect: f32, out: &mut RayBatch) {
-        for &[x, y] in samples.places {
+        for &[x, y] in samples.positions {
             let dir = self.lower_left + x * self.horizontal + y * self.vertical;
             // A camera without a view sees nothing: a ray with a zero direction hits nothing.
             out.push(Ray::new(self.origin.into(), dir.normalize_or_zero().into()));

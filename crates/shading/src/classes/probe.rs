@@ -16,7 +16,7 @@ pub(super) struct Probe {
     /// What shadow rays let through.
     pub(super) transmittance: Vec3,
     /// What traced rays see.
-    pub(super) seen: Vec3,
+    pub(super) found: Vec3,
     /// Rays that were traced.
     pub(super) traced: Vec<Ray>,
 }
@@ -24,7 +24,7 @@ pub(super) struct Probe {
 impl Probe {
     /// A scene without lights.
     pub(super) fn dark() -> Self {
-        Self { lights: Vec::new(), transmittance: Vec3::ONE, seen: Vec3::ZERO, traced: Vec::new() }
+        Self { lights: Vec::new(), transmittance: Vec3::ONE, found: Vec3::ZERO, traced: Vec::new() }
     }
 
     /// A scene with one infinitely distant light.
@@ -51,7 +51,7 @@ impl Tracer for Probe {
 
     fn trace(&mut self, _depth: u32, request: &RayRequest, radiance: &mut Vec3s) {
         self.traced.extend((0..request.rays.len()).map(|i| request.rays.get(i)));
-        radiance.reset(request.rays.len(), self.seen);
+        radiance.reset(request.rays.len(), self.found);
     }
 
     fn random(&self, _key: SampleKey, _depth: u32, _purpose: u32) -> [f32; 2] {

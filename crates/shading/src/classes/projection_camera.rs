@@ -68,7 +68,7 @@ impl ProjectionCamera {
 impl CameraShader for ProjectionCamera {
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch) {
         let stretch = if self.follows_aspect { f64::from(aspect) } else { 1.0 };
-        out.extend(samples.places.iter().map(|&[x, y]| {
+        out.extend(samples.positions.iter().map(|&[x, y]| {
             let [clip_x, clip_y] = [x, y].map(|v| 2.0 * f64::from(v) - 1.0);
             self.ray(clip_x * stretch, clip_y)
         }));
@@ -98,9 +98,9 @@ mod tests {
             DVec4::new(0.0, 0.0, (far + near) / (near - far), -1.0),
             DVec4::new(0.0, 0.0, 2.0 * far * near / (near - far), 0.0),
         );
-        let seen = ray(projection, true, [1.0, 0.5], 2.0);
-        assert_eq!(seen.org, [1.0, 2.0, 3.0], "not at the near plane");
-        let slope = seen.dir[0] / -seen.dir[2];
+        let found = ray(projection, true, [1.0, 0.5], 2.0);
+        assert_eq!(found.org, [1.0, 2.0, 3.0], "not at the near plane");
+        let slope = found.dir[0] / -found.dir[2];
         assert!((slope - 2.0).abs() < 1e-5, "90 degrees high, twice as wide: {slope}");
         let fixed = ray(projection, false, [1.0, 0.5], 2.0);
         assert!((fixed.dir[0] / -fixed.dir[2] - 1.0).abs() < 1e-5, "the matrix as it is");
@@ -115,11 +115,11 @@ mod tests {
             DVec4::Z * (2.0 / (near - far)),
             DVec4::new(0.0, 0.0, (far + near) / (near - far), 1.0),
         );
-        let seen = ray(projection, false, [1.0, 0.0], 1.0);
-        let wanted = Ray::new([5.0, -1.0, 2.0], [0.0, 0.0, -1.0]);
+        let found = ray(projection, false, [1.0, 0.0], 1.0);
+        let expected = Ray::new([5.0, -1.0, 2.0], [0.0, 0.0, -1.0]);
         for k in 0..3 {
-            assert!((seen.org[k] - wanted.org[k]).abs() < 1e-5, "origin {:?}", seen.org);
-            assert!((seen.dir[k] - wanted.dir[k]).abs() < 1e-6, "direction {:?}", seen.dir);
+            assert!((found.org[k] - expected.org[k]).abs() < 1e-5, "origin {:?}", found.org);
+            assert!((found.dir[k] - expected.dir[k]).abs() < 1e-6, "direction {:?}", found.dir);
         }
     }
 

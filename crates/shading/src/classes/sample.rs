@@ -79,10 +79,10 @@ mod tests {
         hits.attributes = vec![vec![0.0, 0.9, 0.0], vec![0.0, 0.0, 0.9], vec![0.0]];
         let shader = Sample { shader_color: Vec3::new(0.9, 0.0, 0.0) };
         let shader = Shown { shader, attributes: attributes() };
-        let seen = shade(&shader, &mut Probe::dark(), &hits);
-        assert!((seen - Vec3::splat(0.3)).length() < 1e-6, "the mean, seen head-on: {seen}");
-        let mut lamp = Probe::lit(Vec3::Y, Vec3::splat(2.0));
-        let seen = shade(&shader, &mut lamp, &hits);
-        assert!((seen - Vec3::splat(0.6)).length() < 1e-6, "lit where there is a light: {seen}");
+        let found = shade(&shader, &mut Probe::dark(), &hits);
+        assert!((found - Vec3::splat(0.3)).length() < 1e-6, "the mean, seen head-on: {found}");
+        let mut lit_probe = Probe::lit(Vec3::Y, Vec3::splat(2.0));
+        let found = shade(&shader, &mut lit_probe, &hits);
+        assert!((found - Vec3::splat(0.6)).length() < 1e-6, "lit where there is a light: {found}");
     }
 }

@@ -58,8 +58,8 @@ mod tests {
         let texels = Texels { width: 1, height: 1, data: TexelData::Linear8(vec![[255, 0, 51, 255]]) };
         let of = |texture| Shown { shader: Texture { texture }, attributes: Vec::new() };
         let texture = Arc::new(TextureSampler::new(Arc::new(texels)));
-        let seen = shade(&of(Some(texture)), &mut Probe::dark(), &floor());
-        assert!((seen - Vec3::new(1.0, 0.0, 0.2)).length() < 1e-6, "bytes are linear: {seen}");
+        let found = shade(&of(Some(texture)), &mut Probe::dark(), &floor());
+        assert!((found - Vec3::new(1.0, 0.0, 0.2)).length() < 1e-6, "bytes are linear: {found}");
         assert_eq!(shade(&of(None), &mut Probe::dark(), &floor()), Vec3::ONE, "no texture is white");
     }
 }

@@ -58,7 +58,7 @@ mod tests {
         let mut probe = Probe::lit(Vec3::Y, Vec3::ONE);
         assert_eq!(shade(&shader, &mut probe, &floor()), Vec3::splat(1.25), "ambient and direct");
         probe.transmittance = Vec3::new(0.0, 0.0, 1.0);
-        let seen = shade(&shader, &mut probe, &floor());
-        assert_eq!(seen, Vec3::new(0.25, 0.25, 1.25), "only what comes through");
+        let found = shade(&shader, &mut probe, &floor());
+        assert_eq!(found, Vec3::new(0.25, 0.25, 1.25), "only what comes through");
     }
 }

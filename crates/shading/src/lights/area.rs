@@ -4,7 +4,7 @@
 //! solid angle). Differs: candidates are stratified by power, and one number both chooses and places, see `choose`.
 //! Space: world. One-sided: light leaves the side of the geometric normal; what shines to both sides is two triangles. Textures and
 //! opacity modulate it, or a surface's shader says what leaves each place: choices go by each triangle's mean, light by its place.
-//! Tests: `tests::{rectangle_has_its_closed_form, many_lamps_add_up, nothing_is_wasted, textures_count_where_they_are}`,
+//! Tests: `tests::{rectangle_has_its_closed_form, many_emitters_add_up, nothing_is_wasted, textures_count_where_they_are}`,
 //! crates/render/tests/{lights,glow}.rs.
 
 use std::sync::Arc;
@@ -22,7 +22,7 @@ use crate::texture::TextureSampler;
 /// Least share of its emitter's mean that a triangle counts as: what was looked at of it may be dark where it shines elsewhere.
 pub const LEAST_SHARE: f32 = 1.0 / 64.0;
 /// Places that are looked at on one triangle.
-const LOOKS: [f32; 2] = [4.0, 256.0];
+const SAMPLE_COUNTS: [f32; 2] = [4.0, 256.0];
 
 /// What a group of triangles gives off.
 #[derive(Clone)]
@@ -82,12 +82,12 @@ impl Emitter {
             0.5 * (a * d - b * c).abs() * (e * h - f * g).abs() * size
         };
         let texels = textures.into_iter().flatten().map(texels).fold(0.0, f32::max);
-        let count = (2.0 * texels).clamp(LOOKS[0], LOOKS[1]) as u32;
-        let look = |i| {
-            let place = sampling::triangle(looking_at(i));
-            luminance(self.radiance(uv, opacity, place).into())
+        let count = (2.0 * texels).clamp(SAMPLE_COUNTS[0], SAMPLE_COUNTS[1]) as u32;
+        let probe = |i| {
+            let position = sampling::triangle(looking_at(i));
+            luminance(self.radiance(uv, opacity, position).into())
         };
-        let mean = (0..count).map(look).sum::<f32>() / count as f32;
+        let mean = (0..count).map(probe).sum::<f32>() / count as f32;
         mean.max(LEAST_SHARE * self.brightness)
     }
 
@@ -111,19 +111,19 @@ pub fn looking_at(i: u32) -> [f32; 2] {
 
 /// A place on a triangle that shines, and the ray that looks at it.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct LampPlace {
+pub struct EmitterPoint {
     /// Number of the triangle.
     pub triangle: u32,
     /// Barycentric weights of its second and third corner.
-    pub place: [f32; 2],
+    pub position: [f32; 2],
     /// Unit, of a ray that comes to it: against its normal.
     pub dir: Vec3,
 }
 
 /// What triangles give off whose emitters have a shader.
-pub trait LampShaders: Send + Sync {
+pub trait EmitterShaders: Send + Sync {
     /// Writes the radiance that leaves each place against its ray, as much of it as the surface's coverage lets be there.
-    fn radiance(&self, asked: &[LampPlace], out: &mut [Vec3]);
+    fn radiance(&self, requests: &[EmitterPoint], out: &mut [Vec3]);
 }
 
 /// A triangle that shines, world space.
@@ -150,7 +150,7 @@ pub struct TriangleLights {
     pub(super) shapes: Vec<Shape>,
     emitters: Vec<Arc<Emitter>>,
     /// What those emitters give off that have a shader.
-    shaders: Option<Arc<dyn LampShaders>>,
+    shaders: Option<Arc<dyn EmitterShaders>>,
     distribution: Distribution,
 }
 
@@ -179,19 +179,21 @@ impl Shape {
 
     /// About what it brings to a surface at `p` if nothing is in between; exactly 0 where it brings nothing: seen from
     /// behind, or wholly below the horizon of `normal`. A zero `normal` has no horizon.
-    pub(super) fn promise(&self, p: Vec3, normal: Vec3) -> f32 {
-        let ways = self.p.map(|q| q - p);
-        let before = -self.normal.dot(ways[0]);
-        let above = |way: &Vec3| if normal == Vec3::ZERO { way.length() } else { normal.dot(*way).max(0.0) };
-        let above = ways.iter().map(above).sum::<f32>() / 3.0;
+    pub(super) fn contribution(&self, p: Vec3, normal: Vec3) -> f32 {
+        let offsets = self.p.map(|q| q - p);
+        let before = -self.normal.dot(offsets[0]);
+        let above =
+            |offset: &Vec3| if normal == Vec3::ZERO { offset.length() } else { normal.dot(*offset).max(0.0) };
+        let above = offsets.iter().map(above).sum::<f32>() / 3.0;
         // Close to the triangle its nearest parts count most; its own size keeps the promise finite there.
-        let centre = (ways[0] + ways[1] + ways[2]) / 3.0;
-        let nearest = ways.iter().fold(centre.length_squared(), |least, way| least.min(way.length_squared()));
+        let centre = (offsets[0] + offsets[1] + offsets[2]) / 3.0;
+        let nearest =
+            offsets.iter().fold(centre.length_squared(), |least, offset| least.min(offset.length_squared()));
         let distance2 = nearest.max(0.25 * self.area);
         if before > 0.0 && above > 0.0 {
             // Scaled step by step, so that it neither overflows nor vanishes in large or tiny scenes.
-            let promise = (before / distance2) * (above / distance2) * self.power;
-            if promise.is_finite() { promise.max(f32::MIN_POSITIVE) } else { f32::MAX.sqrt() }
+            let contribution = (before / distance2) * (above / distance2) * self.power;
+            if contribution.is_finite() { contribution.max(f32::MIN_POSITIVE) } else { f32::MAX.sqrt() }
         } else {
             0.0
         }
@@ -203,8 +205,8 @@ impl Shape {
     }
 
     /// The same, but short of the triangle by what rounding may have moved it, so that it does not shade itself.
-    pub(super) fn seen_from(&self, p: Vec3, place: [f32; 2]) -> Vec3 {
-        self.point(place) + self.normal * self.rounding(p)
+    pub(super) fn nearest_image(&self, p: Vec3, position: [f32; 2]) -> Vec3 {
+        self.point(position) + self.normal * self.rounding(p)
     }
 
     /// How far a point computed on the triangle and seen from `p` may be off, and some more.
@@ -229,7 +231,7 @@ impl TriangleLights {
     pub fn new(
         triangles: Vec<EmissiveTriangle>,
         emitters: Vec<Arc<Emitter>>,
-        shaders: Option<Arc<dyn LampShaders>>,
+        shaders: Option<Arc<dyn EmitterShaders>>,
     ) -> Option<Self> {
         let last = triangles.iter().map(|t| t.emitter as usize).max();
         assert!(last < Some(emitters.len()), "emitter {last:?} of {}", emitters.len());
@@ -262,9 +264,9 @@ impl TriangleLights {
         for (k, (candidate, weight)) in candidates.iter_mut().zip(&mut weights).enumerate() {
             let at = (k as f64 + f64::from(random[0])) / CANDIDATES as f64;
             let choice = self.distribution.sample(at);
-            let promise = self.shapes[choice.index].promise(p, normal);
-            *candidate = (choice.index, promise, choice.rest);
-            *weight = f64::from(promise) / f64::from(choice.probability);
+            let contribution = self.shapes[choice.index].contribution(p, normal);
+            *candidate = (choice.index, contribution, choice.rest);
+            *weight = f64::from(contribution) / f64::from(choice.probability);
         }
         let sum: f64 = weights.iter().sum();
         let mut at = f64::from(random[1]) * sum;
@@ -275,8 +277,8 @@ impl TriangleLights {
             here
         });
         let k = k.unwrap_or(last);
-        let (index, promise, rest) = candidates[k];
-        let weight = (sum / (CANDIDATES as f64 * f64::from(promise))) as f32;
+        let (index, contribution, rest) = candidates[k];
+        let weight = (sum / (CANDIDATES as f64 * f64::from(contribution))) as f32;
         let fresh = ((at / weights[k]) as f32).clamp(0.0, ALMOST_ONE);
         weight.is_finite().then_some(Chosen { index, weight, random: [rest, fresh] })
     }
@@ -285,16 +287,16 @@ impl TriangleLights {
     fn sample(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<(Vec3, f32, Vec3)> {
         let chosen = self.choose(p, normal, random)?;
         let shape = &self.shapes[chosen.index];
-        let place = sampling::triangle(chosen.random);
-        let way = shape.seen_from(p, place) - p;
-        let distance2 = way.length_squared();
+        let position = sampling::triangle(chosen.random);
+        let offset = shape.nearest_image(p, position) - p;
+        let distance2 = offset.length_squared();
         let dist = distance2.sqrt();
-        let dir = way / dist;
+        let dir = offset / dist;
         let cos = -shape.normal.dot(dir);
         if !(cos > 0.0 && dist > 0.0) {
             return None;
         }
-        let radiance = self.radiance(chosen.index, place, dir);
+        let radiance = self.radiance(chosen.index, position, dir);
         Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
     }
 
@@ -307,38 +309,39 @@ impl TriangleLights {
     }
 
     /// What leaves triangle `index` at the barycentric weights of its second and third corner against a ray along the unit `dir`.
-    pub(super) fn radiance(&self, index: usize, place: [f32; 2], dir: Vec3) -> Vec3 {
+    pub(super) fn radiance(&self, index: usize, position: [f32; 2], dir: Vec3) -> Vec3 {
         let mut out = [Vec3::ZERO];
-        self.radiances(&[LampPlace { triangle: index as u32, place, dir }], &mut out);
+        self.radiances(&[EmitterPoint { triangle: index as u32, position, dir }], &mut out);
         out[0]
     }
 
     /// The same of many places.
-    pub(super) fn radiances(&self, asked: &[LampPlace], out: &mut [Vec3]) {
-        let triangle = |at: &LampPlace| &self.triangles[at.triangle as usize];
-        let emitter = |at: &LampPlace| &self.emitters[triangle(at).emitter as usize];
+    pub(super) fn radiances(&self, requests: &[EmitterPoint], out: &mut [Vec3]) {
+        let triangle = |at: &EmitterPoint| &self.triangles[at.triangle as usize];
+        let emitter = |at: &EmitterPoint| &self.emitters[triangle(at).emitter as usize];
         let mut of_shaders = false;
-        for (at, out) in asked.iter().zip(out.iter_mut()) {
+        for (at, out) in requests.iter().zip(out.iter_mut()) {
             let EmissiveTriangle { uv, opacity, .. } = triangle(at);
             of_shaders |= emitter(at).shader.is_some();
-            *out = emitter(at).radiance(uv, *opacity, at.place);
+            *out = emitter(at).radiance(uv, *opacity, at.position);
         }
         let Some(shaders) = self.shaders.as_ref().filter(|_| of_shaders) else { return };
-        if asked.iter().all(|at| emitter(at).shader.is_some()) {
-            shaders.radiance(asked, out);
+        if requests.iter().all(|at| emitter(at).shader.is_some()) {
+            shaders.radiance(requests, out);
             return;
         }
-        let these: Vec<usize> = (0..asked.len()).filter(|&i| emitter(&asked[i]).shader.is_some()).collect();
-        let places: Vec<LampPlace> = these.iter().map(|&i| asked[i]).collect();
+        let these: Vec<usize> =
+            (0..requests.len()).filter(|&i| emitter(&requests[i]).shader.is_some()).collect();
+        let emitter_points: Vec<EmitterPoint> = these.iter().map(|&i| requests[i]).collect();
         let mut found = vec![Vec3::ZERO; these.len()];
-        shaders.radiance(&places, &mut found);
+        shaders.radiance(&emitter_points, &mut found);
         these.into_iter().zip(found).for_each(|(i, found)| out[i] = found);
     }
 
     /// The same where a ray along `dir` met it at these barycentric weights of the mesh's second and third corner.
     pub(super) fn radiance_where_met(&self, index: usize, [u, v]: [f32; 2], dir: Vec3) -> Vec3 {
-        let place = if self.triangles[index].is_turned { [v, u] } else { [u, v] };
-        self.radiance(index, place, dir)
+        let position = if self.triangles[index].is_turned { [v, u] } else { [u, v] };
+        self.radiance(index, position, dir)
     }
 }
 
@@ -405,9 +408,9 @@ mod tests {
     fn rectangle_has_its_closed_form() {
         // Four equal corner rectangles of 1 x 1 at distance 1: the classic form factor, times pi.
         let corner = 1.0_f64 / 2.0_f64.sqrt();
-        let wanted = 4.0 * corner * corner.atan();
+        let expected = 4.0 * corner * corner.atan();
         let found = irradiance(&square(), Vec3::ZERO, Vec3::Z);
-        assert!((f64::from(found.x) / wanted - 1.0).abs() < 1e-3, "{} instead of {wanted}", found.x);
+        assert!((f64::from(found.x) / expected - 1.0).abs() < 1e-3, "{} instead of {expected}", found.x);
         assert!((found.z / found.x - 3.0).abs() < 1e-4, "in all colours");
     }
 
@@ -418,19 +421,19 @@ mod tests {
     }
 
     /// Fifty small lamps of different brightness, half of them turned away, some below the horizon.
-    fn lamps() -> Vec<[Vec3; 3]> {
-        let lamp = |i: usize| {
+    fn emissive_triangles() -> Vec<[Vec3; 3]> {
+        let triangle_light = |i: usize| {
             let middle = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, [1.0, 3.0, -0.5][i % 3]);
             let size = 0.05 + 0.02 * (i % 7) as f32;
             let p = [middle, middle + Vec3::Y * size, middle + Vec3::X * size];
             if i % 4 < 2 { p } else { [p[0], p[2], p[1]] }
         };
-        (0..50).map(lamp).collect()
+        (0..50).map(triangle_light).collect()
     }
 
     fn light_of(corners: &[[Vec3; 3]]) -> Option<TriangleLights> {
         const BRIGHTNESS: [f32; 4] = [1.0, 5.0, 40.0, 2.0];
-        let shine = |factor| Arc::new(Emitter::new(Emission { factor, texture: None }, None));
+        let emit = |factor| Arc::new(Emitter::new(Emission { factor, texture: None }, None));
         let triangle = |(i, &p): (usize, &[Vec3; 3])| EmissiveTriangle {
             p,
             is_turned: false,
@@ -439,29 +442,29 @@ mod tests {
             emitter: (i % 2 + i % 3) as u32,
             brightness: BRIGHTNESS[i % 2 + i % 3],
         };
-        let emitters = BRIGHTNESS.map(|x| shine(Vec3::splat(x)));
+        let emitters = BRIGHTNESS.map(|x| emit(Vec3::splat(x)));
         TriangleLights::new(corners.iter().enumerate().map(triangle).collect(), emitters.into(), None)
     }
 
     #[test]
-    fn many_lamps_add_up() {
-        let all = lamps();
-        let together = irradiance(&light_of(&all).expect("they shine"), Vec3::ZERO, Vec3::Z).x;
+    fn many_emitters_add_up() {
+        let all = emissive_triangles();
+        let joint = irradiance(&light_of(&all).expect("they shine"), Vec3::ZERO, Vec3::Z).x;
         // One at a time, the others made so small that they bring nothing.
         let one = |i: usize| {
-            let mut alone = all.clone();
-            (0..50).filter(|&k| k != i).for_each(|k| alone[k] = [Vec3::ZERO; 3]);
-            light_of(&alone).map_or(0.0, |light| irradiance(&light, Vec3::ZERO, Vec3::Z).x)
+            let mut single = all.clone();
+            (0..50).filter(|&k| k != i).for_each(|k| single[k] = [Vec3::ZERO; 3]);
+            light_of(&single).map_or(0.0, |light| irradiance(&light, Vec3::ZERO, Vec3::Z).x)
         };
-        let wanted: f32 = (0..50).map(one).sum();
-        assert!((together / wanted - 1.0).abs() < 2e-3, "{together} instead of {wanted}");
+        let expected: f32 = (0..50).map(one).sum();
+        assert!((joint / expected - 1.0).abs() < 2e-3, "{joint} instead of {expected}");
     }
 
     #[test]
     fn nothing_is_wasted() {
         // Half of the power is turned away or below the horizon: alone, it would take half of the samples.
-        let light = light_of(&lamps()).expect("they shine");
-        let dark = |shape: &Shape| shape.promise(Vec3::ZERO, Vec3::Z) == 0.0;
+        let light = light_of(&emissive_triangles()).expect("they shine");
+        let dark = |shape: &Shape| shape.contribution(Vec3::ZERO, Vec3::Z) == 0.0;
         let wasted: f32 = light.shapes.iter().filter(|s| dark(s)).map(|s| s.power).sum();
         let all: f32 = light.shapes.iter().map(|s| s.power).sum();
         assert!(wasted / all > 0.4, "the scene is a hard one: {wasted} of {all}");
@@ -472,8 +475,8 @@ mod tests {
         };
         let samples: Vec<f32> = (0..1024).filter_map(lit).collect();
         assert_eq!(samples.len(), 1024, "every sample reaches a lamp that shines here");
-        let wanted = samples.iter().sum::<f32>() / 1024.0;
-        let variance = samples.iter().map(|x| (x / wanted - 1.0).powi(2)).sum::<f32>() / 1024.0;
+        let expected = samples.iter().sum::<f32>() / 1024.0;
+        let variance = samples.iter().map(|x| (x / expected - 1.0).powi(2)).sum::<f32>() / 1024.0;
         assert!(variance < 0.5, "relative variance {variance} of one sample");
     }
 

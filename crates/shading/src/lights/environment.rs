@@ -217,8 +217,8 @@ mod tests {
         };
         let data = TexelData::Float((0..width * height).map(texel).collect());
         let texture = TextureSampler::new(Arc::new(Texels { width, height, data }));
-        let turn = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
-        PictureEnvironment::new(texture, Vec3::splat(2.0), turn, Threads::Single).expect("it shines")
+        let rotation = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
+        PictureEnvironment::new(texture, Vec3::splat(2.0), rotation, Threads::Single).expect("it shines")
     }
 
     #[test]
@@ -261,8 +261,8 @@ mod tests {
             let dir = Vec3::new(radius * azimuth.cos(), y, radius * azimuth.sin());
             sum += light.at(dir) * dir.dot(normal).max(0.0);
         }
-        let wanted = sum * (TAU / (steps * steps) as f32);
-        assert!((found / wanted - 1.0).abs().max_element() < 0.01, "{found} instead of {wanted}");
+        let expected = sum * (TAU / (steps * steps) as f32);
+        assert!((found / expected - 1.0).abs().max_element() < 0.01, "{found} instead of {expected}");
     }
 
     #[test]

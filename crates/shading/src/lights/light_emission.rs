@@ -110,11 +110,11 @@ impl LightSet {
     fn emit_triangle(&self, index: u32, chosen: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
         let triangles = self.parts.triangles.as_ref()?;
         let shape = &triangles.shapes[index as usize];
-        let place = sampling::triangle(u_pos);
-        let (p, normal) = (shape.point(place), shape.normal);
+        let uv = sampling::triangle(u_pos);
+        let (p, normal) = (shape.point(uv), shape.normal);
         let local = cosine_hemisphere(u_dir);
         let dir = Basis::around(normal).to_world(local).normalize();
-        let emitted = triangles.radiance(index as usize, place, -dir);
+        let emitted = triangles.radiance(index as usize, uv, -dir);
         Some(LightRay {
             point: SurfacePoint {
                 p,

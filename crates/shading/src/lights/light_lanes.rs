@@ -9,10 +9,10 @@
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
-use super::area::{LampPlace, Shape};
+use super::area::{EmitterPoint, Shape};
 use super::light_parts::{LightParts, LightSample};
 use super::light_tree::{LEAF, LightTree, Node};
-use crate::lanes::{Floats, LANES, LanesOf, Mask, Vec3x16, Words, transpose};
+use crate::lanes::{Floats, LANES, LanesOf, Mask, UInts, Vec3x16, transpose};
 use crate::real::{Real, Vector};
 use crate::sampling::distribution::ALMOST_ONE;
 use crate::sampling::triangle;
@@ -94,8 +94,8 @@ pub(super) struct LightLanes {
 
 /// Where a walk ends.
 struct End<S: Simd> {
-    block: Words<S>,
-    kind: Words<S>,
+    block: UInts<S>,
+    kind: UInts<S>,
     probability: Floats<S>,
     /// What is left of the random number.
     rest: Floats<S>,
@@ -148,38 +148,38 @@ impl LightLanes {
         active: Mask<S>,
         [p, normal]: [Vec3x16<S>; 2],
         [choice, x, y]: [Floats<S>; 3],
-        chance: Floats<S>,
+        lane_probability: Floats<S>,
     ) -> LightSampleX16<S> {
         let simd = choice.token();
         let end = self.walk(active, p, normal, choice);
         let (light, probability, found) = self.choose(&end, p, normal);
-        let probability = chance * probability;
+        let probability = lane_probability * probability;
         // From here on as `LightSet::sample_near`.
         let light: [u32; LANES] = light.into();
         let row = columns(simd, &self.triangles, &light);
         let corners = [vector(&row, 0), vector(&row, 3), vector(&row, 6)];
         let towards = vector(&row, 9);
-        let (area, place) = (row[12], triangle([x, y]));
-        let [b1, b2] = place;
+        let (area, slot_index) = (row[12], triangle([x, y]));
+        let [b1, b2] = slot_index;
         let point = corners[0] + (corners[1] - corners[0]) * b1 + (corners[2] - corners[0]) * b2;
         let reach = corners[0].abs().max(corners[1].abs()).max(corners[2].abs()).max(p.abs()).max_element();
-        let way = point + towards * (reach * (16.0 * f32::EPSILON)) - p;
-        let dist = way.length_squared().sqrt();
-        let dir = way.over(dist);
+        let offset = point + towards * (reach * (16.0 * f32::EPSILON)) - p;
+        let dist = offset.length_squared().sqrt();
+        let dir = offset.over(dist);
         let cos = -towards.dot(dir);
         let zero = f32x16::splat(simd, 0.0);
         let density = cos.simd_gt(zero).select(dist * dist / (cos * area), zero);
         let mut radiance = Vec3x16::new(row[13], row[14], row[15]);
         if let (false, Some(triangles)) = (self.uneven.is_empty(), &parts.triangles) {
-            let (mut asked, mut of) = ([LampPlace::default(); LANES], [0; LANES]);
+            let (mut requests, mut of) = ([EmitterPoint::default(); LANES], [0; LANES]);
             let mut count = 0;
             for i in LanesOf(found.to_bitmask()).filter(|&i| self.uneven[light[i] as usize]) {
-                let (triangle, place, dir) = (light[i], [b1[i], b2[i]], dir.get(i));
-                (asked[count], of[count]) = (LampPlace { triangle, place, dir }, i);
+                let (triangle, slot_index, dir) = (light[i], [b1[i], b2[i]], dir.get(i));
+                (requests[count], of[count]) = (EmitterPoint { triangle, position: slot_index, dir }, i);
                 count += 1;
             }
             let mut here = [Vec3::ZERO; LANES];
-            triangles.radiances(&asked[..count], &mut here);
+            triangles.radiances(&requests[..count], &mut here);
             for (&i, here) in of[..count].iter().zip(here) {
                 (radiance.x[i], radiance.y[i], radiance.z[i]) = here.into();
             }
@@ -219,9 +219,9 @@ impl LightLanes {
             end.alive &= !lost;
             let share = first / sum;
             let (rest, to_first) = descend(end.rest, share);
-            let chance = to_first.select(share, one - share);
+            let lane_probability = to_first.select(share, one - share);
             end.rest = walking.select(rest, end.rest);
-            end.probability = walking.select(end.probability * chance, end.probability);
+            end.probability = walking.select(end.probability * lane_probability, end.probability);
             at = walking.select(to_first.select(at + 1, second), at);
             second = walking.select(to_first.select(one_row[13], other_row[13]).bitcast(), second);
             kind = walking.select(to_first.select(one_row[14], other_row[14]).bitcast(), kind);
@@ -236,10 +236,10 @@ impl LightLanes {
         end: &End<S>,
         p: Vec3x16<S>,
         normal: Vec3x16<S>,
-    ) -> (Words<S>, Floats<S>, Mask<S>) {
+    ) -> (UInts<S>, Floats<S>, Mask<S>) {
         let simd = end.rest.token();
         let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-        let slots = self.promises(end, p, normal);
+        let slots = self.contributions(end, p, normal);
         let (mut first, mut other) = (slots[0], slots[LEAF]);
         for k in 1..LEAF {
             (first, other) = (first + slots[k], other + slots[LEAF + k]);
@@ -249,63 +249,63 @@ impl LightLanes {
         let both = first + other;
         let share = first / both;
         let (rest, to_first) = descend(end.rest, share);
-        let chance = to_first.select(share, one - share);
+        let lane_probability = to_first.select(share, one - share);
         let rest = pair.select(rest, end.rest);
-        let probability = pair.select(end.probability * chance, end.probability);
+        let probability = pair.select(end.probability * lane_probability, end.probability);
         let in_other = pair & !to_first;
         let sum = in_other.select(other, first);
         // The leaf.
         let mut left = rest * sum;
         let mut chosen = u32x16::splat(simd, 0);
-        let mut promised = zero;
+        let mut total_contribution = zero;
         let mut half = [zero; LEAF];
         let mut last = chosen;
         for (k, half) in half.iter_mut().enumerate() {
-            let promise = in_other.select(slots[k + LEAF], slots[k]);
-            *half = promise;
-            let some = promise.simd_gt(zero);
+            let contribution = in_other.select(slots[k + LEAF], slots[k]);
+            *half = contribution;
+            let some = contribution.simd_gt(zero);
             last = some.select(u32x16::splat(simd, k as u32), last);
-            promised = some.select(promise, promised);
+            total_contribution = some.select(contribution, total_contribution);
         }
         chosen = last;
         let mut open = sum.simd_gt(zero);
-        for (k, &promise) in half.iter().enumerate() {
-            let place = u32x16::splat(simd, k as u32);
-            left -= promise;
-            let here = open & left.simd_lt(zero) & place.simd_lt(last);
-            chosen = here.select(place, chosen);
-            promised = here.select(promise, promised);
+        for (k, &contribution) in half.iter().enumerate() {
+            let slot_index = u32x16::splat(simd, k as u32);
+            left -= contribution;
+            let here = open & left.simd_lt(zero) & slot_index.simd_lt(last);
+            chosen = here.select(slot_index, chosen);
+            total_contribution = here.select(contribution, total_contribution);
             open &= !here;
         }
-        let probability = probability * (promised / sum);
-        let found = end.alive & promised.simd_gt(zero) & (!pair | both.simd_gt(zero));
-        let place = chosen + in_other.select(u32x16::splat(simd, LEAF as u32), u32x16::splat(simd, 0));
-        let (place, block): ([u32; LANES], [u32; LANES]) = (place.into(), end.block.into());
+        let probability = probability * (total_contribution / sum);
+        let found = end.alive & total_contribution.simd_gt(zero) & (!pair | both.simd_gt(zero));
+        let slot_index = chosen + in_other.select(u32x16::splat(simd, LEAF as u32), u32x16::splat(simd, 0));
+        let (slot_index, block): ([u32; LANES], [u32; LANES]) = (slot_index.into(), end.block.into());
         let mut light = [0; LANES];
         for i in LanesOf(found.to_bitmask()) {
-            light[i] = self.blocks[block[i] as usize].lights[place[i] as usize % LANES];
+            light[i] = self.blocks[block[i] as usize].lights[slot_index[i] as usize % LANES];
         }
         (u32x16::simd_from(simd, light), probability, found)
     }
 
     /// What each triangle of each lane's block promises to it.
     #[inline(always)]
-    fn promises<S: Simd>(&self, end: &End<S>, p: Vec3x16<S>, normal: Vec3x16<S>) -> [Floats<S>; LANES] {
+    fn contributions<S: Simd>(&self, end: &End<S>, p: Vec3x16<S>, normal: Vec3x16<S>) -> [Floats<S>; LANES] {
         let simd = end.rest.token();
         let zero = f32x16::splat(simd, 0.0);
-        let mut promises = [zero; LANES];
+        let mut contributions = [zero; LANES];
         if let [block] = &self.blocks[..] {
             // All are here: points side by side.
-            for (k, promise) in promises.iter_mut().enumerate() {
+            for (k, contribution) in contributions.iter_mut().enumerate() {
                 if block.shape[13].0[k] > 0.0 {
                     let mut shape = [zero; 14];
                     for (x, row) in shape.iter_mut().zip(&block.shape) {
                         *x = f32x16::splat(simd, row.0[k]);
                     }
-                    *promise = promise_of(&shape, p, normal);
+                    *contribution = contribution_of(&shape, p, normal);
                 }
             }
-            return promises;
+            return contributions;
         }
         let block: [u32; LANES] = end.block.into();
         for i in LanesOf(end.alive.to_bitmask()) {
@@ -314,9 +314,9 @@ impl LightLanes {
             for (x, row) in shape.iter_mut().zip(rows) {
                 *x = f32x16::from_slice(simd, &row.0);
             }
-            promises[i] = promise_of(&shape, p.spread(i), normal.spread(i));
+            contributions[i] = contribution_of(&shape, p.spread(i), normal.spread(i));
         }
-        transpose(promises)
+        transpose(contributions)
     }
 }
 
@@ -325,13 +325,13 @@ impl Block {
         let mut block = Self { shape: [Row([0.0; LANES]); 14], lights: [0; LANES] };
         for (half, leaf) in leaves.iter().enumerate() {
             let lights = &tree.order[leaf.index as usize..(leaf.index + leaf.lights) as usize];
-            for (place, &light) in (half * LEAF..).zip(lights) {
+            for (slot_index, &light) in (half * LEAF..).zip(lights) {
                 let shape = &shapes[light as usize];
                 let mut row = [0.0; 14];
                 write3(&mut row, &[shape.p[0], shape.p[1], shape.p[2], shape.normal]);
                 (row[12], row[13]) = (shape.area, shape.power);
-                block.shape.iter_mut().zip(row).for_each(|(column, x)| column.0[place] = x);
-                block.lights[place] = light;
+                block.shape.iter_mut().zip(row).for_each(|(column, x)| column.0[slot_index] = x);
+                block.lights[slot_index] = light;
             }
         }
         block
@@ -343,7 +343,7 @@ fn write3(row: &mut [f32], vectors: &[Vec3]) {
     row.chunks_exact_mut(3).zip(vectors).for_each(|(out, v)| out.copy_from_slice(&v.to_array()));
 }
 
-fn node_row(node: &Node, words: [u32; 3]) -> Row {
+fn node_row(node: &Node, values: [u32; 3]) -> Row {
     let bounds = &node.bounds;
     let size = bounds.max - bounds.min;
     let mut row = [0.0; LANES];
@@ -351,7 +351,7 @@ fn node_row(node: &Node, words: [u32; 3]) -> Row {
     row[6] = 0.25 * size.length_squared();
     write3(&mut row[7..], &[bounds.axis]);
     row[10..13].copy_from_slice(&[bounds.cos_normals, bounds.cos_emission, bounds.power]);
-    row[13..].copy_from_slice(&words.map(f32::from_bits));
+    row[13..].copy_from_slice(&values.map(f32::from_bits));
     Row(row)
 }
 
@@ -393,12 +393,12 @@ fn descend<S: Simd>(u: Floats<S>, share: Floats<S>) -> (Floats<S>, Mask<S>) {
 fn importance<S: Simd>(row: &[Floats<S>; LANES], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
     let simd = p.x.token();
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
-    let (way, half, radius2, axis) = (vector(row, 0) - p, vector(row, 3), row[6], vector(row, 7));
+    let (offset, half, radius2, axis) = (vector(row, 0) - p, vector(row, 3), row[6], vector(row, 7));
     let (cos_normals, cos_emission, power) = (row[10], row[11], row[12]);
-    let distance2 = way.length_squared();
-    let towards = way.over(distance2.sqrt());
+    let distance2 = offset.length_squared();
+    let towards = offset.over(distance2.sqrt());
     let at_centre = !towards.is_finite();
-    let below = (normal.dot(way) + normal.abs().dot(half)).simd_le(zero);
+    let below = (normal.dot(offset) + normal.abs().dot(half)).simd_le(zero);
     let outside = distance2.simd_gt(radius2);
     let cos_size = outside.select((one - radius2 / distance2).max(zero).sqrt(), -one);
     let from_normal = angle_less(-axis.dot(towards), cos_normals);
@@ -407,9 +407,9 @@ fn importance<S: Simd>(row: &[Floats<S>; LANES], p: Vec3x16<S>, normal: Vec3x16<
     let dark = cos_light.simd_lt(cos_emission - f32x16::splat(simd, 1e-4))
         | cos_surface.simd_lt(f32x16::splat(simd, -1e-4));
     let least = f32x16::splat(simd, 1e-4);
-    let seen = power * cos_light.max(least) * cos_surface.max(least) / distance2.max(radius2);
-    let seen = seen.is_finite().select(seen, f32x16::splat(simd, f32::MAX.sqrt()));
-    let lit = (below | dark).select(zero, seen);
+    let estimate = power * cos_light.max(least) * cos_surface.max(least) / distance2.max(radius2);
+    let estimate = estimate.is_finite().select(estimate, f32x16::splat(simd, f32::MAX.sqrt()));
+    let lit = (below | dark).select(zero, estimate);
     at_centre.select(power / radius2.max(f32x16::splat(simd, f32::MIN_POSITIVE)), lit)
 }
 
@@ -423,9 +423,9 @@ fn angle_less<S: Simd>(cos_a: Floats<S>, cos_b: Floats<S>) -> Floats<S> {
     cos_a.simd_ge(cos_b).select(one, cos_a * cos_b + sin_a * sin_b)
 }
 
-/// `Shape::promise` for a unit normal.
+/// `Shape::contribution` for a unit normal.
 #[inline(always)]
-fn promise_of<S: Simd>(shape: &[Floats<S>; 14], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
+fn contribution_of<S: Simd>(shape: &[Floats<S>; 14], p: Vec3x16<S>, normal: Vec3x16<S>) -> Floats<S> {
     let simd = p.x.token();
     let zero = f32x16::splat(simd, 0.0);
     let [a, b, c] = [vector(shape, 0) - p, vector(shape, 3) - p, vector(shape, 6) - p];
@@ -436,11 +436,12 @@ fn promise_of<S: Simd>(shape: &[Floats<S>; 14], p: Vec3x16<S>, normal: Vec3x16<S
     let nearest = centre.length_squared().min(a.length_squared());
     let nearest = nearest.min(b.length_squared()).min(c.length_squared());
     let distance2 = nearest.max(shape[12] * 0.25);
-    let promise = (before / distance2) * (above / distance2) * shape[13];
-    let promise = promise
-        .is_finite()
-        .select(promise.max(f32x16::splat(simd, f32::MIN_POSITIVE)), f32x16::splat(simd, f32::MAX.sqrt()));
-    (before.simd_gt(zero) & above.simd_gt(zero)).select(promise, zero)
+    let contribution = (before / distance2) * (above / distance2) * shape[13];
+    let contribution = contribution.is_finite().select(
+        contribution.max(f32x16::splat(simd, f32::MIN_POSITIVE)),
+        f32x16::splat(simd, f32::MAX.sqrt()),
+    );
+    (before.simd_gt(zero) & above.simd_gt(zero)).select(contribution, zero)
 }
 
 impl<S: Simd> LightSampleX16<S> {

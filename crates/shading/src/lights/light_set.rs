@@ -142,8 +142,8 @@ impl LightSet {
     pub fn sample(&self, p: Vec3, ns: Vec3, u: [f32; 3]) -> Option<LightSample> {
         let group = self.choice.as_ref()?.sample(u[0]);
         let sample = if group.index == 0 {
-            let promise = |light| self.promise(light, p, ns);
-            let (light, probability) = self.near.tree.choose(p, ns, group.rest, promise)?;
+            let contribution = |light| self.contribution(light, p, ns);
+            let (light, probability) = self.near.tree.choose(p, ns, group.rest, contribution)?;
             self.sample_near(light, p, [u[1], u[2]], group.probability * probability)
         } else {
             self.sample_far(group.index - 1, ns, [u[1], u[2]], group.probability)
@@ -160,9 +160,9 @@ impl LightSet {
     ) -> Option<LightSample> {
         let id = LightId(light);
         let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> Vec3| {
-            let way = position - p;
-            let dist = way.length();
-            let dir = way / dist;
+            let offset = position - p;
+            let dist = offset.length();
+            let dir = offset / dist;
             let radiance = intensity(-dir) / (dist * dist);
             (dist > 0.0).then_some(LightSample {
                 dir,
@@ -177,12 +177,12 @@ impl LightSet {
             LightKind::Triangle(i) => {
                 let triangles = self.parts.triangles.as_ref()?;
                 let shape = &triangles.shapes[i as usize];
-                let place = sampling::triangle(u);
-                let way = shape.seen_from(p, place) - p;
-                let dist = way.length();
-                let dir = way / dist;
+                let uv = sampling::triangle(u);
+                let offset = shape.nearest_image(p, uv) - p;
+                let dist = offset.length();
+                let dir = offset / dist;
                 let pdf = probability * solid_angle_density(shape.normal, shape.area, dir, dist);
-                let radiance = triangles.radiance(i as usize, place, dir);
+                let radiance = triangles.radiance(i as usize, uv, dir);
                 (dist > 0.0).then_some(LightSample { dir, dist, radiance, pdf, delta: false, light: id })
             }
             LightKind::Point(i) => {
@@ -231,8 +231,8 @@ impl LightSet {
         if here <= 0.0 {
             return 0.0;
         }
-        let promise = |light| self.promise(light, p, ns);
-        choice.probability(0) * self.near.tree.probability(triangle, p, ns, promise) * here
+        let contribution = |light| self.contribution(light, p, ns);
+        choice.probability(0) * self.near.tree.probability(triangle, p, ns, contribution) * here
     }
 
     /// What emissive triangle `triangle` sends against a ray along `dir` that met it at these weights of the mesh's second and third
@@ -264,19 +264,19 @@ impl LightSet {
     }
 
     /// About what a light of the tree brings to a surface; 0 if nothing.
-    pub(super) fn promise(&self, light: u32, p: Vec3, ns: Vec3) -> f32 {
+    pub(super) fn contribution(&self, light: u32, p: Vec3, ns: Vec3) -> f32 {
         let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> f32| {
-            let way = position - p;
-            let distance2 = way.length_squared();
-            let dir = way / distance2.sqrt();
+            let offset = position - p;
+            let distance2 = offset.length_squared();
+            let dir = offset / distance2.sqrt();
             let cos = if ns == Vec3::ZERO { 1.0 } else { ns.dot(dir).max(0.0) };
-            let promise = intensity(-dir) * cos / distance2;
-            if promise.is_finite() { promise } else { 0.0 }
+            let contribution = intensity(-dir) * cos / distance2;
+            if contribution.is_finite() { contribution } else { 0.0 }
         };
         if let Some(triangles) = &self.parts.triangles
             && let Some(shape) = triangles.shapes.get(light as usize)
         {
-            return shape.promise(p, ns);
+            return shape.contribution(p, ns);
         }
         match self.kind(LightId(light)) {
             LightKind::Point(i) => {

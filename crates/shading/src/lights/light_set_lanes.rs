@@ -45,21 +45,21 @@ impl LightSet {
                 lanes.sample(&self.parts, active, [p, ns], u, f32x16::splat(simd, 1.0))
             }
             (Some(lanes), Some(choice)) => {
-                let (mut rest, mut chance, mut near, mut far) =
+                let (mut rest, mut lane_probability, mut near, mut far) =
                     (u[0], u[0], 0, LightSampleX16::none(f32x16::splat(simd, 0.0)));
                 for i in LanesOf(active.to_bitmask()) {
                     let group = choice.sample(u[0][i]);
                     if group.index == 0 {
                         near |= 1 << i;
-                        (rest[i], chance[i]) = (group.rest, group.probability);
+                        (rest[i], lane_probability[i]) = (group.rest, group.probability);
                     } else {
-                        let place = [u[1][i], u[2][i]];
-                        let sample = self.sample_far(group.index - 1, ns.get(i), place, group.probability);
+                        let uv = [u[1][i], u[2][i]];
+                        let sample = self.sample_far(group.index - 1, ns.get(i), uv, group.probability);
                         far.put(i, sample.filter(is_sound));
                     }
                 }
                 let near = Mask::from_bitmask(simd, near);
-                lanes.sample(&self.parts, near, [p, ns], [rest, u[1], u[2]], chance).or(near, far)
+                lanes.sample(&self.parts, near, [p, ns], [rest, u[1], u[2]], lane_probability).or(near, far)
             }
             _ => {
                 let mut out = LightSampleX16::none(f32x16::splat(simd, 0.0));

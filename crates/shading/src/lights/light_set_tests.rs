@@ -62,8 +62,8 @@ fn picture() -> EnvironmentLight {
     };
     let data = TexelData::Float((0..128).map(texel).collect());
     let texture = TextureSampler::new(Arc::new(Texels { width: 16, height: 8, data }));
-    let turn = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
-    let picture = PictureEnvironment::new(texture, Vec3::ONE, turn, Threads::Single);
+    let rotation = Mat3::from_rotation_x(0.4) * Mat3::from_rotation_y(1.1);
+    let picture = PictureEnvironment::new(texture, Vec3::ONE, rotation, Threads::Single);
     EnvironmentLight::Picture(Arc::new(picture.expect("it shines")))
 }
 
@@ -77,15 +77,15 @@ fn irradiance(lights: &LightSet, p: Vec3, up: Vec3, n: u32) -> Vec3 {
 
 /// Lamps of many sizes and directions, a lamp without extent of each kind, and the sky.
 fn everything() -> LightSet {
-    let lamp = |i: usize| {
+    let emissive_triangle = |i: usize| {
         let middle = Vec3::new((i % 8) as f32 - 3.5, (i / 8) as f32 - 3.0, [1.0, 2.0, -0.5][i % 3]);
         let size = 0.1 + 0.1 * (i % 7) as f32;
         let p = [middle, middle + Vec3::Y * size, middle + Vec3::X * size];
         if i % 4 < 3 { p } else { [p[0], p[2], p[1]] }
     };
-    let lamps: Vec<_> = (0..48).map(lamp).collect();
+    let emissive_triangles: Vec<_> = (0..48).map(emissive_triangle).collect();
     set(LightParts {
-        triangles: triangles(&lamps, &[1.0, 5.0, 20.0]),
+        triangles: triangles(&emissive_triangles, &[1.0, 5.0, 20.0]),
         points: vec![PointLight { position: Vec3::new(0.5, 0.0, 2.0), intensity: Vec3::ONE }],
         spots: SpotLight::new(Vec3::new(0.0, 1.0, 2.0), -Vec3::Z, Vec3::ONE, 0.3, 0.6).into_iter().collect(),
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
@@ -98,9 +98,9 @@ fn everything() -> LightSet {
 fn rectangle_has_its_closed_form() {
     let lights = set(LightParts { triangles: triangles(&square(), &[1.0]), ..LightParts::default() });
     let corner = 1.0_f64 / 2.0_f64.sqrt();
-    let wanted = 4.0 * corner * corner.atan();
+    let exact = 4.0 * corner * corner.atan();
     let found = irradiance(&lights, Vec3::ZERO, Vec3::Z, 1 << 14);
-    assert!((f64::from(found.x) / wanted - 1.0).abs() < 2e-3, "{} instead of {wanted}", found.x);
+    assert!((f64::from(found.x) / exact - 1.0).abs() < 2e-3, "{} instead of {exact}", found.x);
     assert!((found.z / found.x - 3.0).abs() < 1e-4, "in all colours");
     let behind = irradiance(&lights, Vec3::new(0.0, 0.0, 2.0), -Vec3::Z, 256);
     assert_eq!(behind, Vec3::ZERO, "light leaves one side only");
@@ -115,30 +115,31 @@ fn lights_without_extent_and_constant_skies_have_closed_forms() {
         ..LightParts::default()
     });
     let found = irradiance(&lights, Vec3::ZERO, Vec3::Z, 1 << 14).x;
-    let wanted = 8.0 / 4.0 + 3.0 + PI;
-    assert!((found / wanted - 1.0).abs() < 2e-3, "{found} instead of {wanted}");
+    let exact = 8.0 / 4.0 + 3.0 + PI;
+    assert!((found / exact - 1.0).abs() < 2e-3, "{found} instead of {exact}");
 }
 
 /// Each lamp alone is an oracle of a tree of one; all together must bring their sum.
 #[test]
-fn many_lamps_add_up() {
-    let lamp = |i: usize| {
+fn many_emitters_add_up() {
+    let emissive_triangle = |i: usize| {
         let middle = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, [1.0, 3.0, -0.5][i % 3]);
         let size = 0.05 + 0.02 * (i % 7) as f32;
         let p = [middle, middle + Vec3::Y * size, middle + Vec3::X * size];
         if i % 4 < 2 { p } else { [p[0], p[2], p[1]] }
     };
-    let lamps: Vec<_> = (0..50).map(lamp).collect();
+    let emissive_triangles: Vec<_> = (0..50).map(emissive_triangle).collect();
     let radiance = [1.0, 5.0, 40.0, 2.0, 0.1];
     for (p, up) in [(Vec3::ZERO, Vec3::Z), (Vec3::new(3.0, 1.0, 0.5), Vec3::new(0.6, 0.0, 0.8))] {
-        let all = set(LightParts { triangles: triangles(&lamps, &radiance), ..LightParts::default() });
-        let together = irradiance(&all, p, up, 1 << 15).x;
+        let all =
+            set(LightParts { triangles: triangles(&emissive_triangles, &radiance), ..LightParts::default() });
+        let joint = irradiance(&all, p, up, 1 << 15).x;
         let one = |i: usize| {
-            let alone = triangles(&lamps[i..=i], &radiance[i % 5..=i % 5]);
-            irradiance(&set(LightParts { triangles: alone, ..LightParts::default() }), p, up, 1 << 10).x
+            let single = triangles(&emissive_triangles[i..=i], &radiance[i % 5..=i % 5]);
+            irradiance(&set(LightParts { triangles: single, ..LightParts::default() }), p, up, 1 << 10).x
         };
-        let wanted: f32 = (0..50).map(one).sum();
-        assert!((together / wanted - 1.0).abs() < 5e-3, "{together} instead of {wanted}");
+        let exact: f32 = (0..50).map(one).sum();
+        assert!((joint / exact - 1.0).abs() < 5e-3, "{joint} instead of {exact}");
         // The tree's worth: most samples reach a lamp that counts, and bring about the same.
         let brought: Vec<f32> = (0..4096)
             .map(|i| {
@@ -146,7 +147,7 @@ fn many_lamps_add_up() {
                 lit.map_or(0.0, |s| s.radiance.x * s.dir.dot(up).max(0.0) / s.pdf)
             })
             .collect();
-        let variance = brought.iter().map(|x| (x / wanted - 1.0).powi(2)).sum::<f32>() / 4096.0;
+        let variance = brought.iter().map(|x| (x / exact - 1.0).powi(2)).sum::<f32>() / 4096.0;
         assert!(variance < 3.0, "relative variance {variance} of one sample at {p}");
     }
 }
@@ -156,15 +157,15 @@ fn many_lamps_add_up() {
 fn densities_are_those_of_samples() {
     let lights = everything();
     for (p, n) in [(Vec3::ZERO, Vec3::Z), (Vec3::new(1.0, 0.0, 0.5), Vec3::ZERO), (Vec3::Y, Vec3::X)] {
-        let mut seen = [0_u32; 5];
+        let mut hits_by_kind = [0_u32; 5];
         for s in (0..4096).filter_map(|i| lights.sample(p, n, numbers(i))) {
-            let told = match lights.kind(s.light) {
+            let reported = match lights.kind(s.light) {
                 LightKind::Triangle(i) => {
-                    seen[0] += 1;
+                    hits_by_kind[0] += 1;
                     lights.pdf_triangle(p, n, i, s.dir, s.dist)
                 }
                 LightKind::Environment => {
-                    seen[1] += 1;
+                    hits_by_kind[1] += 1;
                     // On the edge between two cells rounding may tell the other one's.
                     let on_edge =
                         [s.dir + 1e-5, s.dir - 1e-5].map(|d| lights.pdf_environment(p, n, d.normalize()));
@@ -175,26 +176,29 @@ fn densities_are_those_of_samples() {
                     }
                 }
                 LightKind::Point(_) => {
-                    seen[2] += 1;
+                    hits_by_kind[2] += 1;
                     s.pdf
                 }
                 LightKind::Spot(_) => {
-                    seen[3] += 1;
+                    hits_by_kind[3] += 1;
                     s.pdf
                 }
                 LightKind::Directional(_) => {
-                    seen[4] += 1;
+                    hits_by_kind[4] += 1;
                     s.pdf
                 }
             };
             assert!(
-                (told / s.pdf - 1.0).abs() < 1e-3,
-                "{:?}: {told}, sampled with {}",
+                (reported / s.pdf - 1.0).abs() < 1e-3,
+                "{:?}: {reported}, sampled with {}",
                 lights.kind(s.light),
                 s.pdf
             );
         }
-        assert!(seen[..2].iter().all(|&count| count > 100), "all kinds are sampled: {seen:?}");
+        assert!(
+            hits_by_kind[..2].iter().all(|&count| count > 100),
+            "all kinds are sampled: {hits_by_kind:?}"
+        );
     }
 }
 
@@ -217,8 +221,8 @@ fn directions_follow_their_density() {
     const STEPS: usize = 400;
     for (i, j) in (0..STEPS).flat_map(|i| (0..STEPS).map(move |j| (i, j))) {
         let [x, y] = [i, j].map(|k| 2.0 * (k as f32 + 0.5) / STEPS as f32 - 1.0);
-        let way = Vec3::new(x, y, 1.0) - p;
-        let (dist, dir) = (way.length(), way.normalize());
+        let offset = Vec3::new(x, y, 1.0) - p;
+        let (dist, dir) = (offset.length(), offset.normalize());
         // The first triangle has the corners with y > x; on the diagonal lies half of each.
         let pdf_of = |triangle| lights.pdf_triangle(p, n, triangle, dir, dist);
         let pdf = if i == j { 0.5 * (pdf_of(0) + pdf_of(1)) } else { pdf_of(u32::from(j < i)) };
@@ -273,7 +277,7 @@ fn emission_adds_up_to_the_power() {
         ),
     ];
     const N: u32 = 1 << 13;
-    for (parts, wanted, name) in cases {
+    for (parts, exact, name) in cases {
         let lights = set(parts);
         let sum = (0..N).fold(0.0, |sum, i| {
             let [a, b, c] = numbers(i);
@@ -287,7 +291,7 @@ fn emission_adds_up_to_the_power() {
             );
             sum + f64::from(ray.radiance_over_pdf.x) / f64::from(N)
         });
-        assert!((sum as f32 / wanted - 1.0).abs() < 2e-3, "{name}: {sum} instead of {wanted}");
+        assert!((sum as f32 / exact - 1.0).abs() < 2e-3, "{name}: {sum} instead of {exact}");
     }
 }
 
@@ -311,8 +315,8 @@ fn light_paths_share_out_by_power() {
     }
     let power = lights.power().expect("it shines");
     for (i, count) in counts.iter().enumerate() {
-        let wanted = f64::from(power.probability(i));
-        assert!((count - wanted).abs() < 2e-3, "light {i}: {count} instead of {wanted}");
+        let exact = f64::from(power.probability(i));
+        assert!((count - exact).abs() < 2e-3, "light {i}: {count} instead of {exact}");
     }
 }
 
@@ -329,17 +333,22 @@ fn what_was_hit_is_found() {
     );
 }
 
-type Asked = [(Vec3, Vec3, [f32; 3]); LANES];
+type Requests = [(Vec3, Vec3, [f32; 3]); LANES];
 
 #[inline(always)]
-fn in_lanes<S: Simd>(simd: S, lights: &LightSet, asked: &Asked, active: u64) -> [Option<LightSample>; LANES] {
+fn in_lanes<S: Simd>(
+    simd: S,
+    lights: &LightSet,
+    requests: &Requests,
+    active: u64,
+) -> [Option<LightSample>; LANES] {
     let lanes = |f: &dyn Fn(usize) -> f32| f32x16::from_fn(simd, f);
     let vectors = |f: &dyn Fn(usize) -> Vec3| {
         let [x, y, z] = [0, 1, 2].map(|k| lanes(&|i| f(i)[k]));
         Vec3x16::new(x, y, z)
     };
-    let (p, ns) = (vectors(&|i| asked[i].0), vectors(&|i| asked[i].1));
-    let u = [0, 1, 2].map(|k| lanes(&|i| asked[i].2[k]));
+    let (p, ns) = (vectors(&|i| requests[i].0), vectors(&|i| requests[i].1));
+    let u = [0, 1, 2].map(|k| lanes(&|i| requests[i].2[k]));
     let found = lights.sample_x16(Mask::from_bitmask(simd, active), Mask::from_bitmask(simd, 0), [p, ns], u);
     std::array::from_fn(|i| {
         let bit = |mask: Mask<S>| mask.to_bitmask() >> i & 1 == 1;
@@ -356,16 +365,17 @@ fn in_lanes<S: Simd>(simd: S, lights: &LightSet, asked: &Asked, active: u64) -> 
 
 #[test]
 fn lanes_choose_as_points_do() {
-    let lamp = |i: usize| {
+    let emissive_triangle = |i: usize| {
         let spread = |m: usize| ((i * m) % 101) as f32 / 25.0 - 2.0;
         let middle = Vec3::new(spread(37), spread(53), spread(71));
         let size = 0.1 + 0.1 * (i % 7) as f32;
         [middle, middle + Vec3::new(0.0, size, 0.3), middle + Vec3::new(size, -0.2, 0.1)]
     };
-    let lamps = |n: usize| triangles(&(0..n).map(lamp).collect::<Vec<_>>(), &[1.0, 5.0, 20.0]);
-    let of = |n| set(LightParts { triangles: lamps(n), ..LightParts::default() });
+    let emissive_triangles =
+        |n: usize| triangles(&(0..n).map(emissive_triangle).collect::<Vec<_>>(), &[1.0, 5.0, 20.0]);
+    let of = |n| set(LightParts { triangles: emissive_triangles(n), ..LightParts::default() });
     let with_sky = set(LightParts {
-        triangles: lamps(30),
+        triangles: emissive_triangles(30),
         directionals: DirectionalLight::new(-Vec3::Z, Vec3::ONE).into_iter().collect(),
         environment: Some(picture()),
         ..LightParts::default()
@@ -375,7 +385,7 @@ fn lanes_choose_as_points_do() {
         let (mut lit, mut dark) = (0, 0);
         for round in 0..200_u32 {
             let active = u64::from(round.wrapping_mul(2_654_435_761) >> 7) & 0xffff;
-            let asked: Asked = std::array::from_fn(|i| {
+            let requests: Requests = std::array::from_fn(|i| {
                 let draw = |n| {
                     sample_pair(3, SampleKey { pixel: round, sample: i as u32, branch: 0 }, which as u32, n)
                 };
@@ -385,15 +395,14 @@ fn lanes_choose_as_points_do() {
                 let p = Vec3::new(a - 0.5, b - 0.5, c - 0.5) * near;
                 let n = uniform_sphere([d, (a * 17.0).fract()]);
                 let [u, v, w] = numbers(16 * round + i as u32);
-                (if i == 3 { lamp(0)[0] } else { p }, n, [u, v, w])
+                (if i == 3 { emissive_triangle(0)[0] } else { p }, n, [u, v, w])
             });
-            let found =
-                dispatch_wide!(Level::default(), simd => in_lanes(simd, lights, &asked, active), else return);
-            for (i, (&(p, n, u), found)) in asked.iter().zip(found).enumerate() {
-                let wanted = lights.sample(p, n, u).filter(|_| active >> i & 1 == 1);
-                let wanted = wanted.map(|sample| LightSample { light: LightId(0), ..sample });
-                assert_eq!(found, wanted, "set {which}, from {p} facing {n} with {u:?}");
-                if wanted.is_some() { lit += 1 } else { dark += 1 }
+            let found = dispatch_wide!(Level::default(), simd => in_lanes(simd, lights, &requests, active), else return);
+            for (i, (&(p, n, u), found)) in requests.iter().zip(found).enumerate() {
+                let exact = lights.sample(p, n, u).filter(|_| active >> i & 1 == 1);
+                let exact = exact.map(|sample| LightSample { light: LightId(0), ..sample });
+                assert_eq!(found, exact, "set {which}, from {p} facing {n} with {u:?}");
+                if exact.is_some() { lit += 1 } else { dark += 1 }
             }
         }
         assert!(dark > 100 && (lit > 500 || which < 2), "set {which}: {lit} lit, {dark} not");

@@ -47,15 +47,15 @@ impl LightBounds {
 
     /// About the most that the group brings to a surface at `p`.
     fn importance(&self, p: Vec3, normal: Vec3) -> f32 {
-        let way = self.centre() - p;
+        let branch_bits = self.centre() - p;
         let radius2 = 0.25 * (self.max - self.min).length_squared();
-        let distance2 = way.length_squared();
-        let towards = way / distance2.sqrt();
+        let distance2 = branch_bits.length_squared();
+        let towards = branch_bits / distance2.sqrt();
         if !towards.is_finite() {
             return self.power / radius2.max(f32::MIN_POSITIVE);
         }
         // Wholly below the horizon: the box's highest corner is.
-        let highest = normal.dot(way) + normal.abs().dot(0.5 * (self.max - self.min));
+        let highest = normal.dot(branch_bits) + normal.abs().dot(0.5 * (self.max - self.min));
         if normal != Vec3::ZERO && highest <= 0.0 {
             return 0.0;
         }
@@ -89,21 +89,21 @@ fn cone_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
         return all;
     }
     let (half_a, half_b) = (a.1.clamp(-1.0, 1.0).acos(), b.1.clamp(-1.0, 1.0).acos());
-    let between = a.0.dot(b.0).clamp(-1.0, 1.0).acos();
-    if (between + half_b).min(std::f32::consts::PI) <= half_a {
+    let axis_angle = a.0.dot(b.0).clamp(-1.0, 1.0).acos();
+    if (axis_angle + half_b).min(std::f32::consts::PI) <= half_a {
         return a;
     }
-    if (between + half_a).min(std::f32::consts::PI) <= half_b {
+    if (axis_angle + half_a).min(std::f32::consts::PI) <= half_b {
         return b;
     }
-    let half = 0.5 * (half_a + between + half_b);
-    let turn = a.0.cross(b.0);
-    if half >= std::f32::consts::PI || turn.length_squared() < 1e-12 {
+    let half = 0.5 * (half_a + axis_angle + half_b);
+    let rotation = a.0.cross(b.0);
+    if half >= std::f32::consts::PI || rotation.length_squared() < 1e-12 {
         return all;
     }
     // From a's axis towards b's until a's far side is reached.
     let angle = half - half_a;
-    let side = turn.normalize().cross(a.0);
+    let side = rotation.normalize().cross(a.0);
     let axis = (a.0 * angle.cos() + side * angle.sin()).normalize();
     // Wider by what rounding may have cost.
     (axis, (half + 1e-3).min(std::f32::consts::PI).cos())
@@ -126,7 +126,7 @@ pub(super) struct LightTree {
     /// Lights by leaf.
     pub(super) order: Vec<u32>,
     /// For each light which way leads to it: bit k = second child at depth k. `None` = it is not in the tree.
-    ways: Vec<Option<u64>>,
+    branches: Vec<Option<u64>>,
 }
 
 /// Deeper than this halves are cut evenly, so that ways fit in 64 bits.
@@ -139,7 +139,7 @@ const MANY: usize = 2048;
 pub(super) const LEAF: usize = 8;
 
 /// What each light of a leaf promises to a point; the rest is zero.
-type Promises = [f32; LEAF];
+type Contributions = [f32; LEAF];
 
 impl LightTree {
     /// Lights without bounds or without power are left out: they are never chosen.
@@ -153,9 +153,12 @@ impl LightTree {
         if !all.is_empty() {
             threads.run(|parallel| tree.build(&mut all, 0, 0, parallel));
         }
-        let mut ways = vec![None; lights.len()];
-        tree.order.iter().zip(tree.ways).for_each(|(&light, way)| ways[light as usize] = Some(way));
-        Self { nodes: tree.nodes, order: tree.order, ways }
+        let mut branches = vec![None; lights.len()];
+        tree.order
+            .iter()
+            .zip(tree.branches)
+            .for_each(|(&light, branch_bits)| branches[light as usize] = Some(branch_bits));
+        Self { nodes: tree.nodes, order: tree.order, branches }
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -163,11 +166,11 @@ impl LightTree {
     }
 
     /// What each light of a leaf promises; the rest is zero.
-    fn leaf(&self, node: &Node, exact: &impl Fn(u32) -> f32) -> Promises {
-        let mut promises = [0.0; LEAF];
+    fn leaf(&self, node: &Node, exact: &impl Fn(u32) -> f32) -> Contributions {
+        let mut contributions = [0.0; LEAF];
         let lights = &self.order[node.index as usize..(node.index + node.lights) as usize];
-        promises.iter_mut().zip(lights).for_each(|(promise, &light)| *promise = exact(light));
-        promises
+        contributions.iter_mut().zip(lights).for_each(|(contribution, &light)| *contribution = exact(light));
+        contributions
     }
 
     /// The share of the first child of an inner node, and what the lights of both promise if they are leaves; `None` if
@@ -178,12 +181,12 @@ impl LightTree {
         p: Vec3,
         normal: Vec3,
         exact: &impl Fn(u32) -> f32,
-    ) -> Option<(f32, Option<[Promises; 2]>)> {
+    ) -> Option<(f32, Option<[Contributions; 2]>)> {
         let children = [at + 1, self.nodes[at].index as usize].map(|child| &self.nodes[child]);
         let leaves = children.iter().all(|child| child.lights > 0);
         let leaves = leaves.then(|| children.map(|child| self.leaf(child, exact)));
         let [first, second] = match &leaves {
-            Some(leaves) => leaves.each_ref().map(|promises| promises.iter().sum::<f32>()),
+            Some(leaves) => leaves.each_ref().map(|contributions| contributions.iter().sum::<f32>()),
             None => children.map(|child| child.bounds.importance(p, normal)),
         };
         let sum = first + second;
@@ -204,17 +207,17 @@ impl LightTree {
         loop {
             let node = self.nodes.get(at)?;
             if node.lights > 0 {
-                let promises = known.unwrap_or_else(|| self.leaf(node, &exact));
-                let sum: f32 = promises.iter().sum();
-                let last = promises.iter().rposition(|&promise| promise > 0.0)?;
+                let contributions = known.unwrap_or_else(|| self.leaf(node, &exact));
+                let sum: f32 = contributions.iter().sum();
+                let last = contributions.iter().rposition(|&contribution| contribution > 0.0)?;
                 let mut rest = u * sum;
                 let chosen = (0..last).find(|&k| {
-                    rest -= promises[k];
+                    rest -= contributions[k];
                     rest < 0.0
                 });
                 let chosen = chosen.unwrap_or(last);
                 let light = self.order[node.index as usize + chosen];
-                return Some((light, probability * (promises[chosen] / sum)));
+                return Some((light, probability * (contributions[chosen] / sum)));
             }
             let (share, leaves) = self.first_share(at, p, normal, &exact)?;
             known = leaves.map(|[first, second]| if u < share { first } else { second });
@@ -232,26 +235,26 @@ impl LightTree {
 
     /// The probability with which a light is chosen for a point.
     pub(super) fn probability(&self, light: u32, p: Vec3, normal: Vec3, exact: impl Fn(u32) -> f32) -> f32 {
-        let Some(mut way) = self.ways[light as usize] else { return 0.0 };
+        let Some(mut branch_bits) = self.branches[light as usize] else { return 0.0 };
         let (mut at, mut probability) = (0, 1.0);
-        let mut known: Option<Promises> = None;
+        let mut known: Option<Contributions> = None;
         loop {
             let node = &self.nodes[at];
             if node.lights > 0 {
                 let sum: f32 = known.unwrap_or_else(|| self.leaf(node, &exact)).iter().sum();
-                let promise = exact(light);
-                return if promise > 0.0 { probability * (promise / sum) } else { 0.0 };
+                let contribution = exact(light);
+                return if contribution > 0.0 { probability * (contribution / sum) } else { 0.0 };
             }
             let Some((share, leaves)) = self.first_share(at, p, normal, &exact) else { return 0.0 };
-            known = leaves.map(|[first, second]| if way & 1 == 0 { first } else { second });
-            if way & 1 == 0 {
+            known = leaves.map(|[first, second]| if branch_bits & 1 == 0 { first } else { second });
+            if branch_bits & 1 == 0 {
                 probability *= share;
                 at += 1;
             } else {
                 probability *= 1.0 - share;
                 at = node.index as usize;
             }
-            way >>= 1;
+            branch_bits >>= 1;
         }
     }
 }
@@ -263,7 +266,7 @@ struct Subtree {
     /// Lights by leaf.
     order: Vec<u32>,
     /// The way to each of them.
-    ways: Vec<u64>,
+    branches: Vec<u64>,
 }
 
 impl Subtree {
@@ -271,7 +274,7 @@ impl Subtree {
         &mut self,
         lights: &mut [(u32, LightBounds)],
         depth: u32,
-        way: u64,
+        branch_bits: u64,
         parallel: bool,
     ) -> LightBounds {
         let at = self.nodes.len();
@@ -280,7 +283,7 @@ impl Subtree {
             self.nodes.push(Node { bounds, index: self.order.len() as u32, lights: lights.len() as u32 });
             for (light, _) in lights {
                 self.order.push(*light);
-                self.ways.push(way);
+                self.branches.push(branch_bits);
             }
             return bounds;
         }
@@ -288,20 +291,20 @@ impl Subtree {
         let middle = split(lights, depth, parallel);
         self.nodes.push(Node { bounds: lights[0].1, index: 0, lights: 0 });
         let (left, right) = lights.split_at_mut(middle);
-        let second_way = way | 1 << depth;
+        let other_branch = branch_bits | 1 << depth;
         let [first, second] = if parallel {
             let mut other = Self::default();
             let (first, second) = rayon::join(
-                || self.build(left, depth + 1, way, true),
-                || other.build(right, depth + 1, second_way, true),
+                || self.build(left, depth + 1, branch_bits, true),
+                || other.build(right, depth + 1, other_branch, true),
             );
             self.nodes[at].index = self.nodes.len() as u32;
             self.append(other);
             [first, second]
         } else {
-            let first = self.build(left, depth + 1, way, false);
+            let first = self.build(left, depth + 1, branch_bits, false);
             self.nodes[at].index = self.nodes.len() as u32;
-            [first, self.build(right, depth + 1, second_way, false)]
+            [first, self.build(right, depth + 1, other_branch, false)]
         };
         self.nodes[at].bounds = first.union(&second);
         self.nodes[at].bounds
@@ -314,7 +317,7 @@ impl Subtree {
             |node: Node| Node { index: node.index + if node.lights > 0 { lights } else { nodes }, ..node };
         self.nodes.extend(other.nodes.into_iter().map(moved));
         self.order.extend(other.order);
-        self.ways.extend(other.ways);
+        self.branches.extend(other.branches);
     }
 }
 
@@ -333,8 +336,8 @@ struct Cut {
 
 impl Cut {
     fn bucket(&self, bounds: &LightBounds) -> usize {
-        let place = (feature(bounds, self.feature) - self.low) / self.size * BUCKETS as f32;
-        (place as usize).min(BUCKETS - 1)
+        let position = (feature(bounds, self.feature) - self.low) / self.size * BUCKETS as f32;
+        (position as usize).min(BUCKETS - 1)
     }
 }
 
@@ -362,9 +365,9 @@ fn split(lights: &mut [(u32, LightBounds)], depth: u32, parallel: bool) -> usize
             // Thin cuts through long boxes make bad groups.
             let shape = if k < 3 { size(widest) / size(k) } else { 1.0 };
             let cut = along(k);
-            for (place, cost) in costs {
+            for (position, cost) in costs {
                 if best.as_ref().is_none_or(|(least, ..)| shape * cost < *least) {
-                    best = Some((shape * cost, Cut { cut: place, ..cut }));
+                    best = Some((shape * cost, Cut { cut: position, ..cut }));
                 }
             }
         }
@@ -455,8 +458,11 @@ mod tests {
                 counts[light as usize] += 1.0 / N as f32;
             }
             for (i, count) in (0..).zip(counts) {
-                let wanted = tree.probability(i, p, n, exact);
-                assert!((count - wanted).abs() < 1e-3 * (1.0 + wanted), "light {i}: {count}, not {wanted}");
+                let expected = tree.probability(i, p, n, exact);
+                assert!(
+                    (count - expected).abs() < 1e-3 * (1.0 + expected),
+                    "light {i}: {count}, not {expected}"
+                );
             }
         }
     }
@@ -493,11 +499,11 @@ mod tests {
             Some(LightBounds { min, max, axis, cos_normals: 1.0, cos_emission: 0.0, power: 0.1 + x * y })
         };
         let lights: Vec<_> = (0..4 * MANY as u32).map(light).collect();
-        let alone = format!("{:?}", LightTree::new(&lights, Threads::Single));
+        let single = format!("{:?}", LightTree::new(&lights, Threads::Single));
         for threads in [1, 3] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
             let shared = format!("{:?}", LightTree::new(&lights, Threads::Pool(&pool)));
-            assert!(alone == shared, "{threads} threads make the same tree");
+            assert!(single == shared, "{threads} threads make the same tree");
         }
     }
 

@@ -14,7 +14,9 @@ mod light_set_tests;
 mod light_tree;
 mod punctual;
 
-pub use area::{EmissiveTriangle, Emitter, LEAST_SHARE, LampPlace, LampShaders, TriangleLights, looking_at};
+pub use area::{
+    EmissiveTriangle, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, TriangleLights, looking_at,
+};
 pub use environment::{ConstantEnvironment, PictureEnvironment};
 pub use light_emission::LightRay;
 pub use light_lanes::{LightSampleX16, LightSamples};

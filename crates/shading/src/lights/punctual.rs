@@ -71,11 +71,11 @@ impl DirectionalLight {
 /// Fills `out` from a point whose intensity depends on the direction away from it.
 fn from_point(position: Vec3, intensity: impl Fn(Vec3) -> Vec3, p: &Vec3s, out: &mut LightBatch) {
     for i in 0..p.len() {
-        let way = position - p.get(i);
-        let dist = way.length();
+        let offset = position - p.get(i);
+        let dist = offset.length();
         // A point at the light's place is not lit: it has no direction.
         if dist > 0.0 && dist.is_finite() {
-            let dir = way / dist;
+            let dir = offset / dist;
             out.dir.set(i, dir);
             out.dist[i] = dist;
             out.radiance.set(i, intensity(-dir) / (dist * dist));
@@ -109,7 +109,7 @@ impl LightShader for DirectionalLight {
 mod tests {
     use super::*;
 
-    fn ask(light: &dyn LightShader, p: Vec3) -> (Vec3, f32, Vec3) {
+    fn sample_one(light: &dyn LightShader, p: Vec3) -> (Vec3, f32, Vec3) {
         let mut out = LightBatch::default();
         out.reset(1);
         light.illuminate(&Vec3s::splat(1, p), &Vec3s::splat(1, Vec3::Z), &[[0.5; 2]], &mut out);
@@ -119,8 +119,8 @@ mod tests {
     #[test]
     fn intensity_falls_with_the_square() {
         let light = PointLight { position: Vec3::new(0.0, 0.0, 4.0), intensity: Vec3::splat(32.0) };
-        assert_eq!(ask(&light, Vec3::ZERO), (Vec3::Z, 4.0, Vec3::splat(2.0)), "32 / 4²");
-        assert_eq!(ask(&light, light.position).2, Vec3::ZERO, "no light at the light itself");
+        assert_eq!(sample_one(&light, Vec3::ZERO), (Vec3::Z, 4.0, Vec3::splat(2.0)), "32 / 4²");
+        assert_eq!(sample_one(&light, light.position).2, Vec3::ZERO, "no light at the light itself");
     }
 
     #[test]
@@ -128,7 +128,7 @@ mod tests {
         let light = SpotLight::new(Vec3::Z, -Vec3::Z, Vec3::ONE, 0.3, 0.6).expect("it points down");
         let at = |angle: f32| {
             let p = Vec3::Z + Vec3::new(angle.sin(), 0.0, -angle.cos());
-            ask(&light, p).2.x
+            sample_one(&light, p).2.x
         };
         assert!((at(0.2) - 1.0).abs() < 1e-5, "full inside");
         assert_eq!(at(0.61), 0.0, "dark outside");
@@ -143,6 +143,6 @@ mod tests {
     #[test]
     fn directional_lights_are_far() {
         let light = DirectionalLight::new(Vec3::new(0.0, 0.0, -2.0), Vec3::ONE).expect("it points down");
-        assert_eq!(ask(&light, Vec3::ONE), (Vec3::Z, f32::INFINITY, Vec3::ONE), "the same everywhere");
+        assert_eq!(sample_one(&light, Vec3::ONE), (Vec3::Z, f32::INFINITY, Vec3::ONE), "the same everywhere");
     }
 }

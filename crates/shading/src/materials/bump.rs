@@ -42,7 +42,7 @@ impl BumpMap {
         if cos >= LEAST_COS {
             return bent;
         }
-        (facing + wo * (LEAST_COS - cos)).try_normalize().map_or(ns, |seen| seen * side)
+        (facing + wo * (LEAST_COS - cos)).try_normalize().map_or(ns, |facing_normal| facing_normal * side)
     }
 
     /// `None` where texture coordinates change nowhere, or heights do not.
@@ -118,15 +118,15 @@ mod tests {
         let down = -Vec3::Z;
         // Texels are half a unit wide: 0.1 times 5 of them up for each.
         let slope = |dp_du, dp_dv, ray| map.normal(&point([0.45, 0.5], dp_du, dp_dv, ray), 0);
-        let wanted = Vec3::new(-0.5, 0.0, 1.0).normalize();
+        let expected = Vec3::new(-0.5, 0.0, 1.0).normalize();
         let found = slope(Vec3::X * 4.0, Vec3::Y * 4.0, down);
-        assert!(found.distance(wanted) < 1e-4, "a ramp of one half: {found}");
+        assert!(found.distance(expected) < 1e-4, "a ramp of one half: {found}");
         let mirrored = slope(Vec3::X * -4.0, Vec3::Y * 4.0, down);
-        assert!(mirrored.distance(wanted * Vec3::new(-1.0, 1.0, 1.0)) < 1e-4, "mirrored: {mirrored}");
+        assert!(mirrored.distance(expected * Vec3::new(-1.0, 1.0, 1.0)) < 1e-4, "mirrored: {mirrored}");
         // Twice as long along u: half as steep in texels that are longer.
         let stretched = slope(Vec3::X * 8.0, Vec3::Y * 2.0, down);
-        let wanted = Vec3::new(-0.25, 0.0, 1.0).normalize();
-        assert!(stretched.distance(wanted) < 1e-4, "stretched: {stretched}");
+        let expected = Vec3::new(-0.25, 0.0, 1.0).normalize();
+        assert!(stretched.distance(expected) < 1e-4, "stretched: {stretched}");
         let grazing = slope(Vec3::X * 4.0, Vec3::Y * 4.0, Vec3::new(-1.0, 0.0, -0.1));
         assert!(grazing.dot(Vec3::new(1.0, 0.0, 0.1).normalize()) > 0.0, "seen from behind: {grazing}");
         let below = slope(Vec3::X * 4.0, Vec3::Y * 4.0, Vec3::Z);

@@ -106,8 +106,8 @@ impl SurfaceShader for Material {
         self.surface.backdrop()
     }
 
-    fn tell(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
-        self.surface.tell(&self.bumpy(hits), lane)
+    fn describe(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
+        self.surface.describe(&self.bumpy(hits), lane)
     }
 
     fn attributes(&self) -> &[AttributeRequest] {

@@ -120,20 +120,20 @@ impl MetallicRoughness {
     /// Makes facets rougher along the direction in which they are brushed: glTF's alpha along it goes to 1 with the square of the strength.
     fn brush(&self, hits: &SurfaceBatch, i: usize, ns: Vec3, model: &mut Principled) {
         let Anisotropy { strength, rotation, texture } = &self.anisotropy;
-        let (mut strength, mut way) = (*strength, Vec2::X);
+        let (mut strength, mut axis) = (*strength, Vec2::X);
         let [mut u, mut v] = [hits.dp_du.get(i), hits.dp_dv.get(i)];
         if let Some(texture) = texture {
             let [r, g, b, _] = texture.at_hit(hits, i);
             strength *= b;
-            way = Vec2::new(2.0 * r - 1.0, 2.0 * g - 1.0).try_normalize().unwrap_or(Vec2::X);
+            axis = Vec2::new(2.0 * r - 1.0, 2.0 * g - 1.0).try_normalize().unwrap_or(Vec2::X);
             if let Some(axes) = axes(texture, u, v) {
                 [u, v] = axes;
             }
         }
-        let way = Vec2::from_angle(*rotation).rotate(way);
+        let axis = Vec2::from_angle(*rotation).rotate(axis);
         let frame = Basis::along(ns, u);
         let bitangent = if frame.bitangent.dot(v) < 0.0 { -frame.bitangent } else { frame.bitangent };
-        model.tangent = frame.tangent * way.x + bitangent * way.y;
+        model.tangent = frame.tangent * axis.x + bitangent * axis.y;
         model.across = model.alpha.max(f32::MIN_POSITIVE);
         model.alpha += (1.0 - model.alpha) * (strength * strength).clamp(0.0, 1.0);
     }

@@ -158,10 +158,10 @@ impl Branches {
         if self.weight.is_empty() {
             return;
         }
-        let mut seen = Vec3s::default();
-        tracer.trace(hits.depth, &self.request, &mut seen);
+        let mut found = Vec3s::default();
+        tracer.trace(hits.depth, &self.request, &mut found);
         for (k, (&parent, &weight)) in self.request.parent.iter().zip(&self.weight).enumerate() {
-            out.add(parent as usize, weight * seen.get(k));
+            out.add(parent as usize, weight * found.get(k));
         }
     }
 }

@@ -17,7 +17,7 @@ pub mod purpose {
     /// Choice between mirrored and refracted.
     pub const CHOICE: u32 = 2;
     /// Place on the light that was chosen.
-    pub const LIGHT_PLACE: u32 = 3;
+    pub const LIGHT_POSITION: u32 = 3;
     /// Choice between lights.
     pub const LIGHT_CHOICE: u32 = 4;
     /// Whether a surface that is there in part is met.
@@ -51,8 +51,8 @@ impl Draws {
     #[must_use]
     #[inline]
     pub fn new(seed: u64, key: SampleKey, depth: u32) -> Self {
-        let words = [seed as u32, (seed >> 32) as u32, key.pixel, key.branch, depth];
-        Self { sample: key.sample, set: words.into_iter().fold(0x9e37_79b9, hash_combine) }
+        let values = [seed as u32, (seed >> 32) as u32, key.pixel, key.branch, depth];
+        Self { sample: key.sample, set: values.into_iter().fold(0x9e37_79b9, hash_combine) }
     }
 
     /// The pair for this [`purpose`].
@@ -118,11 +118,11 @@ mod tests {
                     (first..first + n).map(|s| sample_pair(9, key(pixel, s), 2, 5)).collect();
                 for columns_log in 0..=log {
                     let (columns, rows) = (1_u32 << columns_log, 1_u32 << (log - columns_log));
-                    let mut seen = vec![false; n as usize];
+                    let mut occupied = vec![false; n as usize];
                     for [x, y] in &points {
                         let cell = (y * rows as f32) as u32 * columns + (x * columns as f32) as u32;
-                        assert!(!seen[cell as usize], "two points in one of {columns} x {rows} cells");
-                        seen[cell as usize] = true;
+                        assert!(!occupied[cell as usize], "two points in one of {columns} x {rows} cells");
+                        occupied[cell as usize] = true;
                     }
                 }
             }

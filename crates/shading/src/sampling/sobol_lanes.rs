@@ -8,26 +8,26 @@ use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
 
 use super::hash::mix;
 use crate::batch::SampleKey;
-use crate::lanes::{Floats, LANES, Words};
+use crate::lanes::{Floats, LANES, UInts};
 
 /// All pairs of sixteen samples.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawsX16<S: Simd> {
     /// The number of the sample within its pixel, turned around.
-    sample: Words<S>,
+    sample: UInts<S>,
     /// Hash of all but the purpose.
-    set: Words<S>,
+    set: UInts<S>,
 }
 
 impl<S: Simd> DrawsX16<S> {
     /// Those of these samples; see [`SampleKey`](crate::SampleKey).
     #[inline(always)]
     #[must_use]
-    pub fn new(simd: S, seed: u64, [pixel, sample, branch]: [Words<S>; 3], depth: Words<S>) -> Self {
+    pub fn new(simd: S, seed: u64, [pixel, sample, branch]: [UInts<S>; 3], depth: UInts<S>) -> Self {
         let seeded = [seed as u32, (seed >> 32) as u32].into_iter().fold(0x9e37_79b9, super::hash_combine);
         let mut set = u32x16::splat(simd, seeded);
-        for word in [pixel, branch, depth] {
-            set = combine(set, mix_lanes(word + 0x9e37_79b9));
+        for value in [pixel, branch, depth] {
+            set = combine(set, mix_lanes(value + 0x9e37_79b9));
         }
         Self { sample: reverse(sample), set }
     }
@@ -55,7 +55,7 @@ pub fn sample_pairs<S: Simd>(
 ) {
     out.clear();
     for some in keys.chunks(LANES) {
-        let draws = DrawsX16::new(simd, seed, key_words(simd, some), u32x16::splat(simd, depth));
+        let draws = DrawsX16::new(simd, seed, key_values(simd, some), u32x16::splat(simd, depth));
         let [x, y] = draws.pair(purpose);
         for i in 0..some.len().min(LANES) {
             out.push([x[i], y[i]]);
@@ -65,29 +65,29 @@ pub fn sample_pairs<S: Simd>(
 
 /// Pixels, samples and branches of the first sixteen keys; zeros where there are fewer.
 #[inline(always)]
-pub fn key_words<S: Simd>(simd: S, keys: &[SampleKey]) -> [Words<S>; 3] {
-    let mut words = [[0; LANES]; 3];
+pub fn key_values<S: Simd>(simd: S, keys: &[SampleKey]) -> [UInts<S>; 3] {
+    let mut values = [[0; LANES]; 3];
     for (i, key) in keys.iter().take(LANES).enumerate() {
-        (words[0][i], words[1][i], words[2][i]) = (key.pixel, key.sample, key.branch);
+        (values[0][i], values[1][i], values[2][i]) = (key.pixel, key.sample, key.branch);
     }
-    let [pixels, samples, branches] = &words;
+    let [pixels, samples, branches] = &values;
     [u32x16::from_slice(simd, pixels), u32x16::from_slice(simd, samples), u32x16::from_slice(simd, branches)]
 }
 
 /// `hash_combine` of `a` and a word that is mixed already.
 #[inline(always)]
-fn combine<S: Simd>(a: Words<S>, mixed: Words<S>) -> Words<S> {
+fn combine<S: Simd>(a: UInts<S>, mixed: UInts<S>) -> UInts<S> {
     mix_lanes(a ^ (mixed + (a << 6) + (a >> 2)))
 }
 
 /// `hash_combine` with a word that all lanes share.
 #[inline(always)]
-fn combine_known<S: Simd>(a: Words<S>, b: u32) -> Words<S> {
+fn combine_known<S: Simd>(a: UInts<S>, b: u32) -> UInts<S> {
     combine(a, u32x16::splat(a.token(), mix(b.wrapping_add(0x9e37_79b9))))
 }
 
 #[inline(always)]
-fn mix_lanes<S: Simd>(x: Words<S>) -> Words<S> {
+fn mix_lanes<S: Simd>(x: UInts<S>) -> UInts<S> {
     let x = x ^ (x >> 16);
     let x = x * 0x21f0_aaad;
     let x = x ^ (x >> 15);
@@ -97,7 +97,7 @@ fn mix_lanes<S: Simd>(x: Words<S>) -> Words<S> {
 
 /// The second coordinate of a Sobol' point, turned around.
 #[inline(always)]
-fn second_dimension<S: Simd>(index: Words<S>) -> Words<S> {
+fn second_dimension<S: Simd>(index: UInts<S>) -> UInts<S> {
     let mut sums = index;
     for (shift, mask) in
         [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff), (16, 0x0000_ffff)]
@@ -109,14 +109,14 @@ fn second_dimension<S: Simd>(index: Words<S>) -> Words<S> {
 
 /// A coordinate that is given turned around, scrambled by the set's hash with `n`, as a number in [0, 1).
 #[inline(always)]
-fn scrambled<S: Simd>(turned: Words<S>, set: Words<S>, n: u32) -> Floats<S> {
-    let word = reverse(owen(turned + combine_known(set, n))) >> 8;
-    Floats::<S>::float_from(word) * f32x16::splat(turned.token(), 1.0 / 16_777_216.0)
+fn scrambled<S: Simd>(turned: UInts<S>, set: UInts<S>, n: u32) -> Floats<S> {
+    let value = reverse(owen(turned + combine_known(set, n))) >> 8;
+    Floats::<S>::float_from(value) * f32x16::splat(turned.token(), 1.0 / 16_777_216.0)
 }
 
 /// What `owen_scramble` does between its two turns, but for the first sum.
 #[inline(always)]
-fn owen<S: Simd>(mut x: Words<S>) -> Words<S> {
+fn owen<S: Simd>(mut x: UInts<S>) -> UInts<S> {
     for factor in [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6] {
         x ^= x * factor;
     }
@@ -125,7 +125,7 @@ fn owen<S: Simd>(mut x: Words<S>) -> Words<S> {
 
 /// The bits of each word, last one first.
 #[inline(always)]
-fn reverse<S: Simd>(mut x: Words<S>) -> Words<S> {
+fn reverse<S: Simd>(mut x: UInts<S>) -> UInts<S> {
     for (shift, mask) in [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff)] {
         x = ((x >> shift) & mask) | ((x & mask) << shift);
     }
@@ -142,8 +142,8 @@ mod tests {
 
     #[inline(always)]
     fn in_lanes<S: Simd>(simd: S, seed: u64, keys: &[SampleKey; LANES], depth: u32) -> [Pairs; LANES] {
-        let draws = DrawsX16::new(simd, seed, key_words(simd, keys), u32x16::splat(simd, depth));
-        let (light, direction) = (draws.pair(purpose::LIGHT_PLACE), draws.pair(purpose::DIRECTION));
+        let draws = DrawsX16::new(simd, seed, key_values(simd, keys), u32x16::splat(simd, depth));
+        let (light, direction) = (draws.pair(purpose::LIGHT_POSITION), draws.pair(purpose::DIRECTION));
         let choice = draws.pair(purpose::CHOICE);
         std::array::from_fn(|i| [light, direction, choice].map(|pair| pair.map(|numbers| numbers[i])))
     }
@@ -164,16 +164,16 @@ mod tests {
                 dispatch_wide!(Level::default(), simd => in_lanes(simd, seed, &keys, depth), else return);
             for (key, found) in keys.into_iter().zip(found) {
                 let draws = Draws::new(seed, key, depth);
-                let wanted =
-                    [purpose::LIGHT_PLACE, purpose::DIRECTION, purpose::CHOICE].map(|p| draws.pair(p));
-                assert_eq!(found, wanted, "{key:?}");
+                let expected =
+                    [purpose::LIGHT_POSITION, purpose::DIRECTION, purpose::CHOICE].map(|p| draws.pair(p));
+                assert_eq!(found, expected, "{key:?}");
             }
             let some = &keys[..1 + round as usize % LANES];
             let mut pairs = vec![[7.0; 2]];
             dispatch_wide!(Level::default(), simd => sample_pairs(simd, seed, some, depth, purpose::PIXEL, &mut pairs), else return);
-            let wanted: Vec<_> =
+            let expected: Vec<_> =
                 some.iter().map(|&key| super::super::sample_pair(seed, key, depth, purpose::PIXEL)).collect();
-            assert_eq!(pairs, wanted, "{} at once", some.len());
+            assert_eq!(pairs, expected, "{} at once", some.len());
         }
     }
 }

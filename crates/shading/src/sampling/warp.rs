@@ -112,17 +112,19 @@ mod tests {
     #[test]
     fn triangle_is_uniform() {
         const N: u32 = 1 << 14;
-        let mut moments = [0.0_f64; 5];
+        let mut statistics = [0.0_f64; 5];
         for u in pairs(N) {
             let [a, b] = triangle(u).map(f64::from);
             assert!(a >= 0.0 && b >= 0.0 && a + b <= 1.0 + 1e-6, "inside: {a}, {b}");
-            for (moment, value) in moments.iter_mut().zip([a, b, a * a, b * b, a * b]) {
-                *moment += value / f64::from(N);
+            for (statistic, value) in statistics.iter_mut().zip([a, b, a * a, b * b, a * b]) {
+                *statistic += value / f64::from(N);
             }
         }
         // Moments of the uniform density over a triangle: 1/3, 1/3, 1/6, 1/6, 1/12.
-        for (moment, wanted) in moments.iter().zip([1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 12.0]) {
-            assert!((moment - wanted).abs() < 1e-3, "{moment} instead of {wanted}");
+        for (statistic, exact) in
+            statistics.iter().zip([1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0, 1.0 / 12.0])
+        {
+            assert!((statistic - exact).abs() < 1e-3, "{statistic} instead of {exact}");
         }
     }
 

@@ -34,12 +34,12 @@ fn sin_cos<R: Real>(a: R) -> (R, R) {
     (sin, cos)
 }
 
-/// Sine and cosine of `turns` in [0, 1], 1 being all around.
+/// Sine and cosine of `fraction` in [0, 1], 1 being all around.
 #[inline(always)]
-pub(crate) fn sin_cos_of_turn<R: Real>(turns: R) -> (R, R) {
-    let quarters = (turns * 4.0 + turns.all(0.5)).whole();
-    let (sin, cos) = sin_cos((turns * 4.0 - quarters) * FRAC_PI_2);
-    let is = |k: f32| quarters.is(turns.all(k));
+pub(crate) fn sin_cos_of_fraction<R: Real>(fraction: R) -> (R, R) {
+    let quarters = (fraction * 4.0 + fraction.all(0.5)).whole();
+    let (sin, cos) = sin_cos((fraction * 4.0 - quarters) * FRAC_PI_2);
+    let is = |k: f32| quarters.is(fraction.all(k));
     let odd = is(1.0) | is(3.0);
     let (s, c) = (R::pick(odd, cos, sin), R::pick(odd, sin, cos));
     (R::pick(is(2.0) | is(3.0), -s, s), R::pick(is(1.0) | is(2.0), -c, c))
@@ -80,7 +80,7 @@ mod tests {
 
     fn maps<R: Real>(u: [R; 2], n: Vector<R>) -> (Vector<R>, Vector<R>, (R, R)) {
         let (dir, [tangent, bitangent]) = (cosine_hemisphere_of(u), frame_around(n));
-        (dir, tangent * dir.x + bitangent * dir.y + n * dir.z, sin_cos_of_turn(u[0]))
+        (dir, tangent * dir.x + bitangent * dir.y + n * dir.z, sin_cos_of_fraction(u[0]))
     }
 
     #[inline(always)]
@@ -103,8 +103,12 @@ mod tests {
             for level in Level::available() {
                 let found = dispatch!(level, simd => in_lanes(simd, &u, n));
                 for (u, (dir, weights, world, turned)) in u.into_iter().zip(found) {
-                    let (wanted, of_world, (sin, cos)) = maps(u, n.into());
-                    assert_eq!((dir, world), (wanted.into(), of_world.into()), "{u:?} around {n} at {level}");
+                    let (expected, of_world, (sin, cos)) = maps(u, n.into());
+                    assert_eq!(
+                        (dir, world),
+                        (expected.into(), of_world.into()),
+                        "{u:?} around {n} at {level}"
+                    );
                     assert_eq!(turned, [sin, cos], "{u:?} at {level}");
                     let (s, c) = (f64::from(u[0]) * std::f64::consts::TAU).sin_cos();
                     let off = (f64::from(sin) - s).abs().max((f64::from(cos) - c).abs());

@@ -32,12 +32,12 @@ pub(super) fn blackbody_xyz(kelvin: f32) -> [f32; 3] {
 
 /// XYZ of light of one wavelength; black outside of what is seen.
 pub(super) fn wavelength_xyz(wavelength_nm: f32) -> [f32; 3] {
-    let place = (wavelength_nm - 380.0) / 5.0;
-    let i = place as i32;
-    if !(0..80).contains(&i) || place.is_nan() {
+    let parameter = (wavelength_nm - 380.0) / 5.0;
+    let i = parameter as i32;
+    if !(0..80).contains(&i) || parameter.is_nan() {
         return [0.0; 3];
     }
     let (low, high) = (MATCHING[i as usize], MATCHING[i as usize + 1]);
-    let rest = place - i as f32;
+    let rest = parameter - i as f32;
     [0, 1, 2].map(|k| low[k] * (1.0 - rest) + high[k] * rest)
 }

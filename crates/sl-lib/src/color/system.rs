@@ -149,9 +149,9 @@ impl ColorSystem {
             return self.computed_blackbody(kelvin);
         }
         let root = cbrt((kelvin - DRAPER) / 2.0);
-        let place = root * root;
-        let i = place as usize;
-        let rest = place - i as f32;
+        let parameter = root * root;
+        let i = parameter as usize;
+        let rest = parameter - i as f32;
         let (low, high) = (self.blackbodies[i], self.blackbodies[i + 1]);
         [0, 1, 2].map(|k| {
             let x = low[k] * (1.0 - rest) + high[k] * rest;

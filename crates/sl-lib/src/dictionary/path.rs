@@ -21,7 +21,7 @@ enum Test {
 /// What stands in brackets.
 #[derive(Debug)]
 enum Condition {
-    Place(usize),
+    Position(usize),
     Last,
     /// One of these groups, of which all must hold.
     OneOf(Vec<Vec<Comparison>>),
@@ -50,14 +50,14 @@ struct Step {
 }
 
 #[derive(Debug)]
-struct Way {
+struct Axis {
     absolute: bool,
     steps: Vec<Step>,
 }
 
 /// A query that was read.
 #[derive(Debug)]
-pub(super) struct Query(Vec<Way>);
+pub(super) struct Query(Vec<Axis>);
 
 struct Reader<'a>(&'a str);
 
@@ -69,22 +69,22 @@ impl<'a> Reader<'a> {
         after.is_some()
     }
 
-    fn word(&mut self) -> Option<&'a str> {
+    fn next_name(&mut self) -> Option<&'a str> {
         self.0 = self.0.trim_start();
         let is_end = |c: char| c.is_whitespace() || "/[]()|@=!'\"<>,$*+".contains(c);
         let length = self.0.find(is_end).unwrap_or(self.0.len());
-        let (word, rest) = self.0.split_at(length);
+        let (next_name, rest) = self.0.split_at(length);
         self.0 = rest;
-        (length > 0).then_some(word)
+        (length > 0).then_some(next_name)
     }
 
-    fn way(&mut self) -> Option<Way> {
+    fn axis(&mut self) -> Option<Axis> {
         let mut deep = self.eat("//");
         let absolute = deep || self.eat("/");
         let mut steps = Vec::new();
         self.0 = self.0.trim_start();
         if absolute && !deep && (self.0.is_empty() || self.0.starts_with('|')) {
-            return Some(Way { absolute, steps });
+            return Some(Axis { absolute, steps });
         }
         loop {
             let test = if self.eat("..") {
@@ -92,7 +92,7 @@ impl<'a> Reader<'a> {
             } else if self.eat("*") {
                 Test::Any
             } else {
-                match self.word()? {
+                match self.next_name()? {
                     "." => Test::Here,
                     "text" if self.eat("(") => self.eat(")").then_some(Test::Text)?,
                     "node" if self.eat("(") => self.eat(")").then_some(Test::Node)?,
@@ -107,7 +107,7 @@ impl<'a> Reader<'a> {
             steps.push(Step { deep, test, conditions });
             deep = self.eat("//");
             if !deep && !self.eat("/") {
-                return Some(Way { absolute, steps });
+                return Some(Axis { absolute, steps });
             }
         }
     }
@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
     fn condition(&mut self) -> Option<Condition> {
         self.0 = self.0.trim_start();
         if self.0.starts_with(|c: char| c.is_ascii_digit()) {
-            return Some(Condition::Place(self.word()?.parse().ok()?));
+            return Some(Condition::Position(self.next_name()?.parse().ok()?));
         }
         if self.eat("last()") {
             return Some(Condition::Last);
@@ -135,11 +135,11 @@ impl<'a> Reader<'a> {
 
     fn comparison(&mut self) -> Option<Comparison> {
         let operand = if self.eat("@") {
-            Operand::Attribute(self.word()?.to_owned())
+            Operand::Attribute(self.next_name()?.to_owned())
         } else if self.eat("text()") || self.eat(".") {
             Operand::Text
         } else {
-            Operand::Child(self.word()?.to_owned())
+            Operand::Child(self.next_name()?.to_owned())
         };
         let equal = if self.eat("!=") {
             false
@@ -157,13 +157,13 @@ impl<'a> Reader<'a> {
 
 impl Comparison {
     fn holds(&self, document: &Document, node: usize) -> bool {
-        let meets = |value: &str| self.to.as_ref().is_none_or(|(equal, to)| (value == to) == *equal);
+        let satisfies = |value: &str| self.to.as_ref().is_none_or(|(equal, to)| (value == to) == *equal);
         match &self.operand {
-            Operand::Attribute(name) => document.attribute(node, name).is_some_and(meets),
-            Operand::Text => meets(&document.text(node)),
+            Operand::Attribute(name) => document.attribute(node, name).is_some_and(satisfies),
+            Operand::Text => satisfies(&document.text(node)),
             Operand::Child(name) => document.nodes[node].children.iter().any(|&child| {
                 matches!(&document.nodes[child].content, Content::Element { name: known, .. } if known == name)
-                    && (self.to.is_none() || meets(&document.text(child)))
+                    && (self.to.is_none() || satisfies(&document.text(child)))
             }),
         }
     }
@@ -178,17 +178,17 @@ impl Step {
             Test::Parent => vec![document.nodes[node].parent],
             _ => document.nodes[node].children.clone(),
         };
-        let meets = |&node: &usize| match (&self.test, &document.nodes[node].content) {
-            (Test::Name(wanted), Content::Element { name, .. }) => wanted == name,
+        let satisfies = |&node: &usize| match (&self.test, &document.nodes[node].content) {
+            (Test::Name(expected), Content::Element { name, .. }) => expected == name,
             (Test::Any, Content::Element { .. }) | (Test::Text, Content::Text(_)) => true,
             (Test::Node | Test::Here | Test::Parent, _) => true,
             _ => false,
         };
-        let mut found: Vec<usize> = candidates.into_iter().filter(meets).collect();
+        let mut found: Vec<usize> = candidates.into_iter().filter(satisfies).collect();
         for condition in &self.conditions {
             found = match condition {
-                Condition::Place(place) => {
-                    place.checked_sub(1).and_then(|i| found.get(i)).into_iter().copied().collect()
+                Condition::Position(position) => {
+                    position.checked_sub(1).and_then(|i| found.get(i)).into_iter().copied().collect()
                 }
                 Condition::Last => found.last().into_iter().copied().collect(),
                 Condition::OneOf(groups) => {
@@ -218,19 +218,19 @@ impl Query {
     /// Reads a query; `None` if it is none that is known.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let mut reader = Reader(text);
-        let mut ways = vec![reader.way()?];
+        let mut axes = vec![reader.axis()?];
         while reader.eat("|") {
-            ways.push(reader.way()?);
+            axes.push(reader.axis()?);
         }
-        reader.0.trim().is_empty().then_some(Self(ways))
+        reader.0.trim().is_empty().then_some(Self(axes))
     }
 
     /// The nodes that it finds from one on, in the document's order, each once. Nodes are numbered in that order.
     pub(super) fn run(&self, document: &Document, from: usize) -> Vec<usize> {
         let mut all = BTreeSet::new();
-        for way in &self.0 {
-            let mut here = BTreeSet::from([if way.absolute { 0 } else { from }]);
-            for step in &way.steps {
+        for axis in &self.0 {
+            let mut here = BTreeSet::from([if axis.absolute { 0 } else { from }]);
+            for step in &axis.steps {
                 if step.deep {
                     here = below(document, &here);
                 }

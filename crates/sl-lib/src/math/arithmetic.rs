@@ -4,7 +4,7 @@
 //! And for the cube root's first guess Hacker's Delight, chapter 11. Meaning: OSL 1.14.
 //! Tests: `tests/mathematics.rs`.
 
-use crate::number::{Number, Real, Words};
+use crate::number::{Number, Real, UInts};
 
 /// a / b, and 0 where that is no finite number.
 #[inline(always)]
@@ -94,7 +94,7 @@ fn newton_for_cube_root<R: Real>(a: R, of: R) -> R {
 
 /// A third of words without sign, rounded down, by shifts: lanes have no division.
 #[inline(always)]
-fn third<W: Words>(x: W) -> W {
+fn third<W: UInts>(x: W) -> W {
     let q = (x >> 2) + (x >> 4);
     let q = q + (q >> 4);
     let q = q + (q >> 8);

@@ -8,7 +8,7 @@
 
 use std::f32::consts::{FRAC_2_SQRT_PI, LN_2, LN_10, LOG2_E};
 
-use crate::number::{Number, Real, Words};
+use crate::number::{Number, Real, UInts};
 
 /// ln 2 / ln 10, rounded once.
 const LOG10_2: f32 = std::f32::consts::LOG10_2;

@@ -9,24 +9,24 @@
 use std::f32::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::exponential::exp;
-use crate::number::{Number, Real, Words};
+use crate::number::{Number, Real, UInts};
 
 /// A quarter of pi in four parts, the first ones short enough for exact products with small whole numbers.
 const QUARTER_PI_PARTS: [f32; 4] = [0.785_156_25, 0.000_241_875_65, 3.774_766_8e-8, 1.281_672e-12];
 
 /// The nearest whole number, ties away from zero.
 #[inline(always)]
-fn nearest<R: Real>(x: R) -> R::Words {
+fn nearest<R: Real>(x: R) -> R::UInts {
     (x + x.of(0.5).copysign(x)).to_int()
 }
 
-/// `x` less `turns` times `quarters` quarters of pi.
+/// `x` less `quadrants` times `quarters` quarters of pi.
 #[inline(always)]
-fn reduced<R: Real>(x: R, turns: R::Words, quarters: f32) -> R {
-    let turns = R::from_int(turns);
+fn reduced<R: Real>(x: R, quadrants: R::UInts, quarters: f32) -> R {
+    let quadrants = R::from_int(quadrants);
     let mut x = x;
     for part in &QUARTER_PI_PARTS {
-        x = turns * (-part * quarters) + x;
+        x = quadrants * (-part * quarters) + x;
     }
     x
 }
@@ -44,11 +44,11 @@ fn polynomial<R: Real, const N: usize>(x: R, coefficients: [f32; N]) -> R {
 /// Sine and cosine of values.
 #[inline(always)]
 fn sin_cos_values<R: Real>(x: R) -> (R, R) {
-    let turns = nearest(x * FRAC_1_PI);
-    let x = reduced(x, turns, 4.0);
+    let quadrants = nearest(x * FRAC_1_PI);
+    let x = reduced(x, quadrants, 4.0);
     let x = x.of(FRAC_PI_2) - (x.of(FRAC_PI_2) - x);
     let square = x * x;
-    let odd = turns & 1;
+    let odd = quadrants & 1;
     let x = x.negated_where(odd);
     let sine = polynomial(square, [2.608_316e-6, -0.000_198_106_9, 0.008_333_079, -0.166_666_6]);
     let sine = square * (sine * x) + x;
@@ -82,9 +82,9 @@ pub fn sincos<N: Number>(x: N) -> (N, N) {
 #[inline(always)]
 pub fn tan<N: Number>(x: N) -> N {
     let value = x.value();
-    let turns = nearest(value * FRAC_2_PI);
-    let reduced = reduced(value, turns, 2.0);
-    let odd = (turns & 1).equal(1);
+    let quadrants = nearest(value * FRAC_2_PI);
+    let reduced = reduced(value, quadrants, 2.0);
+    let odd = (quadrants & 1).equal(1);
     // Not where the reciprocal is taken: it would be of zero.
     let crushed = reduced.of(FRAC_PI_4) - (reduced.of(FRAC_PI_4) - reduced);
     let reduced = N::Real::choose(odd, reduced, crushed);

@@ -53,10 +53,10 @@ pub fn distance<N: Number>(a: [N; 3], b: [N; 3]) -> N {
 /// How far `q` is from the segment from `a` to `b`.
 #[inline(always)]
 pub fn distance_to_segment<N: Number>(a: [N; 3], b: [N; 3], q: [N; 3]) -> N {
-    let way = subtract(b, a);
-    let t = div(dot(subtract(q, a), way), dot(way, way));
+    let offset = subtract(b, a);
+    let t = div(dot(subtract(q, a), offset), dot(offset, offset));
     let t = clamp(t, t.constant(0.0), t.constant(1.0));
-    distance(q, add(a, scale(way, t)))
+    distance(q, add(a, scale(offset, t)))
 }
 
 /// With length 1; zero where it has none.
@@ -69,8 +69,8 @@ pub fn normalize<N: Number>(v: [N; 3]) -> [N; 3] {
 #[inline(always)]
 pub fn faceforward<N: Number>(n: [N; 3], i: [N; 3], reference: [N; 3]) -> [N; 3] {
     let along = dot(i, reference).value();
-    let turn = along.of(0.0).less(along);
-    [N::pick(turn, -n[0], n[0]), N::pick(turn, -n[1], n[1]), N::pick(turn, -n[2], n[2])]
+    let flip = along.of(0.0).less(along);
+    [N::pick(flip, -n[0], n[0]), N::pick(flip, -n[1], n[1]), N::pick(flip, -n[2], n[2])]
 }
 
 /// The mirror image of direction `i` at a surface with unit normal `n`.

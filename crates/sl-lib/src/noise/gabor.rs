@@ -7,12 +7,12 @@
 
 use std::f32::consts::{PI, TAU};
 
-use super::hash::hash_words;
+use super::hash::hash_uints;
 use super::period::wrap;
 use crate::dual::Dual;
 use crate::math::vectors::{cross, dot};
 use crate::math::{exp2, sincos};
-use crate::number::{Number, Real, Word};
+use crate::number::{Number, Real, UInt};
 
 type Vec3 = [f32; 3];
 type DualVec3 = [Dual<f32>; 3];
@@ -74,7 +74,7 @@ struct Random(u32);
 impl Random {
     fn in_cell(cell: Vec3, seed: u32) -> Self {
         let [x, y, z] = cell.map(Real::floor_int);
-        Self(hash_words([x, y, z, Word(seed)]).0.max(1))
+        Self(hash_uints([x, y, z, UInt(seed)]).0.max(1))
     }
 
     fn next(&mut self) -> f32 {
@@ -261,12 +261,12 @@ impl Gabor {
         let mut sum = Dual::from(0.0);
         for _ in 0..random.poisson(self.bells) {
             let [cz, cy, cx] = [random.next(), random.next(), random.next()];
-            let way = [(x[0] - cx) * self.radius, (x[1] - cy) * self.radius, (x[2] - cz) * self.radius];
+            let offset = [(x[0] - cx) * self.radius, (x[1] - cy) * self.radius, (x[2] - cz) * self.radius];
             let (omega, phase) = self.wave(&mut random);
-            let value = way.map(|x| x.value);
+            let value = offset.map(|x| x.value);
             if dot(value, value) < self.radius * self.radius {
-                let solid = || kernel(1.0.into(), omega, phase.into(), self.a, way);
-                let filtered = self.filter.map(|filter| filter.kernel(self.a, omega, phase, way));
+                let solid = || kernel(1.0.into(), omega, phase.into(), self.a, offset);
+                let filtered = self.filter.map(|filter| filter.kernel(self.a, omega, phase, offset));
                 // Extreme filters are beyond floats.
                 sum = sum + filtered.filter(|x| x.value.is_finite()).unwrap_or_else(solid);
             }

@@ -3,15 +3,15 @@
 //! Source: Bob Jenkins, lookup3.c (public domain), with the seeds that OSL starts from.
 //! Invariant: the bits of OSL's. Tests: `tests/noise.rs`.
 
-use crate::number::{Real, Word, Words};
+use crate::number::{Real, UInt, UInts};
 
-/// What all three registers hold before `words` words are mixed in.
-const fn start(words: u32) -> u32 {
-    0xdead_beef_u32.wrapping_add(words << 2).wrapping_add(13)
+/// What all three registers hold before `keys` words are mixed in.
+const fn start(keys: u32) -> u32 {
+    0xdead_beef_u32.wrapping_add(keys << 2).wrapping_add(13)
 }
 
 #[inline(always)]
-fn mix<W: Words>([mut a, mut b, mut c]: [W; 3]) -> [W; 3] {
+fn mix<W: UInts>([mut a, mut b, mut c]: [W; 3]) -> [W; 3] {
     a = (a - c) ^ c.rotated(4);
     c = c + b;
     b = (b - a) ^ a.rotated(6);
@@ -29,7 +29,7 @@ fn mix<W: Words>([mut a, mut b, mut c]: [W; 3]) -> [W; 3] {
 
 /// The last step of the hash, which is also a hash of three words by itself.
 #[inline(always)]
-pub(crate) fn finish<W: Words>([mut a, mut b, mut c]: [W; 3]) -> W {
+pub(crate) fn finish<W: UInts>([mut a, mut b, mut c]: [W; 3]) -> W {
     c = (c ^ b) - b.rotated(14);
     a = (a ^ c) - c.rotated(11);
     b = (b ^ a) - a.rotated(25);
@@ -41,7 +41,7 @@ pub(crate) fn finish<W: Words>([mut a, mut b, mut c]: [W; 3]) -> W {
 
 /// The hash of 1 to 5 words.
 #[inline(always)]
-pub fn hash_words<W: Words, const N: usize>(k: [W; N]) -> W {
+pub fn hash_uints<W: UInts, const N: usize>(k: [W; N]) -> W {
     const { assert!(1 <= N && N <= 5, "a hash of one to five words") };
     let zero = k[0].constant(start(N as u32));
     let second = if N > 1 { k[1] + start(N as u32) } else { zero };
@@ -59,18 +59,18 @@ pub fn hash_words<W: Words, const N: usize>(k: [W; N]) -> W {
 
 /// Words as floats in [0, 1].
 #[inline(always)]
-pub(crate) fn unit<R: Real>(bits: R::Words) -> R {
+pub(crate) fn unit<R: Real>(bits: R::UInts) -> R {
     R::from_unsigned(bits) * (1.0 / 4_294_967_295.0_f64) as f32
 }
 
 /// `hash(int)`.
 #[must_use]
 pub fn hash_int(x: i32) -> i32 {
-    hash_words([Word(x as u32)]).0 as i32
+    hash_uints([UInt(x as u32)]).0 as i32
 }
 
 /// `hash(float)`, `hash(float, float)`, `hash(point)` and `hash(point, float)`: of the bits, so 0 and -0 differ; NaNs do not.
 #[must_use]
 pub fn hash_floats<const N: usize>(x: [f32; N]) -> i32 {
-    hash_words(x.map(Real::known_bits)).0 as i32
+    hash_uints(x.map(Real::known_bits)).0 as i32
 }

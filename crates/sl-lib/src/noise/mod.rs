@@ -16,7 +16,7 @@ pub use cell::{
     cellnoise, cellnoise3, hashnoise, hashnoise3, pcellnoise, pcellnoise3, phashnoise, phashnoise3,
 };
 pub use gabor::{GaborOptions, gabor, gabor3};
-pub use hash::{hash_floats, hash_int, hash_words};
+pub use hash::{hash_floats, hash_int, hash_uints};
 pub use kind::NoiseKind;
 pub use perlin::{noise, noise3, pnoise, pnoise3, psnoise, psnoise3, snoise, snoise3};
 pub use simplex::{simplex, simplex3, usimplex, usimplex3};

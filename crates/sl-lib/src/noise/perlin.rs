@@ -5,11 +5,11 @@
 //! derivatives takes another order in four dimensions and differs from that by a rounding; here both are the same.
 //! Tests: `tests/noise.rs`.
 
-use super::hash::hash_words;
+use super::hash::hash_uints;
 use super::period::whole_periods;
-use crate::number::{Number, Real, Words};
+use crate::number::{Number, Real, UInts};
 
-type WordsOf<N> = <<N as Number>::Real as Real>::Words;
+type UIntsOf<N> = <<N as Number>::Real as Real>::UInts;
 
 /// Scales that bring each dimension's noise to about [-1, 1].
 const SCALES: [f32; 4] = [0.25, 0.6616, 0.982, 0.8344];
@@ -28,7 +28,7 @@ fn fade<N: Number>(t: N) -> N {
 
 /// The gradient that a hash chooses, times the way `p` from its corner.
 #[inline(always)]
-fn gradient<N: Number, const D: usize>(hash: WordsOf<N>, p: [N; D]) -> N {
+fn gradient<N: Number, const D: usize>(hash: UIntsOf<N>, p: [N; D]) -> N {
     match D {
         1 => {
             let slope = N::Real::from_unsigned(hash & 7) + 1.0;
@@ -57,20 +57,20 @@ fn gradient<N: Number, const D: usize>(hash: WordsOf<N>, p: [N; D]) -> N {
 
 /// A point between the corners of its cell.
 #[derive(Clone, Copy)]
-struct Place<N: Number, const D: usize> {
+struct CellPoint<N: Number, const D: usize> {
     /// The lower corner.
-    cell: [WordsOf<N>; D],
+    cell: [UIntsOf<N>; D],
     /// The way from there, in [0, 1).
     rest: [N; D],
     /// How much of the upper corners to take.
     blend: [N; D],
     /// After how many cells the noise repeats.
-    period: Option<[WordsOf<N>; D]>,
+    period: Option<[UIntsOf<N>; D]>,
 }
 
-impl<N: Number, const D: usize> Place<N, D> {
+impl<N: Number, const D: usize> CellPoint<N, D> {
     #[inline(always)]
-    fn new(p: [N; D], period: Option<[WordsOf<N>; D]>) -> Self {
+    fn new(p: [N; D], period: Option<[UIntsOf<N>; D]>) -> Self {
         let (mut cell, mut rest, mut blend) = ([p[0].value().bits(); D], p, p);
         for i in 0..D {
             cell[i] = p[i].value().floor_int();
@@ -82,30 +82,30 @@ impl<N: Number, const D: usize> Place<N, D> {
 
     /// The hash of a corner: bit i of `corner` is set where coordinate i is the upper one.
     #[inline(always)]
-    fn hash(&self, corner: usize) -> WordsOf<N> {
+    fn hash(&self, corner: usize) -> UIntsOf<N> {
         let mut key = self.cell;
         for i in 0..D {
             let at = if corner >> i & 1 == 1 { self.cell[i] + 1 } else { self.cell[i] };
             key[i] = if let Some(period) = self.period { at.wrapped(period[i]) } else { at };
         }
-        hash_words(key)
+        hash_uints(key)
     }
 
     /// What a corner with this hash contributes.
     #[inline(always)]
-    fn contribution(&self, corner: usize, hash: WordsOf<N>) -> N {
-        let mut way = self.rest;
-        for (i, way) in way.iter_mut().enumerate() {
+    fn contribution(&self, corner: usize, hash: UIntsOf<N>) -> N {
+        let mut offset = self.rest;
+        for (i, offset) in offset.iter_mut().enumerate() {
             if corner >> i & 1 == 1 {
-                *way = *way - 1.0;
+                *offset = *offset - 1.0;
             }
         }
-        gradient(hash, way)
+        gradient(hash, offset)
     }
 
     /// All corners blended; `hashes` are theirs.
     #[inline(always)]
-    fn blended(&self, hashes: &[WordsOf<N>; 16]) -> N {
+    fn blended(&self, hashes: &[UIntsOf<N>; 16]) -> N {
         let noise = match D {
             1 => self.edge(hashes, 0, 1),
             2 => self.square(hashes),
@@ -117,7 +117,7 @@ impl<N: Number, const D: usize> Place<N, D> {
 
     /// Two corners blended along the axis that bit `step` of their numbers is of.
     #[inline(always)]
-    fn edge(&self, hashes: &[WordsOf<N>; 16], low: usize, step: usize) -> N {
+    fn edge(&self, hashes: &[UIntsOf<N>; 16], low: usize, step: usize) -> N {
         let high = low + step;
         let axis = step.trailing_zeros() as usize;
         lerp(self.contribution(low, hashes[low]), self.contribution(high, hashes[high]), self.blend[axis])
@@ -125,20 +125,20 @@ impl<N: Number, const D: usize> Place<N, D> {
 
     /// Four corners blended along x, then y.
     #[inline(always)]
-    fn square(&self, hashes: &[WordsOf<N>; 16]) -> N {
+    fn square(&self, hashes: &[UIntsOf<N>; 16]) -> N {
         lerp(self.edge(hashes, 0, 1), self.edge(hashes, 2, 1), self.blend[D.min(2) - 1])
     }
 
     /// Eight corners blended along z, then x, then y.
     #[inline(always)]
-    fn cube(&self, hashes: &[WordsOf<N>; 16], low: usize) -> N {
+    fn cube(&self, hashes: &[UIntsOf<N>; 16], low: usize) -> N {
         let near = lerp(self.edge(hashes, low, 4), self.edge(hashes, low + 1, 4), self.blend[0]);
         let far = lerp(self.edge(hashes, low + 2, 4), self.edge(hashes, low + 3, 4), self.blend[0]);
         lerp(near, far, self.blend[D.min(2) - 1])
     }
 
     #[inline(always)]
-    fn hashes(&self) -> [WordsOf<N>; 16] {
+    fn hashes(&self) -> [UIntsOf<N>; 16] {
         let mut hashes = [self.cell[0]; 16];
         for (corner, hash) in hashes[..1 << D].iter_mut().enumerate() {
             *hash = self.hash(corner);
@@ -181,18 +181,18 @@ pub(super) fn three_halved<N: Number>([a, b, c]: [N; 3]) -> [N; 3] {
 /// Signed noise, in about [-1, 1]. `p` has 1 to 4 coordinates.
 #[inline(always)]
 pub fn snoise<N: Number, const D: usize>(p: [N; D]) -> N {
-    N::Real::apart(
+    N::Real::outline(
         #[inline(always)]
-        || Place::new(p, None).one(),
+        || CellPoint::new(p, None).one(),
     )
 }
 
 /// Three signed noises.
 #[inline(always)]
 pub fn snoise3<N: Number, const D: usize>(p: [N; D]) -> [N; 3] {
-    N::Real::apart(
+    N::Real::outline(
         #[inline(always)]
-        || Place::new(p, None).three(),
+        || CellPoint::new(p, None).three(),
     )
 }
 
@@ -211,18 +211,18 @@ pub fn noise3<N: Number, const D: usize>(p: [N; D]) -> [N; 3] {
 /// Signed noise that repeats after `period`, which is rounded down and at least 1.
 #[inline(always)]
 pub fn psnoise<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> N {
-    N::Real::apart(
+    N::Real::outline(
         #[inline(always)]
-        || Place::new(p, Some(whole_periods(period))).one(),
+        || CellPoint::new(p, Some(whole_periods(period))).one(),
     )
 }
 
 /// Three signed noises that repeat.
 #[inline(always)]
 pub fn psnoise3<N: Number, const D: usize>(p: [N; D], period: [N::Real; D]) -> [N; 3] {
-    N::Real::apart(
+    N::Real::outline(
         #[inline(always)]
-        || Place::new(p, Some(whole_periods(period))).three(),
+        || CellPoint::new(p, Some(whole_periods(period))).three(),
     )
 }
 

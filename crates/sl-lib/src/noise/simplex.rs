@@ -6,7 +6,7 @@
 
 use super::hash::finish;
 use super::perlin::{halved, three_halved};
-use crate::number::{Number, Real, Words};
+use crate::number::{Number, Real, UInts};
 
 /// A corner's gradients are 1, -1 or 0 along each axis: for each dimension and axis, which gradients are 1 and which -1.
 const SIGNS_2: [(u32, u32); 2] = [(0x8a, 0x15), (0x58, 0xa1)];
@@ -25,13 +25,13 @@ const SCALES: [f32; 4] = [0.36, 64.0, 68.0, 54.0];
 
 /// A hash of three words.
 #[inline(always)]
-fn scramble<W: Words>(a: W, b: W, c: W) -> W {
+fn scramble<W: UInts>(a: W, b: W, c: W) -> W {
     finish([a, b, c ^ 0xdead_beef])
 }
 
 /// The gradient of a corner with these whole coordinates.
 #[inline(always)]
-fn gradient<R: Real, const D: usize>(corner: [R::Words; D], seed: u32) -> [R; D] {
+fn gradient<R: Real, const D: usize>(corner: [R::UInts; D], seed: u32) -> [R; D] {
     let zero = corner[0].constant(0);
     let seed = corner[0].constant(seed);
     let mut out = [R::from_int(zero); D];
@@ -41,7 +41,7 @@ fn gradient<R: Real, const D: usize>(corner: [R::Words; D], seed: u32) -> [R; D]
         out[0] = slope.negated_where((h >> 3) & 1);
         return out;
     }
-    let (h, signs): (R::Words, &[(u32, u32)]) = match D {
+    let (h, signs): (R::UInts, &[(u32, u32)]) = match D {
         2 => (scramble(corner[0], corner[1], seed) & 7, &SIGNS_2),
         3 => (scramble(corner[0], corner[1], scramble(corner[2], seed, zero)) & 15, &SIGNS_3),
         _ => (scramble(corner[0], corner[1], scramble(corner[2], corner[3], seed)) & 31, &SIGNS_4),
@@ -65,12 +65,12 @@ fn sum<R: Real, const D: usize>(x: [R; D]) -> R {
 /// For each axis how many of the others its coordinate is ahead of; an axis leads the later ones by `>`, in three dimensions
 /// by `>=`.
 #[inline(always)]
-fn ranks<R: Real, const D: usize>(x: [R; D]) -> [R::Words; D] {
+fn ranks<R: Real, const D: usize>(x: [R; D]) -> [R::UInts; D] {
     let mut ranks = [x[0].bits().constant(0); D];
     for i in 0..D {
         for j in i + 1..D {
             let ahead = if D == 3 { x[j].at_most(x[i]) } else { x[j].less(x[i]) };
-            let one = R::Words::pick(ahead, ranks[i].constant(1), ranks[i].constant(0));
+            let one = R::UInts::pick(ahead, ranks[i].constant(1), ranks[i].constant(0));
             ranks[i] = ranks[i] + one;
             ranks[j] = ranks[j] + (one ^ 1);
         }
@@ -101,7 +101,7 @@ fn noise_with_slopes<R: Real, const D: usize>(p: [R; D], seed: u32) -> (R, [R; D
 
     let (mut noise, mut tilt, mut level) = (zero, [zero; D], [zero; D]);
     for k in 0..=D {
-        let (mut corner, mut way) = (cell, rest);
+        let (mut corner, mut offset) = (cell, rest);
         for i in 0..D {
             // The way to corner k goes along the k axes that lead.
             let stepped = if k == 0 {
@@ -110,29 +110,29 @@ fn noise_with_slopes<R: Real, const D: usize>(p: [R; D], seed: u32) -> (R, [R; D
                 one_where(!ranks[i].below((D - k) as u32), ranks[i])
             };
             corner[i] = corner[i] + stepped;
-            way[i] = match k {
-                0 => way[i],
-                _ if D == 1 => way[i] - 1.0,
-                _ if k == D => (way[i] - 1.0) + k as f32 * UNSKEW[D - 1],
-                1 => (way[i] - R::from_unsigned(stepped)) + UNSKEW[D - 1],
-                _ => (way[i] - R::from_unsigned(stepped)) + k as f32 * UNSKEW[D - 1],
+            offset[i] = match k {
+                0 => offset[i],
+                _ if D == 1 => offset[i] - 1.0,
+                _ if k == D => (offset[i] - 1.0) + k as f32 * UNSKEW[D - 1],
+                1 => (offset[i] - R::from_unsigned(stepped)) + UNSKEW[D - 1],
+                _ => (offset[i] - R::from_unsigned(stepped)) + k as f32 * UNSKEW[D - 1],
             };
         }
         let mut reach = p[0].of(if D == 1 { 1.0 } else { 0.5 });
-        for x in way {
+        for x in offset {
             reach = reach - x * x;
         }
         let reach = R::choose(zero.at_most(reach), reach, zero);
         let gradient = gradient::<R, D>(corner, seed);
-        let (t2, mut slope) = (reach * reach, gradient[0] * way[0]);
+        let (t2, mut slope) = (reach * reach, gradient[0] * offset[0]);
         for i in 1..D {
-            slope = slope + gradient[i] * way[i];
+            slope = slope + gradient[i] * offset[i];
         }
         let t4 = t2 * t2;
-        noise = noise + if D == 1 { (t4 * gradient[0]) * way[0] } else { t4 * slope };
+        noise = noise + if D == 1 { (t4 * gradient[0]) * offset[0] } else { t4 * slope };
         let fall = t2 * reach * slope;
         for i in 0..D {
-            tilt[i] = tilt[i] + fall * way[i];
+            tilt[i] = tilt[i] + fall * offset[i];
             level[i] = level[i] + t4 * gradient[i];
         }
     }
@@ -144,7 +144,7 @@ fn noise_with_slopes<R: Real, const D: usize>(p: [R; D], seed: u32) -> (R, [R; D
 }
 
 #[inline(always)]
-fn one_where<W: Words>(mask: W::Mask, like: W) -> W {
+fn one_where<W: UInts>(mask: W::Mask, like: W) -> W {
     W::pick(mask, like.constant(1), like.constant(0))
 }
 
@@ -161,7 +161,7 @@ fn values<N: Number, const D: usize>(p: [N; D]) -> [N::Real; D] {
 /// Signed simplex noise; other seeds give other noises. `p` has 1 to 4 coordinates.
 #[inline(always)]
 fn seeded<N: Number, const D: usize>(p: [N; D], seed: u32) -> N {
-    let (noise, slopes) = N::Real::apart(
+    let (noise, slopes) = N::Real::outline(
         #[inline(always)]
         || noise_with_slopes(values(p), seed),
     );

@@ -64,7 +64,7 @@ pub struct Column {
 /// Points, what they carry, and a tree over them once somebody has searched.
 #[derive(Clone, Debug, Default)]
 pub struct PointCloud {
-    places: Vec<[f32; 3]>,
+    positions: Vec<[f32; 3]>,
     columns: Vec<Column>,
     tree: OnceLock<Tree>,
 }
@@ -72,15 +72,15 @@ pub struct PointCloud {
 impl PointCloud {
     /// Of points and columns; none if a column has too few or too many values.
     #[must_use]
-    pub fn new(places: Vec<[f32; 3]>, columns: Vec<Column>) -> Option<Self> {
-        let fits = |column: &Column| Some(column.values.len()) == places.len().checked_mul(column.width);
-        columns.iter().all(fits).then(|| Self { places, columns, tree: OnceLock::new() })
+    pub fn new(positions: Vec<[f32; 3]>, columns: Vec<Column>) -> Option<Self> {
+        let fits = |column: &Column| Some(column.values.len()) == positions.len().checked_mul(column.width);
+        columns.iter().all(fits).then(|| Self { positions, columns, tree: OnceLock::new() })
     }
 
     /// Where the points are.
     #[must_use]
-    pub fn places(&self) -> &[[f32; 3]] {
-        &self.places
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.positions
     }
 
     /// What they carry, beside their place.
@@ -93,7 +93,7 @@ impl PointCloud {
     #[must_use]
     pub fn column(&self, name: &str) -> Option<Column> {
         if name == "position" {
-            let values = Values::Float(self.places.iter().flatten().copied().collect());
+            let values = Values::Float(self.positions.iter().flatten().copied().collect());
             return Some(Column { name: name.into(), width: 3, is_vector: true, values });
         }
         self.columns.iter().find(|column| &*column.name == name).cloned()
@@ -101,9 +101,9 @@ impl PointCloud {
 
     /// Adds a point with one value for each column given, in columns of one row. Columns that are new are zero for points before it,
     /// those that are not given are zero for this one. False if one has another kind than before: it is left out.
-    pub fn push(&mut self, place: [f32; 3], row: &[Column]) -> bool {
-        let before = self.places.len();
-        self.places.push(place);
+    pub fn push(&mut self, point: [f32; 3], row: &[Column]) -> bool {
+        let before = self.positions.len();
+        self.positions.push(point);
         self.tree = OnceLock::new();
         let mut fits = true;
         for new in row {
@@ -122,7 +122,7 @@ impl PointCloud {
             fits &= same && column.values.append(&new.values);
         }
         for column in &mut self.columns {
-            column.values.resize(self.places.len() * column.width);
+            column.values.resize(self.positions.len() * column.width);
         }
         fits
     }
@@ -131,6 +131,6 @@ impl PointCloud {
     /// distances. Points that are no numbers are never found.
     #[must_use]
     pub fn nearest(&self, center: [f32; 3], radius: f32, most: usize) -> Vec<Found> {
-        self.tree.get_or_init(|| Tree::new(&self.places)).nearest(&self.places, center, radius, most)
+        self.tree.get_or_init(|| Tree::new(&self.positions)).nearest(&self.positions, center, radius, most)
     }
 }

@@ -26,12 +26,12 @@ use super::cloud::{Column, PointCloud, Values};
 const MOST: usize = 1 << 28;
 
 /// Words and parentheses of the text, with the line that each stands on.
-struct Words<'a> {
+struct FileTokens<'a> {
     rest: &'a str,
     line: usize,
 }
 
-impl<'a> Words<'a> {
+impl<'a> FileTokens<'a> {
     fn next(&mut self) -> Result<&'a str, String> {
         let trimmed = self.rest.trim_start();
         self.line += self.rest[..self.rest.len() - trimmed.len()].matches('\n').count();
@@ -41,30 +41,30 @@ impl<'a> Words<'a> {
         let single = trimmed.starts_with(['(', ')']);
         let end =
             trimmed.find(|c: char| c.is_whitespace() || matches!(c, '(' | ')')).unwrap_or(trimmed.len());
-        let (word, rest) = trimmed.split_at(if single { 1 } else { end });
+        let (token, rest) = trimmed.split_at(if single { 1 } else { end });
         self.rest = rest;
-        Ok(word)
+        Ok(token)
     }
 
     fn wrong(&self, why: impl std::fmt::Display) -> String {
         format!("line {}: {why}", self.line)
     }
 
-    fn expect(&mut self, word: &str) -> Result<(), String> {
+    fn expect(&mut self, token: &str) -> Result<(), String> {
         match self.next()? {
-            found if found == word => Ok(()),
-            found => Err(self.wrong(format_args!("'{found}' stands where '{word}' should"))),
+            found if found == token => Ok(()),
+            found => Err(self.wrong(format_args!("'{found}' stands where '{token}' should"))),
         }
     }
 
     fn number<T: std::str::FromStr>(&mut self, what: &str) -> Result<T, String> {
-        let word = self.next()?;
-        word.parse().map_err(|_| self.wrong(format_args!("'{word}' is no {what}")))
+        let token = self.next()?;
+        token.parse().map_err(|_| self.wrong(format_args!("'{token}' is no {what}")))
     }
 
     /// A count after its word.
-    fn count(&mut self, word: &str) -> Result<usize, String> {
-        self.expect(word)?;
+    fn count(&mut self, token: &str) -> Result<usize, String> {
+        self.expect(token)?;
         self.number("count")
     }
 }
@@ -76,33 +76,33 @@ struct Head {
     texts: Vec<Arc<str>>,
 }
 
-fn head(words: &mut Words<'_>) -> Result<Head, String> {
-    let name = words.next()?.into();
-    let width: usize = words.number("count")?;
+fn head(tokens: &mut FileTokens<'_>) -> Result<Head, String> {
+    let name = tokens.next()?.into();
+    let width: usize = tokens.number("count")?;
     if width == 0 || width > 64 {
-        return Err(words.wrong(format_args!("an attribute of {width} values; 1 to 64 are known")));
+        return Err(tokens.wrong(format_args!("an attribute of {width} values; 1 to 64 are known")));
     }
-    let kind = words.next()?;
+    let kind = tokens.next()?;
     let mut texts = Vec::new();
     let values = match kind {
         "float" | "vector" => Values::Float(Vec::new()),
         "int" => Values::Int(Vec::new()),
         "index" => {
-            let count: usize = words.number("count")?;
+            let count: usize = tokens.number("count")?;
             for _ in 0..count {
-                texts.push(words.next()?.into());
+                texts.push(tokens.next()?.into());
             }
             Values::Text(Vec::new())
         }
         _ => {
             let known = "float, int, vector and index are known";
-            return Err(words.wrong(format_args!("an attribute of the kind '{kind}'; {known}")));
+            return Err(tokens.wrong(format_args!("an attribute of the kind '{kind}'; {known}")));
         }
     };
     if kind != "index" {
         // What points are given that say nothing.
         for _ in 0..width {
-            words.next()?;
+            tokens.next()?;
         }
     }
     Ok(Head { column: Column { name, width, is_vector: kind == "vector" && width == 3, values }, texts })
@@ -113,58 +113,58 @@ fn head(words: &mut Words<'_>) -> Result<Head, String> {
 /// # Errors
 /// The line, and what is wrong there.
 pub fn read_cloud(text: &str) -> Result<PointCloud, String> {
-    let mut words = Words { rest: text, line: 1 };
-    words.expect("PGEOMETRY")?;
-    words.next()?;
-    let points = words.count("NPoints")?;
+    let mut tokens = FileTokens { rest: text, line: 1 };
+    tokens.expect("PGEOMETRY")?;
+    tokens.next()?;
+    let points = tokens.count("NPoints")?;
     for skipped in ["NPrims", "NPointGroups", "NPrimGroups"] {
-        words.count(skipped)?;
+        tokens.count(skipped)?;
     }
-    let attributes = words.count("NPointAttrib")?;
+    let attributes = tokens.count("NPointAttrib")?;
     for skipped in ["NVertexAttrib", "NPrimAttrib", "NAttrib"] {
-        words.count(skipped)?;
+        tokens.count(skipped)?;
     }
     let mut heads = Vec::new();
     if attributes > 0 {
-        words.expect("PointAttrib")?;
+        tokens.expect("PointAttrib")?;
     }
     for _ in 0..attributes {
-        heads.push(head(&mut words)?);
+        heads.push(head(&mut tokens)?);
     }
     let row: usize = 3 + heads.iter().map(|head| head.column.width).sum::<usize>();
     // A point takes at least eight bytes.
     if points > text.len() / 8 || points.saturating_mul(row) > MOST {
-        return Err(words.wrong(format_args!("{points} points are more than the file has room for")));
+        return Err(tokens.wrong(format_args!("{points} points are more than the file has room for")));
     }
-    let mut places = Vec::with_capacity(points);
+    let mut positions = Vec::with_capacity(points);
     for _ in 0..points {
-        let mut place = [0.0_f32; 4];
-        for x in &mut place {
-            *x = words.number("number")?;
+        let mut position = [0.0_f32; 4];
+        for x in &mut position {
+            *x = tokens.number("number")?;
         }
-        let [x, y, z, w] = place;
-        places.push(if w == 1.0 || w == 0.0 { [x, y, z] } else { [x / w, y / w, z / w] });
+        let [x, y, z, w] = position;
+        positions.push(if w == 1.0 || w == 0.0 { [x, y, z] } else { [x / w, y / w, z / w] });
         if heads.is_empty() {
             continue;
         }
-        words.expect("(")?;
+        tokens.expect("(")?;
         for Head { column, texts } in &mut heads {
             for _ in 0..column.width {
                 match &mut column.values {
-                    Values::Float(list) => list.push(words.number("number")?),
-                    Values::Int(list) => list.push(words.number("int")?),
+                    Values::Float(list) => list.push(tokens.number("number")?),
+                    Values::Int(list) => list.push(tokens.number("int")?),
                     Values::Text(list) => {
-                        let number: i64 = words.number("int")?;
+                        let number: i64 = tokens.number("int")?;
                         let text = usize::try_from(number).ok().and_then(|i| texts.get(i));
                         list.push(text.cloned().unwrap_or_else(|| "".into()));
                     }
                 }
             }
         }
-        words.expect(")")?;
+        tokens.expect(")")?;
     }
     let columns = heads.into_iter().map(|head| head.column).collect();
-    PointCloud::new(places, columns).ok_or_else(|| words.wrong("attributes do not fit the points"))
+    PointCloud::new(positions, columns).ok_or_else(|| tokens.wrong("attributes do not fit the points"))
 }
 
 /// The text of a cloud's file.
@@ -173,12 +173,12 @@ pub fn read_cloud(text: &str) -> Result<PointCloud, String> {
 /// A name or a text that has no place in such a file: it is empty, or has spaces or parentheses.
 pub fn write_cloud(cloud: &PointCloud) -> Result<String, String> {
     use std::fmt::Write;
-    let word = |text: &str| -> Result<(), String> {
+    let token = |text: &str| -> Result<(), String> {
         let fits = !text.is_empty() && !text.contains(|c: char| c.is_whitespace() || matches!(c, '(' | ')'));
         fits.then_some(()).ok_or_else(|| format!("'{text}' is no word that a .geo file can hold"))
     };
     let mut out = String::new();
-    let (points, columns) = (cloud.places().len(), cloud.columns());
+    let (points, columns) = (cloud.positions().len(), cloud.columns());
     let _ = writeln!(out, "PGEOMETRY V5\nNPoints {points} NPrims 0\nNPointGroups 0 NPrimGroups 0");
     let _ = writeln!(out, "NPointAttrib {} NVertexAttrib 0 NPrimAttrib 0 NAttrib 0", columns.len());
     if !columns.is_empty() {
@@ -186,7 +186,7 @@ pub fn write_cloud(cloud: &PointCloud) -> Result<String, String> {
     }
     let mut texts: Vec<Vec<Arc<str>>> = Vec::new();
     for column in columns {
-        word(&column.name)?;
+        token(&column.name)?;
         let mut own = Vec::new();
         let _ = write!(out, "{} {} ", column.name, column.width);
         let zeros = " 0".repeat(column.width);
@@ -204,7 +204,7 @@ pub fn write_cloud(cloud: &PointCloud) -> Result<String, String> {
                 own.dedup();
                 let _ = write!(out, "index {}", own.len());
                 for text in &own {
-                    word(text)?;
+                    token(text)?;
                     let _ = write!(out, " {text}");
                 }
                 out.push('\n');
@@ -212,7 +212,7 @@ pub fn write_cloud(cloud: &PointCloud) -> Result<String, String> {
         }
         texts.push(own);
     }
-    for (i, [x, y, z]) in cloud.places().iter().enumerate() {
+    for (i, [x, y, z]) in cloud.positions().iter().enumerate() {
         let _ = write!(out, "{x} {y} {z} 1");
         let mut between = " (";
         for (column, texts) in columns.iter().zip(&texts) {

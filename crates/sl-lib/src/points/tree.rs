@@ -37,7 +37,7 @@ impl Ord for Near {
 }
 
 struct Search<'a> {
-    places: &'a [[f32; 3]],
+    positions: &'a [[f32; 3]],
     center: [f32; 3],
     most: usize,
     /// Squared.
@@ -57,24 +57,25 @@ impl Search<'_> {
 
     fn visit(&mut self, order: &[u32], axis: usize) {
         if order.len() <= LEAF {
-            order.iter().for_each(|&number| self.look_at(number));
+            order.iter().for_each(|&number| self.visit_node(number));
             return;
         }
         let middle = order.len() / 2;
-        let gap = self.center[axis] - self.places[order[middle] as usize][axis];
+        let gap = self.center[axis] - self.positions[order[middle] as usize][axis];
         let (low, high) = (&order[..middle], &order[middle + 1..]);
         let (near, far) = if gap < 0.0 { (low, high) } else { (high, low) };
         let next = (axis + 1) % 3;
         self.visit(near, next);
-        self.look_at(order[middle]);
+        self.visit_node(order[middle]);
         if gap * gap <= self.reach() {
             self.visit(far, next);
         }
     }
 
-    fn look_at(&mut self, number: u32) {
-        let place = self.places[number as usize];
-        let squared: f32 = (0..3).map(|k| (place[k] - self.center[k]) * (place[k] - self.center[k])).sum();
+    fn visit_node(&mut self, number: u32) {
+        let position = self.positions[number as usize];
+        let squared: f32 =
+            (0..3).map(|k| (position[k] - self.center[k]) * (position[k] - self.center[k])).sum();
         if squared > self.radius {
             return;
         }
@@ -86,16 +87,16 @@ impl Search<'_> {
 }
 
 impl Tree {
-    pub(super) fn new(places: &[[f32; 3]]) -> Self {
-        let is_number = |&number: &u32| places[number as usize].iter().all(|x| x.is_finite());
-        let mut order: Vec<u32> = (0..places.len() as u32).filter(is_number).collect();
-        split(places, &mut order, 0);
+    pub(super) fn new(positions: &[[f32; 3]]) -> Self {
+        let is_number = |&number: &u32| positions[number as usize].iter().all(|x| x.is_finite());
+        let mut order: Vec<u32> = (0..positions.len() as u32).filter(is_number).collect();
+        split(positions, &mut order, 0);
         Self { order }
     }
 
     pub(super) fn nearest(
         &self,
-        places: &[[f32; 3]],
+        positions: &[[f32; 3]],
         center: [f32; 3],
         radius: f32,
         most: usize,
@@ -104,7 +105,7 @@ impl Tree {
             return Vec::new();
         }
         let best = BinaryHeap::new();
-        let mut search = Search { places, center, most, radius: radius * radius, best };
+        let mut search = Search { positions, center, most, radius: radius * radius, best };
         search.visit(&self.order, 0);
         let sorted = search.best.into_sorted_vec();
         sorted.into_iter().map(|Near(squared, number)| (number, squared.sqrt())).collect()
@@ -112,14 +113,14 @@ impl Tree {
 }
 
 /// Puts the middle of the range in its place, smaller ones before it, and goes on in both halves.
-fn split(places: &[[f32; 3]], order: &mut [u32], axis: usize) {
+fn split(positions: &[[f32; 3]], order: &mut [u32], axis: usize) {
     if order.len() <= LEAF {
         return;
     }
     let middle = order.len() / 2;
-    let place = |number: u32| places[number as usize][axis];
-    order.select_nth_unstable_by(middle, |&a, &b| place(a).total_cmp(&place(b)).then(a.cmp(&b)));
+    let position = |number: u32| positions[number as usize][axis];
+    order.select_nth_unstable_by(middle, |&a, &b| position(a).total_cmp(&position(b)).then(a.cmp(&b)));
     let (low, high) = order.split_at_mut(middle);
-    split(places, low, (axis + 1) % 3);
-    split(places, &mut high[1..], (axis + 1) % 3);
+    split(positions, low, (axis + 1) % 3);
+    split(positions, &mut high[1..], (axis + 1) % 3);
 }

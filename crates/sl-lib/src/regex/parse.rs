@@ -3,7 +3,7 @@
 //! repetition, classes with names.
 //! Source: ECMA-262, 3rd edition, 15.10.1, with POSIX's named classes. Tests: `tests/regex.rs`.
 
-use super::program::{Set, Step, is_word};
+use super::program::{Set, Step, is_word_byte};
 
 /// Longer programs are refused: nested counts multiply.
 const LONGEST: usize = 50_000;
@@ -14,7 +14,7 @@ pub(super) struct Parsed {
     pub(super) steps: Vec<Step>,
     /// Two for each group, and two for the whole.
     pub(super) saves: usize,
-    pub(super) turns: usize,
+    pub(super) loops: usize,
 }
 
 /// Where and why a pattern is none.
@@ -24,7 +24,7 @@ pub(super) type Fault = (usize, &'static str);
 type IsIn = fn(u8) -> bool;
 
 pub(super) fn parse(pattern: &str) -> Result<Parsed, Fault> {
-    let mut parser = Parser { text: pattern.as_bytes(), at: 0, groups: 0, turns: 0, depth: 0, steps: vec![] };
+    let mut parser = Parser { text: pattern.as_bytes(), at: 0, groups: 0, loops: 0, depth: 0, steps: vec![] };
     parser.steps.push(Step::Save(0));
     parser.alternatives()?;
     if parser.at < parser.text.len() {
@@ -36,14 +36,14 @@ pub(super) fn parse(pattern: &str) -> Result<Parsed, Fault> {
     if highest.is_some_and(|highest| highest > parser.groups) {
         return Err((parser.text.len(), "a reference to a group that there is not"));
     }
-    Ok(Parsed { steps: parser.steps, saves: 2 * (parser.groups + 1), turns: parser.turns })
+    Ok(Parsed { steps: parser.steps, saves: 2 * (parser.groups + 1), loops: parser.loops })
 }
 
 struct Parser<'a> {
     text: &'a [u8],
     at: usize,
     groups: usize,
-    turns: usize,
+    loops: usize,
     depth: usize,
     steps: Vec<Step>,
 }
@@ -81,8 +81,8 @@ impl Parser<'_> {
             self.sequence()?;
         }
         let end = self.steps.len();
-        for place in ends {
-            self.steps[place] = Step::Jump(end);
+        for step_index in ends {
+            self.steps[step_index] = Step::Jump(end);
         }
         Ok(())
     }
@@ -170,17 +170,17 @@ impl Parser<'_> {
                 self.copy(&body, start)?;
             }
             let end = self.steps.len();
-            for place in choices {
-                self.steps[place] = either(place + 1, end);
+            for step_index in choices {
+                self.steps[step_index] = either(step_index + 1, end);
             }
         } else {
-            let turn = self.turns;
-            self.turns += 1;
+            let loop_index = self.loops;
+            self.loops += 1;
             let choice = self.steps.len();
             self.push(Step::Jump(0))?;
-            self.push(Step::Turn(turn))?;
+            self.push(Step::Loop(loop_index))?;
             self.copy(&body, start)?;
-            self.push(Step::Moved(turn))?;
+            self.push(Step::Moved(loop_index))?;
             self.push(Step::Jump(choice))?;
             self.steps[choice] = either(choice + 1, self.steps.len());
         }
@@ -231,19 +231,19 @@ impl Parser<'_> {
         if self.depth > DEEPEST {
             return Err((at, "groups are nested too deeply"));
         }
-        let look = if self.eat("?=") {
+        let lookahead = if self.eat("?=") {
             Some(true)
         } else if self.eat("?!") {
             Some(false)
         } else {
             None
         };
-        if let Some(wanted) = look {
-            let place = self.steps.len();
+        if let Some(expected) = lookahead {
+            let step_index = self.steps.len();
             self.push(Step::Jump(0))?;
             self.alternatives()?;
-            self.push(Step::Seen)?;
-            self.steps[place] = Step::Look { wanted, then: self.steps.len() };
+            self.push(Step::Captured)?;
+            self.steps[step_index] = Step::Lookahead { expected, then: self.steps.len() };
         } else if self.eat("?:") {
             self.alternatives()?;
         } else if self.peek() == Some(b'?') {
@@ -282,8 +282,8 @@ impl Parser<'_> {
         Ok(match c {
             b'd' => class(|c| c.is_ascii_digit()),
             b'D' => class(|c| c.is_ascii_digit()).inverse(),
-            b'w' => class(is_word),
-            b'W' => class(is_word).inverse(),
+            b'w' => class(is_word_byte),
+            b'W' => class(is_word_byte).inverse(),
             b's' => class(is_space),
             b'S' => class(is_space).inverse(),
             b't' => Set::of([b'\t']),
@@ -343,7 +343,7 @@ impl Parser<'_> {
             ("cntrl:]", |c| c.is_ascii_control()),
             ("graph:]", |c| c.is_ascii_graphic()),
             ("print:]", |c| c.is_ascii_graphic() || c == b' '),
-            ("w:]", is_word),
+            ("w:]", is_word_byte),
         ];
         for (name, function) in NAMES {
             if self.eat(name) {
@@ -376,7 +376,7 @@ impl Parser<'_> {
         let inverted = self.eat("^");
         let mut all = Set::default();
         while !self.eat("]") {
-            let place = self.at;
+            let step_index = self.at;
             let (low, set) = self.class_part(at)?;
             all.join(set);
             let is_range =
@@ -384,8 +384,9 @@ impl Parser<'_> {
             if let (Some(low), true) = (low, is_range) {
                 self.at += 1;
                 let (high, _) = self.class_part(at)?;
-                let high =
-                    high.filter(|high| *high >= low).ok_or((place, "a range must end above its start"))?;
+                let high = high
+                    .filter(|high| *high >= low)
+                    .ok_or((step_index, "a range must end above its start"))?;
                 all.join(Set::of(low..=high));
             }
         }
@@ -395,9 +396,9 @@ impl Parser<'_> {
 
 /// Moves the places of a step that are at `from` or behind.
 fn shift(step: &mut Step, from: usize, by: isize) {
-    let moved = |place: &mut usize| {
-        if *place >= from {
-            *place = place.wrapping_add_signed(by);
+    let moved = |step_index: &mut usize| {
+        if *step_index >= from {
+            *step_index = step_index.wrapping_add_signed(by);
         }
     };
     match step {
@@ -405,7 +406,7 @@ fn shift(step: &mut Step, from: usize, by: isize) {
             moved(a);
             moved(b);
         }
-        Step::Jump(place) | Step::Look { then: place, .. } => moved(place),
+        Step::Jump(step_index) | Step::Lookahead { then: step_index, .. } => moved(step_index),
         _ => {}
     }
 }

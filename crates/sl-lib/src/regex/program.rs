@@ -23,7 +23,7 @@ impl Set {
     }
 
     pub(super) fn inverse(self) -> Self {
-        Self(self.0.map(|word| !word))
+        Self(self.0.map(|bits| !bits))
     }
 
     pub(super) fn has(&self, byte: u8) -> bool {
@@ -32,7 +32,7 @@ impl Set {
 }
 
 /// What letters, digits and the underscore are.
-pub(super) fn is_word(byte: u8) -> bool {
+pub(super) fn is_word_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
@@ -55,12 +55,12 @@ pub(super) enum Step {
     Boundary(bool),
     /// What a group holds, again.
     Again(usize),
-    /// What follows up to the next `Seen` of this level must come, or must not; then on from the place.
-    Look { wanted: bool, then: usize },
+    /// What follows up to the next `Captured` of this level must come, or must not; then on from the place.
+    Lookahead { expected: bool, then: usize },
     /// The end of a look.
-    Seen,
+    Captured,
     /// Notes where a turn of a loop begins.
-    Turn(usize),
+    Loop(usize),
     /// Leads nowhere if that turn took nothing.
     Moved(usize),
     /// All is found.

@@ -5,7 +5,7 @@
 //! `MOST_STEPS` steps. Tests: `tests/regex.rs`.
 
 use super::parse::parse;
-use super::program::{Step, is_word};
+use super::program::{Step, is_word_byte};
 
 /// A search gives up after so many: a tenth of a second or so.
 pub(super) const MOST_STEPS: u64 = 10_000_000;
@@ -15,7 +15,7 @@ pub(super) const MOST_STEPS: u64 = 10_000_000;
 pub struct Regex {
     steps: Vec<Step>,
     saves: usize,
-    turns: usize,
+    loops: usize,
     pattern_length: usize,
 }
 
@@ -71,7 +71,7 @@ struct Machine<'a> {
     subject: &'a [u8],
     /// Starts and ends of groups, then starts of turns.
     slots: Vec<usize>,
-    turns_at: usize,
+    loops_at: usize,
     whole: bool,
     steps_left: u64,
 }
@@ -100,17 +100,17 @@ impl Machine<'_> {
                     back.push(Back::Try { step: *second, at });
                     Some((*first, at))
                 }
-                Step::Jump(place) => Some((*place, at)),
+                Step::Jump(step_index) => Some((*step_index, at)),
                 Step::Save(slot) => {
                     self.set(&mut back, *slot, at);
                     Some((step + 1, at))
                 }
                 Step::Start => (at == 0).then_some((step + 1, at)),
                 Step::End => byte.is_none().then_some((step + 1, at)),
-                Step::Boundary(wanted) => {
-                    let before = at > 0 && is_word(self.subject[at - 1]);
-                    let found = before != byte.is_some_and(is_word);
-                    (found == *wanted).then_some((step + 1, at))
+                Step::Boundary(expected) => {
+                    let before = at > 0 && is_word_byte(self.subject[at - 1]);
+                    let found = before != byte.is_some_and(is_word_byte);
+                    (found == *expected).then_some((step + 1, at))
                 }
                 Step::Again(group) => {
                     let (start, end) = (self.slots[2 * group], self.slots[2 * group + 1]);
@@ -125,26 +125,28 @@ impl Machine<'_> {
                     let held = &self.subject[start.min(self.subject.len())..][..length];
                     self.subject[at..].starts_with(held).then_some((step + 1, at + held.len()))
                 }
-                Step::Look { wanted, then } => {
-                    let (wanted, then, before) = (*wanted, *then, self.slots.clone());
+                Step::Lookahead { expected, then } => {
+                    let (expected, then, before) = (*expected, *then, self.slots.clone());
                     self.spend(2 * size_of_val(&*before))?;
-                    let seen = self.run(step + 1, at)?;
+                    let captured = self.run(step + 1, at)?;
                     let found = std::mem::replace(&mut self.slots, before);
-                    if seen && wanted {
+                    if captured && expected {
                         for (slot, value) in found.into_iter().enumerate() {
                             if self.slots[slot] != value {
                                 self.set(&mut back, slot, value);
                             }
                         }
                     }
-                    (seen == wanted).then_some((then, at))
+                    (captured == expected).then_some((then, at))
                 }
-                Step::Turn(turn) => {
-                    self.set(&mut back, self.turns_at + turn, at);
+                Step::Loop(loop_index) => {
+                    self.set(&mut back, self.loops_at + loop_index, at);
                     Some((step + 1, at))
                 }
-                Step::Moved(turn) => (self.slots[self.turns_at + turn] != at).then_some((step + 1, at)),
-                Step::Seen => return Ok(true),
+                Step::Moved(loop_index) => {
+                    (self.slots[self.loops_at + loop_index] != at).then_some((step + 1, at))
+                }
+                Step::Captured => return Ok(true),
                 Step::Found if !self.whole || byte.is_none() => return Ok(true),
                 Step::Found => None,
             };
@@ -154,8 +156,8 @@ impl Machine<'_> {
             }
             loop {
                 match back.pop() {
-                    Some(Back::Try { step: there, at: place }) => {
-                        (step, at) = (there, place);
+                    Some(Back::Try { step: there, at: step_index }) => {
+                        (step, at) = (there, step_index);
                         break;
                     }
                     Some(Back::Restore { slot, value }) => self.slots[slot] = value,
@@ -175,7 +177,7 @@ impl Regex {
         let parsed =
             parse(pattern).map_err(|(at, reason)| RegexError { pattern: pattern.to_owned(), at, reason })?;
         let pattern_length = pattern.len();
-        Ok(Self { steps: parsed.steps, saves: parsed.saves, turns: parsed.turns, pattern_length })
+        Ok(Self { steps: parsed.steps, saves: parsed.saves, loops: parsed.loops, pattern_length })
     }
 
     /// The first match.
@@ -186,8 +188,8 @@ impl Regex {
         let mut machine = Machine {
             steps: &self.steps,
             subject: subject.as_bytes(),
-            slots: vec![UNSET; self.saves + self.turns],
-            turns_at: self.saves,
+            slots: vec![UNSET; self.saves + self.loops],
+            loops_at: self.saves,
             whole,
             steps_left: MOST_STEPS,
         };

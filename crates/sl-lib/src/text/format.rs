@@ -31,7 +31,7 @@ pub struct Format {
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Piece {
     Text(String),
-    Place(Spec),
+    Placeholder(Spec),
 }
 
 /// A `%` with all up to its letter.
@@ -51,7 +51,7 @@ struct Spec {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooFewArguments {
     /// How many places.
-    pub places: usize,
+    pub placeholders: usize,
     /// How many arguments.
     pub arguments: usize,
 }
@@ -61,7 +61,7 @@ impl std::fmt::Display for TooFewArguments {
         write!(
             f,
             "Mismatch between format string and arguments: {} values are to be written, but there are {}",
-            self.places, self.arguments
+            self.placeholders, self.arguments
         )
     }
 }
@@ -85,7 +85,7 @@ impl Format {
                 if !text.is_empty() {
                     pieces.push(Piece::Text(std::mem::take(&mut text)));
                 }
-                pieces.push(Piece::Place(spec));
+                pieces.push(Piece::Placeholder(spec));
                 rest = after;
             } else {
                 text.push('%');
@@ -100,8 +100,8 @@ impl Format {
 
     /// How many arguments it takes.
     #[must_use]
-    pub fn places(&self) -> usize {
-        self.pieces.iter().filter(|piece| matches!(piece, Piece::Place(_))).count()
+    pub fn placeholders(&self) -> usize {
+        self.pieces.iter().filter(|piece| matches!(piece, Piece::Placeholder(_))).count()
     }
 
     /// The text with its places filled. Arguments without a place are not written.
@@ -109,15 +109,15 @@ impl Format {
     /// # Errors
     /// If there are fewer arguments than places.
     pub fn fill(&self, arguments: &[Argument]) -> Result<String, TooFewArguments> {
-        if arguments.len() < self.places() {
-            return Err(TooFewArguments { places: self.places(), arguments: arguments.len() });
+        if arguments.len() < self.placeholders() {
+            return Err(TooFewArguments { placeholders: self.placeholders(), arguments: arguments.len() });
         }
         let mut arguments = arguments.iter();
         let mut out = String::new();
         for piece in &self.pieces {
             match piece {
                 Piece::Text(text) => out.push_str(text),
-                Piece::Place(spec) => spec.write(arguments.next(), &mut out),
+                Piece::Placeholder(spec) => spec.write(arguments.next(), &mut out),
             }
         }
         Ok(out)

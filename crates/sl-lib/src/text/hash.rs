@@ -8,7 +8,7 @@ const K1: u64 = 0xb492_b66f_be98_f273;
 const K2: u64 = 0x9ae1_6a3b_2f90_404f;
 
 /// Eight bytes from place `at` on.
-fn word(s: &[u8], at: usize) -> u64 {
+fn load(s: &[u8], at: usize) -> u64 {
     u64::from(half(s, at)) | u64::from(half(s, at + 4)) << 32
 }
 
@@ -42,7 +42,7 @@ fn up_to_16(s: &[u8]) -> u64 {
     let mul = add(K2, len as u64 * 2);
     match len {
         8.. => {
-            let (a, b) = (add(word(s, 0), K2), word(s, len - 8));
+            let (a, b) = (add(load(s, 0), K2), load(s, len - 8));
             let c = add(times(rotated(b, 37), mul), a);
             hash_two(c, times(add(rotated(a, 25), b), mul), mul)
         }
@@ -62,8 +62,8 @@ fn up_to_16(s: &[u8]) -> u64 {
 /// What 17 bytes and more have in common: two sums of the first and last 16 bytes.
 fn ends(s: &[u8], mul: u64) -> (u64, u64) {
     let len = s.len();
-    let (a, b) = (times(word(s, 0), K1), word(s, 8));
-    let (c, d) = (times(word(s, len - 8), mul), times(word(s, len - 16), K2));
+    let (a, b) = (times(load(s, 0), K1), load(s, 8));
+    let (c, d) = (times(load(s, len - 8), mul), times(load(s, len - 16), K2));
     let u = add(add(rotated(add(a, b), 43), rotated(c, 30)), d);
     (u, add(add(a, rotated(add(b, K2), 18)), c))
 }
@@ -96,7 +96,7 @@ fn up_to_96(s: &[u8]) -> u64 {
 
 /// 32 bytes from place `at` on, with two seeds.
 fn weak(s: &[u8], at: usize, a: u64, b: u64) -> (u64, u64) {
-    let [w, x, y, z] = [0, 8, 16, 24].map(|i| word(s, at + i));
+    let [w, x, y, z] = [0, 8, 16, 24].map(|i| load(s, at + i));
     let a = add(a, w);
     let b = rotated(add(add(b, a), z), 21);
     let c = a;
@@ -117,13 +117,13 @@ struct State {
 impl State {
     fn round(self, s: &[u8], at: usize, mul: u64, nine: u64) -> Self {
         let Self { x, y, z, v, w } = self;
-        let x = times(rotated(add(add(add(x, y), v.0), word(s, at + 8)), 37), mul);
-        let y = times(rotated(add(add(y, v.1), word(s, at + 48)), 42), mul);
+        let x = times(rotated(add(add(add(x, y), v.0), load(s, at + 8)), 37), mul);
+        let y = times(rotated(add(add(y, v.1), load(s, at + 48)), 42), mul);
         let x = x ^ times(w.1, nine);
-        let y = add(y, add(times(v.0, nine), word(s, at + 40)));
+        let y = add(y, add(times(v.0, nine), load(s, at + 40)));
         let z = times(rotated(add(z, w.0), 33), mul);
         let v = weak(s, at, times(v.1, mul), add(x, w.0));
-        let w = weak(s, at + 32, add(z, w.1), add(y, word(s, at + 16)));
+        let w = weak(s, at + 32, add(z, w.1), add(y, load(s, at + 16)));
         Self { x: z, y, z: x, v, w }
     }
 }
@@ -132,7 +132,7 @@ impl State {
 fn up_to_256(s: &[u8]) -> u64 {
     let y = add(times(81, K1), 113);
     let z = times(shift_mix(add(times(y, K2), 113)), K2);
-    let mut state = State { x: add(times(81, K2), word(s, 0)), y, z, v: (0, 0), w: (0, 0) };
+    let mut state = State { x: add(times(81, K2), load(s, 0)), y, z, v: (0, 0), w: (0, 0) };
     for block in 0..(s.len() - 1) / 64 {
         state = state.round(s, block * 64, K1, 1);
     }
@@ -160,7 +160,7 @@ fn longer(s: &[u8]) -> u64 {
     x = times(x, K2);
     let mul = add(K2, u & 0x82);
     for block in 0..(s.len() - 1) / 64 {
-        let a: [u64; 8] = std::array::from_fn(|i| word(s, block * 64 + 8 * i));
+        let a: [u64; 8] = std::array::from_fn(|i| load(s, block * 64 + 8 * i));
         x = times(rotated(add(x, add(a[0], a[1])), 26), 9);
         y = rotated(add(y, a[2]), 29);
         z = times(add(z, a[3]), mul);
@@ -189,13 +189,13 @@ fn longer(s: &[u8]) -> u64 {
     w.0 = add(w.0, ((s.len() - 1) & 63) as u64);
     u = add(u, y);
     y = add(y, u);
-    x = times(rotated(add(add(y.wrapping_sub(x), v.0), word(s, at + 8)), 37), mul);
-    y = times(rotated(y ^ v.1 ^ word(s, at + 48), 42), mul);
+    x = times(rotated(add(add(y.wrapping_sub(x), v.0), load(s, at + 8)), 37), mul);
+    y = times(rotated(y ^ v.1 ^ load(s, at + 48), 42), mul);
     x ^= times(w.1, 9);
-    y = add(y, add(v.0, word(s, at + 40)));
+    y = add(y, add(v.0, load(s, at + 40)));
     z = times(rotated(add(z, w.0), 33), mul);
     v = weak(s, at, times(v.1, mul), add(x, w.0));
-    w = weak(s, at + 32, add(z, w.1), add(y, word(s, at + 16)));
+    w = weak(s, at + 32, add(z, w.1), add(y, load(s, at + 16)));
     let first = add(hash_two(add(v.0, x), w.0 ^ y, mul), z).wrapping_sub(u);
     let second = last_of_long(add(v.1, y), add(w.1, z), K2, 30) ^ x;
     last_of_long(first, second, K2, 31)

@@ -31,8 +31,8 @@ pub fn digits(value: f64, notation: Notation, precision: usize, keep: bool) -> S
             let (text, tail) = if is_small {
                 (mantissa, power(exponent))
             } else {
-                let places = (precision as i32 - 1 - exponent) as usize;
-                (format!("{value:.places$}"), String::new())
+                let decimals = (precision as i32 - 1 - exponent) as usize;
+                (format!("{value:.decimals$}"), String::new())
             };
             let text = if keep {
                 let dot = !text.contains('.');

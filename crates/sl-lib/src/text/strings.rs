@@ -72,10 +72,11 @@ pub fn stof(s: &str) -> f32 {
     let bytes = s.as_bytes();
     let sign = usize::from(matches!(bytes.first(), Some(b'+' | b'-')));
     let rest = &bytes[sign..];
-    let is_word = |word: &[u8]| rest.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word));
-    let mut end = if is_word(b"infinity") {
+    let is_at_start =
+        |pattern: &[u8]| rest.get(..pattern.len()).is_some_and(|start| start.eq_ignore_ascii_case(pattern));
+    let mut end = if is_at_start(b"infinity") {
         8
-    } else if is_word(b"inf") || is_word(b"nan") {
+    } else if is_at_start(b"inf") || is_at_start(b"nan") {
         3
     } else {
         let whole = digits(rest);

@@ -24,15 +24,15 @@ pub(super) fn with_copies(file: Stored) -> Stored {
 fn halved(finer: &StoredLevel, channels: usize) -> StoredLevel {
     let [width, height] = [finer.width, finer.height].map(|n| (n / 2).max(1));
     // The texels on both sides of each place, and the share of the second.
-    let places = |n: usize, of: usize| -> Vec<(usize, usize, f32)> {
-        let place = |i: usize| {
+    let samples = |n: usize, of: usize| -> Vec<(usize, usize, f32)> {
+        let sample = |i: usize| {
             let x = (i as f32 + 0.5) / n as f32 * of as f32 - 0.5;
             let low = x.floor();
             (low as usize, (low as usize + 1).min(of - 1), x - low)
         };
-        (0..n).map(place).collect()
+        (0..n).map(sample).collect()
     };
-    let (columns, rows) = (places(width, finer.width), places(height, finer.height));
+    let (columns, rows) = (samples(width, finer.width), samples(height, finer.height));
     let mut values = Vec::with_capacity(width * height * channels);
     for &(y0, y1, t) in &rows {
         for &(x0, x1, s) in &columns {
@@ -65,8 +65,8 @@ fn shown(file: Stored) -> Stored {
     let mut values = vec![0.0; width * height * file.channels];
     for y in 0..height {
         for x in 0..width {
-            let place = [x as i64 + left - from_x, y as i64 + top - from_y].map(usize::try_from);
-            let [Ok(column), Ok(row)] = place else { continue };
+            let sample = [x as i64 + left - from_x, y as i64 + top - from_y].map(usize::try_from);
+            let [Ok(column), Ok(row)] = sample else { continue };
             if column < level.width && row < level.height {
                 let (from, to) =
                     ((row * level.width + column) * file.channels, (y * width + x) * file.channels);

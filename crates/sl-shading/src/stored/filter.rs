@@ -11,7 +11,7 @@ use gnurt_image::Stored;
 use gnurt_sl::exec::{TextureOptions, longitude_latitude};
 use gnurt_sl_lib::Dual;
 
-use super::sample::{Between, Read, Way, read};
+use super::sample::{Interpolation, Read, ReadOptions, read};
 use crate::wrap::Wrap;
 
 /// Probes along the longer axis, over the length of the shorter one.
@@ -98,13 +98,13 @@ fn levels(count: usize, texels: impl Fn(usize) -> f32) -> Option<[(usize, f32); 
     Some([(count - 1, 1.0), (count - 1, 0.0)])
 }
 
-fn between(options: &TextureOptions, is_coarse: bool) -> Between {
+fn interpolation_of(options: &TextureOptions, is_coarse: bool) -> Interpolation {
     match &*options.interpolation {
-        "closest" => Between::Closest,
-        "linear" => Between::Linear,
-        "cubic" | "bicubic" => Between::Cubic,
-        _ if is_coarse => Between::Cubic,
-        _ => Between::Linear,
+        "closest" => Interpolation::Closest,
+        "linear" => Interpolation::Linear,
+        "cubic" | "bicubic" => Interpolation::Cubic,
+        _ if is_coarse => Interpolation::Cubic,
+        _ => Interpolation::Linear,
     }
 }
 
@@ -124,7 +124,7 @@ pub(super) fn over_ellipse(
     options: &TextureOptions,
     (wrap, first): ([Wrap; 2], usize),
 ) -> Read {
-    let way = Way { wrap, first, channels: options.channels, fill: options.fill };
+    let read_options = ReadOptions { wrap, first, channels: options.channels, fill: options.fill };
     // Texels that a picture of the pixels' own density would have.
     let natural = [0, 1]
         .map(|k: usize| (1.0 / changes[0][k].abs().max(changes[1][k].abs()).max(NARROWEST)) as usize / 2);
@@ -147,9 +147,13 @@ pub(super) fn over_ellipse(
         }
         let level = &file.levels[m];
         let is_coarse = m == 0 || level.width < natural[0] || level.height < natural[1];
-        let between = between(options, is_coarse);
+        let interpolation_of = interpolation_of(options, is_coarse);
         for &([ds, dt], weight) in &probes {
-            gather(&mut out, read(file, level, [s + ds, t + dt], between, &way), share * weight);
+            gather(
+                &mut out,
+                read(file, level, [s + ds, t + dt], interpolation_of, &read_options),
+                share * weight,
+            );
         }
     }
     out
@@ -162,23 +166,28 @@ fn probes(ellipse: Ellipse, aspect: f32) -> Vec<([f32; 2], f32)> {
     // The axes are diameters.
     let axis = [0.5 * length * cos, 0.5 * length * sin];
     let count = ((2.0 * aspect - 1.0) as usize).max(1);
-    let place = |i: usize| if count == 1 { 0.0 } else { 2.0 * (i as f32 + 0.5) / count as f32 - 1.0 };
+    let abscissa = |i: usize| if count == 1 { 0.0 } else { 2.0 * (i as f32 + 0.5) / count as f32 - 1.0 };
     let weight = |i: usize| {
-        let x = place(i) * ellipse.major / length;
+        let x = abscissa(i) * ellipse.major / length;
         if count <= 2 { 1.0 } else { (-2.0 * x * x).exp() }
     };
     let all: f32 = (0..count).map(weight).sum();
-    (0..count).map(|i| (axis.map(|a| a * place(i)), weight(i) / all)).collect()
+    (0..count).map(|i| (axis.map(|a| a * abscissa(i)), weight(i) / all)).collect()
 }
 
 /// The picture of all around in a direction. Its left and right border meet.
-pub(super) fn around(file: &Stored, way: [Dual<f32>; 3], options: &TextureOptions, first: usize) -> Read {
+pub(super) fn around(
+    file: &Stored,
+    read_options: [Dual<f32>; 3],
+    options: &TextureOptions,
+    first: usize,
+) -> Read {
     let unit = |v: [f32; 3]| {
         let length = v.iter().map(|x| x * x).sum::<f32>().sqrt();
         v.map(|x| if length > 0.0 { x / length } else { 0.0 })
     };
-    let r = unit(way.map(|d| d.value));
-    let there = [way.map(|d| d.value + d.dx), way.map(|d| d.value + d.dy)].map(unit);
+    let r = unit(read_options.map(|d| d.value));
+    let there = [read_options.map(|d| d.value + d.dx), read_options.map(|d| d.value + d.dy)].map(unit);
     let angles = there.map(|v| {
         let cos: f32 = v.iter().zip(r).map(|(a, b)| a * b).sum();
         cos.clamp(-1.0, 1.0).acos().max(NARROWEST)
@@ -194,19 +203,19 @@ pub(super) fn around(file: &Stored, way: [Dual<f32>; 3], options: &TextureOption
     let rows = |m: usize| file.levels[m].height as f32 * ellipse.minor / PI;
     let chosen = levels(file.levels.len(), rows).unwrap_or([(0, 1.0), (0, 0.0)]);
     let wrap = [Wrap::Periodic, Wrap::Clamp];
-    let how = Way { wrap, first, channels: options.channels, fill: options.fill };
+    let how = ReadOptions { wrap, first, channels: options.channels, fill: options.fill };
     let mut out = Read::default();
     for probe in 0..count as usize {
         let step = (probe as f32 + 0.5) / count - 0.5;
-        let place = [0, 1, 2].map(|k: usize| Dual::from(r[k] + step * axis[k]));
-        let [s, t] = of_file(file, place);
+        let abscissa = [0, 1, 2].map(|k: usize| Dual::from(r[k] + step * axis[k]));
+        let [s, t] = of_file(file, abscissa);
         for (m, share) in chosen {
             if share == 0.0 {
                 continue;
             }
             let level = &file.levels[m];
-            let between = between(options, m == 0 || level.height < natural);
-            let found = read(file, level, [s, t], between, &how);
+            let interpolation_of = interpolation_of(options, m == 0 || level.height < natural);
+            let found = read(file, level, [s, t], interpolation_of, &how);
             gather(&mut out, towards_pole(file, m, t, found, &how), share / count);
         }
     }
@@ -217,12 +226,12 @@ pub(super) fn around(file: &Stored, way: [Dual<f32>; 3], options: &TextureOption
 fn of_file(file: &Stored, [x, y, z]: [Dual<f32>; 3]) -> [f32; 2] {
     let y_up = file.text("oiio:updirection") != Some("z");
     // The same picture, seen from axes that are named in another order.
-    let way = if y_up { [x, y, z] } else { [-y, z, x] };
-    longitude_latitude(way).map(|d| if d.value.is_nan() { 0.0 } else { d.value })
+    let read_options = if y_up { [x, y, z] } else { [-y, z, x] };
+    longitude_latitude(read_options).map(|d| if d.value.is_nan() { 0.0 } else { d.value })
 }
 
 /// In levels of a single tile a row's mean is the pole's colour.
-fn towards_pole(file: &Stored, m: usize, t: f32, found: Read, way: &Way) -> Read {
+fn towards_pole(file: &Stored, m: usize, t: f32, found: Read, read_options: &ReadOptions) -> Read {
     let level = &file.levels[m];
     let fits = level.tile.is_none_or(|[w, h]| level.width <= w && level.height <= h);
     let height = level.height as f32;
@@ -239,9 +248,13 @@ fn towards_pole(file: &Stored, m: usize, t: f32, found: Read, way: &Way) -> Read
     }
     let share = pole.clamp(0.0, 1.0).powi(2);
     let mut out = found.map(|list| list.map(|x| x * (1.0 - share)));
-    for (c, out) in out.iter_mut().enumerate().take(file.channels.saturating_sub(way.first).min(way.channels))
+    for (c, out) in out
+        .iter_mut()
+        .enumerate()
+        .take(file.channels.saturating_sub(read_options.first).min(read_options.channels))
     {
-        let value = |x: usize| level.values.get((y * level.width + x) * file.channels + way.first + c);
+        let value =
+            |x: usize| level.values.get((y * level.width + x) * file.channels + read_options.first + c);
         let mean = (0..level.width).map(value).sum::<f32>() / level.width as f32;
         out[0] += share * mean;
     }

@@ -37,15 +37,15 @@ pub struct StoredTextures {
     known: Mutex<HashMap<String, Found>>,
     volumes: Volumes,
     /// Files about which was complained.
-    told: Mutex<HashSet<String>>,
+    reported: Mutex<HashSet<String>>,
 }
 
 /// The file that a name stands for at a place, and the place in it.
 fn tile(name: &str, [s, t]: [f32; 2]) -> Option<(String, [f32; 2])> {
-    let word = TILES.into_iter().find(|word| name.contains(word))?;
+    let tag = TILES.into_iter().find(|tag| name.contains(tag))?;
     let [column, row] = [s, t].map(|x| x.floor().clamp(0.0, 1000.0));
     let number = 1001 + (column.min(9.0) as usize) + 10 * row as usize;
-    Some((name.replace(word, &number.to_string()), [s - s.floor(), t - t.floor()]))
+    Some((name.replace(tag, &number.to_string()), [s - s.floor(), t - t.floor()]))
 }
 
 impl StoredTextures {
@@ -64,7 +64,10 @@ impl StoredTextures {
 
     /// The reason, if it has not been given before.
     fn once(&self, name: &str, why: &str) -> String {
-        let is_new = self.told.lock().is_ok_and(|mut told| told.len() < MOST && told.insert(name.to_owned()));
+        let is_new = self
+            .reported
+            .lock()
+            .is_ok_and(|mut reported| reported.len() < MOST && reported.insert(name.to_owned()));
         if is_new { why.to_owned() } else { String::new() }
     }
 
@@ -79,7 +82,7 @@ impl StoredTextures {
 }
 
 /// Where a file is, if it is there.
-fn place(name: &str) -> Result<&Path, String> {
+fn path_of(name: &str) -> Result<&Path, String> {
     if name.is_empty() {
         return Err("ImageInput::create() called with no filename".into());
     }
@@ -89,7 +92,7 @@ fn place(name: &str) -> Result<&Path, String> {
 }
 
 fn read(name: &str) -> Found {
-    let file = read_stored(place(name)?).map_err(|error| error.to_string())?;
+    let file = read_stored(path_of(name)?).map_err(|error| error.to_string())?;
     Ok(Arc::new(copies::with_copies(file)))
 }
 
@@ -110,15 +113,15 @@ impl Textures for StoredTextures {
         at: [Dual<f32>; 2],
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String> {
-        let mut place = [at[0].value, at[1].value];
-        let tile = tile(name, place);
+        let mut path_of = [at[0].value, at[1].value];
+        let tile = tile(name, path_of);
         if let Some((_, within)) = &tile {
-            place = *within;
+            path_of = *within;
         }
         let name = tile.as_ref().map_or(name, |(name, _)| name);
         let (file, wrap, first) = self.open(name, options)?;
         let [dx, dy] = [[at[0].dx, at[1].dx], [at[0].dy, at[1].dy]];
-        let texel = filter::over_ellipse(&file, place, [dx, dy], options, (wrap, first));
+        let texel = filter::over_ellipse(&file, path_of, [dx, dy], options, (wrap, first));
         Ok(completed(texel, &file, options, first)
             .map(|[value, ds, dt]| Dual::new(value, ds * dx[0] + dt * dx[1], ds * dy[0] + dt * dy[1])))
     }
@@ -126,11 +129,11 @@ impl Textures for StoredTextures {
     fn environment(
         &self,
         name: &str,
-        way: [Dual<f32>; 3],
+        direction: [Dual<f32>; 3],
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String> {
         let (file, _, first) = self.open(name, options)?;
-        let texel = filter::around(&file, way, options, first);
+        let texel = filter::around(&file, direction, options, first);
         Ok(completed(texel, &file, options, first).map(|[value, ..]| value.into()))
     }
 
@@ -140,13 +143,13 @@ impl Textures for StoredTextures {
         at: [Dual<f32>; 3],
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String> {
-        let volume = self.volumes.find(name, || place(name).map(Arc::from));
+        let volume = self.volumes.find(name, || path_of(name).map(Arc::from));
         let volume = volume.map_err(|why| self.once(name, &why))?;
         at_place(&volume, name, at, options).map(|(texel, _)| texel)
     }
 
     fn info(&self, name: &str, at: Option<[f32; 2]>, what: &str, ty: Type) -> Result<Option<Data>, String> {
-        let tiled = TILES.into_iter().any(|word| name.contains(word));
+        let tiled = TILES.into_iter().any(|tag| name.contains(tag));
         let named = match at {
             Some(at) => tile(name, at).map_or_else(|| name.to_owned(), |(name, _)| name),
             // Without a place, what all tiles have in common; those of the first are taken for it.
@@ -182,7 +185,7 @@ fn answer(file: &Stored, what: &str, ty: Type) -> Option<Data> {
             return None;
         }
         let values: Vec<f32> = match noted {
-            Some(noted) => noted.split(',').map(|word| word.trim().parse().unwrap_or(0.0)).collect(),
+            Some(noted) => noted.split(',').map(|tag| tag.trim().parse().unwrap_or(0.0)).collect(),
             None => {
                 let last = file.levels.last().filter(|level| [level.width, level.height] == [1, 1])?;
                 (0..file.channels).map(|c| last.values.get(c)).collect()

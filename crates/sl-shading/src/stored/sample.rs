@@ -13,7 +13,7 @@ pub(super) type Read = [[f32; 3]; 4];
 
 /// How a level is read between its texels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Between {
+pub(super) enum Interpolation {
     Closest,
     Linear,
     Cubic,
@@ -21,7 +21,7 @@ pub(super) enum Between {
 
 /// Which channels are read, and how.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+pub(super) struct ReadOptions {
     pub(super) wrap: [Wrap; 2],
     pub(super) first: usize,
     /// Channels that are asked for.
@@ -38,9 +38,9 @@ fn split(x: f32) -> (i32, f32) {
 }
 
 /// The weights of two or four texels and their changes.
-fn weights(between: Between, f: f32) -> ([f32; 4], [f32; 4]) {
+fn weights(interpolation: Interpolation, f: f32) -> ([f32; 4], [f32; 4]) {
     let g = 1.0 - f;
-    if between == Between::Linear {
+    if interpolation == Interpolation::Linear {
         return ([0.0, g, f, 0.0], [0.0, -1.0, 1.0, 0.0]);
     }
     let w = [
@@ -58,18 +58,18 @@ pub(super) fn read(
     file: &Stored,
     level: &StoredLevel,
     [s, t]: [f32; 2],
-    between: Between,
-    way: &Way,
+    interpolation: Interpolation,
+    read_options: &ReadOptions,
 ) -> Read {
     let (w, h) = (level.width, level.height);
     let mut out = Read::default();
-    let there = file.channels.saturating_sub(way.first).min(way.channels);
+    let there = file.channels.saturating_sub(read_options.first).min(read_options.channels);
     // The share of what lies where there is a picture.
     let mut inside = 0.0;
     let mut add = |x: Option<usize>, y: Option<usize>, weight: [f32; 3]| {
         let (Some(x), Some(y)) = (x, y) else { return };
         inside += weight[0];
-        let start = (y * w + x) * file.channels + way.first;
+        let start = (y * w + x) * file.channels + read_options.first;
         for (c, out) in out.iter_mut().enumerate().take(there) {
             let value = level.values.get(start + c);
             for (out, weight) in out.iter_mut().zip(weight) {
@@ -77,15 +77,20 @@ pub(super) fn read(
             }
         }
     };
-    if between == Between::Closest {
+    if interpolation == Interpolation::Closest {
         let ((i, _), (j, _)) = (split(s * w as f32), split(t * h as f32));
-        add(way.wrap[0].texel(i.into(), w), way.wrap[1].texel(j.into(), h), [1.0, 0.0, 0.0]);
+        add(
+            read_options.wrap[0].texel(i.into(), w),
+            read_options.wrap[1].texel(j.into(), h),
+            [1.0, 0.0, 0.0],
+        );
     } else {
         let ((i, fs), (j, ft)) = (split(s * w as f32 - 0.5), split(t * h as f32 - 0.5));
-        let ((ws, ds), (wt, dt)) = (weights(between, fs), weights(between, ft));
-        let columns: [_; 4] = std::array::from_fn(|k| way.wrap[0].texel(i64::from(i) + k as i64 - 1, w));
+        let ((ws, ds), (wt, dt)) = (weights(interpolation, fs), weights(interpolation, ft));
+        let columns: [_; 4] =
+            std::array::from_fn(|k| read_options.wrap[0].texel(i64::from(i) + k as i64 - 1, w));
         for l in 0..4 {
-            let row = way.wrap[1].texel(i64::from(j) + l as i64 - 1, h);
+            let row = read_options.wrap[1].texel(i64::from(j) + l as i64 - 1, h);
             for k in 0..4 {
                 if ws[k] != 0.0 || ds[k] != 0.0 {
                     let weight = [ws[k] * wt[l], ds[k] * wt[l] * w as f32, ws[k] * dt[l] * h as f32];
@@ -97,7 +102,7 @@ pub(super) fn read(
         }
     }
     for out in &mut out[there..] {
-        out[0] = way.fill * inside;
+        out[0] = read_options.fill * inside;
     }
     out
 }

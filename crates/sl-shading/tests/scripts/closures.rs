@@ -31,7 +31,7 @@ fn each_closure_has_its_lobe() {
         ("phong (N, 100)", Kind::Phong),
         ("ward (N, dPdu, 0.2, 0.3)", Kind::Ward),
         ("microfacet (\"ggx\", N, 0.3, 1.5, 0)", Kind::Glass),
-        ("microfacet (\"ggx\", N, 0.3, 0, 0)", Kind::Facets),
+        ("microfacet (\"ggx\", N, 0.3, 0, 0)", Kind::Microfacets),
         ("microfacet (\"beckmann\", N, dPdu, 0.3, 0.2, 0, 0)", Kind::Beckmann),
         ("microfacet (concat (\"default\", \"\"), N, 0.3, 1.5, 2)", Kind::Beckmann),
         ("microfacet (\"beckmann\", N, 0, 1.5, 2)", Kind::SmoothGlass),
@@ -44,13 +44,16 @@ fn each_closure_has_its_lobe() {
             Kind::SmoothGlass,
         ),
         (&format!("dielectric_bsdf (N, {zero}, color (1), color (1), 0.2, 0.2, 1.5, \"ggx\")"), Kind::Glass),
-        (&format!("dielectric_bsdf (N, {zero}, color (1), color (0), 0.2, 0.2, 1.5, \"ggx\")"), Kind::Facets),
+        (
+            &format!("dielectric_bsdf (N, {zero}, color (1), color (0), 0.2, 0.2, 1.5, \"ggx\")"),
+            Kind::Microfacets,
+        ),
         (&format!("conductor_bsdf (N, {zero}, 0.2, 0.2, color (0.2), color (3), \"ggx\")"), Kind::Metal),
         (
             &format!(
                 "generalized_schlick_bsdf (N, {zero}, color (1), color (0), 0.2, 0.2, color (0.1), color (1), 5, \"ggx\")"
             ),
-            Kind::Facets,
+            Kind::Microfacets,
         ),
         ("sheen_bsdf (N, color (0.5), 0.4)", Kind::Sheen),
         ("sheen_bsdf (N, color (0.5), 0.4, \"mode\", 0)", Kind::Sheen),
@@ -116,13 +119,13 @@ fn sums_weights_and_layers() {
     assert_eq!(sum.emission, Vec3::ONE, "light that is given off");
     let coat = "dielectric_bsdf (N, vector (0), color (1), color (0), 0.1, 0.1, 1.5, \"ggx\")";
     let layered = point(&format!("Ci = layer ({coat}, diffuse (N));"));
-    let alone = point(&format!("Ci = {coat} + diffuse (N);"));
-    let [layered, alone] = [layered, alone].map(|point| point.bsdf.albedo(toward()).x);
+    let single = point(&format!("Ci = {coat} + diffuse (N);"));
+    let [layered, single] = [layered, single].map(|point| point.bsdf.albedo(toward()).x);
     assert!(
         layered <= 1.0 + 1e-3 && layered > 0.95,
         "a coat takes what it sends back from the body: {layered}"
     );
-    assert!(alone > 1.02, "a sum does not: {alone}");
+    assert!(single > 1.02, "a sum does not: {single}");
     let tilted = point("Ci = diffuse (N) + 0.1 * diffuse (normalize (N + vector (1, 0, 0)));");
     let [main, other] = tilted.bsdf.lobes().as_slice() else { panic!("two lobes") };
     assert_eq!(main.normal, Vec3::ZERO, "the heavier one lies around the point's normal");
@@ -204,16 +207,16 @@ fn models_are_those_that_were_asked_for() {
             "generalized_schlick_bsdf (N, vector (0), color (1), color (0), 0.2, 0.2, color (0.5), color (1), {power}, \"ggx\")"
         ))
     };
-    assert_eq!(schlick(5), Lobe::facets(0.2, grey, Vec3::ONE));
+    assert_eq!(schlick(5), Lobe::microfacets(0.2, grey, Vec3::ONE));
     let glass = point(
         "Ci = generalized_schlick_bsdf (N, vector (0), color (1, 0.5, 1), color (0.2), 0.2, 0.2, color (0.25), color (1), 4, \"ggx\");",
     );
-    let wanted = [(false, Vec3::new(1.0, 0.5, 1.0)), (true, Vec3::splat(0.2))].map(|(through, weight)| {
+    let expected = [(false, Vec3::new(1.0, 0.5, 1.0)), (true, Vec3::splat(0.2))].map(|(through, weight)| {
         let reflectances = [Vec3::splat(0.25), Vec3::ONE];
         let mut lobe = Lobe::schlick_glass(0.2, 1.0 / 3.0, reflectances, 4.0, through);
         lobe.weight = weight;
         lobe
     });
-    assert_eq!(glass.bsdf.lobes().as_slice(), wanted, "glass: what is mirrored, and what goes through");
-    assert_eq!(schlick(3), Lobe::facets(0.2, grey, Vec3::ONE).risen(3.0));
+    assert_eq!(glass.bsdf.lobes().as_slice(), expected, "glass: what is mirrored, and what goes through");
+    assert_eq!(schlick(3), Lobe::microfacets(0.2, grey, Vec3::ONE).risen(3.0));
 }

@@ -7,7 +7,7 @@ use gnurt_shading::bsdf::ClosureBatch;
 use gnurt_shading::{
     AttributeRequest, CameraSamples, LightBatch, RayKind, SurfaceBatch, SurfaceShader, Vec3s,
 };
-use gnurt_sl_shading::{CameraPlace, Kind, ParameterValue};
+use gnurt_sl_shading::{CameraFrame, Kind, ParameterValue};
 
 use super::floor::{Probe, floor, script, surface};
 
@@ -27,8 +27,8 @@ fn globals_are_those_of_the_points() {
     );
     let add = 2.0 - hits.ray_dir.get(0).y;
     for (i, light) in emitted(&*shader, &hits).into_iter().enumerate() {
-        let wanted = Vec3::new(i as f32, i as f32, 0.5) + Vec3::splat(add);
-        assert!((light - wanted).length() < 1e-4, "point {i}: {light}, {wanted}");
+        let expected = Vec3::new(i as f32, i as f32, 0.5) + Vec3::splat(add);
+        assert!((light - expected).length() < 1e-4, "point {i}: {light}, {expected}");
     }
 }
 
@@ -106,9 +106,9 @@ fn meshes_and_instances_give_what_is_asked_for() {
     let shader = script(text).surface().expect("a surface");
     let names: Vec<(&str, u32)> =
         shader.attributes().iter().map(|request| (&request.name[..], request.components)).collect();
-    let wanted =
+    let expected =
         [("heat", 1), ("tint", 3), ("shine", 1), ("Cd", 3), (AttributeRequest::WORLD_FROM_OBJECT, 12)];
-    assert_eq!(names, wanted, "what is asked of the mesh");
+    assert_eq!(names, expected, "what is asked of the mesh");
     let mut hits = floor(2);
     let nan = f32::NAN;
     // One point's mesh has all of it, the other's nothing; the object lies 4 below the world.
@@ -162,7 +162,7 @@ fn pictures_are_of_the_colour_space_that_shaders_say() {
         let made = gnurt_sl_shading::Script::open(&at, &gnurt_sl_shading::Access::default());
         emitted(&*made.expect("it compiles").surface().expect("a surface"), &floor(1))[0].x
     };
-    let near = |x: f32, wanted: f32| (x - wanted).abs() < 0.005;
+    let near = |x: f32, expected: f32| (x - expected).abs() < 0.005;
     assert!(near(of(""), 0.5) && near(of(", \"colorspace\", \"sRGB\""), 0.5), "decoded: {}", of(""));
     for space in ["raw", "linear", "lin_rec709"] {
         let found = of(&format!(", \"colorspace\", \"{space}\""));
@@ -203,8 +203,8 @@ fn shaders_that_ask_rays_and_lights_are_told() {
     assert_eq!(both, Vec3::splat(6.0), "and all of it without");
     let elsewhere = shade("color c = 0; illuminance (P + 1) c += Cl; Ci = c * radiance ();");
     assert_eq!(elsewhere, Vec3::splat(2.0), "at another place");
-    let seen = shade("Ci = (color) trace (P, vector (0, 2, 0)) * radiance ();");
-    assert_eq!(seen, Vec3::Y, "what lies above");
+    let shaded = shade("Ci = (color) trace (P, vector (0, 2, 0)) * radiance ();");
+    assert_eq!(shaded, Vec3::Y, "what lies above");
     let far =
         shade("float d = 0; if (trace (P, N)) getmessage (\"trace\", \"hitdist\", d); Ci = d * radiance ();");
     assert_eq!(far, Vec3::splat(7.0), "how far it is");
@@ -234,7 +234,7 @@ fn lights_shine() {
 
 #[test]
 fn cameras_make_rays() {
-    let place = CameraPlace {
+    let frame = CameraFrame {
         eye: [1.0, 0.0, 0.0],
         right: [1.0, 0.0, 0.0],
         up: [0.0, 1.0, 0.0],
@@ -246,11 +246,15 @@ fn cameras_make_rays() {
         P = transform (\"camera\", \"common\", point (0, xi[0], 0));
         I = vector (\"camera\", (2 * u - 1) * half * aspect, (2 * v - 1) * half, -1);
         weight = raster[1] > 90 ? 0 : 1; }";
-    let camera = script(text).camera(place).expect("a camera");
+    let camera = script(text).camera(frame).expect("a camera");
     assert!(camera.has_lens(), "it asks for xi");
     let mut rays = RayBatch::default();
-    let places = [[1.0, 0.5], [0.5, 1.0], [0.5, 0.0]];
-    camera.rays(&CameraSamples { places: &places, lens: &[[0.25, 0.0]; 3], times: &[] }, 2.0, &mut rays);
+    let positions = [[1.0, 0.5], [0.5, 1.0], [0.5, 0.0]];
+    camera.rays(
+        &CameraSamples { positions: &positions, lens: &[[0.25, 0.0]; 3], times: &[] },
+        2.0,
+        &mut rays,
+    );
     assert_eq!(rays.get(0).org.map(|x| x), [1.0, 0.25, 0.0], "on the lens");
     let dir = Vec3::from(rays.get(0).dir);
     assert!((dir - Vec3::new(2.0, 0.0, -1.0).normalize()).length() < 1e-6, "as wide as the picture: {dir}");
@@ -274,9 +278,9 @@ fn it_tells_its_variables() {
     let shader = surface(
         "float a = P[0] + 2; { string b = \"x\"; if (a > 1) b = \"y\"; Ci = (a + startswith (b, \"z\")) * diffuse (N); }",
     );
-    let lines = shader.tell(&floor(2), 1);
-    for wanted in ["a = 3", "b = \"y\"", "Ci = (3, 3, 3) * diffuse ((0, 1, 0))"] {
-        assert!(lines.iter().any(|line| line.ends_with(wanted)), "{wanted}: {lines:?}");
+    let lines = shader.describe(&floor(2), 1);
+    for expected in ["a = 3", "b = \"y\"", "Ci = (3, 3, 3) * diffuse ((0, 1, 0))"] {
+        assert!(lines.iter().any(|line| line.ends_with(expected)), "{expected}: {lines:?}");
     }
 }
 

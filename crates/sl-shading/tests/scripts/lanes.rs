@@ -26,16 +26,16 @@ fn points(body: &str) -> [Vec<Scattering>; 2] {
     out.reset(21);
     surface.evaluate(&hits, &mut out);
     let all = (0..21).map(|i| out.point(i)).collect();
-    let alone = (0..21).map(|i| {
+    let single = (0..21).map(|i| {
         out.reset(1);
         surface.evaluate(&hits.gather(&[i]), &mut out);
         out.point(0)
     });
-    [all, alone.collect()]
+    [all, single.collect()]
 }
 
 /// All that a point does to light; places that only other points need are empty.
-fn told(point: &Scattering) -> String {
+fn reported(point: &Scattering) -> String {
     let all = point.bsdf.lobes().as_slice().iter().filter(|lobe| lobe.kind != Kind::None);
     let lobes: Vec<_> = all.collect();
     format!("{:?} {} {} {lobes:?}", point.bsdf.normal(), point.emission, point.coverage)
@@ -53,9 +53,9 @@ fn points_beside_others_are_as_they_are_alone() {
         "if (u > 0.2) Ci = u * emission (); Ci += u * transparent () + layer (diffuse (N) + 0.5 * transparent (), color (1, u, 0) * uniform_edf (color (u)) + 0.5 * transparent ());",
         "for (int i = 0; i < 12 * u; ++i) Ci = Ci + 0.1 * diffuse (normalize (N + vector (i, 0, 0)));",
     ] {
-        let [all, alone] = points(body);
-        for (i, (beside, alone)) in all.iter().zip(&alone).enumerate() {
-            assert_eq!(told(beside), told(alone), "{body}: point {i}");
+        let [all, single] = points(body);
+        for (i, (in_batch, single)) in all.iter().zip(&single).enumerate() {
+            assert_eq!(reported(in_batch), reported(single), "{body}: point {i}");
         }
     }
 }
@@ -66,7 +66,7 @@ fn values_say_what_light_may_do() {
         Ci = layer (dielectric_bsdf (N, dPdu, 1, glass, rough * rough, rough * rough, 1.5, \"ggx\"), diffuse (N));
         if (hole > 0) Ci += hole * transparent ();
         if (glow > 0) Ci += glow * emission (); }";
-    let told = |values: &[(&str, &str)]| {
+    let reported = |values: &[(&str, &str)]| {
         let mut script = script(text);
         for (name, value) in values {
             script.set_text(name, value).unwrap_or_else(|why| panic!("{why}"));
@@ -74,11 +74,11 @@ fn values_say_what_light_may_do() {
         let surface = script.surface().expect("a surface");
         [surface.is_opaque(), surface.is_solid(), surface.emits()]
     };
-    assert_eq!(told(&[]), [true, true, false], "plastic");
-    assert_eq!(told(&[("glass", "1")]), [true, true, false], "dull glass");
-    assert_eq!(told(&[("glass", "1"), ("rough", "0")]), [false, true, false], "clear glass");
-    assert_eq!(told(&[("rough", "0")]), [true, true, false], "a mirror");
-    assert_eq!(told(&[("hole", "0.5"), ("glow", "1")]), [false, false, true], "holes, light");
+    assert_eq!(reported(&[]), [true, true, false], "plastic");
+    assert_eq!(reported(&[("glass", "1")]), [true, true, false], "dull glass");
+    assert_eq!(reported(&[("glass", "1"), ("rough", "0")]), [false, true, false], "clear glass");
+    assert_eq!(reported(&[("rough", "0")]), [true, true, false], "a mirror");
+    assert_eq!(reported(&[("hole", "0.5"), ("glow", "1")]), [false, false, true], "holes, light");
     let mut principled = script(PRINCIPLED);
     assert!(principled.surface().expect("a surface").is_opaque(), "plastic with widths that are worked out");
     principled.set_text("transmission", "1").expect("a parameter");
@@ -93,8 +93,8 @@ fn values_say_what_light_may_do() {
 }
 
 /// A script that keeps its code for itself.
-fn apart(text: &str) -> (Script, Codes) {
-    let codes = Codes::apart();
+fn separate(text: &str) -> (Script, Codes) {
+    let codes = Codes::separate();
     let access = Access { codes: codes.clone(), ..Access::default() };
     (Script::from_text(Path::new("apart.osl"), text, &access).unwrap_or_else(|why| panic!("{why}")), codes)
 }
@@ -109,7 +109,7 @@ fn lobes_that_are_the_same_everywhere_are_those_of_each_point() {
     hits.ray_dir.set(9, Vec3::new(1.0, -1e-3, 0.0).normalize());
     let coat = "base=.6,.1,.08:roughness=.4:coat=1:coat_roughness=.1:sheen=.1,.1,.2:sheen_roughness=.5";
     let glass = "base=.7,.9,.8:roughness=.2:transmission=.7:metallic=.2:coat=.5";
-    const LAMP: &str = "surface lamp (float glow = 5, color c = color (1, 0.5, 0.2), float hole = 0.3, float tint = 0.2) {
+    const LIGHT: &str = "surface lamp (float glow = 5, color c = color (1, 0.5, 0.2), float hole = 0.3, float tint = 0.2) {
         Ci = glow * c * emission () + hole * transparent () + tint * transparent ();
         if (hole < 0.4) Ci = layer (sheen_bsdf (N, color (0.5), 0.4), Ci + glow * uniform_edf (c)) + (1 - hole) * diffuse (N); }";
     for (text, values) in [
@@ -118,13 +118,13 @@ fn lobes_that_are_the_same_everywhere_are_those_of_each_point() {
         (PRINCIPLED, "base=.5,.5,.5:roughness=.6"),
         (PRINCIPLED, "metallic=1"),
         (PRINCIPLED, "roughness=0:transmission=1"),
-        (LAMP, ""),
-        (LAMP, "hole=0"),
-        (LAMP, "hole=0.6"),
-        (LAMP, "glow=0:tint=0"),
-        (LAMP, "hole=1:glow=0:tint=0"),
+        (LIGHT, ""),
+        (LIGHT, "hole=0"),
+        (LIGHT, "hole=0.6"),
+        (LIGHT, "glow=0:tint=0"),
+        (LIGHT, "hole=1:glow=0:tint=0"),
     ] {
-        let (mut fixed, codes) = apart(text);
+        let (mut fixed, codes) = separate(text);
         for (name, value) in values.split(':').filter_map(|value| value.split_once('=')) {
             fixed.set_text(name, value).unwrap_or_else(|why| panic!("{why}"));
         }
@@ -141,12 +141,12 @@ fn lobes_that_are_the_same_everywhere_are_those_of_each_point() {
             surface.gaps(&mut Probe(1.0), &hits, &mut more[1]);
             surface.albedo(&hits, &mut more[2]);
             let lights = |i: usize| more.each_ref().map(|list| list.get(i));
-            (0..21).map(|i| (told(&out.point(i)), lights(i))).collect::<Vec<_>>()
+            (0..21).map(|i| (reported(&out.point(i)), lights(i))).collect::<Vec<_>>()
         };
         let found = all(&fixed);
         assert_eq!(codes.count(), 0, "{values}: nobody runs it");
-        for (i, (found, wanted)) in found.iter().zip(&all(&run)).enumerate() {
-            assert_eq!(found, wanted, "{values}: point {i}");
+        for (i, (found, expected)) in found.iter().zip(&all(&run)).enumerate() {
+            assert_eq!(found, expected, "{values}: point {i}");
         }
         assert_eq!(codes.count(), 1, "{values}: numbers that change are run");
     }
@@ -155,7 +155,7 @@ fn lobes_that_are_the_same_everywhere_are_those_of_each_point() {
 #[test]
 fn what_differs_from_point_to_point_is_run() {
     let is_run = |body: &str| {
-        let (script, codes) = apart(&format!("surface test () {{ {body} }}"));
+        let (script, codes) = separate(&format!("surface test () {{ {body} }}"));
         script.surface().expect("a surface");
         codes.count() == 1
     };
@@ -196,7 +196,7 @@ fn what_differs_from_point_to_point_is_run() {
 
 #[test]
 fn what_means_the_same_is_compiled_once() {
-    let codes = Codes::apart();
+    let codes = Codes::separate();
     let access = Access { codes: codes.clone(), ..Access::default() };
     let text = "surface s (float scale = 2) { Ci = scale * u * diffuse (N); }";
     let made = |text: &str, scale: &str| {

@@ -4,7 +4,7 @@
 use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
 use gnurt_shading::{
-    CameraSamples, LightBatch, Meeting, PixelSamples, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s,
+    CameraSamples, LightBatch, PixelSamples, RayRequest, SampleKey, SurfaceBatch, SurfaceHit, Tracer, Vec3s,
 };
 
 use super::floor::script;
@@ -30,12 +30,12 @@ impl Tracer for Above {
         out.push(if request.rays.get(0).dir[1] > 0.9 { 3.0 } else { f32::INFINITY });
     }
 
-    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<Meeting>>) {
+    fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
         let ray = request.rays.get(0);
         let (ng, albedo) = (Vec3::NEG_Y, Vec3::new(0.1, 0.2, 0.3));
         let p = Vec3::from(ray.org) + 3.0 * Vec3::from(ray.dir);
         out.clear();
-        out.push(Some(Meeting { t: 3.0, p, ng, ns: ng, uv: [0.25, 0.5], albedo, ids: [4, 5, 6, 7] }));
+        out.push(Some(SurfaceHit { t: 3.0, p, ng, ns: ng, uv: [0.25, 0.5], albedo, ids: [4, 5, 6, 7] }));
     }
 
     fn random(&self, _: SampleKey, _: u32, _: u32) -> [f32; 2] {
@@ -48,18 +48,18 @@ fn shown(body: &str) -> Vec<Vec3> {
     let count = 40;
     let text = format!("pixel p (output color Cpixel = 0) {{ {body} }}");
     let shader = script(&text).pixel().expect("a pixel shader");
-    let way = |i: usize| if i.is_multiple_of(2) { [0.0, 1.0, 0.0] } else { [0.0, 0.0, -1.0] };
+    let direction = |i: usize| if i.is_multiple_of(2) { [0.0, 1.0, 0.0] } else { [0.0, 0.0, -1.0] };
     let fill = |x: f32| {
         let mut rays = RayBatch::default();
-        (0..count).for_each(|i| rays.push(Ray::new([i as f32 + x, 0.0, 0.0], way(i))));
+        (0..count).for_each(|i| rays.push(Ray::new([i as f32 + x, 0.0, 0.0], direction(i))));
         rays
     };
     let (rays, right, below) = (fill(0.0), fill(0.5), fill(-0.25));
-    let places: Vec<[f32; 2]> = (0..count).map(|i| [(i as f32 + 0.5) / 40.0, 0.75]).collect();
+    let positions: Vec<[f32; 2]> = (0..count).map(|i| [(i as f32 + 0.5) / 40.0, 0.75]).collect();
     let samples = PixelSamples {
         rays: &rays,
-        beside: [&right, &below],
-        camera: CameraSamples::sharp(&places),
+        neighbours: [&right, &below],
+        camera: CameraSamples::sharp(&positions),
         size: [40, 8],
         keys: &vec![SampleKey::default(); count],
         radiance: &Vec3s::splat(count, Vec3::new(5.0, 6.0, 7.0)),
@@ -74,18 +74,18 @@ fn shown(body: &str) -> Vec<Vec3> {
 
 #[test]
 fn their_own_ray_is_known_and_others_are_sent() {
-    for (i, seen) in shown("Cpixel = (color) trace (P, I) + 10 * (color) trace (P, vector (2, 0, 0));")
+    for (i, found) in shown("Cpixel = (color) trace (P, I) + 10 * (color) trace (P, vector (2, 0, 0));")
         .into_iter()
         .enumerate()
     {
-        assert_eq!(seen, Vec3::new(15.0, 6.0, 7.0), "sample {i}: its radiance, and that of a ray aside");
+        assert_eq!(found, Vec3::new(15.0, 6.0, 7.0), "sample {i}: its radiance, and that of a ray aside");
     }
     let far = "float d = -1; if (trace (P, I)) getmessage (\"trace\", \"hitdist\", d);
         float e = -1; if (trace (P, -I)) e = 0; if (trace (P, vector (0, 1, 0), \"mindist\", 1.0)) getmessage (\"trace\", \"hitdist\", e);
         Cpixel = color (d, e, 0);";
-    for (i, seen) in shown(far).into_iter().enumerate() {
+    for (i, found) in shown(far).into_iter().enumerate() {
         let own = if i.is_multiple_of(2) { 2.0 } else { -1.0 };
-        assert_eq!(seen, Vec3::new(own, 3.0, 0.0), "sample {i}: each keeps its own ray in mind");
+        assert_eq!(found, Vec3::new(own, 3.0, 0.0), "sample {i}: each keeps its own ray in mind");
     }
 }
 
@@ -98,29 +98,31 @@ fn they_learn_what_rays_meet() {
             getmessage (\"trace\", \"material\", ids[2]); getmessage (\"trace\", \"no such\", unknown);
         }
         Cpixel = a + color (n) + color (p[1], s, ids[0] + 10 * ids[2] + unknown);";
-    let wanted = Vec3::new(0.1 + 3.0, 0.2 - 1.0 + 0.25, 0.3 + 64.0 + 9.0);
-    shown(body).into_iter().for_each(|seen| assert!((seen - wanted).length() < 1e-4, "{seen}, not {wanted}"));
+    let expected = Vec3::new(0.1 + 3.0, 0.2 - 1.0 + 0.25, 0.3 + 64.0 + 9.0);
+    shown(body)
+        .into_iter()
+        .for_each(|found| assert!((found - expected).length() < 1e-4, "{found}, not {expected}"));
 }
 
 #[test]
 fn globals_are_those_of_the_picture() {
-    let seen = shown(
+    let found = shown(
         "vector way = Dx (P) + Dy (P); Cpixel = color (way[0], raster[0] - 40 * u, raster[1] + v + Dx (u));",
     );
-    for (i, seen) in seen.into_iter().enumerate() {
-        let wanted = Vec3::new(0.25, 0.0, 2.0 + 0.75 + 1.0 / 40.0);
-        assert!((seen - wanted).length() < 1e-4, "sample {i}: {seen}, not {wanted}");
+    for (i, found) in found.into_iter().enumerate() {
+        let expected = Vec3::new(0.25, 0.0, 2.0 + 0.75 + 1.0 / 40.0);
+        assert!((found - expected).length() < 1e-4, "sample {i}: {found}, not {expected}");
     }
 }
 
 #[test]
 fn what_shows_nothing_is_refused() {
-    for (text, said) in [
+    for (text, messages) in [
         ("pixel p () { }", "output color Cpixel"),
         ("pixel p (color Cpixel = 0) { }", "output color Cpixel"),
         ("camera c () { I = 1; }", "of type camera"),
     ] {
         let why = script(text).pixel().err().expect("it is wrong");
-        assert!(why.contains(said), "{why}");
+        assert!(why.contains(messages), "{why}");
     }
 }

@@ -59,12 +59,12 @@ fn compare(body: &str, [of_picture, of_formula]: [&str; 2], width: f32, toleranc
     let folder = tempfile::tempdir().expect("a folder");
     picture(folder.path());
     let hits = points(width);
-    let [found, wanted] =
+    let [found, expected] =
         [of_picture, of_formula].map(|height| lights(folder.path(), &body.replace("HEIGHT", height), &hits));
-    assert!(wanted[0].iter().any(|light| (*light - wanted[0][0]).length() > 0.1), "they differ: {body}");
-    for (found, wanted) in found.iter().zip(&wanted) {
-        for (i, (found, wanted)) in found.iter().zip(wanted).enumerate() {
-            assert!((*found - *wanted).length() < tolerance, "point {i}: {found}, not {wanted}: {body}");
+    assert!(expected[0].iter().any(|light| (*light - expected[0][0]).length() > 0.1), "they differ: {body}");
+    for (found, expected) in found.iter().zip(&expected) {
+        for (i, (found, expected)) in found.iter().zip(expected).enumerate() {
+            assert!((*found - *expected).length() < tolerance, "point {i}: {found}, not {expected}: {body}");
         }
     }
 }
@@ -103,9 +103,9 @@ fn relief_of_pictures_is_that_of_their_formula() {
     let folder = tempfile::tempdir().expect("a folder");
     picture(folder.path());
     let ramp = "float h = texture (\"h.pfm\", u, v); vector n = normalize (calculatenormal (P + h * normalize (N))); Ci = (0.5 + 0.5 * color (n)) * emission ();";
-    let wanted = 0.5 + 0.5 * Vec3::new(-0.5, 1.0, 0.0).normalize();
+    let expected = 0.5 + 0.5 * Vec3::new(-0.5, 1.0, 0.0).normalize();
     for light in lights(folder.path(), ramp, &points(0.01)).concat() {
-        assert!((light - wanted).length() < 1e-3, "{light}, not {wanted}");
+        assert!((light - expected).length() < 1e-3, "{light}, not {expected}");
     }
 }
 

@@ -71,10 +71,10 @@ fn pictures_go_on_as_they_are_told() {
     let red = |s: f32, wrap: &str| {
         textures.texture(&file, at(s, 0.5, 0.0), &options("closest", wrap)).expect("a picture")[0].value
     };
-    for (wrap, wanted) in
+    for (wrap, expected) in
         [("black", [0.0, 0.0]), ("clamp", [0.5, 15.5]), ("periodic", [15.5, 0.5]), ("mirror", [0.5, 15.5])]
     {
-        assert_eq!([red(-0.01, wrap), red(1.01, wrap)], wanted, "{wrap}");
+        assert_eq!([red(-0.01, wrap), red(1.01, wrap)], expected, "{wrap}");
     }
     assert_eq!(red(2.01, "mirror"), 0.5, "twice mirrored");
     assert_eq!(red(-0.01, ""), 0.0, "black where nobody says else");

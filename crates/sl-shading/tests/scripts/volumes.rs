@@ -80,14 +80,14 @@ fn places_lie_between_eight_voxels() {
 fn changes_are_those_of_values() {
     let folder = tempfile::tempdir().expect("a folder");
     let (file, textures) = (file(folder.path()), StoredTextures::default());
-    let way = Vec3::new(0.02, -0.013, 0.03);
+    let direction = Vec3::new(0.02, -0.013, 0.03);
     for p in [Vec3::new(5.78, -3.69, 10.21), Vec3::new(3.21, -3.31, 4.17)] {
-        let read = |p: Vec3, way: Vec3| {
-            let at = std::array::from_fn(|k| Dual::new(p[k], way[k], -2.0 * way[k]));
+        let read = |p: Vec3, direction: Vec3| {
+            let at = std::array::from_fn(|k| Dual::new(p[k], direction[k], -2.0 * direction[k]));
             textures.texture3d(&file, at, &of("ball", "", "")).expect("a volume")[0]
         };
-        let found = read(p, way);
-        let [before, after] = [p - 0.1 * way, p + 0.1 * way].map(|p| read(p, way).value);
+        let found = read(p, direction);
+        let [before, after] = [p - 0.1 * direction, p + 0.1 * direction].map(|p| read(p, direction).value);
         let slope = (after - before) / 0.2;
         assert!(slope != 0.0 && (found.dx - slope).abs() < 0.02 * slope.abs(), "{} and {slope}", found.dx);
         assert!((found.dy + 2.0 * found.dx).abs() < 1e-5);
@@ -105,19 +105,19 @@ fn shaders_read_volumes_and_are_told_of_what_is_missing() {
         let light = emitted(&*made.surface().expect("a surface"), &floor(10))[4];
         (light, made.faults())
     };
-    let (seen, _) = light(
+    let (shaded, _) = light(
         "Ci = (color) texture3d (\"grids.vdb\", P, \"subimage\", 3) * emission ()
             + color (0, texture3d (\"grids.vdb\", P + vector (0, 1, 0), \"subimage\", \"density\"), 0) * emission ();",
     );
     let (here, above) = (1.0 - 16.0 / 90.0, 1.0 - 17.0 / 90.0);
-    assert!(seen.abs_diff_eq(Vec3::new(here, here + above, here), 2e-3), "{seen}");
-    let (seen, faults) =
+    assert!(shaded.abs_diff_eq(Vec3::new(here, here + above, here), 2e-3), "{shaded}");
+    let (shaded, faults) =
         light("Ci = (color) texture3d (\"no.vdb\", P, \"missingcolor\", color (1, 2, 3)) * emission ();");
-    assert_eq!(seen, Vec3::new(1.0, 2.0, 3.0));
+    assert_eq!(shaded, Vec3::new(1.0, 2.0, 3.0));
     assert!(faults.iter().any(|fault| fault.contains("no.vdb")), "{faults:?}");
     let (_, faults) =
         light("Ci = (color) texture3d (\"grids.vdb\", P, \"subimage\", \"smoke\") * emission ();");
-    let told =
+    let reported =
         "Unknown subimage \"smoke\" in texture \"grids.vdb\"; it has ball, Cd, count, density, density, far";
-    assert!(faults.iter().any(|fault| fault.contains(told)), "{faults:?}");
+    assert!(faults.iter().any(|fault| fault.contains(reported)), "{faults:?}");
 }

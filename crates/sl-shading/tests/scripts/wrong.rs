@@ -12,8 +12,8 @@ use super::floor::{floor, script};
 fn errors_show_the_line() {
     let text = "surface s ()\n{\n    float a = diffus (N);\n}\n";
     let why = Script::from_text(Path::new("bad.osl"), text, &Access::default()).expect_err("it is wrong");
-    for wanted in ["bad.osl", "3", "diffus (N)"] {
-        assert!(why.contains(wanted), "{wanted} is told: {why}");
+    for expected in ["bad.osl", "3", "diffus (N)"] {
+        assert!(why.contains(expected), "{expected} is told: {why}");
     }
     let missing = Script::open(Path::new("no/such.osl"), &Access::default()).expect_err("it is missing");
     assert!(missing.contains("no/such.osl"), "{missing}");
@@ -27,8 +27,9 @@ fn parameters_are_checked() {
     );
     let parameters = script.parameters();
     let names: Vec<(&str, &str)> = parameters.iter().map(|p| (&p.name[..], &p.ty[..])).collect();
-    let wanted = [("tint", "color"), ("size", "float[2]"), ("n", "int"), ("file", "string"), ("m", "matrix")];
-    assert_eq!(names, wanted);
+    let expected =
+        [("tint", "color"), ("size", "float[2]"), ("n", "int"), ("file", "string"), ("m", "matrix")];
+    assert_eq!(names, expected);
     assert_eq!((&parameters[0].label[..], parameters[0].range), ("Tint", Some([0.0, 2.0])));
     for (name, text) in
         [("tint", "0.5"), ("tint", "1,2,3"), ("size", "3,4"), ("n", "7"), ("file", "@wood.png"), ("m", "2")]
@@ -38,7 +39,7 @@ fn parameters_are_checked() {
     let values: Vec<ParameterValue> = script.parameters().into_iter().map(|p| p.default).collect();
     assert_eq!(values[0], ParameterValue::Floats(vec![1.0, 2.0, 3.0]));
     assert_eq!(values[3], ParameterValue::Texts(vec!["wood.png".into()]));
-    for (name, text, said) in [
+    for (name, text, messages) in [
         ("tnt", "1", "no parameter 'tnt'; there are tint, size, n, file, m; did you mean 'tint'?"),
         ("tint", "1,2", "'1,2' is not numbers"),
         ("tint", "red", "'red' is not numbers"),
@@ -46,7 +47,7 @@ fn parameters_are_checked() {
         ("size", "1,2,3", "is not numbers"),
     ] {
         let why = script.set_text(name, text).expect_err("it is wrong");
-        assert!(why.contains(said), "{name}={text}: {why}");
+        assert!(why.contains(messages), "{name}={text}: {why}");
     }
     assert!(script.light().err().expect("it is none").contains("of type surface; one of type light"));
 }

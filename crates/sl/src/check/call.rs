@@ -54,10 +54,10 @@ impl Checker<'_> {
 
     fn construct_struct(&mut self, id: u16, args: &[ast::Expr], loc: Loc) -> Expr {
         let ty = Type::of(crate::types::Base::Struct(id));
-        let (name, wanted) =
+        let (name, expected_type) =
             self.program.structs.get(id).map_or((String::new(), 0), |s| (s.name.clone(), s.fields.len()));
-        if wanted != args.len() {
-            let counts = format!("(expected {wanted}, got {})", args.len());
+        if expected_type != args.len() {
+            let counts = format!("(expected {expected_type}, got {})", args.len());
             self.error(loc, format!("Constructor for '{name}' has the wrong number of arguments {counts}"));
         }
         match self.members(id, args, loc, true, false) {
@@ -114,11 +114,11 @@ impl Checker<'_> {
                 );
                 self.warning(loc, message);
             }
-            let Some(Formal::Is(wanted)) = formals.get(i) else { continue };
-            if !value.ty.equivalent(*wanted, &self.program.structs) && value.ty != *wanted {
-                let (given, wanted) = (self.show(value.ty), self.show(*wanted));
+            let Some(Formal::Is(expected_type)) = formals.get(i) else { continue };
+            if !value.ty.equivalent(*expected_type, &self.program.structs) && value.ty != *expected_type {
+                let (given, expected_type) = (self.show(value.ty), self.show(*expected_type));
                 let message = format!(
-                    "Cannot pass '{given}' as argument {} to {name}\n\tbecause it is an output parameter that must be a {wanted}",
+                    "Cannot pass '{given}' as argument {} to {name}\n\tbecause it is an output parameter that must be a {expected_type}",
                     i + 1
                 );
                 self.error(value.loc, message);

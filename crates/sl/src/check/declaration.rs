@@ -6,7 +6,7 @@ use super::checker::{Checker, Frame, Known, Options};
 use super::literal::literal;
 use super::scope::Named;
 use super::signature::{Formal, Signature};
-use crate::ast::{self, TypeWord};
+use crate::ast::{self, TypeName};
 use crate::diagnostics::Diagnostics;
 use crate::hir::{Func, Meta, Program, VarId, VarKind};
 use crate::parse::Parsed;
@@ -102,10 +102,10 @@ impl Checker<'_> {
     }
 
     pub(super) fn type_of(&mut self, ty: &ast::TypeRef) -> Type {
-        match &ty.word {
-            TypeWord::Simple(base) => Type::of(*base),
-            TypeWord::Closure => Type::CLOSURE,
-            TypeWord::Named(name) => match self.scopes.find(name) {
+        match &ty.keyword {
+            TypeName::Simple(base) => Type::of(*base),
+            TypeName::Closure => Type::CLOSURE,
+            TypeName::Named(name) => match self.scopes.find(name) {
                 Some(Named::Struct(id)) => Type::of(Base::Struct(*id)),
                 _ => {
                     let names: Vec<&str> = self.program.structs.0.iter().map(|s| &*s.name).collect();

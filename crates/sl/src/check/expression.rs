@@ -134,8 +134,8 @@ impl Checker<'_> {
         let Some(id) = base.ty.struct_id() else {
             let message = format!("type '{}' does not have a member '{name}'", self.show(base.ty));
             let help = (!letters.is_empty()).then(|| {
-                let words: Vec<String> = letters.chars().map(|c| format!(".{c}")).collect();
-                format!("its members are {}", words.join(", "))
+                let letters_text: Vec<String> = letters.chars().map(|c| format!(".{c}")).collect();
+                format!("its members are {}", letters_text.join(", "))
             });
             self.early_error_help(loc, message, help);
             return wrong(loc);
@@ -163,13 +163,13 @@ impl Checker<'_> {
         let c = self.expr(&parts[0], Type::INT);
         let t = self.expr(&parts[1], expected);
         let f = self.expr(&parts[2], expected);
-        for (bad, word) in [
+        for (bad, keyword) in [
             (c.ty == Type::CLOSURE, "a closure"),
             (c.ty.is_struct(), "a struct"),
             (c.ty.is_array(), "an array"),
         ] {
             if bad {
-                self.error(loc, format!("Cannot use {word} as a condition"));
+                self.error(loc, format!("Cannot use {keyword} as a condition"));
             }
         }
         let structs = &self.program.structs;
@@ -226,8 +226,8 @@ impl Checker<'_> {
             return Some(Expr { kind: ExprKind::Construct(parts), ty: to, loc });
         }
         if report {
-            let words: Vec<String> = parts.iter().map(|p| self.show(p.ty)).collect();
-            let message = format!("Cannot construct {} ({})", self.show(to), words.join(", "));
+            let letters_text: Vec<String> = parts.iter().map(|p| self.show(p.ty)).collect();
+            let message = format!("Cannot construct {} ({})", self.show(to), letters_text.join(", "));
             let help = match to {
                 t if t == Type::MATRIX => "give one float, 16 floats, or the names of two spaces".to_owned(),
                 t if t.is_triple() => {

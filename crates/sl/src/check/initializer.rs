@@ -56,13 +56,13 @@ impl Checker<'_> {
                 None => good = false,
             }
         }
-        let wanted = to.elements();
-        let fits = to.array < 0 || if all { list.len() == wanted } else { list.len() <= wanted };
+        let expected = to.elements();
+        let fits = to.array < 0 || if all { list.len() == expected } else { list.len() <= expected };
         if !fits && good {
             if report {
-                let word = if list.len() < wanted { "few" } else { "many" };
-                let message = format!("Too {word} initializers for a '{}'", self.show(to));
-                self.error_help(loc, message, format!("expected {wanted}, found {}", list.len()));
+                let keyword = if list.len() < expected { "few" } else { "many" };
+                let message = format!("Too {keyword} initializers for a '{}'", self.show(to));
+                self.error_help(loc, message, format!("expected {expected}, found {}", list.len()));
             }
             return None;
         }
@@ -83,8 +83,8 @@ impl Checker<'_> {
         let mut values = Vec::with_capacity(list.len());
         let mut good = true;
         for (item, field) in list.iter().zip(&spec.fields) {
-            let place = format!(" {}.{}", spec.name, field.name);
-            match self.part(item, field.ty, Some(&place), report, all) {
+            let field_path = format!(" {}.{}", spec.name, field.name);
+            match self.part(item, field.ty, Some(&field_path), report, all) {
                 Some(value) => values.push(value),
                 None if !report => return None,
                 None => good = false,
@@ -93,8 +93,8 @@ impl Checker<'_> {
         let fits = if all { list.len() == spec.fields.len() } else { list.len() <= spec.fields.len() };
         if !fits && good {
             if report {
-                let word = if list.len() < spec.fields.len() { "few" } else { "many" };
-                let message = format!("Too {word} initializers for struct '{}'", spec.name);
+                let keyword = if list.len() < spec.fields.len() { "few" } else { "many" };
+                let message = format!("Too {keyword} initializers for struct '{}'", spec.name);
                 self.error_help(
                     loc,
                     message,
@@ -110,7 +110,7 @@ impl Checker<'_> {
         &mut self,
         item: &ast::Expr,
         to: Type,
-        place: Option<&str>,
+        field_path: Option<&str>,
         report: bool,
         all: bool,
     ) -> Option<Expr> {
@@ -125,8 +125,9 @@ impl Checker<'_> {
             return Some(value);
         }
         if report {
-            let place = place.unwrap_or("");
-            let message = format!("Can't assign '{}' to '{}{place}'", self.show(value.ty), self.show(to));
+            let field_path = field_path.unwrap_or("");
+            let message =
+                format!("Can't assign '{}' to '{}{field_path}'", self.show(value.ty), self.show(to));
             self.error(item.loc, message);
         }
         None

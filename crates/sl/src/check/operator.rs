@@ -13,8 +13,8 @@ use crate::types::Type;
 
 impl Checker<'_> {
     /// The result of the function that stands for an operator, if there is one for these types.
-    fn overloaded(&mut self, word: &str, args: &[Expr], loc: Loc) -> Option<Expr> {
-        let name = format!("__operator__{word}__");
+    fn overloaded(&mut self, keyword: &str, args: &[Expr], loc: Loc) -> Option<Expr> {
+        let name = format!("__operator__{keyword}__");
         let structs = &self.program.structs;
         let fits = |formal: &Formal, arg: &Expr| match formal {
             Formal::Is(ty) => {
@@ -34,7 +34,7 @@ impl Checker<'_> {
 
     pub(super) fn unary(&mut self, op: Unary, operand: &ast::Expr, expected: Type, loc: Loc) -> Expr {
         let operand = self.expr(operand, expected);
-        if let Some(made) = self.overloaded(op.word(), std::slice::from_ref(&operand), loc) {
+        if let Some(made) = self.overloaded(op.keyword(), std::slice::from_ref(&operand), loc) {
             return made;
         }
         let ty = operand.ty;
@@ -58,7 +58,7 @@ impl Checker<'_> {
     /// An operator between checked values.
     pub(super) fn binary(&mut self, op: Binary, a: Expr, b: Expr, loc: Loc) -> Expr {
         if !matches!(op, Binary::And | Binary::Or)
-            && let Some(made) = self.overloaded(op.word(), &[a.clone(), b.clone()], loc)
+            && let Some(made) = self.overloaded(op.keyword(), &[a.clone(), b.clone()], loc)
         {
             return made;
         }

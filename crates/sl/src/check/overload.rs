@@ -43,22 +43,22 @@ const fn rank(ty: Type) -> u8 {
 }
 
 impl Checker<'_> {
-    fn points(&self, wanted: Type, given: Type) -> i32 {
-        if wanted == given {
+    fn points(&self, expected: Type, given: Type) -> i32 {
+        if expected == given {
             return EXACT;
         }
-        if wanted.is_scalar() && given.is_scalar() {
-            return if wanted == Type::INT { 0 } else { INT_TO_FLOAT };
+        if expected.is_scalar() && given.is_scalar() {
+            return if expected == Type::INT { 0 } else { INT_TO_FLOAT };
         }
-        if wanted.array < 0 && given.array > 0 && wanted.element() == given.element() {
+        if expected.array < 0 && given.array > 0 && expected.element() == given.element() {
             return ARRAY;
         }
-        if !wanted.assignable_from(given, &self.program.structs) {
+        if !expected.assignable_from(given, &self.program.structs) {
             return 0;
         }
-        if wanted.base.is_spatial() && given.base.is_spatial() {
+        if expected.base.is_spatial() && given.base.is_spatial() {
             SPACE
-        } else if wanted.is_triple() && given.is_triple() {
+        } else if expected.is_triple() && given.is_triple() {
             TRIPLE
         } else {
             CONVERT
@@ -89,19 +89,19 @@ impl Checker<'_> {
                     }
                     points += ANYTHING;
                 }
-                Formal::Is(wanted) => {
+                Formal::Is(expected) => {
                     let given = match args.get(at)? {
                         Arg::Checked(e) => e.ty,
                         Arg::Braces(e) => {
                             self.mute += 1;
-                            let made = self.braces(e, *wanted, false, true);
+                            let made = self.braces(e, *expected, false, true);
                             self.mute -= 1;
                             let ty = made?.ty;
                             lists.push(ty);
                             ty
                         }
                     };
-                    match self.points(*wanted, given) {
+                    match self.points(*expected, given) {
                         0 => return None,
                         more => points += more,
                     }
@@ -119,11 +119,11 @@ impl Checker<'_> {
 
     fn describe(&self, number: u32) -> String {
         let signature = &self.signatures[number as usize];
-        let place =
+        let position =
             signature.loc.map_or(String::new(), |loc| format!("{}:{}\t", self.sources.name(loc), loc.line));
         let structs = &self.program.structs;
         format!(
-            "    {place}{} {} ({})\n",
+            "    {position}{} {} ({})\n",
             signature.returns.display(structs),
             signature.name,
             signature.list(structs)
@@ -131,7 +131,7 @@ impl Checker<'_> {
     }
 
     fn call_text(&self, what: &str, name: &str, args: &[Arg<'_>], candidates: bool) -> String {
-        let words: Vec<String> = args
+        let names: Vec<String> = args
             .iter()
             .map(|arg| match arg {
                 Arg::Braces(_) => "initializer-list".to_owned(),
@@ -139,23 +139,23 @@ impl Checker<'_> {
             })
             .collect();
         let end = if candidates { "\n  Candidates are:" } else { "" };
-        format!("{what} '{name} ({})'{end}\n", words.join(", "))
+        format!("{what} '{name} ({})'{end}\n", names.join(", "))
     }
 
     /// The function to call; none, with a message, if none fits or several structs could be the result.
-    pub(super) fn choose(&mut self, name: &str, args: &[Arg<'_>], wanted: Type, loc: Loc) -> Option<u32> {
+    pub(super) fn choose(&mut self, name: &str, args: &[Arg<'_>], expected: Type, loc: Loc) -> Option<u32> {
         let all = self.overloads(name);
-        let mut seen = HashSet::new();
+        let mut scores_seen = HashSet::new();
         let mut best: Vec<Candidate> = Vec::new();
         for &number in &all {
             let signature = self.signatures[number as usize].clone();
-            if !seen.insert((signature.returns, signature.formals.clone())) {
+            if !scores_seen.insert((signature.returns, signature.formals.clone())) {
                 continue;
             }
             // What is seen along a ray is asked for only where a colour is wanted; elsewhere OSL's hit or miss is.
             if name == "trace"
                 && signature.user.is_none()
-                && (signature.returns == Type::COLOR) != (wanted == Type::COLOR && self.has_radiance())
+                && (signature.returns == Type::COLOR) != (expected == Type::COLOR && self.has_radiance())
             {
                 continue;
             }
@@ -167,7 +167,7 @@ impl Checker<'_> {
             if points != highest {
                 best.clear();
             }
-            let result = self.points(wanted, signature.returns);
+            let result = self.points(expected, signature.returns);
             best.push(Candidate { number, points, result, lists });
         }
         match best.len() {

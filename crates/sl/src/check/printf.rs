@@ -40,14 +40,14 @@ impl Checker<'_> {
                 );
                 return;
             }
-            let (letters, wanted): (&[u8], &str) = match value.ty.base {
+            let (letters, expected): (&[u8], &str) = match value.ty.base {
                 Base::String | Base::Closure => (b"s", "%s"),
                 Base::Int => (b"dioxX", "%d, %i, %o, %x, or %X"),
                 base if base.is_float_based() => (b"fgcemnpv", "%f, %g, or %e"),
                 _ => continue,
             };
             if !letters.contains(&letter) {
-                self.error(loc, format!("{mismatch} (arg {} needs {wanted})", i + 1));
+                self.error(loc, format!("{mismatch} (arg {} needs {expected})", i + 1));
                 return;
             }
         }

@@ -70,8 +70,8 @@ impl Signature {
 
     /// The arguments' types as a list for messages.
     pub(super) fn list(&self, structs: &Structs) -> String {
-        let words: Vec<String> = self.formals.iter().map(|f| f.display(structs)).collect();
-        words.join(", ")
+        let names: Vec<String> = self.formals.iter().map(|f| f.display(structs)).collect();
+        names.join(", ")
     }
 }
 

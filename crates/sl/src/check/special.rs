@@ -76,6 +76,6 @@ fn gabor(args: &[Expr]) -> u64 {
     if !named {
         return 0;
     }
-    let places = args[1..].iter().take_while(|e| e.ty != Type::STRING).count();
-    (1..=places).fold(0, |bits, i| bits | bit(i))
+    let location_count = args[1..].iter().take_while(|e| e.ty != Type::STRING).count();
+    (1..=location_count).fold(0, |bits, i| bits | bit(i))
 }

@@ -17,12 +17,12 @@ impl Checker<'_> {
         self.statement(s).into_iter().collect()
     }
 
-    fn condition(&mut self, e: &ast::Expr, word: Option<&str>) -> Expr {
+    fn condition(&mut self, e: &ast::Expr, keyword: Option<&str>) -> Expr {
         let condition = self.expr(e, Type::UNKNOWN);
         let ty = condition.ty;
-        let shown = word.unwrap_or("if");
+        let shown = keyword.unwrap_or("if");
         for (bad, what) in [
-            (word.is_some() && ty == Type::CLOSURE, "a closure"),
+            (keyword.is_some() && ty == Type::CLOSURE, "a closure"),
             (ty.is_struct(), "a struct"),
             (ty.is_array(), "an array"),
             (ty == Type::VOID, "nothing"),
@@ -63,23 +63,23 @@ impl Checker<'_> {
             ast::StmtKind::While(condition, body) => {
                 let (condition, body) =
                     self.in_loop(|c| (c.condition(condition, Some("while")), c.one(body)));
-                StmtKind::Loop { word: "while", init: Vec::new(), condition, step: None, body }
+                StmtKind::Loop { keyword: "while", init: Vec::new(), condition, step: None, body }
             }
             ast::StmtKind::DoWhile(body, condition) => {
                 let (body, condition) =
                     self.in_loop(|c| (c.one(body), c.condition(condition, Some("dowhile"))));
-                StmtKind::Loop { word: "dowhile", init: Vec::new(), condition, step: None, body }
+                StmtKind::Loop { keyword: "dowhile", init: Vec::new(), condition, step: None, body }
             }
             ast::StmtKind::For(init, condition, step, body) => {
                 self.for_loop(init, condition.as_ref(), step.as_ref(), body, s.loc)
             }
             ast::StmtKind::Break | ast::StmtKind::Continue => {
-                let (kind, word) = match s.kind {
+                let (kind, keyword) = match s.kind {
                     ast::StmtKind::Break => (StmtKind::Break, "break"),
                     _ => (StmtKind::Continue, "continue"),
                 };
                 if self.frames.last().is_none_or(|f| f.loops == 0) {
-                    self.error(s.loc, format!("Cannot '{word}' here -- not inside a loop."));
+                    self.error(s.loc, format!("Cannot '{keyword}' here -- not inside a loop."));
                     return None;
                 }
                 kind
@@ -118,7 +118,7 @@ impl Checker<'_> {
             (condition, step, c.one(body))
         });
         self.scopes.pop();
-        StmtKind::Loop { word: "for", init, condition, step, body }
+        StmtKind::Loop { keyword: "for", init, condition, step, body }
     }
 
     fn returned(&mut self, value: Option<&ast::Expr>, loc: Loc) -> StmtKind {

@@ -53,8 +53,10 @@ fn one(m: &mut Machine<'_>, s: &Step) {
 pub(super) fn equal(m: &mut Machine<'_>, s: &Step) {
     let [out, a, b, ..] = &*s.args else { return };
     let same = match (a.ty.base, b.ty.base) {
-        (Base::String, _) | (_, Base::String) | (Base::Int, Base::Int) => m.word(a, 0) == m.word(b, 0),
-        (Base::Closure, _) | (_, Base::Closure) => (m.word(a, 0) == 0) == (m.word(b, 0) == 0),
+        (Base::String, _) | (_, Base::String) | (Base::Int, Base::Int) => {
+            m.cell_bits(a, 0) == m.cell_bits(b, 0)
+        }
+        (Base::Closure, _) | (_, Base::Closure) => (m.cell_bits(a, 0) == 0) == (m.cell_bits(b, 0) == 0),
         (Base::Matrix, _) | (_, Base::Matrix) => m.matrix(a) == m.matrix(b),
         _ => (0..a.size.max(b.size) as usize).all(|i| m.float(a, i) == m.float(b, i)),
     };

@@ -14,16 +14,16 @@ pub(super) fn assign(m: &mut Machine<'_>, s: &Step) {
     }
     match (out.ty.base, a.ty.base) {
         (Base::String, _) => {
-            let number = if a.ty == Type::STRING { m.word(a, 0) } else { 0 };
-            m.set_word(out, 0, number);
+            let number = if a.ty == Type::STRING { m.cell_bits(a, 0) } else { 0 };
+            m.set_bits(out, 0, number);
         }
         (Base::Closure, base) => {
-            let number = if base == Base::Closure { m.word(a, 0) } else { 0 };
-            m.set_word(out, 0, number);
+            let number = if base == Base::Closure { m.cell_bits(a, 0) } else { 0 };
+            m.set_bits(out, 0, number);
         }
         (Base::Int, _) => {
             let value = m.int(a);
-            m.set_word(out, 0, value as u32);
+            m.set_bits(out, 0, value as u32);
         }
         (Base::Matrix, _) => {
             let value = m.matrix(a);
@@ -57,8 +57,8 @@ fn copy(m: &mut Machine<'_>, out: &Slot, a: &Slot) {
             let value = if a.size == 1 { m.dual(a, 0) } else { m.dual(a, i) };
             m.set(out, i, value);
         } else {
-            let word = m.word(a, i);
-            m.set_word(out, i, word);
+            let cell_bits = m.cell_bits(a, i);
+            m.set_bits(out, i, cell_bits);
         }
     }
 }

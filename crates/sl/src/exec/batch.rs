@@ -7,7 +7,7 @@ use super::cells::{DualRow, LANES, Row};
 use super::components::Closures;
 use super::host::{Host, Point};
 use super::machine::Event;
-use super::slot::Kept;
+use super::slot::RetainedOutput;
 use gnurt_sl_lib::Dual;
 
 /// The points that are shaded: [`Point`] in rows. Space: common.
@@ -126,7 +126,7 @@ impl Points {
 /// What came out. Memory that can be used again.
 #[derive(Debug, Default)]
 pub struct Results {
-    /// The values that are kept, by [`Kept::row`]; ints as floats.
+    /// The values that are kept, by [`RetainedOutput::row`]; ints as floats.
     pub rows: Vec<Row>,
     /// Nodes of the closures of all points.
     pub closures: Closures,
@@ -142,8 +142,8 @@ pub trait Program: Send + Sync {
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results);
 
     /// What is kept.
-    fn kept(&self) -> &[Kept];
+    fn retained(&self) -> &[RetainedOutput];
 
     /// Runs it for one point and tells its parameters and variables, a line each.
-    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String>;
+    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String>;
 }

@@ -52,7 +52,7 @@ impl Cells<'_> {
     #[must_use]
     pub fn at(self, lane: usize) -> u32 {
         match self {
-            Self::One(word) => word,
+            Self::One(cell_bits) => cell_bits,
             Self::Each(row) => row[lane % LANES],
         }
     }
@@ -63,7 +63,7 @@ pub trait Batch {
     /// What a cell holds.
     fn get(&self, cell: u32) -> Cells<'_>;
     /// Writes it for the points that `lanes` names.
-    fn put(&mut self, cell: u32, lanes: u32, words: &[u32; LANES]);
+    fn put(&mut self, cell: u32, lanes: u32, cells_bits: &[u32; LANES]);
 }
 
 /// The points of a set of bits, lowest first.

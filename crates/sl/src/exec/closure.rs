@@ -32,13 +32,13 @@ pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
     let Some(out) = s.args.first() else { return };
     let Machine { closures, host, strings, memory, .. } = m;
     let number = made(closures, (*host, strings), s, 1, |cell| Cells::One(memory[cell as usize]));
-    m.set_word(out, 0, number.map_or(0, |row| row[0]));
+    m.set_bits(out, 0, number.map_or(0, |row| row[0]));
     if number.is_none() {
         let name = s.args.get(1).map_or_else(|| "".into(), |name| m.text(name));
         let (layer, shader) = m.layer_names();
-        let place = m.place(s.at);
+        let source_position = m.source_position(s.at);
         m.error(format!(
-            "Closure '{name}' is not supported by the current renderer, called from {place} in shader \"{shader}\", layer {} \"{layer}\", group \"{}\"",
+            "Closure '{name}' is not supported by the current renderer, called from {source_position} in shader \"{shader}\", layer {} \"{layer}\", group \"{}\"",
             m.layer, m.plan.name
         ));
     }
@@ -65,9 +65,9 @@ fn made<'c>(
     } else {
         let mut rooms = [[0; LANES]; 3];
         let mut k = 0;
-        let weight = rooms.each_mut().map(|room| {
+        let weight = rooms.each_mut().map(|buffer| {
             k += 1;
-            number(b, k - 1, Kind::Float, &read, room)
+            number(b, k - 1, Kind::Float, &read, buffer)
         });
         closures.times(lanes, weight, left)
     })
@@ -103,12 +103,12 @@ enum Change {
 }
 
 /// Where number `i` of a slot is, and how it becomes one of a kind; none if it has none. Single numbers stand for all components.
-fn source(slot: &Slot, i: usize, wanted: Kind) -> Option<(u32, Change)> {
+fn source(slot: &Slot, i: usize, expected: Kind) -> Option<(u32, Change)> {
     let i = if slot.size == 1 { 0 } else { i };
     let found = kind(slot.ty).filter(|_| i < slot.size as usize)?;
-    let change = match (wanted, found) {
+    let change = match (expected, found) {
         (Kind::Closure, Kind::Closure) => Change::Made,
-        (wanted, found) if wanted == found => Change::Nothing,
+        (expected, found) if expected == found => Change::Nothing,
         (Kind::Float, Kind::Int) => Change::FromInt,
         (Kind::Int, Kind::Float) => Change::ToInt,
         _ => return None,
@@ -116,18 +116,18 @@ fn source(slot: &Slot, i: usize, wanted: Kind) -> Option<(u32, Change)> {
     Some((slot.at + i as u32, change))
 }
 
-fn changed<'r, 'c: 'r>(cells: Cells<'c>, change: Change, room: &'r mut [u32; LANES]) -> Cells<'r> {
-    let of = |word: u32| match change {
-        Change::Nothing | Change::Made => word,
-        Change::FromInt => (word as i32 as f32).to_bits(),
-        Change::ToInt => f32::from_bits(word) as i32 as u32,
+fn changed<'r, 'c: 'r>(cells: Cells<'c>, change: Change, buffer: &'r mut [u32; LANES]) -> Cells<'r> {
+    let of = |cell_bits: u32| match change {
+        Change::Nothing | Change::Made => cell_bits,
+        Change::FromInt => (cell_bits as i32 as f32).to_bits(),
+        Change::ToInt => f32::from_bits(cell_bits) as i32 as u32,
     };
     match (change, cells) {
         (Change::Nothing | Change::Made, cells) => cells,
-        (_, Cells::One(word)) => Cells::One(of(word)),
+        (_, Cells::One(cell_bits)) => Cells::One(of(cell_bits)),
         (_, Cells::Each(row)) => {
-            *room = row.map(of);
-            Cells::Each(room)
+            *buffer = row.map(of);
+            Cells::Each(buffer)
         }
     }
 }
@@ -136,11 +136,11 @@ fn changed<'r, 'c: 'r>(cells: Cells<'c>, change: Change, room: &'r mut [u32; LAN
 fn number<'r, 'c: 'r>(
     slot: &Slot,
     i: usize,
-    wanted: Kind,
+    expected: Kind,
     read: &impl Fn(u32) -> Cells<'c>,
-    room: &'r mut [u32; LANES],
+    buffer: &'r mut [u32; LANES],
 ) -> Cells<'r> {
-    source(slot, i, wanted).map_or(Cells::One(0), |(cell, change)| changed(read(cell), change, room))
+    source(slot, i, expected).map_or(Cells::One(0), |(cell, change)| changed(read(cell), change, buffer))
 }
 
 /// A component that an operation makes: which one, and where its numbers are.
@@ -161,7 +161,7 @@ impl Bound {
     ) -> Option<Self> {
         let text = |slot: &Slot| match (slot.ty.base, slot.size) {
             (Base::String, 1..) => match read(slot.at) {
-                Cells::One(word) => Some(&**strings.text(word)),
+                Cells::One(cell_bits) => Some(&**strings.text(cell_bits)),
                 Cells::Each(_) => None,
             },
             _ => Some(""),
@@ -183,7 +183,7 @@ impl Bound {
             for k in 0..param.ty.size() {
                 // One number is not meant for all of an array's.
                 let slot = slot.filter(|slot| k < slot.size as usize);
-                numbers.push(slot.zip(kind(param.ty)).and_then(|(slot, wanted)| source(slot, k, wanted)));
+                numbers.push(slot.zip(kind(param.ty)).and_then(|(slot, expected)| source(slot, k, expected)));
             }
         }
         Some(Self { kind: kind_of as u32, name: decl.name.clone(), numbers: numbers.into() })
@@ -192,19 +192,19 @@ impl Bound {
     /// Makes it; its number.
     fn make<'c>(&self, closures: &mut Closures, read: &impl Fn(u32) -> Cells<'c>) -> u32 {
         let first = closures.next();
-        let mut room = [0; LANES];
+        let mut buffer = [0; LANES];
         for number in &self.numbers {
             match *number {
                 None => closures.put(Cells::One(0)),
                 Some((cell, Change::Nothing)) => closures.put(read(cell)),
                 Some((cell, Change::Made)) => match read(cell) {
-                    Cells::One(word) => closures.put(Cells::One(closures.made(word))),
+                    Cells::One(cell_bits) => closures.put(Cells::One(closures.made(cell_bits))),
                     Cells::Each(row) => {
-                        room = row.map(|word| closures.made(word));
-                        closures.put(Cells::Each(&room));
+                        buffer = row.map(|cell_bits| closures.made(cell_bits));
+                        closures.put(Cells::Each(&buffer));
                     }
                 },
-                Some((cell, change)) => closures.put(changed(read(cell), change, &mut room)),
+                Some((cell, change)) => closures.put(changed(read(cell), change, &mut buffer)),
             }
         }
         closures.component(self.kind, first)
@@ -254,12 +254,15 @@ impl Machine<'_> {
         let decl = self.host.closures().get(part.kind as usize)?;
         let mut first = 0;
         let params = decl.params.iter().map(|param| {
-            let words: Vec<u32> = (first..first + param.ty.size()).map(|i| part.cells(i).at(lane)).collect();
-            first += words.len();
+            let cells_bits: Vec<u32> =
+                (first..first + param.ty.size()).map(|i| part.cells(i).at(lane)).collect();
+            first += cells_bits.len();
             let data = match kind(param.ty) {
-                Some(Kind::Text) => Data::Str(words.iter().map(|&w| self.strings.text(w).clone()).collect()),
-                Some(Kind::Int | Kind::Closure) => Data::Int(words.iter().map(|&w| w as i32).collect()),
-                _ => Data::Float(words.iter().map(|&w| f32::from_bits(w)).collect()),
+                Some(Kind::Text) => {
+                    Data::Str(cells_bits.iter().map(|&w| self.strings.text(w).clone()).collect())
+                }
+                Some(Kind::Int | Kind::Closure) => Data::Int(cells_bits.iter().map(|&w| w as i32).collect()),
+                _ => Data::Float(cells_bits.iter().map(|&w| f32::from_bits(w)).collect()),
             };
             (param.key.clone(), param.ty, data)
         });
@@ -310,7 +313,7 @@ impl Machine<'_> {
     }
 
     fn write_param(&self, out: &mut String, ty: Type, value: &Data, depth: usize) {
-        let words: Vec<String> = match value {
+        let cells_bits: Vec<String> = match value {
             Data::Int(list) if ty.base == Base::Closure => {
                 for (i, &number) in list.iter().enumerate() {
                     out.push_str(if i > 0 { ", " } else { "" });
@@ -323,11 +326,11 @@ impl Machine<'_> {
             Data::Float(list) if ty.base.is_triple() => list.chunks(3).map(triple).collect(),
             Data::Float(list) => list.iter().map(|&f| general(f64::from(f), 6)).collect(),
         };
-        out.push_str(&words.join(", "));
+        out.push_str(&cells_bits.join(", "));
     }
 }
 
 fn triple(v: &[f32]) -> String {
-    let words: Vec<String> = v.iter().map(|&f| general(f64::from(f), 6)).collect();
-    format!("({})", words.join(", "))
+    let cells_bits: Vec<String> = v.iter().map(|&f| general(f64::from(f), 6)).collect();
+    format!("({})", cells_bits.join(", "))
 }

@@ -84,8 +84,8 @@ struct Node {
 pub struct Closures {
     nodes: Vec<Node>,
     /// By number, where it is: twice its place among the words, and one more if there is one for each point.
-    places: Vec<u32>,
-    words: Vec<u32>,
+    component_indices: Vec<u32>,
+    cells_bits: Vec<u32>,
 }
 
 /// Words of a batch's nodes; what does not fit is no closure.
@@ -99,20 +99,20 @@ impl Closures {
     /// Forgets all nodes.
     pub fn clear(&mut self) {
         self.nodes.clear();
-        self.places.clear();
-        self.words.clear();
+        self.component_indices.clear();
+        self.cells_bits.clear();
     }
 
     #[inline]
     fn cells(&self, number: usize) -> Cells<'_> {
-        let place = self.places.get(number).copied().unwrap_or_default();
-        let at = (place >> 1) as usize;
-        if place & 1 != 0
-            && let Some(row) = self.words.get(at..).and_then(<[u32]>::first_chunk)
+        let source_position = self.component_indices.get(number).copied().unwrap_or_default();
+        let at = (source_position >> 1) as usize;
+        if source_position & 1 != 0
+            && let Some(row) = self.cells_bits.get(at..).and_then(<[u32]>::first_chunk)
         {
             return Cells::Each(row);
         }
-        Cells::One(self.words.get(at).copied().unwrap_or_default())
+        Cells::One(self.cells_bits.get(at).copied().unwrap_or_default())
     }
 
     /// Node `number`; none for 0.
@@ -131,22 +131,22 @@ impl Closures {
     /// Adds a number of the node that is made by [`component`](Self::component) next.
     #[inline]
     pub(super) fn put(&mut self, cells: Cells) {
-        let at = (self.words.len() as u32) << 1;
+        let at = (self.cells_bits.len() as u32) << 1;
         match cells {
-            Cells::One(word) => {
-                self.places.push(at);
-                self.words.push(word);
+            Cells::One(cell_bits) => {
+                self.component_indices.push(at);
+                self.cells_bits.push(cell_bits);
             }
             Cells::Each(row) => {
-                self.places.push(at | 1);
-                self.words.extend_from_slice(row);
+                self.component_indices.push(at | 1);
+                self.cells_bits.extend_from_slice(row);
             }
         }
     }
 
     /// How many numbers there are: the first of the node that comes next.
     pub(super) fn next(&self) -> u32 {
-        self.places.len() as u32
+        self.component_indices.len() as u32
     }
 
     /// Makes a component of the numbers from `first` on; its number, 0 if there are too many.
@@ -155,11 +155,14 @@ impl Closures {
     }
 
     fn add(&mut self, what: What, first: u32) -> u32 {
-        if self.words.len() > MOST {
+        if self.cells_bits.len() > MOST {
             // Nor are its numbers kept.
-            let start = self.places.get(first as usize).map_or(self.words.len(), |&at| (at >> 1) as usize);
-            self.words.truncate(start);
-            self.places.truncate(first as usize);
+            let start = self
+                .component_indices
+                .get(first as usize)
+                .map_or(self.cells_bits.len(), |&at| (at >> 1) as usize);
+            self.cells_bits.truncate(start);
+            self.component_indices.truncate(first as usize);
             return 0;
         }
         self.nodes.push(Node { what, first });

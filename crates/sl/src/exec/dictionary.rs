@@ -11,13 +11,13 @@ use gnurt_sl_lib::dictionary::numbers;
 
 /// `dict_find (dictionary or node, query)`
 pub(super) fn find(m: &mut Machine<'_>, s: &Step) {
-    let [out, place, query] = &*s.args else { return };
+    let [out, source_position, query] = &*s.args else { return };
     let query = m.text(query);
-    let found = if place.ty == Type::STRING {
-        let (name, host) = (m.text(place), m.host);
+    let found = if source_position.ty == Type::STRING {
+        let (name, host) = (m.text(source_position), m.host);
         m.dictionaries.find(&name, &query, |file| host.dictionary(file))
     } else {
-        let node = m.int(place);
+        let node = m.int(source_position);
         m.dictionaries.find_from(node, &query)
     };
     let node = found.unwrap_or_else(|why| {

@@ -19,10 +19,10 @@ impl Machine<'_> {
             Some((_, plain)) => plain,
             None => symbol,
         };
-        let place = self.place(s.at);
+        let source_position = self.source_position(s.at);
         let group = if self.plan.name.is_empty() { "<unnamed group>" } else { &self.plan.name };
         let message = format!(
-            "Index [{index}] out of range {symbol}[0..{}]: {place} (group {group}, layer {} {layer}, shader {shader})",
+            "Index [{index}] out of range {symbol}[0..{}]: {source_position} (group {group}, layer {} {layer}, shader {shader})",
             count as i64 - 1,
             self.layer
         );
@@ -36,8 +36,8 @@ impl Machine<'_> {
                 let value = self.dual(from, start + i);
                 self.set(out, at + i, value);
             } else {
-                let word = self.word(from, start + i);
-                self.set_word(out, at + i, word);
+                let cell_bits = self.cell_bits(from, start + i);
+                self.set_bits(out, at + i, cell_bits);
             }
         }
     }
@@ -67,10 +67,10 @@ pub(super) fn write_element(m: &mut Machine<'_>, s: &Step) {
     let index = m.index(s, 1, 0, count);
     let one = array.one as usize;
     if array.ty.base == Base::Closure && value.ty.base != Base::Closure {
-        m.set_word(array, index, 0);
+        m.set_bits(array, index, 0);
     } else if array.ty.base == Base::Int {
         let value = m.int(value);
-        m.set_word(array, index, value as u32);
+        m.set_bits(array, index, value as u32);
     } else {
         m.copy_part(array, index * one, value, 0, one);
     }

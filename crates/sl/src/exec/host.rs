@@ -162,13 +162,13 @@ impl From<Data> for Given {
 #[must_use]
 pub fn longitude_latitude([x, y, z]: [Dual<f32>; 3]) -> [Dual<f32>; 2] {
     use std::f32::consts::PI;
-    let place = |x: f32, y: f32, z: f32| [(-x).atan2(z) / (2.0 * PI) + 0.5, 0.5 - y.atan2(x.hypot(z)) / PI];
-    let here = place(x.value, y.value, z.value);
+    let uv_of = |x: f32, y: f32, z: f32| [(-x).atan2(z) / (2.0 * PI) + 0.5, 0.5 - y.atan2(x.hypot(z)) / PI];
+    let here = uv_of(x.value, y.value, z.value);
     let step = |dx: f32, dy: f32, dz: f32| {
-        let there = place(x.value + dx, y.value + dy, z.value + dz);
+        let there = uv_of(x.value + dx, y.value + dy, z.value + dz);
         // The shorter way around.
-        let turn = there[0] - here[0];
-        [turn - turn.round(), there[1] - here[1]]
+        let change = there[0] - here[0];
+        [change - change.round(), there[1] - here[1]]
     };
     let (right, down) = (step(x.dx, y.dx, z.dx), step(x.dy, y.dy, z.dy));
     [0, 1].map(|k: usize| Dual::new(here[k], right[k], down[k]))
@@ -284,11 +284,11 @@ pub trait Host {
     fn environment(
         &self,
         file: &str,
-        way: [Dual<f32>; 3],
+        direction: [Dual<f32>; 3],
         options: &TextureOptions,
         point: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
-        self.texture(file, longitude_latitude(way), options, point)
+        self.texture(file, longitude_latitude(direction), options, point)
     }
 
     /// Four channels of a volume at a place, and how they change from pixel to pixel.
@@ -333,15 +333,15 @@ pub trait Host {
     ///
     /// # Errors
     /// A line for people: no clouds are written here.
-    fn write_point(&self, file: &str, place: [f32; 3], row: &[Column]) -> Result<bool, String> {
-        let _ = (place, row);
+    fn write_point(&self, file: &str, uv_of: [f32; 3], row: &[Column]) -> Result<bool, String> {
+        let _ = (uv_of, row);
         Err(format!("point cloud \"{file}\" is not written: only testshade writes point clouds"))
     }
 
-    /// How it is said why there is no texture; `asked` is what was asked for, `place` a place in a shader's text.
-    fn texture_fault(&self, asked: &str, why: &str, place: &str) -> String {
-        let _ = asked;
-        format!("{why} ({place})")
+    /// How it is said why there is no texture; `requested` is what was asked for, `uv_of` a place in a shader's text.
+    fn texture_fault(&self, requested: &str, why: &str, uv_of: &str) -> String {
+        let _ = requested;
+        format!("{why} ({uv_of})")
     }
 
     /// The text of a dictionary's file.

@@ -6,7 +6,7 @@ use super::batch::{Points, Program, Results};
 use super::cells::{LANES, Row};
 use super::host::{Host, Point};
 use super::machine::{Machine, Plan};
-use super::slot::Kept;
+use super::slot::RetainedOutput;
 use crate::format::general;
 use crate::hir::Data;
 use crate::ir::{SymbolKind, uses};
@@ -17,7 +17,7 @@ impl Program for Plan {
         out.closures.clear();
         out.events.clear();
         out.ci = [0; LANES];
-        let rows = self.kept.last().map_or(0, |kept| kept.row + kept.ty.size());
+        let rows = self.retained.last().map_or(0, |retained| retained.row + retained.ty.size());
         out.rows.clear();
         out.rows.resize(rows, [0.0; LANES]);
         if self.is_left_out() {
@@ -26,10 +26,10 @@ impl Program for Plan {
         let mut machine = Machine::within(self, host, self.lend());
         machine.closures = std::mem::take(&mut out.closures);
         for lane in 0..points.count.min(LANES) {
-            machine.run_beside(&points.point(lane));
+            machine.run_neighbours(&points.point(lane));
             out.ci[lane] = machine.ci();
-            for kept in &self.kept {
-                machine.keep(kept, lane, &mut out.rows);
+            for retained in &self.retained {
+                machine.keep(retained, lane, &mut out.rows);
             }
             if machine.was_stopped()
                 && let Some(event) = self.strike()
@@ -42,11 +42,11 @@ impl Program for Plan {
         self.take_back(machine.into_memory());
     }
 
-    fn kept(&self) -> &[Kept] {
-        &self.kept
+    fn retained(&self) -> &[RetainedOutput] {
+        &self.retained
     }
 
-    fn tell(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
         let mut machine = Machine::new(self, host);
         machine.run(point);
         let mut lines = Vec::new();
@@ -82,7 +82,7 @@ impl Program for Plan {
 
 impl Machine<'_> {
     fn text_of(&self, ty: Type, data: &Data) -> String {
-        let mut words: Vec<String> = match data {
+        let mut cells_bits: Vec<String> = match data {
             Data::Int(list) if ty.base == Base::Closure => {
                 list.iter().map(|&n| self.closure_text(n as u32).replace("\n\t", " ")).collect()
             }
@@ -90,22 +90,22 @@ impl Machine<'_> {
             Data::Float(list) => list.iter().map(|&x| general(f64::from(x), 6)).collect(),
             Data::Str(list) => list.iter().map(|text| format!("\"{text}\"")).collect(),
         };
-        if words.len() > 32 {
-            let left = words.len() - 32;
-            words.truncate(32);
-            words.push(format!("and {left} more"));
+        if cells_bits.len() > 32 {
+            let left = cells_bits.len() - 32;
+            cells_bits.truncate(32);
+            cells_bits.push(format!("and {left} more"));
         }
-        words.join(" ")
+        cells_bits.join(" ")
     }
 }
 
 impl Machine<'_> {
-    fn keep(&self, kept: &Kept, lane: usize, rows: &mut [Row]) {
-        let Some(slot) = self.plan.slot_of(&kept.name) else { return };
-        for k in 0..kept.ty.size() {
-            let word = self.memory[slot.at as usize + k];
-            rows[kept.row + k][lane] =
-                if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) };
+    fn keep(&self, retained: &RetainedOutput, lane: usize, rows: &mut [Row]) {
+        let Some(slot) = self.plan.slot_of(&retained.name) else { return };
+        for k in 0..retained.ty.size() {
+            let cell_bits = self.memory[slot.at as usize + k];
+            rows[retained.row + k][lane] =
+                if slot.ty.base == Base::Int { cell_bits as i32 as f32 } else { f32::from_bits(cell_bits) };
         }
     }
 }

@@ -4,7 +4,7 @@
 
 use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
 use super::nesting;
-use super::slot::{Kept, Slot};
+use super::slot::{RetainedOutput, Slot};
 use super::strings::Strings;
 use super::table::action;
 use crate::group::{Group, Part};
@@ -38,7 +38,7 @@ pub struct PlanOptions {
     /// Layers that may be started by themselves.
     pub entries: Vec<usize>,
     /// Turns of loops that a point may take before it is stopped.
-    pub turns: u64,
+    pub iterations: u64,
 }
 
 impl Default for PlanOptions {
@@ -53,7 +53,7 @@ impl Default for PlanOptions {
             userdata_isconnected: false,
             debug_layers: false,
             entries: Vec::new(),
-            turns: 20_000_000,
+            iterations: 20_000_000,
         }
     }
 }
@@ -104,13 +104,13 @@ impl Plan {
             strings: Strings::default(),
             debug_layers: options.debug_layers,
             entries: options.entries.clone(),
-            turns: options.turns,
-            kept: Vec::new(),
+            iterations: options.iterations,
+            retained: Vec::new(),
             strikes: AtomicU32::new(0),
             memories: Mutex::default(),
         };
         for (name, ty) in GLOBALS {
-            let slot = plan.place(ty, ty.base != Base::Closure)?;
+            let slot = plan.allocate(ty, ty.base != Base::Closure)?;
             plan.globals.insert(name.into(), slot);
         }
         let shaders = prepared(group);
@@ -124,7 +124,7 @@ impl Plan {
             if matches!(slot.ty.base, Base::String | Base::Closure) {
                 continue;
             }
-            plan.kept.push(Kept { name: name.clone(), ty: slot.ty, row });
+            plan.retained.push(RetainedOutput { name: name.clone(), ty: slot.ty, row });
             row += slot.ty.size();
         }
         Ok(plan)
@@ -151,7 +151,7 @@ impl Plan {
         self.layers.len()
     }
 
-    fn place(&mut self, ty: Type, derivs: bool) -> Result<Slot, String> {
+    fn allocate(&mut self, ty: Type, derivs: bool) -> Result<Slot, String> {
         let slot = Slot::new(self.memory.len(), ty, derivs);
         let end = self.memory.len() + slot.cells();
         if end > CELLS {
@@ -169,7 +169,7 @@ impl Plan {
         let Some((name, ty, start)) = GLOBALS_OF_KINDS.iter().find(|known| known.0 == name) else {
             return Ok(None);
         };
-        let slot = self.place(*ty, true)?;
+        let slot = self.allocate(*ty, true)?;
         self.fill(&slot, &Data::Float(vec![*start; ty.size()]));
         self.globals.insert((*name).into(), slot);
         Ok(Some(slot))
@@ -223,7 +223,7 @@ impl Plan {
                 let count = given.map_or(0, Data::count) / ty.base.components().max(1);
                 ty = ty.array_of(i32::try_from(count.max(1)).unwrap_or(1));
             }
-            let slot = self.place(ty, symbol.derivs);
+            let slot = self.allocate(ty, symbol.derivs);
             let slot =
                 slot.map_err(|why| format!("shader {}: '{}' ({ty}): {why}", shader.name, symbol.name))?;
             if let Some(data) = given {
@@ -344,13 +344,13 @@ fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -
         writes_globals |= usage == Use::Write && shader.symbol(id).kind == SymbolKind::Global;
     });
     let outgoing = group.connections.iter().any(|c| c.from_layer == number);
-    let wanted = shader.params().any(|(_, s)| {
+    let expected = shader.params().any(|(_, s)| {
         s.kind == SymbolKind::OutputParam
             && options.outputs.iter().any(|o| **o == *s.name || *o == format!("{}.{}", layer.name, s.name))
     });
     options.lazy_layers
         && (options.lazy_globals || !writes_globals)
-        && !wanted
+        && !expected
         && (outgoing || options.lazy_unconnected)
         && (options.lazy_error || !has("error"))
         && (options.lazy_trace || !has("trace"))
@@ -390,18 +390,18 @@ fn prepared(group: &Group) -> Vec<Arc<Shader>> {
         fold(Arc::make_mut(shader), &fixed(group, number));
     }
     for number in (0..shaders.len()).rev() {
-        let due: Vec<SymId> = group
+        let pending: Vec<SymId> = group
             .connections
             .iter()
             .filter(|c| c.from_layer == number && shaders[c.to_layer].symbol(c.to.symbol).derivs)
             .map(|c| c.from.symbol)
             .filter(|&id| !shaders[number].symbol(id).derivs)
             .collect();
-        if due.is_empty() {
+        if pending.is_empty() {
             continue;
         }
         let shader = Arc::make_mut(&mut shaders[number]);
-        for id in due {
+        for id in pending {
             shader.symbols[id as usize].derivs = true;
         }
         mark_derivatives(shader);
@@ -435,16 +435,18 @@ impl Binder<'_> {
                 yes: self.block(yes)?,
                 no: self.block(no)?,
             },
-            Node::Loop { word, init, test, condition, body, step, at } => Instruction::Loop(Box::new(Loop {
-                body_first: *word == "dowhile",
-                init: self.block(init)?,
-                test: self.block(test)?,
-                condition: slot(*condition),
-                pulls: pull(*condition),
-                body: self.block(body)?,
-                step: self.block(step)?,
-                at: *at,
-            })),
+            Node::Loop { keyword, init, test, condition, body, step, at } => {
+                Instruction::Loop(Box::new(Loop {
+                    body_first: *keyword == "dowhile",
+                    init: self.block(init)?,
+                    test: self.block(test)?,
+                    condition: slot(*condition),
+                    pulls: pull(*condition),
+                    body: self.block(body)?,
+                    step: self.block(step)?,
+                    at: *at,
+                }))
+            }
             Node::Call { body, .. } => Instruction::Call(self.block(body)?),
         })
     }
@@ -512,7 +514,7 @@ fn constants(group: &Group, number: usize, shader: &Shader) -> Vec<bool> {
             known[id] = writes[id] == 1;
         }
     }
-    let asks = |name: &str| {
+    let requests = |name: &str| {
         matches!(
             name,
             "getattribute"
@@ -541,7 +543,7 @@ fn constants(group: &Group, number: usize, shader: &Shader) -> Vec<bool> {
     let mut changed = true;
     while std::mem::take(&mut changed) {
         ops(&shader.code, &mut |op| {
-            let unknown = asks(&op.name)
+            let unknown = requests(&op.name)
                 || op
                     .args
                     .iter()

@@ -31,8 +31,8 @@ pub(super) fn trace(m: &mut Machine<'_>, s: &Step) {
         let hit = m.host.trace(p, r, &options, &m.point);
         m.set_int(out, i32::from(hit));
     } else {
-        let seen = m.host.radiance(p, r, &options, &m.point);
-        m.set_triple(out, Dual::from(seen).components());
+        let incoming = m.host.radiance(p, r, &options, &m.point);
+        m.set_triple(out, Dual::from(incoming).components());
     }
 }
 

@@ -4,9 +4,9 @@
 
 use super::components::Closures;
 use super::host::{Host, Point};
-use super::slot::{Kept, Slot};
+use super::slot::{RetainedOutput, Slot};
 use super::strings::Strings;
-use crate::ir::{Place, Shader, SymId};
+use crate::ir::{Shader, SourcePosition, SymId};
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::dictionary::Dictionaries;
@@ -42,7 +42,7 @@ pub struct Step {
     /// The arguments' symbols.
     pub symbols: Box<[SymId]>,
     /// Where it stands in the text.
-    pub at: Place,
+    pub at: SourcePosition,
     /// Connected parameters that it reads.
     pub pulls: Box<[u32]>,
     /// Arguments that are read, by bits.
@@ -91,7 +91,7 @@ pub struct Loop {
     /// Done after each turn.
     pub step: Vec<Instruction>,
     /// Where it stands in the text.
-    pub at: Place,
+    pub at: SourcePosition,
 }
 
 /// How a block was left.
@@ -189,9 +189,9 @@ pub struct Plan {
     /// Layers that may be started by themselves.
     pub entries: Vec<usize>,
     /// Turns of loops that a point may take.
-    pub turns: u64,
+    pub iterations: u64,
     /// What [`Program`](super::Program) gives back of each point.
-    pub(super) kept: Vec<Kept>,
+    pub(super) retained: Vec<RetainedOutput>,
     /// Points that were stopped.
     pub(super) strikes: AtomicU32,
     /// Memories that no batch uses now.
@@ -203,9 +203,9 @@ pub struct Plan {
 pub struct Message {
     pub(super) name: Arc<str>,
     pub(super) ty: Type,
-    pub(super) words: Option<Vec<u32>>,
+    pub(super) cells_bits: Option<Vec<u32>>,
     pub(super) layer: usize,
-    pub(super) place: String,
+    pub(super) source_position: String,
 }
 
 /// What a shader says.
@@ -242,7 +242,7 @@ pub struct Machine<'a> {
     /// What was said since it was last taken.
     pub events: Vec<Event>,
     /// Bytes that were said by this point, or by this batch.
-    pub(super) said: usize,
+    pub(super) reports: usize,
     /// Blocks that layers which are under way lie in.
     pub(super) nested: usize,
     /// Regular expressions that were read; none where one is wrong.
@@ -303,7 +303,7 @@ impl<'a> Machine<'a> {
             pulled,
             fuel: 0,
             events: Vec::new(),
-            said: 0,
+            reports: 0,
             nested: 0,
             regexes,
             dictionaries,

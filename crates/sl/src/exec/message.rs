@@ -8,33 +8,33 @@ use crate::types::{Base, Type};
 /// Messages of one point.
 const LIMIT: usize = 10_000;
 
-fn word(ty: Type) -> String {
+fn cell_bits(ty: Type) -> String {
     if ty.base == Base::Closure { "closure color".to_owned() } else { ty.to_string() }
 }
 
 pub(super) fn set(m: &mut Machine<'_>, s: &Step) {
     let [name, value] = &*s.args else { return };
     let name = m.text(name);
-    let place = m.place(s.at);
+    let source_position = m.source_position(s.at);
     if let Some(old) = m.messages.iter().find(|old| old.name == name) {
-        let message = if old.words.is_some() {
+        let message = if old.cells_bits.is_some() {
             format!(
-                "message \"{name}\" already exists (created here: {}) cannot set again from {place}",
-                old.place
+                "message \"{name}\" already exists (created here: {}) cannot set again from {source_position}",
+                old.source_position
             )
         } else {
             format!(
-                "message \"{name}\" was queried before being set (queried here: {}) setting it now ({place}) would lead to inconsistent results",
-                old.place
+                "message \"{name}\" was queried before being set (queried here: {}) setting it now ({source_position}) would lead to inconsistent results",
+                old.source_position
             )
         };
         m.error(message);
         return;
     }
-    let words = m.memory[value.at as usize..][..value.size as usize].to_vec();
+    let cells_bits = m.memory[value.at as usize..][..value.size as usize].to_vec();
     let layer = m.layer;
     if m.messages.len() < LIMIT {
-        m.messages.push(Message { name, ty: value.ty, words: Some(words), layer, place });
+        m.messages.push(Message { name, ty: value.ty, cells_bits: Some(cells_bits), layer, source_position });
     }
 }
 
@@ -53,36 +53,36 @@ pub(super) fn get(m: &mut Machine<'_>, s: &Step) {
         m.set_int(&out, i32::from(hit));
         return;
     }
-    let place = m.place(s.at);
+    let source_position = m.source_position(s.at);
     let layer = m.layer;
     let Some(found) = m.messages.iter().find(|old| old.name == name).cloned() else {
         if m.messages.len() < LIMIT {
-            m.messages.push(Message { name, ty: value.ty, words: None, layer, place });
+            m.messages.push(Message { name, ty: value.ty, cells_bits: None, layer, source_position });
         }
         m.set_int(&out, 0);
         return;
     };
     m.set_int(&out, 0);
     if found.ty != value.ty {
-        let how = if found.words.is_some() { "created" } else { "queried" };
+        let how = if found.cells_bits.is_some() { "created" } else { "queried" };
         m.error(format!(
-            "type mismatch for message \"{name}\" ({how} as {} here: {}) cannot fetch as {} from {place}",
-            word(found.ty),
-            found.place,
-            word(value.ty)
+            "type mismatch for message \"{name}\" ({how} as {} here: {}) cannot fetch as {} from {source_position}",
+            cell_bits(found.ty),
+            found.source_position,
+            cell_bits(value.ty)
         ));
         return;
     }
-    let Some(words) = found.words else { return };
+    let Some(cells_bits) = found.cells_bits else { return };
     if found.layer > layer {
         m.error(format!(
-            "message \"{name}\" was set by layer #{} ({}) but is being queried by layer #{layer} ({place}) - messages may only be transferred from nodes that appear earlier in the shading network",
-            found.layer, found.place
+            "message \"{name}\" was set by layer #{} ({}) but is being queried by layer #{layer} ({source_position}) - messages may only be transferred from nodes that appear earlier in the shading network",
+            found.layer, found.source_position
         ));
         return;
     }
     let at = value.at as usize;
-    m.memory[at..at + words.len()].copy_from_slice(&words);
+    m.memory[at..at + cells_bits.len()].copy_from_slice(&cells_bits);
     if value.derivs {
         let size = value.size as usize;
         m.memory[at + size..at + 3 * size].fill(0);

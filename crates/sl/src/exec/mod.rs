@@ -5,10 +5,10 @@
 //! for all that only a renderer knows; a [`Program`] runs sixteen points. `table` names the operations; `arithmetic`, `assign`, `element`, `math`, `noise`,
 //! `space`, `texts`, `print`, `message`, `closure` and `state` do them.
 
-mod alone;
 mod arithmetic;
 mod assign;
 mod batch;
+mod batch_ops;
 mod cells;
 mod closure;
 mod components;
@@ -27,6 +27,7 @@ mod points;
 mod print;
 mod rows;
 mod run;
+mod single_op;
 mod slot;
 mod space;
 mod state;
@@ -34,10 +35,10 @@ mod strings;
 mod table;
 mod texts;
 mod texture;
-mod together;
 mod values;
 
 pub use batch::{Points, Program, Results};
+pub use batch_ops::queries_in_batches;
 pub use cells::{Batch, Cells, DualRow, LANES, Row, lanes_of};
 pub use closure::{Bound, makes_closures};
 pub use components::{Closure, ClosureDecl, ClosureParam, Closures, Component, Part};
@@ -47,7 +48,6 @@ pub use machine::{
     Action, Copy, Event, Flow, Instruction, LayerPlan, Loop, Machine, Memory, Message, Param, Plan, Source,
     Step,
 };
-pub use slot::{Kept, Slot};
+pub use slot::{RetainedOutput, Slot};
 pub use strings::{Strings, WELL_KNOWN};
 pub use table::unknown_operation;
-pub use together::asks_together;

@@ -14,8 +14,8 @@ pub(super) const LAYER: usize = 4;
 fn depth(list: &[Instruction]) -> usize {
     let inner = |instruction: &Instruction| match instruction {
         Instruction::If { yes, no, .. } => depth(yes).max(depth(no)),
-        Instruction::Loop(turns) => {
-            let parts = [&turns.init, &turns.test, &turns.body, &turns.step];
+        Instruction::Loop(iterations) => {
+            let parts = [&iterations.init, &iterations.test, &iterations.body, &iterations.step];
             parts.into_iter().map(|part| depth(part)).max().unwrap_or(0)
         }
         Instruction::Call(body) => depth(body),
@@ -37,12 +37,12 @@ pub(super) fn bound(layers: &mut [LayerPlan]) {
         above.sort_unstable();
         above.dedup();
         let mut most = 0;
-        for asked in above {
-            if own + hangs[asked] > MOST_NESTED {
-                layers[asked].lazy = false;
-                hangs[asked] = 0;
+        for requested in above {
+            if own + hangs[requested] > MOST_NESTED {
+                layers[requested].lazy = false;
+                hangs[requested] = 0;
             }
-            most = most.max(hangs[asked]);
+            most = most.max(hangs[requested]);
         }
         layers[number].depth = blocks;
         hangs.push(if layers[number].lazy || number + 1 == layers.len() { own + most } else { 0 });

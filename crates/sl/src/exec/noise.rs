@@ -14,8 +14,8 @@ fn kind(m: &mut Machine<'_>, s: &Step) -> NoiseKind {
         _ if s.args.get(1).is_some_and(|a| a.ty == Type::STRING) => {
             let name = m.text(&s.args[1]);
             NoiseKind::named(&name).unwrap_or_else(|| {
-                let place = m.place(s.at);
-                m.error(format!("noise type \"{name}\" is unknown, called from ({place})"));
+                let source_position = m.source_position(s.at);
+                m.error(format!("noise type \"{name}\" is unknown, called from ({source_position})"));
                 NoiseKind::Null
             })
         }
@@ -56,15 +56,15 @@ pub(super) fn noise(m: &mut Machine<'_>, s: &Step) {
     {
         return;
     }
-    let (place, period) =
+    let (source_position, period) =
         if periodic { numbers.split_at(numbers.len() / 2) } else { (&*numbers, [].as_slice()) };
     let period: Vec<f32> = period.iter().map(|d| d.value).collect();
     let period = periodic.then_some(&*period);
     if out.size >= 3 {
-        let value = kind.noise3(place, period, &options);
+        let value = kind.noise3(source_position, period, &options);
         m.set_triple(&out, value);
     } else {
-        let value = kind.noise(place, period, &options);
+        let value = kind.noise(source_position, period, &options);
         m.set(&out, 0, value);
     }
 }

@@ -33,15 +33,15 @@ fn elements(slot: &Slot) -> usize {
     (slot.size / slot.one.max(1)) as usize
 }
 
-/// `pointcloud_search (file, place, radius, most [, sort], name, array, ...)`
+/// `pointcloud_search (file, point, radius, most [, sort], name, array, ...)`
 pub(super) fn search(m: &mut Machine<'_>, s: &Step) {
     let [out, file, center, radius, most, rest @ ..] = &*s.args else { return };
     let rest = match rest {
         [sort, rest @ ..] if sort.ty == Type::INT => rest,
         rest => rest,
     };
-    let room = rest.chunks_exact(2).map(|pair| elements(&pair[1])).min().unwrap_or(usize::MAX);
-    let most = usize::try_from(m.int(most)).unwrap_or(0).min(room);
+    let capacity = rest.chunks_exact(2).map(|pair| elements(&pair[1])).min().unwrap_or(usize::MAX);
+    let most = usize::try_from(m.int(most)).unwrap_or(0).min(capacity);
     let file = m.text(file);
     let Some(cloud) = cloud(m, s, &file) else {
         m.set_int(out, 0);
@@ -52,12 +52,12 @@ pub(super) fn search(m: &mut Machine<'_>, s: &Step) {
     pairs(m, rest, |m, name, value| match (name, value.ty.base) {
         ("index", Base::Int) => {
             for (i, (number, _)) in found.iter().enumerate() {
-                m.set_word(value, i, *number);
+                m.set_bits(value, i, *number);
             }
         }
         ("distance", Base::Float) => {
             for (i, &(number, distance)) in found.iter().enumerate() {
-                m.set(value, i, away(center, cloud.places()[number as usize], distance));
+                m.set(value, i, away(center, cloud.positions()[number as usize], distance));
             }
         }
         _ => {
@@ -69,12 +69,12 @@ pub(super) fn search(m: &mut Machine<'_>, s: &Step) {
 }
 
 /// The distance with the change that it has where the searched place changes.
-fn away(center: [D; 3], place: [f32; 3], distance: f32) -> D {
+fn away(center: [D; 3], point: [f32; 3], distance: f32) -> D {
     if distance <= 0.0 {
         return distance.into();
     }
     let along = |part: fn(&D) -> f32| {
-        let sum: f32 = (0..3).map(|k| (center[k].value - place[k]) * part(&center[k])).sum();
+        let sum: f32 = (0..3).map(|k| (center[k].value - point[k]) * part(&center[k])).sum();
         sum / distance
     };
     Dual::new(distance, along(|x| x.dx), along(|x| x.dy))
@@ -112,13 +112,13 @@ fn give(
         ));
         return false;
     }
-    let room = out.size as usize / column.width;
-    for (i, number) in numbers.take(room).enumerate() {
+    let capacity = out.size as usize / column.width;
+    for (i, number) in numbers.take(capacity).enumerate() {
         for k in 0..column.width {
             let (at, from) = (i * column.width + k, number * column.width + k);
             match &column.values {
                 Values::Float(list) => m.set(out, at, list.get(from).copied().unwrap_or(0.0).into()),
-                Values::Int(list) => m.set_word(out, at, list.get(from).copied().unwrap_or(0) as u32),
+                Values::Int(list) => m.set_bits(out, at, list.get(from).copied().unwrap_or(0) as u32),
                 Values::Text(list) => m.set_text(out, at, list.get(from).map_or("", |text| text)),
             }
         }
@@ -129,24 +129,24 @@ fn give(
 /// `pointcloud_get (file, indices, count, name, array)`
 pub(super) fn get(m: &mut Machine<'_>, s: &Step) {
     let [out, file, indices, count, name, data] = &*s.args else { return };
-    let room = elements(indices).min(elements(data));
-    let count = usize::try_from(m.int(count)).unwrap_or(0).min(room);
+    let capacity = elements(indices).min(elements(data));
+    let count = usize::try_from(m.int(count)).unwrap_or(0).min(capacity);
     let (file, name) = (m.text(file), m.text(name));
     let found = count == 0
         || cloud(m, s, &file).is_some_and(|cloud| {
             // A number of no point reads zeros.
             let numbers: Vec<usize> = (0..count)
-                .map(|i| usize::try_from(m.word(indices, i) as i32).unwrap_or(usize::MAX >> 8))
+                .map(|i| usize::try_from(m.cell_bits(indices, i) as i32).unwrap_or(usize::MAX >> 8))
                 .collect();
             give(m, data, &file, &cloud, &name, numbers.into_iter())
         });
     m.set_int(out, i32::from(found));
 }
 
-/// `pointcloud_write (file, place, name, value, ...)`
+/// `pointcloud_write (file, point, name, value, ...)`
 pub(super) fn write(m: &mut Machine<'_>, s: &Step) {
-    let [out, file, place, rest @ ..] = &*s.args else { return };
-    let (file, place) = (m.text(file), m.triple_value(place));
+    let [out, file, point, rest @ ..] = &*s.args else { return };
+    let (file, point) = (m.text(file), m.triple_value(point));
     let (mut row, mut fits) = (Vec::new(), !file.is_empty());
     pairs(m, rest, |m, name, value| {
         let size = value.size as usize;
@@ -165,7 +165,7 @@ pub(super) fn write(m: &mut Machine<'_>, s: &Step) {
         }
     });
     if !file.is_empty() {
-        match m.host.write_point(&file, place, &row) {
+        match m.host.write_point(&file, point, &row) {
             Ok(written) => fits &= written,
             Err(why) => {
                 fits = false;

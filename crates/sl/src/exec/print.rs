@@ -21,7 +21,7 @@ fn argument(m: &Machine<'_>, slot: &Slot) -> Owned {
     if slot.ty.base == Base::Closure {
         let mut left = LONGEST;
         let texts = (0..slot.size as usize).map(|i| {
-            let text = if left == 0 { String::new() } else { m.closure_text(m.word(slot, i)) };
+            let text = if left == 0 { String::new() } else { m.closure_text(m.cell_bits(slot, i)) };
             left = left.saturating_sub(text.len());
             text
         });
@@ -65,8 +65,8 @@ pub(super) fn print(m: &mut Machine<'_>, s: &Step) {
     let text = match filled(m, &format, args) {
         Ok(text) => text,
         Err(message) => {
-            let place = m.place(s.at);
-            m.error(format!("{message} at {place}"));
+            let source_position = m.source_position(s.at);
+            m.error(format!("{message} at {source_position}"));
             return;
         }
     };

@@ -20,13 +20,14 @@ pub(super) fn dual(batch: &dyn Batch, slot: &Slot, i: u32) -> DualRow {
 
 /// What lies so far behind the first cell of a slot.
 fn fill(row: &mut Row, batch: &dyn Batch, slot: &Slot, offset: u32) {
-    let number =
-        |word: u32| if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) };
+    let number = |cell_bits: u32| {
+        if slot.ty.base == Base::Int { cell_bits as i32 as f32 } else { f32::from_bits(cell_bits) }
+    };
     match batch.get(slot.at + offset) {
-        Cells::One(word) => *row = [number(word); LANES],
-        Cells::Each(words) => {
-            for (x, &word) in row.iter_mut().zip(words) {
-                *x = number(word);
+        Cells::One(cell_bits) => *row = [number(cell_bits); LANES],
+        Cells::Each(cells_bits) => {
+            for (x, &cell_bits) in row.iter_mut().zip(cells_bits) {
+                *x = number(cell_bits);
             }
         }
     }
@@ -36,9 +37,9 @@ fn fill(row: &mut Row, batch: &dyn Batch, slot: &Slot, offset: u32) {
 pub(super) fn put(batch: &mut dyn Batch, lanes: u32, (slot, i): (&Slot, u32), value: &DualRow) {
     for (k, row) in [&value.value, &value.dx, &value.dy].into_iter().enumerate() {
         if k == 0 || slot.derivs {
-            let mut words = [0; LANES];
-            words.iter_mut().zip(row).for_each(|(word, x)| *word = x.to_bits());
-            batch.put(slot.at + k as u32 * slot.size + i, lanes, &words);
+            let mut cells_bits = [0; LANES];
+            cells_bits.iter_mut().zip(row).for_each(|(cell_bits, x)| *cell_bits = x.to_bits());
+            batch.put(slot.at + k as u32 * slot.size + i, lanes, &cells_bits);
         }
     }
 }

@@ -13,12 +13,12 @@ impl Machine<'_> {
     /// Runs the group; outputs are then read with [`output`](Self::output).
     pub fn run(&mut self, point: &Point) {
         self.closures.clear();
-        self.run_beside(point);
+        self.run_neighbours(point);
     }
 
     /// The same, keeping the closures of points before.
-    pub(super) fn run_beside(&mut self, point: &Point) {
-        self.begin_beside(point);
+    pub(super) fn run_neighbours(&mut self, point: &Point) {
+        self.begin_neighbours(point);
         let Some(last) = self.plan.layers.len().checked_sub(1) else { return };
         self.say_layer(last, "enter");
         self.done[last] = true;
@@ -48,20 +48,20 @@ impl Machine<'_> {
     /// Forgets the point before.
     pub fn begin(&mut self, point: &Point) {
         self.closures.clear();
-        self.begin_beside(point);
+        self.begin_neighbours(point);
     }
 
-    fn begin_beside(&mut self, point: &Point) {
+    fn begin_neighbours(&mut self, point: &Point) {
         self.memory.clone_from(&self.plan.memory);
         self.strings.truncate(self.plan.strings.count());
         self.messages.clear();
-        self.said = 0;
+        self.reports = 0;
         self.nested = 0;
         self.done.fill(false);
         for list in &mut self.pulled {
             list.fill(false);
         }
-        self.fuel = self.plan.turns;
+        self.fuel = self.plan.iterations;
         self.point = point.clone();
         self.set_globals();
     }
@@ -169,8 +169,8 @@ impl Machine<'_> {
             || from.ty.base == Base::Int && to.ty.base == Base::Int
         {
             for i in 0..from.size.min(to.size) as usize {
-                let word = self.word(from, i);
-                self.set_word(to, i, word);
+                let cell_bits = self.cell_bits(from, i);
+                self.set_bits(to, i, cell_bits);
             }
             return;
         }
@@ -191,13 +191,13 @@ impl Machine<'_> {
     /// A component of a larger value, whose derivatives are `stride` cells away.
     fn part(&self, slot: &Slot, i: usize, stride: u32) -> super::machine::D {
         let i = if slot.size == 1 { 0 } else { i };
-        let at = |k: usize| f32::from_bits(self.word(slot, i + k * stride as usize));
+        let at = |k: usize| f32::from_bits(self.cell_bits(slot, i + k * stride as usize));
         gnurt_sl_lib::Dual::new(at(0), at(1), at(2))
     }
 
     fn set_part(&mut self, slot: &Slot, i: usize, value: super::machine::D, stride: u32) {
         for (k, v) in [value.value, value.dx, value.dy].into_iter().enumerate() {
-            self.set_word(slot, i + k * stride as usize, v.to_bits());
+            self.set_bits(slot, i + k * stride as usize, v.to_bits());
         }
     }
 
@@ -207,12 +207,12 @@ impl Machine<'_> {
                 Instruction::Do(step) => self.step(step),
                 Instruction::If { condition, pulls, yes, no } => {
                     self.pull(pulls);
-                    let flow = self.block(if self.word(condition, 0) != 0 { yes } else { no });
+                    let flow = self.block(if self.cell_bits(condition, 0) != 0 { yes } else { no });
                     if flow != Flow::Next {
                         return flow;
                     }
                 }
-                Instruction::Loop(inner) => match self.turns(inner) {
+                Instruction::Loop(inner) => match self.iterations(inner) {
                     Flow::Next => {}
                     flow => return flow,
                 },
@@ -227,7 +227,7 @@ impl Machine<'_> {
         Flow::Next
     }
 
-    fn turns(&mut self, inner: &Loop) -> Flow {
+    fn iterations(&mut self, inner: &Loop) -> Flow {
         match self.block(&inner.init) {
             Flow::Next => {}
             flow => return flow,
@@ -240,13 +240,16 @@ impl Machine<'_> {
                     flow => return flow,
                 }
                 self.pull(&inner.pulls);
-                if self.word(&inner.condition, 0) == 0 {
+                if self.cell_bits(&inner.condition, 0) == 0 {
                     return Flow::Next;
                 }
             }
             if self.fuel == 0 {
-                let place = self.place(inner.at);
-                self.error(format!("stopped: a loop at {place} did not end after {} turns", self.plan.turns));
+                let source_position = self.source_position(inner.at);
+                self.error(format!(
+                    "stopped: a loop at {source_position} did not end after {} turns",
+                    self.plan.iterations
+                ));
                 return Flow::Exit;
             }
             self.fuel -= 1;
@@ -281,8 +284,11 @@ impl Machine<'_> {
             if let Some(found) = found {
                 let what = if found.is_nan() { "nan" } else { "inf" };
                 let name = self.plan.layers[self.layer].shader.symbol(step.symbols[k]).name.clone();
-                let place = self.place(step.at);
-                self.error(format!("Detected {what} value in {name} at {place} (op {})", step.name));
+                let source_position = self.source_position(step.at);
+                self.error(format!(
+                    "Detected {what} value in {name} at {source_position} (op {})",
+                    step.name
+                ));
             }
         }
     }
@@ -301,6 +307,6 @@ impl Machine<'_> {
     /// The number of the closure in `Ci`; see [`components`](Self::components).
     #[must_use]
     pub fn ci(&self) -> u32 {
-        self.plan.globals.get("Ci").map_or(0, |slot| self.word(slot, 0))
+        self.plan.globals.get("Ci").map_or(0, |slot| self.cell_bits(slot, 0))
     }
 }

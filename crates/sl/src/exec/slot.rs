@@ -32,7 +32,7 @@ impl Slot {
 
 /// A value that is kept of each point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kept {
+pub struct RetainedOutput {
     /// As it was asked for: `name` or `layer.name`, or a global's name.
     pub name: String,
     /// Its type, made of floats or ints.

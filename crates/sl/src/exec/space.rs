@@ -23,12 +23,12 @@ impl Spaces for Of<'_, '_> {
 }
 
 impl Machine<'_> {
-    fn between(&mut self, from: &str, to: &str) -> Option<Matrix> {
-        if let Ok(m) = mx::between(&Of(self), from, to) {
+    fn transform_between(&mut self, from: &str, to: &str) -> Option<Matrix> {
+        if let Ok(m) = mx::transform_between(&Of(self), from, to) {
             return Some(m);
         }
         for space in [from, to] {
-            if mx::between(&Of(self), space, "common").is_err() {
+            if mx::transform_between(&Of(self), space, "common").is_err() {
                 self.error(format!("Unknown transformation \"{space}\""));
             }
         }
@@ -40,7 +40,7 @@ impl Machine<'_> {
     /// The matrix between two spaces at a point, if both are known; nothing is said.
     pub(super) fn spaces_at(&mut self, point: Point, from: &str, to: &str) -> Option<Matrix> {
         let own = std::mem::replace(&mut self.point, point);
-        let found = mx::between(&Of(self), from, to).ok();
+        let found = mx::transform_between(&Of(self), from, to).ok();
         self.point = own;
         found
     }
@@ -61,7 +61,7 @@ pub(super) fn triple(m: &mut Machine<'_>, s: &Step) {
         return;
     }
     let space = m.text(&rest[0]);
-    let matrix = m.between(&space, "common").unwrap_or(IDENTITY);
+    let matrix = m.transform_between(&space, "common").unwrap_or(IDENTITY);
     let value = match out.ty {
         Type::POINT => mx::transform_point(&matrix, value),
         Type::NORMAL => mx::transform_normal(&matrix, value),
@@ -105,7 +105,7 @@ pub(super) fn matrix(m: &mut Machine<'_>, s: &Step) {
     let value = match names {
         2 => {
             let (from, to) = (m.text(&rest[0]), m.text(&rest[1]));
-            m.between(&from, &to).unwrap_or(IDENTITY)
+            m.transform_between(&from, &to).unwrap_or(IDENTITY)
         }
         _ => {
             let numbers = &rest[names..];
@@ -118,7 +118,7 @@ pub(super) fn matrix(m: &mut Machine<'_>, s: &Step) {
             };
             if names == 1 {
                 let space = m.text(&rest[0]);
-                let to_common = m.between(&space, "common").unwrap_or(IDENTITY);
+                let to_common = m.transform_between(&space, "common").unwrap_or(IDENTITY);
                 mx::multiply(&to_common, &given)
             } else {
                 given
@@ -131,7 +131,7 @@ pub(super) fn matrix(m: &mut Machine<'_>, s: &Step) {
 pub(super) fn get_matrix(m: &mut Machine<'_>, s: &Step) {
     let [ok, from, to, out] = &*s.args else { return };
     let (from, to) = (m.text(from), m.text(to));
-    let found = m.between(&from, &to);
+    let found = m.transform_between(&from, &to);
     m.set_matrix(out, &found.unwrap_or(IDENTITY));
     m.set_int(ok, i32::from(found.is_some()));
 }
@@ -143,11 +143,11 @@ pub(super) fn transform(m: &mut Machine<'_>, s: &Step) {
         [matrix, _] if matrix.ty == Type::MATRIX => m.matrix(matrix),
         [to, _] => {
             let to = m.text(to);
-            m.between("common", &to).unwrap_or(IDENTITY)
+            m.transform_between("common", &to).unwrap_or(IDENTITY)
         }
         [from, to, ..] => {
             let (from, to) = (m.text(from), m.text(to));
-            m.between(&from, &to).unwrap_or(IDENTITY)
+            m.transform_between(&from, &to).unwrap_or(IDENTITY)
         }
         _ => return,
     };

@@ -173,7 +173,7 @@ fn whole(name: &str, out: Type) -> Option<Action> {
 #[must_use]
 pub fn unknown_operation(shader: &Shader) -> Option<Arc<str>> {
     let mut found = None;
-    let mut look = |op: &Op| {
+    let mut visit = |op: &Op| {
         let control = matches!(&*op.name, "break" | "continue" | "return" | "exit");
         let args: Vec<Slot> = op.args.iter().map(|&id| Slot::new(0, shader.symbol(id).ty, false)).collect();
         if found.is_none() && !control && action(&op.name, &args).is_none() {
@@ -181,8 +181,8 @@ pub fn unknown_operation(shader: &Shader) -> Option<Arc<str>> {
         }
     };
     for symbol in &shader.symbols {
-        ops(&symbol.init, &mut look);
+        ops(&symbol.init, &mut visit);
     }
-    ops(&shader.code, &mut look);
+    ops(&shader.code, &mut visit);
     found
 }

@@ -60,10 +60,10 @@ pub(super) fn split(m: &mut Machine<'_>, s: &Step) {
     let [count, text, results, rest @ ..] = &*s.args else { return };
     let text = m.text(text);
     let separator = rest.first().map_or("".into(), |a| m.text(a));
-    let room = results.ty.elements();
-    let most = rest.get(1).map_or(room, |a| usize::try_from(m.int(a)).unwrap_or(0).min(room));
+    let capacity = results.ty.elements();
+    let most = rest.get(1).map_or(capacity, |a| usize::try_from(m.int(a)).unwrap_or(0).min(capacity));
     let parts = lib::split(&text, &separator, most);
-    for i in 0..room {
+    for i in 0..capacity {
         m.set_text(results, i, parts.get(i).copied().unwrap_or(""));
     }
     m.set_int(count, parts.len() as i32);
@@ -90,24 +90,24 @@ pub(super) fn regex(m: &mut Machine<'_>, s: &Step) {
         }
         m.regexes.insert(pattern.clone(), read.ok());
     }
-    let mut places = vec![0_i32; results.map_or(0, |r| r.ty.elements())];
+    let mut match_positions = vec![0_i32; results.map_or(0, |r| r.ty.elements())];
     let whole = &*s.name == "regex_match";
     let found = match m.regexes.get(&pattern) {
-        Some(Some(regex)) => regex.search(&subject, whole, &mut places),
+        Some(Some(regex)) => regex.search(&subject, whole, &mut match_positions),
         _ => Ok(0),
     };
     let found = match found {
         Ok(found) => found,
         Err(wrong) => {
-            let place = m.place(s.at);
-            m.error(format!("{wrong} at {place}"));
+            let source_position = m.source_position(s.at);
+            m.error(format!("{wrong} at {source_position}"));
             0
         }
     };
     m.set_int(out, found);
-    for (i, &place) in places.iter().enumerate() {
+    for (i, &source_position) in match_positions.iter().enumerate() {
         if let Some(results) = results {
-            m.set_word(results, i, place as u32);
+            m.set_bits(results, i, source_position as u32);
         }
     }
 }

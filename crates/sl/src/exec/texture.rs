@@ -29,39 +29,39 @@ pub(super) fn texture(m: &mut Machine<'_>, s: &Step) {
 /// `environment (file, R [, dRdx, dRdy], options)`
 pub(super) fn environment(m: &mut Machine<'_>, s: &Step) {
     let [out, file, r, rest @ ..] = &*s.args else { return };
-    let mut way = m.triple(r);
+    let mut direction = m.triple(r);
     let rest = match rest {
         [x, y, rest @ ..] if x.ty != Type::STRING => {
             let (x, y) = (m.triple_value(x), m.triple_value(y));
-            for (k, way) in way.iter_mut().enumerate() {
-                *way = Dual::new(way.value, x[k], y[k]);
+            for (k, direction) in direction.iter_mut().enumerate() {
+                *direction = Dual::new(direction.value, x[k], y[k]);
             }
             rest
         }
         rest => rest,
     };
-    read(m, s, out, rest, |m, options| m.host.environment(&m.text(file), way, options, &m.point));
+    read(m, s, out, rest, |m, options| m.host.environment(&m.text(file), direction, options, &m.point));
 }
 
 /// `texture3d (file, P [, dPdx, dPdy, dPdz], options)`
 pub(super) fn texture3d(m: &mut Machine<'_>, s: &Step) {
     let [out, file, p, rest @ ..] = &*s.args else { return };
-    let mut place = m.triple(p);
+    let mut position = m.triple(p);
     let rest = match rest {
         [x, y, _, rest @ ..] if x.ty != Type::STRING => {
             let (x, y) = (m.triple_value(x), m.triple_value(y));
-            for (k, place) in place.iter_mut().enumerate() {
-                *place = Dual::new(place.value, x[k], y[k]);
+            for (k, position) in position.iter_mut().enumerate() {
+                *position = Dual::new(position.value, x[k], y[k]);
             }
             rest
         }
         rest => rest,
     };
-    read(m, s, out, rest, |m, options| m.host.texture3d(&m.text(file), place, options, &m.point));
+    read(m, s, out, rest, |m, options| m.host.texture3d(&m.text(file), position, options, &m.point));
 }
 
 /// What an operation says of how it reads.
-struct Said {
+struct TextureReport {
     options: TextureOptions,
     /// Where opacity goes, and why there is no picture.
     alpha: Option<Slot>,
@@ -71,19 +71,24 @@ struct Said {
     channels: usize,
 }
 
-impl Said {
-    /// Of the pairs of names and values after the place; `word` knows what cells hold. None if it does not know all that is asked.
-    fn of(strings: &Strings, out: &Slot, rest: &[Slot], word: &dyn Fn(u32) -> Option<u32>) -> Option<Self> {
+impl TextureReport {
+    /// Of the pairs of names and values after the place; `cell_bits` knows what cells hold. None if it does not know all that is asked.
+    fn of(
+        strings: &Strings,
+        out: &Slot,
+        rest: &[Slot],
+        cell_bits: &dyn Fn(u32) -> Option<u32>,
+    ) -> Option<Self> {
         let text = |slot: &Slot| match slot.ty.base {
-            Base::String => word(slot.at).map(|number| strings.text(number)),
+            Base::String => cell_bits(slot.at).map(|number| strings.text(number)),
             _ => Some(strings.text(0)),
         };
         let number = |slot: &Slot, i: u32| {
-            let word = word(slot.at + if slot.size == 1 { 0 } else { i })?;
-            Some(if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) })
+            let cell_bits = cell_bits(slot.at + if slot.size == 1 { 0 } else { i })?;
+            Some(if slot.ty.base == Base::Int { cell_bits as i32 as f32 } else { f32::from_bits(cell_bits) })
         };
         let int = |slot: &Slot| match slot.ty.base {
-            Base::Int => word(slot.at).map(|word| word as i32),
+            Base::Int => cell_bits(slot.at).map(|cell_bits| cell_bits as i32),
             _ => number(slot, 0).map(|x| x as i32),
         };
         let mut options = TextureOptions::default();
@@ -131,14 +136,15 @@ impl Said {
 pub(super) fn textures(m: &Machine<'_>, step: &Step, lanes: u32, batch: &mut dyn Batch) -> Option<()> {
     let [out, file, at_s, at_t, rest @ ..] = &*step.args else { return None };
     let one = |cell: u32| match batch.get(cell) {
-        Cells::One(word) => Some(word),
+        Cells::One(cell_bits) => Some(cell_bits),
         Cells::Each(_) => None,
     };
     let (changes, rest) = match rest {
         [sx, tx, sy, ty, rest @ ..] if sx.ty != Type::STRING => (Some([[sx, sy], [tx, ty]]), rest),
         rest => (None, rest),
     };
-    let Said { options, alpha, message, channels, .. } = Said::of(&m.strings, out, rest, &one)?;
+    let TextureReport { options, alpha, message, channels, .. } =
+        TextureReport::of(&m.strings, out, rest, &one)?;
     let is_written = |slot: Slot| {
         let mut args = step.args.iter().enumerate();
         slot.ty.base.is_float_based()
@@ -148,16 +154,16 @@ pub(super) fn textures(m: &Machine<'_>, step: &Step, lanes: u32, batch: &mut dyn
         return None;
     }
     let file = m.strings.text(one(file.at)?);
-    let mut places = [DualRow::default(); 2];
-    for (k, (place, slot)) in places.iter_mut().zip([at_s, at_t]).enumerate() {
-        *place = rows::dual(batch, slot, 0);
+    let mut coordinates = [DualRow::default(); 2];
+    for (k, (position, slot)) in coordinates.iter_mut().zip([at_s, at_t]).enumerate() {
+        *position = rows::dual(batch, slot, 0);
         if let Some(changes) = changes {
-            place.dx = rows::dual(batch, changes[k][0], 0).value;
-            place.dy = rows::dual(batch, changes[k][1], 0).value;
+            position.dx = rows::dual(batch, changes[k][0], 0).value;
+            position.dy = rows::dual(batch, changes[k][1], 0).value;
         }
     }
     let mut texels = [DualRow::default(); 4];
-    if !m.host.textures(file, lanes, &places, &options, &mut texels) {
+    if !m.host.textures(file, lanes, &coordinates, &options, &mut texels) {
         return None;
     }
     for (i, texel) in texels[..channels].iter().enumerate() {
@@ -174,21 +180,21 @@ fn read(
     s: &Step,
     out: &Slot,
     rest: &[Slot],
-    ask: impl FnOnce(&Machine<'_>, &TextureOptions) -> Result<[D; 4], String>,
+    query: impl FnOnce(&Machine<'_>, &TextureOptions) -> Result<[D; 4], String>,
 ) {
     let known = |cell: u32| m.memory.get(cell as usize).copied();
-    let Some(Said { options, alpha, message, missing_alpha, channels }) =
-        Said::of(&m.strings, out, rest, &known)
+    let Some(TextureReport { options, alpha, message, missing_alpha, channels }) =
+        TextureReport::of(&m.strings, out, rest, &known)
     else {
         return;
     };
-    let (texel, why) = match ask(m, &options) {
+    let (texel, why) = match query(m, &options) {
         Ok(texel) => (texel, String::new()),
         Err(why) => {
             // A reason is given once.
             if !why.is_empty() && options.missing.is_none() && missing_alpha.is_none() && message.is_none() {
-                let said = m.host.texture_fault(&s.name, &why, &m.place(s.at));
-                m.error(said);
+                let reports = m.host.texture_fault(&s.name, &why, &m.source_position(s.at));
+                m.error(reports);
             }
             let mut texel = [options.missing.map_or(options.fill, |_| 1.0); 4];
             texel[..3].copy_from_slice(&options.missing.unwrap_or([options.fill; 3]));
@@ -214,8 +220,8 @@ pub(super) fn info(m: &mut Machine<'_>, s: &Step) {
     let found = match m.host.texture_info(&m.text(file), at, &m.text(name), value.ty) {
         Ok(found) => found,
         Err(why) => {
-            let said = m.host.texture_fault("get_texture_info", &why, &m.place(s.at));
-            m.error(said);
+            let reports = m.host.texture_fault("get_texture_info", &why, &m.source_position(s.at));
+            m.error(reports);
             None
         }
     };

@@ -5,7 +5,7 @@ use super::host::Given;
 use super::machine::{D, Event, Machine};
 use super::slot::Slot;
 use crate::hir::Data;
-use crate::ir::Place;
+use crate::ir::SourcePosition;
 use crate::types::Base;
 use gnurt_sl_lib::Dual;
 use std::sync::Arc;
@@ -15,27 +15,27 @@ const MOST_SAID: usize = 16 << 20;
 
 impl Machine<'_> {
     /// Word `i` of a slot; 0 beyond its end, for files may give operations symbols of any types.
-    pub(super) fn word(&self, slot: &Slot, i: usize) -> u32 {
+    pub(super) fn cell_bits(&self, slot: &Slot, i: usize) -> u32 {
         if i < slot.size as usize { self.memory[slot.at as usize + i] } else { 0 }
     }
 
     /// Puts it; nothing is written beyond the slot's end.
-    pub(super) fn set_word(&mut self, slot: &Slot, i: usize, word: u32) {
+    pub(super) fn set_bits(&mut self, slot: &Slot, i: usize, cell_bits: u32) {
         if i < slot.size as usize {
-            self.memory[slot.at as usize + i] = word;
+            self.memory[slot.at as usize + i] = cell_bits;
         }
     }
 
     pub(super) fn int(&self, slot: &Slot) -> i32 {
         match slot.ty.base {
-            Base::Int => self.word(slot, 0) as i32,
-            _ => f32::from_bits(self.word(slot, 0)) as i32,
+            Base::Int => self.cell_bits(slot, 0) as i32,
+            _ => f32::from_bits(self.cell_bits(slot, 0)) as i32,
         }
     }
 
     pub(super) fn set_int(&mut self, slot: &Slot, value: i32) {
         match slot.ty.base {
-            Base::Int => self.set_word(slot, 0, value as u32),
+            Base::Int => self.set_bits(slot, 0, value as u32),
             _ => self.set(slot, 0, (value as f32).into()),
         }
     }
@@ -46,19 +46,23 @@ impl Machine<'_> {
     }
 
     pub(super) fn text_at(&self, slot: &Slot, i: usize) -> Arc<str> {
-        if slot.ty.base == Base::String { self.strings.text(self.word(slot, i)).clone() } else { "".into() }
+        if slot.ty.base == Base::String {
+            self.strings.text(self.cell_bits(slot, i)).clone()
+        } else {
+            "".into()
+        }
     }
 
     pub(super) fn set_text(&mut self, slot: &Slot, i: usize, text: &str) {
         let number = self.strings.number(text);
-        self.set_word(slot, i, number);
+        self.set_bits(slot, i, number);
     }
 
     /// Number `i` of a slot as a float. Single numbers stand for all components.
     pub(super) fn float(&self, slot: &Slot, i: usize) -> f32 {
         let i = if slot.size == 1 { 0 } else { i };
-        let word = self.word(slot, i);
-        if slot.ty.base == Base::Int { word as i32 as f32 } else { f32::from_bits(word) }
+        let cell_bits = self.cell_bits(slot, i);
+        if slot.ty.base == Base::Int { cell_bits as i32 as f32 } else { f32::from_bits(cell_bits) }
     }
 
     /// The same with its derivatives.
@@ -126,11 +130,11 @@ impl Machine<'_> {
 
     /// The value of a slot by itself.
     pub(super) fn data(&self, slot: &Slot) -> Data {
-        let words = &self.memory[slot.at as usize..][..slot.size as usize];
+        let cells_bits = &self.memory[slot.at as usize..][..slot.size as usize];
         match slot.ty.base {
-            Base::String => Data::Str(words.iter().map(|&w| self.strings.text(w).clone()).collect()),
-            Base::Int | Base::Closure => Data::Int(words.iter().map(|&w| w as i32).collect()),
-            _ => Data::Float(words.iter().map(|&w| f32::from_bits(w)).collect()),
+            Base::String => Data::Str(cells_bits.iter().map(|&w| self.strings.text(w).clone()).collect()),
+            Base::Int | Base::Closure => Data::Int(cells_bits.iter().map(|&w| w as i32).collect()),
+            _ => Data::Float(cells_bits.iter().map(|&w| f32::from_bits(w)).collect()),
         }
     }
 
@@ -141,7 +145,7 @@ impl Machine<'_> {
             Data::Int(list) => {
                 for (i, &v) in list.iter().take(size).enumerate() {
                     if slot.ty.base == Base::Int {
-                        self.set_word(slot, i, v as u32)
+                        self.set_bits(slot, i, v as u32)
                     } else {
                         self.set(slot, i, (v as f32).into())
                     }
@@ -168,7 +172,7 @@ impl Machine<'_> {
     }
 
     /// `file:line`
-    pub(super) fn place(&self, at: Place) -> String {
+    pub(super) fn source_position(&self, at: SourcePosition) -> String {
         let shader = &self.plan.layers[self.layer].shader;
         format!("{}:{}", shader.files.get(usize::from(at.file)).map_or("", |f| f), at.line)
     }
@@ -180,9 +184,9 @@ impl Machine<'_> {
     /// Notes what is said, as long as it is not too much: a loop may say as much as it has turns.
     pub(super) fn say(&mut self, event: Event) {
         let (Event::Print(text) | Event::Error(text) | Event::Warning(text) | Event::File(_, text)) = &event;
-        let before = self.said;
-        self.said = before.saturating_add(text.len() + 64);
-        if self.said <= MOST_SAID {
+        let before = self.reports;
+        self.reports = before.saturating_add(text.len() + 64);
+        if self.reports <= MOST_SAID {
             self.events.push(event);
         } else if before <= MOST_SAID {
             let text = format!("more than {} MiB are said: the rest is left out", MOST_SAID >> 20);

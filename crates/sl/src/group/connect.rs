@@ -45,7 +45,7 @@ impl Group {
             ));
         }
         let (sty, tty) = (source.ty, target.ty);
-        let words =
+        let tokens =
             (sty.display(&self.layers[a].shader.structs), tty.display(&self.layers[b].shader.structs));
         if sty.struct_id().is_some() && tty.struct_id().is_some() {
             let sources = self.layers[a].shader.leaves(source.symbol);
@@ -59,7 +59,7 @@ impl Group {
             if !fits || sty.array != tty.array {
                 return wrong(format!(
                     "cannot connect a {} ({from}) to a {} ({to}), invalid connection",
-                    words.0, words.1
+                    tokens.0, tokens.1
                 ));
             }
             for (s, t) in sources.into_iter().zip(targets) {
@@ -77,7 +77,7 @@ impl Group {
         if !fits(sty, tty) {
             return wrong(format!(
                 "cannot connect a {} ({from}) to a {} ({to}), invalid connection",
-                words.0, words.1
+                tokens.0, tokens.1
             ));
         }
         if tty.array < 0 && sty.array > 0 {

@@ -74,7 +74,7 @@ impl Group {
         shader: Arc<Shader>,
         name: Option<&str>,
         values: &[(String, Value, Hint)],
-        said: &mut Vec<String>,
+        messages: &mut Vec<String>,
     ) {
         let name: Arc<str> = match name {
             Some(name) if !name.is_empty() => name.into(),
@@ -82,7 +82,7 @@ impl Group {
         };
         let mut layer = Layer { name, shader, values: HashMap::new(), hints: HashMap::new() };
         for (param, value, hint) in values {
-            layer.set(param, value, *hint, said);
+            layer.set(param, value, *hint, messages);
         }
         self.layers.push(layer);
     }
@@ -96,14 +96,14 @@ impl Group {
 
 impl Layer {
     /// Gives a parameter its value.
-    pub fn set(&mut self, param: &str, value: &Value, hint: Hint, said: &mut Vec<String>) {
+    pub fn set(&mut self, param: &str, value: &Value, hint: Hint, messages: &mut Vec<String>) {
         let Some(id) = self.shader.find(param).filter(|&id| self.shader.symbol(id).kind.is_param()) else {
-            said.push(format!("attempt to set nonexistent parameter: {param}"));
+            messages.push(format!("attempt to set nonexistent parameter: {param}"));
             return;
         };
         let ty = self.shader.symbol(id).ty;
         if ty.struct_id().is_some() || ty.base == Base::Closure {
-            said.push(format!("Parameter \"{param}\" isStruct or closure: it takes no value"));
+            messages.push(format!("Parameter \"{param}\" isStruct or closure: it takes no value"));
             return;
         }
         match value.fit(ty) {
@@ -116,7 +116,7 @@ impl Layer {
                     self.hints.insert(id, hint);
                 }
             }
-            None => said.push(format!(
+            None => messages.push(format!(
                 "attempt to set parameter from incompatible type: {param} (expected '{}', received '{}')",
                 ty.display(&self.shader.structs),
                 value.ty

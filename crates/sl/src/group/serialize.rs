@@ -22,17 +22,17 @@ pub fn read_group(
     name: &str,
     text: &str,
     find: &mut Find<'_>,
-    said: &mut Vec<String>,
+    problems: &mut Vec<String>,
 ) -> Result<Group, Vec<String>> {
     let mut group = Group { name: name.to_owned(), ..Group::default() };
     let mut pending: Vec<(String, Value, Hint)> = Vec::new();
-    for (words, source) in statements(text) {
+    for (tokens, source) in statements(text) {
         let bad = |what: &str| {
             format!(
                 "ShaderGroupBegin: error parsing group description: {what}\n        group: {name}\n        problem might be here: {source}\n"
             )
         };
-        if let Err(mut messages) = statement(&words, &mut group, &mut pending, find, said) {
+        if let Err(mut messages) = statement(&tokens, &mut group, &mut pending, find, problems) {
             let last = messages.pop().unwrap_or_default();
             messages.push(bad(&last));
             return Err(messages);
@@ -42,31 +42,32 @@ pub fn read_group(
 }
 
 fn statement(
-    words: &[Word],
+    tokens: &[GroupToken],
     group: &mut Group,
     pending: &mut Vec<(String, Value, Hint)>,
     find: &mut Find<'_>,
-    said: &mut Vec<String>,
+    problems: &mut Vec<String>,
 ) -> Result<(), Vec<String>> {
-    let word = |i: usize| words.get(i).map_or("", |w: &Word| &w.text);
+    let token = |i: usize| tokens.get(i).map_or("", |w: &GroupToken| &w.text);
     let wrong = |what: &str| Err(vec![what.to_owned()]);
-    match word(0) {
+    match token(0) {
         "" => {}
-        "param" => match parameter(&words[1..]) {
+        "param" => match parameter(&tokens[1..]) {
             Some(found) => pending.push(found),
             None => return wrong("a parameter is: param TYPE NAME VALUES"),
         },
         "shader" => {
-            let Some(shader) = find(word(1)) else {
-                let missing = format!("Could not find shader \"{}\"\n        group: {}", word(1), group.name);
+            let Some(shader) = find(token(1)) else {
+                let missing =
+                    format!("Could not find shader \"{}\"\n        group: {}", token(1), group.name);
                 return Err(vec![missing, String::new()]);
             };
-            group.add(shader, Some(word(2)), pending, said);
+            group.add(shader, Some(token(2)), pending, problems);
             pending.clear();
         }
         "connect" => {
             let split = |w: &str| w.split_once('.').map(|(a, b)| (a.to_owned(), b.to_owned()));
-            match (split(word(1)), split(word(2))) {
+            match (split(token(1)), split(token(2))) {
                 (Some((a, b)), Some((c, d))) => {
                     group.connect(&a, &b, &c, &d).map_err(|message| vec![message, String::new()])?;
                 }
@@ -79,19 +80,19 @@ fn statement(
 }
 
 #[derive(Clone, Debug)]
-struct Word {
+struct GroupToken {
     text: String,
     quoted: bool,
 }
 
 /// Words up to `;` or, outside double brackets, `,`; and the text they are.
-fn statements(text: &str) -> Vec<(Vec<Word>, String)> {
+fn statements(text: &str) -> Vec<(Vec<GroupToken>, String)> {
     let mut list = Vec::new();
-    let mut words: Vec<Word> = Vec::new();
+    let mut tokens: Vec<GroupToken> = Vec::new();
     let (mut rest, mut start, mut hints) = (text, text.trim_start(), false);
     loop {
         rest = rest.trim_start();
-        if words.is_empty() {
+        if tokens.is_empty() {
             start = rest;
         }
         let Some(first) = rest.chars().next() else { break };
@@ -99,7 +100,7 @@ fn statements(text: &str) -> Vec<(Vec<Word>, String)> {
             '#' => rest = rest.find('\n').map_or("", |p| &rest[p..]),
             ';' | ',' if first == ';' || !hints => {
                 rest = &rest[1..];
-                list.push((std::mem::take(&mut words), start[..start.len() - rest.len()].to_owned()));
+                list.push((std::mem::take(&mut tokens), start[..start.len() - rest.len()].to_owned()));
                 hints = false;
             }
             '"' => {
@@ -110,7 +111,7 @@ fn statements(text: &str) -> Vec<(Vec<Word>, String)> {
                     done
                 });
                 let end = end.map_or(rest.len(), |(i, _)| i + 1);
-                words.push(Word { text: unescape(&rest[..end]), quoted: true });
+                tokens.push(GroupToken { text: unescape(&rest[..end]), quoted: true });
                 rest = &rest[end..];
             }
             _ => {
@@ -118,34 +119,34 @@ fn statements(text: &str) -> Vec<(Vec<Word>, String)> {
                 hints &= !rest.starts_with("]]");
                 let stop = |c: char| c.is_whitespace() || c == ';' || c == ',';
                 let end = rest.find(stop).unwrap_or(rest.len()).max(first.len_utf8());
-                let word = &rest[..end];
-                hints &= !word.ends_with("]]");
-                words.push(Word { text: word.to_owned(), quoted: false });
+                let token = &rest[..end];
+                hints &= !token.ends_with("]]");
+                tokens.push(GroupToken { text: token.to_owned(), quoted: false });
                 rest = &rest[end..];
             }
         }
     }
-    if !words.is_empty() {
-        list.push((words, start.to_owned()));
+    if !tokens.is_empty() {
+        list.push((tokens, start.to_owned()));
     }
     list
 }
 
-fn parameter(words: &[Word]) -> Option<(String, Value, Hint)> {
-    let (name, array) = match words.first()?.text.split_once('[') {
+fn parameter(tokens: &[GroupToken]) -> Option<(String, Value, Hint)> {
+    let (name, array) = match tokens.first()?.text.split_once('[') {
         Some((name, rest)) => (name, Some(rest.strip_suffix(']')?)),
-        None => (words[0].text.as_str(), None),
+        None => (tokens[0].text.as_str(), None),
     };
-    let base = Base::from_word(name).filter(|b| *b != Base::Void)?;
-    let param = words.get(1)?.text.clone();
+    let base = Base::from_keyword(name).filter(|b| *b != Base::Void)?;
+    let param = tokens.get(1)?.text.clone();
     let mut hint = Hint::default();
     let mut values = Vec::new();
-    for word in &words[2..] {
-        match word.text.strip_prefix("[[").filter(|_| !word.quoted) {
-            _ if !word.quoted && word.text.starts_with("[[") => {}
-            _ if !word.quoted && (word.text == "int" || word.text == "]]" || word.text == ",") => {}
-            _ if !word.quoted && word.text.contains('=') => {
-                let text = word.text.trim_end_matches([']', ',']);
+    for token in &tokens[2..] {
+        match token.text.strip_prefix("[[").filter(|_| !token.quoted) {
+            _ if !token.quoted && token.text.starts_with("[[") => {}
+            _ if !token.quoted && (token.text == "int" || token.text == "]]" || token.text == ",") => {}
+            _ if !token.quoted && token.text.contains('=') => {
+                let text = token.text.trim_end_matches([']', ',']);
                 match text.split_once('=') {
                     Some(("lockgeom", v)) => hint.interpolated = v == "0",
                     Some(("interpolated", v)) => hint.interpolated = v != "0",
@@ -153,7 +154,7 @@ fn parameter(words: &[Word]) -> Option<(String, Value, Hint)> {
                     _ => {}
                 }
             }
-            _ => values.push(word),
+            _ => values.push(token),
         }
     }
     let one = base.components().max(1);
@@ -170,16 +171,16 @@ fn parameter(words: &[Word]) -> Option<(String, Value, Hint)> {
     };
     let ty = Type::of(base).array_of(array);
     let mut data = data;
-    let wanted = ty.size();
-    if wanted > 1 << 24 {
+    let expected = ty.size();
+    if expected > 1 << 24 {
         return None;
     }
     match &mut data {
         // One number stands for all components.
-        Data::Float(list) if list.len() == 1 && one == 3 => *list = vec![list[0]; wanted],
-        Data::Float(list) => list.resize(wanted, 0.0),
-        Data::Int(list) => list.resize(wanted, 0),
-        Data::Str(list) => list.resize(wanted, "".into()),
+        Data::Float(list) if list.len() == 1 && one == 3 => *list = vec![list[0]; expected],
+        Data::Float(list) => list.resize(expected, 0.0),
+        Data::Int(list) => list.resize(expected, 0),
+        Data::Str(list) => list.resize(expected, "".into()),
     }
     Some((param, Value { ty, data }, hint))
 }
@@ -193,7 +194,7 @@ pub fn write_group(group: &Group) -> String {
         given.sort_by_key(|(id, _)| **id);
         for (id, data) in given {
             let symbol = layer.shader.symbol(*id);
-            let words: Vec<String> = match data {
+            let tokens: Vec<String> = match data {
                 Data::Int(list) => list.iter().map(ToString::to_string).collect(),
                 Data::Float(list) => list.iter().map(|&f| general(f64::from(f), 9)).collect(),
                 Data::Str(list) => list.iter().map(|s| format!("\"{}\"", escape(s))).collect(),
@@ -207,7 +208,7 @@ pub fn write_group(group: &Group) -> String {
                 hints.push("int interactive=1");
             }
             let hints = if hints.is_empty() { String::new() } else { format!(" [[ {} ]]", hints.join(", ")) };
-            out.push_str(&format!("param {} {} {}{hints} ;\n", symbol.ty, symbol.name, words.join(" ")));
+            out.push_str(&format!("param {} {} {}{hints} ;\n", symbol.ty, symbol.name, tokens.join(" ")));
         }
         out.push_str(&format!("shader {} {} ;\n", layer.shader.name, layer.name));
         for c in group.connections.iter().filter(|c| c.to_layer == number) {

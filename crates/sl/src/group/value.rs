@@ -56,14 +56,14 @@ impl Value {
 }
 
 fn floats(text: &str) -> Option<Vec<f32>> {
-    text.split(',').map(|word| word.trim().parse().ok()).collect()
+    text.split(',').map(|keyword| keyword.trim().parse().ok()).collect()
 }
 
 /// A value from a command line: of the type, or of one that its text looks like.
 #[must_use]
 pub fn parse_value(ty: Option<Type>, text: &str) -> Value {
     let free = ty.is_none();
-    let is = |wanted: Type| ty == Some(wanted);
+    let is = |expected: Type| ty == Some(expected);
     if let Some(list) = floats(text) {
         if list.len() == 16 && (free || is(Type::MATRIX)) {
             return Value { ty: Type::MATRIX, data: Data::Float(list) };
@@ -79,15 +79,15 @@ pub fn parse_value(ty: Option<Type>, text: &str) -> Value {
         return Value { ty: Type::FLOAT, data: Data::Float(vec![number]) };
     }
     let ty = ty.unwrap_or(Type::STRING);
-    let words = || text.split(',').map(str::trim);
+    let tokens = || text.split(',').map(str::trim);
     let data = match ty.base {
         Base::Int => {
-            let mut list: Vec<i32> = words().map(|w| w.parse().unwrap_or(0)).collect();
+            let mut list: Vec<i32> = tokens().map(|w| w.parse().unwrap_or(0)).collect();
             list.resize(ty.size().min(1 << 20), 0);
             Data::Int(list)
         }
         base if base.is_float_based() => {
-            let mut list: Vec<f32> = words().map(|w| w.parse().unwrap_or(0.0)).collect();
+            let mut list: Vec<f32> = tokens().map(|w| w.parse().unwrap_or(0.0)).collect();
             list.resize(ty.size().min(1 << 20), 0.0);
             Data::Float(list)
         }

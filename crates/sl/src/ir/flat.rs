@@ -2,7 +2,7 @@
 //! Operations in a row, with jump targets in place of blocks, as files hold them.
 //! The order of blocks is OSL's.
 
-use super::shader::{Block, Node, Op, Place, SymId};
+use super::shader::{Block, Node, Op, SourcePosition, SymId};
 use std::sync::Arc;
 
 /// One operation of the row.
@@ -14,8 +14,8 @@ pub struct Flat {
     pub jumps: Vec<usize>,
 }
 
-fn control(word: &str, symbol: SymId, at: Place) -> Flat {
-    let name: Arc<str> = word.into();
+fn control(keyword: &str, symbol: SymId, at: SourcePosition) -> Flat {
+    let name: Arc<str> = keyword.into();
     Flat { op: Op { name, args: vec![symbol], reads: 1, writes: 0, derivs: 0, at }, jumps: Vec::new() }
 }
 
@@ -33,8 +33,8 @@ impl Flat {
                     Self::append(no, row);
                     row[start].jumps = vec![otherwise, row.len()];
                 }
-                Node::Loop { word, init, test, condition, body, step, at } => {
-                    row.push(control(word, *condition, *at));
+                Node::Loop { keyword, init, test, condition, body, step, at } => {
+                    row.push(control(keyword, *condition, *at));
                     let mut jumps = Vec::new();
                     for part in [init, test, body, step] {
                         Self::append(part, row);
@@ -97,11 +97,14 @@ impl Flat {
                         at,
                     }
                 }
-                word @ ("for" | "while" | "dowhile") => {
+                keyword @ ("for" | "while" | "dowhile") => {
                     let j = bounds(4)?;
                     next = j[3];
                     Node::Loop {
-                        word: ["for", "while", "dowhile"].into_iter().find(|w| *w == word).unwrap_or("for"),
+                        keyword: ["for", "while", "dowhile"]
+                            .into_iter()
+                            .find(|w| *w == keyword)
+                            .unwrap_or("for"),
                         init: inner(i + 1, j[0])?,
                         test: inner(j[0], j[1])?,
                         condition: symbol,

@@ -18,7 +18,7 @@ mod write;
 
 pub use flat::Flat;
 pub use read::read;
-pub use shader::{Block, Node, Op, Place, Shader, SymId, Symbol, SymbolKind};
+pub use shader::{Block, Node, Op, Shader, SourcePosition, SymId, Symbol, SymbolKind};
 pub use verify::verify;
 pub use visit::{Use, ops, ops_mut, uses};
 pub use write::write;

@@ -5,8 +5,8 @@
 
 use super::flat::Flat;
 use super::operands::least_operands;
-use super::shader::{Op, Place, Shader, SymId, Symbol, SymbolKind};
-use super::tokens::{Word, parts, words};
+use super::shader::{Op, Shader, SourcePosition, SymId, Symbol, SymbolKind};
+use super::tokens::{TextToken, line_tokens, parts};
 use super::verify::verify;
 use crate::hir::{Data, Meta};
 use crate::parse::unescape;
@@ -25,7 +25,7 @@ pub fn read(text: &str) -> Result<Shader, String> {
         if line.starts_with("%preprocessed_source") {
             break;
         }
-        let list = words(line);
+        let list = line_tokens(line);
         if list.is_empty() {
             continue;
         }
@@ -49,18 +49,18 @@ struct Reader {
     rows: Vec<(String, Vec<Flat>)>,
     ops: usize,
     in_code: bool,
-    place: Place,
+    source_position: SourcePosition,
 }
 
-fn plain(words: &[Word], i: usize) -> Result<&str, String> {
-    match words.get(i) {
-        Some(Word::Plain(word)) => Ok(word),
+fn plain(line_tokens: &[TextToken], i: usize) -> Result<&str, String> {
+    match line_tokens.get(i) {
+        Some(TextToken::Plain(keyword)) => Ok(keyword),
         _ => Err(format!("word {} is missing", i + 1)),
     }
 }
 
 impl Reader {
-    fn head(&mut self, list: &[Word], head: &mut bool) -> Result<(), String> {
+    fn head(&mut self, list: &[TextToken], head: &mut bool) -> Result<(), String> {
         let first = plain(list, 0)?;
         if first == "OpenShadingLanguage" {
             let version = plain(list, 1)?;
@@ -75,11 +75,11 @@ impl Reader {
         }
         self.shader.kind = first.into();
         self.shader.name = match list.get(1) {
-            Some(Word::Plain(name) | Word::Text(name)) => name.as_str().into(),
+            Some(TextToken::Plain(name) | TextToken::Text(name)) => name.as_str().into(),
             _ => return Err("the shader's name is missing".into()),
         };
-        for word in list {
-            if let Word::Hint(name, inner) = word
+        for keyword in list {
+            if let TextToken::Hint(name, inner) = keyword
                 && name == "meta"
             {
                 self.shader.meta.extend(metadatum(inner));
@@ -89,12 +89,12 @@ impl Reader {
         Ok(())
     }
 
-    fn line(&mut self, list: &[Word]) -> Result<(), String> {
+    fn line(&mut self, list: &[TextToken]) -> Result<(), String> {
         let first = plain(list, 0)?;
         if first == "code" {
             self.in_code = true;
             self.rows.push((plain(list, 1)?.to_owned(), Vec::new()));
-            self.place = Place::default();
+            self.source_position = SourcePosition::default();
             return Ok(());
         }
         if !self.in_code {
@@ -106,23 +106,23 @@ impl Reader {
         self.operation(list)
     }
 
-    fn ty(&mut self, list: &[Word], at: &mut usize) -> Result<Type, String> {
-        let mut word = plain(list, *at)?.to_owned();
+    fn ty(&mut self, list: &[TextToken], at: &mut usize) -> Result<Type, String> {
+        let mut keyword = plain(list, *at)?.to_owned();
         *at += 1;
-        if word == "closure" {
-            word = plain(list, *at)?.to_owned();
+        if keyword == "closure" {
+            keyword = plain(list, *at)?.to_owned();
             *at += 1;
-            let (_, array) = length(&word)?;
+            let (_, array) = length(&keyword)?;
             return Ok(Type::CLOSURE.array_of(array));
         }
-        if word == "struct" {
-            word = plain(list, *at)?.to_owned();
+        if keyword == "struct" {
+            keyword = plain(list, *at)?.to_owned();
             *at += 1;
-            let (name, array) = length(&word)?;
+            let (name, array) = length(&keyword)?;
             return Ok(Type::of(Base::Struct(self.structure(name))).array_of(array));
         }
-        let (name, array) = length(&word)?;
-        let base = Base::from_word(name)
+        let (name, array) = length(&keyword)?;
+        let base = Base::from_keyword(name)
             .filter(|b| *b != Base::Void)
             .ok_or_else(|| format!("'{name}' is not a type"))?;
         Ok(Type::of(base).array_of(array))
@@ -140,20 +140,22 @@ impl Reader {
         number
     }
 
-    fn symbol(&mut self, list: &[Word]) -> Result<(), String> {
-        let word = plain(list, 0)?;
-        let kind = SymbolKind::from_word(word).ok_or_else(|| format!("'{word}' is not a kind of symbol"))?;
+    fn symbol(&mut self, list: &[TextToken]) -> Result<(), String> {
+        let keyword = plain(list, 0)?;
+        let kind = SymbolKind::from_keyword(keyword)
+            .ok_or_else(|| format!("'{keyword}' is not a kind of symbol"))?;
         let mut at = 1;
         let ty = self.ty(list, &mut at)?;
         let name: Arc<str> = plain(list, at)?.into();
         at += 1;
         let mut symbol = Symbol::new(name.clone(), kind, ty);
-        let literals: Vec<&Word> = list[at..].iter().take_while(|w| !matches!(w, Word::Hint(..))).collect();
+        let literals: Vec<&TextToken> =
+            list[at..].iter().take_while(|w| !matches!(w, TextToken::Hint(..))).collect();
         if ty.struct_id().is_none() && (kind.is_param() || kind == SymbolKind::Const) {
             symbol.value = Some(literal(ty, &literals)?);
         }
-        for word in &list[at..] {
-            let Word::Hint(hint, inner) = word else { continue };
+        for keyword in &list[at..] {
+            let TextToken::Hint(hint, inner) = keyword else { continue };
             match hint.as_str() {
                 "meta" => symbol.meta.extend(metadatum(inner)),
                 "derivs" => symbol.derivs = true,
@@ -222,16 +224,16 @@ impl Reader {
         }
     }
 
-    fn operation(&mut self, list: &[Word]) -> Result<(), String> {
+    fn operation(&mut self, list: &[TextToken]) -> Result<(), String> {
         let name: Arc<str> = plain(list, 0)?.into();
         let (mut args, mut jumps) = (Vec::new(), Vec::new());
-        for word in &list[1..] {
-            let Word::Plain(word) = word else { continue };
-            match self.names.get(word.as_str()) {
+        for keyword in &list[1..] {
+            let TextToken::Plain(keyword) = keyword else { continue };
+            match self.names.get(keyword.as_str()) {
                 Some(&id) => args.push(id),
-                None => match word.parse::<usize>() {
+                None => match keyword.parse::<usize>() {
                     Ok(jump) => jumps.push(jump),
-                    Err(_) => return Err(format!("{name}: no symbol '{word}'")),
+                    Err(_) => return Err(format!("{name}: no symbol '{keyword}'")),
                 },
             }
         }
@@ -239,9 +241,9 @@ impl Reader {
         if count < least {
             return Err(format!("{name} has {count} operands, expected {least} or more"));
         }
-        let mut op = Op { name, args, reads: !1, writes: 1, derivs: 0, at: self.place };
-        for word in list {
-            let Word::Hint(hint, inner) = word else { continue };
+        let mut op = Op { name, args, reads: !1, writes: 1, derivs: 0, at: self.source_position };
+        for keyword in list {
+            let TextToken::Hint(hint, inner) = keyword else { continue };
             match hint.as_str() {
                 "filename" => op.at.file = self.file(inner.trim_matches('"')),
                 "line" => op.at.line = inner.parse().unwrap_or(0),
@@ -259,7 +261,7 @@ impl Reader {
                 _ => {}
             }
         }
-        self.place = op.at;
+        self.source_position = op.at;
         let Some((_, row)) = self.rows.last_mut() else { return Err("an operation before 'code'".into()) };
         let start = self.ops - row.len();
         let jumps = jumps.into_iter().map(|j| j.checked_sub(start)).collect::<Option<Vec<_>>>();
@@ -297,9 +299,9 @@ impl Reader {
 }
 
 /// `name[3]`, `name[]`, `name`
-fn length(word: &str) -> Result<(&str, i32), String> {
-    let Some((name, rest)) = word.split_once('[') else { return Ok((word, 0)) };
-    let inner = rest.strip_suffix(']').ok_or_else(|| format!("'{word}': ']' is missing"))?;
+fn length(keyword: &str) -> Result<(&str, i32), String> {
+    let Some((name, rest)) = keyword.split_once('[') else { return Ok((keyword, 0)) };
+    let inner = rest.strip_suffix(']').ok_or_else(|| format!("'{keyword}': ']' is missing"))?;
     if inner.is_empty() {
         return Ok((name, -1));
     }
@@ -307,26 +309,26 @@ fn length(word: &str) -> Result<(&str, i32), String> {
     length.map(|n| (name, n)).ok_or_else(|| format!("'{inner}' is not an array's length"))
 }
 
-fn literal(ty: Type, words: &[&Word]) -> Result<Data, String> {
-    let number = |w: &&Word| match w {
-        Word::Plain(text) => text.parse::<f32>().map_err(|_| format!("'{text}' is not a number")),
+fn literal(ty: Type, line_tokens: &[&TextToken]) -> Result<Data, String> {
+    let number = |w: &&TextToken| match w {
+        TextToken::Plain(text) => text.parse::<f32>().map_err(|_| format!("'{text}' is not a number")),
         _ => Err("a number is missing".to_owned()),
     };
     Ok(match ty.base {
         Base::String => Data::Str(
-            words
+            line_tokens
                 .iter()
                 .map(|w| match w {
-                    Word::Text(text) => Ok(text.as_str().into()),
+                    TextToken::Text(text) => Ok(text.as_str().into()),
                     _ => Err("a text in quotes is missing".to_owned()),
                 })
                 .collect::<Result<_, String>>()?,
         ),
         Base::Int => Data::Int(
-            words
+            line_tokens
                 .iter()
                 .map(|w| match w {
-                    Word::Plain(text) => text
+                    TextToken::Plain(text) => text
                         .parse::<i64>()
                         .map(|v| v as i32)
                         .map_err(|_| format!("'{text}' is not an integer")),
@@ -335,10 +337,10 @@ fn literal(ty: Type, words: &[&Word]) -> Result<Data, String> {
                 .collect::<Result<_, String>>()?,
         ),
         base if base.is_float_based() => {
-            Data::Float(words.iter().map(number).collect::<Result<_, String>>()?)
+            Data::Float(line_tokens.iter().map(number).collect::<Result<_, String>>()?)
         }
         // The black closure, which is a 0.
-        Base::Closure => Data::Int(vec![0; words.len()]),
+        Base::Closure => Data::Int(vec![0; line_tokens.len()]),
         _ => Data::Int(Vec::new()),
     })
 }
@@ -346,7 +348,7 @@ fn literal(ty: Type, words: &[&Word]) -> Result<Data, String> {
 fn metadatum(inner: &str) -> Option<Meta> {
     let list = parts(inner);
     let (name, array) = length(list.first()?.trim()).ok()?;
-    let base = Base::from_word(name)?;
+    let base = Base::from_keyword(name)?;
     let ty = Type::of(base).array_of(array);
     let rest = list.get(2..)?;
     let value = match base {

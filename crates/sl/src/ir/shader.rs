@@ -30,7 +30,7 @@ pub enum SymbolKind {
 impl SymbolKind {
     /// The word in `.oso`.
     #[must_use]
-    pub const fn word(self) -> &'static str {
+    pub const fn keyword(self) -> &'static str {
         match self {
             Self::Param => "param",
             Self::OutputParam => "oparam",
@@ -41,12 +41,12 @@ impl SymbolKind {
         }
     }
 
-    /// The inverse of [`word`](Self::word).
+    /// The inverse of [`keyword`](Self::keyword).
     #[must_use]
-    pub fn from_word(word: &str) -> Option<Self> {
+    pub fn from_keyword(keyword: &str) -> Option<Self> {
         [Self::Param, Self::OutputParam, Self::Local, Self::Temp, Self::Global, Self::Const]
             .into_iter()
-            .find(|kind| kind.word() == word)
+            .find(|kind| kind.keyword() == keyword)
     }
 
     /// An input or output.
@@ -106,7 +106,7 @@ impl Symbol {
 
 /// A line of the source text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Place {
+pub struct SourcePosition {
     /// Number in [`Shader::files`].
     pub file: u16,
     /// Line, from 1; 0 is not known.
@@ -127,7 +127,7 @@ pub struct Op {
     /// Arguments whose derivatives are taken.
     pub derivs: u64,
     /// Where it comes from.
-    pub at: Place,
+    pub at: SourcePosition,
 }
 
 /// An operation or a block of them.
@@ -144,12 +144,12 @@ pub enum Node {
         /// If it is 0.
         no: Block,
         /// Where.
-        at: Place,
+        at: SourcePosition,
     },
     /// A loop.
     Loop {
         /// `for`, `while` or `dowhile`.
-        word: &'static str,
+        keyword: &'static str,
         /// Done once.
         init: Block,
         /// Makes the condition; after `init`, or after the body in `dowhile`.
@@ -161,7 +161,7 @@ pub enum Node {
         /// Done after each turn.
         step: Block,
         /// Where.
-        at: Place,
+        at: SourcePosition,
     },
     /// A function's body; `return` leaves it.
     Call {
@@ -170,7 +170,7 @@ pub enum Node {
         /// The body.
         body: Block,
         /// Where.
-        at: Place,
+        at: SourcePosition,
     },
 }
 

@@ -6,7 +6,7 @@ use crate::parse::unescape;
 
 /// A word of a line.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Word {
+pub(super) enum TextToken {
     /// A name, number or type.
     Plain(String),
     /// A text in quotes, escapes replaced.
@@ -16,7 +16,7 @@ pub(super) enum Word {
 }
 
 /// The words of a line; what follows `#` is left out.
-pub(super) fn words(line: &str) -> Vec<Word> {
+pub(super) fn line_tokens(line: &str) -> Vec<TextToken> {
     let mut out = Vec::new();
     let mut rest = line;
     loop {
@@ -26,7 +26,7 @@ pub(super) fn words(line: &str) -> Vec<Word> {
             '#' => return out,
             '"' => {
                 let end = quoted(rest);
-                out.push(Word::Text(unescape(&rest[..end])));
+                out.push(TextToken::Text(unescape(&rest[..end])));
                 rest = &rest[end..];
             }
             '%' => {
@@ -41,11 +41,11 @@ pub(super) fn words(line: &str) -> Vec<Word> {
                     inner = rest[1..close].to_owned();
                     rest = rest.get(close + 1..).unwrap_or("");
                 }
-                out.push(Word::Hint(name, inner));
+                out.push(TextToken::Hint(name, inner));
             }
             _ => {
                 let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
-                out.push(Word::Plain(rest[..end].to_owned()));
+                out.push(TextToken::Plain(rest[..end].to_owned()));
                 rest = &rest[end..];
             }
         }

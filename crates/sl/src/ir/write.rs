@@ -33,13 +33,13 @@ pub fn write(shader: &Shader, options: &str) -> String {
     let mut number = 0;
     for (method, row) in &rows {
         let _ = writeln!(out, "code {method}");
-        let mut place = None;
+        let mut position = None;
         for flat in row {
             operation(&mut out, shader, &flat.op);
             for jump in &flat.jumps {
                 let _ = write!(out, "{} ", jump + number);
             }
-            hints(&mut out, shader, &flat.op, &mut place);
+            hints(&mut out, shader, &flat.op, &mut position);
         }
         number += row.len();
     }
@@ -94,12 +94,12 @@ fn lives(shader: &Shader, rows: &[(String, Vec<Flat>)]) -> Vec<Life> {
 }
 
 fn values(data: &Data, separator: &str) -> String {
-    let words: Vec<String> = match data {
+    let items: Vec<String> = match data {
         Data::Int(list) => list.iter().map(ToString::to_string).collect(),
         Data::Float(list) => list.iter().map(|&f| general(f64::from(f), 9)).collect(),
         Data::Str(list) => list.iter().map(|s| format!("\"{}\"", escape(s))).collect(),
     };
-    words.join(separator)
+    items.join(separator)
 }
 
 fn metadatum(out: &mut String, meta: &Meta, structs: &Structs) {
@@ -129,7 +129,7 @@ fn code(ty: Type) -> String {
 }
 
 fn line(out: &mut String, shader: &Shader, symbol: &Symbol, life: Life) {
-    let _ = write!(out, "{}\t{}\t{}", symbol.kind.word(), symbol.ty.display(&shader.structs), symbol.name);
+    let _ = write!(out, "{}\t{}\t{}", symbol.kind.keyword(), symbol.ty.display(&shader.structs), symbol.name);
     if let Some(value) = symbol.value.as_ref().filter(|_| symbol.ty.struct_id().is_none()) {
         let _ = write!(out, "\t{}\t", values(value, " "));
     } else if symbol.kind.is_param() {
@@ -174,18 +174,18 @@ fn operation(out: &mut String, shader: &Shader, op: &Op) {
     }
 }
 
-fn hints(out: &mut String, shader: &Shader, op: &Op, place: &mut Option<(u16, u32)>) {
-    let mut words = Vec::new();
+fn hints(out: &mut String, shader: &Shader, op: &Op, position: &mut Option<(u16, u32)>) {
+    let mut items = Vec::new();
     if op.at.line > 0 {
         let (file, line) = (op.at.file, op.at.line);
-        if place.is_none_or(|p| p.0 != file) {
+        if position.is_none_or(|p| p.0 != file) {
             let name = shader.files.get(usize::from(file)).map_or("", |f| f);
-            words.push(format!("%filename{{\"{name}\"}}"));
+            items.push(format!("%filename{{\"{name}\"}}"));
         }
-        if place.is_none_or(|p| p != (file, line)) {
-            words.push(format!("%line{{{line}}}"));
+        if position.is_none_or(|p| p != (file, line)) {
+            items.push(format!("%line{{{line}}}"));
         }
-        *place = Some((file, line));
+        *position = Some((file, line));
     }
     if !op.args.is_empty() {
         let letters: String = (0..op.args.len())
@@ -196,15 +196,15 @@ fn hints(out: &mut String, shader: &Shader, op: &Op, place: &mut Option<(u16, u3
                 (false, false) => '-',
             })
             .collect();
-        words.push(format!("%argrw{{\"{letters}\"}}"));
+        items.push(format!("%argrw{{\"{letters}\"}}"));
     }
     if op.derivs != 0 {
         let list: Vec<String> =
             (0..64).filter(|i| op.derivs & (1 << i) != 0).map(|i| i.to_string()).collect();
-        words.push(format!("%argderivs{{{}}}", list.join(",")));
+        items.push(format!("%argderivs{{{}}}", list.join(",")));
     }
-    if !words.is_empty() {
-        let _ = write!(out, "\t{}", words.join(" "));
+    if !items.is_empty() {
+        let _ = write!(out, "\t{}", items.join(" "));
     }
     out.push('\n');
 }

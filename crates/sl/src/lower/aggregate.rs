@@ -8,7 +8,13 @@ use crate::source::Loc;
 use crate::types::{Base, Type};
 
 impl Lowerer<'_> {
-    pub(super) fn construct(&mut self, parts: &[Expr], ty: Type, wanted: Option<&Value>, loc: Loc) -> Value {
+    pub(super) fn construct(
+        &mut self,
+        parts: &[Expr],
+        ty: Type,
+        expected: Option<&Value>,
+        loc: Loc,
+    ) -> Value {
         if ty.is_triple() {
             let whole = Expr { kind: ExprKind::Construct(parts.to_vec()), ty, loc };
             if let (data, true) = literal(ty, Some(&whole)) {
@@ -22,9 +28,9 @@ impl Lowerer<'_> {
             let value = if float { self.convert(value, Type::FLOAT, loc) } else { value };
             values.push(value.symbol());
         }
-        let out = self.result(ty, wanted);
+        let out = self.result(ty, expected);
         values.insert(0, out.symbol());
-        let name = if parts.len() == 1 { "assign" } else { ty.base.word() };
+        let name = if parts.len() == 1 { "assign" } else { ty.base.keyword() };
         self.emit(name, &values, loc);
         out
     }

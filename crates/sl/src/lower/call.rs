@@ -3,7 +3,7 @@
 //! Outputs are passed by reference, as in OSL.
 
 use super::lowerer::{Inline, Lowerer, Value};
-use super::place::Target;
+use super::position::Target;
 use crate::hir::{Builtin, Expr, ExprKind, FuncId};
 use crate::ir::{Node, SymId, SymbolKind};
 use crate::source::Loc;
@@ -28,7 +28,7 @@ impl Lowerer<'_> {
         let mut stores: Vec<(Target, Value)> = Vec::new();
         let mut written: HashSet<SymId> = HashSet::new();
         for (arg, (formal, output)) in args.iter().zip(&function.formals) {
-            let wanted = program.vars[*formal as usize].ty;
+            let expected = program.vars[*formal as usize].ty;
             let value = if *output {
                 let target = self.target(arg);
                 let value = match Self::whole(&target) {
@@ -43,10 +43,10 @@ impl Lowerer<'_> {
                 value
             } else {
                 let value = self.expr(arg, None);
-                if wanted == Type::CLOSURE || wanted.array < 0 {
+                if expected == Type::CLOSURE || expected.array < 0 {
                     value
                 } else {
-                    self.convert(value, wanted, loc)
+                    self.convert(value, expected, loc)
                 }
             };
             bindings.push((*formal, *output, value));
@@ -96,7 +96,7 @@ impl Lowerer<'_> {
         out
     }
 
-    pub(super) fn builtin(&mut self, call: &Builtin, ty: Type, wanted: Option<&Value>, loc: Loc) -> Value {
+    pub(super) fn builtin(&mut self, call: &Builtin, ty: Type, expected: Option<&Value>, loc: Loc) -> Value {
         let mut args = Vec::with_capacity(call.args.len() + 2);
         let mut stores: Vec<(Target, Value)> = Vec::new();
         for (i, arg) in call.args.iter().enumerate() {
@@ -132,7 +132,7 @@ impl Lowerer<'_> {
         let closure = ty == Type::CLOSURE;
         let shift = usize::from(ty != Type::VOID) + usize::from(closure);
         let bits = [call.reads << shift, call.writes << shift, call.derivs << shift];
-        let out = (ty != Type::VOID).then(|| self.result(ty, wanted));
+        let out = (ty != Type::VOID).then(|| self.result(ty, expected));
         if closure {
             let name = self.text(&call.name);
             args.insert(0, name);

@@ -36,7 +36,7 @@ impl Effects {
             return found.clone();
         }
         let mut out = HashSet::new();
-        let (mut seen, mut open) = (HashSet::from([func]), vec![func]);
+        let (mut visited, mut open) = (HashSet::from([func]), vec![func]);
         while let Some(next) = open.pop() {
             if let Some(all) = self.known.get(&next) {
                 out.extend(all.iter());
@@ -48,7 +48,7 @@ impl Effects {
                 own
             });
             out.extend(own.written.iter());
-            open.extend(own.called.iter().filter(|&&called| seen.insert(called)));
+            open.extend(own.called.iter().filter(|&&called| visited.insert(called)));
         }
         let out = Rc::new(out);
         self.known.insert(func, out.clone());

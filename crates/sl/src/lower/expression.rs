@@ -9,8 +9,8 @@ use crate::types::{Base, Type};
 
 impl Lowerer<'_> {
     /// Symbols to leave a result in: the wanted ones if they fit.
-    pub(super) fn result(&mut self, ty: Type, wanted: Option<&Value>) -> Value {
-        match wanted {
+    pub(super) fn result(&mut self, ty: Type, expected: Option<&Value>) -> Value {
+        match expected {
             Some(value)
                 if ty.struct_id().is_none()
                     && value.ty.equivalent(ty, &self.program.structs)
@@ -22,15 +22,15 @@ impl Lowerer<'_> {
         }
     }
 
-    /// Works out an expression. Its value is left in `wanted` if that is as easy.
-    pub(super) fn expr(&mut self, e: &Expr, wanted: Option<&Value>) -> Value {
-        match self.deeper(e.loc, |l| l.expr_here(e, wanted)) {
+    /// Works out an expression. Its value is left in `expected` if that is as easy.
+    pub(super) fn expr(&mut self, e: &Expr, expected: Option<&Value>) -> Value {
+        match self.deeper(e.loc, |l| l.expr_here(e, expected)) {
             Some(value) => value,
             None => self.temp(e.ty),
         }
     }
 
-    fn expr_here(&mut self, e: &Expr, wanted: Option<&Value>) -> Value {
+    fn expr_here(&mut self, e: &Expr, expected: Option<&Value>) -> Value {
         let loc = e.loc;
         match &e.kind {
             ExprKind::Int(value) => self.constant(Type::INT, Data::Int(vec![*value])),
@@ -45,11 +45,11 @@ impl Lowerer<'_> {
                 Some(value) => value.clone(),
                 None => self.temp(e.ty),
             },
-            ExprKind::Unary(op, a) => self.unary(*op, a, e.ty, wanted, loc),
+            ExprKind::Unary(op, a) => self.unary(*op, a, e.ty, expected, loc),
             ExprKind::Binary(op @ (Binary::And | Binary::Or), a, b) => {
                 self.logic(*op == Binary::And, a, b, loc)
             }
-            ExprKind::Binary(op, a, b) => self.binary(*op, [a, b], e.ty, wanted, loc),
+            ExprKind::Binary(op, a, b) => self.binary(*op, [a, b], e.ty, expected, loc),
             ExprKind::Ternary(parts) => self.ternary(parts, e.ty, loc),
             ExprKind::Assign(target, value) => self.assign(target, value, loc),
             ExprKind::Before(up, a) => self.increment(*up, true, a, loc),
@@ -63,17 +63,17 @@ impl Lowerer<'_> {
             }
             ExprKind::Cast(a) => {
                 // A cast that says what is there already, as `(color) noise (P)` does, stands in nobody's way.
-                let value = self.expr(a, wanted.filter(|_| a.ty == e.ty));
+                let value = self.expr(a, expected.filter(|_| a.ty == e.ty));
                 self.convert(value, e.ty, loc)
             }
-            ExprKind::Construct(parts) => self.construct(parts, e.ty, wanted, loc),
+            ExprKind::Construct(parts) => self.construct(parts, e.ty, expected, loc),
             ExprKind::StructList(list) | ExprKind::ArrayList(list) => {
                 let out = self.temp(e.ty);
                 self.fill(&out, list, loc);
                 out
             }
             ExprKind::Call(func, args) => self.call(*func, args, e.ty, loc),
-            ExprKind::Builtin(call) => self.builtin(call, e.ty, wanted, loc),
+            ExprKind::Builtin(call) => self.builtin(call, e.ty, expected, loc),
             ExprKind::Error => {
                 self.error(loc, "cannot be compiled");
                 self.temp(Type::INT)
@@ -81,7 +81,7 @@ impl Lowerer<'_> {
         }
     }
 
-    fn unary(&mut self, op: Unary, a: &Expr, ty: Type, wanted: Option<&Value>, loc: Loc) -> Value {
+    fn unary(&mut self, op: Unary, a: &Expr, ty: Type, expected: Option<&Value>, loc: Loc) -> Value {
         let value = self.expr(a, None);
         if op == Unary::Not {
             // Not is a comparison with zero, whatever the type.
@@ -90,16 +90,16 @@ impl Lowerer<'_> {
                 Base::Int | Base::Closure => self.int(0),
                 _ => self.float(0.0),
             };
-            let out = self.result(Type::INT, wanted);
+            let out = self.result(Type::INT, expected);
             self.emit("eq", &[out.symbol(), value.symbol(), zero], loc);
             return out;
         }
-        let out = self.result(ty, wanted);
+        let out = self.result(ty, expected);
         if ty == Type::CLOSURE {
             let minus = self.float(-1.0);
             self.emit("mul", &[out.symbol(), value.symbol(), minus], loc);
         } else {
-            self.emit(op.word(), &[out.symbol(), value.symbol()], loc);
+            self.emit(op.keyword(), &[out.symbol(), value.symbol()], loc);
         }
         out
     }
@@ -109,7 +109,7 @@ impl Lowerer<'_> {
         op: Binary,
         [a, b]: [&Expr; 2],
         ty: Type,
-        wanted: Option<&Value>,
+        expected: Option<&Value>,
         loc: Loc,
     ) -> Value {
         let mut left = self.expr(a, None);
@@ -127,8 +127,8 @@ impl Lowerer<'_> {
                 left = self.convert(left, Type::FLOAT, loc);
             }
         }
-        let out = self.result(ty, wanted);
-        self.emit(op.word(), &[out.symbol(), left.symbol(), right.symbol()], loc);
+        let out = self.result(ty, expected);
+        self.emit(op.keyword(), &[out.symbol(), left.symbol(), right.symbol()], loc);
         out
     }
 
@@ -146,52 +146,52 @@ impl Lowerer<'_> {
 
     fn assign(&mut self, target: &Expr, value: &Expr, loc: Loc) -> Value {
         let compound = uses_old(value);
-        let place = if compound || matches!(target.kind, ExprKind::Var(_) | ExprKind::Field(..)) {
+        let target_value = if compound || matches!(target.kind, ExprKind::Var(_) | ExprKind::Field(..)) {
             Some(self.target(target))
         } else {
             None
         };
         if compound {
-            let old = match &place {
-                Some(place) => self.load(place, loc),
+            let old = match &target_value {
+                Some(target_value) => self.load(target_value, loc),
                 None => self.temp(target.ty),
             };
             self.old.push(old);
         }
-        let wanted = place.as_ref().and_then(Self::whole);
-        let given = self.expr(value, wanted.as_ref());
+        let expected = target_value.as_ref().and_then(Self::whole);
+        let given = self.expr(value, expected.as_ref());
         if compound {
             self.old.pop();
         }
-        let place = match place {
-            Some(place) => place,
+        let target_value = match target_value {
+            Some(target_value) => target_value,
             None => self.target(target),
         };
         if target.ty == Type::CLOSURE && given.ty != Type::CLOSURE {
             // The number 0 stands for the empty closure.
-            self.store(&place, &given, loc);
+            self.store(&target_value, &given, loc);
             return given;
         }
         let given = self.convert(given, target.ty, loc);
-        self.store(&place, &given, loc);
-        wanted.unwrap_or(given)
+        self.store(&target_value, &given, loc);
+        expected.unwrap_or(given)
     }
 
     fn increment(&mut self, up: bool, before: bool, target: &Expr, loc: Loc) -> Value {
-        let place = self.target(target);
-        let old = self.load(&place, loc);
+        let target_value = self.target(target);
+        let old = self.load(&target_value, loc);
         let one = if target.ty == Type::INT { self.int(1) } else { self.float(1.0) };
-        let kept = if before {
+        let old_value = if before {
             None
         } else {
-            let kept = self.temp(target.ty);
-            self.copy(&kept, &old, loc);
-            Some(kept)
+            let old_value = self.temp(target.ty);
+            self.copy(&old_value, &old, loc);
+            Some(old_value)
         };
-        let new = Self::whole(&place).unwrap_or_else(|| self.temp(target.ty));
+        let new = Self::whole(&target_value).unwrap_or_else(|| self.temp(target.ty));
         self.emit(if up { "add" } else { "sub" }, &[new.symbol(), old.symbol(), one], loc);
-        self.store(&place, &new, loc);
-        kept.unwrap_or(new)
+        self.store(&target_value, &new, loc);
+        old_value.unwrap_or(new)
     }
 }
 

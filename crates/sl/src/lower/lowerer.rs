@@ -4,7 +4,7 @@
 use super::effects::Effects;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::hir::{Data, Expr, FuncId, Program, VarId, VarKind};
-use crate::ir::{Block, Node, Op, Place as At, Shader, SymId, Symbol, SymbolKind};
+use crate::ir::{Block, Node, Op, Shader, SourcePosition as At, SymId, Symbol, SymbolKind};
 use crate::source::{Loc, Sources};
 use crate::types::{Base, Type};
 use std::collections::HashMap;

@@ -3,7 +3,7 @@
 //! called, conversions become assignments.
 //! Which operations a piece of text becomes is OSL's.
 //!
-//! `lowerer` keeps the state, `place` what can be assigned to; `expression`, `logic`, `aggregate`, `call` and `statement` each
+//! `lowerer` keeps the state, `position` what can be assigned to; `expression`, `logic`, `aggregate`, `call` and `statement` each
 //! lower a part of the language; `parameter` makes defaults, `program` the whole.
 
 mod aggregate;
@@ -13,7 +13,7 @@ mod expression;
 mod logic;
 mod lowerer;
 mod parameter;
-mod place;
+mod position;
 mod program;
 mod statement;
 

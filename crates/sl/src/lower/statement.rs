@@ -15,8 +15,8 @@ impl Lowerer<'_> {
         }
     }
 
-    fn jump(&mut self, word: &str, loc: Loc) {
-        self.emit_with(word, Vec::new(), [0; 3], loc);
+    fn jump(&mut self, keyword: &str, loc: Loc) {
+        self.emit_with(keyword, Vec::new(), [0; 3], loc);
     }
 
     fn statement(&mut self, s: &Stmt, last: bool) {
@@ -35,7 +35,7 @@ impl Lowerer<'_> {
                 let at = self.at(s.loc);
                 self.push(Node::If { condition, yes, no, at });
             }
-            StmtKind::Loop { word, init, condition, step, body } => {
+            StmtKind::Loop { keyword, init, condition, step, body } => {
                 let init = self.block(|l| l.statements(init, false));
                 let mut symbol = 0;
                 let test = self.block(|l| symbol = l.condition(condition));
@@ -46,7 +46,7 @@ impl Lowerer<'_> {
                     }
                 });
                 let at = self.at(s.loc);
-                self.push(Node::Loop { word, init, test, condition: symbol, body, step, at });
+                self.push(Node::Loop { keyword, init, test, condition: symbol, body, step, at });
             }
             StmtKind::Break => self.jump("break", s.loc),
             StmtKind::Continue => self.jump("continue", s.loc),

@@ -4,7 +4,7 @@
 
 use super::reader::{Parse, Parsed, Parser};
 use crate::ast::{
-    Declarator, Expr, Function, Item, Metadatum, Parameter, Shader, StructDecl, TypeRef, TypeWord,
+    Declarator, Expr, Function, Item, Metadatum, Parameter, Shader, StructDecl, TypeName, TypeRef,
 };
 use crate::token::Tok;
 use crate::types::Base;
@@ -28,7 +28,7 @@ impl Parser {
     }
 
     fn item(&mut self) -> Parse<Item> {
-        if self.take_word("struct") {
+        if self.take_keyword("struct") {
             return Ok(Item::Struct(self.structure()?));
         }
         let kind = self.peek().ident().filter(|n| self.is_kind(n)).cloned();
@@ -53,24 +53,24 @@ impl Parser {
     /// A type.
     pub(super) fn type_ref(&mut self) -> Parse<TypeRef> {
         let loc = self.loc();
-        if self.take_word("closure") {
-            return match self.peek().ident().and_then(|n| Base::from_word(n)) {
+        if self.take_keyword("closure") {
+            return match self.peek().ident().and_then(|n| Base::from_keyword(n)) {
                 Some(_) => {
                     self.next();
-                    Ok(TypeRef { word: TypeWord::Closure, loc })
+                    Ok(TypeRef { keyword: TypeName::Closure, loc })
                 }
                 None => Err(self.syntax("'color' after 'closure'")),
             };
         }
-        if let Some(base) = self.peek().ident().and_then(|n| Base::from_word(n)) {
+        if let Some(base) = self.peek().ident().and_then(|n| Base::from_keyword(n)) {
             self.next();
-            return Ok(TypeRef { word: TypeWord::Simple(base), loc });
+            return Ok(TypeRef { keyword: TypeName::Simple(base), loc });
         }
         if !self.is_name(0) {
             return Err(self.syntax("a type"));
         }
         let (name, loc) = self.name()?;
-        Ok(TypeRef { word: TypeWord::Named(name), loc })
+        Ok(TypeRef { keyword: TypeName::Named(name), loc })
     }
 
     /// A function or shader after its type.
@@ -99,7 +99,7 @@ impl Parser {
     }
 
     fn parameter(&mut self) -> Parse<Parameter> {
-        let output = self.take_word("output");
+        let output = self.take_keyword("output");
         let ty = self.type_ref()?;
         let declarator = self.declarator()?;
         let metadata = self.metadata()?;
@@ -173,7 +173,7 @@ impl Parser {
             return Ok(list);
         }
         while !self.is("]") {
-            let Some(base) = self.peek().ident().and_then(|n| Base::from_word(n)) else {
+            let Some(base) = self.peek().ident().and_then(|n| Base::from_keyword(n)) else {
                 return Err(self.syntax("a type"));
             };
             self.next();

@@ -97,7 +97,7 @@ impl Parser {
     }
 
     fn simple_type(&self, ahead: usize) -> Option<Base> {
-        self.peek_at(ahead).ident().and_then(|name| Base::from_word(name))
+        self.peek_at(ahead).ident().and_then(|name| Base::from_keyword(name))
     }
 
     fn primary(&mut self) -> Parse<Expr> {

@@ -9,7 +9,7 @@
 //! The word is one that OSL reserves.
 
 use super::reader::{Parse, Parser};
-use crate::ast::{Binary, Declarator, Expr, ExprKind, Stmt, StmtKind, TypeRef, TypeWord};
+use crate::ast::{Binary, Declarator, Expr, ExprKind, Stmt, StmtKind, TypeName, TypeRef};
 use crate::source::Loc;
 use crate::types::Base;
 
@@ -26,7 +26,7 @@ fn name(text: &str, loc: Loc) -> Expr {
 }
 
 fn declare(base: Base, text: &str, init: Expr, loc: Loc) -> Stmt {
-    let ty = TypeRef { word: TypeWord::Simple(base), loc };
+    let ty = TypeRef { keyword: TypeName::Simple(base), loc };
     let declarator = Declarator { name: text.into(), loc, array: None, init: Some(init) };
     Stmt { kind: StmtKind::Declare(ty, vec![declarator]), loc }
 }
@@ -44,25 +44,26 @@ impl Parser {
         let body = self.boxed()?;
         // Names and values follow the place, or the place and its cone.
         let is_text = |e: Option<&Expr>| matches!(e.map(|e| &e.kind), Some(ExprKind::Str(_)) | None);
-        let places = if is_text(given.get(1)) { 1 } else { 3.min(given.len()) };
-        let options = given.split_off(places);
+        let location_count = if is_text(given.get(1)) { 1 } else { 3.min(given.len()) };
+        let options = given.split_off(location_count);
         let depth = given.iter().chain(&options).map(|e| e.depth).max().unwrap_or(0) + 1;
         let (count, number) = ("__lights", "__light");
         let mut args = vec![name(number, loc)];
         args.extend(given);
-        args.extend(SET.iter().map(|(word, _)| name(word, loc)));
+        args.extend(SET.iter().map(|(keyword, _)| name(keyword, loc)));
         args.extend(options);
         let found = expr(ExprKind::Call("illuminate".into(), args), depth, loc);
         let zero = || expr(ExprKind::Int(0), 1, loc);
-        let mut turn: Vec<Stmt> = SET.iter().map(|(word, base)| declare(*base, word, zero(), loc)).collect();
-        turn.push(Stmt { kind: StmtKind::If(found, body, None), loc });
+        let mut iteration: Vec<Stmt> =
+            SET.iter().map(|(keyword, base)| declare(*base, keyword, zero(), loc)).collect();
+        iteration.push(Stmt { kind: StmtKind::If(found, body, None), loc });
         let less = ExprKind::Binary(Binary::Lt, Box::new(name(number, loc)), Box::new(name(count, loc)));
         let step = ExprKind::Before(true, Box::new(name(number, loc)));
         let all = StmtKind::For(
             Box::new(declare(Base::Int, number, zero(), loc)),
             Some(expr(less, 2, loc)),
             Some(expr(step, 2, loc)),
-            Box::new(Stmt { kind: StmtKind::Block(turn), loc }),
+            Box::new(Stmt { kind: StmtKind::Block(iteration), loc }),
         );
         let lights = expr(ExprKind::Call("lightcount".into(), Vec::new()), 1, loc);
         Ok(StmtKind::Block(vec![declare(Base::Int, count, lights, loc), Stmt { kind: all, loc }]))

@@ -136,13 +136,13 @@ impl Parser {
     }
 
     fn pragma(&mut self, text: &str, loc: Loc) {
-        let (word, rest) = text.split_once(' ').unwrap_or((text, ""));
+        let (keyword, rest) = text.split_once(' ').unwrap_or((text, ""));
         let rest = rest.trim();
         let message = |unknown: &str| if rest.starts_with('"') { unescape(rest) } else { unknown.to_owned() };
-        match word {
+        match keyword {
             "error" => self.out.diagnostics.push(Diagnostic::error(loc, message("<unknown error>"))),
             "warning" => self.out.diagnostics.push(Diagnostic::warning(loc, message("<unknown warning>"))),
-            _ if word.eq_ignore_ascii_case("osl") => match rest {
+            _ if keyword.eq_ignore_ascii_case("osl") => match rest {
                 "nowarn" => drop(self.out.quiet.insert((loc.file, loc.line + 1))),
                 other => self.out.diagnostics.push(
                     Diagnostic::warning(loc, format!("Unknown pragma '{other}'"))
@@ -178,8 +178,8 @@ impl Parser {
         self.peek().is(sign)
     }
 
-    pub(super) fn is_word(&self, word: &str) -> bool {
-        self.peek().ident().is_some_and(|n| &**n == word)
+    pub(super) fn is_keyword(&self, keyword: &str) -> bool {
+        self.peek().ident().is_some_and(|n| &**n == keyword)
     }
 
     pub(super) fn take(&mut self, sign: &str) -> bool {
@@ -190,8 +190,8 @@ impl Parser {
         found
     }
 
-    pub(super) fn take_word(&mut self, word: &str) -> bool {
-        let found = self.is_word(word);
+    pub(super) fn take_keyword(&mut self, keyword: &str) -> bool {
+        let found = self.is_keyword(keyword);
         if found {
             self.next();
         }
@@ -221,7 +221,7 @@ impl Parser {
     }
 
     /// Says that the next token is wrong and what should stand there.
-    pub(super) fn syntax(&mut self, wanted: &str) -> Stop {
+    pub(super) fn syntax(&mut self, expected: &str) -> Stop {
         let token = self.peek().clone();
         let found = match token.tok {
             Tok::End => "the end of the file".to_owned(),
@@ -232,7 +232,7 @@ impl Parser {
             self.out.diagnostics.push(Diagnostic::error(token.loc, message));
         }
         let loc = if token.tok == Tok::End && self.at > 0 { self.tokens[self.at - 1].loc } else { token.loc };
-        let help = format!("expected {wanted}, found {found}");
+        let help = format!("expected {expected}, found {found}");
         self.out.diagnostics.push(Diagnostic::error(loc, "Syntax error: syntax error").help(help));
         self.out.broken = true;
         Stop

@@ -47,42 +47,42 @@ impl Parser {
         if self.take(";") {
             return Ok(StmtKind::Empty);
         }
-        if self.take_word("if") {
+        if self.take_keyword("if") {
             let condition = self.condition()?;
             let yes = self.boxed()?;
-            let no = if self.take_word("else") { Some(self.boxed()?) } else { None };
+            let no = if self.take_keyword("else") { Some(self.boxed()?) } else { None };
             return Ok(StmtKind::If(condition, yes, no));
         }
-        if self.take_word("while") {
+        if self.take_keyword("while") {
             let condition = self.condition()?;
             return Ok(StmtKind::While(condition, self.boxed()?));
         }
-        if self.take_word("do") {
+        if self.take_keyword("do") {
             let body = self.boxed()?;
-            if !self.take_word("while") {
+            if !self.take_keyword("while") {
                 return Err(self.syntax("'while'"));
             }
             let condition = self.condition()?;
             self.expect(";")?;
             return Ok(StmtKind::DoWhile(body, condition));
         }
-        if self.take_word("for") {
+        if self.take_keyword("for") {
             return self.for_loop();
         }
-        if self.take_word("break") {
+        if self.take_keyword("break") {
             self.expect(";")?;
             return Ok(StmtKind::Break);
         }
-        if self.take_word("continue") {
+        if self.take_keyword("continue") {
             self.expect(";")?;
             return Ok(StmtKind::Continue);
         }
-        if self.take_word("return") {
+        if self.take_keyword("return") {
             let value = if self.is(";") { None } else { Some(self.expression_or_braces()?) };
             self.expect(";")?;
             return Ok(StmtKind::Return(value));
         }
-        if !self.strict && self.take_word("illuminance") {
+        if !self.strict && self.take_keyword("illuminance") {
             return self.illuminance();
         }
         if self.starts_declaration() {
@@ -121,10 +121,10 @@ impl Parser {
 
     /// Whether a type and a name come next.
     fn starts_declaration(&self) -> bool {
-        let simple = self.peek().ident().is_some_and(|n| Base::from_word(n).is_some());
+        let simple = self.peek().ident().is_some_and(|n| Base::from_keyword(n).is_some());
         if simple {
             return !self.peek_at(1).is("(");
         }
-        self.is_word("closure") || (self.is_name(0) && self.is_name(1))
+        self.is_keyword("closure") || (self.is_name(0) && self.is_name(1))
     }
 }

@@ -8,11 +8,11 @@ use crate::types::Base;
 /// Sets [`derivs`](crate::ir::Symbol::derivs) where it is needed. What needs them already keeps them.
 pub fn mark_derivatives(shader: &mut Shader) {
     let mut makes: Vec<Vec<SymId>> = vec![Vec::new(); shader.symbols.len()];
-    let mut due: Vec<SymId> = Vec::new();
+    let mut pending: Vec<SymId> = Vec::new();
     let mut visit = |op: &crate::ir::Op| {
         for (i, &arg) in op.args.iter().enumerate() {
             if i < 64 && op.derivs & (1 << i) != 0 {
-                due.push(arg);
+                pending.push(arg);
             }
             if op.is_written(i) {
                 let read = op.args.iter().enumerate().filter(|(k, _)| op.is_read(*k)).map(|(_, &a)| a);
@@ -24,14 +24,14 @@ pub fn mark_derivatives(shader: &mut Shader) {
         ops(&symbol.init, &mut visit);
     }
     ops(&shader.code, &mut visit);
-    due.extend(shader.symbols.iter().enumerate().filter(|(_, s)| s.derivs).map(|(i, _)| i as SymId));
-    let mut seen = vec![false; shader.symbols.len()];
-    while let Some(id) = due.pop() {
-        if std::mem::replace(&mut seen[id as usize], true) {
+    pending.extend(shader.symbols.iter().enumerate().filter(|(_, s)| s.derivs).map(|(i, _)| i as SymId));
+    let mut visited = vec![false; shader.symbols.len()];
+    while let Some(id) = pending.pop() {
+        if std::mem::replace(&mut visited[id as usize], true) {
             continue;
         }
         let symbol = &mut shader.symbols[id as usize];
         symbol.derivs = matches!(symbol.ty.base, Base::Float) || symbol.ty.base.is_triple();
-        due.extend(std::mem::take(&mut makes[id as usize]));
+        pending.extend(std::mem::take(&mut makes[id as usize]));
     }
 }

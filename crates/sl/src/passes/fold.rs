@@ -119,14 +119,15 @@ impl Folder<'_> {
                         out.push(node);
                     }
                 },
-                Node::Loop { word, init, test, condition, body, step, at } => {
+                Node::Loop { keyword, init, test, condition, body, step, at } => {
                     let init = self.block(init);
                     // The test runs again after what the body and the step write.
                     for part in [&test, &body, &step] {
                         self.forget(part);
                     }
                     let test = self.block(test);
-                    let never = word != "dowhile" && matches!(self.number(condition), Some(Number::Int(0)));
+                    let never =
+                        keyword != "dowhile" && matches!(self.number(condition), Some(Number::Int(0)));
                     if never {
                         self.changed = true;
                         out.extend(init);
@@ -136,7 +137,7 @@ impl Folder<'_> {
                     let body = self.inner(body);
                     self.forget(&body);
                     let step = self.inner(step);
-                    let node = Node::Loop { word, init, test, condition, body, step, at };
+                    let node = Node::Loop { keyword, init, test, condition, body, step, at };
                     self.forget(std::slice::from_ref(&node));
                     out.push(node);
                 }
@@ -304,7 +305,7 @@ fn remove_dead(shader: &mut Shader) -> bool {
     });
     let mut dead = vec![false; all.len()];
     let mut open: Vec<SymId> = (0..reads.len() as SymId).filter(|&id| reads[id as usize] == 0).collect();
-    let mut look = |number: usize, reads: &mut [u32], open: &mut Vec<SymId>| {
+    let mut visit = |number: usize, reads: &mut [u32], open: &mut Vec<SymId>| {
         let op = all[number];
         let is_dead = is_pure(&op.name) && writes(op).iter().all(|&id| is_own(id) && reads[id as usize] == 0);
         if !is_dead || std::mem::replace(&mut dead[number], true) {
@@ -317,10 +318,10 @@ fn remove_dead(shader: &mut Shader) -> bool {
             }
         }
     };
-    (0..all.len()).filter(|&i| writes(all[i]).is_empty()).for_each(|i| look(i, &mut reads, &mut open));
+    (0..all.len()).filter(|&i| writes(all[i]).is_empty()).for_each(|i| visit(i, &mut reads, &mut open));
     while let Some(id) = open.pop() {
         for &number in &makers[id as usize] {
-            look(number, &mut reads, &mut open);
+            visit(number, &mut reads, &mut open);
         }
     }
     let (mut number, mut removed) = (0, false);
@@ -350,8 +351,8 @@ fn sweep(block: &Block, dead: &mut dyn FnMut(&Op) -> bool, removed: &mut bool) -
                     out.push(Node::If { condition: *condition, yes, no, at: *at });
                 }
             }
-            Node::Loop { word, init, test, condition, body, step, at } => out.push(Node::Loop {
-                word,
+            Node::Loop { keyword, init, test, condition, body, step, at } => out.push(Node::Loop {
+                keyword,
                 init: sweep(init, dead, removed),
                 test: sweep(test, dead, removed),
                 condition: *condition,

@@ -43,7 +43,7 @@ struct Condition {
     taken: bool,
     /// Whether the lines around count.
     outer: bool,
-    seen_else: bool,
+    has_else: bool,
 }
 
 /// The preprocessor.
@@ -234,7 +234,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    fn arguments(&mut self, name: &Token, wanted: usize, variadic: bool) -> Option<Vec<Argument>> {
+    fn arguments(&mut self, name: &Token, expected: usize, variadic: bool) -> Option<Vec<Argument>> {
         let mut list = vec![Argument::default()];
         let mut depth = 0_usize;
         loop {
@@ -254,7 +254,7 @@ impl<'a> Preprocessor<'a> {
                 depth += 1;
             } else if token.is(")") {
                 depth -= 1;
-            } else if token.is(",") && depth == 0 && !(variadic && list.len() == wanted) {
+            } else if token.is(",") && depth == 0 && !(variadic && list.len() == expected) {
                 list.push(Argument::default());
                 continue;
             }
@@ -262,10 +262,11 @@ impl<'a> Preprocessor<'a> {
                 last.raw.push(marked);
             }
         }
-        let none = wanted == 0 && list.len() == 1 && list[0].raw.is_empty();
-        let enough = list.len() == wanted || (variadic && list.len() + 1 >= wanted);
+        let none = expected == 0 && list.len() == 1 && list[0].raw.is_empty();
+        let enough = list.len() == expected || (variadic && list.len() + 1 >= expected);
         if !none && !enough {
-            let message = format!("macro '{}' takes {wanted} arguments, got {}", name.spelling(), list.len());
+            let message =
+                format!("macro '{}' takes {expected} arguments, got {}", name.spelling(), list.len());
             self.error(name.loc, message);
             return None;
         }
@@ -311,30 +312,30 @@ impl<'a> Preprocessor<'a> {
         if lexer.at_line_end() {
             return None;
         }
-        let word = lexer.next_token();
+        let next_token_read = lexer.next_token();
         let counts = self.counts();
-        match word.ident().map(|n| &**n) {
-            Some("if") => self.open(&word, |s| s.condition()),
-            Some("ifdef") => self.open(&word, |s| s.is_defined()),
-            Some("ifndef") => self.open(&word, |s| !s.is_defined()),
-            Some("elif") => self.elif(&word),
-            Some("else") => self.otherwise(&word),
+        match next_token_read.ident().map(|n| &**n) {
+            Some("if") => self.open(&next_token_read, |s| s.condition()),
+            Some("ifdef") => self.open(&next_token_read, |s| s.is_defined()),
+            Some("ifndef") => self.open(&next_token_read, |s| !s.is_defined()),
+            Some("elif") => self.elif(&next_token_read),
+            Some("else") => self.otherwise(&next_token_read),
             Some("endif") => {
                 self.line_tokens();
                 if self.conditions.len() <= self.files.last().map_or(0, |f| f.1) {
-                    self.error(word.loc, "#endif without #if".to_owned());
+                    self.error(next_token_read.loc, "#endif without #if".to_owned());
                 } else {
                     self.conditions.pop();
                 }
             }
             _ if !counts => drop(self.line_tokens()),
-            Some("define") => self.define_line(&word),
+            Some("define") => self.define_line(&next_token_read),
             Some("undef") => {
                 if let Some(name) = self.line_tokens().first().and_then(Token::ident) {
                     self.macros.remove(name);
                 }
             }
-            Some("include") => self.include(&word),
+            Some("include") => self.include(&next_token_read),
             Some("pragma") => {
                 let text = self.files.last_mut()?.0.rest_of_line();
                 if text == "once" {
@@ -347,56 +348,59 @@ impl<'a> Preprocessor<'a> {
             Some("line") => self.renumber(),
             Some("error") => {
                 let text = self.files.last_mut()?.0.rest_of_line();
-                self.error(word.loc, format!("#error {text}"));
+                self.error(next_token_read.loc, format!("#error {text}"));
             }
             Some("warning") => {
                 let text = self.files.last_mut()?.0.rest_of_line();
-                self.diagnostics.push(Diagnostic::warning(word.loc, format!("#warning {text}")));
+                self.diagnostics.push(Diagnostic::warning(next_token_read.loc, format!("#warning {text}")));
             }
             _ => {
                 self.line_tokens();
-                self.error(word.loc, format!("invalid preprocessing directive '#{}'", word.spelling()));
+                self.error(
+                    next_token_read.loc,
+                    format!("invalid preprocessing directive '#{}'", next_token_read.spelling()),
+                );
             }
         }
         None
     }
 
-    fn open(&mut self, word: &Token, test: impl FnOnce(&mut Self) -> bool) {
+    fn open(&mut self, next_token_read: &Token, test: impl FnOnce(&mut Self) -> bool) {
         let outer = self.counts();
         if self.conditions.len() > 1000 {
-            self.error(word.loc, "#if is nested too deeply".to_owned());
+            self.error(next_token_read.loc, "#if is nested too deeply".to_owned());
         }
         let on = if outer { test(self) } else { false };
         self.line_tokens();
-        self.conditions.push(Condition { on, taken: on, outer, seen_else: false });
+        self.conditions.push(Condition { on, taken: on, outer, has_else: false });
     }
 
-    fn branch(&mut self, word: &Token) -> Option<usize> {
+    fn branch(&mut self, next_token_read: &Token) -> Option<usize> {
         let lowest = self.files.last().map_or(0, |f| f.1);
-        if self.conditions.len() <= lowest || self.conditions.last().is_some_and(|c| c.seen_else) {
-            self.error(word.loc, format!("#{} without #if", word.spelling()));
+        if self.conditions.len() <= lowest || self.conditions.last().is_some_and(|c| c.has_else) {
+            self.error(next_token_read.loc, format!("#{} without #if", next_token_read.spelling()));
             self.line_tokens();
             return None;
         }
         Some(self.conditions.len() - 1)
     }
 
-    fn elif(&mut self, word: &Token) {
-        let Some(at) = self.branch(word) else { return };
-        let due = self.conditions[at].outer && !self.conditions[at].taken;
-        let on = due && self.condition();
+    fn elif(&mut self, next_token_read: &Token) {
+        let Some(at) = self.branch(next_token_read) else { return };
+        let is_active = self.conditions[at].outer && !self.conditions[at].taken;
+        let on = is_active && self.condition();
         self.line_tokens();
         self.conditions[at].on = on;
         self.conditions[at].taken |= on;
     }
 
-    fn otherwise(&mut self, word: &Token) {
-        let Some(at) = self.branch(word) else { return };
+    fn otherwise(&mut self, next_token_read: &Token) {
+        let Some(at) = self.branch(next_token_read) else { return };
         self.line_tokens();
         let condition = &mut self.conditions[at];
         condition.on = condition.outer && !condition.taken;
         condition.taken = true;
-        condition.seen_else = true;
+        condition.has_else = true;
     }
 
     fn is_defined(&mut self) -> bool {
@@ -433,10 +437,10 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    fn define_line(&mut self, word: &Token) {
+    fn define_line(&mut self, next_token_read: &Token) {
         let Some((lexer, ..)) = self.files.last_mut() else { return };
         if lexer.at_line_end() {
-            self.error(word.loc, "macro name missing".to_owned());
+            self.error(next_token_read.loc, "macro name missing".to_owned());
             return;
         }
         let name = lexer.next_token();
@@ -448,7 +452,7 @@ impl<'a> Preprocessor<'a> {
         }
     }
 
-    fn include(&mut self, word: &Token) {
+    fn include(&mut self, next_token_read: &Token) {
         let tokens: Vec<Marked> = self.line_tokens().into_iter().map(|t| (t, false)).collect();
         let tokens: Vec<Token> = match tokens.first() {
             Some((t, _)) if matches!(t.tok, Tok::Str(_)) || t.is("<") => {
@@ -462,7 +466,10 @@ impl<'a> Preprocessor<'a> {
                 (tokens[1..].iter().take_while(|t| !t.is(">")).map(Token::spelling).collect(), false)
             }
             _ => {
-                self.error(word.loc, "expected \"FILENAME\" or <FILENAME> after #include".to_owned());
+                self.error(
+                    next_token_read.loc,
+                    "expected \"FILENAME\" or <FILENAME> after #include".to_owned(),
+                );
                 return;
             }
         };
@@ -471,7 +478,7 @@ impl<'a> Preprocessor<'a> {
             return;
         }
         if self.files.len() >= INCLUDES {
-            self.error(word.loc, format!("#include is nested more than {INCLUDES} deep"));
+            self.error(next_token_read.loc, format!("#include is nested more than {INCLUDES} deep"));
             return;
         }
         let mut folders: Vec<String> = Vec::new();
@@ -495,7 +502,8 @@ impl<'a> Preprocessor<'a> {
             "looked in: {}",
             folders.iter().map(|f| if f.is_empty() { "." } else { f }).collect::<Vec<_>>().join(", ")
         );
-        self.diagnostics.push(Diagnostic::error(word.loc, format!("'{name}' file not found")).help(help));
+        self.diagnostics
+            .push(Diagnostic::error(next_token_read.loc, format!("'{name}' file not found")).help(help));
     }
 
     fn renumber(&mut self) {

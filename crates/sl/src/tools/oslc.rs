@@ -54,9 +54,9 @@ struct Call {
 pub(super) fn standard_folders() -> Vec<String> {
     let mut folders = vec![String::new()];
     for name in ["OSL_ROOT", "OSL_ROOT_DIR", "OSLHOME"] {
-        if let Ok(home) = std::env::var(name) {
+        if let Ok(home_folder) = std::env::var(name) {
             for end in ["share/OSL/shaders", "share/shaders", "shaders"] {
-                let folder = Path::new(&home).join(end);
+                let folder = Path::new(&home_folder).join(end);
                 if folder.is_dir() {
                     folders.push(folder.to_string_lossy().into_owned());
                 }
@@ -225,12 +225,12 @@ fn dependencies(call: &Call, input: &str, compiled: &Compiled, console: &mut Con
         |extension: &str| PathBuf::from(input).with_extension(extension).to_string_lossy().into_owned();
     let target = call.target.clone().or_else(|| call.output.clone()).unwrap_or_else(|| renamed("oso"));
     let mut text = format!("{target}: {input}");
-    let mut seen = vec![input.to_owned()];
+    let mut read_files = vec![input.to_owned()];
     for file in compiled.sources.files() {
         let name = file.name.to_string();
-        if (!file.system || call.system) && !name.starts_with('<') && !seen.contains(&name) {
+        if (!file.system || call.system) && !name.starts_with('<') && !read_files.contains(&name) {
             text.push_str(&format!(" \\\n  {name}"));
-            seen.push(name);
+            read_files.push(name);
         }
     }
     text.push('\n');

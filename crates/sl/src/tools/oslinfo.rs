@@ -71,9 +71,9 @@ pub fn oslinfo(args: &[String], console: &mut Console<'_>) -> i32 {
 
 fn load(name: &str, path: &str) -> Result<Shader, String> {
     let file = if name.ends_with(".oso") { name.to_owned() } else { format!("{name}.oso") };
-    let mut places = vec![PathBuf::from(&file)];
-    places.extend(path.split(':').filter(|p| !p.is_empty()).map(|folder| Path::new(folder).join(&file)));
-    let found = places
+    let mut candidates = vec![PathBuf::from(&file)];
+    candidates.extend(path.split(':').filter(|p| !p.is_empty()).map(|folder| Path::new(folder).join(&file)));
+    let found = candidates
         .into_iter()
         .find(|p| p.is_file())
         .ok_or_else(|| format!("File \"{file}\" could not be found."))?;
@@ -81,7 +81,7 @@ fn load(name: &str, path: &str) -> Result<Shader, String> {
     read(&String::from_utf8_lossy(&bytes))
 }
 
-fn words(value: &Data) -> Vec<String> {
+fn tokens(value: &Data) -> Vec<String> {
     match value {
         Data::Int(list) => list.iter().map(ToString::to_string).collect(),
         Data::Float(list) => list.iter().map(|&f| general(f64::from(f), 6)).collect(),
@@ -90,10 +90,10 @@ fn words(value: &Data) -> Vec<String> {
 }
 
 fn metadatum(out: &mut String, meta: &Meta) {
-    let _ = writeln!(out, "\t\tmetadata: {} {} = {}", meta.ty, meta.name, words(&meta.value).join(" "));
+    let _ = writeln!(out, "\t\tmetadata: {} {} = {}", meta.ty, meta.name, tokens(&meta.value).join(" "));
 }
 
-fn type_word(ty: Type) -> String {
+fn type_keyword(ty: Type) -> String {
     if ty.base == Base::Closure { "closure color".to_owned() } else { ty.to_string() }
 }
 
@@ -119,7 +119,7 @@ fn describe(shader: &Shader, verbose: bool, only: Option<&str>) -> String {
 fn parameter(out: &mut String, shader: &Shader, symbol: &Symbol, verbose: bool) {
     let output = if symbol.kind == crate::ir::SymbolKind::OutputParam { "output " } else { "" };
     let spec = symbol.ty.struct_id().and_then(|id| shader.structs.get(id));
-    let ty = spec.map_or_else(|| type_word(symbol.ty), |s| format!("struct {}", s.name));
+    let ty = spec.map_or_else(|| type_keyword(symbol.ty), |s| format!("struct {}", s.name));
     if verbose {
         let _ = writeln!(out, "    \"{}\" \"{output}{ty}\"", symbol.name);
     } else {
@@ -132,7 +132,7 @@ fn parameter(out: &mut String, shader: &Shader, symbol: &Symbol, verbose: bool) 
             .map(|field| {
                 let found = shader.find(&format!("{}.{}", symbol.name, field.name));
                 found.map_or("UNKNOWN".to_owned(), |id| {
-                    format!("{} {}", type_word(shader.symbol(id).ty), field.name)
+                    format!("{} {}", type_keyword(shader.symbol(id).ty), field.name)
                 })
             })
             .collect();
@@ -140,7 +140,7 @@ fn parameter(out: &mut String, shader: &Shader, symbol: &Symbol, verbose: bool) 
     } else if !symbol.init.is_empty() || symbol.ty.base == Base::Closure {
         out.push_str(if verbose { "\t\tUnknown default value\n" } else { "nodefault\n" });
     } else if let Some(value) = &symbol.value {
-        let list = words(value);
+        let list = tokens(value);
         let many = symbol.ty.is_array() || symbol.ty.base.components() > 1;
         match value {
             Data::Str(_) if verbose => {

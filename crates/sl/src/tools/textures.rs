@@ -26,7 +26,7 @@ pub trait Textures {
     fn environment(
         &self,
         file: &str,
-        way: [Dual<f32>; 3],
+        direction: [Dual<f32>; 3],
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String>;
 

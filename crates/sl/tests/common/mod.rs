@@ -39,12 +39,12 @@ pub(crate) fn messages(text: &str, style: Style) -> String {
 /// The shader of a text.
 pub(crate) fn shader(text: &str) -> Shader {
     let compiled = compiled(text);
-    let said: Vec<String> = compiled.diagnostics.list.iter().map(|d| d.message.clone()).collect();
-    compiled.shader.unwrap_or_else(|| panic!("it does not compile: {said:?}\n{text}"))
+    let diagnostics_of: Vec<String> = compiled.diagnostics.list.iter().map(|d| d.message.clone()).collect();
+    compiled.shader.unwrap_or_else(|| panic!("it does not compile: {diagnostics_of:?}\n{text}"))
 }
 
 /// What a group says at one point.
-pub(crate) fn said(group: &Group) -> Vec<Event> {
+pub(crate) fn diagnostics_of(group: &Group) -> Vec<Event> {
     let plan = Plan::new(group, &PlanOptions::default()).expect("all operations are known");
     let world = Empty::default();
     let mut machine = Machine::new(&plan, &world);
@@ -57,7 +57,7 @@ pub(crate) fn said(group: &Group) -> Vec<Event> {
 pub(crate) fn output(text: &str) -> String {
     let mut group = Group::default();
     group.add(Arc::new(shader(text)), None, &[], &mut Vec::new());
-    said(&group)
+    diagnostics_of(&group)
         .into_iter()
         .map(|event| match event {
             Event::Print(text) => text,

@@ -27,14 +27,14 @@ impl Host for Cloudy {
         }
     }
 
-    fn write_point(&self, file: &str, place: [f32; 3], row: &[Column]) -> Result<bool, String> {
+    fn write_point(&self, file: &str, position: [f32; 3], row: &[Column]) -> Result<bool, String> {
         assert_eq!(file, "a");
-        Ok(self.1.borrow_mut().push(place, row))
+        Ok(self.1.borrow_mut().push(position, row))
     }
 }
 
 /// What statements print at a point of that world.
-fn said(world: &Cloudy, statements: &str, p: [f32; 3]) -> String {
+fn diagnostics_of(world: &Cloudy, statements: &str, p: [f32; 3]) -> String {
     let mut group = Group::default();
     group.add(Arc::new(shader(&format!("shader test () {{ {statements} }}"))), None, &[], &mut Vec::new());
     let plan = Plan::new(&group, &PlanOptions::default()).expect("all operations are known");
@@ -56,28 +56,32 @@ const WRITE: &str = "int fits = pointcloud_write (\"a\", P, \"u\", P[0] * 10, \"
 fn points_are_written_and_found() {
     let world = Cloudy::default();
     for x in [0.0, 1.0, 2.0, 4.0] {
-        assert_eq!(said(&world, WRITE, [x, 0.0, 0.0]), "1");
+        assert_eq!(diagnostics_of(&world, WRITE, [x, 0.0, 0.0]), "1");
     }
     assert_eq!(
-        said(&world, "printf (\"%d\", pointcloud_write (\"a\", P, \"u\", 3));", [9.0; 3]),
+        diagnostics_of(&world, "printf (\"%d\", pointcloud_write (\"a\", P, \"u\", 3));", [9.0; 3]),
         "0",
         "another kind"
     );
-    let look = "int index[3]; float far[3]; float ten[4]; color c[3]; string s[3]; int n[3]; point at[3];
+    let declarations = "int index[3]; float far[3]; float ten[4]; color c[3]; string s[3]; int n[3]; point at[3];
         int found = pointcloud_search (\"a\", P, 2.5, 10, 1, \"index\", index, \"distance\", far, \"u\", ten, \"s\", s);
         printf (\"%d:%d %d %d;%g %g;%g %g;%s;\", found, index[0], index[1], index[2], far[0], far[2], ten[0], ten[1], s[1]);
         printf (\"%d %d;\", pointcloud_get (\"a\", index, found, \"c\", c), pointcloud_get (\"a\", index, 2, \"n\", n));
         printf (\"%d;\", pointcloud_get (\"a\", index, 1, \"position\", at));
         printf (\"%g %d %g %g\", c[2], n[1], Dx (far[1]), at[0][0]);";
-    let wanted = "3:1 2 0;0.25 1.25;10 20;p2;1 1;1;0 0 0 2 -1 1";
-    assert_eq!(said(&world, look, [1.25, 0.0, 0.0]), wanted, "nearest first; arrays bound how many");
+    let expected = "3:1 2 0;0.25 1.25;10 20;p2;1 1;1;0 0 0 2 -1 1";
+    assert_eq!(
+        diagnostics_of(&world, declarations, [1.25, 0.0, 0.0]),
+        expected,
+        "nearest first; arrays bound how many"
+    );
 }
 
 #[test]
 fn what_is_not_there_is_told() {
     let world = Cloudy::default();
-    said(&world, WRITE, [0.0; 3]);
-    for (statements, wanted) in [
+    diagnostics_of(&world, WRITE, [0.0; 3]);
+    for (statements, expected) in [
         (
             "int i[2]; printf (\"%d\", pointcloud_search (\"b\", P, 1, 2, \"index\", i));",
             "ERROR pointcloud_search: could not open \"b\"\n0",
@@ -100,6 +104,6 @@ fn what_is_not_there_is_told() {
             "1 7",
         ),
     ] {
-        assert_eq!(said(&world, statements, [0.0; 3]), wanted, "{statements}");
+        assert_eq!(diagnostics_of(&world, statements, [0.0; 3]), expected, "{statements}");
     }
 }

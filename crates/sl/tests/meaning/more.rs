@@ -68,7 +68,8 @@ fn plan(text: &str, outputs: &[&str]) -> Plan {
     let mut group = Group::default();
     group.add(Arc::new(shader(text)), None, &[], &mut Vec::new());
     let outputs = outputs.iter().map(ToString::to_string).collect();
-    Plan::new(&group, &PlanOptions { outputs, turns: 1000, ..PlanOptions::default() }).expect("it is known")
+    Plan::new(&group, &PlanOptions { outputs, iterations: 1000, ..PlanOptions::default() })
+        .expect("it is known")
 }
 
 fn printed(text: &str) -> String {
@@ -85,7 +86,7 @@ fn printed(text: &str) -> String {
 #[test]
 fn light_loops_go_through_the_lights_that_reach_the_point() {
     let body = r#"printf("%g %g %g %g; ", L[0], Cl[0], lightdist, lightpdf);"#;
-    for (head, wanted) in [
+    for (head, expected) in [
         ("(P)", "0 1 7 0.5; 1 1 9 0.5; "),
         ("(P, \"shadow\", 0)", "0 10 7 0.5; 1 10 9 0.5; "),
         ("(P + 1, \"category\", \"key\")", "0 101 8 0.5; 1 101 10 0.5; "),
@@ -93,7 +94,7 @@ fn light_loops_go_through_the_lights_that_reach_the_point() {
         ("(P, vector (2, 0, 0), 0.5, \"shadow\", 0)", "1 10 9 0.5; "),
     ] {
         let found = printed(&format!("surface s () {{ illuminance {head} {{ {body} }} }}"));
-        assert_eq!(found, wanted, "illuminance {head}");
+        assert_eq!(found, expected, "illuminance {head}");
     }
     let nested = "surface s () { int n = 0; illuminance (P) illuminance (P) { if (lightdist > 8) continue; ++n; } printf (\"%d\", n); }";
     assert_eq!(printed(nested), "2", "loops in loops, and left early");
@@ -149,7 +150,8 @@ fn lights_and_cameras_leave_what_they_say() {
     points.set(1, &Point { ps: Dual::from([1.0, 2.0, 1.0]), xi: [0.0, 0.5], ..Point::default() });
     let mut out = Results::default();
     light.run(&Lit::default(), &points, &mut out);
-    let at = |name: &str| light.kept().iter().find(|kept| kept.name == name).expect("it is kept").row;
+    let at =
+        |name: &str| light.retained().iter().find(|retained| retained.name == name).expect("it is kept").row;
     assert_eq!(out.rows[at("lightdist")][..2], [3.0, 1.0], "how far");
     assert_eq!(out.rows[at("L") + 2][..2], [2.0 / 3.0, 1.0], "where");
     assert_eq!(out.rows[at("Cl")][..2], [0.5, 1.0], "how much");
@@ -185,14 +187,14 @@ fn batches_are_points() {
         for (lane, point) in all.iter().enumerate() {
             assert_eq!(format!("{:?}", points.point(lane)), format!("{point:?}"), "as it was put in");
             machine.run(point);
-            for kept in plan.kept() {
-                let (_, data) = machine.output(Some(0), &kept.name).expect("an output");
+            for retained in plan.retained() {
+                let (_, data) = machine.output(Some(0), &retained.name).expect("an output");
                 let one = match data {
                     gnurt_sl::hir::Data::Int(list) => list[0] as f32,
                     gnurt_sl::hir::Data::Float(list) => list[0],
                     gnurt_sl::hir::Data::Str(_) => unreachable!("numbers"),
                 };
-                assert_eq!(out.rows[kept.row][lane], one, "{} at {lane}", kept.name);
+                assert_eq!(out.rows[retained.row][lane], one, "{} at {lane}", retained.name);
             }
             let one: Vec<_> = machine
                 .components(machine.ci())
@@ -218,8 +220,8 @@ fn batches_are_points() {
                 .collect();
             assert_eq!(one, many, "closures at {lane}");
         }
-        let said: Vec<_> = out.events.iter().map(|(lane, _)| *lane).collect();
-        assert_eq!(said, (0..LANES).collect::<Vec<_>>(), "each says its own");
+        let diagnostics_of: Vec<_> = out.events.iter().map(|(lane, _)| *lane).collect();
+        assert_eq!(diagnostics_of, (0..LANES).collect::<Vec<_>>(), "each says its own");
     }
 }
 
@@ -228,13 +230,13 @@ fn what_does_not_end_is_left_out() {
     let (plan, world) = (plan("surface s () { while (1) { } Ci = emission (); }", &[]), Lit::default());
     let points = Points { count: LANES, ..Points::default() };
     let mut out = Results::default();
-    let mut said = 0;
+    let mut diagnostics_of = 0;
     for _ in 0..4 {
         plan.run(&world, &points, &mut out);
-        said += out.events.len();
+        diagnostics_of += out.events.len();
         assert_eq!(out.ci, [0; LANES], "nothing comes out");
     }
-    assert_eq!(said, 33, "told of each, and that there is an end to it");
+    assert_eq!(diagnostics_of, 33, "told of each, and that there is an end to it");
 }
 
 #[test]
@@ -250,9 +252,9 @@ fn dictionaries_are_asked() {
         printf ("%d", dict_find ("none.xml", "//lens") + dict_find ("none.xml", "//lens"));
     }"#;
     let out = crate::common::output(text);
-    let wanted =
+    let expected =
         "wide 24 28 1 1;long 85 105 0 1;ERROR XML parsed with errors: File was not found, at offset 0\n-2";
-    assert_eq!(out, wanted, "nodes in order, numbers with any gap, a missing file told once");
+    assert_eq!(out, expected, "nodes in order, numbers with any gap, a missing file told once");
 }
 
 #[test]
@@ -267,6 +269,9 @@ fn results_that_are_no_numbers_are_told_where_that_is_asked_for() {
     assert_eq!(machine.events, [], "nobody asked");
     machine.check_numbers();
     machine.run(&Point::default());
-    let said: Vec<String> = machine.events.iter().map(|event| format!("{event:?}")).collect();
-    assert!(said[0].contains("inf value in y") && said[1].contains("nan value in z"), "{said:?}");
+    let diagnostics_of: Vec<String> = machine.events.iter().map(|event| format!("{event:?}")).collect();
+    assert!(
+        diagnostics_of[0].contains("inf value in y") && diagnostics_of[1].contains("nan value in z"),
+        "{diagnostics_of:?}"
+    );
 }

@@ -27,7 +27,7 @@ impl SurfaceShader for Checkerboard {
             let is_shiny = (square.x + square.y + square.z) as i32 & 1 == 0;
             let lobe = if is_shiny {
                 // Microfacets of gold's reflectance, roughness 0.2.
-                Lobe::facets(0.04, Vec3::new(1.0, 0.78, 0.34), Vec3::ONE)
+                Lobe::microfacets(0.04, Vec3::new(1.0, 0.78, 0.34), Vec3::ONE)
             } else {
                 Lobe::lambert(Vec3::splat(0.2))
             };

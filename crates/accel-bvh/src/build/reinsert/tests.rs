@@ -54,14 +54,14 @@ fn walk(nodes: &[BinaryNode], tasks: TaskPool) -> (f64, Vec<u32>) {
     (sum, numbers)
 }
 
-fn with_crew<R>(job: impl FnOnce(TaskPool) -> R) -> R {
+fn with_pool<R>(job: impl FnOnce(TaskPool) -> R) -> R {
     let watch = Watch::new(&());
     job(TaskPool { parallel: false, level: Level::best(), scale: 1.0, watch: &watch })
 }
 
 #[test]
 fn every_round_makes_it_cheaper() {
-    with_crew(|tasks| {
+    with_pool(|tasks| {
         for count in [1, 8, 9, 17, 40, 300, 3000] {
             let boxes = mixed_boxes(count);
             let mut nodes = nodes_over(&boxes, 2, tasks);
@@ -76,7 +76,7 @@ fn every_round_makes_it_cheaper() {
                 // The cost that is returned is that of the wide tree; floats add up to it.
                 let tree = collapse::collapse(&nodes, &[], tasks).expect("it is not deep");
                 let children = |node: &crate::node::Node8| -> f64 {
-                    (0..crate::node::WIDTH).map(|place| node.bounds(place).half_area()).sum()
+                    (0..crate::node::WIDTH).map(|lane| node.bounds(lane).half_area()).sum()
                 };
                 let wide: f64 = tree.nodes.iter().map(children).sum();
                 let wide = if nodes.len() > 1 { wide + tree.bounds.half_area() } else { wide };
@@ -89,7 +89,7 @@ fn every_round_makes_it_cheaper() {
 
 #[test]
 fn searches_find_the_best() {
-    with_crew(|tasks| {
+    with_pool(|tasks| {
         let boxes = mixed_boxes(400);
         let nodes = nodes_over(&boxes, 64, tasks);
         let tree = MovableTree::new(&nodes, tasks);
@@ -125,11 +125,11 @@ fn searches_find_the_best() {
 fn threads_do_not_matter() {
     let boxes = mixed_boxes(5000);
     let watch = Watch::new(&());
-    let alone = TaskPool { parallel: false, level: Level::best(), scale: 1.0, watch: &watch };
-    let first = nodes_over(&boxes, 64, alone);
+    let single = TaskPool { parallel: false, level: Level::best(), scale: 1.0, watch: &watch };
+    let first = nodes_over(&boxes, 64, single);
     let run = |parallel: bool| {
         let mut nodes = first.clone();
-        let cost = reinsert(&mut nodes, THOROUGH, TaskPool { parallel, ..alone });
+        let cost = reinsert(&mut nodes, THOROUGH, TaskPool { parallel, ..single });
         let links: Vec<_> = nodes.iter().map(|node| (node.bounds, node.numbers, node.shares)).collect();
         (cost, links)
     };
@@ -143,25 +143,25 @@ fn threads_do_not_matter() {
 /// Notes progress, and says no when it is asked for the `no`th time; 0 for never.
 #[derive(Default)]
 struct Notes {
-    told: Mutex<Vec<f32>>,
-    asked: AtomicUsize,
+    reported: Mutex<Vec<f32>>,
+    requests: AtomicUsize,
     no: usize,
 }
 
 impl BuildControl for Notes {
     fn keep_going(&self) -> bool {
-        self.asked.fetch_add(1, Relaxed) + 1 != self.no
+        self.requests.fetch_add(1, Relaxed) + 1 != self.no
     }
 
     fn progress(&self, done: f32) {
-        self.told.lock().expect("nobody panics").push(done);
+        self.reported.lock().expect("nobody panics").push(done);
     }
 }
 
 #[test]
-fn it_tells_how_far_it_is_and_ends_when_told_to() {
+fn progress_is_reported_and_cancelling_ends_it() {
     let boxes = mixed_boxes(2000);
-    let nodes = with_crew(|tasks| nodes_over(&boxes, 64, tasks));
+    let nodes = with_pool(|tasks| nodes_over(&boxes, 64, tasks));
     let run = |no| {
         let notes = Notes { no, ..Notes::default() };
         let watch = Watch::new(&notes);
@@ -170,19 +170,20 @@ fn it_tells_how_far_it_is_and_ends_when_told_to() {
         let mut moved = nodes.clone();
         reinsert(&mut moved, THOROUGH, tasks);
         walk(&moved, tasks);
-        let (told, asked) = (notes.told.into_inner().expect("nobody panics"), notes.asked.into_inner());
-        (told, asked, moved.iter().map(|node| node.bounds).collect::<Vec<_>>())
+        let (reported, requests) =
+            (notes.reported.into_inner().expect("nobody panics"), notes.requests.into_inner());
+        (reported, requests, moved.iter().map(|node| node.bounds).collect::<Vec<_>>())
     };
-    let (told, asked, moved) = run(0);
+    let (reported, requests, moved) = run(0);
     let pieces = nodes.len() / PIECE / 2;
-    assert!(told.is_sorted() && told.len() > pieces, "{} times: {told:?}", told.len());
-    assert!(told.last().is_some_and(|&last| (0.7..=0.85).contains(&last)), "all of it: {told:?}");
+    assert!(reported.is_sorted() && reported.len() > pieces, "{} times: {reported:?}", reported.len());
+    assert!(reported.last().is_some_and(|&last| (0.7..=0.85).contains(&last)), "all of it: {reported:?}");
     // Searches of the first round; then its moves, while what was moved stays.
     let searches = (0.5 * nodes.len() as f32) as usize / PIECE;
-    for no in [1, searches / 2, searches + 2, asked] {
+    for no in [1, searches / 2, searches + 2, requests] {
         let (less, until, other) = run(no);
         assert_eq!(until, no, "it is not asked again");
-        assert!(less.len() < told.len(), "told {} times when it ends at {no} of {asked}", less.len());
-        assert!(no == asked || other != moved, "{no} of {asked}: not all was done");
+        assert!(less.len() < reported.len(), "told {} times when it ends at {no} of {requests}", less.len());
+        assert!(no == requests || other != moved, "{no} of {requests}: not all was done");
     }
 }

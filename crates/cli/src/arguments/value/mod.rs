@@ -4,23 +4,23 @@
 //! Invariant: no value leaves here that is NaN, infinite or out of its range. Tests: `tests`, also in the files below.
 
 mod bench;
-mod effort;
+mod display_values;
 mod eye;
 mod frame;
-mod look;
 mod moment;
 mod plain;
+mod sampling;
 mod shader;
 
 pub(crate) use bench::{batch, characters, columns, engine, instances, motion_case, ray_class, rounds};
-pub(crate) use effort::{
+pub(crate) use display_values::{DenoiserChoice, ExposureChoice, denoiser, display, exposure, filter, tone};
+pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
+pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};
+pub(crate) use moment::{FrameRange, frames, frames_per_second, seconds, shutter, time};
+pub(crate) use sampling::{
     clamp, depth, integrator, interleave, isa, mebibytes, memory, noise, samples, seed, threads, tolerance,
     virtual_lights,
 };
-pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
-pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};
-pub(crate) use look::{DenoiserChoice, ExposureChoice, denoiser, display, exposure, filter, tone};
-pub(crate) use moment::{FrameRange, frames, frames_per_second, seconds, shutter, time};
 pub(crate) use shader::{CameraChoice, ShaderChoice, camera, pixel_shader, shader, surroundings};
 
 #[cfg(test)]

@@ -10,8 +10,8 @@ use crate::nearest::unknown;
 pub(super) fn by_name<T: Copy + Display>(what: &str, name: &str, all: &[T]) -> Result<T, String> {
     let names: Vec<String> = all.iter().map(ToString::to_string).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let place = names.iter().position(|&known| known == name).ok_or_else(|| unknown(what, name, &names))?;
-    Ok(all[place])
+    let index = names.iter().position(|&known| known == name).ok_or_else(|| unknown(what, name, &names))?;
+    Ok(all[index])
 }
 
 /// A whole number in a range, both ends included.

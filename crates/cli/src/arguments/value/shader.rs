@@ -156,7 +156,7 @@ mod tests {
             let (material, class) = (material.to_owned(), class.to_owned());
             Ok(ShaderChoice { material, class, file: file.map(PathBuf::from), parameters })
         };
-        for (text, wanted) in [
+        for (text, expected) in [
             ("*=Phong", choice("*", "Phong", None, &[])),
             ("a=b@c.so:d=1,2:e=@f.png", choice("a", "b", Some("c.so"), &[("d", "1,2"), ("e", "@f.png")])),
             // Signs that have no meaning where they stand need no backslash.
@@ -169,7 +169,7 @@ mod tests {
             (r"a=b@C\:\dir\c.dll", choice("a", "b", Some(r"C:\dir\c.dll"), &[])),
             (r"a=b@dir\\:d=1", choice("a", "b", Some(r"dir\"), &[("d", "1")])),
         ] {
-            assert_eq!(shader(text), wanted, "'{text}'");
+            assert_eq!(shader(text), expected, "'{text}'");
         }
         for bad in ["", "a", "=b", "a=", "a=b@", "a=b:", "a=b::c=d", "a=b:c", "a=b:=c", "a=b:c=", r"a\=b"] {
             assert!(shader(bad).is_err(), "'{bad}' is none");

@@ -13,7 +13,7 @@ use exr::prelude::{
 };
 
 use super::super::guard::decode_guarded;
-use super::super::limits::{PICTURE_BYTES, Room, check_density, check_size};
+use super::super::limits::{FileBudget, PICTURE_BYTES, check_density, check_size};
 use super::super::source::Source;
 use crate::{Channel, ChannelData, Error, Layer, Opacity, Picture, Stored, StoredValues};
 
@@ -24,14 +24,22 @@ const BELIEVED_BYTES: u64 = 1 << 26;
 /// Most channels of all parts together.
 const MAX_CHANNELS: usize = 1 << 12;
 
-pub(in crate::file) fn decode(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
-    decode_guarded("EXR", || decode_unguarded(source, length, room))
+pub(in crate::file) fn decode(
+    source: &mut dyn Source,
+    length: u64,
+    budget: FileBudget,
+) -> Result<Picture, Error> {
+    decode_guarded("EXR", || decode_unguarded(source, length, budget))
 }
 
 /// The first part as it is stored: red, green, blue and opacity first, then the other channels in the file's order.
-pub(in crate::file) fn stored(source: &mut dyn Source, length: u64, room: Room) -> Result<Stored, Error> {
+pub(in crate::file) fn stored(
+    source: &mut dyn Source,
+    length: u64,
+    budget: FileBudget,
+) -> Result<Stored, Error> {
     decode_guarded("EXR", || {
-        let image = flat(source, length, room)?;
+        let image = flat(source, length, budget)?;
         let display = image.attributes.display_window;
         let Some(part) = image.layer_data.into_iter().next() else {
             return Err(Error::corrupt("EXR", "it has no parts"));
@@ -41,7 +49,7 @@ pub(in crate::file) fn stored(source: &mut dyn Source, length: u64, room: Room) 
         let window = IntegerBounds::new(position, part.size);
         let mut list: Vec<(String, Vec<f32>)> = Vec::new();
         for channel in part.channel_data.list {
-            let values = match placed(channel.sample_data, window, window)? {
+            let values = match cropped(channel.sample_data, window, window)? {
                 ChannelData::F32(values) => values,
                 ChannelData::U32(values) => values.into_iter().map(|value| value as f32).collect(),
             };
@@ -64,13 +72,13 @@ pub(in crate::file) fn stored(source: &mut dyn Source, length: u64, room: Room) 
     })
 }
 
-fn decode_unguarded(source: &mut dyn Source, length: u64, room: Room) -> Result<Picture, Error> {
-    picture(flat(source, length, room)?)
+fn decode_unguarded(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<Picture, Error> {
+    picture(flat(source, length, budget)?)
 }
 
-fn flat(source: &mut dyn Source, length: u64, room: Room) -> Result<FlatImage, Error> {
+fn flat(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<FlatImage, Error> {
     let reader = exr::block::read(source, false).map_err(library_error)?;
-    check_headers(&reader, length, room)?;
+    check_headers(&reader, length, budget)?;
     read()
         .no_deep_data()
         .largest_resolution_level()
@@ -85,7 +93,7 @@ fn flat(source: &mut dyn Source, length: u64, room: Room) -> Result<FlatImage, E
 fn check_headers<R: std::io::Read + std::io::Seek>(
     reader: &Reader<R>,
     length: u64,
-    room: Room,
+    budget: FileBudget,
 ) -> Result<(), Error> {
     let mut bytes = 0_u64;
     let mut channels = 0;
@@ -108,10 +116,10 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
         channels += header.channels.list.len();
         window = [display.0 as u64, display.1 as u64];
         // One channel after the other becomes floats in the place of what was read.
-        let placed =
+        let cropped =
             (window[0] * window[1]).max(pixels).saturating_mul(4 * header.channels.list.len() as u64);
         let read = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
-        memory = memory.saturating_add(placed.max(read)).saturating_add(block);
+        memory = memory.saturating_add(cropped.max(read)).saturating_add(block);
         // Each block has an offset of eight bytes and a head of at least eight.
         if (header.chunk_count as u64).saturating_mul(16) > length {
             return Err(Error::corrupt(
@@ -130,7 +138,7 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
         ));
     }
     let [width, height] = window;
-    room.check_bytes(window, memory.saturating_add(width * height * PICTURE_BYTES))
+    budget.check_bytes(window, memory.saturating_add(width * height * PICTURE_BYTES))
 }
 
 fn block_pixels(header: &exr::meta::header::Header) -> u64 {
@@ -161,10 +169,10 @@ fn picture(image: FlatImage) -> Result<Picture, Error> {
         for channel in part.channel_data.list {
             let full = channel.name.to_string();
             let (prefix, name) = full.rsplit_once('.').unwrap_or(("", &full));
-            let group = [&part_name, prefix].into_iter().filter(|word| !word.is_empty());
+            let group = [&part_name, prefix].into_iter().filter(|name_part| !name_part.is_empty());
             let group = group.map(str::to_string).collect::<Vec<_>>().join(".");
             let half = matches!(channel.sample_data, FlatSamples::F16(_));
-            let data = placed(channel.sample_data, data_window, window)?;
+            let data = cropped(channel.sample_data, data_window, window)?;
             found.push(Found { group, name: name.to_string(), data, half });
         }
     }
@@ -227,21 +235,21 @@ fn take_color(found: &mut Vec<Found>) -> Result<Vec<[f32; 4]>, Error> {
 }
 
 /// The values of a data window, placed into the display window; 0 where there are none.
-fn placed(samples: FlatSamples, data: IntegerBounds, display: IntegerBounds) -> Result<ChannelData, Error> {
+fn cropped(samples: FlatSamples, data: IntegerBounds, display: IntegerBounds) -> Result<ChannelData, Error> {
     let count = data.size.0 * data.size.1;
     if samples.len() != count {
         return Err(Error::corrupt("EXR", "channels of lower resolution than the picture are not read"));
     }
     Ok(match samples {
         FlatSamples::F16(values) => {
-            ChannelData::F32(place(values.iter().map(|value| value.to_f32()).collect(), data, display))
+            ChannelData::F32(crop(values.iter().map(|value| value.to_f32()).collect(), data, display))
         }
-        FlatSamples::F32(values) => ChannelData::F32(place(values, data, display)),
-        FlatSamples::U32(values) => ChannelData::U32(place(values, data, display)),
+        FlatSamples::F32(values) => ChannelData::F32(crop(values, data, display)),
+        FlatSamples::U32(values) => ChannelData::U32(crop(values, data, display)),
     })
 }
 
-fn place<T: Copy + Default>(values: Vec<T>, data: IntegerBounds, display: IntegerBounds) -> Vec<T> {
+fn crop<T: Copy + Default>(values: Vec<T>, data: IntegerBounds, display: IntegerBounds) -> Vec<T> {
     if data == display {
         return values;
     }

@@ -4,13 +4,13 @@
 use super::super::noise::{rolling, smoothstep};
 
 /// Where the lighthouse stands.
-pub(super) const PLACE: [f32; 2] = [2.75, 2.35];
+pub(super) const POSITION: [f32; 2] = [2.75, 2.35];
 /// Height of the rock that it stands on.
 pub(super) const CAPE: f32 = 0.34;
 
 /// Raises a cape with a flat top under the lighthouse.
 pub(super) fn shape_ground(x: f32, z: f32, h: f32) -> f32 {
-    let (dx, dz) = (x - PLACE[0], z - PLACE[1]);
+    let (dx, dz) = (x - POSITION[0], z - POSITION[1]);
     let distance = (dx * dx + dz * dz).sqrt();
     let wobble = 0.1 * rolling(2.2 * x, 2.2 * z, 4, 131);
     let cape = smoothstep(1.05, 0.42, distance + wobble);
@@ -19,5 +19,5 @@ pub(super) fn shape_ground(x: f32, z: f32, h: f32) -> f32 {
 
 /// Whether trees and rocks would be in its way.
 pub(super) fn is_near(x: f32, z: f32) -> bool {
-    (x - PLACE[0]).hypot(z - PLACE[1]) < 0.62
+    (x - POSITION[0]).hypot(z - POSITION[1]) < 0.62
 }

@@ -2,8 +2,8 @@
 //! The lighthouse on its cape: a striped tower, a gallery, a lit lantern under a red roof, a keeper's cottage.
 //! Space: world; the tower is [`TALL`] high.
 
-use super::super::shapes::{append, block, lathe, moved, placed, sphere};
-use super::cape::PLACE;
+use super::super::shapes::{append, block, lathe, moved, sphere, transformed};
+use super::cape::POSITION;
 use super::terrain::Terrain;
 use crate::affine::Affine;
 use crate::material::Material;
@@ -22,7 +22,7 @@ pub(super) fn add(scene: &mut Scene, terrain: &Terrain) {
     let flame = scene.add_material(flame);
 
     let (stripes, walls) = tower();
-    let ground = terrain.spot(PLACE[0], PLACE[1]).height;
+    let ground = terrain.spot(POSITION[0], POSITION[1]).height;
     let parts = [
         ("stripes", stripes, red),
         ("walls", walls, white),
@@ -35,9 +35,9 @@ pub(super) fn add(scene: &mut Scene, terrain: &Terrain) {
         .map(|(name, mesh, material)| scene.add_mesh(Mesh { name: name.into(), material, ..mesh }));
     let meshes = meshes.collect();
     let object = scene.add_object_of("lighthouse", meshes);
-    let place = [PLACE[0], ground, PLACE[1]].map(f64::from);
+    let location = [POSITION[0], ground, POSITION[1]].map(f64::from);
     let size = f64::from(TALL);
-    scene.instantiate(object, Affine::translation(place) * Affine::scale([size; 3]));
+    scene.instantiate(object, Affine::translation(location) * Affine::scale([size; 3]));
 }
 
 /// Radius of the tower at a height.
@@ -84,8 +84,8 @@ fn roofs() -> Mesh {
 }
 
 fn at_cottage(mesh: Mesh) -> Mesh {
-    let turn = Affine::rotation([0.0, 1.0, 0.0], 0.5);
-    placed(mesh, Affine::translation([-0.27, 0.0, 0.03]) * turn)
+    let yaw = Affine::rotation([0.0, 1.0, 0.0], 0.5);
+    transformed(mesh, Affine::translation([-0.27, 0.0, 0.03]) * yaw)
 }
 
 fn cottage_walls() -> Mesh {

@@ -3,7 +3,7 @@
 //! Space: object, the foot at the origin, +Y up.
 
 use super::super::noise::{hash, value};
-use super::super::shapes::{append, lathe, moved, placed, sphere};
+use super::super::shapes::{append, lathe, moved, sphere, transformed};
 use crate::affine::Affine;
 use crate::id::{MaterialId, ObjectId};
 use crate::material::Material;
@@ -80,11 +80,11 @@ fn skirts(kind: i32) -> Mesh {
 fn crown(kind: i32) -> Mesh {
     let mut mesh = Mesh::default();
     for clump in 0..6 {
-        let chance = |seed: u32| hash(clump, kind, seed);
-        let (s, c) = (chance(1) * std::f32::consts::TAU).sin_cos();
-        let out = 0.22 * chance(2).sqrt();
-        let size = 0.17 + 0.11 * chance(3);
-        let at = [out * s, 0.48 + 0.34 * chance(4), out * c];
+        let random = |seed: u32| hash(clump, kind, seed);
+        let (s, c) = (random(1) * std::f32::consts::TAU).sin_cos();
+        let out = 0.22 * random(2).sqrt();
+        let size = 0.17 + 0.11 * random(3);
+        let at = [out * s, 0.48 + 0.34 * random(4), out * c];
         append(&mut mesh, &moved(rough_ball(size, 7, 300 + clump as u32 + 10 * kind as u32, 0.34), at));
     }
     mesh
@@ -92,7 +92,7 @@ fn crown(kind: i32) -> Mesh {
 
 fn rock(kind: i32) -> Mesh {
     let ball = rough_ball(1.0, 7, 400 + kind as u32, 0.45);
-    placed(ball, Affine::scale([1.0, 0.62, 0.8]))
+    transformed(ball, Affine::scale([1.0, 0.62, 0.8]))
 }
 
 /// A ball with bumps; flat-shaded, so that every facet catches the light in its own way.

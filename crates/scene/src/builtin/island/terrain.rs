@@ -29,9 +29,9 @@ pub(super) struct Spot {
 
 impl Terrain {
     pub(super) fn new() -> Self {
-        let place = |i: usize| (i as f32 / (SAMPLES - 1) as f32 * 2.0 - 1.0) * REACH;
+        let location = |i: usize| (i as f32 / (SAMPLES - 1) as f32 * 2.0 - 1.0) * REACH;
         let heights =
-            (0..SAMPLES * SAMPLES).map(|k| height(place(k % SAMPLES), place(k / SAMPLES))).collect();
+            (0..SAMPLES * SAMPLES).map(|k| height(location(k % SAMPLES), location(k / SAMPLES))).collect();
         Self { heights }
     }
 

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use crate::animation::{
-    Animation, Channel, Clip, Interpolation, Local, MovingInstance, Node, Place, Sampler, Target, Trs,
+    Animation, Attachment, Channel, Clip, Interpolation, Local, MovingInstance, Node, Sampler, Target, Trs,
 };
 use crate::builtin::noise::hash;
 use crate::id::InstanceId;
@@ -40,21 +40,21 @@ pub(super) fn blow(scene: &mut Scene, trees: &[Tree]) {
     let mut animation = Animation::default();
     let mut clip = Clip { name: "wind".into(), ..Clip::default() };
     for (number, (instance, rest, is_conifer)) in (0..).zip(trees) {
-        let turns = (0..KEYS).flat_map(|key| {
+        let rotations = (0..KEYS).flat_map(|key| {
             let share = key as f64 / (KEYS - 1) as f64;
             leaning(rest, *is_conifer, number, share).map(|x| x as f32)
         });
-        let sampler = Sampler::new(times.clone(), turns.collect(), 4, Interpolation::Linear);
+        let sampler = Sampler::new(times.clone(), rotations.collect(), 4, Interpolation::Linear);
         let Ok(sampler) = sampler else { continue };
         let node = animation.nodes.len() as u32;
         clip.channels.push(Channel { target: Target::Rotation(node), sampler: Arc::new(sampler) });
         animation.nodes.push(Node {
             name: scene.instance(*instance).name.clone(),
-            parent: Place::Fixed { world_from_node: crate::affine::Affine::IDENTITY, visible: true },
+            parent: Attachment::Fixed { world_from_node: crate::affine::Affine::IDENTITY, visible: true },
             rest: Local::Parts(*rest),
             visible: true,
         });
-        animation.instances.push(MovingInstance { instance: *instance, node, is_placed: true });
+        animation.instances.push(MovingInstance { instance: *instance, node, has_transform: true });
         scene.edit_instance(*instance).world_from_object = rest.affine();
     }
     animation.clips.push(clip);
@@ -63,11 +63,11 @@ pub(super) fn blow(scene: &mut Scene, trees: &[Tree]) {
 
 /// How a tree is turned at a share of the loop: leaning with the wind, on top of how it stands at rest.
 fn leaning(rest: &Trs, is_conifer: bool, number: i32, share: f64) -> [f64; 4] {
-    let chance = |seed| f64::from(hash(number, 7, seed));
+    let random = |seed| f64::from(hash(number, 7, seed));
     let along = TO[0] * rest.translation[0] + TO[1] * rest.translation[2];
     let gust = (TAU * (share - WAVES * along)).sin();
-    let own = (TAU * (OWN_SWINGS * share + chance(21))).sin();
-    let stiffness = if is_conifer { STIFF } else { 1.0 } * (0.8 + 0.4 * chance(22));
+    let own = (TAU * (OWN_SWINGS * share + random(21))).sin();
+    let stiffness = if is_conifer { STIFF } else { 1.0 } * (0.8 + 0.4 * random(22));
     let angle = stiffness * (LEAN + SWING * (0.65 * gust + 0.35 * own * (0.6 + 0.4 * gust)));
     // About the axis in the ground across the wind.
     let (sin, cos) = (0.5 * angle).sin_cos();

@@ -39,12 +39,12 @@ impl ComponentType {
 pub(super) fn floats<const N: usize>(
     document: &Document<'_>,
     index: Index,
-    place: &str,
+    location: &str,
 ) -> Result<Vec<[f32; N]>, Error> {
-    let reader = Reader::new(document, index, place)?;
+    let reader = Reader::new(document, index, location)?;
     if reader.components < N {
         let problem = format!("accessor {} has {} components", index.0, reader.components);
-        return Err(document.error(place, problem, &format!("expected {N}")));
+        return Err(document.error(location, problem, &format!("expected {N}")));
     }
     let mut values = vec![[0.0; N]; reader.count];
     reader.for_each(|i, bytes| {
@@ -57,11 +57,15 @@ pub(super) fn floats<const N: usize>(
 }
 
 /// Reads an accessor of one unsigned integer each.
-pub(super) fn integers(document: &Document<'_>, index: Index, place: &str) -> Result<Vec<u32>, Error> {
-    let reader = Reader::new(document, index, place)?;
+pub(super) fn integers(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<u32>, Error> {
+    let reader = Reader::new(document, index, location)?;
     let unsigned = matches!(reader.component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
     if reader.components != 1 || !unsigned {
-        return Err(document.error(place, "indices of a wrong type", "expected SCALAR of unsigned integers"));
+        return Err(document.error(
+            location,
+            "indices of a wrong type",
+            "expected SCALAR of unsigned integers",
+        ));
     }
     let mut values = vec![0; reader.count];
     reader.for_each(|i, bytes| values[i] = unsigned_integer(reader.component, bytes))?;
@@ -69,10 +73,10 @@ pub(super) fn integers(document: &Document<'_>, index: Index, place: &str) -> Re
 }
 
 /// Reads an accessor of four unsigned integers each: the joints of a skin.
-pub(super) fn joints(document: &Document<'_>, index: Index, place: &str) -> Result<Vec<[u32; 4]>, Error> {
-    let reader = Reader::new(document, index, place)?;
+pub(super) fn joints(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<[u32; 4]>, Error> {
+    let reader = Reader::new(document, index, location)?;
     if reader.components != 4 {
-        return Err(document.error(place, "joints of a wrong type", "expected VEC4 of unsigned integers"));
+        return Err(document.error(location, "joints of a wrong type", "expected VEC4 of unsigned integers"));
     }
     let size = size_of_component(reader.component);
     let mut values = vec![[0; 4]; reader.count];
@@ -86,7 +90,7 @@ pub(super) fn joints(document: &Document<'_>, index: Index, place: &str) -> Resu
 struct Reader<'a> {
     document: &'a Document<'a>,
     accessor: Accessor<'a>,
-    place: &'a str,
+    location: &'a str,
     component: ComponentType,
     components: usize,
     normalized: bool,
@@ -94,8 +98,8 @@ struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    fn new(document: &'a Document<'_>, index: Index, place: &'a str) -> Result<Self, Error> {
-        let accessor: Accessor<'_> = document.get(&document.root.accessors, index, place, "accessor")?;
+    fn new(document: &'a Document<'_>, index: Index, location: &'a str) -> Result<Self, Error> {
+        let accessor: Accessor<'_> = document.get(&document.root.accessors, index, location, "accessor")?;
         let components = match &*accessor.shape {
             "SCALAR" => 1,
             "VEC2" => 2,
@@ -106,17 +110,17 @@ impl<'a> Reader<'a> {
             _ => 0,
         };
         let Some(component) = ComponentType::of(accessor.component_type).filter(|_| components > 0) else {
-            return Err(document.error(place, format!("accessor {} has an unknown type", index.0), ""));
+            return Err(document.error(location, format!("accessor {} has an unknown type", index.0), ""));
         };
         let count = usize::try_from(accessor.count).unwrap_or(usize::MAX);
         let normalized = accessor.normalized;
-        let reader = Self { document, accessor, place, component, components, normalized, count };
+        let reader = Self { document, accessor, location, component, components, normalized, count };
         // Whoever takes memory for `count` elements may rely on it that they are there.
         reader.for_each_plain(|_, _| {}, true)?;
         // No array that is made of it has more bytes per element.
         let bytes = count.saturating_mul(LEAST_HELD.max(4 * components));
-        document.hold(bytes, place)?;
-        document.work(bytes, place)?;
+        document.hold(bytes, location)?;
+        document.work(bytes, location)?;
         Ok(reader)
     }
 
@@ -132,13 +136,13 @@ impl<'a> Reader<'a> {
         };
         let index_type = ComponentType::of(sparse.indices.component_type);
         let Some(index_type) = index_type.filter(|t| !matches!(t, ComponentType::F32)) else {
-            return Err(self.document.error(self.place, "sparse indices of an unknown type", ""));
+            return Err(self.document.error(self.location, "sparse indices of an unknown type", ""));
         };
         let count = usize::try_from(sparse.count).unwrap_or(usize::MAX);
         let (at, from) = (&sparse.indices, &sparse.values);
         let indices = self.span(at.buffer_view, at.byte_offset, size_of_component(index_type), count)?;
         let values = self.span(from.buffer_view, from.byte_offset, self.element_bytes(), count)?;
-        self.document.work(count.saturating_mul(self.element_bytes()), self.place)?;
+        self.document.work(count.saturating_mul(self.element_bytes()), self.location)?;
         for (index, value) in indices.zip(values) {
             let index = unsigned_integer(index_type, index) as usize;
             if index >= self.count {
@@ -147,7 +151,7 @@ impl<'a> Reader<'a> {
                     0 => "the accessor has no elements".into(),
                     n => format!("expected 0 to {}", n - 1),
                 };
-                return Err(self.document.error(self.place, problem, &remedy));
+                return Err(self.document.error(self.location, problem, &remedy));
             }
             element(index, value);
         }
@@ -174,7 +178,7 @@ impl<'a> Reader<'a> {
         size: usize,
         count: usize,
     ) -> Result<impl Iterator<Item = &'a [u8]>, Error> {
-        let (view, bytes) = self.document.view(index, self.place)?;
+        let (view, bytes) = self.document.view(index, self.location)?;
         let stride = usize::try_from(view.byte_stride).unwrap_or(usize::MAX);
         let stride = if stride == 0 { size } else { stride };
         let last = count.checked_sub(1).map(|n| n.saturating_mul(stride).saturating_add(size)).unwrap_or(0);
@@ -185,7 +189,7 @@ impl<'a> Reader<'a> {
                 bytes.len(),
                 index.0
             );
-            return Err(self.document.error(self.place, problem, "the buffer may have been cut off"));
+            return Err(self.document.error(self.location, problem, "the buffer may have been cut off"));
         }
         Ok((0..count).map(move |i| &bytes[start + i * stride..][..size]))
     }

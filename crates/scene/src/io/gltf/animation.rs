@@ -92,9 +92,10 @@ pub(super) fn read(document: &Document<'_>, warnings: &mut Warnings) -> Result<D
     let mut drafts = Drafts { list: Vec::with_capacity(count), ..Drafts::default() };
     let mut times = HashMap::new();
     for (i, piece) in document.root.animations.iter().enumerate() {
-        let place = format!("animations[{i}]");
-        let from: json::Animation<'_> = document.read(piece, &place)?;
-        let mut reader = Reader { document, from: &from, place, times: &mut times, samplers: HashMap::new() };
+        let location = format!("animations[{i}]");
+        let from: json::Animation<'_> = document.read(piece, &location)?;
+        let mut reader =
+            Reader { document, from: &from, location, times: &mut times, samplers: HashMap::new() };
         let mut channels = Vec::new();
         for k in 0..from.channels.len() as u32 {
             if let Some(channel) = reader.channel(Index(k), warnings)? {
@@ -114,7 +115,7 @@ pub(super) fn read(document: &Document<'_>, warnings: &mut Warnings) -> Result<D
 struct Reader<'a, 'd> {
     document: &'a Document<'d>,
     from: &'a json::Animation<'d>,
-    place: String,
+    location: String,
     /// Times of keys, by their accessors.
     times: &'a mut HashMap<Index, Arc<[f32]>>,
     /// Keys that were read, by sampler and width; `None` = those that cannot be played.
@@ -124,8 +125,8 @@ struct Reader<'a, 'd> {
 impl<'d> Reader<'_, 'd> {
     fn channel(&mut self, number: Index, warnings: &mut Warnings) -> Result<Option<DraftChannel>, Error> {
         let document = self.document;
-        let place = format!("{}.channels[{}]", self.place, number.0);
-        let channel: json::Channel<'_> = document.get(&self.from.channels, number, &place, "channel")?;
+        let location = format!("{}.channels[{}]", self.location, number.0);
+        let channel: json::Channel<'_> = document.get(&self.from.channels, number, &location, "channel")?;
         let aim = match (&channel.target.extensions.pointer, channel.target.node) {
             (Some(pointer), _) if &*channel.target.path == "pointer" => Aim::of_pointer(&pointer.pointer),
             (_, Some(node)) => Aim::of_path(node, &channel.target.path),
@@ -133,18 +134,19 @@ impl<'d> Reader<'_, 'd> {
         };
         let Some(aim) = aim else {
             let pointer = channel.target.extensions.pointer.as_ref().map(|pointer| &*pointer.pointer);
-            let detail = format!("{place}: animation of {}", quoted(pointer.unwrap_or(&channel.target.path)));
+            let detail =
+                format!("{location}: animation of {}", quoted(pointer.unwrap_or(&channel.target.path)));
             warnings.note(Oddity::NotShown, &document.path, None, detail);
             return Ok(None);
         };
-        self.check(aim, &place)?;
-        document.hold(CHANNEL_BYTES, &place)?;
-        let sampler = self.sampler(channel.sampler, aim, &place, warnings)?;
+        self.check(aim, &location)?;
+        document.hold(CHANNEL_BYTES, &location)?;
+        let sampler = self.sampler(channel.sampler, aim, &location, warnings)?;
         Ok(sampler.map(|sampler| DraftChannel { aim, sampler, number: number.0 }))
     }
 
     /// Whether what is driven is there.
-    fn check(&self, aim: Aim, place: &str) -> Result<(), Error> {
+    fn check(&self, aim: Aim, location: &str) -> Result<(), Error> {
         let root = &self.document.root;
         let lights = root.extensions.lights.as_ref().map_or(0, |lights| lights.lights.len());
         let (what, index, count) = match aim {
@@ -156,7 +158,7 @@ impl<'d> Reader<'_, 'd> {
         };
         match index.value() < count {
             true => Ok(()),
-            false => Err(self.document.error(place, format!("{what} {} does not exist", index.0), "")),
+            false => Err(self.document.error(location, format!("{what} {} does not exist", index.0), "")),
         }
     }
 
@@ -172,7 +174,7 @@ impl<'d> Reader<'_, 'd> {
             return Ok(known.clone());
         }
         let document = self.document;
-        let place = format!("{}.samplers[{}]", self.place, index.0);
+        let location = format!("{}.samplers[{}]", self.location, index.0);
         let curve: json::Curve<'_> = document.get(&self.from.samplers, index, channel, "sampler")?;
         let interpolation = match curve.interpolation.as_deref() {
             None | Some("LINEAR") => Ok(Interpolation::Linear),
@@ -181,18 +183,18 @@ impl<'d> Reader<'_, 'd> {
             Some(other) => Err(format!("unknown interpolation {}", quoted(other))),
         };
         let read = match interpolation {
-            Ok(interpolation) => self.keys(&curve, interpolation, aim.width(), &place)?,
+            Ok(interpolation) => self.keys(&curve, interpolation, aim.width(), &location)?,
             Err(problem) => Err(problem),
         };
         let sampler = match read {
             Ok(sampler) => {
                 if sampler.has_equal_times() {
-                    warnings.note(Oddity::RepeatedKey, &document.path, None, &place[..]);
+                    warnings.note(Oddity::RepeatedKey, &document.path, None, &location[..]);
                 }
                 Some(Arc::new(sampler))
             }
             Err(problem) => {
-                let detail = format!("{place} of {channel}: {problem}");
+                let detail = format!("{location} of {channel}: {problem}");
                 warnings.note(Oddity::BadAnimation, &document.path, None, detail);
                 None
             }
@@ -207,22 +209,22 @@ impl<'d> Reader<'_, 'd> {
         curve: &json::Curve<'_>,
         interpolation: Interpolation,
         width: Option<usize>,
-        place: &str,
+        location: &str,
     ) -> Result<Result<Sampler, String>, Error> {
         let document = self.document;
         let times = match self.times.get(&curve.input) {
             Some(times) => times.clone(),
             None => {
-                let times: Arc<[f32]> = flat::<1>(document, curve.input, place)?.into();
+                let times: Arc<[f32]> = flat::<1>(document, curve.input, location)?.into();
                 self.times.insert(curve.input, times.clone());
                 times
             }
         };
         let values = match width {
-            Some(2) => flat::<2>(document, curve.output, place)?,
-            Some(3) => flat::<3>(document, curve.output, place)?,
-            Some(4) => flat::<4>(document, curve.output, place)?,
-            _ => flat::<1>(document, curve.output, place)?,
+            Some(2) => flat::<2>(document, curve.output, location)?,
+            Some(3) => flat::<3>(document, curve.output, location)?,
+            Some(4) => flat::<4>(document, curve.output, location)?,
+            _ => flat::<1>(document, curve.output, location)?,
         };
         let sets = times.len() * interpolation.sets();
         let width = match width {
@@ -236,10 +238,10 @@ impl<'d> Reader<'_, 'd> {
 }
 
 /// The first `N` components of each element, one after the other.
-fn flat<const N: usize>(document: &Document<'_>, index: Index, place: &str) -> Result<Vec<f32>, Error> {
+fn flat<const N: usize>(document: &Document<'_>, index: Index, location: &str) -> Result<Vec<f32>, Error> {
     let before = document.budget().held();
-    let values = floats::<N>(document, index, place)?.into_flattened();
+    let values = floats::<N>(document, index, location)?.into_flattened();
     document.budget().settle(before);
-    document.hold(size_of_val(&values[..]), place)?;
+    document.hold(size_of_val(&values[..]), location)?;
     Ok(values)
 }

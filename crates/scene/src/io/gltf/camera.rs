@@ -38,12 +38,14 @@ pub(super) fn described(
     let angle = number("fov", least);
     match extras.get("projection") {
         None => {}
-        Some(Value::String(word)) if *word == plain.projection.to_string() => {}
-        Some(Value::String(word)) if word == Projection::WORDS[2] => {
+        Some(Value::String(projection_name)) if *projection_name == plain.projection.to_string() => {}
+        Some(Value::String(projection_name)) if projection_name == Projection::NAMES[2] => {
             camera.projection = Projection::Fisheye;
             camera.fov_y = angle.unwrap_or(180.0);
         }
-        Some(Value::String(word)) if word == Projection::WORDS[3] => camera.projection = Projection::Panorama,
+        Some(Value::String(projection_name)) if projection_name == Projection::NAMES[3] => {
+            camera.projection = Projection::Panorama
+        }
         Some(other) => complain(format!(
             "{name}: extras.projection is {other}; in `extras` it may be \"fisheye\" or \"panorama\", beside what the camera's type says"
         )),

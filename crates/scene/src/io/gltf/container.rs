@@ -38,8 +38,8 @@ impl<'a> Container<'a> {
         let cut_off = |what: &str| {
             Error::data(path, None, format!("the file ends in its {what}"), "it may have been cut off")
         };
-        let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-        let (version, length) = (word(4), word(8));
+        let u32_at = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+        let (version, length) = (u32_at(4), u32_at(8));
         let (Some(version), Some(length)) = (version, length) else {
             return Err(cut_off("header"));
         };
@@ -53,7 +53,7 @@ impl<'a> Container<'a> {
         }
         let (mut json, mut binary) = (None, None);
         let mut at = 12;
-        while let (Some(length), Some(kind)) = (word(at), word(at + 4)) {
+        while let (Some(length), Some(kind)) = (u32_at(at), u32_at(at + 4)) {
             let end = (at + 8).checked_add(length as usize);
             let chunk = end.and_then(|end| bytes.get(at + 8..end));
             let slot = match kind {

@@ -203,13 +203,13 @@ impl<'a> Document<'a> {
     }
 
     /// A mistake at a place such as `meshes[3]`.
-    pub(super) fn error(&self, place: &str, problem: impl std::fmt::Display, remedy: &str) -> Error {
-        Error::data(&self.path, None, format!("{place}: {problem}"), remedy)
+    pub(super) fn error(&self, location: &str, problem: impl std::fmt::Display, remedy: &str) -> Error {
+        Error::data(&self.path, None, format!("{location}: {problem}"), remedy)
     }
 
     /// A mesh that only its compressed form holds.
-    pub(super) fn compressed(&self, place: &str) -> Error {
-        self.error(place, "the mesh is compressed by KHR_draco_mesh_compression", DECOMPRESS)
+    pub(super) fn compressed(&self, location: &str) -> Error {
+        self.error(location, "the mesh is compressed by KHR_draco_mesh_compression", DECOMPRESS)
     }
 
     /// What a piece of the JSON says; `what` names it in a message.
@@ -218,17 +218,17 @@ impl<'a> Document<'a> {
         serde_json::from_str(piece.get()).map_err(|error| self.broken(what, piece.get(), &error))
     }
 
-    /// What an index found at `place` points to in an array of the root.
+    /// What an index found at `location` points to in an array of the root.
     pub(super) fn get<T: Deserialize<'a>>(
         &self,
         array: &[&'a RawValue],
         index: Index,
-        place: &str,
+        location: &str,
         what: &str,
     ) -> Result<T, Error> {
-        let missing = || self.error(place, format!("{what} {} does not exist", index.0), "");
+        let missing = || self.error(location, format!("{what} {} does not exist", index.0), "");
         let piece = array.get(index.value()).copied().ok_or_else(missing)?;
-        self.work(piece.get().len(), place)?;
+        self.work(piece.get().len(), location)?;
         serde_json::from_str(piece.get())
             .map_err(|error| self.broken(&format!("{what} {}", index.0), piece.get(), &error))
     }
@@ -237,10 +237,10 @@ impl<'a> Document<'a> {
     fn broken(&self, what: &str, piece: &str, error: &serde_json::Error) -> Error {
         let text = error.to_string();
         let problem = text.split(" at line ").next().unwrap_or_default();
-        let place = if what.is_empty() { String::new() } else { format!(" in {what}") };
+        let location = if what.is_empty() { String::new() } else { format!(" in {what}") };
         let before = (piece.as_ptr() as usize).saturating_sub(self.json.as_ptr() as usize);
         let line = (self.is_text && error.line() > 0).then(|| self.line_of(before) + error.line() as u64 - 1);
-        let problem = format!("broken JSON{place}: {problem}");
+        let problem = format!("broken JSON{location}: {problem}");
         Error::data(&self.path, line, problem, "expected a glTF 2.0 document")
     }
 
@@ -249,19 +249,19 @@ impl<'a> Document<'a> {
     }
 
     /// Allows `bytes` more to be held.
-    pub(super) fn hold(&self, bytes: usize, place: &str) -> Result<(), Error> {
-        self.budget().hold(bytes).map_err(|excess| self.error(place, excess, Excess::REMEDY))
+    pub(super) fn hold(&self, bytes: usize, location: &str) -> Result<(), Error> {
+        self.budget().hold(bytes).map_err(|excess| self.error(location, excess, Excess::REMEDY))
     }
 
     /// Allows `bytes` more to be looked at.
-    pub(super) fn work(&self, bytes: usize, place: &str) -> Result<(), Error> {
-        self.budget().work(bytes).map_err(|excess| self.error(place, excess, Excess::REMEDY))
+    pub(super) fn work(&self, bytes: usize, location: &str) -> Result<(), Error> {
+        self.budget().work(bytes).map_err(|excess| self.error(location, excess, Excess::REMEDY))
     }
 
     /// A buffer view and its bytes.
-    pub(super) fn view(&self, index: Index, place: &str) -> Result<(json::BufferView, &[u8]), Error> {
-        let view: json::BufferView = self.get(&self.root.buffer_views, index, place, "bufferView")?;
-        let missing = || self.error(place, format!("buffer {} does not exist", view.buffer.0), "");
+    pub(super) fn view(&self, index: Index, location: &str) -> Result<(json::BufferView, &[u8]), Error> {
+        let view: json::BufferView = self.get(&self.root.buffer_views, index, location, "bufferView")?;
+        let missing = || self.error(location, format!("buffer {} does not exist", view.buffer.0), "");
         let buffer = self.buffers.get(view.buffer.value()).ok_or_else(missing)?;
         let buffer = &buffer.bytes.all()[..buffer.length];
         let start = usize::try_from(view.byte_offset).ok();
@@ -269,7 +269,7 @@ impl<'a> Document<'a> {
         let bytes = start.zip(end).and_then(|(start, end)| buffer.get(start..end));
         let bytes = bytes.ok_or_else(|| {
             let problem = format!("bufferView {} ends after its buffer's {} bytes", index.0, buffer.len());
-            self.error(place, problem, "the buffer may have been cut off")
+            self.error(location, problem, "the buffer may have been cut off")
         })?;
         Ok((view, bytes))
     }
@@ -294,25 +294,25 @@ impl<'a> Document<'a> {
         longest: u64,
         files: &mut HashMap<PathBuf, Rc<Vec<u8>>>,
     ) -> Result<Buffer<'a>, Error> {
-        let place = format!("buffers[{i}]");
+        let location = format!("buffers[{i}]");
         let bytes = match &buffer.uri {
             None if i == 0 => Bytes::InFile(binary.unwrap_or_default()),
             None => Bytes::InFile(&[]),
             Some(uri) if uri.starts_with("data:") => {
-                self.hold(uri.len(), &place)?;
+                self.hold(uri.len(), &location)?;
                 let bytes = data_uri(uri);
                 Bytes::Beside(
-                    bytes.ok_or_else(|| self.error(&place, "broken data URI", "expected base64"))?.into(),
+                    bytes.ok_or_else(|| self.error(&location, "broken data URI", "expected base64"))?.into(),
                 )
             }
-            Some(uri) => Bytes::Beside(self.read_file(uri, &place, longest, files)?),
+            Some(uri) => Bytes::Beside(self.read_file(uri, &location, longest, files)?),
         };
         let declared = buffer.byte_length;
         let there = bytes.all().len();
         let length = usize::try_from(declared).ok().filter(|&length| length <= there);
         let length = length.ok_or_else(|| {
             let problem = format!("{declared} bytes are declared, but there are {there}");
-            self.error(&place, problem, "the buffer may have been cut off")
+            self.error(&location, problem, "the buffer may have been cut off")
         })?;
         Ok(Buffer { bytes, length })
     }
@@ -321,26 +321,26 @@ impl<'a> Document<'a> {
     pub(super) fn files(&self) -> Vec<PathBuf> {
         let uri = |piece: &&'a RawValue| serde_json::from_str::<json::Named<'a>>(piece.get()).ok()?.uri;
         let named = self.root.buffers.iter().chain(&self.root.images).filter_map(uri);
-        let beside = named.filter(|uri| !uri.starts_with("data:")).take(MOST_FILES);
-        let beside = beside.map(|uri| source::resolve(&self.path, &uri));
-        std::iter::once(self.path.clone()).chain(beside).collect()
+        let companion_files = named.filter(|uri| !uri.starts_with("data:")).take(MOST_FILES);
+        let companion_files = companion_files.map(|uri| source::resolve(&self.path, &uri));
+        std::iter::once(self.path.clone()).chain(companion_files).collect()
     }
 
     /// The bytes of a file beside the document, each file once, by whatever names it goes.
     fn read_file(
         &self,
         uri: &str,
-        place: &str,
+        location: &str,
         longest: u64,
         files: &mut HashMap<PathBuf, Rc<Vec<u8>>>,
     ) -> Result<Rc<Vec<u8>>, Error> {
-        self.budget().name_file().map_err(|excess| self.error(place, excess, Excess::REMEDY))?;
+        self.budget().name_file().map_err(|excess| self.error(location, excess, Excess::REMEDY))?;
         let file = source::resolve(&self.path, uri);
         let true_name = std::fs::canonicalize(&file).unwrap_or_else(|_| file.clone());
         if let Some(bytes) = files.get(&true_name) {
             return Ok(bytes.clone());
         }
-        let bytes = self.access.read(&file, longest).map_err(|e| self.error(place, e.to_string(), ""))?;
+        let bytes = self.access.read(&file, longest).map_err(|e| self.error(location, e.to_string(), ""))?;
         let bytes = Rc::new(bytes);
         files.insert(true_name, bytes.clone());
         Ok(bytes)

@@ -11,18 +11,19 @@ use crate::io::Error;
 use crate::scene::Member;
 
 /// `node_from_instance` of each; `None` where the extension has none of its attributes.
-pub(super) fn places(
+pub(super) fn copies(
     document: &Document<'_>,
     from: &NodeInstances,
     node: Index,
 ) -> Result<Option<Vec<Affine>>, Error> {
-    let place = format!("nodes[{}].extensions.EXT_mesh_gpu_instancing", node.0);
-    let read3 =
-        |index: Option<Index>| index.map(|index| accessor::floats::<3>(document, index, &place)).transpose();
+    let transform = format!("nodes[{}].extensions.EXT_mesh_gpu_instancing", node.0);
+    let read3 = |index: Option<Index>| {
+        index.map(|index| accessor::floats::<3>(document, index, &transform)).transpose()
+    };
     let attributes = &from.attributes;
     let translations = read3(attributes.translation)?;
     let rotations =
-        attributes.rotation.map(|index| accessor::floats::<4>(document, index, &place)).transpose()?;
+        attributes.rotation.map(|index| accessor::floats::<4>(document, index, &transform)).transpose()?;
     let scales = read3(attributes.scale)?;
     let counts = [
         translations.as_ref().map(Vec::len),
@@ -34,9 +35,9 @@ pub(super) fn places(
     if there.any(|other| other != count) {
         let [t, r, s] = counts.map(|count| count.map_or_else(|| "no".to_owned(), |count| count.to_string()));
         let problem = format!("{t} TRANSLATION, {r} ROTATION and {s} SCALE values");
-        return Err(document.error(&place, problem, "expected as many of each"));
+        return Err(document.error(&transform, problem, "expected as many of each"));
     }
-    document.hold(count * size_of::<Member>(), &place)?;
+    document.hold(count * size_of::<Member>(), &transform)?;
     let parts = |i: usize| Trs {
         translation: translations.as_ref().map_or([0.0; 3], |all| all[i].map(f64::from)),
         rotation: rotations.as_ref().map(|all| all[i].map(f64::from)),

@@ -61,23 +61,23 @@ pub(super) fn add_all(
     let mut textures = Textures::new(document);
     let mut materials = Materials { added: Vec::with_capacity(count + 1), moving: Vec::new() };
     for i in 0..=count {
-        let place = format!("materials[{i}]");
+        let location = format!("materials[{i}]");
         let material = match document.root.materials.get(i) {
-            Some(piece) => document.read(piece, &place)?,
+            Some(piece) => document.read(piece, &location)?,
             None => json::Material { name: Some("default".into()), ..json::Material::default() },
         };
         let is_driven = i < count && is_driven(Index(i as u32));
-        document.hold(material.name.as_ref().map_or(0, String::len), &place)?;
+        document.hold(material.name.as_ref().map_or(0, String::len), &location)?;
         let mut converter =
             Converter { document, scene, textures: &mut textures, warnings, texcoord_set: None };
         let factors = converter.factors(i, &material, is_driven);
         let texcoord_set = converter.texcoord_set.unwrap_or(0);
         for wrong in out_of_range(&factors) {
-            let detail = format!("{place}: {wrong}");
+            let detail = format!("{location}: {wrong}");
             warnings.note(Oddity::NumberOutOfRange, &document.path, None, detail);
         }
         if !matches!(&*material.alpha_mode, "OPAQUE" | "MASK" | "BLEND") {
-            let detail = format!("{place}: alphaMode {}, shown as OPAQUE", quoted(&material.alpha_mode));
+            let detail = format!("{location}: alphaMode {}, shown as OPAQUE", quoted(&material.alpha_mode));
             warnings.note(Oddity::NotShown, &document.path, None, detail);
         }
         let converted = factors.material();
@@ -91,18 +91,18 @@ pub(super) fn add_all(
         };
         let id = scene.add_material(converted);
         if material.extras_bytes() > 0 {
-            document.hold(4 * material.extras_bytes(), &place)?;
+            document.hold(4 * material.extras_bytes(), &location)?;
         }
         if let Some((name, parameters)) = material.shader() {
             let file = source::resolve(&document.path, &name);
-            let outside = |(problem, remedy): (String, String)| document.error(&place, problem, &remedy);
+            let outside = |(problem, remedy): (String, String)| document.error(&location, problem, &remedy);
             document.access.check(&file).map_err(outside)?;
             let confined_to = document.access.confined_to();
             scene.set_shader_file(id, ShaderFile { file, parameters, confined_to });
         }
         materials.added.push(AddedMaterial { id, texcoord_set, has_tangents });
         if is_driven {
-            document.hold(size_of::<MovingMaterial>() + factors.name.len(), &place)?;
+            document.hold(size_of::<MovingMaterial>() + factors.name.len(), &location)?;
             materials.moving.push(MovingMaterial { material: id, factors });
         }
     }
@@ -150,7 +150,7 @@ impl Converter<'_, '_> {
             to.ior = ior.ior;
         }
         self.layers(extensions, &mut to);
-        if is_driven || to.has_facets(from.normal_texture.is_some()) {
+        if is_driven || to.reads_roughness_textures(from.normal_texture.is_some()) {
             to.metallic_roughness_texture = self.info(pbr.metallic_roughness_texture.as_ref(), Meaning::Data);
             to.normal_texture = self.info(from.normal_texture.as_ref(), Meaning::Data);
             to.normal_scale = from.normal_texture.as_ref().map_or(1.0, |normal| normal.scale);

@@ -42,9 +42,9 @@ pub(super) fn read(
     let name = from.name.clone().unwrap_or_else(unnamed);
     let mut meshes = Vec::new();
     for k in 0..from.primitives.len() {
-        let place = format!("meshes[{}].primitives[{k}]", index.0);
-        let primitive: Primitive = document.get(&from.primitives, Index(k as u32), &place, "primitive")?;
-        let reader = PrimitiveReader { document, primitive: &primitive, place: &place };
+        let location = format!("meshes[{}].primitives[{k}]", index.0);
+        let primitive: Primitive = document.get(&from.primitives, Index(k as u32), &location, "primitive")?;
+        let reader = PrimitiveReader { document, primitive: &primitive, location: &location };
         let before = document.budget().held();
         let Some((mut mesh, mut parts)) = reader.mesh(bending, materials, warnings)? else {
             document.budget().settle(before);
@@ -53,13 +53,13 @@ pub(super) fn read(
         clean(&mut mesh, &document.path, warnings);
         document.budget().settle(before);
         if let Some(parts) = &mut parts {
-            document.hold(parts.memory_bytes() + name.len() + MESH_BYTES, &place)?;
+            document.hold(parts.memory_bytes() + name.len() + MESH_BYTES, &location)?;
             clean_attributes(&mut parts.base);
             parts.base.name.clone_from(&name);
         }
         // What has no area at rest may have one later.
         if !mesh.indices.is_empty() || parts.is_some() {
-            document.hold(mesh.memory_bytes() + name.len() + MESH_BYTES, &place)?;
+            document.hold(mesh.memory_bytes() + name.len() + MESH_BYTES, &location)?;
             mesh.name.clone_from(&name);
             meshes.push((mesh, parts));
         }
@@ -80,14 +80,14 @@ impl PrimitiveReader<'_> {
             5 => Mode::Strip,
             6 => Mode::Fan,
             0..=3 => {
-                warnings.note(Oddity::PointsOrLines, path, None, self.place);
+                warnings.note(Oddity::PointsOrLines, path, None, self.location);
                 return Ok(None);
             }
-            _ => return Err(self.document.error(self.place, "unknown mode", "expected 0 to 6")),
+            _ => return Err(self.document.error(self.location, "unknown mode", "expected 0 to 6")),
         };
         let attributes = &self.primitive.attributes;
         let Some(positions) = attributes.positions else {
-            warnings.note(Oddity::NotShown, path, None, format!("{}: no positions", self.place));
+            warnings.note(Oddity::NotShown, path, None, format!("{}: no positions", self.location));
             return Ok(None);
         };
         self.refuse_compression(positions)?;
@@ -96,11 +96,11 @@ impl PrimitiveReader<'_> {
             Some(index) if index.value() < default => materials[index.value()],
             Some(index) => {
                 let problem = format!("material {} does not exist", index.0);
-                return Err(self.document.error(self.place, problem, ""));
+                return Err(self.document.error(self.location, problem, ""));
             }
             None => materials[default],
         };
-        let positions = floats::<3>(self.document, positions, self.place)?;
+        let positions = floats::<3>(self.document, positions, self.location)?;
         let count = positions.len();
         let texcoords = attributes.texcoords.iter().find(|(set, _)| *set == material.texcoord_set);
         let mut mesh = Mesh {
@@ -118,11 +118,11 @@ impl PrimitiveReader<'_> {
         let mut triangles = self.triangles(mode, count)?;
         if material.has_tangents && mesh.tangents.is_empty() {
             let held = self.document.budget().held();
-            self.document.hold(tangents::BYTES_PER_TRIANGLE * triangles.len(), self.place)?;
+            self.document.hold(tangents::BYTES_PER_TRIANGLE * triangles.len(), self.location)?;
             mesh.indices = triangles;
             mesh.tangents = tangents::tangents(&mesh);
             self.document.budget().settle(held);
-            self.document.hold(size_of_val(&mesh.tangents[..]), self.place)?;
+            self.document.hold(size_of_val(&mesh.tangents[..]), self.location)?;
             triangles = std::mem::take(&mut mesh.indices);
         }
         self.bent(bending, mesh, triangles, warnings)
@@ -141,7 +141,7 @@ impl PrimitiveReader<'_> {
         mesh.indices = triangles;
         let parts = match parts {
             Some(parts) => {
-                self.document.hold(size_of_val(&mesh.indices[..]) + 6 * count, self.place)?;
+                self.document.hold(size_of_val(&mesh.indices[..]) + 6 * count, self.location)?;
                 parts.with_triangles(mesh.indices.clone())
             }
             None => None,
@@ -163,9 +163,9 @@ impl PrimitiveReader<'_> {
         let Some(index) = index else {
             return Ok(Vec::new());
         };
-        let values = floats::<N>(self.document, index, self.place)?;
+        let values = floats::<N>(self.document, index, self.location)?;
         if values.len() != count {
-            let detail = format!("{}: {} values for {count} vertices", self.place, values.len());
+            let detail = format!("{}: {} values for {count} vertices", self.location, values.len());
             warnings.note(Oddity::BadAttribute, &self.document.path, None, detail);
             return Ok(Vec::new());
         }
@@ -192,12 +192,12 @@ impl PrimitiveReader<'_> {
             return Ok(Vec::new());
         };
         let accessor: json::Accessor<'_> =
-            self.document.get(&self.document.root.accessors, index, self.place, "accessor")?;
+            self.document.get(&self.document.root.accessors, index, self.location, "accessor")?;
         if &*accessor.shape == "VEC4" {
             return self.optional::<4>(Some(index), count, warnings);
         }
         let colors = self.optional::<3>(Some(index), count, warnings)?;
-        self.document.hold(size_of::<[f32; 4]>() * colors.len(), self.place)?;
+        self.document.hold(size_of::<[f32; 4]>() * colors.len(), self.location)?;
         Ok(colors.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect())
     }
 
@@ -207,19 +207,19 @@ impl PrimitiveReader<'_> {
             return Ok(());
         }
         let accessor: json::Accessor<'_> =
-            self.document.get(&self.document.root.accessors, positions, self.place, "accessor")?;
+            self.document.get(&self.document.root.accessors, positions, self.location, "accessor")?;
         match (accessor.buffer_view, &accessor.sparse) {
-            (None, None) => Err(self.document.compressed(self.place)),
+            (None, None) => Err(self.document.compressed(self.location)),
             _ => Ok(()),
         }
     }
 
     fn triangles(&self, mode: Mode, count: usize) -> Result<Vec<[u32; 3]>, Error> {
         let order = match self.primitive.indices {
-            Some(index) => integers(self.document, index, self.place)?,
+            Some(index) => integers(self.document, index, self.location)?,
             None => {
                 // Each vertex is the corner of up to three triangles.
-                self.document.hold(CORNER_BYTES * count, self.place)?;
+                self.document.hold(CORNER_BYTES * count, self.location)?;
                 (0..u32::try_from(count).unwrap_or(u32::MAX)).collect()
             }
         };
@@ -229,7 +229,11 @@ impl PrimitiveReader<'_> {
             } else {
                 format!("expected 0 to {}", count - 1)
             };
-            return Err(self.document.error(self.place, format!("vertex index {bad} out of range"), &remedy));
+            return Err(self.document.error(
+                self.location,
+                format!("vertex index {bad} out of range"),
+                &remedy,
+            ));
         }
         Ok(match mode {
             Mode::Strip => {

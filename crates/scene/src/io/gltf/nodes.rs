@@ -18,7 +18,7 @@ use super::rig::{Rig, local};
 use super::skin::Bending;
 use crate::affine::Affine;
 use crate::animation::{
-    Body, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight, Place, camera_at,
+    Attachment, Body, LightFactors, LightKind, MovingCamera, MovingInstance, MovingLight, camera_at,
 };
 use crate::id::ObjectId;
 use crate::io::{Error, Oddity, Warnings, source};
@@ -46,26 +46,26 @@ pub(super) fn add_all(
     }
     let mut adder = Adder { document, materials, rig, objects: HashMap::new(), scene };
     walk(document, warnings, |index, node, parent, world_from_node, warnings| {
-        let place = adder.rig.enter(index, node, parent, world_from_node)?;
-        adder.add(index, node, NodePlace { world_from_node, place }, warnings)?;
-        Ok(place)
+        let attachment = adder.rig.enter(index, node, parent, world_from_node)?;
+        adder.add(index, node, NodeAttachment { world_from_node, attachment }, warnings)?;
+        Ok(attachment)
     })?;
     adder.rig.finish(adder.scene, warnings)
 }
 
 /// Where a node is.
 #[derive(Clone, Copy)]
-struct NodePlace {
+struct NodeAttachment {
     /// At rest.
     world_from_node: Affine,
-    place: Place,
+    attachment: Attachment,
 }
 
 /// A node on the way from the root to where the walk is: its children that are still to be seen.
 struct Ancestor {
     /// `None` = the file itself.
     index: Option<Index>,
-    placed: NodePlace,
+    attached: NodeAttachment,
     children: std::vec::IntoIter<Index>,
 }
 
@@ -74,24 +74,24 @@ struct Ancestor {
 fn walk(
     document: &Document<'_>,
     warnings: &mut Warnings,
-    mut visit: impl FnMut(Index, &json::Node, Place, Affine, &mut Warnings) -> Result<Place, Error>,
+    mut visit: impl FnMut(Index, &json::Node, Attachment, Affine, &mut Warnings) -> Result<Attachment, Error>,
 ) -> Result<(), Error> {
     let count = document.root.nodes.len();
-    let (mut seen, mut is_above) = (vec![false; count], vec![false; count]);
+    let (mut visited, mut is_above) = (vec![false; count], vec![false; count]);
     let (roots, are_all) = roots(document)?;
-    let place = Place::Fixed { world_from_node: Affine::IDENTITY, visible: true };
-    let placed = NodePlace { world_from_node: Affine::IDENTITY, place };
-    let mut way = vec![Ancestor { index: None, placed, children: roots.into_iter() }];
-    while let Some(parent) = way.last_mut() {
+    let attachment = Attachment::Fixed { world_from_node: Affine::IDENTITY, visible: true };
+    let attached = NodeAttachment { world_from_node: Affine::IDENTITY, attachment };
+    let mut stack = vec![Ancestor { index: None, attached, children: roots.into_iter() }];
+    while let Some(parent) = stack.last_mut() {
         let Some(index) = parent.children.next() else {
             if let Some(index) = parent.index {
                 is_above[index.value()] = false;
             }
-            way.pop();
+            stack.pop();
             continue;
         };
-        let parent = parent.placed;
-        if seen.get(index.value()) == Some(&true) {
+        let parent = parent.attached;
+        if visited.get(index.value()) == Some(&true) {
             if is_above[index.value()] {
                 return Err(cycle(document, index.value()));
             }
@@ -103,17 +103,17 @@ fn walk(
             Some(piece) if piece.get() == "{}" => json::Node::default(),
             _ => document.get(&document.root.nodes, index, "nodes", "node")?,
         };
-        seen[index.value()] = true;
+        visited[index.value()] = true;
         let world_from_node = parent.world_from_node * local(&node).affine();
         let children = std::mem::take(&mut node.children);
-        let place = visit(index, &node, parent.place, world_from_node, warnings)?;
+        let attachment = visit(index, &node, parent.attachment, world_from_node, warnings)?;
         if !children.is_empty() {
             is_above[index.value()] = true;
-            let placed = NodePlace { world_from_node, place };
-            way.push(Ancestor { index: Some(index), placed, children: children.into_iter() });
+            let attached = NodeAttachment { world_from_node, attachment };
+            stack.push(Ancestor { index: Some(index), attached, children: children.into_iter() });
         }
     }
-    match seen.iter().position(|&seen| !seen).filter(|_| are_all) {
+    match visited.iter().position(|&visited| !visited).filter(|_| are_all) {
         // What no root leads to has a parent above it that leads back to it.
         Some(index) => Err(cycle(document, index)),
         None => Ok(()),
@@ -166,30 +166,30 @@ impl Adder<'_> {
         &mut self,
         index: Index,
         node: &json::Node,
-        placed: NodePlace,
+        attached: NodeAttachment,
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
-        let place = format!("nodes[{}]", index.0);
+        let attachment = format!("nodes[{}]", index.0);
         let name = node.name.clone().unwrap_or_else(|| format!("node {}", index.0));
         let light = node.extensions.light.as_ref();
         let things = [node.mesh.is_some(), node.camera.is_some(), light.is_some()];
         let count = things.into_iter().filter(|&there| there).count();
-        self.document.hold(count * (PLACED_BYTES + name.len()), &place)?;
+        self.document.hold(count * (PLACED_BYTES + name.len()), &attachment)?;
         if let Some(mesh) = node.mesh {
-            self.add_mesh(&name, index, node, mesh, placed, warnings)?;
+            self.add_mesh(&name, index, node, mesh, attached, warnings)?;
         }
         let root = &self.document.root;
         if let Some(camera) = node.camera {
-            let from: json::Camera = self.document.get(&root.cameras, camera, &place, "camera")?;
+            let from: json::Camera = self.document.get(&root.cameras, camera, &attachment, "camera")?;
             if let Some(extras) = &from.extras {
-                self.document.hold(4 * extras.to_string().len(), &place)?;
+                self.document.hold(4 * extras.to_string().len(), &attachment)?;
             }
-            self.add_camera(&name, camera, &from, placed, warnings);
+            self.add_camera(&name, camera, &from, attached, warnings);
         }
         if let Some(light) = light {
             let lights = root.extensions.lights.as_ref().map_or(&[][..], |lights| &lights.lights);
-            let from: json::Light<'_> = self.document.get(lights, light.light, &place, "light")?;
-            self.add_light(light.light, &from, placed, warnings);
+            let from: json::Light<'_> = self.document.get(lights, light.light, &attachment, "light")?;
+            self.add_light(light.light, &from, attached, warnings);
         }
         Ok(())
     }
@@ -242,11 +242,12 @@ impl Adder<'_> {
             let base = Arc::new(parts.base);
             self.rig.made.bodies.push(Body { mesh, base, morphs, weights, influences, skin });
         }
-        let motion = motion.map_or(Ok(Motion::Auto), |word| word.parse()).unwrap_or_else(|unknown| {
-            let detail = format!("meshes[{}].extras.gnurt_motion: {unknown}", index.0);
-            warnings.note(Oddity::NotShown, &document.path, None, detail);
-            Motion::Auto
-        });
+        let motion =
+            motion.map_or(Ok(Motion::Auto), |motion_name| motion_name.parse()).unwrap_or_else(|unknown| {
+                let detail = format!("meshes[{}].extras.gnurt_motion: {unknown}", index.0);
+                warnings.note(Oddity::NotShown, &document.path, None, detail);
+                Motion::Auto
+            });
         let object = (!ids.is_empty())
             .then(|| self.scene.add_object(Object { name, meshes: ids, motion, ..Object::default() }));
         if is_shared {
@@ -261,13 +262,13 @@ impl Adder<'_> {
         index: Index,
         node: &json::Node,
         mesh: Index,
-        placed: NodePlace,
+        attached: NodeAttachment,
         warnings: &mut Warnings,
     ) -> Result<(), Error> {
         // A skinned mesh comes out in world space.
-        let is_placed = node.skin.is_none();
-        let world_from_object = if is_placed { placed.world_from_node } else { Affine::IDENTITY };
-        let moves = matches!(placed.place, Place::On(_));
+        let has_transform = node.skin.is_none();
+        let world_from_object = if has_transform { attached.world_from_node } else { Affine::IDENTITY };
+        let moves = matches!(attached.attachment, Attachment::On(_));
         // What is flat at rest may not be so later.
         if world_from_object.inverse().is_none() && !moves {
             warnings.note(Oddity::BadNode, &self.document.path, None, name);
@@ -276,13 +277,13 @@ impl Adder<'_> {
         let object = self.object(index, node, mesh, warnings)?;
         let object = object.map(|object| self.repeated(name, index, node, object, warnings)).transpose()?;
         if let Some(object) = object {
-            let visible = self.rig.is_visible(placed.place);
+            let visible = self.rig.is_visible(attached.attachment);
             let name = name.to_owned();
             let mask = self.ray_mask(&name, node, warnings);
             let instance =
                 self.scene.add_instance(Instance { name, object, world_from_object, visible, mask });
-            if let Place::On(node) = placed.place {
-                self.rig.made.instances.push(MovingInstance { instance, node, is_placed });
+            if let Attachment::On(node) = attached.attachment {
+                self.rig.made.instances.push(MovingInstance { instance, node, has_transform });
             }
         }
         Ok(())
@@ -303,8 +304,8 @@ impl Adder<'_> {
             warnings.note(Oddity::NotShown, &self.document.path, None, detail);
             return Ok(object);
         }
-        let Some(places) = instancing::places(self.document, from, index)? else { return Ok(object) };
-        let members = places.into_iter().map(|place| Member::new(object, place)).collect();
+        let Some(copies) = instancing::copies(self.document, from, index)? else { return Ok(object) };
+        let members = copies.into_iter().map(|attachment| Member::new(object, attachment)).collect();
         Ok(self.scene.add_object_of_members(name, members))
     }
 
@@ -331,7 +332,7 @@ impl Adder<'_> {
         name: &str,
         index: Index,
         from: &json::Camera,
-        placed: NodePlace,
+        attached: NodeAttachment,
         warnings: &mut Warnings,
     ) {
         let path = &self.document.path;
@@ -343,7 +344,7 @@ impl Adder<'_> {
             Err(why) => return warnings.note(Oddity::BadCamera, path, None, why),
         };
         let yfov = described.fov_y.to_radians();
-        let Some(camera) = camera_at(&described, &placed.world_from_node, yfov) else {
+        let Some(camera) = camera_at(&described, &attached.world_from_node, yfov) else {
             return warnings.note(Oddity::BadCamera, path, None, name);
         };
         let camera = self.scene.add_camera(camera);
@@ -359,9 +360,13 @@ impl Adder<'_> {
                 }
             }
         }
-        if self.rig.drafts.drives_angle(index) || matches!(placed.place, Place::On(_)) {
+        if self.rig.drafts.drives_angle(index) || matches!(attached.attachment, Attachment::On(_)) {
             let field_of_view = self.rig.add_angle(index, yfov);
-            self.rig.made.cameras.push(MovingCamera { camera, place: placed.place, field_of_view });
+            self.rig.made.cameras.push(MovingCamera {
+                camera,
+                attachment: attached.attachment,
+                field_of_view,
+            });
         }
     }
 
@@ -369,7 +374,7 @@ impl Adder<'_> {
         &mut self,
         index: Index,
         from: &json::Light<'_>,
-        placed: NodePlace,
+        attached: NodeAttachment,
         warnings: &mut Warnings,
     ) {
         let kind = match &*from.kind {
@@ -385,21 +390,21 @@ impl Adder<'_> {
             inner_angle: from.spot.inner_cone_angle,
             outer_angle: from.spot.outer_cone_angle,
         });
-        let visible = self.rig.is_visible(placed.place);
+        let visible = self.rig.is_visible(attached.attachment);
         let light =
-            factors.and_then(|factors| Some((factors, factors.light(&placed.world_from_node, visible)?)));
+            factors.and_then(|factors| Some((factors, factors.light(&attached.world_from_node, visible)?)));
         let Some((factors, light)) = light else {
             let detail = "light of an unknown kind or without a place";
             return warnings.note(Oddity::NotShown, &self.document.path, None, detail);
         };
-        let moves = self.rig.drafts.drives_light(index) || matches!(placed.place, Place::On(_));
+        let moves = self.rig.drafts.drives_light(index) || matches!(attached.attachment, Attachment::On(_));
         if !visible && !moves {
             return;
         }
         let light = self.scene.add_light(light);
         if moves {
             let factors = self.rig.add_light(index, factors);
-            self.rig.made.lights.push(MovingLight { light, place: placed.place, factors });
+            self.rig.made.lights.push(MovingLight { light, attachment: attached.attachment, factors });
         }
     }
 }

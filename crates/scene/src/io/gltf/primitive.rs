@@ -8,5 +8,5 @@ use super::json::Primitive;
 pub(super) struct PrimitiveReader<'a> {
     pub(super) document: &'a Document<'a>,
     pub(super) primitive: &'a Primitive,
-    pub(super) place: &'a str,
+    pub(super) location: &'a str,
 }

@@ -11,8 +11,8 @@ use super::json::{self, Index};
 use super::pointer::{Aim, NodePart, WeightsOf};
 use crate::affine::Affine;
 use crate::animation::{
-    Animation, Channel, Clip, Joint, LightFactors, Local, MovingMaterial, Node, Place, Skin, Target, Trs,
-    stretches,
+    Animation, Attachment, Channel, Clip, Joint, LightFactors, Local, MovingMaterial, Node, Skin, Target,
+    Trs, stretches,
 };
 use crate::io::{Error, Oddity, Warnings};
 use crate::scene::Scene;
@@ -34,7 +34,7 @@ pub(super) struct Rig<'a> {
     lights: HashMap<Index, u32>,
     materials: HashMap<Index, u32>,
     /// Where joints stand, and where that is at rest.
-    joints: HashMap<Index, (Place, Affine)>,
+    joints: HashMap<Index, (Attachment, Affine)>,
 }
 
 impl<'a> Rig<'a> {
@@ -71,14 +71,14 @@ impl<'a> Rig<'a> {
         &mut self,
         index: Index,
         node: &json::Node,
-        parent: Place,
+        parent: Attachment,
         world_from_node: Affine,
-    ) -> Result<Place, Error> {
+    ) -> Result<Attachment, Error> {
         let visible = node.extensions.visibility.as_ref().is_none_or(|v| v.visible);
-        let place = match (self.nodes.get(&index), parent) {
-            (Some(&known), _) => Place::On(known),
-            (None, Place::Fixed { visible: above, .. }) if !self.drafts.drives_node(index) => {
-                Place::Fixed { world_from_node, visible: above && visible }
+        let attachment = match (self.nodes.get(&index), parent) {
+            (Some(&known), _) => Attachment::On(known),
+            (None, Attachment::Fixed { visible: above, .. }) if !self.drafts.drives_node(index) => {
+                Attachment::Fixed { world_from_node, visible: above && visible }
             }
             (None, parent) => {
                 let name = node.name.clone().unwrap_or_default();
@@ -87,20 +87,20 @@ impl<'a> Rig<'a> {
                 self.visible.push(self.is_visible(parent) && visible);
                 self.made.nodes.push(Node { name, parent, rest: local(node), visible });
                 self.nodes.insert(index, number);
-                Place::On(number)
+                Attachment::On(number)
             }
         };
         if let Some(joint) = self.joints.get_mut(&index) {
-            *joint = (place, world_from_node);
+            *joint = (attachment, world_from_node);
         }
-        Ok(place)
+        Ok(attachment)
     }
 
     /// Whether what stands there is seen at rest.
-    pub(super) fn is_visible(&self, place: Place) -> bool {
-        match place {
-            Place::On(node) => self.visible[node as usize],
-            Place::Fixed { visible, .. } => visible,
+    pub(super) fn is_visible(&self, attachment: Attachment) -> bool {
+        match attachment {
+            Attachment::On(node) => self.visible[node as usize],
+            Attachment::Fixed { visible, .. } => visible,
         }
     }
 
@@ -108,8 +108,8 @@ impl<'a> Rig<'a> {
     fn may_stretch(&self) -> bool {
         let uneven = |node: &Node| {
             let above = match node.parent {
-                Place::Fixed { world_from_node, .. } => stretches(&world_from_node),
-                Place::On(_) => false,
+                Attachment::Fixed { world_from_node, .. } => stretches(&world_from_node),
+                Attachment::On(_) => false,
             };
             above || stretches(&node.rest.affine())
         };
@@ -135,7 +135,7 @@ impl<'a> Rig<'a> {
         let mut at_rest = Vec::with_capacity(skin.joints.len());
         let mut joints = Vec::with_capacity(skin.joints.len());
         for (k, joint) in skin.joints.iter().enumerate() {
-            let (place, world_from_joint) =
+            let (attachment, world_from_joint) =
                 self.joints.get(joint).copied().unwrap_or((NOWHERE, Affine::IDENTITY));
             let bind = inverse_binds.get(k).map(|m| Affine::from_column_major(&m.map(f64::from)));
             let is_finite = |m: &Affine| m.columns.as_flattened().iter().all(|x| x.is_finite());
@@ -145,9 +145,9 @@ impl<'a> Rig<'a> {
             }
             let joint_from_mesh = bind.filter(is_finite).unwrap_or_default();
             at_rest.push(world_from_joint * joint_from_mesh);
-            joints.push(Joint { place, joint_from_mesh });
+            joints.push(Joint { attachment, joint_from_mesh });
         }
-        let moves = joints.iter().any(|joint| matches!(joint.place, Place::On(_)));
+        let moves = joints.iter().any(|joint| matches!(joint.attachment, Attachment::On(_)));
         let stretches = at_rest.iter().any(stretches) || (moves && self.may_stretch());
         Ok((Skin { joints, stretches }, at_rest))
     }
@@ -257,7 +257,7 @@ impl<'a> Rig<'a> {
 }
 
 /// Where joints are that are not shown.
-const NOWHERE: Place = Place::Fixed { world_from_node: Affine::IDENTITY, visible: true };
+const NOWHERE: Attachment = Attachment::Fixed { world_from_node: Affine::IDENTITY, visible: true };
 
 /// Where a node is on its parent, at rest.
 pub(super) fn local(node: &json::Node) -> Local {
@@ -272,18 +272,18 @@ pub(super) fn local(node: &json::Node) -> Local {
 }
 
 /// Where the joints of all skins stand is asked for once, before anything is bent.
-fn joints_of_all_skins(document: &Document<'_>) -> Result<HashMap<Index, (Place, Affine)>, Error> {
+fn joints_of_all_skins(document: &Document<'_>) -> Result<HashMap<Index, (Attachment, Affine)>, Error> {
     let mut joints = HashMap::new();
     for k in 0..document.root.skins.len() {
-        let place = format!("skins[{k}]");
-        let skin: json::Skin = document.get(&document.root.skins, Index(k as u32), &place, "skin")?;
+        let attachment = format!("skins[{k}]");
+        let skin: json::Skin = document.get(&document.root.skins, Index(k as u32), &attachment, "skin")?;
         for joint in skin.joints {
             if joint.value() >= document.root.nodes.len() {
-                return Err(document.error(&place, format!("joint {} does not exist", joint.0), ""));
+                return Err(document.error(&attachment, format!("joint {} does not exist", joint.0), ""));
             }
             if joints.insert(joint, (NOWHERE, Affine::IDENTITY)).is_none() {
                 // A table is up to half empty.
-                document.hold(2 * size_of::<(Index, (Place, Affine))>(), &place)?;
+                document.hold(2 * size_of::<(Index, (Attachment, Affine))>(), &attachment)?;
             }
         }
     }

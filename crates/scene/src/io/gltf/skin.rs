@@ -9,7 +9,9 @@ use super::accessor::{floats, joints};
 use super::json::{Index, Target};
 use super::primitive::PrimitiveReader;
 use crate::affine::Affine;
-use crate::animation::{Bend, Deltas, Influences, Morph, Place, Skin, add_morph, follow_joints, mirrored};
+use crate::animation::{
+    Attachment, Bend, Deltas, Influences, Morph, Skin, add_morph, follow_joints, mirrored,
+};
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 
@@ -36,8 +38,9 @@ impl Bending {
         let weights = if bends { weights.to_vec() } else { Vec::new() };
         let joints = skin.map(|(_, at_rest)| at_rest.clone()).unwrap_or_default();
         let stretches = skin.is_some_and(|(skin, _)| skin.stretches);
-        let joint_moves =
-            |(skin, _): &(Skin, _)| skin.joints.iter().any(|joint| matches!(joint.place, Place::On(_)));
+        let joint_moves = |(skin, _): &(Skin, _)| {
+            skin.joints.iter().any(|joint| matches!(joint.attachment, Attachment::On(_)))
+        };
         Self {
             rest: Bend { weights, joints, stretches },
             is_skinned: skin.is_some(),
@@ -55,7 +58,7 @@ impl Bending {
     ) -> Result<(Option<Parts>, Option<Vec<bool>>), Error> {
         let base = match self.moves {
             true => {
-                from.document.hold(mesh.memory_bytes(), from.place)?;
+                from.document.hold(mesh.memory_bytes(), from.location)?;
                 Some(mesh.clone())
             }
             false => None,
@@ -63,7 +66,7 @@ impl Bending {
         let mut morphs = Vec::new();
         if self.moves {
             let count = from.primitive.targets.len();
-            from.document.hold(size_of::<Morph>() * count, from.place)?;
+            from.document.hold(size_of::<Morph>() * count, from.location)?;
             morphs.reserve_exact(count);
         }
         let weights = self.rest.weights.iter().copied();
@@ -105,18 +108,18 @@ impl Parts {
         });
         let mut used = vec![false; count];
         triangles.iter().flatten().for_each(|&i| used[i as usize] = true);
-        let kept: Vec<u32> = (0..count as u32).filter(|&i| used[i as usize]).collect();
+        let retained: Vec<u32> = (0..count as u32).filter(|&i| used[i as usize]).collect();
         self.base.indices = triangles;
-        if kept.len() < count {
+        if retained.len() < count {
             for morph in &mut self.morphs {
                 for deltas in [&mut morph.positions, &mut morph.normals, &mut morph.tangents] {
-                    *deltas = deltas.keep(&kept);
+                    *deltas = deltas.keep(&retained);
                 }
             }
-            self.influences = self.influences.map(|influences| influences.keep(&kept));
+            self.influences = self.influences.map(|influences| influences.keep(&retained));
             self.base.drop_unused_vertices();
         }
-        (!kept.is_empty()).then_some(self)
+        (!retained.is_empty()).then_some(self)
     }
 
     /// Bytes that it holds.
@@ -134,10 +137,10 @@ impl PrimitiveReader<'_> {
         let mut deltas = |index: Option<Index>, count: usize| -> Result<Deltas, Error> {
             let Some(index) = index.filter(|_| count > 0) else { return Ok(Deltas::default()) };
             let before = self.document.budget().held();
-            let values = floats::<3>(self.document, index, self.place)?;
+            let values = floats::<3>(self.document, index, self.location)?;
             if values.len() != count {
                 let detail =
-                    format!("{}: a morph target of {} of {count} vertices", self.place, values.len());
+                    format!("{}: a morph target of {} of {count} vertices", self.location, values.len());
                 warnings.note(Oddity::BadAttribute, &self.document.path, None, detail);
                 self.document.budget().settle(before);
                 return Ok(Deltas::default());
@@ -168,17 +171,17 @@ impl PrimitiveReader<'_> {
                 continue;
             };
             // What is read, and what is made of it.
-            document.hold(vertices.saturating_mul(2 * 4 * size_of::<(u32, f32)>() + 4), self.place)?;
-            let joints = joints(document, joint_index, self.place)?;
-            let weights = floats::<4>(document, weight_index, self.place)?;
+            document.hold(vertices.saturating_mul(2 * 4 * size_of::<(u32, f32)>() + 4), self.location)?;
+            let joints = joints(document, joint_index, self.location)?;
+            let weights = floats::<4>(document, weight_index, self.location)?;
             if joints.len() != vertices || weights.len() != vertices {
                 let (j, w) = (joints.len(), weights.len());
-                let detail = format!("{}: {j} joints and {w} weights for {vertices} vertices", self.place);
+                let detail = format!("{}: {j} joints and {w} weights for {vertices} vertices", self.location);
                 warnings.note(Oddity::BadAttribute, &document.path, None, detail);
                 continue;
             }
             if let Some(i) = weights.iter().position(|of| of.iter().any(|w| !w.is_finite())) {
-                let detail = format!("{}: vertex {i} hangs on a joint by no finite weight", self.place);
+                let detail = format!("{}: vertex {i} hangs on a joint by no finite weight", self.location);
                 warnings.note(Oddity::BadAttribute, &document.path, None, detail);
             }
             sets.push((joints, weights));
@@ -194,7 +197,7 @@ impl PrimitiveReader<'_> {
             influences.push(sets.iter().flat_map(of));
             if let Some(&(joint, _)) = influences.of(i).iter().find(|(joint, _)| *joint as usize >= count) {
                 let problem = format!("vertex {i} hangs on joint {joint}, but the skin has {count} joints");
-                return Err(document.error(self.place, problem, ""));
+                return Err(document.error(self.location, problem, ""));
             }
         }
         Ok(Some(influences))

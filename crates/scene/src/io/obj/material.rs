@@ -68,10 +68,12 @@ pub(super) fn add_all(
         let material = convert(entry, scene, &mut textures, warnings);
         let id = scene.add_material(material);
         materials.push(id);
-        if let Some(said) = &entry.shader {
-            match shader_file(entry, said, access) {
+        if let Some(map_statement) = &entry.shader {
+            match shader_file(entry, map_statement, access) {
                 Ok(file) => scene.set_shader_file(id, file),
-                Err(why) => warnings.note(Oddity::BadMaterialLine, &entry.path, Some(said.line), why),
+                Err(why) => {
+                    warnings.note(Oddity::BadMaterialLine, &entry.path, Some(map_statement.line), why)
+                }
             }
         }
     }
@@ -79,18 +81,18 @@ pub(super) fn add_all(
 }
 
 /// `FILE [NAME=VALUE ...]`: the file's name ends where the first parameter begins.
-fn shader_file(entry: &Entry, said: &Map, access: &Access) -> Result<ShaderFile, String> {
-    let words: Vec<&str> = said.text.split_whitespace().collect();
-    let first = words.iter().position(|word| word.contains('=')).unwrap_or(words.len());
+fn shader_file(entry: &Entry, map_statement: &Map, access: &Access) -> Result<ShaderFile, String> {
+    let parts: Vec<&str> = map_statement.text.split_whitespace().collect();
+    let first = parts.iter().position(|part| part.contains('=')).unwrap_or(parts.len());
     if first == 0 {
         return Err("`gnurt_shader` without a file name".into());
     }
-    let pair = |word: &&str| match word.split_once('=') {
+    let pair = |part: &&str| match part.split_once('=') {
         Some((name, value)) if !name.is_empty() => Ok((name.to_owned(), value.to_owned())),
         _ => Err("`gnurt_shader`: expected NAME=VALUE behind the file".to_owned()),
     };
-    let parameters = words[first..].iter().map(pair).collect::<Result<_, _>>()?;
-    let file = source::resolve(&entry.path, &words[..first].join(" "));
+    let parameters = parts[first..].iter().map(pair).collect::<Result<_, _>>()?;
+    let file = source::resolve(&entry.path, &parts[..first].join(" "));
     Ok(ShaderFile { file, parameters, confined_to: access.confined_to() })
 }
 
@@ -103,10 +105,10 @@ fn check_maps(entry: &Entry, access: &Access) -> Result<(), Error> {
             access.check(&source::resolve(&entry.path, &statement.file)).map_err(outside)?;
         }
     }
-    if let Some(said) = &entry.shader
-        && let Ok(shader) = shader_file(entry, said, access)
+    if let Some(map_statement) = &entry.shader
+        && let Ok(shader) = shader_file(entry, map_statement, access)
     {
-        let outside = |(problem, remedy)| Error::data(&entry.path, Some(said.line), problem, remedy);
+        let outside = |(problem, remedy)| Error::data(&entry.path, Some(map_statement.line), problem, remedy);
         access.check(&shader.file).map_err(outside)?;
     }
     Ok(())
@@ -121,8 +123,8 @@ fn convert(entry: &Entry, scene: &mut Scene, textures: &mut Textures, warnings: 
     let map_d = map(&entry.map_d, Meaning::Data);
     let heights = if entry.bump.is_some() { &entry.bump } else { &entry.disp };
     let height_of = |map: &Option<Box<Map>>| {
-        let said = map.as_ref().and_then(|map| MapStatement::parse(&map.text));
-        said.map_or(1.0, |said| said.bump)
+        let map_statement = map.as_ref().and_then(|map| MapStatement::parse(&map.text));
+        map_statement.map_or(1.0, |map_statement| map_statement.bump)
     };
     let mut normals =
         map(&entry.norm, Meaning::Data).map(|texture| NormalMap { texture, scale: height_of(&entry.norm) });

@@ -132,7 +132,7 @@ impl Library {
         let path = Rc::new(path.to_owned());
         // The first definition of a name counts; what a later one says goes nowhere.
         let mut nowhere = Entry::default();
-        let mut place = None;
+        let mut location = None;
         while let Some((line, text)) = lines.next()? {
             let (keyword, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
             let rest = rest.trim();
@@ -140,9 +140,9 @@ impl Library {
             if keyword == "newmtl" && rest.is_empty() {
                 warn("`newmtl` without a name".into());
             } else if keyword == "newmtl" {
-                place = Some(!self.by_name.contains_key(rest));
+                location = Some(!self.by_name.contains_key(rest));
                 nowhere = Entry::default();
-                if place == Some(true) {
+                if location == Some(true) {
                     if let Err(excess) = access.budget.hold(ENTRY_BYTES + rest.len()) {
                         return Ok(Some((line, excess)));
                     }
@@ -151,7 +151,7 @@ impl Library {
                     self.by_name.insert(name, self.entries.len());
                 }
             } else {
-                let entry = match place {
+                let entry = match location {
                     Some(true) => self.entries.last_mut(),
                     Some(false) => Some(&mut nowhere),
                     None => None,

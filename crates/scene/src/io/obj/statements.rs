@@ -46,7 +46,7 @@ impl<'a> Statements<'a> {
         access: &'a Access,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let mut said = Self {
+        let mut counts = Self {
             path,
             access,
             lists: Lists::default(),
@@ -60,18 +60,18 @@ impl<'a> Statements<'a> {
             cutter: Cutter::for_file(length),
         };
         while let Some((line, text)) = lines.next()? {
-            said.statement(&Place { path, line }, text, warnings)?;
-            said.count += 1;
-            if said.count.is_multiple_of(STATEMENTS_BETWEEN) {
-                said.hold()?;
+            counts.statement(&Location { path, line }, text, warnings)?;
+            counts.count += 1;
+            if counts.count.is_multiple_of(STATEMENTS_BETWEEN) {
+                counts.hold()?;
             }
         }
-        said.hold()?;
-        if said.count > 0 && !said.recognised {
+        counts.hold()?;
+        if counts.count > 0 && !counts.recognised {
             let remedy = "expected lines such as `v X Y Z` and `f 1 2 3`";
             return Err(Error::data(path, Some(1), "no OBJ statement in this file", remedy));
         }
-        Ok(said)
+        Ok(counts)
     }
 
     /// Asks the budget for what was taken since it was asked last.
@@ -85,25 +85,34 @@ impl<'a> Statements<'a> {
         Ok(())
     }
 
-    fn statement(&mut self, place: &Place<'_>, text: &str, warnings: &mut Warnings) -> Result<(), Error> {
+    fn statement(
+        &mut self,
+        location: &Location<'_>,
+        text: &str,
+        warnings: &mut Warnings,
+    ) -> Result<(), Error> {
         let (keyword, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
         match keyword {
-            "v" => self.position(rest, place, warnings)?,
+            "v" => self.position(rest, location, warnings)?,
             "vt" => {
-                let texcoord = attribute::<2>(rest, place, warnings);
+                let texcoord = attribute::<2>(rest, location, warnings);
                 self.lists.texcoords.push(texcoord);
             }
             "vn" => {
-                let normal = attribute::<3>(rest, place, warnings);
+                let normal = attribute::<3>(rest, location, warnings);
                 self.lists.normals.push(normal);
             }
-            "f" | "fo" => self.face(rest, place, warnings)?,
-            "l" | "p" => warnings.note(Oddity::PointsOrLines, place.path, Some(place.line), ""),
-            "mtllib" => self.library.read(place.path, place.line, rest.trim(), self.access, warnings)?,
-            "usemtl" => self.material = self.library.number_of(rest.trim(), place.path, place.line, warnings),
+            "f" | "fo" => self.face(rest, location, warnings)?,
+            "l" | "p" => warnings.note(Oddity::PointsOrLines, location.path, Some(location.line), ""),
+            "mtllib" => {
+                self.library.read(location.path, location.line, rest.trim(), self.access, warnings)?
+            }
+            "usemtl" => {
+                self.material = self.library.number_of(rest.trim(), location.path, location.line, warnings)
+            }
             "o" | "g" | "s" => {}
             "surf" | "bsp" | "bzp" => {
-                warnings.note(Oddity::NotShown, place.path, Some(place.line), "free-form surface");
+                warnings.note(Oddity::NotShown, location.path, Some(location.line), "free-form surface");
             }
             _ => return Ok(()),
         }
@@ -111,32 +120,37 @@ impl<'a> Statements<'a> {
         Ok(())
     }
 
-    fn position(&mut self, rest: &str, place: &Place<'_>, warnings: &mut Warnings) -> Result<(), Error> {
+    fn position(
+        &mut self,
+        rest: &str,
+        location: &Location<'_>,
+        warnings: &mut Warnings,
+    ) -> Result<(), Error> {
         const REMEDY: &str = "expected `v X Y Z`, `v X Y Z W` or `v X Y Z R G B`";
         let mut numbers = [1.0_f32; 6];
         let mut count = 0;
         for token in values(rest).take(7) {
-            let x =
-                number(token).ok_or_else(|| place.error(format!("bad number {}", quoted(token)), REMEDY))?;
+            let x = number(token)
+                .ok_or_else(|| location.error(format!("bad number {}", quoted(token)), REMEDY))?;
             if let Some(slot) = numbers.get_mut(count) {
                 *slot = x;
             }
             count += 1;
         }
         if count < 3 {
-            return Err(place.error(format!("a vertex of {count} numbers"), REMEDY));
+            return Err(location.error(format!("a vertex of {count} numbers"), REMEDY));
         }
         let [x, y, z, r, g, b] = numbers;
         let lists = &mut self.lists;
         if lists.positions.len() >= NONE as usize {
-            return Err(place.error("more than 2^32 - 1 vertices".into(), "divide the file"));
+            return Err(location.error("more than 2^32 - 1 vertices".into(), "divide the file"));
         }
         // The first vertex says whether vertices have colours.
         let colored = if lists.positions.is_empty() { count >= 6 } else { !lists.colors.is_empty() };
         if colored {
             if count < 6 {
                 let detail = "a vertex without colour among coloured ones";
-                warnings.note(Oddity::BadAttribute, place.path, Some(place.line), detail);
+                warnings.note(Oddity::BadAttribute, location.path, Some(location.line), detail);
             }
             lists.colors.push(if count < 6 { [1.0; 3] } else { [r, g, b] });
         }
@@ -144,14 +158,14 @@ impl<'a> Statements<'a> {
         Ok(())
     }
 
-    fn face(&mut self, rest: &str, place: &Place<'_>, warnings: &mut Warnings) -> Result<(), Error> {
+    fn face(&mut self, rest: &str, location: &Location<'_>, warnings: &mut Warnings) -> Result<(), Error> {
         let corners = &mut self.corners;
         corners.clear();
         let (mut texcoords, mut normals) = (true, true);
         let (mut bad_texcoord, mut bad_normal) = (false, false);
         for token in values(rest) {
-            let [v, t, n] = corner(token, place)?;
-            let position = resolve_position(v, self.lists.positions.len(), place)?;
+            let [v, t, n] = corner(token, location)?;
+            let position = resolve_position(v, self.lists.positions.len(), location)?;
             let texcoord = resolve(t, self.lists.texcoords.len());
             let normal = resolve(n, self.lists.normals.len());
             bad_texcoord |= t.is_some() && texcoord.is_none();
@@ -160,7 +174,7 @@ impl<'a> Statements<'a> {
             normals &= normal.is_some();
             corners.push([position, texcoord.unwrap_or(NONE), normal.unwrap_or(NONE)]);
         }
-        let mut note = |oddity| warnings.note(oddity, place.path, Some(place.line), "");
+        let mut note = |oddity| warnings.note(oddity, location.path, Some(location.line), "");
         if bad_texcoord {
             note(Oddity::TexcoordOutOfRange);
         }
@@ -182,12 +196,12 @@ impl<'a> Statements<'a> {
 }
 
 /// Where a statement stands.
-struct Place<'a> {
+struct Location<'a> {
     path: &'a Path,
     line: u64,
 }
 
-impl Place<'_> {
+impl Location<'_> {
     fn error(&self, problem: String, remedy: impl Into<String>) -> Error {
         Error::data(self.path, Some(self.line), problem, remedy)
     }
@@ -208,7 +222,7 @@ fn number(token: &str) -> Option<f32> {
 }
 
 /// `vt` and `vn`: what is missing or no number is 0, which says nothing.
-fn attribute<const N: usize>(rest: &str, place: &Place<'_>, warnings: &mut Warnings) -> [f32; N] {
+fn attribute<const N: usize>(rest: &str, location: &Location<'_>, warnings: &mut Warnings) -> [f32; N] {
     let mut numbers = [0.0; N];
     let mut good = values(rest).next().is_some();
     for (slot, token) in numbers.iter_mut().zip(values(rest)) {
@@ -217,15 +231,16 @@ fn attribute<const N: usize>(rest: &str, place: &Place<'_>, warnings: &mut Warni
         *slot = x.unwrap_or(0.0);
     }
     if !good {
-        warnings.note(Oddity::BadAttribute, place.path, Some(place.line), quoted(rest));
+        warnings.note(Oddity::BadAttribute, location.path, Some(location.line), quoted(rest));
     }
     numbers
 }
 
 /// `v`, `v/t`, `v//n` or `v/t/n` as written.
-fn corner(token: &str, place: &Place<'_>) -> Result<[Option<i64>; 3], Error> {
-    let bad =
-        || place.error(format!("bad corner {}", quoted(token)), "expected `V`, `V/VT`, `V//VN` or `V/VT/VN`");
+fn corner(token: &str, location: &Location<'_>) -> Result<[Option<i64>; 3], Error> {
+    let bad = || {
+        location.error(format!("bad corner {}", quoted(token)), "expected `V`, `V/VT`, `V//VN` or `V/VT/VN`")
+    };
     let mut indices = [None; 3];
     for (k, part) in token.split('/').enumerate() {
         let slot = indices.get_mut(k).ok_or_else(bad)?;
@@ -236,14 +251,14 @@ fn corner(token: &str, place: &Place<'_>) -> Result<[Option<i64>; 3], Error> {
     Ok(indices)
 }
 
-fn resolve_position(index: Option<i64>, count: usize, place: &Place<'_>) -> Result<u32, Error> {
+fn resolve_position(index: Option<i64>, count: usize, location: &Location<'_>) -> Result<u32, Error> {
     resolve(index, count).ok_or_else(|| {
         let problem = format!("vertex index {} out of range", index.unwrap_or(0));
         let remedy = match count {
             0 => "no vertex is defined before this line".to_owned(),
             n => format!("expected 1 to {n} or -{n} to -1"),
         };
-        place.error(problem, remedy)
+        location.error(problem, remedy)
     })
 }
 

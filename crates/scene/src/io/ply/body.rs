@@ -115,7 +115,7 @@ impl<R: BufRead> Body<'_, R> {
                 format!("the file ends before `{name}` {index} of {count}")
             }
             Fault::End => format!("the file ends in `{name}` {index} of {count}"),
-            Fault::Word => {
+            Fault::Token => {
                 let properties: Vec<_> = element.properties.iter().map(|p| &p.name[..]).take(16).collect();
                 let problem = format!("bad `{name}` line {}", quoted(self.numbers.text().trim()));
                 return self.error(problem, format!("expected numbers for {}", properties.join(" ")));
@@ -155,7 +155,7 @@ impl<R: BufRead> Body<'_, R> {
         };
         self.hold(count.saturating_mul(columns.vertex_bytes()))?;
         let mesh = &mut self.mesh;
-        let reserve = |wanted: bool| if wanted { count } else { 0 };
+        let reserve = |requested: bool| if requested { count } else { 0 };
         mesh.positions.reserve_exact(count);
         mesh.normals.reserve_exact(reserve(columns.normals));
         mesh.texcoords.reserve_exact(reserve(columns.texcoords));

@@ -119,24 +119,24 @@ pub(super) fn read(
     if lines.next()? != "ply" {
         return error(1, "not a PLY file", "expected `ply` in its first line");
     }
-    let mut said = Said::default();
+    let mut declared = Declared::default();
     loop {
         let line = lines.next()?;
         if line == "end_header" {
             break;
         }
-        if said.is_remark(&line) {
+        if declared.is_remark(&line) {
             warnings.note(Oddity::BadHeaderLine, path, Some(lines.number), quoted(&line));
-        } else if let Err((problem, remedy)) = said.line(&line) {
+        } else if let Err((problem, remedy)) = declared.line(&line) {
             return error(lines.number, &problem, &remedy);
         }
     }
     let (body_bytes, number) = (length.saturating_sub(lines.bytes as u64), lines.number);
-    let Some(encoding) = said.encoding else {
+    let Some(encoding) = declared.encoding else {
         let remedy = "expected `format ascii 1.0` or a binary format";
         return error(number, "no `format` line in the header", remedy);
     };
-    let elements = said.elements.into_iter().filter(|e| !e.properties.is_empty()).collect();
+    let elements = declared.elements.into_iter().filter(|e| !e.properties.is_empty()).collect();
     Ok(Header { encoding, elements, body_bytes, lines: number })
 }
 
@@ -225,7 +225,7 @@ type Mistake = (String, String);
 
 /// What the lines of a header have said so far.
 #[derive(Default)]
-struct Said {
+struct Declared {
     encoding: Option<Encoding>,
     elements: Vec<Element>,
     element_names: HashSet<String>,
@@ -233,7 +233,7 @@ struct Said {
     property_names: HashSet<String>,
 }
 
-impl Said {
+impl Declared {
     /// Whether a line without a keyword stands where it cannot be about the layout of the body: before the first element. Old
     /// exporters put their name there.
     fn is_remark(&self, line: &str) -> bool {
@@ -243,8 +243,8 @@ impl Said {
     }
 
     fn line(&mut self, line: &str) -> Result<(), Mistake> {
-        let words: Vec<&str> = line.split(' ').collect();
-        match words[..] {
+        let parts: Vec<&str> = line.split(' ').collect();
+        match parts[..] {
             ["" | "comment" | "obj_info", ..] => Ok(()),
             ["format", name, "1.0"] if self.encoding.is_none() && encoding(name).is_some() => {
                 self.encoding = encoding(name);
@@ -303,12 +303,12 @@ fn encoding(name: &str) -> Option<Encoding> {
     })
 }
 
-fn scalar(word: &str) -> Result<Scalar, Mistake> {
-    Scalar::of(word).ok_or_else(|| (format!("unknown type {}", quoted(word)), format!("valid are {TYPES}")))
+fn scalar(token: &str) -> Result<Scalar, Mistake> {
+    Scalar::of(token).ok_or_else(|| (format!("unknown type {}", quoted(token)), format!("valid are {TYPES}")))
 }
 
-fn once(seen: &mut HashSet<String>, name: &str) -> Result<(), Mistake> {
-    match seen.insert(name.to_owned()) {
+fn once(names: &mut HashSet<String>, name: &str) -> Result<(), Mistake> {
+    match names.insert(name.to_owned()) {
         true => Ok(()),
         false => Err((format!("{} is declared twice", quoted(name)), "names must differ".into())),
     }

@@ -15,7 +15,7 @@ pub(super) enum Fault {
     /// The file ends.
     End,
     /// A word that is no number, or none.
-    Word,
+    Token,
     /// A list of a negative length.
     Negative,
     /// A line that is no line.
@@ -96,13 +96,13 @@ impl<'a, R: BufRead> Numbers<'a, R> {
     }
 
     /// The next word of the line.
-    fn word(&mut self) -> Result<&str, Fault> {
+    fn token(&mut self) -> Result<&str, Fault> {
         let rest = &self.text[self.at..];
-        let start = rest.iter().position(|b| !b.is_ascii_whitespace()).ok_or(Fault::Word)?;
+        let start = rest.iter().position(|b| !b.is_ascii_whitespace()).ok_or(Fault::Token)?;
         let rest = &rest[start..];
         let length = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
         self.at += start + length;
-        std::str::from_utf8(&rest[..length]).map_err(|_| Fault::Word)
+        std::str::from_utf8(&rest[..length]).map_err(|_| Fault::Token)
     }
 
     /// Whether the line of a text has no more words.
@@ -124,8 +124,8 @@ impl<'a, R: BufRead> Numbers<'a, R> {
         if self.encoding == Encoding::Text {
             return Ok(match of_type {
                 // As a float, so that it is rounded once.
-                Scalar::F32 => f64::from(self.word()?.parse::<f32>().map_err(|_| Fault::Word)?),
-                Scalar::F64 => self.word()?.parse().map_err(|_| Fault::Word)?,
+                Scalar::F32 => f64::from(self.token()?.parse::<f32>().map_err(|_| Fault::Token)?),
+                Scalar::F64 => self.token()?.parse().map_err(|_| Fault::Token)?,
                 _ => self.integer(of_type)? as f64,
             });
         }
@@ -139,7 +139,7 @@ impl<'a, R: BufRead> Numbers<'a, R> {
     /// A number of an integer type.
     pub(super) fn integer(&mut self, of_type: Scalar) -> Result<i64, Fault> {
         if self.encoding == Encoding::Text {
-            let number: i64 = self.word()?.parse().map_err(|_| Fault::Word)?;
+            let number: i64 = self.token()?.parse().map_err(|_| Fault::Token)?;
             let range = match of_type {
                 Scalar::I8 => i64::from(i8::MIN)..=i64::from(i8::MAX),
                 Scalar::U8 => 0..=i64::from(u8::MAX),
@@ -148,7 +148,7 @@ impl<'a, R: BufRead> Numbers<'a, R> {
                 Scalar::I32 => i64::from(i32::MIN)..=i64::from(i32::MAX),
                 _ => 0..=i64::from(u32::MAX),
             };
-            return if range.contains(&number) { Ok(number) } else { Err(Fault::Word) };
+            return if range.contains(&number) { Ok(number) } else { Err(Fault::Token) };
         }
         Ok(match of_type {
             Scalar::I8 => i64::from(i8::from_le_bytes(self.bytes()?)),
@@ -158,14 +158,14 @@ impl<'a, R: BufRead> Numbers<'a, R> {
             Scalar::I32 => i64::from(i32::from_le_bytes(self.bytes()?)),
             Scalar::U32 => i64::from(u32::from_le_bytes(self.bytes()?)),
             // Nobody asks for an integer where the header declares a float.
-            Scalar::F32 | Scalar::F64 => return Err(Fault::Word),
+            Scalar::F32 | Scalar::F64 => return Err(Fault::Token),
         })
     }
 
     /// The length of a list.
     pub(super) fn length(&mut self, of_type: Scalar) -> Result<u64, Fault> {
         let text = self.encoding == Encoding::Text;
-        u64::try_from(self.integer(of_type)?).map_err(|_| if text { Fault::Word } else { Fault::Negative })
+        u64::try_from(self.integer(of_type)?).map_err(|_| if text { Fault::Token } else { Fault::Negative })
     }
 
     /// Steps over a property.

@@ -165,16 +165,16 @@ fn binary_file(mut json: Vec<u8>, bytes: &[u8], path: &Path) -> Result<Vec<u8>, 
     json.resize(json.len().next_multiple_of(4), b' ');
     let binary = bytes.len().next_multiple_of(4);
     let length = 12 + 8 + json.len() + if binary > 0 { 8 + binary } else { 0 };
-    let word = |n: usize| u32::try_from(n).map(u32::to_le_bytes);
+    let u32_bytes = |n: usize| u32::try_from(n).map(u32::to_le_bytes);
     let too_large = |_| Error::io(path, "more than 4 GiB", "a .gltf file may be larger");
     let mut file = Vec::with_capacity(length);
     file.extend(b"glTF\x02\0\0\0");
-    file.extend(word(length).map_err(too_large)?);
-    file.extend(word(json.len()).map_err(too_large)?);
+    file.extend(u32_bytes(length).map_err(too_large)?);
+    file.extend(u32_bytes(json.len()).map_err(too_large)?);
     file.extend(b"JSON");
     file.extend(json);
     if binary > 0 {
-        file.extend(word(binary).map_err(too_large)?);
+        file.extend(u32_bytes(binary).map_err(too_large)?);
         file.extend(b"BIN\0");
         file.extend(bytes);
         file.resize(length, 0);
@@ -238,13 +238,13 @@ fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<Nodes, E
         .map(|object| if is_mesh(scene, object) { next.next() } else { None })
         .collect();
     // Way from the root: how many nodes it has, and their places.
-    let mut way: Vec<usize> = Vec::new();
+    let mut stack: Vec<usize> = Vec::new();
     for found in scene.occurrences() {
         if nodes.len() >= MOST_NODES {
             let problem = format!("more than {MOST_NODES} nodes, with objects in objects unfolded");
             return Err(Error::io(path, problem, "glTF has a node for each; leave some out"));
         }
-        way.truncate(found.depth);
+        stack.truncate(found.depth);
         let matrix = found.parent_from_object.to_column_major();
         let mut node = json!({ "name": found.name, "matrix": matrix });
         if let Some(number) = numbers[found.object_id.index()] {
@@ -253,23 +253,23 @@ fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<Nodes, E
                 node["extras"] = json!({ "mask": found.mask.0 });
             }
         }
-        let place = nodes.len();
-        match way.last() {
-            None => roots.push(place),
+        let node_index = nodes.len();
+        match stack.last() {
+            None => roots.push(node_index),
             Some(&parent) => {
                 let parent: &mut Value = &mut nodes[parent];
                 match parent["children"].as_array_mut() {
-                    Some(children) => children.push(place.into()),
-                    None => parent["children"] = json!([place]),
+                    Some(children) => children.push(node_index.into()),
+                    None => parent["children"] = json!([node_index]),
                 }
             }
         }
         nodes.push(node);
-        way.push(place);
+        stack.push(node_index);
     }
     let mut lights = Vec::new();
     for light in scene.lights() {
-        let (described, place) = match light {
+        let (described, node_index) = match light {
             Light::Point { position, intensity } => {
                 (punctual("point", *intensity), at(*position, [0.0, 0.0, -1.0]))
             }
@@ -288,7 +288,7 @@ fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<Nodes, E
         };
         let extension = json!({ "KHR_lights_punctual": { "light": lights.len() } });
         roots.push(nodes.len());
-        nodes.push(json!({ "matrix": place.to_column_major(), "extensions": extension }));
+        nodes.push(json!({ "matrix": node_index.to_column_major(), "extensions": extension }));
         lights.push(described);
     }
     Ok((nodes, roots, lights))

@@ -46,7 +46,7 @@ pub fn saved_files(scene: &Scene, path: impl AsRef<Path>) -> Result<Vec<PathBuf>
     let path = path.as_ref();
     let mut files = vec![path.to_owned()];
     match Format::of(path)? {
-        Format::Obj => files.extend(obj::beside(scene, path)),
+        Format::Obj => files.extend(obj::companion_files(scene, path)),
         Format::Gltf => files.push(gltf::buffer_file(path)),
         Format::Ply | Format::Glb => {}
     }

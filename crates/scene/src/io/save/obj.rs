@@ -40,7 +40,7 @@ pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Resul
 }
 
 /// The files beside the one of geometry: the library and the textures.
-pub(super) fn beside(scene: &Scene, path: &Path) -> impl Iterator<Item = PathBuf> {
+pub(super) fn companion_files(scene: &Scene, path: &Path) -> impl Iterator<Item = PathBuf> {
     std::iter::once(library_file(path)).chain(texture_files(scene, path))
 }
 
@@ -138,13 +138,13 @@ fn material_names(scene: &Scene) -> Vec<String> {
 }
 
 fn geometry(scene: &Scene, names: &[String], stem: &str) -> String {
-    let used = || world::placed_meshes(scene).map(|(id, placed)| (scene.mesh(id), placed));
+    let used = || world::world_meshes(scene).map(|(id, transformed)| (scene.mesh(id), transformed));
     let colored = used().any(|(mesh, _)| !mesh.colors.is_empty());
     let mut text = format!("# {}\nmtllib {stem}.mtl\n", gnurt_image::SOFTWARE);
     let mut base = [1_usize; 3];
-    for (mesh, placed) in used() {
+    for (mesh, transformed) in used() {
         // Writing to a string cannot fail, here and below.
-        for (i, [x, y, z]) in world::positions(mesh, placed).enumerate() {
+        for (i, [x, y, z]) in world::positions(mesh, transformed).enumerate() {
             let _ = match mesh.colors.get(i) {
                 _ if !colored => writeln!(text, "v {x} {y} {z}"),
                 Some(&[r, g, b, _]) => {
@@ -157,11 +157,11 @@ fn geometry(scene: &Scene, names: &[String], stem: &str) -> String {
         for [u, v] in &mesh.texcoords {
             let _ = writeln!(text, "vt {u} {v}");
         }
-        for [x, y, z] in world::normals(mesh, placed) {
+        for [x, y, z] in world::normals(mesh, transformed) {
             let _ = writeln!(text, "vn {x} {y} {z}");
         }
         let _ = writeln!(text, "usemtl {}", names[mesh.material.index()]);
-        for triangle in world::triangles(mesh, placed) {
+        for triangle in world::triangles(mesh, transformed) {
             text.push('f');
             triangle.iter().for_each(|&i| push_corner(&mut text, mesh, base, i as usize));
             text.push('\n');

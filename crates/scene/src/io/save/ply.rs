@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::scene::Scene;
 
 pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
-    let used = || world::placed_meshes(scene).map(|(id, placed)| (scene.mesh(id), placed));
+    let used = || world::world_meshes(scene).map(|(id, transformed)| (scene.mesh(id), transformed));
     let has = |full: fn(&Mesh) -> bool| used().any(|(mesh, _)| full(mesh));
     let normals = has(|m| !m.normals.is_empty());
     let texcoords = has(|m| !m.texcoords.is_empty());
@@ -34,9 +34,9 @@ pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Resul
     )
     .into_bytes();
 
-    for (mesh, placed) in used() {
-        let mut normal = world::normals(mesh, placed);
-        for (i, position) in world::positions(mesh, placed).enumerate() {
+    for (mesh, transformed) in used() {
+        let mut normal = world::normals(mesh, transformed);
+        for (i, position) in world::positions(mesh, transformed).enumerate() {
             put(&mut bytes, &position);
             if normals {
                 put(&mut bytes, &normal.next().unwrap_or([0.0; 3]));
@@ -50,8 +50,8 @@ pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Resul
         }
     }
     let mut base = 0;
-    for (mesh, placed) in used() {
-        for triangle in world::triangles(mesh, placed) {
+    for (mesh, transformed) in used() {
+        for triangle in world::triangles(mesh, transformed) {
             bytes.push(3);
             triangle.iter().for_each(|i| bytes.extend((base + i).to_le_bytes()));
         }

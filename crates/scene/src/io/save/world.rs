@@ -9,9 +9,9 @@ use crate::mesh::Mesh;
 use crate::scene::Scene;
 
 /// Every mesh of every visible instance that can be placed, those of objects in objects too.
-pub(super) fn placed_meshes(scene: &Scene) -> impl Iterator<Item = (MeshId, Affine)> + '_ {
-    let placed = scene.occurrences().filter(|found| found.world_from_object.inverse().is_some());
-    placed.flat_map(|found| found.object.meshes.iter().map(move |&mesh| (mesh, found.world_from_object)))
+pub(super) fn world_meshes(scene: &Scene) -> impl Iterator<Item = (MeshId, Affine)> + '_ {
+    let transformed = scene.occurrences().filter(|found| found.world_from_object.inverse().is_some());
+    transformed.flat_map(|found| found.object.meshes.iter().map(move |&mesh| (mesh, found.world_from_object)))
 }
 
 pub(super) fn positions(mesh: &Mesh, world_from_object: Affine) -> impl Iterator<Item = [f32; 3]> + '_ {

@@ -90,18 +90,18 @@ pub(super) fn group(options: &Options, console: &mut Console<'_>) -> Option<Grou
     let mut pending: Vec<(String, Value, Hint)> = Vec::new();
     let mut connections = Vec::new();
     let mut expressions = 0;
-    let complain = |said: &mut Vec<String>, console: &mut Console<'_>| {
-        for message in said.drain(..) {
+    let complain = |printed: &mut Vec<String>, console: &mut Console<'_>| {
+        for message in printed.drain(..) {
             console.complain(&format!("WARNING: {message}\n"));
         }
     };
     for step in &options.setup {
-        let mut said = Vec::new();
+        let mut printed = Vec::new();
         match step {
             Setup::Layer(name) => layer = Some(name.clone()),
             Setup::Param(name, value, hint) => pending.push((name.clone(), value.clone(), *hint)),
             Setup::Reparam(..) => {}
-            Setup::Connect(words) => connections.push(words.clone()),
+            Setup::Connect(tokens) => connections.push(tokens.clone()),
             Setup::Shader(name, given) => {
                 let shader = if options.in_buffer {
                     let file = if name.ends_with(".osl") { name.clone() } else { format!("{name}.osl") };
@@ -115,7 +115,7 @@ pub(super) fn group(options: &Options, console: &mut Console<'_>) -> Option<Grou
                 };
                 let given = given.clone().or_else(|| layer.take());
                 match shader {
-                    Some(shader) => group.add(shader, given.as_deref(), &pending, &mut said),
+                    Some(shader) => group.add(shader, given.as_deref(), &pending, &mut printed),
                     None => {
                         if !console.link && std::path::Path::new(name).extension().is_some_and(|e| e == "osl")
                         {
@@ -139,7 +139,7 @@ pub(super) fn group(options: &Options, console: &mut Console<'_>) -> Option<Grou
                     console.print(&format!("Expression-based shader text is:\n---\n{text}---\n"));
                 }
                 let shader = loader.compile(&name, &text, console)?;
-                group.add(shader, layer.take().as_deref(), &pending, &mut said);
+                group.add(shader, layer.take().as_deref(), &pending, &mut printed);
                 pending.clear();
             }
             Setup::Group(spec) => {
@@ -149,10 +149,10 @@ pub(super) fn group(options: &Options, console: &mut Console<'_>) -> Option<Grou
                     console.print(&format!("Processing group specification:\n---\n{text}\n---\n"));
                 }
                 let mut find = |name: &str| loader.find(name, console);
-                match read_group(&name_of(groups), &text, &mut find, &mut said) {
+                match read_group(&name_of(groups), &text, &mut find, &mut printed) {
                     Ok(made) => group = made,
                     Err(messages) => {
-                        complain(&mut said, console);
+                        complain(&mut printed, console);
                         for message in messages {
                             console.complain(&format!("ERROR: {message}\n"));
                         }
@@ -162,7 +162,7 @@ pub(super) fn group(options: &Options, console: &mut Console<'_>) -> Option<Grou
                 }
             }
         }
-        complain(&mut said, console);
+        complain(&mut printed, console);
     }
     if !pending.is_empty() {
         let names: Vec<String> = pending.iter().map(|p| format!(" {}", p.0)).collect();

@@ -21,8 +21,8 @@ impl Clouds {
     }
 
     /// Adds a point to what a file will have.
-    pub(super) fn push(&self, file: &str, place: [f32; 3], row: &[Column]) -> bool {
-        self.written.borrow_mut().entry(file.to_owned()).or_default().push(place, row)
+    pub(super) fn push(&self, file: &str, position: [f32; 3], row: &[Column]) -> bool {
+        self.written.borrow_mut().entry(file.to_owned()).or_default().push(position, row)
     }
 
     /// Writes what was added; the reasons why files could not be written.

@@ -158,11 +158,11 @@ const MOST_PIXELS: usize = 1 << 14;
 const ENGINES: [&str; 6] = ["interpreter", "machine", "avx2", "avx512", "avx2-scalar", "avx512-scalar"];
 
 /// One of these words.
-fn known(option: &str, word: String, list: &[&str]) -> Result<String, Option<String>> {
-    if list.contains(&word.as_str()) {
-        return Ok(word);
+fn known(option: &str, argument: String, list: &[&str]) -> Result<String, Option<String>> {
+    if list.contains(&argument.as_str()) {
+        return Ok(argument);
     }
-    Err(Some(format!("{option}: '{word}' is none of {}", list.join(", "))))
+    Err(Some(format!("{option}: '{argument}' is none of {}", list.join(", "))))
 }
 
 /// The types that `type=` names.
@@ -171,7 +171,7 @@ fn type_named(text: &str) -> Option<Type> {
         Some((name, rest)) => (name, rest.strip_suffix(']')?.parse::<i32>().ok().filter(|&n| n > 0)?),
         None => (text, 0),
     };
-    Base::from_word(name).map(|base| Type::of(base).array_of(array))
+    Base::from_keyword(name).map(|base| Type::of(base).array_of(array))
 }
 
 /// What follows a colon in `-param:type=int:interactive=1`.
@@ -199,8 +199,8 @@ pub(super) fn read(args: &[String]) -> Result<Options, Option<String>> {
             continue;
         };
         let mut value = || rest.next().cloned().ok_or_else(|| Some(format!("{arg} needs more values")));
-        let word = name.split(':').next().unwrap_or("");
-        if let Some((_, count)) = IGNORED.iter().find(|(n, _)| *n == word) {
+        let argument = name.split(':').next().unwrap_or("");
+        if let Some((_, count)) = IGNORED.iter().find(|(n, _)| *n == argument) {
             for _ in 0..*count {
                 value()?;
             }
@@ -211,7 +211,7 @@ pub(super) fn read(args: &[String]) -> Result<Options, Option<String>> {
         let count = |text: String| {
             text.parse::<usize>().map_err(|_| Some(format!("{arg}: '{text}' is not a number")))
         };
-        match word {
+        match argument {
             "help" | "h" => return Err(None),
             "v" => o.verbose = true,
             "debug" | "debug2" => o.debug = true,

@@ -27,18 +27,19 @@ struct Output {
 }
 
 fn flag(list: &str, name: &str, default: bool) -> bool {
-    let found = list.split(',').filter_map(|word| word.split_once('=')).find(|(n, _)| n.trim() == name);
+    let found = list.split(',').filter_map(|text| text.split_once('=')).find(|(n, _)| n.trim() == name);
     found.map_or(default, |(_, v)| v.trim() != "0")
 }
 
 fn find_outputs(options: &Options, group: &Group) -> Vec<Output> {
     let default = [("Cout".to_owned(), "null".to_owned())];
-    let wanted: &[(String, String)] = if options.outputs.is_empty() { &default } else { &options.outputs };
+    let outputs_to_save: &[(String, String)] =
+        if options.outputs.is_empty() { &default } else { &options.outputs };
     let mut out = Vec::new();
-    for (name, file) in wanted {
+    for (name, file) in outputs_to_save {
         let (layer, var) = name.split_once('.').map_or((None, name.as_str()), |(l, v)| (Some(l), v));
         let found = group.layers.iter().enumerate().rev().find_map(|(number, l)| {
-            if layer.is_some_and(|wanted| wanted != &*l.name) {
+            if layer.is_some_and(|outputs_to_save| outputs_to_save != &*l.name) {
                 return None;
             }
             let id = l.shader.find(var).filter(|&id| l.shader.symbol(id).kind == SymbolKind::OutputParam)?;
@@ -53,13 +54,13 @@ fn find_outputs(options: &Options, group: &Group) -> Vec<Output> {
 
 fn plan(group: &Group, options: &Options, entries: &[usize], console: &mut Console<'_>) -> Option<Plan> {
     let default = PlanOptions::default();
-    let wanted = if options.outputs.is_empty() {
+    let outputs_to_save = if options.outputs.is_empty() {
         vec!["Cout".to_owned()]
     } else {
         options.outputs.iter().map(|o| o.0.clone()).collect()
     };
     let plan_options = PlanOptions {
-        outputs: wanted,
+        outputs: outputs_to_save,
         lazy_globals: flag(&options.extra, "lazyglobals", default.lazy_globals),
         lazy_trace: flag(&options.extra, "lazytrace", default.lazy_trace),
         lazy_error: flag(&options.extra, "lazyerror", default.lazy_error),
@@ -106,10 +107,10 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
         missing.iter().for_each(|name| console.complain(&format!("ERROR: no shader has an output {name}\n")));
     }
     let is_whole = console.link || (missing.is_empty() && !group.layers.is_empty());
-    for (output, asked) in outputs.iter().map(|o| (o, &o.file)) {
-        if asked != "null" {
-            let name = options.outputs.iter().find(|o| o.1 == *asked).map_or(&output.name, |o| &o.0);
-            console.print(&format!("Output {name} to {asked}\n"));
+    for (output, requested) in outputs.iter().map(|o| (o, &o.file)) {
+        if requested != "null" {
+            let name = options.outputs.iter().find(|o| o.1 == *requested).map_or(&output.name, |o| &o.0);
+            console.print(&format!("Output {name} to {requested}\n"));
         }
     }
     let mut starts = entries.clone();
@@ -137,20 +138,20 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
     let world = World::new(options, console.textures);
     let repeats = flag(&options.extra, "error_repeats", false);
     let mut recent = Recent::default();
-    let mut said: Vec<Event> = Vec::new();
-    for turn in 0..options.iterations {
+    let mut messages: Vec<Event> = Vec::new();
+    for iteration in 0..options.iterations {
         if group.layers.is_empty() {
             break;
         }
         let Some(plan) = plan(&group, options, &entries, console) else { return 1 };
         let plan = Arc::new(plan);
-        if turn == 0 && flag(&options.extra, "opt_warnings", false) {
+        if iteration == 0 && flag(&options.extra, "opt_warnings", false) {
             warn(&plan, options, console);
         }
-        let last = turn + 1 == options.iterations;
+        let last = iteration + 1 == options.iterations;
         let mut run = Run { options, world: &world, entries: &starts, outputs: &mut outputs, last };
         match run.all(&plan, console) {
-            Ok(mut events) => said.append(&mut events),
+            Ok(mut events) => messages.append(&mut events),
             Err(message) => {
                 console.complain(&format!("ERROR: {message}\n"));
                 return 1;
@@ -166,7 +167,7 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
             }
         }
     }
-    report(&said, repeats, &mut recent, console);
+    report(&messages, repeats, &mut recent, console);
     let unwritten = world.save();
     unwritten.iter().for_each(|why| console.complain(&format!("ERROR: {why}\n")));
     let only = if options.outputs.is_empty() { "null" } else { &options.outputs[0].1 };
@@ -193,7 +194,7 @@ impl Run<'_> {
     /// By the engine that is asked for; by the interpreter where that cannot run the group.
     fn all(&mut self, plan: &Arc<Plan>, console: &mut Console<'_>) -> Result<Vec<Event>, String> {
         let name = self.options.engine.as_str();
-        let mut said = Vec::new();
+        let mut messages = Vec::new();
         let start = Instant::now();
         // Only the interpreter looks at each result.
         if !matches!(name, "" | "interpreter") && !self.options.debug_nan {
@@ -204,7 +205,7 @@ impl Run<'_> {
             let mut ready = None;
             let made = engine(name, plan, world, &mut |batch| {
                 ready = Some(Instant::now());
-                self.batches(batch, &mut said, console);
+                self.batches(batch, &mut messages, console);
             });
             match (made, ready) {
                 (Ok(()), Some(ready)) => {
@@ -215,7 +216,7 @@ impl Run<'_> {
                         ran,
                         console,
                     );
-                    return Ok(said);
+                    return Ok(messages);
                 }
                 (Err(why), _) if self.options.times => {
                     console.complain(&format!("{name}: {why}; interpreted\n"))
@@ -258,13 +259,13 @@ impl Run<'_> {
         }
     }
 
-    fn batches(&mut self, batch: &mut dyn Batch, said: &mut Vec<Event>, console: &mut Console<'_>) {
+    fn batches(&mut self, batch: &mut dyn Batch, messages: &mut Vec<Event>, console: &mut Console<'_>) {
         let [width, height] = self.options.size;
         let all: Vec<[usize; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
         let mut points = Points::default();
-        for places in all.chunks(batch.lanes()) {
-            points.count = places.len();
-            for (lane, &[x, y]) in places.iter().enumerate() {
+        for point_indices in all.chunks(batch.lanes()) {
+            points.count = point_indices.len();
+            for (lane, &[x, y]) in point_indices.iter().enumerate() {
                 points.set(lane, &self.world.point(self.options, x, y));
             }
             if self.entries.is_empty() {
@@ -275,9 +276,9 @@ impl Run<'_> {
                     batch.layer(layer);
                 }
             }
-            said.extend(batch.take_events().into_iter().map(|(_, event)| event));
-            for (lane, &place) in places.iter().enumerate() {
-                self.keep(place, &|output| batch.output(lane, output.layer, &output.name), console);
+            messages.extend(batch.take_events().into_iter().map(|(_, event)| event));
+            for (lane, &position) in point_indices.iter().enumerate() {
+                self.keep(position, &|output| batch.output(lane, output.layer, &output.name), console);
             }
         }
     }
@@ -302,7 +303,7 @@ impl Run<'_> {
 }
 
 fn keep(options: &Options, value: Option<(Type, Data)>, output: &mut Output, console: &mut Console<'_>) {
-    let (words, numbers): (Vec<String>, Vec<f32>) = match value {
+    let (tokens, numbers): (Vec<String>, Vec<f32>) = match value {
         Some((_, Data::Float(list))) => (list.iter().map(|&f| general(f64::from(f), 6)).collect(), list),
         Some((_, Data::Int(list))) => {
             // Pictures hold ints as parts of the largest one.
@@ -312,7 +313,7 @@ fn keep(options: &Options, value: Option<(Type, Data)>, output: &mut Output, con
         _ => return,
     };
     if options.print {
-        console.print(&format!("  {} : {}\n", output.name, words.join(" ")));
+        console.print(&format!("  {} : {}\n", output.name, tokens.join(" ")));
     }
     output.pixels.extend(numbers);
 }

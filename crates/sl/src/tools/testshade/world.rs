@@ -69,7 +69,7 @@ impl<'a> World<'a> {
     /// The point of a pixel.
     pub(super) fn point(&self, o: &Options, x: usize, y: usize) -> Point {
         let [w, h] = self.size;
-        let place = |i: usize, n: usize, k: usize| {
+        let cell_index = |i: usize, n: usize, k: usize| {
             let at = match (o.centers, n) {
                 (true, _) => (i as f32 + 0.5) / n as f32,
                 (false, 1) => 0.5,
@@ -77,7 +77,7 @@ impl<'a> World<'a> {
             };
             o.scale[k] * at + o.offset[k]
         };
-        let (u, v) = (place(x, w, 0), place(y, h, 1));
+        let (u, v) = (cell_index(x, w, 0), cell_index(y, h, 1));
         let steps = |n: usize| if o.centers { n as f32 } else { (n.max(2) - 1) as f32 };
         let grid = |n: usize| (n.max(2) - 1) as f32;
         let du = if o.vary[1] { [1.0 - u, u] } else { [o.scale[0] / steps(w), 0.0] };
@@ -151,14 +151,14 @@ impl Host for World<'_> {
     }
 
     fn userdata(&self, name: &str, ty: Type, point: &Point) -> Option<Given> {
-        let place = point.p.value;
+        let cell_index = point.p.value;
         match (name, ty) {
             ("face_idx", Type::INT) => return some(Data::Int(vec![(4.0 * point.u.value) as i32])),
             ("s", Type::FLOAT) => return Some(number(point.u)),
             ("t", Type::FLOAT) => return Some(number(point.v)),
-            ("red", Type::FLOAT) if place[0] > 0.5 => return Some(number(point.u)),
-            ("green", Type::FLOAT) if place[0] < 0.5 => return Some(number(point.v)),
-            ("blue", Type::FLOAT) if (place[1] * 12.0) as i32 % 2 == 0 => {
+            ("red", Type::FLOAT) if cell_index[0] > 0.5 => return Some(number(point.u)),
+            ("green", Type::FLOAT) if cell_index[0] < 0.5 => return Some(number(point.v)),
+            ("blue", Type::FLOAT) if (cell_index[1] * 12.0) as i32 % 2 == 0 => {
                 return Some(number(Dual::new(1.0 - point.u.value, -point.u.dx, -point.u.dy)));
             }
             _ => {}
@@ -177,8 +177,8 @@ impl Host for World<'_> {
     ) -> Option<Given> {
         let float = |v: f32| if ty == Type::FLOAT { some(Data::Float(vec![v])) } else { None };
         let floats = |list: &[f32]| {
-            let wanted = Type::FLOAT.array_of(list.len() as i32);
-            if ty == wanted { some(Data::Float(list.to_vec())) } else { None }
+            let expected = Type::FLOAT.array_of(list.len() as i32);
+            if ty == expected { some(Data::Float(list.to_vec())) } else { None }
         };
         match name {
             "osl:version" => {
@@ -249,11 +249,11 @@ impl Host for World<'_> {
     fn environment(
         &self,
         file: &str,
-        way: [Dual<f32>; 3],
+        direction: [Dual<f32>; 3],
         options: &TextureOptions,
         _: &Point,
     ) -> Result<[Dual<f32>; 4], String> {
-        self.textures.ok_or_else(no_pictures)?.environment(file, way, options)
+        self.textures.ok_or_else(no_pictures)?.environment(file, direction, options)
     }
 
     fn texture3d(
@@ -276,16 +276,16 @@ impl Host for World<'_> {
         self.textures.ok_or_else(no_pictures)?.info(file, at, name, ty)
     }
 
-    fn texture_fault(&self, asked: &str, why: &str, _: &str) -> String {
-        format!("[RendererServices::{asked}] {why}")
+    fn texture_fault(&self, requested: &str, why: &str, _: &str) -> String {
+        format!("[RendererServices::{requested}] {why}")
     }
 
     fn point_cloud(&self, file: &str) -> Result<Arc<PointCloud>, String> {
         self.clouds.find(file)
     }
 
-    fn write_point(&self, file: &str, place: [f32; 3], row: &[Column]) -> Result<bool, String> {
-        Ok(self.clouds.push(file, place, row))
+    fn write_point(&self, file: &str, cell_index: [f32; 3], row: &[Column]) -> Result<bool, String> {
+        Ok(self.clouds.push(file, cell_index, row))
     }
 
     fn dictionary(&self, file: &str) -> Option<String> {

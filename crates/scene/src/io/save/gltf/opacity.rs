@@ -69,7 +69,7 @@ fn merge(color: Option<&Texels>, opacity: Option<&Texels>, channel: OpacityChann
     let channel = if channel == OpacityChannel::Red { 0 } else { 3 };
     let alpha =
         |x, y| opacity.map_or(1.0, |texels| linear(texels, channel, nearest(texels, [width, height], x, y)));
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let pixel_positions = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let data = if wide {
         let color = |x, y| {
             let at = |texels: &Texels| {
@@ -81,7 +81,7 @@ fn merge(color: Option<&Texels>, opacity: Option<&Texels>, channel: OpacityChann
             let [r, g, b] = color(x, y);
             [r, g, b, alpha(x, y)]
         };
-        TexelData::Float(places.map(texel).collect())
+        TexelData::Float(pixel_positions.map(texel).collect())
     } else {
         let texel = |(x, y)| {
             let at = |texels: &Texels| match &texels.data {
@@ -93,7 +93,7 @@ fn merge(color: Option<&Texels>, opacity: Option<&Texels>, channel: OpacityChann
             let [r, g, b, _] = color.map_or([255; 4], at);
             [r, g, b, (alpha(x, y).clamp(0.0, 1.0) * 255.0 + 0.5) as u8]
         };
-        TexelData::Srgb8(places.map(texel).collect())
+        TexelData::Srgb8(pixel_positions.map(texel).collect())
     };
     Texels { width, height, data }
 }

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! An object as it is at one moment of an open shutter. Space: object. Tests: `tests/surfaces/motion.rs`.
+
+use std::sync::{Arc, OnceLock};
+
+use super::{Index, ObjectTree, Part};
+use crate::Aabb;
+
+impl ObjectTree {
+    /// Whether there are meshes in it that move while the shutter is open.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.parts.iter().any(|part| matches!(part.index, Index::Moving(_)))
+    }
+
+    /// The object as it is at a moment, which every question is of then. Costs a pass over what moves; what does not move is
+    /// given back as it is.
+    #[must_use]
+    pub fn at(self: &Arc<Self>, time: f32) -> Arc<Self> {
+        if !self.moves() {
+            return self.clone();
+        }
+        let part = |Part { mask, index }: &Part| {
+            let index = match index {
+                Index::Moving(moving) => Index::Bvh(moving.at(time)),
+                still => still.clone(),
+            };
+            Part { mask: *mask, index }
+        };
+        let parts: Vec<Part> = self.parts.iter().map(part).collect();
+        let bounds = parts.iter().fold(Aabb::EMPTY, |all, part| all.union(&part.index.bounds()));
+        Arc::new(Self {
+            bounds,
+            parts,
+            groups: self.groups.clone(),
+            numbering: self.numbering.clone(),
+            bad: self.bad,
+            stats: self.stats,
+            locations: OnceLock::new(),
+        })
+    }
+}

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What objects and scenes answer alike: the bodies of their methods (`queries/`).
+//! Tests: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/filters.rs`, `tests/masks.rs`.
+
+use gnurt_accel_bvh::BvhIndex;
+use gnurt_accel_core::nearest::Nearest;
+use gnurt_accel_core::point::{ClosestPoint, NearestPoint, Probe};
+use gnurt_accel_core::traversal::{RayKind, RayTraversal};
+
+use crate::candidates::{Sorted, is_better};
+use crate::engine::Engine;
+use crate::target::Target;
+use crate::{AnyRay, Counters, Hit, PointHit, Query, Ray};
+
+/// A single ray as it is asked for.
+#[derive(Clone, Copy)]
+pub(crate) struct One<'a> {
+    query: &'a Query,
+    ray: &'a Ray,
+    /// The ray's origin in double precision, where that is known.
+    origin: Option<&'a [f64; 3]>,
+}
+
+impl One<'_> {
+    /// Into one tree of an object.
+    #[inline(always)]
+    fn straight(self, tree: &BvhIndex, mut kind: RayKind, nearest: &mut Nearest) {
+        let Self { query, ray, origin } = self;
+        let counters = &mut Counters::default();
+        let traversal = &mut RayTraversal { ray, origin, kind: kind.again(), slot: 0, nearest, counters };
+        Engine::at(query.level).bvh.ray(tree, traversal);
+    }
+}
+
+impl Target<'_> {
+    /// Improves what was found. Inlined into its three callers, each of which knows what is looked for: single rays are short.
+    #[inline(always)]
+    fn trace(self, One { query, ray, origin }: One, mut kind: RayKind, nearest: &mut Nearest) {
+        // Copied only where it must be: what has just been stored in parts cannot be loaded in lanes for a while.
+        let (masked, mask) = (&mut None, ray.mask & query.mask);
+        let ray = match mask == ray.mask {
+            true => ray,
+            false => masked.insert(Ray { mask, ..*ray }),
+        };
+        if ray.is_sound() {
+            let counters = &mut Counters::default();
+            let traversal = &mut RayTraversal { ray, origin, kind: kind.again(), slot: 0, nearest, counters };
+            self.ray(Engine::at(query.level), traversal);
+        }
+    }
+
+    /// The tree that a ray can go straight into, which most single rays do: nothing is to be looked at but one mesh of triangles.
+    #[inline(always)]
+    fn only_tree(&self, One { query, ray, .. }: One) -> Option<&BvhIndex> {
+        match self {
+            Self::Object(object) if ray.is_sound() && ray.is_regular() => {
+                object.only_tree(ray.mask & query.mask)
+            }
+            _ => None,
+        }
+    }
+
+    #[inline(never)]
+    fn closest_of(self, one: One) -> Option<Hit> {
+        let mut nearest = Nearest::none(one.ray.t_far);
+        if let Some(tree) = self.only_tree(one) {
+            one.straight(tree, RayKind::Closest, &mut nearest);
+            let Nearest { t, u, v, number: prim_id, .. } = nearest;
+            return nearest.is_hit().then_some(Hit { t, u, v, prim_id, geom_id: 0, inst_id: 0, leaf_id: 0 });
+        }
+        self.trace(one, RayKind::Closest, &mut nearest);
+        if !nearest.is_hit() {
+            return None;
+        }
+        // Each straight into the answer: what is written in parts and copied as a whole at once makes the CPU wait.
+        match self {
+            Self::Object(object) => Some(object.resolve(&nearest, 0, 0)),
+            Self::Scene(scene) => Some(scene.resolve(&nearest)),
+        }
+    }
+
+    #[inline(never)]
+    fn any_of(self, one: One) -> bool {
+        let mut nearest = Nearest::none(one.ray.t_far);
+        if let Some(tree) = self.only_tree(one) {
+            one.straight(tree, RayKind::Any, &mut nearest);
+            return nearest.is_hit();
+        }
+        self.trace(one, RayKind::Any, &mut nearest);
+        nearest.is_hit()
+    }
+
+    /// Shows all hits to `judge`, in any order; it answers with how far the ray is still of interest.
+    fn candidates(self, one: One, judge: &mut dyn FnMut(Hit) -> f32) {
+        let mut nearest = Nearest::none(one.ray.t_far);
+        self.trace(one, RayKind::Each(&mut |found| judge(self.hit(found))), &mut nearest);
+    }
+
+    /// The closest hit.
+    #[inline]
+    pub(crate) fn closest(self, query: &Query, ray: &impl AnyRay) -> Option<Hit> {
+        self.closest_of(One { query, ray: &ray.rounded(), origin: ray.origin64().as_ref() })
+    }
+
+    /// Whether there is a hit.
+    #[inline]
+    pub(crate) fn any(self, query: &Query, ray: &impl AnyRay) -> bool {
+        self.any_of(One { query, ray: &ray.rounded(), origin: ray.origin64().as_ref() })
+    }
+
+    /// The closest hit that `accept` lets pass.
+    pub(crate) fn closest_filtered(
+        self,
+        query: &Query,
+        ray: &impl AnyRay,
+        mut accept: impl FnMut(&Ray, &Hit) -> bool,
+    ) -> Option<Hit> {
+        let (narrowed, origin) = (ray.rounded(), ray.origin64());
+        let mut best: Option<Hit> = None;
+        self.candidates(One { query, ray: &narrowed, origin: origin.as_ref() }, &mut |hit| {
+            if is_better(&hit, best.as_ref()) && accept(&narrowed, &hit) {
+                best = Some(hit);
+            }
+            best.map_or(narrowed.t_far, |best| best.t)
+        });
+        best
+    }
+
+    /// Whether there is a hit that `accept` lets pass.
+    pub(crate) fn any_filtered(
+        self,
+        query: &Query,
+        ray: &impl AnyRay,
+        mut accept: impl FnMut(&Ray, &Hit) -> bool,
+    ) -> bool {
+        let (narrowed, origin) = (ray.rounded(), ray.origin64());
+        let mut found = false;
+        self.candidates(One { query, ray: &narrowed, origin: origin.as_ref() }, &mut |hit| {
+            found = found || accept(&narrowed, &hit);
+            if found { f32::NEG_INFINITY } else { narrowed.t_far }
+        });
+        found
+    }
+
+    /// The first `n` hits in order.
+    pub(crate) fn first_hits(self, query: &Query, ray: &impl AnyRay, n: usize, hits: &mut Vec<Hit>) {
+        let (narrowed, origin) = (ray.rounded(), ray.origin64());
+        let mut sorted = Sorted::new(hits, n, narrowed.t_far);
+        if n > 0 {
+            let one = One { query, ray: &narrowed, origin: origin.as_ref() };
+            self.candidates(one, &mut |hit| sorted.take(hit));
+            sorted.finish();
+        }
+    }
+
+    /// The nearest point of a surface.
+    pub(crate) fn closest_point(self, query: &Query, point: [f64; 3], radius: f64) -> Option<PointHit> {
+        let mut nearest = ClosestPoint::within(radius);
+        self.near(query, point, &mut nearest);
+        nearest.hit(point, |nearest| self.hit(nearest))
+    }
+
+    /// Offers points of primitives near `point`, of each the one that is nearest; of nothing near NaN.
+    pub(crate) fn near(self, query: &Query, point: [f64; 3], nearest: &mut dyn NearestPoint) {
+        if point.iter().all(|x| x.is_finite()) && !nearest.distance().is_nan() {
+            self.point(Engine::at(query.level), &Probe::new(point, query.mask), nearest);
+        }
+    }
+}

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A turn from one place to the next, with what is stretched on the way.
+//! Source: turns follow the shorter arc at constant speed [Sho85], as glTF's do; a matrix is taken apart into a place, a
+//! turn and a stretch by Gram and Schmidt, which for a translation, a turn and a scale finds those.
+//! Space: columns are images of the object's axes. Invariant: between two moments points leave the straight line by less than the
+//! square of the time between them, times an eighth of their greatest acceleration. Tests: `path::tests`.
+
+use super::box64::Box64;
+use super::exact::Exact;
+
+type Quaternion = [f64; 4];
+pub(super) type Columns = [[f64; 3]; 4];
+
+/// An upper triangular matrix, by columns: of the first one number, of the second two.
+type Stretch = [f64; 6];
+
+/// A turn, and what is done before it.
+type Parts = (Quaternion, Stretch);
+
+/// How the linear part of a matrix becomes another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Rotation {
+    /// The first turn, and the unit quaternion a quarter of a circle on along the arc.
+    from: Quaternion,
+    beyond: Quaternion,
+    /// How long the arc is: half the angle by which the object turns.
+    arc: f64,
+    /// What is done before the turn, at both ends.
+    stretch: [Stretch; 2],
+    /// Whether these two are the same but for rounding: then the first counts.
+    is_rigid: bool,
+}
+
+/// The object turns by so much at most, in radians, between two boxes of which one around its way is made.
+const STEP: f64 = 0.05;
+
+impl Rotation {
+    /// The shorter way; `None` where one of the places is flat or not finite.
+    pub(super) fn new(from: &Columns, to: &Columns) -> Option<Self> {
+        let ((from, stretch), (to, stretch_to)) = (decompose(from)?, decompose(to)?);
+        let dot: f64 = (0..4).map(|k| from[k] * to[k]).sum();
+        let to = if dot < 0.0 { to.map(|x| -x) } else { to };
+        let across: Quaternion = std::array::from_fn(|k| to[k] - dot.abs() * from[k]);
+        let sine = length(&across);
+        let beyond = if sine > 0.0 { across.map(|x| x / sine) } else { [0.0; 4] };
+        let arc = sine.atan2(dot.abs());
+        let is_rigid = is_same(&stretch, &stretch_to);
+        Some(Self { from, beyond, arc, stretch: [stretch, stretch_to], is_rigid })
+    }
+
+    /// By how much the object turns, in radians.
+    pub(super) fn angle(&self) -> f64 {
+        2.0 * self.arc
+    }
+
+    /// The linear part at a share of the way, as columns.
+    pub(super) fn linear(&self, share: f64) -> [[f64; 3]; 3] {
+        // Written out: rays come here, each at its moment.
+        let (sine, cosine) = (share * self.arc).sin_cos();
+        let (from, beyond) = (&self.from, &self.beyond);
+        let along = |k: usize| cosine * from[k] + sine * beyond[k];
+        let [x, y, z] = axes(&[along(0), along(1), along(2), along(3)]);
+        let [ax, bx, by, cx, cy, cz] = self.stretch_at(share);
+        let a = [x[0] * ax, x[1] * ax, x[2] * ax];
+        let b = [x[0] * bx + y[0] * by, x[1] * bx + y[1] * by, x[2] * bx + y[2] * by];
+        let c = [
+            x[0] * cx + y[0] * cy + z[0] * cz,
+            x[1] * cx + y[1] * cy + z[1] * cz,
+            x[2] * cx + y[2] * cy + z[2] * cz,
+        ];
+        [a, b, c]
+    }
+
+    /// What is done before the turn.
+    #[inline(always)]
+    fn stretch_at(&self, share: f64) -> Stretch {
+        let [from, to] = &self.stretch;
+        if self.is_rigid {
+            return *from;
+        }
+        let mix = |k: usize| (1.0 - share) * from[k] + share * to[k];
+        [mix(0), mix(1), mix(2), mix(3), mix(4), mix(5)]
+    }
+
+    /// In how many steps a box follows it, and by how much at most a point of the box leaves the straight line within one.
+    pub(super) fn steps(&self, object: &Box64) -> (f64, f64) {
+        let (angle, [reach, growth]) = (self.angle(), self.reach(object));
+        let count = (angle / STEP).ceil().max(1.0);
+        let acceleration = angle * angle * reach + 2.0 * angle * growth;
+        (count, acceleration / (8.0 * count * count))
+    }
+
+    /// How far corners of a box are from the origin that they turn around, and how much they move by stretching.
+    fn reach(&self, object: &Box64) -> [f64; 2] {
+        let mut most = [0.0_f64; 2];
+        for corner in 0..8 {
+            let [x, y, z]: [f64; 3] =
+                std::array::from_fn(|k| if corner >> k & 1 == 0 { object.min[k] } else { object.max[k] });
+            let apply = |&[ax, bx, by, cx, cy, cz]: &Stretch| -> [f64; 3] {
+                [ax * x + bx * y + cx * z, by * y + cy * z, cz * z]
+            };
+            let [from, to] = [apply(&self.stretch[0]), apply(&self.stretch[1])];
+            let by: [f64; 3] = std::array::from_fn(|k| to[k] - from[k]);
+            most[0] = most[0].max(length(&from)).max(length(&to));
+            most[1] = most[1].max(length(&by));
+        }
+        most
+    }
+}
+
+/// Whether two stretches differ by what taking apart rounds, no more.
+fn is_same(a: &Stretch, b: &Stretch) -> bool {
+    let size = a.iter().chain(b).fold(0.0_f64, |most, x| most.max(x.abs()));
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-14 * size)
+}
+
+fn length(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// A turn, and what is done before it. `None` where the columns are in one plane or not finite.
+fn decompose(columns: &Columns) -> Option<Parts> {
+    Exact::new(columns)?;
+    let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+    let [a, b, c, translation] = *columns;
+    let unit = |v: [f64; 3]| {
+        let length = length(&v);
+        v.map(|x| x / length)
+    };
+    let x = unit(a);
+    // Twice is enough: what one subtraction leaves over is lost in the second.
+    let without_x = |v: [f64; 3]| -> [f64; 3] {
+        let along = dot(v, x);
+        std::array::from_fn(|k| v[k] - along * x[k])
+    };
+    let y = unit(without_x(without_x(b)));
+    let z = [x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]];
+    let stretch = [dot(x, a), dot(x, b), dot(y, b), dot(x, c), dot(y, c), dot(z, c)];
+    let rotation = quaternion([x, y, z]);
+    let finite = rotation.iter().chain(&stretch).chain(&translation).all(|x| x.is_finite());
+    finite.then_some((rotation, stretch))
+}
+
+/// The unit quaternion, the real part last, of a turn whose columns these are. Source: Shepperd, 1978: by the greatest part.
+fn quaternion([x, y, z]: [[f64; 3]; 3]) -> Quaternion {
+    let trace = x[0] + y[1] + z[2];
+    let greatest = trace.max(x[0]).max(y[1]).max(z[2]);
+    let q = if greatest == trace {
+        [y[2] - z[1], z[0] - x[2], x[1] - y[0], 1.0 + trace]
+    } else if greatest == x[0] {
+        [1.0 + x[0] - y[1] - z[2], y[0] + x[1], z[0] + x[2], y[2] - z[1]]
+    } else if greatest == y[1] {
+        [y[0] + x[1], 1.0 + y[1] - x[0] - z[2], z[1] + y[2], z[0] - x[2]]
+    } else {
+        [z[0] + x[2], z[1] + y[2], 1.0 + z[2] - x[0] - y[1], x[1] - y[0]]
+    };
+    let length = length(&q);
+    q.map(|x| x / length)
+}
+
+/// The columns of a turn.
+#[inline(always)]
+fn axes(&[x, y, z, w]: &Quaternion) -> [[f64; 3]; 3] {
+    [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
+        [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
+        [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+}

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a benchmark tells while it runs.
+
+use crate::Row;
+
+/// News while it goes on.
+#[derive(Debug)]
+pub enum BenchEvent<'a> {
+    /// A tree is there.
+    Built(String),
+    /// Answers differ, but by no more than rounding explains.
+    Differs(String),
+    /// A class is done: its rows, in the order of the jobs.
+    Class(&'a [Row]),
+}

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Options that say which moments of an animation are rendered. Frames as in film.
+//! Frame f is at the moment f / N. Tests: `tests/program/animation.rs`.
+
+use clap::Args;
+
+use super::value::{self, FrameRange};
+use crate::failure::Failure;
+
+/// Frames per second where nobody says: film's.
+const FPS: f64 = 24.0;
+
+/// `--at`, `--frames` and what goes with them: when, and for how long.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Animation")]
+pub(crate) struct TimeArguments {
+    /// Render the moment of so many seconds of the animation; at rest without it
+    #[arg(long, value_name = "SECONDS", value_parser = value::seconds, allow_hyphen_values = true, conflicts_with = "frames")]
+    pub(crate) at: Option<f64>,
+    /// Render these frames, both ends included, as in 0..47; --output has a place for the number: frame.####.png
+    #[arg(long, value_name = "FIRST..LAST", value_parser = value::frames, allow_hyphen_values = true)]
+    pub(crate) frames: Option<FrameRange>,
+    /// Frames per second: frame f is at f / N seconds [default: 24]
+    #[arg(hide_short_help = true, long, value_name = "N", value_parser = value::frames_per_second, allow_hyphen_values = true)]
+    fps: Option<f64>,
+    /// Animation of the scene, by its name or its number from 0; without it the first
+    #[arg(hide_short_help = true, long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
+    pub(crate) animation: Option<String>,
+    /// Open the shutter at the moment for so many frames, so that what moves is blurred; 0 closes it at once [default: 0]
+    #[arg(hide_short_help = true, long, value_name = "X", value_parser = value::shutter, allow_hyphen_values = true)]
+    shutter: Option<f64>,
+    /// Keep frames whose files are there
+    #[arg(hide_short_help = true, long, requires = "frames")]
+    pub(crate) skip_existing: bool,
+}
+
+impl TimeArguments {
+    /// Whether a moment is asked for.
+    pub(crate) fn is_given(&self) -> bool {
+        self.at.is_some() || self.frames.is_some()
+    }
+
+    /// Frames per second.
+    pub(crate) fn fps(&self) -> f64 {
+        self.fps.unwrap_or(FPS)
+    }
+
+    /// The moment of a frame.
+    pub(crate) fn seconds(&self, frame: u32) -> f64 {
+        f64::from(frame) / self.fps()
+    }
+
+    /// Whether the shutter is open for some time.
+    pub(crate) fn is_open(&self) -> bool {
+        self.shutter.is_some_and(|frames| frames > 0.0)
+    }
+
+    /// When the shutter that opens at a moment closes.
+    pub(crate) fn closes(&self, opens: f64) -> f64 {
+        opens + self.shutter.unwrap_or(0.0) / self.fps()
+    }
+
+    /// The frame nearest to a moment: that of a sequence of files.
+    pub(crate) fn frame_at(&self, seconds: f64) -> u32 {
+        // Converting clamps.
+        (seconds * self.fps()).round() as u32
+    }
+
+    /// What can be refused before the scene is read.
+    pub(crate) fn check(&self, is_of_files: bool, has_checkpoint: bool) -> Result<(), Failure> {
+        let without = |option: &str| {
+            let reason = "which moment is not said; give --at SECONDS or --frames FIRST..LAST, too";
+            Err(Failure::usage(format_args!("{option}: {reason}")))
+        };
+        if !self.is_given() {
+            if self.shutter.is_some() {
+                return without("--shutter");
+            }
+            return match (&self.animation, self.fps) {
+                (Some(_), _) => without("--animation"),
+                (None, Some(_)) => without("--fps"),
+                (None, None) if is_of_files => Err(Failure::usage(
+                    "the scene is a sequence of files; give --frames FIRST..LAST or --at SECONDS",
+                )),
+                (None, None) => Ok(()),
+            };
+        }
+        if is_of_files && self.is_open() {
+            return Err(Failure::usage(
+                "--shutter: the files of a sequence are single moments; what moves has to be an animation in one file",
+            ));
+        }
+        if self.frames.is_some() && has_checkpoint {
+            return Err(Failure::usage(
+                "--checkpoint does not go with --frames; --skip-existing goes on where a sequence was left",
+            ));
+        }
+        Ok(())
+    }
+}

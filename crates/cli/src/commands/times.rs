@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `gnurt render --at` and `--frames`: moments of an animation, or files of a sequence.
+//! A frame is made from the scene and its moment alone, so that a sequence has the pictures, byte for byte, that `--at`
+//! has of its moments: the default camera, the lights and the exposure are chosen where every call can find them, from the clip's
+//! first moment and the room it takes, or from the first file of a sequence that is there.
+//! Tests: `tests/program/animation.rs`.
+
+use std::time::{Duration, Instant};
+
+use gnurt::ThreadPool;
+use gnurt::defaults::{Added, Bounds, Stock, bounds_over};
+use gnurt::display_rules::meter;
+use gnurt::render::{RenderOptions, World};
+use gnurt::scene::Scene;
+use gnurt::scene::animation::Exposure;
+
+use super::frame::{Plan, Ready, Targets, commit_into, commit_options, identify, make};
+use crate::arguments::{ExposureChoice, LightArguments, RenderArguments, TimeArguments};
+use crate::clips::clip;
+use crate::failure::{Failure, Outcome};
+use crate::messages::Messages;
+use crate::shaders::Shaders;
+use crate::signals;
+use crate::source::Source;
+use crate::view::{self, Chosen, Stage};
+
+/// What is rendered once.
+struct Frame {
+    number: u32,
+    seconds: f64,
+    targets: Targets,
+}
+
+/// The first scene of a sequence, how it is seen, and what it lacked.
+struct First {
+    scene: Scene,
+    shaders: Shaders,
+    chosen: Chosen,
+    added: Added,
+}
+
+/// Everything that frames share.
+struct Studio<'a> {
+    arguments: &'a RenderArguments,
+    options: &'a RenderOptions,
+    pool: &'a ThreadPool,
+    /// Whether curve and exposure show, or may.
+    is_for_screens: bool,
+    messages: Messages,
+}
+
+/// Renders the moments that were asked for.
+pub(super) fn run(
+    arguments: &RenderArguments,
+    mut plan: Plan,
+    options: &RenderOptions,
+    pool: &ThreadPool,
+    messages: Messages,
+) -> Outcome {
+    let targets = plan.targets.clone();
+    let mut due = frames(&arguments.times, &targets)
+        .filter(|frame| !arguments.times.skip_existing || !is_done(&frame.targets))
+        .peekable();
+    if due.peek().is_none() {
+        messages.note("all frames are there already");
+        return Ok(());
+    }
+    // What pieces are joined to may be for screens.
+    let is_for_screens = targets.picture.is_for_screens() || arguments.piece.is_some();
+    let studio = Studio { arguments, options, pool, is_for_screens, messages };
+    match plan.source.numbered().cloned() {
+        Some(numbered) => {
+            let first = numbered.first().ok().flatten().unwrap_or(0);
+            studio.files(&mut plan, first, due)
+        }
+        None => studio.clip(&mut plan, due),
+    }
+}
+
+/// The frames, each when it is asked for: there may be many.
+fn frames<'a>(times: &'a TimeArguments, targets: &'a Targets) -> impl Iterator<Item = Frame> + 'a {
+    let range = times.frames.map(|range| range.first..=range.last);
+    let one =
+        times.at.map(|seconds| Frame { number: times.frame_at(seconds), seconds, targets: targets.clone() });
+    let all = range.into_iter().flatten().map(move |number| Frame {
+        number,
+        seconds: times.seconds(number),
+        targets: Targets {
+            picture: targets.picture.at(number),
+            heatmap: targets.heatmap.as_ref().map(|heatmap| heatmap.at(number)),
+        },
+    });
+    one.into_iter().chain(all)
+}
+
+fn is_done(targets: &Targets) -> bool {
+    let is_there = |output: &crate::output::Output| output.path().exists();
+    is_there(&targets.picture) && targets.heatmap.as_ref().is_none_or(is_there)
+}
+
+impl Studio<'_> {
+    /// Moments of a clip of one scene, which is read once.
+    fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
+        let begin = Instant::now();
+        let (mut scene, files) = plan.source.load_with_files(self.messages)?;
+        let clip = clip(&scene, self.arguments.times.animation.as_deref())?;
+        let Some(clip) = clip else {
+            return Err(Failure::usage(format_args!(
+                "{}: the scene has no animation; leave out --at and --frames",
+                plan.source.name()
+            )));
+        };
+        let bounds = bounds_over(&mut scene, clip);
+        let shaders = Shaders::put_into(&mut scene, &self.arguments.frame, self.messages)?;
+        let chosen = self.choose(&mut scene, &shaders, bounds)?;
+        let mut world = World::new();
+        let light = self.light(&scene, &chosen, &shaders, &mut world)?;
+        let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());
+        let mut is_reported = false;
+        for frame in frames {
+            frame.targets.spare(files.clone(), self.arguments)?;
+            let begin = Instant::now();
+            let closes = self.arguments.times.closes(frame.seconds);
+            let exposure = scene.expose(clip, frame.seconds, closes);
+            self.tell_held(&exposure, &mut is_reported);
+            self.make(plan, &mut ready, (&scene, &exposure), frame, begin)?;
+            if signals::is_stopped() {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Files of a sequence; each may have a clip of its own.
+    fn files(&self, plan: &mut Plan, first: u32, frames: impl Iterator<Item = Frame>) -> Outcome {
+        let begin = Instant::now();
+        let all = plan.source.clone();
+        let First { scene, shaders: of_first, chosen, added } = self.first(&all.at(first))?;
+        let mut light = None;
+        for frame in frames {
+            let begin = Instant::now();
+            let (mut next, files) = all.at(frame.number).load_with_files(self.messages)?;
+            frame.targets.spare(files, self.arguments)?;
+            if let Some(clip) = clip(&next, self.arguments.times.animation.as_deref())? {
+                next.pose(clip, frame.seconds);
+            }
+            let shaders = Shaders::put_into(&mut next, &self.arguments.frame, self.messages)?;
+            added.add_to(&mut next);
+            let light = match light {
+                Some(light) => light,
+                None => *light.insert(self.light(&scene, &chosen, &of_first, &mut World::new())?),
+            };
+            let mut ready = self.ready(World::new(), chosen.clone(), shaders, light, begin.elapsed());
+            plan.source = all.at(frame.number);
+            self.make(plan, &mut ready, (&next, &Exposure::default()), frame, begin)?;
+            if signals::is_stopped() {
+                break;
+            }
+        }
+        self.messages.detail(format_args!("the sequence took {:.2} s", begin.elapsed().as_secs_f64()));
+        Ok(())
+    }
+
+    /// Reads the first scene of a sequence.
+    fn first(&self, source: &Source) -> Result<First, Failure> {
+        // Its oddities are told when it is rendered.
+        let mut scene = source.load(self.messages.silent())?;
+        let bounds = clip(&scene, self.arguments.times.animation.as_deref())?
+            .and_then(|clip| bounds_over(&mut scene, clip));
+        let stock = Stock::of(&scene);
+        let shaders = Shaders::put_into(&mut scene, &self.arguments.frame, self.messages.silent())?;
+        let chosen = self.choose(&mut scene, &shaders, bounds)?;
+        let added = stock.added_to(&scene);
+        Ok(First { scene, shaders, chosen, added })
+    }
+
+    fn choose(
+        &self,
+        scene: &mut Scene,
+        shaders: &Shaders,
+        bounds: Option<Bounds>,
+    ) -> Result<Chosen, Failure> {
+        let stage = Stage::of(self.options.integrator, self.is_for_screens);
+        let resolution = self.arguments.frame.resolution;
+        view::choose_around(
+            scene,
+            &shaders.table,
+            bounds,
+            &self.arguments.view,
+            resolution,
+            stage,
+            self.messages,
+        )
+    }
+
+    /// Curve and exposure of all frames: the exposure is measured at the first moment, if it is left open and shows.
+    fn light(
+        &self,
+        scene: &Scene,
+        chosen: &Chosen,
+        shaders: &Shaders,
+        world: &mut World,
+    ) -> Result<LightArguments, Failure> {
+        let light = self.arguments.light.suited(chosen.exposure_of(self.options.integrator));
+        if light.exposure != ExposureChoice::Auto || !self.is_for_screens {
+            return Ok(light);
+        }
+        let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
+        let still = Exposure::default();
+        commit_into(world, (scene, &still), &shaders.table, how, self.pool, self.messages)?;
+        let measured = meter(world, &*chosen.rays, self.options, self.pool).map_err(Failure::usage)?;
+        let (display_rules, note) = light.chosen(measured);
+        note.iter().for_each(|note| self.messages.note(note));
+        Ok(LightArguments { exposure: ExposureChoice::Stops(display_rules.exposure), ..light })
+    }
+
+    fn ready(
+        &self,
+        world: World,
+        chosen: Chosen,
+        shaders: Shaders,
+        light: LightArguments,
+        load_time: Duration,
+    ) -> Ready {
+        let report = gnurt::render::CommitReport::default();
+        Ready {
+            world,
+            report,
+            chosen,
+            motion: None,
+            shaders,
+            checkpoint: None,
+            print: 0,
+            load_time,
+            light: Some(light),
+        }
+    }
+
+    /// Says once what an open shutter does not blur.
+    fn tell_held(&self, exposure: &Exposure, is_reported: &mut bool) {
+        if exposure.held > 0 && !std::mem::replace(is_reported, true) {
+            self.messages.warning(format_args!(
+                "{} materials or instances change or come and go while the shutter is open; they stay as they are when it opens",
+                exposure.held
+            ));
+        }
+    }
+
+    /// Renders one frame of a scene that shows it.
+    fn make(
+        &self,
+        plan: &mut Plan,
+        ready: &mut Ready,
+        (scene, exposure): (&Scene, &Exposure),
+        frame: Frame,
+        begin: Instant,
+    ) -> Outcome {
+        let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
+        let (pool, messages) = (self.pool, self.messages);
+        let (view, resolution) = (&self.arguments.view, self.arguments.frame.resolution);
+        let shader = ready.chosen.shader.as_ref();
+        let aimed = view::aim(scene, view, shader, resolution)?;
+        ready.motion = view::motion(scene, exposure, view, shader, resolution)?;
+        (ready.chosen.camera, ready.chosen.rays) = aimed;
+        let shown = (scene, exposure);
+        ready.report = commit_into(&mut ready.world, shown, &ready.shaders.table, how, pool, messages)?;
+        let closes = self.arguments.times.closes(frame.seconds);
+        let keys = ready.motion.as_ref().map(|motion| &motion.keys);
+        let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
+        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, self.options);
+        plan.targets = frame.targets;
+        make(self.arguments, begin, plan, ready, self.options, pool, messages)
+    }
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a pixel of a picture in motion sees, light and surface apart, and what is known of the light there.
+//! Source: light and surface apart: as [WKB*02]; when two pixels show one surface: `many_lights/interleave.rs`. Space: world.
+//! Layout: what pixels are compared by is apart from what their colour is made of: filters read the one many times.
+
+use glam::Vec3;
+use gnurt_shading::real::Real;
+
+/// Cosine between normals of one surface, at least.
+const SAME_NORMAL: f32 = 0.9;
+/// Sine of the angle between a surface and the way to another of its points, at most.
+const SAME_PLANE: f32 = 0.15;
+/// Ways shorter than this, in widths of pixels, say nothing about planes.
+const TOUCHING: f32 = 0.1;
+/// How far a surface is foreshortened, at most, that pixels beside each other may show: in widths of pixels.
+const NEAR: f32 = 8.0;
+
+/// What is seen there: a point on a surface, behind mirrors and smooth glass if they are in between.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SurfaceKey {
+    pub(super) p: Vec3,
+    /// Unit, on the side that it is seen from.
+    pub(super) ns: Vec3,
+    /// Of instance and material; 0 = no surface.
+    pub(super) id: u32,
+    /// Width of the pixel there.
+    pub(super) width: f32,
+}
+
+impl SurfaceKey {
+    pub(super) fn is_surface(&self) -> bool {
+        self.id != 0
+    }
+
+    /// Whether light on the one is about that on the other, which shows `pixels` away.
+    #[inline(always)]
+    pub(super) fn agrees(&self, other: &Self, pixels: f32) -> bool {
+        let offset = other.p - self.p;
+        let cos = self.ns.dot(other.ns);
+        let same = Same::new(self.width, pixels);
+        (self.id == other.id) & same.holds(offset.length_squared(), offset.dot(self.ns), cos)
+    }
+}
+
+/// What pixels so wide, and so many pixels away, have to agree in.
+#[derive(Clone, Copy)]
+pub(super) struct Same<R> {
+    /// Square of the greatest distance.
+    far2: R,
+    /// Off a plane by no more than this is on it.
+    touching: R,
+}
+
+impl<R: Real> Same<R> {
+    #[inline(always)]
+    pub(super) fn new(width: R, pixels: f32) -> Self {
+        let near = width * (NEAR * pixels);
+        Self { far2: near * near, touching: width * TOUCHING }
+    }
+
+    /// Whether points may lie on one surface: by the square of their distance, how far the one lies off the other's plane, and the cosine
+    /// between normals.
+    #[inline(always)]
+    pub(super) fn holds(&self, far2: R, off: R, cos: R) -> R::Mask {
+        let off = (off.size() - self.touching).or_more(off.all(0.0));
+        let is_off = (off * off).above(far2 * (SAME_PLANE * SAME_PLANE));
+        cos.above_all(SAME_NORMAL) & self.far2.above(far2) & !is_off
+    }
+}
+
+/// What its colour is made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Tint {
+    /// What counts as it is: lamps and surroundings.
+    pub(super) plain: Vec3,
+    /// What light on the surface is multiplied by.
+    pub(super) share: Vec3,
+    /// Width of the lobes of what it shows, as slopes of facets: light stays while they are wide against the turn of the view.
+    /// 1 = the same to all sides.
+    pub(super) roughness: f32,
+    /// Whether anything was met.
+    pub(super) opacity: f32,
+}
+
+/// Light on a surface, averaged over directions as the surface scatters them: a mean of so many samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Light {
+    pub(super) mean: Vec3,
+    pub(super) count: f32,
+}
+
+impl Light {
+    /// Adds another with a weight.
+    #[inline(always)]
+    pub(super) fn add(&mut self, other: &Self, weight: f32) {
+        let count = weight * other.count;
+        self.mean += other.mean * count;
+        self.count += count;
+    }
+
+    /// What was added, as a mean.
+    #[inline(always)]
+    pub(super) fn averaged(self) -> Self {
+        let scale = if self.count > 0.0 { 1.0 / self.count } else { 0.0 };
+        Self { mean: self.mean * scale, count: self.count }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn surfaces_are_told_apart() {
+        let spot = SurfaceKey { p: Vec3::ZERO, ns: Vec3::Z, id: 3, width: 1.0 };
+        let at = |x: f32, y: f32, z: f32| SurfaceKey { p: Vec3::new(x, y, z), ..spot };
+        assert!(spot.agrees(&at(2.0, 0.0, 0.0), 1.0), "on one plane");
+        assert!(spot.agrees(&at(0.0, 0.0, 0.05), 1.0), "off by rounding");
+        assert!(!spot.agrees(&at(2.0, 0.0, 1.0), 1.0), "off the plane");
+        assert!(
+            !spot.agrees(&at(9.0, 0.0, 0.0), 1.0) && spot.agrees(&at(9.0, 0.0, 0.0), 2.0),
+            "as far as pixels"
+        );
+        assert!(!spot.agrees(&SurfaceKey { id: 4, ..spot }, 1.0), "another thing");
+        assert!(!spot.agrees(&SurfaceKey { ns: Vec3::X, ..spot }, 1.0), "around a corner");
+    }
+
+    #[test]
+    fn means_are_weighted() {
+        let mut sum = Light::default();
+        sum.add(&Light { mean: Vec3::splat(1.0), count: 3.0 }, 1.0);
+        sum.add(&Light { mean: Vec3::splat(5.0), count: 2.0 }, 0.5);
+        let mean = sum.averaged();
+        assert_eq!((mean.mean.x, mean.count), (2.0, 4.0), "three of one, and one of the other");
+        assert_eq!(Light::default().averaged().mean, Vec3::ZERO, "of nothing");
+    }
+}

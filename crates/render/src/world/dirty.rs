@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a commit has to look at: what the scene's log says was edited, and what hangs on that.
+//! Cost: the number of edits; meshes and textures are looked for in all objects and materials.
+//! Tests: crates/render/tests/{commit,edits}.rs.
+
+use gnurt_scene::edit::{Cursor, Edit};
+use gnurt_scene::{ObjectId, Scene};
+
+use super::material_table::MaterialTable;
+use super::materials;
+use super::open::Open;
+use super::table::ShaderTable;
+
+/// Ids of what is to be looked at, each list ascending.
+#[derive(Debug, Default)]
+pub(super) struct DirtyParts {
+    pub(super) meshes: Vec<u32>,
+    /// Those with an edited list, or an edited mesh.
+    pub(super) objects: Vec<u32>,
+    pub(super) instances: Vec<u32>,
+    /// Those that were edited, have an edited texture, or show a shader that is another one.
+    pub(super) materials: Vec<u32>,
+    pub(super) textures: Vec<u32>,
+    pub(super) lights: Vec<u32>,
+}
+
+impl DirtyParts {
+    /// All that there is.
+    pub(super) fn everything(scene: &Scene) -> Self {
+        let all = |count: usize| (0..count as u32).collect();
+        Self {
+            meshes: all(scene.meshes().len()),
+            objects: all(scene.objects().len()),
+            instances: all(scene.instances().len()),
+            materials: all(scene.materials().len()),
+            textures: all(scene.textures().len()),
+            lights: all(scene.lights().len()),
+        }
+    }
+
+    /// What moves while the shutter is open, or did.
+    pub(super) fn open(&mut self, open: &Open) {
+        for (list, more) in [(&mut self.objects, &open.objects), (&mut self.instances, &open.instances)] {
+            list.extend(more);
+            list.sort_unstable();
+            list.dedup();
+        }
+    }
+
+    /// What was edited since, and what hangs on it.
+    pub(super) fn since(cursor: Cursor, scene: &Scene, table: &MaterialTable, shaders: &ShaderTable) -> Self {
+        let mut dirty = Self::default();
+        for edit in scene.edits_since(cursor) {
+            match edit {
+                Edit::Mesh(id) => dirty.meshes.push(id.0),
+                Edit::Object(id) => dirty.objects.push(id.0),
+                Edit::Instance(id) => dirty.instances.push(id.0),
+                Edit::Material(id) => dirty.materials.push(id.0),
+                Edit::Texture(id) => dirty.textures.push(id.0),
+                Edit::Light(id) => dirty.lights.push(id.0),
+                // A camera is passed to `render`.
+                Edit::Camera(_) => {}
+            }
+        }
+        for list in [&mut dirty.meshes, &mut dirty.textures, &mut dirty.instances, &mut dirty.lights] {
+            list.sort_unstable();
+        }
+        if !dirty.meshes.is_empty() {
+            let has_one = |id: ObjectId| {
+                let mut meshes = scene.object(id).meshes.iter();
+                meshes.any(|mesh| dirty.meshes.binary_search(&mesh.0).is_ok())
+            };
+            dirty.objects.extend((0..scene.objects().len() as u32).filter(|&id| has_one(ObjectId(id))));
+        }
+        if !dirty.textures.is_empty() {
+            for (id, material) in (0..).zip(scene.materials()) {
+                if materials::textures_of(material).any(|t| dirty.textures.binary_search(&t.0).is_ok()) {
+                    dirty.materials.push(id);
+                }
+            }
+        }
+        dirty.materials.extend(table.swapped(shaders).map(|(material, _)| material));
+        for list in [&mut dirty.objects, &mut dirty.materials] {
+            list.sort_unstable();
+            list.dedup();
+        }
+        dirty
+    }
+}

@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The triangles that shine: all those of all instances together are one light.
+//! Space: world. Looked for again only where an instance that shines moved, came or went, an object that
+//! shines was changed, or a material shines differently. Tests: `crates/render/tests/{lights,commit,shader_emission}.rs`.
+
+use std::sync::Arc;
+
+use gnurt_accel::{KeyInterval, SceneTree, SharedList};
+use gnurt_scene::RayMask;
+use gnurt_shading::lights as shading;
+use rayon::prelude::*;
+
+use super::instance::{InstanceSlot, PlacedInstance};
+use super::material_table::MaterialTable;
+use super::object::WorldObject;
+use super::shader_emission::{EmissionTriangle, ShaderEmission};
+use super::transform::Transform;
+
+/// What is looked through for them.
+#[derive(Clone, Copy)]
+pub(super) struct Shown<'a> {
+    pub(super) instances: &'a SharedList<InstanceSlot>,
+    /// Which numbers their objects.
+    pub(super) tree: &'a SceneTree,
+    pub(super) materials: &'a MaterialTable,
+    pub(super) face_normals: bool,
+    pub(super) pool: &'a rayon::ThreadPool,
+}
+
+/// All triangles that shine.
+#[derive(Default)]
+pub(super) struct Emitters {
+    pub(super) triangles: Option<Arc<shading::TriangleLights>>,
+    /// Object (as the tree over instances numbers them), mesh and triangle of each of them, ascending; twice where both sides
+    /// shine.
+    pub(super) ids: Arc<Vec<[u32; 3]>>,
+    /// Instances that have a mesh that shines, ascending.
+    instances: Vec<u32>,
+}
+
+/// Triangles that may shine: each with leaf, mesh and triangle, and what is known of those whose shaders are asked.
+#[derive(Default)]
+struct Found {
+    triangles: Vec<shading::EmissiveTriangle>,
+    ids: Vec<[u32; 3]>,
+    glowing: Vec<Option<EmissionTriangle>>,
+}
+
+impl Emitters {
+    /// The lamps after the instances of `changed`, ascending, have changed; `None` if they are as they were.
+    pub(super) fn after(&self, changed: &[u32], emission_changed: bool, shown: Shown) -> Option<Self> {
+        let Shown { instances, materials, pool, .. } = shown;
+        let is_emissive = |instance_index: usize| {
+            let placed = instances.get(instance_index).and_then(InstanceSlot::placed);
+            // What rays of light do not see gives off none.
+            placed.is_some_and(|placed| {
+                placed.mask.meets(RayMask::OTHER) && shows_lamps(&placed.object, materials)
+            })
+        };
+        let now: Vec<u32> = if emission_changed {
+            let of_chunk = |(first, slots): (usize, &[InstanceSlot])| {
+                let instance_indices = first..first + slots.len();
+                instance_indices
+                    .filter(|&instance_index| is_emissive(instance_index))
+                    .map(|instance_index| instance_index as u32)
+                    .collect::<Vec<_>>()
+            };
+            pool.install(|| instances.par_pieces().flat_map_iter(of_chunk).collect())
+        } else {
+            let is_changed = |id: &u32| changed.binary_search(id).is_ok();
+            let come: Vec<u32> = changed.iter().copied().filter(|&id| is_emissive(id as usize)).collect();
+            let stay: Vec<u32> = self.instances.iter().copied().filter(|id| !is_changed(id)).collect();
+            if come.is_empty() && stay.len() == self.instances.len() {
+                return None;
+            }
+            let mut now = [stay, come].concat();
+            now.sort_unstable();
+            now
+        };
+        if now.is_empty() && self.instances.is_empty() {
+            return None;
+        }
+        Some(Self::of(now, None, shown))
+    }
+
+    /// The same lamps where they are at a moment of the open shutter.
+    pub(super) fn at(&self, time: f32, shown: Shown) -> Self {
+        Self::of(self.instances.clone(), Some(time), shown)
+    }
+
+    /// The same lamps where objects have other numbers.
+    pub(super) fn renumbered(&self, before: &SceneTree, now: &SceneTree) -> Self {
+        let number = |&[leaf_id, geom_id, prim_id]: &[u32; 3]| {
+            let (inst_id, leaf) = before.instance_at(leaf_id).expect("lamps are there");
+            [now.first_leaf(inst_id) + leaf, geom_id, prim_id]
+        };
+        let ids = Arc::new(self.ids.iter().map(number).collect());
+        Self { triangles: self.triangles.clone(), ids, instances: self.instances.clone() }
+    }
+
+    /// Whether some of them move while the shutter is open.
+    pub(super) fn move_in(&self, instances: &SharedList<InstanceSlot>) -> bool {
+        let placed = |&id: &u32| instances.get(id as usize).and_then(InstanceSlot::placed);
+        let moves = |placed: &PlacedInstance| {
+            placed.motion.is_some() || placed.object.bends || placed.object.members_move
+        };
+        self.triangles.is_some() && self.instances.iter().filter_map(placed).any(moves)
+    }
+
+    fn of(emissive: Vec<u32>, time: Option<f32>, shown: Shown) -> Self {
+        let emitters: Vec<_> = shown.materials.emitters().flatten().cloned().collect();
+        let mut found = Found::of(&emissive, time.unwrap_or(0.0), shown, &emitters);
+        let mut shaders: Option<Arc<dyn shading::EmitterShaders>> = None;
+        if found.glowing.iter().any(Option::is_some) {
+            let slot = |instance_index: usize| shown.instances[emissive[instance_index] as usize].clone();
+            let instances = SharedList::new(emissive.len(), false, slot);
+            let Shown { face_normals, .. } = shown;
+            let triangles = std::mem::take(&mut found.glowing);
+            let mut shader_emission =
+                ShaderEmission { triangles, instances, emitters: emitters.clone(), time, face_normals };
+            let mut is_emissive =
+                shown.pool.install(|| shader_emission.probe(&mut found.triangles)).into_iter();
+            let mut stays = || is_emissive.next().unwrap_or(false);
+            let all = found
+                .triangles
+                .into_iter()
+                .zip(found.ids)
+                .zip(std::mem::take(&mut shader_emission.triangles));
+            let ((triangles, ids), glowing) = all.filter(|_| stays()).unzip();
+            (found.triangles, found.ids, shader_emission.triangles) = (triangles, ids, glowing);
+            shaders = Some(Arc::new(shader_emission));
+        }
+        match shading::TriangleLights::new(found.triangles, emitters, shaders) {
+            Some(lights) => {
+                Self { triangles: Some(Arc::new(lights)), ids: Arc::new(found.ids), instances: emissive }
+            }
+            None => Self { instances: emissive, ..Self::default() },
+        }
+    }
+}
+
+impl Found {
+    fn of(emissive: &[u32], time: f32, shown: Shown, emitters: &[Arc<shading::Emitter>]) -> Self {
+        // Position among the emitters of each material that shines.
+        let mut next = 0..;
+        let number: Vec<Option<u32>> =
+            shown.materials.emitters().map(|emitter| emitter.and_then(|_| next.next())).collect();
+        let of_instance = |(instance_index, &inst_id): (usize, &u32)| {
+            let mut found = Vec::new();
+            let Some(instance) = shown.instances[inst_id as usize].placed() else { return found };
+            let first = shown.tree.first_leaf(inst_id);
+            let whole = (0, &instance.at(time), time);
+            each_lamp(&instance.object, whole, shown.materials, &mut |object, leaf, at| {
+                for (geom_id, (mesh, keys)) in (0..).zip(object.meshes.iter().zip(&object.keys)) {
+                    let Some(emitter) = number[mesh.material.index()] else { continue };
+                    let of = (emitter, &*emitters[emitter as usize]);
+                    for prim_id in 0..mesh.indices.len() {
+                        let Some(front) = triangle(at, (mesh, keys, time), prim_id, of) else { continue };
+                        let prim = prim_id as u32;
+                        let (ids, met) =
+                            ([first + leaf, geom_id, prim], [instance_index as u32, leaf, geom_id, prim]);
+                        if of.1.shader().is_none() {
+                            found.push((front, (ids, None)));
+                            continue;
+                        }
+                        // Both sides may shine.
+                        for side in [front.clone(), turned(front)] {
+                            let shader_emission =
+                                EmissionTriangle { met, inst_id, emitter, is_turned: side.is_turned };
+                            found.push((side, (ids, Some(shader_emission))));
+                        }
+                    }
+                }
+            });
+            found
+        };
+        let all = || emissive.par_iter().enumerate().flat_map_iter(of_instance).unzip();
+        let (triangles, (ids, glowing)) = shown.pool.install(all);
+        Self { triangles, ids, glowing }
+    }
+}
+
+fn shows_lamps(object: &WorldObject, materials: &MaterialTable) -> bool {
+    object.has_material(|material| materials.is_emissive(material))
+}
+
+/// Calls `visit` with all objects in one that have triangles that shine, where they are at a moment, and their numbers from `first` on.
+fn each_lamp(
+    object: &WorldObject,
+    (first, instance_index, time): (u32, &Transform, f32),
+    materials: &MaterialTable,
+    visit: &mut dyn FnMut(&WorldObject, u32, &Transform),
+) {
+    if !shows_lamps(object, materials) {
+        return;
+    }
+    let Some(members) = &object.members else { return visit(object, first, instance_index) };
+    for (leaf, member, mask) in members.iter() {
+        if mask.meets(RayMask::OTHER) {
+            let instance_index = member.at(instance_index, time);
+            each_lamp(&member.object, (first + leaf, &instance_index, time), materials, visit);
+        }
+    }
+    visit(object, first + members.own_leaf(), instance_index);
+}
+
+/// A triangle in the world; `None` if it cannot be traced, because what is not there does not shine.
+fn triangle(
+    instance_index: &Transform,
+    (mesh, keys, time): (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),
+    prim_id: usize,
+    (emitter, of): (u32, &shading::Emitter),
+) -> Option<shading::EmissiveTriangle> {
+    let mut corners = mesh.indices[prim_id].map(|i| i as usize);
+    if instance_index.mirrors {
+        corners.swap(1, 2);
+    }
+    let interval = KeyInterval::of(time, keys.len());
+    let position = |i: usize| {
+        let at = |mesh: &gnurt_scene::Mesh| mesh.positions.get(i).copied();
+        let p = match keys {
+            [] => at(mesh)?,
+            _ => interval.mix3(at(&keys[interval.key])?, at(&keys[interval.next])?),
+        };
+        Some(instance_index.point(p.into()))
+    };
+    let p = [position(corners[0])?, position(corners[1])?, position(corners[2])?];
+    let area = (p[1] - p[0]).cross(p[2] - p[0]).length();
+    if !(area > 0.0 && area.is_finite()) {
+        return None;
+    }
+    let uv = corners.map(|i| mesh.texcoords.get(i).copied().unwrap_or_default());
+    let opacity = corners.map(|i| mesh.colors.get(i).map_or(1.0, |color| color[3]));
+    let brightness = of.mean_over(&uv, opacity);
+    Some(shading::EmissiveTriangle { p, is_turned: instance_index.mirrors, uv, opacity, emitter, brightness })
+}
+
+/// The other side of a triangle.
+fn turned(mut front: shading::EmissiveTriangle) -> shading::EmissiveTriangle {
+    front.p.swap(1, 2);
+    front.uv.swap(1, 2);
+    front.opacity.swap(1, 2);
+    shading::EmissiveTriangle { is_turned: !front.is_turned, ..front }
+}

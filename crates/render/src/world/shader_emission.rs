@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Triangles that shine as their surfaces' shaders say: asked what leaves a place, for light samples and paths that start there,
+//! and at some places beforehand for what each side of each triangle gives off on average.
+//! Asking before choosing is a cached average, light itself is never cached. Space: world.
+//! Invariant: a place looks as to a ray that met it, but that no width is known there. Sides that were dark wherever they were
+//! looked at are no lights: scattered rays alone find what shines there. Tests: crates/render/tests/shader_emission.rs.
+
+use std::cell::Cell;
+use std::sync::Arc;
+
+use glam::Vec3;
+use gnurt_accel::{HitBatch, RayBatch, SharedList};
+use gnurt_image::srgb::luminance;
+use gnurt_shading::bsdf::ClosureBatch;
+use gnurt_shading::lanes::LANES;
+use gnurt_shading::lights::{
+    EmissiveTriangle, Emitter, EmitterPoint, EmitterShaders, LEAST_SHARE, looking_at,
+};
+use gnurt_shading::sampling::{self, Basis, cosine_hemisphere};
+use gnurt_shading::{Detail, SampleKey, SurfaceBatch};
+use gnurt_simd::Level;
+use rayon::prelude::*;
+
+use super::instance::InstanceSlot;
+use super::open::Shutter;
+use super::surface::{HitLanes, Leaves, SurfacePoints};
+
+/// Places that are looked at on each side of all triangles of one surface together; on one triangle not more nor fewer than these.
+const PROBES: usize = 1 << 13;
+const MOST_PROBES: usize = 64;
+const FEWEST_PROBES: usize = 4;
+
+/// A triangle that may shine.
+#[derive(Clone, Copy)]
+pub(super) struct EmissionTriangle {
+    /// Instance, object in what that shows, mesh, triangle; the instance by its place in `ShaderEmission::instances`.
+    pub(super) met: [u32; 4],
+    /// Its instance in the world.
+    pub(super) inst_id: u32,
+    /// Which emitter it belongs to.
+    pub(super) emitter: u32,
+    /// Whether its second corner is the mesh's third.
+    pub(super) is_turned: bool,
+}
+
+/// Who knows what they give off.
+pub(super) struct ShaderEmission {
+    /// By number of the emissive triangle; `None` = another emitter's.
+    pub(super) triangles: Vec<Option<EmissionTriangle>>,
+    /// Instances that have some of them.
+    pub(super) instances: SharedList<InstanceSlot>,
+    pub(super) emitters: Vec<Arc<Emitter>>,
+    /// At which moment of the open shutter, if something moves.
+    pub(super) time: Option<f32>,
+    pub(super) face_normals: bool,
+}
+
+/// Memory that stays from call to call.
+#[derive(Default)]
+struct Scratch {
+    rays: RayBatch,
+    hits: HitBatch,
+    keys: Vec<SampleKey>,
+    points: SurfaceBatch,
+    closures: ClosureBatch,
+}
+
+thread_local! {
+    static SCRATCH: Cell<Option<Box<Scratch>>> = const { Cell::new(None) };
+}
+
+impl EmitterShaders for ShaderEmission {
+    fn radiance(&self, requests: &[EmitterPoint], out: &mut [Vec3]) {
+        let glows: Vec<Option<EmissionTriangle>> =
+            requests.iter().map(|at| self.triangles[at.triangle as usize]).collect();
+        let emitter_of = |i: usize| glows[i].map(|shader_emission| shader_emission.emitter);
+        let mut left: Vec<usize> = (0..requests.len()).filter(|&i| glows[i].is_some()).collect();
+        while let Some(emitter) = left.first().and_then(|&i| emitter_of(i)) {
+            let (these, others) =
+                left.iter().partition::<Vec<usize>, _>(|&&i| emitter_of(i) == Some(emitter));
+            let emitter_points: Vec<(EmissionTriangle, EmitterPoint)> =
+                these.iter().filter_map(|&i| Some((glows[i]?, requests[i]))).collect();
+            self.query(emitter, &emitter_points, |k, radiance| out[these[k]] = radiance);
+            left = others;
+        }
+    }
+}
+
+impl ShaderEmission {
+    /// Calls `with(k, radiance)` for each of the places, which show one shader.
+    fn query(
+        &self,
+        emitter: u32,
+        emitter_points: &[(EmissionTriangle, EmitterPoint)],
+        mut with: impl FnMut(usize, Vec3),
+    ) {
+        let Some(shader) = self.emitters[emitter as usize].shader() else { return };
+        let mut scratch = SCRATCH.take().unwrap_or_default();
+        for (block, some) in emitter_points.chunks(LANES).enumerate() {
+            let Scratch { rays, hits, keys, points, closures } = &mut *scratch;
+            rays.clear();
+            hits.reset(some.len());
+            keys.clear();
+            let mut leaves = [[0; 2]; LANES];
+            for (i, (shader_emission, at)) in some.iter().enumerate() {
+                let [u, v] =
+                    if shader_emission.is_turned { [at.position[1], at.position[0]] } else { at.position };
+                (hits.u[i], hits.v[i], hits.t[i]) = (u, v, 0.0);
+                let [position, leaf, geom_id, prim_id] = shader_emission.met;
+                (hits.leaf_id[i], leaves[i]) = (i as u32, [position, leaf]);
+                [hits.inst_id[i], hits.geom_id[i], hits.prim_id[i]] =
+                    [shader_emission.inst_id, geom_id, prim_id];
+                rays.push(gnurt_accel::Ray::new([0.0; 3], at.dir.into()));
+                keys.push(SampleKey::default());
+            }
+            // As rays do that some surface has scattered.
+            let from = HitLanes { rays, keys, hits, cones: None, depth: 1 };
+            let lanes: [u32; LANES] = std::array::from_fn(|i| i as u32);
+            let shutter = self.time.map(Shutter::All);
+            let (instances, leaves) = (&self.instances, Leaves::Listed(&leaves));
+            let world =
+                SurfacePoints { instances, leaves, shutter, face_normals: self.face_normals, curved: false };
+            let how = (Level::default(), 0.0);
+            world.surface_points(how, from, &lanes[..some.len()], Detail::Full, shader.attributes(), points);
+            closures.reset(some.len());
+            shader.evaluate(points, closures);
+            for i in 0..some.len() {
+                let radiance = closures.emission(i) * closures.coverage(i);
+                with(
+                    block * LANES + i,
+                    if radiance.is_finite() { radiance.max(Vec3::ZERO) } else { Vec3::ZERO },
+                );
+            }
+        }
+        SCRATCH.set(Some(scratch));
+    }
+
+    /// Gives the triangles that show shaders the brightness that is found, and says which of all triangles shine: not those of a side
+    /// that was dark wherever it was looked at.
+    pub(super) fn probe(&self, triangles: &mut [EmissiveTriangle]) -> Vec<bool> {
+        // For each emitter, both sides: how many triangles, area, brightness by area.
+        let mut sides = vec![[(0_usize, 0.0_f64, 0.0_f64); 2]; self.emitters.len()];
+        let side_of = |i: usize| {
+            self.triangles[i].map(|shader_emission| (shader_emission.emitter as usize, self.is_back(i)))
+        };
+        let area = |t: &EmissiveTriangle| f64::from((t.p[1] - t.p[0]).cross(t.p[2] - t.p[0]).length());
+        for (emitter, back) in (0..triangles.len()).filter_map(side_of) {
+            sides[emitter][usize::from(back)].0 += 1;
+        }
+        triangles.par_iter_mut().enumerate().for_each(|(i, triangle)| {
+            let Some((emitter, back)) = side_of(i) else { return };
+            let probes = (PROBES / sides[emitter][usize::from(back)].0).clamp(FEWEST_PROBES, MOST_PROBES);
+            triangle.brightness = self.mean_of(i, triangle, probes);
+        });
+        for (i, triangle) in triangles.iter().enumerate() {
+            if let Some((emitter, back)) = side_of(i) {
+                let (_, whole, bright) = &mut sides[emitter][usize::from(back)];
+                *whole += area(triangle);
+                *bright += area(triangle) * f64::from(triangle.brightness);
+            }
+        }
+        for (i, triangle) in triangles.iter_mut().enumerate() {
+            if let Some((emitter, back)) = side_of(i) {
+                let (_, whole, bright) = sides[emitter][usize::from(back)];
+                triangle.brightness = triangle.brightness.max(LEAST_SHARE * (bright / whole) as f32);
+            }
+        }
+        (0..)
+            .zip(&*triangles)
+            .map(|(i, triangle)| side_of(i).is_none() || triangle.brightness > 0.0)
+            .collect()
+    }
+
+    /// Whether triangle `i` is the back of the one before.
+    fn is_back(&self, i: usize) -> bool {
+        let met = |i: usize| self.triangles[i].map(|shader_emission| shader_emission.met);
+        i > 0 && met(i) == met(i - 1)
+    }
+
+    /// Brightness on average over all places and, by their cosines, all directions.
+    fn mean_of(&self, number: usize, triangle: &EmissiveTriangle, probes: usize) -> f32 {
+        let Some(shader_emission) = self.triangles[number] else { return 0.0 };
+        let normal = (triangle.p[1] - triangle.p[0]).cross(triangle.p[2] - triangle.p[0]).normalize_or_zero();
+        let frame = Basis::around(normal);
+        let probe = |i: usize| {
+            let position = sampling::triangle(looking_at(i as u32));
+            // Of all directions to all parts of the triangle.
+            let [a, b] = looking_at((i * 7 + 3) as u32);
+            let dir = -frame.to_world(cosine_hemisphere([b, a])).normalize();
+            (shader_emission, EmitterPoint { triangle: number as u32, position, dir })
+        };
+        let emitter_points: Vec<_> = (0..probes).map(probe).collect();
+        let mut sum = 0.0;
+        self.query(shader_emission.emitter, &emitter_points, |_, radiance| sum += luminance(radiance.into()));
+        let mean = sum / probes as f32;
+        if mean.is_finite() { mean } else { 0.0 }
+    }
+}

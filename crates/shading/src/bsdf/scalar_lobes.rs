@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Lobes that few surfaces have, one point at a time: by Phong, by Ward, Beckmann's facets, glass under Schlick's reflectances, layers of fibres. What sixteen
+//! points have of them is looked at point by point, so that other lobes' code stays as it is.
+//! Source: see the file of each. Space: a frame with z = the shading normal and x along the slopes.
+//! Invariant: the same code for one point and for each of sixteen, so the same bits. Tests: `tests` of `bsdf`.
+
+use glam::Vec3;
+
+use super::anisotropy::{AnisotropyFrame, Slopes};
+use super::beckmann::Beckmann;
+use super::ggx::Ggx;
+use super::lobe::Kind;
+use super::rough_dielectric::{Glass, Microfacets, Mirrored, PreparedGlass};
+use super::{fibres, fresnel, phong, ward};
+use crate::real::Vector;
+
+/// Their bits.
+pub(super) const KINDS: u32 = Kind::Phong.bit()
+    | Kind::Ward.bit()
+    | Kind::Beckmann.bit()
+    | Kind::SchlickGlass.bit()
+    | Kind::Fibres.bit();
+
+/// A lobe at a point, with the numbers of [`Lobe`](super::Lobe).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ScalarLobe {
+    pub(super) kind: Kind,
+    pub(super) wo: Vec3,
+    pub(super) a: Vec3,
+    pub(super) b: Vec3,
+    pub(super) c: Vec3,
+    /// Widths of the slopes along x and y.
+    pub(super) widths: [f32; 2],
+    pub(super) eta: f32,
+    pub(super) spread: f32,
+    /// Share, index and thickness.
+    pub(super) film: [f32; 3],
+}
+
+/// What follows from the view.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct View {
+    /// Share of light that is scattered, about.
+    pub(super) albedo: Vec3,
+    /// See [`PreparedGlass`]; of Ward's lobe what it would send back as it was published.
+    pub(super) hidden: f32,
+    pub(super) lost: f32,
+}
+
+/// What a facet of such lobes mirrors.
+#[derive(Clone, Copy)]
+enum Rise {
+    All,
+    Fresnel,
+    Schlick { f0: Vec3, f90: Vec3, power: f32 },
+}
+
+impl Mirrored<f32> for Rise {
+    const IS_GREY: bool = false;
+
+    fn share(&self, cos: f32, eta: f32, _: bool) -> Vector<f32> {
+        match *self {
+            Self::All => Vector::grey(1.0),
+            Self::Fresnel => Vector::grey(fresnel::dielectric(cos, eta)),
+            Self::Schlick { f0, f90, power } => {
+                // By the angle on the rarer side, so that both sides say the same.
+                let cos2_beyond = 1.0 - eta * eta * (1.0 - cos * cos);
+                let cos = if eta > 1.0 { cos2_beyond.max(0.0).sqrt() } else { cos };
+                let all = eta > 1.0 && cos2_beyond <= 0.0;
+                let rise = (1.0 - cos).clamp(0.0, 1.0).powf(power);
+                (if all { Vec3::ONE } else { f0 + (f90 - f0) * rise }).into()
+            }
+        }
+    }
+}
+
+/// Calls `$then` with the glass that a lobe is, else gives `$other`.
+macro_rules! as_glass {
+    ($lobe:expr, $glass:ident => $then:expr, $other:expr) => {
+        match $lobe.kind {
+            Kind::Beckmann => {
+                let $glass = $lobe.beckmann();
+                $then
+            }
+            Kind::SchlickGlass => {
+                let $glass = $lobe.schlick();
+                $then
+            }
+            _ => $other,
+        }
+    };
+}
+
+impl ScalarLobe {
+    fn beckmann(&self) -> Glass<f32, Beckmann, Rise> {
+        Glass {
+            slopes: Beckmann::new(self.widths),
+            eta: self.eta,
+            film: None,
+            rise: if self.eta > 0.0 { Rise::Fresnel } else { Rise::All },
+            tints: [self.a.into(), self.b.into()],
+            losses: Vector::grey(0.0),
+            thin: false,
+        }
+    }
+
+    fn schlick(&self) -> Glass<f32, Slopes<f32>, Rise> {
+        let [along, across] = self.widths;
+        let anisotropy =
+            AnisotropyFrame { tangent: Vec3::X.into(), bitangent: Vec3::Y.into(), across, is: true };
+        let tint = |is: bool| Vector::grey(if is { 1.0 } else { 0.0 });
+        Glass {
+            slopes: Slopes {
+                ggx: Ggx::from_alpha(along),
+                anisotropy: (along != across).then_some(anisotropy),
+            },
+            eta: self.eta,
+            film: (self.film[0] > 0.0).then_some(self.film),
+            rise: Rise::Schlick { f0: self.a, f90: self.b, power: self.spread.abs() },
+            tints: [tint(self.spread > 0.0), tint(self.spread < 0.0)],
+            losses: self.c.into(),
+            thin: false,
+        }
+    }
+
+    /// Fills in what follows from the view.
+    #[inline(never)]
+    pub(super) fn prepare(&self) -> View {
+        let wo = self.wo;
+        let of_glass =
+            |prepared: PreparedGlass<f32>, mirrored: Vector<f32>, tints: [Vector<f32>; 2], lost: f32| {
+                let mirrored = Vec3::from(mirrored);
+                let albedo = mirrored * (1.0 - lost) * Vec3::from(tints[0]);
+                let albedo = albedo + (1.0 - mirrored) * Vec3::from(tints[1]);
+                View { albedo, hidden: prepared.hidden, lost: prepared.lost }
+            };
+        let dim = |share: f32| View { albedo: Vec3::splat(share), ..View::default() };
+        // About: facets mirror as the plane does, blurred.
+        let blurred = wo.z + (0.7 - wo.z) * (self.widths[0] * 0.5);
+        match self.kind {
+            Kind::Phong => dim(phong::albedo(self.eta, wo.z)),
+            Kind::Fibres => dim(fibres::albedo(self.widths[0], wo.z)),
+            Kind::Ward => {
+                let sent = ward::sent_back(self.widths, wo);
+                View { hidden: sent, ..dim(sent.min(1.0)) }
+            }
+            Kind::Beckmann => {
+                let glass = self.beckmann();
+                // Of the facets that are seen, some mirror light to others: about as many as hide each other.
+                let hidden = glass.slopes.lambda(wo.into(), wo.z);
+                of_glass(
+                    glass.prepared(wo.into(), wo.z),
+                    glass.mirrored(blurred),
+                    glass.tints,
+                    hidden / (1.0 + 2.0 * hidden),
+                )
+            }
+            Kind::SchlickGlass => {
+                let glass = self.schlick();
+                of_glass(glass.prepared(wo.into(), wo.z), glass.mirrored(blurred), glass.tints, 0.0)
+            }
+            _ => View::default(),
+        }
+    }
+
+    /// About the share of light that does not go through, without what comes back of further bounces.
+    #[inline(never)]
+    pub(super) fn sent_back(&self) -> Vec3 {
+        match self.kind {
+            Kind::Beckmann => Self { b: Vec3::ZERO, ..*self }.prepare().albedo,
+            Kind::SchlickGlass if self.spread < 0.0 => Vec3::ZERO,
+            _ => self.prepare().albedo,
+        }
+    }
+
+    /// Value times the cosine and density of the unit `wi`.
+    #[inline(never)]
+    pub(super) fn eval_pdf(&self, hidden: f32, lost: f32, wi: Vec3) -> (Vec3, f32) {
+        let dim = |(value, pdf): (f32, f32)| (Vec3::splat(value), pdf);
+        let directions = [self.wo.into(), wi.into()];
+        let of = |(value, pdf): (Vector<f32>, f32)| (value.into(), pdf);
+        as_glass!(
+            self,
+            glass => of(glass.eval_pdf(PreparedGlass { hidden, lost }, Vec3::Z.into(), directions, [self.wo.z, wi.z])),
+            match self.kind {
+                Kind::Phong => dim(phong::eval_pdf(self.eta, self.wo, wi)),
+                Kind::Fibres => dim(fibres::eval_pdf(self.widths[0], self.wo, wi)),
+                Kind::Ward => dim(ward::eval_pdf(self.widths, hidden, self.wo, wi)),
+                _ => dim((0.0, 0.0)),
+            }
+        )
+    }
+
+    /// A unit direction; zero where there is none.
+    #[inline(never)]
+    pub(super) fn sample(&self, hidden: f32, lost: f32, u: [f32; 3], cosine: Vec3) -> Vec3 {
+        let above = |wi: Vec3| if wi.z > 0.0 { wi } else { Vec3::ZERO };
+        let of = |(wi, some): (Vector<f32>, bool)| if some { Vec3::from(wi) } else { Vec3::ZERO };
+        as_glass!(
+            self,
+            glass => of(glass.sample(PreparedGlass { hidden, lost }, self.wo.into(), u, cosine.into())),
+            match self.kind {
+                Kind::Phong => above(phong::sample(self.eta, self.wo, [u[1], u[2]])),
+                Kind::Fibres => fibres::sample(self.widths[0], self.wo, cosine),
+                Kind::Ward => above(ward::sample(self.widths, self.wo, [u[1], u[2]])),
+                _ => Vec3::ZERO,
+            }
+        )
+    }
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What points do to light that they do not scatter: how closures that give off light or let it through change what scatters beside them.
+//! Tests: `tests/scripts/{closures,lanes}.rs`.
+
+use glam::Vec3;
+use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobe};
+use gnurt_sl::exec::LANES;
+
+use crate::parts::Lights;
+
+/// Least share of light that a surface stops where it scatters some, so that what it scatters is not drawn too seldom.
+const THERE: f32 = 1.0 / 16.0;
+
+/// What a point does to light that it does not scatter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EmissionAndOpacity {
+    /// Light that it gives off, over the share that it stops.
+    pub(crate) emission: Vec3,
+    /// Share of light that it stops.
+    pub(crate) there: f32,
+}
+
+impl EmissionAndOpacity {
+    /// Of one of sixteen points; its lobes become those of the share that it stops.
+    pub(crate) fn of(lists: &mut Lists, lights: &Lights, lane: usize) -> Self {
+        let emission = lights.emission.get(lane);
+        let through = lights.through.get(lane).clamp(Vec3::ZERO, Vec3::ONE);
+        let shared = through.min_element();
+        let is_lit = lists.lit() >> lane & 1 != 0 || emission != Vec3::ZERO;
+        // What all channels let through is a hole; what is left of colours goes on as through a pane.
+        let mut transparent = if is_lit { shared.min(1.0 - THERE) } else { shared };
+        if transparent < 1e-3 {
+            transparent = 0.0;
+        }
+        let there = 1.0 - transparent;
+        let tint = through - Vec3::splat(transparent);
+        if tint.max_element() > 1e-3 {
+            lists.push(1 << lane, &Lobe::glass(1.0, Vec3::ZERO, tint.max(Vec3::ZERO), true));
+        }
+        if there > 0.0 {
+            lists.times(1 << lane, &Default::default(), &[[1.0 / there; LANES]; 3]);
+        }
+        let emission = if emission.is_finite() && there > 0.0 { emission / there } else { Vec3::ZERO };
+        Self { emission, there }
+    }
+
+    /// Says so of point `i`.
+    pub(crate) fn write(self, i: usize, out: &mut ClosureBatch) {
+        if self.there < 1.0 {
+            out.cover(i, self.there);
+        }
+        if self.emission != Vec3::ZERO {
+            out.emit(i, self.emission);
+        }
+    }
+}

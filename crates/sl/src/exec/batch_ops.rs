@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Operations that only a host can answer, done for many points of a batch at once: for code that has all of them at hand.
+//! Invariant: every point gets what the interpreter gives it by itself. Where that is not sure (texts that differ from point to point,
+//! something that is to be said) nothing is done, and the caller goes point by point. Tests: crates/jit/tests/batches.rs.
+
+use super::batch::Points;
+use super::cells::{Batch, Cells, LANES, lanes_of};
+use super::machine::{Machine, Step};
+use super::rows;
+use super::slot::Slot;
+use super::texture;
+use crate::types::{Base, Type};
+use gnurt_sl_lib::Dual;
+use gnurt_sl_lib::math::vectors;
+use gnurt_sl_lib::matrix as mx;
+
+/// Whether [`Machine::batch_ops`] may do an operation.
+#[must_use]
+pub fn queries_in_batches(step: &Step) -> bool {
+    let out = step.args.first().map_or(Type::VOID, |out| out.ty);
+    match (&*step.name, step.args.len()) {
+        ("raytype", 2) | ("backfacing" | "surfacearea", 1) => {
+            matches!(out, Type::INT | Type::FLOAT) && step.writes == 1
+        }
+        ("calculatenormal", 2) | ("transform" | "transformv" | "transformn", 3 | 4) => {
+            let (middle, value) = (&step.args[1..step.args.len() - 1], step.args[step.args.len() - 1]);
+            let has_three =
+                |slot: &Slot| slot.ty.base.is_float_based() && !slot.ty.is_array() && slot.size == 3;
+            let are_names = middle.iter().all(|name| name.ty == Type::STRING);
+            has_three(&step.args[0]) && has_three(&value) && are_names && step.writes == 1
+        }
+        ("texture", 4..) => out.base.is_float_based() && !out.is_array(),
+        _ => false,
+    }
+}
+
+impl Machine<'_> {
+    /// Does an operation for the points of a batch that `lanes` names. False if it must be done one point after the other; nothing is done
+    /// then.
+    pub fn run_batched(&mut self, step: &Step, lanes: u32, points: &Points, batch: &mut dyn Batch) -> bool {
+        match (&*step.name, &*step.args) {
+            ("raytype", [out, name]) => {
+                let Cells::One(text) = batch.get(name.at) else { return false };
+                let bit =
+                    if name.ty == Type::STRING { self.host.ray_kind(self.strings.text(text)) } else { 0 };
+                put_bits(batch, out, lanes, points.ray_kinds.map(|kinds| kinds & bit != 0));
+            }
+            ("backfacing", [out]) => {
+                put_bits(batch, out, lanes, std::array::from_fn(|lane| points.backfacing >> lane & 1 != 0));
+            }
+            ("surfacearea", [out]) => {
+                let area = points.surface_area;
+                let is_int = out.ty.base == Base::Int;
+                put(batch, out, lanes, &area.map(|x| if is_int { x as i32 as u32 } else { x.to_bits() }));
+            }
+            ("calculatenormal", [out, value]) => {
+                each_triple(batch, lanes, (out, value), |lane, v| {
+                    let [dx, dy] = [v.each_ref().map(|x| x.dx), v.each_ref().map(|x| x.dy)];
+                    let normal = vectors::calculatenormal(dx, dy, points.flipped >> lane & 1 != 0);
+                    Dual::from(normal).components()
+                });
+            }
+            (name, [out, spaces @ .., value]) if name.starts_with("transform") => {
+                let Some(matrix) = self.same_matrix(spaces, lanes, points, batch) else { return false };
+                each_triple(batch, lanes, (out, value), |_, v| match name {
+                    "transformv" => mx::transform_vector(&matrix, v),
+                    "transformn" => mx::transform_normal(&matrix, v),
+                    _ => mx::transform_point(&matrix, v),
+                });
+            }
+            ("texture", _) => return texture::textures(self, step, lanes, batch).is_some(),
+            _ => return false,
+        }
+        true
+    }
+}
+
+impl Machine<'_> {
+    /// The matrix between the spaces that an operation names, if it is the same for some points.
+    fn same_matrix(
+        &mut self,
+        names: &[Slot],
+        lanes: u32,
+        points: &Points,
+        batch: &dyn Batch,
+    ) -> Option<[[f32; 4]; 4]> {
+        let text = |name: &Slot| match batch.get(name.at) {
+            Cells::One(cell_bits) => Some(self.strings.text(cell_bits).clone()),
+            Cells::Each(_) => None,
+        };
+        let (from, to) = match names {
+            [to] => ("common".into(), text(to)?),
+            [from, to] => (text(from)?, text(to)?),
+            _ => return None,
+        };
+        let is_same = |name: &str| name == "common" || self.host.is_same_space(name, lanes, &points.index);
+        if !(is_same(&from) && is_same(&to)) {
+            return None;
+        }
+        self.spaces_at(points.point(lanes.trailing_zeros() as usize), &from, &to)
+    }
+}
+
+/// Makes three numbers of three numbers of each of some points; `f(point, numbers)`.
+fn each_triple(
+    batch: &mut dyn Batch,
+    lanes: u32,
+    (out, value): (&Slot, &Slot),
+    f: impl Fn(usize, [Dual<f32>; 3]) -> [Dual<f32>; 3],
+) {
+    let mut all = [0, 1, 2].map(|i| rows::dual(batch, value, i));
+    for lane in lanes_of(lanes) {
+        let [x, y, z] = &all;
+        let found = f(lane, [x.get(lane), y.get(lane), z.get(lane)]);
+        for (row, x) in all.iter_mut().zip(found) {
+            row.set(lane, x);
+        }
+    }
+    for (i, row) in all.iter().enumerate() {
+        rows::put(batch, lanes, (out, i as u32), row);
+    }
+}
+
+fn put_bits(batch: &mut dyn Batch, out: &Slot, lanes: u32, is: [bool; LANES]) {
+    let one = if out.ty.base == Base::Int { 1 } else { 1.0_f32.to_bits() };
+    put(batch, out, lanes, &is.map(|is| if is { one } else { 0 }));
+}
+
+/// A value without changes.
+fn put(batch: &mut dyn Batch, out: &Slot, lanes: u32, cells_bits: &[u32; LANES]) {
+    batch.put(out.at, lanes, cells_bits);
+    for k in 1..if out.derivs { 3 } else { 1 } {
+        batch.put(out.at + k * out.size, lanes, &[0; LANES]);
+    }
+}

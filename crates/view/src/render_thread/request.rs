@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What the window and the thread that renders for it tell each other: wishes one way, pictures and news the other.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use gnurt::osl::ParameterValue;
+use gnurt::scene::Camera;
+
+use crate::exposure::Exposure;
+use crate::eye::ViewRequest;
+use crate::hud::Readings;
+use crate::pace::divided;
+use crate::shown::Shown;
+use crate::stage::Stage;
+
+/// What the window wants to see.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct RenderRequest {
+    pub(crate) camera: Camera,
+    pub(crate) shown: Shown,
+    pub(crate) size: [u32; 2],
+    pub(crate) exposure: Exposure,
+    /// Whether the camera will probably have moved on by the next frame.
+    pub(crate) moving: bool,
+    pub(crate) paused: bool,
+    /// Whether the noise is to be taken out of what rests.
+    pub(crate) denoised: bool,
+    /// The moment of the clip; `None` = the scene at rest.
+    pub(crate) clip_time: Option<f64>,
+}
+
+impl RenderRequest {
+    /// A look at it in passing, its sides divided.
+    pub(super) fn view_request(&self, divisor: u32) -> ViewRequest {
+        let size = divided(self.size, divisor);
+        ViewRequest { camera: self.camera.clone(), shown: self.shown, size, preview: true, denoised: false }
+    }
+
+    /// Whether the noise is to be taken out of what is shown: other pictures than light have none.
+    pub(super) fn requests_denoising(&self) -> bool {
+        self.denoised && matches!(self.shown, Shown::Light(_))
+    }
+}
+
+/// A picture that can be shown.
+#[derive(Default)]
+pub(crate) struct DisplayFrame {
+    /// Rises with each picture.
+    pub(crate) number: u64,
+    /// Pixels of the window.
+    pub(crate) size: [u32; 2],
+    pub(crate) screen: Vec<u32>,
+    /// Linear colours of what was rendered, `readings.rendered` pixels; old ones where it is not `whole`.
+    pub(crate) colors: Vec<[f32; 4]>,
+    pub(crate) exposure: Exposure,
+    pub(crate) readings: Readings,
+    /// Whether each pixel of the window was rendered with samples that count.
+    pub(crate) whole: bool,
+    /// Which change of the view it shows.
+    pub(crate) view: u64,
+}
+
+/// What the window and the thread share.
+pub(super) struct Shared {
+    pub(super) request: Mutex<Pending>,
+    pub(super) bell: Condvar,
+    /// The wish's `view`, for those who may not wait.
+    pub(super) view: AtomicU64,
+    pub(super) leaving: AtomicBool,
+    pub(super) front: Mutex<DisplayFrame>,
+    pub(super) stage: Mutex<Arc<Stage>>,
+}
+
+pub(super) struct Pending {
+    pub(super) request: RenderRequest,
+    /// Rises when another picture is wanted, not only another exposure.
+    pub(super) view: u64,
+    pub(super) reload: bool,
+    /// Files of shaders that have changed.
+    pub(super) changed: Vec<PathBuf>,
+    /// Values of shaders' parameters, the last one of each.
+    pub(super) tuned: Vec<Tuned>,
+}
+
+/// A script's number, its parameter and the value that this is to have.
+pub(crate) type Tuned = (usize, String, ParameterValue);
+
+impl Pending {
+    /// Whether shaders are to be changed.
+    pub(super) fn has_edits(&self) -> bool {
+        !self.changed.is_empty() || !self.tuned.is_empty()
+    }
+}
+
+/// What the thread tells the window.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum RenderEvent {
+    /// There is another front.
+    Picture,
+    /// The scene was read again.
+    Reloaded(Vec<PathBuf>),
+    /// Shaders were read again; what is to be said of it, a line each.
+    Shaders(Vec<String>),
+    /// A shader could not be read again; the one before stays.
+    BadShader(String),
+    /// It could not be read or rendered; what was there stays.
+    Trouble(String),
+    /// How the noise was taken out, whenever that is another way than before.
+    Denoised(String),
+}
+
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
