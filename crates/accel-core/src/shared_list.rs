@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A long list whose copies share what they have in common: an edit copies a few values around it, and the way to them.
-//! Source: original (persistent arrays, here a trie of depth three). For who edits one of a million while others still read
+//! Persistent arrays, here a trie of depth three. For who edits one of a million while others still read
 //! the list before. Cost: reading follows two pointers more than a vector; a copy takes a pointer per 512 values; an edit
 //! copies 16 values and 32 pointers, once. Tests: `tests::copies_share_what_was_not_edited`.
 

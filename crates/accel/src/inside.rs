@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether points lie in closed meshes. Source: original: a ray's crossings, counted without rounding (`crossings.rs`), are even
+//! Whether points lie in closed meshes. The method: a ray's crossings, counted without rounding (`crossings.rs`), are even
 //! outside and odd inside. Space: world, or that of an object that is asked directly.
 //! Invariant: no point is on the wrong side, however near it is, and whatever vertices and edges are in the way.
 //! Tests: `tests/surfaces/inside.rs`.

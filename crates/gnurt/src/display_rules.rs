@@ -2,7 +2,7 @@
 //! How light comes to a screen where nobody has said how: the curve and the exposure, and which pictures lose their noise.
 //! The curve is [`ToneCurve::Filmic`] (Nar15), the exposure that of [`exposure_for`] (Rei03).
 //! Files of floats are never touched by any of this but the filter, and by that only if it is asked for.
-//! Tests: `tests`, and the command line's `tests/program/display_rules.rs`.
+//! Tests: `tests`, and the command line's `tests/program/display.rs`.
 
 use crate::image::{ToneCurve, exposure_for};
 use crate::render::{Integrator, RenderError, RenderOptions, Silent, World, render};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How a camera moves: around its target, sideways, nearer, straight on, by turning its head.
-//! Source: original (turntable orbit: yaw about a fixed up, pitch between the poles). Space: world; double precision, so
+//! Turntable orbit: yaw about a fixed up, pitch between the poles. Space: world; double precision, so
 //! that thousands of small moves add no drift that is seen.
 //! Invariants: eye and target never meet; the view never reaches the poles; what goes there and back ends where it began
 //! within rounding. Tests: `tests`.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How far one sees from a point, from the description alone: every triangle is tried, so that no tree is needed.
-//! Source: original (signs of the volumes that eye and edges span). Space: world; double precision. What is not finite is not seen.
+//! Signs of the volumes that eye and edges span. Space: world; double precision. What is not finite is not seen.
 //! Cost: triangles of visible instances times directions; few directions are asked for. Tests: `tests`.
 
 use crate::scene::{Affine, Mesh, Scene};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who uses an object: visible instances, and objects in use that hold it. Source: original (counts of references).
+//! Who uses an object: visible instances, and objects in use that hold it, by counts of references.
 //! Invariants: an object without users has no tree and holds nothing; no object holds itself. Tests: crates/render/tests/edits.rs.
 
 use std::collections::BTreeSet;
