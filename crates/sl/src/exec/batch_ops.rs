@@ -14,7 +14,7 @@ use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::math::vectors;
 use gnurt_sl_lib::matrix as mx;
 
-/// Whether [`Machine::batch_ops`] may do an operation.
+/// Whether [`Machine::run_batched`] may do an operation.
 #[must_use]
 pub fn queries_in_batches(step: &Step) -> bool {
     let out = step.args.first().map_or(Type::VOID, |out| out.ty);
