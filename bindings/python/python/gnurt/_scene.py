@@ -65,13 +65,13 @@ class Scene(_Scene):
         Or shader=FILE or source text in the shading language, and parameters={name: number, text or several of them}.
         """
         number = self._add_material({"name": name, **properties})
-        _warn(self._news())
+        _warn(self._progress())
         return number
 
     def set_material(self, material, name="", **properties):
         """Puts another material in the place of one."""
         self._set_material(material, {"name": name, **properties})
-        _warn(self._news())
+        _warn(self._progress())
 
     def add_mesh(
         self, vertices, faces=None, *, material=None, normals=None, texcoords=None, colors=None, transform=None, name=""
@@ -124,7 +124,7 @@ class Scene(_Scene):
         `progress` is True, or called with the share that is done."""
         with _told(progress) as tell:
             picture = self._render({"width": width, "height": height, **options}, tell)
-        _warn(self._news())
+        _warn(self._progress())
         return picture
 
     def accumulate(self, width=640, height=480, *, progress=None, **options):
@@ -137,7 +137,7 @@ class Scene(_Scene):
             with _told(progress) as tell:
                 complete = growing.grow(max(1, min(samples, 16)), tell)
             samples = growing.samples
-            _warn(self._news())
+            _warn(self._progress())
             yield growing.picture()
 
 
@@ -153,7 +153,7 @@ def load(source):
         warnings.warn(warning, stacklevel=2)
     scene = Scene()
     scene._take(found)
-    _warn(scene._news())
+    _warn(scene._progress())
     return scene
 
 
