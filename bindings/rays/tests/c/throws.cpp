@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Exceptions that functions of the program throw: those of error functions reach the program, others end in the library.
+#include <atomic>
 #include <gnurt/embree.h>
 #include <gnurt/rays.h>
 
@@ -11,8 +12,8 @@
 
 static RTCDevice device;
 
-// Says when it is gone.
-static int alive;
+// Counts its copies; threads of the pool throw it at the same time.
+static std::atomic<int> alive { 0 };
 struct Trouble : std::runtime_error {
     Trouble() : std::runtime_error("trouble") { alive++; }
     Trouble(const Trouble &other) : std::runtime_error(other) { alive++; }
@@ -28,7 +29,7 @@ static void ended(RTCError code, const char *what)
 {
     RTCError found = rtcGetDeviceError(device);
     CHECK(found == code, "%s: %s", what, rtcGetErrorString(found));
-    CHECK(std::uncaught_exceptions() == 0 && alive == 0, "%s: the exception is gone (%d)", what, alive);
+    CHECK(std::uncaught_exceptions() == 0 && alive == 0, "%s: the exception is gone (%d)", what, alive.load());
 }
 
 static void error_functions()
