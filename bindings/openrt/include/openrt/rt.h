@@ -51,7 +51,7 @@ RTAPI RTenum RTAPIENTRY rtGetError(void);
 
 /* Extension. Calls `function` at every error of the calls of any thread, on that thread: with the error's code, the call
  * with its arguments as text, which lives until the function returns, and `user`. It may call rt* functions; errors of
- * those are not told again. NULL calls nobody. When rtDebugCallback or rtExit returns, the function that was there is not
+ * those are not told again. NULL removes the function. When rtDebugCallback or rtExit returns, the function that was there is not
  * called any more, and has returned on all threads: they wait for it, so hold no lock that it wants. Called from within
  * such a function they do not wait. An exception of C++ may leave `function`: it passes through the call that failed to
  * the program. Beside this, every error is printed on the standard error output if the environment has OPENRT_DEBUG=1.
@@ -113,7 +113,7 @@ RTAPI void RTAPIENTRY rtCancelRendering(void);
 RTAPI void RTAPIENTRY rtSetSamplesPerPixel(RTuint samples);
 
 /* Extension. RT_TRUE: while nothing changes that the picture depends on, a frame's samples are added to those of the
- * frames before, so that the picture becomes smoother from frame to frame; after a change it begins anew. The count is that of
+ * frames before, so that the picture becomes smoother from frame to frame; after a change it starts again. The count is that of
  * RT_SAMPLE_COUNT. RT_FALSE (initial): each frame stands alone. BE. */
 RTAPI void RTAPIENTRY rtProgressive(RTboolean on);
 
@@ -190,7 +190,7 @@ RTAPI RTuint RTAPIENTRY rtNewObject(RTuint id, RTenum mode);
 RTAPI RTuint RTAPIENTRY rtCreateObject(RTenum mode);
 
 /* Closes the open object. BE; IO if none is open, or after RT_UPDATE with another number of vertices or other objects in it,
- * or if objects in it hold it themselves or lie more than 16 deep: then the object is closed and keeps its old geometry. */
+ * or if objects in it hold it themselves or are more than 16 deep. Then the object is closed and keeps its old geometry. */
 RTAPI void RTAPIENTRY rtEndObject(void);
 
 /* Adds an instance of the object, placed by the current RT_MODELVIEW matrix, and returns the instance's id.
@@ -382,8 +382,8 @@ RTAPI RTuint RTAPIENTRY rtParameterHandle(const char *name);
 
 /* Set a parameter: that of the bound shader, or the current per-triangle or per-vertex value, as the class
  * declares. Per-triangle values are taken when a triangle's last vertex is given, per-vertex values with each
- * vertex. IV if a pointer is NULL; IV unknown handle; IO if the handle is of another class than the bound one, if
- * the parameter has another type or size, or if it is per shader and no shader is bound. */
+ * vertex. IV if a pointer is NULL; IV unknown handle; IO if the handle is of another class than the bound one,
+ * the parameter has another type or size, or it is per shader and no shader is bound. */
 RTAPI void RTAPIENTRY rtParameter1f(RTuint handle, RTfloat x);
 RTAPI void RTAPIENTRY rtParameter2f(RTuint handle, RTfloat x, RTfloat y);
 RTAPI void RTAPIENTRY rtParameter3f(RTuint handle, RTfloat x, RTfloat y, RTfloat z);
