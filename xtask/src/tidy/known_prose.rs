@@ -32,6 +32,5 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/how-to/many-machines.md", 1),
     ("docs/how-to/write-plugins.md", 13),
     ("docs/reference/c-rays.md", 9),
-    ("docs/reference/openrt.md", 13),
     ("docs/reference/python.md", 7),
 ];
