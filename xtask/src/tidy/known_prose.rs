@@ -29,6 +29,5 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/decisions/0031-lobes-one-by-one.md", 8),
     ("docs/how-to/from-opengl.md", 10),
     ("docs/how-to/write-plugins.md", 13),
-    ("docs/reference/c-rays.md", 9),
     ("docs/reference/python.md", 7),
 ];
