@@ -29,5 +29,4 @@ pub(super) const KNOWN: &[(&str, usize)] = &[
     ("docs/decisions/0031-lobes-one-by-one.md", 8),
     ("docs/how-to/from-opengl.md", 10),
     ("docs/how-to/write-plugins.md", 13),
-    ("docs/reference/python.md", 7),
 ];
