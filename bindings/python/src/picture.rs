@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use gnurt::denoise::{self, Method, Options};
 use gnurt::display_rules::TONE;
-use gnurt::image::{self, ChannelData, ExrPixels, OutputFormat, ToneCurve, WriteOptions, exposure_for};
+use gnurt::image::{self, ChannelData, ExrPixels, PictureFormat, ToneCurve, WriteOptions, exposure_for};
 use pyo3::exceptions::{PyKeyError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -41,8 +41,8 @@ pub(crate) fn surroundings_error(error: &gnurt::Error) -> PyErr {
 
 impl Picture {
     /// As a file of this format shows it: on a screen the background is part of the picture.
-    fn encoded(&self, format: OutputFormat, options: &WriteOptions) -> PyResult<Vec<u8>> {
-        if format == OutputFormat::Exr {
+    fn encoded(&self, format: &'static PictureFormat, options: &WriteOptions) -> PyResult<Vec<u8>> {
+        if format == PictureFormat::EXR {
             return image::encode(&self.picture, format, options).map_err(|error| image_error(&error));
         }
         let mut seen = self.picture.clone();
@@ -165,7 +165,7 @@ impl Picture {
         exposure: Option<f32>,
         exact: bool,
     ) -> PyResult<()> {
-        let format = OutputFormat::from_path(&path).map_err(|error| image_error(&error))?;
+        let format = PictureFormat::from_path(&path).map_err(|error| image_error(&error))?;
         let mut options = self.display_rules(tone, exposure)?;
         if exact {
             options.exr_pixels = ExrPixels::Float;
@@ -185,7 +185,7 @@ impl Picture {
         exposure: Option<f32>,
     ) -> PyResult<Bound<'py, PyBytes>> {
         let options = self.display_rules(tone, exposure)?;
-        Ok(PyBytes::new(py, &py.detach(|| self.encoded(OutputFormat::Png, &options))?))
+        Ok(PyBytes::new(py, &py.detach(|| self.encoded(PictureFormat::PNG, &options))?))
     }
 
     /// What a notebook shows.

@@ -5,6 +5,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use gnurt::FORMATS;
 use gnurt::osl::Script;
 use gnurt::scene::{Affine, InstanceId, MaterialId, MeshId, Scene as Description, io};
 use gnurt::scene::{Camera, Material, Mesh as SceneMesh, Projection, Surface};
@@ -153,10 +154,10 @@ impl Scene {
         self.with(py, |stage| *stage = copy);
     }
 
-    /// Writes it: .gltf, .glb, .obj or .ply. What the format cannot hold is told.
+    /// Writes it in the format of the name. What the format cannot hold is told.
     fn _save(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<String>> {
         let scene = self.with(py, |stage| stage.scene().clone());
-        let reported = py.detach(|| io::save(&scene, &path)).map_err(|error| scene_error(&error))?;
+        let reported = py.detach(|| FORMATS.save(&scene, &path)).map_err(|error| scene_error(&error))?;
         Ok(reported.iter().map(ToString::to_string).collect())
     }
 

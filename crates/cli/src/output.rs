@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use gnurt::Numbered;
-use gnurt::image::{self, ExrPixels, OutputFormat, Picture, WriteOptions};
+use gnurt::image::{self, ExrPixels, PictureFormat, Picture, WriteOptions};
 
 use crate::arguments::{DisplayOptions, LightArguments};
 use crate::failure::{Failure, Outcome};
@@ -18,15 +18,15 @@ use crate::signals::{is_leaving, while_writing};
 #[derive(Clone, Debug)]
 pub(crate) struct Output {
     path: PathBuf,
-    format: OutputFormat,
+    format: &'static PictureFormat,
 }
 
 impl Output {
     /// A file of this name; its extension must say a format that can be written.
     pub(crate) fn named(path: &Path) -> Result<Self, Failure> {
-        let format = OutputFormat::from_path(path).map_err(|_| {
-            let valid = OutputFormat::ALL.map(|format| format!(".{}", format.extension()));
-            let valid: Vec<&str> = valid.iter().map(String::as_str).collect();
+        let format = PictureFormat::from_path(path).map_err(|_| {
+            let valid = PictureFormat::written_extensions();
+            let valid: Vec<&str> = valid.split(", ").collect();
             let reason = match path.extension() {
                 Some(extension) => {
                     unknown("picture format", &format!(".{}", extension.to_string_lossy()), &valid)
@@ -59,12 +59,12 @@ impl Output {
 
     /// Whether its format keeps layers beside the colours.
     pub(crate) fn has_layers(&self) -> bool {
-        self.format == OutputFormat::Exr
+        self.format.has_layers
     }
 
     /// Whether it is for screens, so that curve and exposure show in it.
     pub(crate) fn is_for_screens(&self) -> bool {
-        self.format == OutputFormat::Png
+        self.format.is_for_screens
     }
 
     /// Writes it with the look that was asked for, which is chosen from the picture if that is left open; says so.

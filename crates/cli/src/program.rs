@@ -42,7 +42,7 @@ fn parse_and_run() -> u8 {
         return status;
     }
     let command_line = verbosity_behind_command(command_line().to_vec(), &Arguments::command());
-    let parsed = Arguments::command().try_get_matches_from(command_line);
+    let parsed = Arguments::with_formats().try_get_matches_from(command_line);
     let (arguments, matches) = match parsed
         .and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)))
     {

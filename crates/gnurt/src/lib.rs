@@ -102,7 +102,9 @@ pub use gnurt_scene as scene;
 pub use gnurt_shading as shading;
 pub use gnurt_simd as simd;
 pub use gnurt_sl_shading as osl;
-pub use load::{BUILTIN, LoadOptions, Loaded, builtin_names, builtin_scenes, load_scene, load_scene_with};
+pub use load::{
+    BUILTIN, FORMATS, LoadOptions, Loaded, builtin_names, builtin_scenes, load_scene, load_scene_with,
+};
 pub use named_shaders::{named_camera_shader, put_named_shaders};
 pub use numbered::Numbered;
 pub use rayon::ThreadPool;

@@ -8,6 +8,9 @@ use crate::scene::io;
 
 pub use io::{LoadOptions, Loaded};
 
+/// The scene formats: those of [`scene::io`](crate::scene::io), and those of other crates, one line each.
+pub const FORMATS: io::Formats = io::FORMATS.with(&[]);
+
 /// What the names of built-in scenes begin with.
 pub const BUILTIN: &str = io::BUILTIN_PREFIX;
 
@@ -28,7 +31,7 @@ pub fn builtin_names() -> Vec<&'static str> {
 /// [`io::Error`] says which file and line, what is wrong and what would be right; an unknown `builtin:` name is
 /// [`io::ErrorKind::UnknownName`].
 pub fn load_scene(source: impl AsRef<OsStr>) -> Result<Loaded, io::Error> {
-    io::load_source(source)
+    FORMATS.load_source(source, &LoadOptions::default())
 }
 
 /// As [`load_scene`], but the scene may only do what `options` allow.
@@ -44,7 +47,7 @@ pub fn load_scene(source: impl AsRef<OsStr>) -> Result<Loaded, io::Error> {
 /// As [`load_scene`]. A file that the scene names but may not read is an error for buffers, and a warning for material
 /// libraries and textures, as one that is not there is.
 pub fn load_scene_with(source: impl AsRef<OsStr>, options: &LoadOptions) -> Result<Loaded, io::Error> {
-    io::load_source_with(source, options)
+    FORMATS.load_source(source, options)
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ pub enum Error {
     },
     /// Bytes that begin like no known picture file.
     #[error("not a picture file; known formats are: {0}")]
-    UnknownFormat(&'static str),
+    UnknownFormat(String),
     /// A file that is broken, truncated, or uses what this program does not read.
     #[error("bad {format} data: {what}")]
     Corrupt {

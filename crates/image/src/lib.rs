@@ -2,6 +2,7 @@
 //! Pictures: the value of pixels, their files and their comparison. Knows neither rays nor threads.
 #![forbid(unsafe_code)]
 
+mod budget;
 mod compare;
 mod error;
 mod exposure;
@@ -19,13 +20,14 @@ mod tiles;
 mod tone;
 mod volume;
 
+pub use budget::{Budget, Excess};
 pub use compare::{Comparison, compare};
 pub use error::{Error, system_reason};
 pub use exposure::exposure_for;
 pub use file::{
-    ExrPixels, MAX_PIXELS, OutputFormat, WriteOptions, check_writable, decode, decode_data_texture,
+    ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, WriteOptions, check_writable, decode, decode_data_texture,
     decode_data_texture_within, decode_texture, decode_texture_within, encode, encode_screen, encode_texels,
-    expects_panics, read, read_data_texture, read_stored, read_texture, replace_file, replace_file_if, write,
+    expects_panics, open_regular, read, read_data_texture, read_stored, read_texture, replace_file, replace_file_if, write,
 };
 pub use filter::{Filter, FilterShape};
 pub use heat::{heat_color, heat_map};

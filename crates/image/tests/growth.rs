@@ -7,7 +7,7 @@
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use gnurt_image::{OutputFormat, Picture, WriteOptions, decode, decode_data_texture, decode_texture};
+use gnurt_image::{PictureFormat, Picture, WriteOptions, decode, decode_data_texture, decode_texture};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]
@@ -73,7 +73,7 @@ fn cases() -> Vec<(String, String, Vec<u8>)> {
     case("an animation", "png", png([64, 64], 8, 2, false, &animation));
 
     let picture = Picture::new(1 << 11, 1 << 11);
-    for format in [OutputFormat::Exr, OutputFormat::Hdr, OutputFormat::Pfm] {
+    for format in [PictureFormat::EXR, PictureFormat::HDR, PictureFormat::PFM] {
         let bytes = gnurt_image::encode(&picture, format, &WriteOptions::default()).expect("a picture");
         case("black", format.extension(), bytes);
     }
@@ -81,7 +81,7 @@ fn cases() -> Vec<(String, String, Vec<u8>)> {
     let exr = |size: [u32; 2]| {
         let small = Picture::new(64, 64);
         let bytes =
-            gnurt_image::encode(&small, OutputFormat::Exr, &WriteOptions::default()).expect("a picture");
+            gnurt_image::encode(&small, PictureFormat::EXR, &WriteOptions::default()).expect("a picture");
         let windows = [63_u32, 63].map(u32::to_le_bytes).concat();
         let others = size.map(|side| (side - 1).to_le_bytes()).concat();
         let mut changed = bytes.clone();

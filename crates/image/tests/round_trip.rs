@@ -6,7 +6,7 @@ mod common;
 
 use common::{colors_only, file, files, picture, tiff};
 use gnurt_image::{
-    BACKGROUND, ExrPixels, Layer, Opacity, OutputFormat, Picture, StoredValues, TexelData, ToneCurve,
+    BACKGROUND, ExrPixels, Layer, Opacity, PictureFormat, Picture, StoredValues, TexelData, ToneCurve,
     WriteOptions, compare, decode, decode_data_texture, decode_texture, encode, read, read_stored,
     read_texture, screen_bytes, srgb, write,
 };
@@ -33,7 +33,7 @@ fn assert_same_bits(found: &Picture, expected: &Picture, channels: usize, what: 
 #[test]
 fn pfm_is_exact() {
     let picture = with_odd_values();
-    let back = decode(&file(&picture, OutputFormat::Pfm), "").expect("our own file");
+    let back = decode(&file(&picture, PictureFormat::PFM), "").expect("our own file");
     assert_same_bits(&back, &picture, 3, "PFM");
     assert!(back.color.iter().all(|pixel| pixel[3] == 1.0), "what has no opacity is opaque");
 }
@@ -53,7 +53,7 @@ fn grey_and_big_endian_pfm_are_read() {
 #[test]
 fn exr_is_exact() {
     let picture = Picture { opacity: Opacity::Associated, ..with_odd_values() };
-    let back = decode(&file(&picture, OutputFormat::Exr), "").expect("our own file");
+    let back = decode(&file(&picture, PictureFormat::EXR), "").expect("our own file");
     assert_same_bits(&back, &picture, 4, "EXR");
     assert_eq!(back.layers, picture.layers, "layers, their names, types and values");
     assert_eq!(back.metadata, picture.metadata, "metadata");
@@ -69,7 +69,7 @@ fn exr_is_associated_over_nothing() {
     let channels = [("R", halves(0.5)), ("G", halves(0.25)), ("B", halves(1.0)), ("A", vec![1.0, 0.5, 0.0])];
     let without = picture.clone();
     picture.layers.push(Layer::floats(BACKGROUND, channels));
-    let bytes = file(&picture, OutputFormat::Exr);
+    let bytes = file(&picture, PictureFormat::EXR);
     let back = decode(&bytes, "").expect("our own file");
     assert_eq!(back.color, picture.color, "what is seen");
     // As a program reads it that does not know the layer.
@@ -84,13 +84,13 @@ fn exr_is_associated_over_nothing() {
     }
     assert_eq!(bare.color, [[0.0; 4], [0.5, 0.25, 0.25, 0.5], [1.0; 4]], "nothing where alpha is 0");
     // On a screen it is opaque; without the layer what is half there is half transparent, and keeps its colour.
-    let png = |picture: &Picture| decode(&file(picture, OutputFormat::Png), "").expect("our own file").color;
+    let png = |picture: &Picture| decode(&file(picture, PictureFormat::PNG), "").expect("our own file").color;
     assert!(png(&back).iter().all(|pixel| pixel[3] == 1.0), "{:?}", png(&back));
     let shown = png(&without)[1];
     assert!((shown[3] - 0.5).abs() < 0.01 && shown[0] == 1.0 && (shown[1] - 1.0).abs() < 0.01, "{shown:?}");
     // A PNG's colours are straight: in an EXR they are multiplied.
     let straight = Picture { color: vec![[0.5, 0.5, 0.5, 0.5]], ..Picture::new(1, 1) };
-    let multiplied = decode(&file(&straight, OutputFormat::Exr), "").expect("our own file");
+    let multiplied = decode(&file(&straight, PictureFormat::EXR), "").expect("our own file");
     assert_eq!(multiplied.color, [[0.25, 0.25, 0.25, 0.5]], "associated");
 }
 
@@ -98,7 +98,7 @@ fn exr_is_associated_over_nothing() {
 fn exr_layers_may_be_half() {
     let mut picture = picture(4, 4);
     picture.layers[0].channels[0].half = true;
-    let back = decode(&file(&picture, OutputFormat::Exr), "").expect("our own file");
+    let back = decode(&file(&picture, PictureFormat::EXR), "").expect("our own file");
     let channel = back.layer("N").and_then(|layer| layer.channel("X")).expect("the layer is there");
     assert!(channel.half, "the precision is kept");
 }
@@ -107,7 +107,7 @@ fn exr_layers_may_be_half() {
 fn exr_in_half_precision_stays_close_and_finite() {
     let picture = Picture { opacity: Opacity::Associated, ..with_odd_values() };
     let options = WriteOptions { exr_pixels: ExrPixels::Half, ..WriteOptions::default() };
-    let bytes = encode(&picture, OutputFormat::Exr, &options).expect("the picture is consistent");
+    let bytes = encode(&picture, PictureFormat::EXR, &options).expect("the picture is consistent");
     let back = decode(&bytes, "").expect("our own file");
     for (a, b) in back.color.iter().flatten().zip(picture.color.iter().flatten()) {
         let expected = if b.is_finite() { b.clamp(-65_504.0, 65_504.0) } else { *b };
@@ -133,7 +133,7 @@ fn exr_does_not_cut_light_off() {
             picture.layers.push(Layer { name: BACKGROUND.into(), channels });
         }
         picture.opacity = Opacity::Associated;
-        let bytes = encode(&picture, OutputFormat::Exr, &WriteOptions::default()).expect("it is consistent");
+        let bytes = encode(&picture, PictureFormat::EXR, &WriteOptions::default()).expect("it is consistent");
         (bytes.len(), decode(&bytes, "").expect("our own file").color[5][0])
     };
     let (half, sun) = (size(1000.0, 0.0), size(1e6, 0.0));
@@ -148,7 +148,7 @@ fn double_channels_are_refused() {
     let mut picture = picture(2, 2);
     picture.layers.push(picture.layers[0].clone());
     let error =
-        encode(&picture, OutputFormat::Exr, &WriteOptions::default()).expect_err("N.X is there twice");
+        encode(&picture, PictureFormat::EXR, &WriteOptions::default()).expect_err("N.X is there twice");
     assert!(error.to_string().contains("'N.X'"), "the message names the channel: {error}");
 }
 
@@ -159,11 +159,11 @@ fn png_bytes_are_exact() {
         let [r, g, b] = [i, 255 - i, i / 2].map(|byte| srgb::decode_u8(byte as u8));
         *pixel = [r, g, b, (i % 7) as f32 / 6.0];
     }
-    let bytes = file(&picture, OutputFormat::Png);
+    let bytes = file(&picture, PictureFormat::PNG);
     let texels = decode_texture(&bytes, "").expect("our own file");
     let expected: Vec<_> = picture.color.iter().map(|&c| screen_bytes(c, ToneCurve::Clamp, 0.0)).collect();
     assert_eq!(texels.data, TexelData::Srgb8(expected), "the bytes of the file");
-    let again = file(&decode(&bytes, "").expect("our own file"), OutputFormat::Png);
+    let again = file(&decode(&bytes, "").expect("our own file"), PictureFormat::PNG);
     assert_eq!(again, bytes, "reading and writing again changes nothing");
     assert!(bytes.windows(4).any(|name| name == b"sRGB"), "the file says what its values mean");
 }
@@ -185,7 +185,7 @@ fn pngs_of_sixteen_bits_become_floats() {
 fn hdr_is_close() {
     for width in [5, 40] {
         let picture = colors_only(&picture(width, 9));
-        let back = decode(&file(&picture, OutputFormat::Hdr), "").expect("our own file");
+        let back = decode(&file(&picture, PictureFormat::HDR), "").expect("our own file");
         for (a, b) in back.color.iter().zip(&picture.color) {
             let largest = b[0].max(b[1]).max(b[2]);
             for c in 0..3 {
@@ -199,13 +199,13 @@ fn hdr_is_close() {
 #[test]
 fn others_read_our_files() {
     let picture = colors_only(&picture(40, 9));
-    for (format, tolerance) in [(OutputFormat::Png, 0.0), (OutputFormat::Hdr, 1.0 / 128.0)] {
+    for (format, tolerance) in [(PictureFormat::PNG, 0.0), (PictureFormat::HDR, 1.0 / 128.0)] {
         let bytes = file(&picture, format);
         let theirs = image::load_from_memory(&bytes).expect("the library reads our file").to_rgb32f();
         let ours = decode(&bytes, "").expect("our own file");
         for (theirs, ours) in theirs.pixels().zip(&ours.color) {
             for c in 0..3 {
-                let ours_c = if format == OutputFormat::Png { srgb::encode(ours[c]) } else { ours[c] };
+                let ours_c = if format == PictureFormat::PNG { srgb::encode(ours[c]) } else { ours[c] };
                 let largest = ours[0].max(ours[1]).max(ours[2]);
                 let close = (theirs[c] - ours_c).abs() <= tolerance * largest + 1e-6;
                 assert!(close, "{format:?}: {theirs:?} is not {ours:?}");
@@ -227,7 +227,7 @@ fn all_formats_are_read() {
 #[test]
 fn the_same_picture_gives_the_same_bytes() {
     let picture = picture(33, 21);
-    for format in [OutputFormat::Png, OutputFormat::Pfm, OutputFormat::Hdr] {
+    for format in [PictureFormat::PNG, PictureFormat::PFM, PictureFormat::HDR] {
         assert_eq!(file(&picture, format), file(&picture.clone(), format), "bytes of {format:?}");
     }
 }
@@ -236,7 +236,7 @@ fn the_same_picture_gives_the_same_bytes() {
 fn files_are_written_and_read() {
     let folder = tempfile::tempdir().expect("a folder for the test");
     let picture = picture(6, 5);
-    for format in OutputFormat::ALL {
+    for format in PictureFormat::written() {
         let path = folder.path().join(format!("a.{}", format.extension()));
         write(&picture, &path, &WriteOptions::default()).expect("the folder can be written to");
         let back = read(&path).expect("our own file");
@@ -249,8 +249,8 @@ fn files_are_written_and_read() {
 #[test]
 fn formats_may_be_mixed_when_compared() {
     let source = picture(9, 9);
-    let png = decode(&file(&source, OutputFormat::Png), "").expect("our own file");
-    let exr = decode(&file(&png, OutputFormat::Exr), "").expect("our own file");
+    let png = decode(&file(&source, PictureFormat::PNG), "").expect("our own file");
+    let exr = decode(&file(&png, PictureFormat::EXR), "").expect("our own file");
     assert_eq!(
         (png.opacity, exr.opacity),
         (Opacity::Straight, Opacity::Associated),
@@ -312,7 +312,7 @@ fn files_are_read_as_they_are_stored() {
 
     let path = folder.path().join("x.exr");
     let picture = picture(3, 2);
-    std::fs::write(&path, file(&picture, OutputFormat::Exr)).expect("written");
+    std::fs::write(&path, file(&picture, PictureFormat::EXR)).expect("written");
     let stored = read_stored(&path).expect("an EXR");
     let StoredValues::F32(values) = &stored.levels[0].values else { panic!("an EXR holds floats") };
     assert_eq!(stored.alpha, Some(3), "red, green, blue and opacity come first");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The built-in scenes: complete, clean, and as large as they say.
 
-use gnurt_scene::io::{ErrorKind, load_source};
+use gnurt_scene::io::{ErrorKind, FORMATS, LoadOptions};
 use gnurt_scene::{Light, builtin};
 
 #[test]
@@ -59,6 +59,7 @@ fn the_showpiece_is_large() {
 
 #[test]
 fn names_are_checked() {
+    let load_source = |name| FORMATS.load_source(name, &LoadOptions::default());
     assert!(load_source("builtin:cornell").is_ok(), "a good name");
     let error = load_source("builtin:cornel").expect_err("a bad name");
     assert_eq!(error.kind, ErrorKind::UnknownName, "the caller's mistake");

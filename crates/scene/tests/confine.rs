@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use gnurt_scene::io::{Error, LoadOptions, Loaded, load, load_with};
+use gnurt_scene::io::{Error, FORMATS, LoadOptions, Loaded, load};
 
 const V: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 /// A PNG of one pixel.
@@ -19,7 +19,7 @@ fn write(path: &Path, bytes: impl AsRef<[u8]>) {
 fn confined(folder: &Path, name: &str, text: &str) -> Result<Loaded, Error> {
     let path = folder.join("in").join(name);
     write(&path, text);
-    load_with(path, &LoadOptions { confine: Some(folder.join("in")), ..LoadOptions::default() })
+    FORMATS.load(path, &LoadOptions { confine: Some(folder.join("in")), ..LoadOptions::default() })
 }
 
 fn folder() -> tempfile::TempDir {
@@ -126,7 +126,7 @@ fn the_folder_must_be_one() {
     write(&scene, V);
     for bad in ["none", "in/t.obj"] {
         let options = LoadOptions { confine: Some(folder.path().join(bad)), ..LoadOptions::default() };
-        load_with(&scene, &options).expect_err("it is no folder");
+        FORMATS.load(&scene, &options).expect_err("it is no folder");
     }
     load(&scene).expect("without a folder all is well");
 }

@@ -5,6 +5,8 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use gnurt_image::NotRegular;
+
 use crate::codes::Codes;
 
 /// Bytes of a source file.
@@ -40,13 +42,12 @@ impl Access {
         if !self.allows(path) {
             return Err("it is outside of the folder that files may come from".to_owned());
         }
-        let reason = |error: std::io::Error| gnurt_image::system_reason(&error).to_string();
-        let data = std::fs::metadata(path).map_err(reason)?;
-        if !data.is_file() {
-            return Err("not a file".to_owned());
-        }
+        let reason = |error: std::io::Error| gnurt_image::system_reason(&error);
+        let (file, _) = gnurt_image::open_regular(path).map_err(|fault| match fault {
+            NotRegular::System(error) => reason(error),
+            NotRegular::Folder | NotRegular::Device => "not a file".to_owned(),
+        })?;
         let mut bytes = Vec::new();
-        let file = std::fs::File::open(path).map_err(reason)?;
         file.take(LONGEST + 1).read_to_end(&mut bytes).map_err(reason)?;
         if bytes.len() as u64 > LONGEST {
             return Err(format!("longer than {} MiB", LONGEST >> 20));

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gnurt::image::{OutputFormat, Picture, WriteOptions, encode, replace_file};
+use gnurt::image::{PictureFormat, Picture, WriteOptions, encode, replace_file};
 
 use crate::exposure::Exposure;
 
@@ -19,7 +19,7 @@ pub(crate) fn write(
     let color = colors.iter().map(|&[r, g, b, _]| [r, g, b, 1.0]).collect();
     let picture = Picture { width, height, color, ..Picture::default() };
     let options = WriteOptions { tone: exposure.tone, exposure: exposure.stops, ..WriteOptions::default() };
-    let bytes = encode(&picture, OutputFormat::Png, &options).map_err(|error| error.to_string())?;
+    let bytes = encode(&picture, PictureFormat::PNG, &options).map_err(|error| error.to_string())?;
     let name = |number: u32| folder.join(format!("view-{number:04}.png"));
     let free = (1..u32::MAX).map(name).find(|path| !path.exists()).ok_or("no name is left")?;
     replace_file(&free, &bytes).map_err(|error| error.to_string())?;

@@ -66,7 +66,7 @@ impl BenchCommand {
 /// Arguments of `bench rays`.
 #[derive(Args, Debug)]
 pub(crate) struct BenchRaysArguments {
-    /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is measured by itself
+    /// Scene files ({SCENES}) or builtin:NAME; each is measured by itself
     #[arg(value_name = "SCENE", default_value = "builtin:materials")]
     pub(crate) scenes: Vec<OsString>,
     /// Classes of rays: primary, shadow, ao, diffuse, shuffled
@@ -107,7 +107,7 @@ pub(crate) struct BenchRaysArguments {
 /// Arguments of `bench build`.
 #[derive(Args, Debug)]
 pub(crate) struct BenchBuildArguments {
-    /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is measured by itself
+    /// Scene files ({SCENES}) or builtin:NAME; each is measured by itself
     #[arg(value_name = "SCENE", default_value = "builtin:materials")]
     pub(crate) scenes: Vec<OsString>,
     /// Engines: gnurt, embree4
@@ -133,7 +133,7 @@ pub(crate) struct BenchBuildArguments {
 /// Arguments of `bench dynamic`.
 #[derive(Args, Debug)]
 pub(crate) struct BenchDynamicArguments {
-    /// Scene files (.obj, .ply, .gltf, .glb) or builtin:NAME; each is deformed and measured by itself
+    /// Scene files ({SCENES}) or builtin:NAME; each is deformed and measured by itself
     #[arg(value_name = "SCENE", default_value = "builtin:materials")]
     pub(crate) scenes: Vec<OsString>,
     /// Cases: refit and rebuild of each scene; top: a tree over instances; stadium: a small thing in a large one; crowd, crowd64: characters in 1000 or 64 poses
@@ -192,7 +192,7 @@ pub(crate) struct BenchPaperArguments {
 /// Arguments of `bench light`.
 #[derive(Args, Debug)]
 pub(crate) struct BenchLightArguments {
-    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    /// Scene file ({SCENES}) or builtin:NAME
     #[arg(value_name = "SCENE", default_value = "builtin:slit")]
     pub(crate) scene: OsString,
     /// Integrators that are compared

@@ -7,9 +7,8 @@ use std::path::Path;
 
 use clap::ArgMatches;
 use clap::parser::ValueSource;
-use gnurt::image::OutputFormat;
+use gnurt::image::PictureFormat;
 use gnurt::render::Integrator;
-use gnurt::scene::io::Format;
 
 use super::Command;
 
@@ -37,7 +36,7 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
         Command::View(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
         Command::Trace(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
         Command::Join(arguments) if keeps_light(&arguments.output) => tell(&LOOK, KEEPS_LIGHT),
-        Command::Convert(arguments) if Format::of(&arguments.output).is_ok() => tell(&LOOK, "on scenes"),
+        Command::Convert(arguments) if gnurt::FORMATS.of(&arguments.output).is_ok() => tell(&LOOK, "on scenes"),
         Command::Convert(arguments) => {
             if keeps_light(&arguments.output) {
                 tell(&LOOK, KEEPS_LIGHT);
@@ -68,10 +67,10 @@ fn of_integrator(integrator: Integrator, tell: &mut impl FnMut(&[(&str, &str)], 
 
 /// Whether a picture of this name keeps light, for which curve and exposure are nothing.
 fn keeps_light(path: &Path) -> bool {
-    OutputFormat::from_path(path).is_ok_and(|format| format != OutputFormat::Png)
+    PictureFormat::from_path(path).is_ok_and(|format| !format.is_for_screens)
 }
 
 fn is_scene(input: &OsStr) -> bool {
     let is_builtin = input.to_str().is_some_and(|text| text.starts_with(gnurt::BUILTIN));
-    is_builtin || Format::of(Path::new(input)).is_ok()
+    is_builtin || gnurt::FORMATS.of(Path::new(input)).is_ok()
 }

@@ -13,7 +13,7 @@ pub(crate) struct JoinArguments {
     /// Pieces that `gnurt render --piece` wrote: all of one picture, in any order; some may be there twice
     #[arg(value_name = "PIECE", required = true)]
     pub(crate) pieces: Vec<PathBuf>,
-    /// Picture to write: .png, .exr, .hdr or .pfm
+    /// Picture to write: {PICTURES}
     #[arg(short, long, value_name = "FILE", allow_hyphen_values = true, required = true)]
     pub(crate) output: PathBuf,
     #[command(flatten)]

@@ -29,6 +29,7 @@ pub(crate) use bench::{
 pub(crate) use denoiser::DenoiserArguments;
 pub(crate) use files::FileArguments;
 pub(crate) use help::HelpArguments;
+use help::with_formats;
 pub(crate) use idle::without_effect;
 pub(crate) use join::JoinArguments;
 pub(crate) use refusal::{Refusal, explain};
@@ -58,9 +59,16 @@ pub(crate) struct Arguments {
     pub(crate) command: Command,
 }
 
+impl Arguments {
+    /// The command line, with the formats that the program reads and writes.
+    pub(crate) fn with_formats() -> clap::Command {
+        with_formats(<Self as clap::CommandFactory>::command())
+    }
+}
+
 const AFTER_HELP: &str = "\
-Scenes: .obj (with .mtl), .ply, .gltf, .glb, or builtin:NAME (`gnurt scenes` lists them); mesh.####.ply is a sequence of files.
-Pictures: .png, .exr, .hdr, .pfm.
+Scenes: {SCENES}, or builtin:NAME (`gnurt scenes` lists them); mesh.####.ply is a sequence of files.
+Pictures: {PICTURES}.
 Shaders: `gnurt oslc`, `gnurt oslinfo` and `gnurt testshade` are OSL's tools with its options (`gnurt oslc --help`).
 
 Environment (options win): GNURT_THREADS as --threads; GNURT_ISA as --isa;
@@ -153,7 +161,7 @@ impl Command {
 /// Arguments of `info`.
 #[derive(Args, Debug)]
 pub(crate) struct InfoArguments {
-    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    /// Scene file ({SCENES}) or builtin:NAME
     pub(crate) scene: OsString,
     /// Print one JSON object
     #[arg(long)]
@@ -174,7 +182,7 @@ pub(crate) struct InfoArguments {
 /// Arguments of `diff`.
 #[derive(Args, Debug)]
 pub(crate) struct DiffArguments {
-    /// A picture (.png, .exr, .hdr, .pfm, .jpg, ...)
+    /// A picture ({READ_PICTURES})
     pub(crate) a: PathBuf,
     /// The picture it is compared with: reference of relMSE
     pub(crate) b: PathBuf,
@@ -207,7 +215,7 @@ pub(crate) struct ConvertArguments {
 /// Arguments of `trace`.
 #[derive(Args, Debug)]
 pub(crate) struct TraceArguments {
-    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    /// Scene file ({SCENES}) or builtin:NAME
     pub(crate) scene: OsString,
     /// The pixel, from the upper left corner
     #[arg(long, value_name = "X,Y", value_parser = value::pixel, allow_hyphen_values = true)]

@@ -18,9 +18,9 @@ use super::{
 /// Arguments of `render`.
 #[derive(Args, Debug)]
 pub(crate) struct RenderArguments {
-    /// Scene file (.obj, .ply, .gltf, .glb), a sequence of files (mesh.####.ply) or builtin:NAME
+    /// Scene file ({SCENES}), a sequence of files (mesh.####.ply) or builtin:NAME
     pub(crate) scene: OsString,
-    /// Picture to write: .png, .exr, .hdr or .pfm; without it the scene's name with .png, in the current folder
+    /// Picture to write: {PICTURES}; without it the scene's name with .png, in the current folder
     #[arg(help_heading = "Picture", short, long, value_name = "FILE", allow_hyphen_values = true)]
     pub(crate) output: Option<PathBuf>,
     /// Also write a picture of the cost of each pixel

@@ -16,12 +16,12 @@ use super::{
 /// Arguments of `view`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct WindowArguments {
-    /// Scene file (.obj, .ply, .gltf, .glb) or builtin:NAME
+    /// Scene file ({SCENES}) or builtin:NAME
     pub(crate) scene: OsString,
     /// Render without a window, and say how fast that is
     #[arg(help_heading = "Picture", long)]
     pub(crate) headless: bool,
-    /// Picture to write of the last frame: .png, .exr, .hdr or .pfm; only without a window
+    /// Picture to write of the last frame: {PICTURES}; only without a window
     #[arg(
         help_heading = "Picture",
         hide_short_help = true,

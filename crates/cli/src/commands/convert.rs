@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use gnurt::denoise::denoise;
 use gnurt::image;
-use gnurt::scene::io;
+use gnurt::FORMATS;
 
 use crate::arguments::ConvertArguments;
 use crate::environment::Environment;
@@ -57,18 +57,19 @@ pub(crate) fn run(arguments: &ConvertArguments, environment: &Environment, messa
 /// Scenes are told by their names; whatever else it is will be read as a picture, whose bytes say what it is.
 fn kind(input: &OsStr) -> Kind {
     let is_builtin = input.to_str().is_some_and(|text| text.starts_with(gnurt::BUILTIN));
-    if is_builtin || io::Format::of(Path::new(input)).is_ok() { Kind::Scene } else { Kind::Picture }
+    if is_builtin || FORMATS.of(Path::new(input)).is_ok() { Kind::Scene } else { Kind::Picture }
 }
 
 fn written_kind(output: &Path) -> Result<Kind, Failure> {
-    if io::Format::of(output).is_ok() {
+    if FORMATS.of(output).is_ok() {
         return Ok(Kind::Scene);
     }
     // The message lists the formats of pictures; name those of scenes as well.
     Output::named(output).map(|_| Kind::Picture).map_err(|failure| {
         Failure::usage(format_args!(
-            "{}; or .obj, .ply, .gltf, .glb for scenes",
-            failure.message().unwrap_or_default()
+            "{}; or {} for scenes",
+            failure.message().unwrap_or_default(),
+            FORMATS.written_extensions()
         ))
     })
 }
@@ -94,8 +95,8 @@ fn convert_scene(arguments: &ConvertArguments, environment: &Environment, messag
     let source = Source::find(&arguments.input, &arguments.files, environment)?;
     image::check_writable(&arguments.output).map_err(Failure::data)?;
     let (scene, read) = source.load_with_files(messages)?;
-    spare(&io::saved_files(&scene, &arguments.output).map_err(Failure::data)?, &read)?;
-    let saved = while_writing(|| io::save(&scene, &arguments.output)).map_err(Failure::data)?;
+    spare(&FORMATS.saved_files(&scene, &arguments.output).map_err(Failure::data)?, &read)?;
+    let saved = while_writing(|| FORMATS.save(&scene, &arguments.output)).map_err(Failure::data)?;
     for warning in saved.iter() {
         messages.warning(warning);
     }

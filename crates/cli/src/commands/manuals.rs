@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use clap::{Command, CommandFactory};
+use clap::Command;
 use clap_complete::Shell;
 
 use crate::arguments::{Arguments, ManualsArguments};
@@ -17,11 +17,11 @@ pub(crate) fn run(arguments: &ManualsArguments) -> Outcome {
     let failed =
         |error: std::io::Error| Failure::data(format!("cannot write to {}: {error}", folder.display()));
     std::fs::create_dir_all(folder).map_err(failed)?;
-    let mut program = without_help(Arguments::command());
+    let mut program = without_help(Arguments::with_formats());
     program.build();
     write_pages(&program, "gnurt", folder).map_err(failed)?;
     for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
-        clap_complete::generate_to(shell, &mut Arguments::command(), "gnurt", folder).map_err(failed)?;
+        clap_complete::generate_to(shell, &mut Arguments::with_formats(), "gnurt", folder).map_err(failed)?;
     }
     Ok(())
 }

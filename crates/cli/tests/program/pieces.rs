@@ -122,7 +122,7 @@ fn what_does_not_fit_is_not_joined() {
     let mut other = Picture { opacity: gnurt::image::Opacity::Associated, ..other };
     other.color[3][1] += 1.0;
     let how = gnurt::image::WriteOptions { exr_pixels: gnurt::image::ExrPixels::Float, ..Default::default() };
-    let bytes = gnurt::image::encode(&other, gnurt::image::OutputFormat::Exr, &how).expect("an EXR");
+    let bytes = gnurt::image::encode(&other, gnurt::image::PictureFormat::EXR, &how).expect("an EXR");
     folder.write("other.exr", bytes);
     folder
         .gnurt("join p.1.exr p.2.exr p.3.exr other.exr -o out.png")

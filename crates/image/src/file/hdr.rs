@@ -7,9 +7,10 @@
 
 use std::io::{BufRead, Read};
 
-use super::limits::{FileBudget, PICTURE_BYTES, check_density};
+use super::format::{PictureFormat, Readers, Signature};
+use super::limits::{PICTURE_BYTES, check_density};
 use super::source::Source;
-use crate::{Error, Picture};
+use crate::{Budget, Error, Picture};
 
 /// Widths that may be run-length encoded by component.
 const RUN_WIDTHS: std::ops::Range<usize> = 8..0x8000;
@@ -19,7 +20,20 @@ const PIXELS_PER_BYTE: u64 = 64;
 /// The largest value that a pixel holds.
 const LARGEST: f32 = 1.7e38;
 
-pub(super) fn encode(picture: &Picture) -> Vec<u8> {
+/// The format.
+pub(super) const FORMAT: PictureFormat = PictureFormat {
+    name: "HDR",
+    extensions: &["hdr"],
+    notes: "RGBE; linear radiance",
+    is_for_screens: false,
+    has_layers: false,
+    is_whole: true,
+    signature: Signature::Head(|head| head.starts_with(b"#?R")),
+    read: Readers { picture: decode, texels: None, stored: None },
+    write: Some(|picture, _| Ok(encode(picture))),
+};
+
+fn encode(picture: &Picture) -> Vec<u8> {
     let (width, height) = (picture.width as usize, picture.height);
     let header = format!(
         "#?RADIANCE\nSOFTWARE={}\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n",
@@ -85,7 +99,7 @@ fn encode_runs(values: &[u8], bytes: &mut Vec<u8>) {
     }
 }
 
-pub(super) fn decode(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<Picture, Error> {
+fn decode(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<Picture, Error> {
     let header = read_header(source)?;
     let size = [u64::from(header.width), u64::from(header.height)];
     check_density("HDR", size, length, PIXELS_PER_BYTE)?;
@@ -279,7 +293,7 @@ mod tests {
     fn old_runs_are_read() {
         let bytes =
             b"#?RADIANCE\nEXPOSURE=2\n\n-Y 1 +X 300\n\x80\x40\x20\x81\x01\x01\x01\x2b\x01\x01\x01\x01";
-        let picture = decode(&mut std::io::Cursor::new(bytes), 1000, FileBudget::of_file(1000))
+        let picture = decode(&mut std::io::Cursor::new(bytes), 1000, &Budget::of_picture(1000))
             .expect("1 + 43 + 256 pixels");
         assert_eq!(picture.color.len(), 300, "all pixels are there");
         assert!(picture.color.iter().all(|p| *p == picture.color[0]), "all pixels are alike");
@@ -290,7 +304,7 @@ mod tests {
     fn corrections_of_channels_are_undone() {
         let bytes = b"#?RADIANCE\nCOLORCORR= 2 1 0.5\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
         let picture =
-            decode(&mut std::io::Cursor::new(bytes), 1000, FileBudget::of_file(1000)).expect("a pixel");
+            decode(&mut std::io::Cursor::new(bytes), 1000, &Budget::of_picture(1000)).expect("a pixel");
         let [r, g, b, _] = picture.color[0];
         assert!((r / g - 0.5).abs() < 1e-3 && (b / g - 2.0).abs() < 1e-3, "{:?}", picture.color[0]);
     }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How large a picture may be, from its declared size and the length of its file, before memory is taken.
 //! Invariant: what a picture takes while it is read, its decoder's buffers included, stays below
-//! [`FileBudget::of_file`] or what the caller allows. Tests: `tests`, `tests/growth.rs`, and the corruption tests of each format.
+//! [`Budget::of_picture`] or what the caller allows. Tests: `tests`, `tests/growth.rs`, and the corruption tests of each format.
 
-use crate::Error;
+use crate::{Budget, Error};
 
 /// Most pixels of a picture that is read: 2^28.
 pub const MAX_PIXELS: u64 = 1 << 28;
@@ -11,31 +11,13 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 /// Pictures of up to so many pixels are believed however short their file is: 2^24, 256 MiB as floats.
 const BELIEVED_PIXELS: u64 = 1 << 24;
 
-/// Bytes that reading a picture may take however short its file is.
-const BELIEVED_BYTES: u64 = 512 << 20;
-
-/// Bytes that each byte of a longer file may become.
-const MOST_GROWTH: u64 = 64;
-
 /// Bytes of a pixel of a picture.
 pub(super) const PICTURE_BYTES: u64 = 16;
 
-/// What reading a picture may take.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct FileBudget {
-    /// Bytes at once.
-    pub(crate) most_bytes: u64,
-}
-
-impl FileBudget {
-    /// For a file of so many bytes.
-    pub(crate) fn of_file(length: u64) -> Self {
-        Self { most_bytes: length.saturating_mul(MOST_GROWTH).max(BELIEVED_BYTES) }
-    }
-
+impl Budget {
     /// Checks that so many bytes for each pixel may be taken.
     pub(super) fn check(
-        self,
+        &self,
         format: &'static str,
         [width, height]: [u64; 2],
         pixel_bytes: u64,
@@ -45,10 +27,10 @@ impl FileBudget {
     }
 
     /// Checks that so many bytes may be taken for a picture of that size.
-    pub(super) fn check_bytes(self, [width, height]: [u64; 2], needed: u64) -> Result<(), Error> {
-        match needed <= self.most_bytes {
+    pub(super) fn check_bytes(&self, [width, height]: [u64; 2], needed: u64) -> Result<(), Error> {
+        match needed <= self.left() {
             true => Ok(()),
-            false => Err(Error::TooMuchMemory { width, height, needed, limit: self.most_bytes }),
+            false => Err(Error::TooMuchMemory { width, height, needed, limit: self.limit() }),
         }
     }
 }
@@ -114,7 +96,7 @@ mod tests {
     #[test]
     fn memory_has_a_limit() {
         let side = 1 << 14;
-        let budget = FileBudget::of_file(2 << 20);
+        let budget = Budget::of_picture(2 << 20);
         let error = budget.check("PNG", [side, side], 24).expect_err("6 GiB of 2 MiB").to_string();
         assert!(
             error.contains("6144 MiB") && error.contains("512 MiB"),
@@ -122,7 +104,7 @@ mod tests {
         );
         assert!(budget.check("PNG", [side, side / 8], 16).is_ok(), "512 MiB may be taken");
         assert!(
-            FileBudget::of_file(100 << 20).check("PNG", [side, side], 24).is_ok(),
+            Budget::of_picture(100 << 20).check("PNG", [side, side], 24).is_ok(),
             "a long file may take more"
         );
     }

@@ -10,33 +10,34 @@ mod format;
 mod guard;
 mod hdr;
 mod jpeg;
-pub(crate) mod limits;
-pub(crate) mod open;
+mod limits;
+mod open;
 mod options;
 mod pfm;
 mod png;
+mod png_chunks;
 mod raster;
 mod replace;
 mod source;
+mod table;
 mod tiff;
 mod vp8l;
 mod webp;
 
-use std::io::Cursor;
+use std::fs::File;
+use std::io::{BufReader, Cursor};
 use std::path::Path;
 
-pub use exr::ExrPixels;
-pub use format::OutputFormat;
+pub use format::PictureFormat;
 pub use guard::expects_panics;
 pub use limits::MAX_PIXELS;
-pub use options::WriteOptions;
+pub use open::{NotRegular, open_regular};
+pub use options::{ExrPixels, WriteOptions};
 pub use png::{encode_screen, encode_texels};
 pub use replace::{check_writable, replace_file, replace_file_if};
 
-use crate::{Error, Picture, Stored, StoredValues, Texels};
-use format::InputFormat;
-use limits::FileBudget;
-use raster::Meaning;
+use crate::{Budget, Error, Picture, Stored, Texels};
+use format::Meaning;
 use source::Source;
 
 /// Writes a picture in the format that the file's name ends in. The file appears whole or not at all.
@@ -44,7 +45,7 @@ use source::Source;
 /// # Errors
 /// [`Error::UnknownExtension`] for a name that says no format; [`Error::In`] or [`Error::File`] otherwise.
 pub fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(), Error> {
-    let format = OutputFormat::from_path(path)?;
+    let format = PictureFormat::from_path(path)?;
     let bytes = encode(picture, format, options).map_err(|error| error.in_file(path))?;
     replace_file(path, &bytes)
 }
@@ -53,13 +54,11 @@ pub fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(
 ///
 /// # Errors
 /// [`Error::Shape`] if sizes do not fit, [`Error::TooLarge`] if the format cannot hold as many rows or columns.
-pub fn encode(picture: &Picture, format: OutputFormat, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+pub fn encode(picture: &Picture, format: &PictureFormat, options: &WriteOptions) -> Result<Vec<u8>, Error> {
     picture.check()?;
-    match format {
-        OutputFormat::Png => png::encode(picture, options),
-        OutputFormat::Exr => exr::encode(picture, options.exr_pixels),
-        OutputFormat::Pfm => Ok(pfm::encode(picture)),
-        OutputFormat::Hdr => Ok(hdr::encode(picture)),
+    match format.write {
+        Some(encode) => encode(picture, options),
+        None => Err(Error::Shape(format!("{} files are not written", format.name))),
     }
 }
 
@@ -68,7 +67,7 @@ pub fn encode(picture: &Picture, format: OutputFormat, options: &WriteOptions) -
 /// # Errors
 /// [`Error::File`] if the file cannot be read or is no regular one, [`Error::In`] if its data is bad.
 pub fn read(path: &Path) -> Result<Picture, Error> {
-    let (mut source, length) = open::open_regular(path, "a picture file")?;
+    let (mut source, length) = open_picture(path)?;
     picture_from(&mut source, length, &path.to_string_lossy()).map_err(|error| error.in_file(path))
 }
 
@@ -114,7 +113,7 @@ pub fn decode_data_texture_within(bytes: &[u8], name: &str, most_bytes: u64) -> 
 
 fn decode_texels(bytes: &[u8], name: &str, meaning: Meaning, most_bytes: u64) -> Result<Texels, Error> {
     let length = bytes.len() as u64;
-    let budget = FileBudget { most_bytes: FileBudget::of_file(length).most_bytes.min(most_bytes) };
+    let budget = &Budget::of_picture(length).at_most(most_bytes);
     texels_from(&mut Cursor::new(bytes), length, name, meaning, budget)
 }
 
@@ -139,46 +138,36 @@ pub fn read_data_texture(path: &Path) -> Result<Texels, Error> {
 /// # Errors
 /// As [`read`].
 pub fn read_stored(path: &Path) -> Result<Stored, Error> {
-    let (mut source, length) = open::open_regular(path, "a picture file")?;
-    let budget = FileBudget::of_file(length);
+    let (mut source, length) = open_picture(path)?;
+    let budget = &Budget::of_picture(length);
     stored_from(&mut source, length, &path.to_string_lossy(), budget).map_err(|error| error.in_file(path))
+}
+
+/// A picture file, and its length.
+fn open_picture(path: &Path) -> Result<(BufReader<File>, u64), Error> {
+    let (file, length) = open_regular(path).map_err(|fault| fault.in_file(path, "a picture file"))?;
+    Ok((BufReader::with_capacity(1 << 16, file), length))
 }
 
 fn stored_from(
     source: &mut dyn Source,
     length: u64,
     name: &str,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<Stored, Error> {
-    let of_picture = |picture: Picture| {
-        let values = picture.color.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-        Stored::plain([picture.width as usize, picture.height as usize], 3, StoredValues::F32(values))
-    };
-    match InputFormat::of(source, length, name)? {
-        InputFormat::Tiff => tiff::stored(source, length, budget, true),
-        InputFormat::Exr => exr::stored(source, length, budget),
-        InputFormat::Pfm => pfm::decode(source, length, budget).map(of_picture),
-        InputFormat::Hdr => hdr::decode(source, length, budget).map(of_picture),
-        InputFormat::Raster(format) => raster::stored(source, length, format, budget),
-    }
+    PictureFormat::of(source, length, name)?.stored(source, length, budget)
 }
 
 fn read_texels(path: &Path, meaning: Meaning) -> Result<Texels, Error> {
-    let (mut source, length) = open::open_regular(path, "a picture file")?;
-    let budget = FileBudget::of_file(length);
+    let (mut source, length) = open_picture(path)?;
+    let budget = &Budget::of_picture(length);
     texels_from(&mut source, length, &path.to_string_lossy(), meaning, budget)
         .map_err(|error| error.in_file(path))
 }
 
 fn picture_from(source: &mut dyn Source, length: u64, name: &str) -> Result<Picture, Error> {
-    let budget = FileBudget::of_file(length);
-    match InputFormat::of(source, length, name)? {
-        InputFormat::Exr => exr::decode(source, length, budget),
-        InputFormat::Pfm => pfm::decode(source, length, budget),
-        InputFormat::Hdr => hdr::decode(source, length, budget),
-        InputFormat::Tiff => tiff::texels(source, length, Meaning::Color, budget).map(Picture::from),
-        InputFormat::Raster(format) => raster::picture(source, length, format, budget),
-    }
+    let budget = &Budget::of_picture(length);
+    (PictureFormat::of(source, length, name)?.read.picture)(source, length, budget)
 }
 
 fn texels_from(
@@ -186,13 +175,7 @@ fn texels_from(
     length: u64,
     name: &str,
     meaning: Meaning,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<Texels, Error> {
-    match InputFormat::of(source, length, name)? {
-        InputFormat::Exr => exr::decode(source, length, budget).map(Texels::from),
-        InputFormat::Pfm => pfm::decode(source, length, budget).map(Texels::from),
-        InputFormat::Hdr => hdr::decode(source, length, budget).map(Texels::from),
-        InputFormat::Tiff => tiff::texels(source, length, meaning, budget),
-        InputFormat::Raster(format) => raster::texels(source, length, format, meaning, budget),
-    }
+    PictureFormat::of(source, length, name)?.texels(source, length, meaning, budget)
 }

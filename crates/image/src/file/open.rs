@@ -3,21 +3,48 @@
 //! Tests: `tests`.
 
 use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 use crate::Error;
 
-/// Opens a regular file that `request` ("a picture file") is to be in; gives its length too.
-pub(crate) fn open_regular(path: &Path, request: &str) -> Result<(BufReader<File>, u64), Error> {
-    // Asked before the file is opened: opening a pipe waits for its other end.
-    let metadata = std::fs::metadata(path).map_err(|error| Error::file(path, "cannot be read", &error))?;
-    if !metadata.is_file() {
-        let kind = if metadata.is_dir() { "is a folder" } else { "is a device or pipe" };
-        return Err(Error::File { path: path.into(), what: format!("{kind}; {request} is needed") });
+/// The reason why a file cannot be opened; each crate words it for its own errors.
+#[derive(Debug)]
+pub enum NotRegular {
+    /// The system refuses.
+    System(std::io::Error),
+    /// It is a folder.
+    Folder,
+    /// It is a device or a pipe.
+    Device,
+}
+
+impl NotRegular {
+    /// The error of a picture file; `request` names the file that is needed.
+    pub(crate) fn in_file(&self, path: &Path, request: &str) -> Error {
+        let kind = match self {
+            Self::System(error) => return Error::file(path, "cannot be read", error),
+            Self::Folder => "is a folder",
+            Self::Device => "is a device or pipe",
+        };
+        Error::File { path: path.into(), what: format!("{kind}; {request} is needed") }
     }
-    let file = File::open(path).map_err(|error| Error::file(path, "cannot be read", &error))?;
-    Ok((BufReader::with_capacity(1 << 16, file), metadata.len()))
+}
+
+/// Opens a regular file; returns its length too.
+///
+/// # Errors
+/// If there is no such file, it is not regular, or it may not be read.
+pub fn open_regular(path: &Path) -> Result<(File, u64), NotRegular> {
+    // Asked before the file is opened: opening a pipe waits for its other end.
+    let metadata = std::fs::metadata(path).map_err(NotRegular::System)?;
+    if metadata.is_dir() {
+        return Err(NotRegular::Folder);
+    }
+    if !metadata.is_file() {
+        return Err(NotRegular::Device);
+    }
+    let file = File::open(path).map_err(NotRegular::System)?;
+    Ok((file, metadata.len()))
 }
 
 #[cfg(test)]
@@ -26,20 +53,18 @@ mod tests {
 
     #[test]
     fn only_regular_files_are_opened() {
-        let missing = open_regular(Path::new("no/such/file.png"), "a picture file")
-            .expect_err("there is no such file")
-            .to_string();
+        let message = |path: &Path| {
+            let fault = open_regular(path).expect_err("it is no regular file");
+            fault.in_file(path, "a picture file").to_string()
+        };
+        let missing = message(Path::new("no/such/file.png"));
         assert!(missing.starts_with("no/such/file.png: cannot be read: "), "file and reason: {missing}");
         assert!(!missing.contains("os error"), "no error numbers: {missing}");
-        let folder = open_regular(&std::env::temp_dir(), "a picture file")
-            .expect_err("a folder is no picture")
-            .to_string();
-        assert!(folder.contains("is a folder"), "the message says what it is: {folder}");
+        let folder = message(&std::env::temp_dir());
+        assert!(folder.contains("is a folder; a picture file is needed"), "the message says what it is: {folder}");
         #[cfg(unix)]
         {
-            let device = open_regular(Path::new("/dev/zero"), "a picture file")
-                .expect_err("a device is no picture")
-                .to_string();
+            let device = message(Path::new("/dev/zero"));
             assert!(device.contains("is a device or pipe"), "the message says what it is: {device}");
         }
     }

@@ -3,14 +3,30 @@
 //! From the format's description by Debevec. Written little-endian (scale -1); read in both orders,
 //! grey (`Pf`) or coloured (`PF`), values times the scale's magnitude. Tests: `tests` in `tests/round_trip.rs`.
 
-use super::limits::{FileBudget, PICTURE_BYTES, check_bytes};
+use super::format::{PictureFormat, Readers, Signature};
+use super::limits::{PICTURE_BYTES, check_bytes};
 use super::source::Source;
-use crate::{Error, Picture};
+use crate::{Budget, Error, Picture};
 
 /// Bytes that a header may have: far more than three numbers need.
 const MAX_WORD: usize = 64;
 
-pub(super) fn encode(picture: &Picture) -> Vec<u8> {
+/// The format.
+pub(super) const FORMAT: PictureFormat = PictureFormat {
+    name: "PFM",
+    extensions: &["pfm"],
+    notes: "linear radiance, 32 bits; grey files are read",
+    is_for_screens: false,
+    has_layers: false,
+    is_whole: true,
+    signature: Signature::Head(
+        |head| matches!(head, [b'P', b'F' | b'f', space, ..] if space.is_ascii_whitespace()),
+    ),
+    read: Readers { picture: decode, texels: None, stored: None },
+    write: Some(|picture, _| Ok(encode(picture))),
+};
+
+fn encode(picture: &Picture) -> Vec<u8> {
     let header = format!("PF\n{} {}\n-1.0\n", picture.width, picture.height);
     let mut bytes = Vec::with_capacity(header.len() + picture.color.len() * 12);
     bytes.extend_from_slice(header.as_bytes());
@@ -24,7 +40,7 @@ pub(super) fn encode(picture: &Picture) -> Vec<u8> {
     bytes
 }
 
-pub(super) fn decode(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<Picture, Error> {
+fn decode(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<Picture, Error> {
     let mut header = Header { source, read: 0 };
     let channels: usize = if header.token()? == "PF" { 3 } else { 1 };
     let width = header.number("width")?;

@@ -3,17 +3,25 @@
 //! From the PNG specification, third edition. In: linear light. Out: straight opacity. Invariants: the same picture gives
 //! the same bytes (no time, no metadata but the program's name); NaN becomes 0. Tests: `tests/round_trip.rs`.
 
-use std::io::SeekFrom;
-
-use super::limits::{check_bytes, check_size};
+use super::format::{PictureFormat, Signature};
 use super::options::WriteOptions;
-use super::source::Source;
+use super::raster;
 use crate::{Error, Picture, TexelData, Texels, screen_bytes, srgb};
 
-/// Most bytes that a byte of compressed data can become: deflate's 258 for two bits.
-const MAX_INFLATION: u64 = 1032;
+/// The format.
+pub(super) const FORMAT: PictureFormat = PictureFormat {
+    name: "PNG",
+    extensions: &["png"],
+    notes: "written with 8 bits, sRGB; read with 8 or 16",
+    is_for_screens: true,
+    has_layers: false,
+    is_whole: true,
+    signature: Signature::Head(|head| head.starts_with(b"\x89PNG\r\n\x1a\n")),
+    read: raster::PNG,
+    write: Some(encode),
+};
 
-pub(super) fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
+fn encode(picture: &Picture, options: &WriteOptions) -> Result<Vec<u8>, Error> {
     let bytes = |color| screen_bytes(color, options.tone, options.exposure);
     let pixels: Vec<u8> = picture.on_screen().flat_map(bytes).collect();
     encode_bytes([picture.width, picture.height], png::ColorType::Rgba, png::Compression::default(), &pixels)
@@ -93,49 +101,3 @@ pub fn encode_texels(texels: &Texels, measures: bool) -> Result<Vec<u8>, Error> 
     encode_with(size, png::ColorType::Rgba, depth, png::Compression::default(), meaning, &bytes)
 }
 
-/// Checks that all chunks are there and that the data can hold the declared size; returns the bytes of its pixels.
-pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<u64, Error> {
-    let truncated = || Error::corrupt("PNG", "the file ends within a chunk; it is truncated");
-    let mut offset = 8;
-    let mut pixel_bytes = None;
-    loop {
-        let mut head = [0; 8];
-        source.seek(SeekFrom::Start(offset)).map_err(Error::reading)?;
-        source.read_exact(&mut head).map_err(|_| truncated())?;
-        let [l0, l1, l2, l3, name @ ..] = head;
-        let chunk_length = u64::from(u32::from_be_bytes([l0, l1, l2, l3]));
-        // Length, name and checksum take 12 bytes.
-        if offset + 12 + chunk_length > length {
-            return Err(truncated());
-        }
-        match &name {
-            b"IHDR" if chunk_length == 13 && offset == 8 => {
-                let mut header = [0; 13];
-                source.read_exact(&mut header).map_err(|_| truncated())?;
-                pixel_bytes = Some(check_header(&header, length)?);
-            }
-            b"IEND" => break,
-            _ => {}
-        }
-        offset += 12 + chunk_length;
-    }
-    source.seek(SeekFrom::Start(0)).map_err(Error::reading)?;
-    pixel_bytes.ok_or_else(|| Error::corrupt("PNG", "its header chunk is missing"))
-}
-
-fn check_header(header: &[u8; 13], length: u64) -> Result<u64, Error> {
-    let [w0, w1, w2, w3, h0, h1, h2, h3, depth, color_type, ..] = *header;
-    let width = u64::from(u32::from_be_bytes([w0, w1, w2, w3]));
-    let height = u64::from(u32::from_be_bytes([h0, h1, h2, h3]));
-    check_size("PNG", width, height)?;
-    let channels = match color_type {
-        0 | 3 => 1,
-        4 => 2,
-        2 => 3,
-        6 => 4,
-        _ => return Err(Error::corrupt("PNG", format!("there is no colour type {color_type}"))),
-    };
-    let row_bytes = (width * channels * u64::from(depth)).div_ceil(8) + 1;
-    check_bytes("PNG", [width, height], row_bytes * height, length.saturating_mul(MAX_INFLATION))?;
-    Ok(row_bytes * height)
-}

@@ -11,29 +11,21 @@ use image::codecs::{
 };
 use image::{DynamicImage, ImageDecoder, Limits};
 
+use super::format::{Meaning, PictureFormat, Readers, Signature};
 use super::guard::decode_guarded;
-use super::limits::{FileBudget, PICTURE_BYTES, check_bytes, check_density};
+use super::limits::{PICTURE_BYTES, check_bytes, check_density};
 use super::source::Source;
-use super::{jpeg, png, webp};
-use crate::{Error, Picture, Stored, StoredValues, TexelData, Texels, srgb};
+use super::{jpeg, png_chunks, webp};
+use crate::{Budget, Error, Picture, Stored, StoredValues, TexelData, Texels, srgb};
 
 /// A format that the library decodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum RasterFormat {
+enum RasterFormat {
     Png,
     Jpeg,
     Tga,
     Bmp,
     Webp,
-}
-
-/// What integers of a file mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Meaning {
-    /// sRGB colours.
-    Color,
-    /// Linear values.
-    Measure,
 }
 
 /// Pixels that a byte of a run-length encoded picture holds at most: runs of 128 or 255 in two bytes.
@@ -57,24 +49,87 @@ impl RasterFormat {
     }
 }
 
+/// The readers of a format that the library decodes.
+macro_rules! reader {
+    ($format:expr) => {
+        Readers {
+            picture: |source, length, budget| picture(source, length, $format, budget),
+            texels: Some(|source, length, meaning, budget| texels(source, length, $format, meaning, budget)),
+            stored: Some(|source, length, budget| stored(source, length, $format, budget)),
+        }
+    };
+}
+
+/// The readers of PNG.
+pub(super) const PNG: Readers = reader!(RasterFormat::Png);
+
+const READ_ONLY: PictureFormat = PictureFormat {
+    name: "",
+    extensions: &[],
+    notes: "colour profiles and orientation are ignored",
+    is_for_screens: false,
+    has_layers: false,
+    is_whole: true,
+    signature: Signature::Head(|_| false),
+    read: PNG,
+    write: None,
+};
+
+/// The format.
+pub(super) const JPEG: PictureFormat = PictureFormat {
+    name: "JPEG",
+    extensions: &["jpg", "jpeg"],
+    signature: Signature::Head(|head| head.starts_with(&[0xff, 0xd8, 0xff])),
+    read: reader!(RasterFormat::Jpeg),
+    ..READ_ONLY
+};
+
+/// The format.
+pub(super) const TGA: PictureFormat = PictureFormat {
+    name: "TGA",
+    extensions: &["tga", "icb", "vda", "vst"],
+    signature: Signature::Foot(b"TRUEVISION-XFILE.\0"),
+    read: reader!(RasterFormat::Tga),
+    ..READ_ONLY
+};
+
+/// The format.
+pub(super) const BMP: PictureFormat = PictureFormat {
+    name: "BMP",
+    extensions: &["bmp"],
+    signature: Signature::Head(|head| head.starts_with(b"BM")),
+    read: reader!(RasterFormat::Bmp),
+    ..READ_ONLY
+};
+
+/// The format.
+pub(super) const WEBP: PictureFormat = PictureFormat {
+    name: "WebP",
+    extensions: &["webp"],
+    notes: "first frame of an animation",
+    signature: Signature::Head(|head| head.starts_with(b"RIFF") && head.ends_with(b"WEBP")),
+    read: reader!(RasterFormat::Webp),
+    ..READ_ONLY
+};
+
 /// The picture in linear light.
-pub(super) fn picture(
+fn picture(
     source: &mut dyn Source,
     length: u64,
     format: RasterFormat,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<Picture, Error> {
     let request = Request { floats: true, wide: PICTURE_BYTES, budget };
     Ok(texels_of(decode(source, length, format, request)?, Meaning::Color)?.into())
 }
 
 /// The picture as a texture.
-pub(super) fn texels(
+fn texels(
     source: &mut dyn Source,
     length: u64,
     format: RasterFormat,
     meaning: Meaning,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<Texels, Error> {
     let wide = if meaning == Meaning::Color { PICTURE_BYTES } else { 8 };
     let request = Request { floats: false, wide, budget };
@@ -82,11 +137,11 @@ pub(super) fn texels(
 }
 
 /// The picture as it is stored.
-pub(super) fn stored(
+fn stored(
     source: &mut dyn Source,
     length: u64,
     format: RasterFormat,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<Stored, Error> {
     let image = decode(source, length, format, Request { floats: false, wide: PICTURE_BYTES, budget })?;
     let size = [image.width() as usize, image.height() as usize];
@@ -107,25 +162,25 @@ pub(super) fn stored(
 
 /// What is to become of a picture, and what that may take.
 #[derive(Clone, Copy)]
-struct Request {
+struct Request<'a> {
     /// Whether bytes become floats in the end.
     floats: bool,
     /// Bytes that a texel of 16-bit values becomes.
     wide: u64,
-    budget: FileBudget,
+    budget: &'a Budget,
 }
 
 fn decode(
     source: &mut dyn Source,
     length: u64,
     format: RasterFormat,
-    request: Request,
+    request: Request<'_>,
 ) -> Result<DynamicImage, Error> {
     let library_error = |error: image::ImageError| Error::corrupt(format.name(), describe(&error));
     decode_guarded(format.name(), || match format {
         // Beside the pixels a decoder takes rows, or for each pixel so many bytes of coefficients, planes or frames.
         RasterFormat::Png => {
-            let limits = alloc_limits(png::check(source, length)?, request.budget);
+            let limits = alloc_limits(png_chunks::check(source, length)?, request.budget);
             let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
             decode_within(decoder, Sidecar::pixels(0), format, request)
         }
@@ -180,7 +235,7 @@ fn decode_within(
     decoder: impl ImageDecoder,
     beside: Sidecar,
     format: RasterFormat,
-    request: Request,
+    request: Request<'_>,
 ) -> Result<DynamicImage, Error> {
     let color = decoder.color_type();
     let native = u64::from(color.bytes_per_pixel());
@@ -199,11 +254,11 @@ fn is_wide(color: image::ColorType) -> bool {
     color.bytes_per_pixel() > color.channel_count()
 }
 
-fn alloc_limits(pixel_bytes: u64, budget: FileBudget) -> Limits {
+fn alloc_limits(pixel_bytes: u64, budget: &Budget) -> Limits {
     let mut limits = Limits::no_limits();
     // Palettes and low depths grow by up to 8 x 4 when expanded to bytes.
     let needed = pixel_bytes.saturating_mul(33).saturating_add(EXTRA_BYTES);
-    limits.max_alloc = Some(needed.min(budget.most_bytes));
+    limits.max_alloc = Some(needed.min(budget.left()));
     limits
 }
 

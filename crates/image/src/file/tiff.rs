@@ -9,11 +9,11 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
+use super::format::{Meaning, PictureFormat, Readers, Signature};
 use super::guard::decode_guarded;
-use super::limits::{FileBudget, PICTURE_BYTES, check_density};
-use super::raster::Meaning;
+use super::limits::{PICTURE_BYTES, check_density};
 use super::source::Source;
-use crate::{Error, Stored, StoredLevel, StoredValues, TexelData, Texels, srgb};
+use crate::{Budget, Error, Picture, Stored, StoredLevel, StoredValues, TexelData, Texels, srgb};
 
 /// Most pixels that a byte of the file can become: deflate's 1032 bytes of one channel.
 const MOST_DENSE: u64 = 1032;
@@ -25,6 +25,25 @@ const MAX_CHANNELS: usize = 64;
 const MAX_LEVELS: usize = 32;
 /// What the tag for further channels calls opacity that colours are multiplied with.
 const ASSOCIATED: u16 = 1;
+
+/// The format.
+pub(super) const FORMAT: PictureFormat = PictureFormat {
+    name: "TIFF",
+    extensions: &["tif", "tiff"],
+    notes: "grey and RGB of 8 bits and more; no palettes, CMYK, separate planes",
+    is_for_screens: false,
+    has_layers: false,
+    is_whole: false,
+    signature: Signature::Head(
+        |head| matches!(head, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..]),
+    ),
+    read: Readers {
+        picture: |source, length, budget| texels(source, length, Meaning::Color, budget).map(Picture::from),
+        texels: Some(texels),
+        stored: Some(stored),
+    },
+    write: None,
+};
 
 fn library_error(error: tiff::TiffError) -> Error {
     let what = match error {
@@ -117,27 +136,22 @@ fn texts(reader: &mut Reader<'_>) -> Vec<(String, String)> {
     found
 }
 
-/// The first picture of the file and, where `all`, the smaller copies of it that follow.
-pub(super) fn stored(
-    source: &mut dyn Source,
-    length: u64,
-    budget: FileBudget,
-    all: bool,
-) -> Result<Stored, Error> {
-    read(source, length, budget, all).map(|(stored, _)| stored)
+/// The first picture of the file and the smaller copies of it that follow.
+fn stored(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<Stored, Error> {
+    read(source, length, budget, true).map(|(stored, _)| stored)
 }
 
-/// The same, and whether its colours are multiplied with their opacity.
+/// The first picture of the file and, where `all`, the smaller copies of it that follow; and whether its colours are multiplied with their opacity.
 fn read(
     source: &mut dyn Source,
     length: u64,
-    budget: FileBudget,
+    budget: &Budget,
     all: bool,
 ) -> Result<(Stored, bool), Error> {
     decode_guarded("TIFF", || {
         let limits = {
             let mut limits = Limits::default();
-            limits.decoding_buffer_size = usize::try_from(budget.most_bytes).unwrap_or(usize::MAX);
+            limits.decoding_buffer_size = usize::try_from(budget.left()).unwrap_or(usize::MAX);
             limits.intermediate_buffer_size = limits.decoding_buffer_size;
             limits.ifd_value_size = TAG_BYTES;
             limits
@@ -205,11 +219,11 @@ fn straighten(values: &mut StoredValues, channels: usize) {
 }
 
 /// The picture as a texture: bytes stay bytes, numbers of 16 bits that are measures too, others become linear floats.
-pub(super) fn texels(
+fn texels(
     source: &mut dyn Source,
     length: u64,
     meaning: Meaning,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<Texels, Error> {
     let (Stored { channels, mut levels, .. }, is_associated) = read(source, length, budget, false)?;
     let StoredLevel { width, height, mut values, .. } = levels.swap_remove(0);

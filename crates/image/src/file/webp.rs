@@ -5,10 +5,9 @@
 
 use std::io::SeekFrom;
 
-use super::limits::FileBudget;
 use super::source::Source;
 use super::vp8l;
-use crate::Error;
+use crate::{Budget, Error};
 
 /// Sizes of the head of a file, of a chunk, and of a frame of an animation.
 const HEAD: u64 = 12;
@@ -31,7 +30,7 @@ impl Chunk {
 }
 
 /// Checks the lengths and sizes that a file declares; tells what the tables of its codes take, in bytes.
-pub(super) fn check(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<u64, Error> {
+pub(super) fn check(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<u64, Error> {
     let head: [u8; HEAD as usize] = read(source, 0)?.ok_or_else(|| truncated(length, HEAD))?;
     let declared = u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]])) + CHUNK_HEAD;
     if declared > length {
@@ -53,7 +52,7 @@ struct Walk<'a> {
     source: &'a mut dyn Source,
     /// Of the picture or the frame.
     size: Option<[u32; 2]>,
-    budget: FileBudget,
+    budget: &'a Budget,
     /// The largest tables of any part, in bytes.
     tables: u64,
 }
@@ -141,7 +140,7 @@ impl Walk<'_> {
     fn codes(&mut self, begin: u64, length: u64, size: [u32; 2]) -> Result<(), Error> {
         self.source.seek(SeekFrom::Start(begin)).map_err(Error::reading)?;
         let tables =
-            vp8l::table_bytes(self.source, length, size, self.budget.most_bytes).map_err(Error::reading)?;
+            vp8l::table_bytes(self.source, length, size, self.budget.left()).map_err(Error::reading)?;
         self.tables = self.tables.max(tables);
         self.budget.check_bytes(size.map(u64::from), tables)
     }

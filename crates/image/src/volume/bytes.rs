@@ -2,7 +2,7 @@
 //! Numbers and texts of a file, one after another, little-endian; and how much memory may still be taken for them.
 //! Tests: `tests/volumes.rs`.
 
-use crate::Error;
+use crate::{Budget, Error};
 
 /// Characters of a message: names that a file holds may be as long as it.
 const LONGEST: usize = 300;
@@ -89,21 +89,7 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// Memory that may still be taken.
-pub(super) struct Budget {
-    left: usize,
-    all: usize,
-}
-
-impl Budget {
-    pub(super) fn new(bytes: usize) -> Self {
-        Self { left: bytes, all: bytes }
-    }
-
-    /// Takes so many bytes of it.
-    pub(super) fn take(&mut self, bytes: usize) -> Result<(), Error> {
-        let left = self.left.checked_sub(bytes);
-        self.left = left.ok_or_else(|| too_large(self.all))?;
-        Ok(())
-    }
+/// Takes so many bytes of the budget.
+pub(super) fn hold(budget: &Budget, bytes: usize) -> Result<(), Error> {
+    budget.hold(bytes).map_err(|_| too_large(budget.limit() as usize))
 }

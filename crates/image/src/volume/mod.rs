@@ -17,10 +17,9 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::Error;
-use crate::file::limits::FileBudget;
-use crate::file::open::open_regular;
-use bytes::{Budget, Bytes, corrupt, too_large};
+use crate::{Budget, Error};
+use crate::file::open_regular;
+use bytes::{Bytes, corrupt, hold, too_large};
 use tree::{LEAF_SIZE, Reader, Tree};
 use values::{Format, Number};
 
@@ -58,7 +57,7 @@ impl Volume {
     /// # Errors
     /// If it cannot be read, is no regular file, is none of OpenVDB's, is broken, holds no numbers, or takes too much memory.
     pub fn read(path: &Path, limit: usize) -> Result<Self, Error> {
-        let (source, length) = open_regular(path, "a file of OpenVDB")?;
+        let (source, length) = open_regular(path).map_err(|fault| fault.in_file(path, "a file of OpenVDB"))?;
         let request = usize::try_from(length).ok().filter(|&length| length <= limit);
         let Some(request) = request else {
             return Err(too_large(limit).in_file(path));
@@ -75,8 +74,7 @@ impl Volume {
     /// # Errors
     /// As [`read`](Self::read); the file is not named.
     pub fn decode(bytes: &[u8], limit: usize) -> Result<Self, Error> {
-        let read_budget = FileBudget::of_file(bytes.len() as u64).most_bytes;
-        let budget = &mut Budget::new(limit.min(usize::try_from(read_budget).unwrap_or(usize::MAX)));
+        let budget = &Budget::of_picture(bytes.len() as u64).at_most(limit as u64);
         let bytes = &mut Bytes::new(bytes);
         let has_offsets = header(bytes)?;
         skip_metadata(bytes)?;
@@ -90,7 +88,7 @@ impl Volume {
             let [start, _, end] = [bytes.i64()?, bytes.i64()?, bytes.i64()?];
             // Each grid lies behind the one before, so that no byte is read for more than one of them.
             let part = bytes.part(start, end)?;
-            budget.take(GRID_BYTES + name.len() + kind.len())?;
+            hold(budget, GRID_BYTES + name.len() + kind.len())?;
             if let Some(format) = format_of(&kind) {
                 let grid = volume.grid_of(&mut { part }, budget, (name, &parent), format)?;
                 volume.grids.push(grid);
@@ -111,7 +109,7 @@ impl Volume {
     fn grid_of(
         &self,
         bytes: &mut Bytes<'_>,
-        budget: &mut Budget,
+        budget: &Budget,
         (name, parent): (String, &str),
         mut format: Format,
     ) -> Result<Grid, Error> {

@@ -7,9 +7,9 @@
 
 use std::collections::HashMap;
 
-use super::bytes::{Budget, Bytes, corrupt};
+use super::bytes::{Bytes, corrupt, hold};
 use super::values::{Format, Mask, Value, Values};
-use crate::Error;
+use crate::{Budget, Error};
 
 /// The binary logarithm of the voxels along an edge of a leaf, a lower node and an upper node.
 const LEAF: u32 = 3;
@@ -62,7 +62,7 @@ fn corner(first: [i32; 3], child_index: usize, outer: u32, inner: u32) -> [i32; 
 /// What a tree is read from.
 pub(super) struct Reader<'a, 'b> {
     pub(super) bytes: &'b mut Bytes<'a>,
-    pub(super) budget: &'b mut Budget,
+    pub(super) budget: &'b Budget,
     pub(super) format: Format,
 }
 
@@ -70,7 +70,7 @@ impl Reader<'_, '_> {
     /// Where something in the table lies.
     fn key(&mut self) -> Result<[i32; 3], Error> {
         // A table is at most half empty.
-        self.budget.take(2 * size_of::<([i32; 3], Top)>())?;
+        hold(self.budget, 2 * size_of::<([i32; 3], Top)>())?;
         let [x, y, z] = [self.bytes.i32()?, self.bytes.i32()?, self.bytes.i32()?];
         Ok(aligned([x, y, z], UPPER))
     }
@@ -87,7 +87,7 @@ impl Reader<'_, '_> {
         let values = Mask::read(self.bytes, cells)?;
         values.cells().filter(|&child_index| !children.has(child_index)).for_each(&mut active);
         let values = Values::read(self.bytes, self.budget, (&self.format, background), (cells, &values))?;
-        self.budget.take(cells * size_of::<u32>())?;
+        hold(self.budget, cells * size_of::<u32>())?;
         Ok((children, Node { children: vec![NO_CHILD; cells].into(), values }))
     }
 }
@@ -132,7 +132,7 @@ impl Tree {
         for _ in 0..leaves {
             let mask = Mask::read(reader.bytes, 512)?;
             let kind = (&reader.format, background);
-            reader.budget.take(size_of::<Values>())?;
+            hold(reader.budget, size_of::<Values>())?;
             tree.leaves.push(Values::read(reader.bytes, reader.budget, kind, (512, &mask))?);
         }
         Ok(tree)

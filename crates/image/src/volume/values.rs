@@ -7,8 +7,8 @@
 use half::f16;
 
 use super::blosc;
-use super::bytes::{Budget, Bytes, corrupt};
-use crate::Error;
+use super::bytes::{Bytes, corrupt, hold};
+use crate::{Budget, Error};
 
 /// Numbers as they are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -152,7 +152,7 @@ impl Values {
     /// Reads those of a node with so many places, whose active ones are in `mask`.
     pub(super) fn read(
         bytes: &mut Bytes<'_>,
-        budget: &mut Budget,
+        budget: &Budget,
         (format, background): (&Format, Value),
         (cells, mask): (usize, &Mask),
     ) -> Result<Self, Error> {
@@ -187,7 +187,7 @@ impl Values {
         if list.chunks_exact(channels).all(|value| value == &list[..channels]) {
             list.truncate(channels);
         }
-        budget.take(size_of_val(&*list))?;
+        hold(budget, size_of_val(&*list))?;
         Ok(Self(list.into()))
     }
 

@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::waste::has_area;
 
 /// Cleans a mesh that came from `path`. Its indices must be in range and its optional arrays empty or full.
-pub(crate) fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
+pub fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
     let dropped = drop_triangles(mesh, path, warnings);
     let bad_position = |p: &[f32; 3]| !p.iter().all(|x| x.is_finite());
     if dropped || mesh.positions.iter().any(bad_position) {

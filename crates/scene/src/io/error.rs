@@ -86,7 +86,7 @@ pub(crate) fn printable(text: &str) -> String {
 }
 
 /// A token of a file in quotation marks, shortened so that a message stays one readable line.
-pub(crate) fn quoted(token: &str) -> String {
+pub fn quoted(token: &str) -> String {
     const LONGEST: usize = 40;
     let token = printable(token);
     if token.chars().count() <= LONGEST {

@@ -1,43 +1,215 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which scene format a file has, by its name. Tests: `tests/broken_files.rs`.
+//! Scene formats: a format's names, its reader and its writer, and the table of them.
+//! Help texts, messages, the Python package and docs/reference/formats.md list formats from the table.
+//! Invariant: the extension of a file's name selects the format. Tests: `tests/broken_files.rs`, `tests/save.rs`.
 
-use std::path::Path;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 use super::error::{Error, ErrorKind, quoted};
+use super::loaded::Loaded;
+use super::options::LoadOptions;
+use super::save::losses;
+use super::source::{self, Access};
+use super::warnings::{Oddity, Warnings};
+use crate::scene::Scene;
 
-/// Scene formats.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Wavefront OBJ with its MTL libraries.
-    Obj,
-    /// Stanford PLY, text or binary.
-    Ply,
-    /// glTF 2.0 as text.
-    Gltf,
-    /// glTF 2.0 as one binary file.
-    Glb,
+/// The beginning of the names of built-in scenes.
+pub const BUILTIN_PREFIX: &str = "builtin:";
+
+/// A scene format.
+#[derive(Debug)]
+pub struct Format {
+    /// Its name in texts: `OBJ with MTL`.
+    pub name: &'static str,
+    /// Extensions of its files, in lower case, without the dot.
+    pub extensions: &'static [&'static str],
+    /// One line for the list of formats.
+    pub notes: &'static str,
+    /// Its reader, if there is one.
+    pub read: Option<ReadScene>,
+    /// Whether all of the format is read: the list of formats calls it *partly* read otherwise.
+    pub read_whole: bool,
+    /// Its writer, if there is one.
+    pub write: Option<SceneWriter>,
 }
 
-impl Format {
-    /// The format that the extension of `path` names, in any case.
-    pub fn of(path: &Path) -> Result<Self, Error> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("obj") => Ok(Self::Obj),
-            Some("ply") => Ok(Self::Ply),
-            Some("gltf") => Ok(Self::Gltf),
-            Some("glb") => Ok(Self::Glb),
-            other => {
-                let problem = match other {
-                    Some(other) => format!("unknown scene format {}", quoted(&format!(".{other}"))),
-                    None => "no extension says which scene format it has".to_owned(),
-                };
-                let kind = ErrorKind::UnknownFormat;
-                Err(Error {
-                    kind,
-                    ..Error::data(path, None, problem, "valid are .obj, .ply, .gltf and .glb")
-                })
-            }
+/// Reads a file into a scene.
+pub type ReadScene = fn(&Path, &Access) -> Result<Loaded, Error>;
+
+/// The writer of a format.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneWriter {
+    /// Writes a scene that passed [`Scene::check`], and warns of its losses.
+    pub save: fn(&Scene, &Path, &mut Warnings) -> Result<(), Error>,
+    /// The other files that `save` writes.
+    pub companions: fn(&Scene, &Path) -> Vec<PathBuf>,
+    /// Whether the format has materials.
+    pub has_materials: bool,
+    /// Whether it has all of a scene: the list of formats calls it *partly* written otherwise.
+    pub is_whole: bool,
+}
+
+/// A table of formats.
+#[derive(Clone, Copy, Debug)]
+pub struct Formats {
+    first: &'static [&'static Format],
+    more: &'static [&'static Format],
+}
+
+impl Formats {
+    /// The table of these formats.
+    #[must_use]
+    pub const fn new(formats: &'static [&'static Format]) -> Self {
+        Self { first: formats, more: &[] }
+    }
+
+    /// This table with more formats behind its own. Only one table can be added.
+    #[must_use]
+    pub const fn with(self, more: &'static [&'static Format]) -> Self {
+        Self { more, ..self }
+    }
+
+    /// The formats, in order.
+    pub fn iter(&self) -> impl Iterator<Item = &'static Format> + use<> {
+        self.first.iter().chain(self.more).copied()
+    }
+
+    /// `.obj, .ply`: the extensions of the formats that can be read.
+    #[must_use]
+    pub fn read_extensions(&self) -> String {
+        Self::listed(self.iter().filter(|format| format.read.is_some()))
+    }
+
+    /// `.obj, .ply`: the extensions of the formats that can be written.
+    #[must_use]
+    pub fn written_extensions(&self) -> String {
+        Self::listed(self.iter().filter(|format| format.write.is_some()))
+    }
+
+    fn listed(formats: impl Iterator<Item = &'static Format>) -> String {
+        let dotted: Vec<_> = formats.flat_map(|f| f.extensions).map(|e| format!(".{e}")).collect();
+        dotted.join(", ")
+    }
+
+    /// The format that the extension of `path` selects, in any case.
+    ///
+    /// # Errors
+    /// The message lists the extensions that can be read.
+    pub fn of(&self, path: &Path) -> Result<&'static Format, Error> {
+        self.named(path, self.read_extensions())
+    }
+
+    fn named(&self, path: &Path, allowed: String) -> Result<&'static Format, Error> {
+        let name = path.file_name().map(|name| name.to_string_lossy().to_lowercase()).unwrap_or_default();
+        // `.pbrt.gz` is an extension as well.
+        let has = |extension: &&&str| {
+            name.strip_suffix(**extension).is_some_and(|stem| stem.len() > 1 && stem.ends_with('.'))
+        };
+        self.iter().find(|format| format.extensions.iter().any(|e| has(&e))).ok_or_else(|| {
+            let problem = match path.extension() {
+                Some(extension) => {
+                    let extension = extension.to_string_lossy().to_lowercase();
+                    format!("unknown scene format {}", quoted(&format!(".{extension}")))
+                }
+                None => "no extension says which scene format it has".to_owned(),
+            };
+            let allowed = match allowed.rsplit_once(", ") {
+                Some((others, last)) => format!("valid are {others} and {last}"),
+                None => format!("valid is {allowed}"),
+            };
+            Error { kind: ErrorKind::UnknownFormat, ..Error::data(path, None, problem, allowed) }
+        })
+    }
+
+    /// Loads a scene file by its format's reader.
+    ///
+    /// # Errors
+    /// If the file is not there, has no known format, or its reader rejects it.
+    pub fn load(&self, path: impl AsRef<Path>, options: &LoadOptions) -> Result<Loaded, Error> {
+        let path = path.as_ref();
+        let access = Access::new(options)?;
+        let read = self.of(path).and_then(|format| {
+            format.read.ok_or_else(|| Error {
+                kind: ErrorKind::UnknownFormat,
+                ..Error::data(
+                    path,
+                    None,
+                    format!("{} files are written, not read", format.name),
+                    format!("valid are {}", self.read_extensions()),
+                )
+            })
+        });
+        let mut loaded = match read {
+            Ok(read) => read(path, &access),
+            // The message that the file is missing is more helpful.
+            Err(unknown) => Err(source::open(path).err().unwrap_or(unknown)),
+        }?;
+        if loaded.scene.meshes().iter().all(|mesh| mesh.indices.is_empty()) {
+            loaded.warnings.note(Oddity::EmptyScene, path, None, "");
         }
+        Ok(loaded)
+    }
+
+    /// Loads `builtin:NAME` or else a scene file.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load); unknown names of built-in scenes are [`ErrorKind::UnknownName`].
+    pub fn load_source(&self, source: impl AsRef<OsStr>, options: &LoadOptions) -> Result<Loaded, Error> {
+        let source = source.as_ref();
+        let Some(name) = source.to_str().and_then(|text| text.strip_prefix(BUILTIN_PREFIX)) else {
+            return self.load(source, options);
+        };
+        let scene = crate::builtin::load(name).ok_or_else(|| {
+            let problem = "no built-in scene has this name";
+            let remedy = crate::builtin::suggestion(name);
+            Error { kind: ErrorKind::UnknownName, ..Error::data(Path::new(source), None, problem, remedy) }
+        })?;
+        Ok(Loaded { scene, ..Loaded::default() })
+    }
+
+    fn writer(&self, path: &Path) -> Result<SceneWriter, Error> {
+        let format = self.named(path, self.written_extensions())?;
+        format.write.ok_or_else(|| Error {
+            kind: ErrorKind::UnknownFormat,
+            ..Error::data(
+                path,
+                None,
+                format!("{} files are read, not written", format.name),
+                format!("valid are {}", self.written_extensions()),
+            )
+        })
+    }
+
+    /// Writes a scene in the format of the file's name. The warnings name the losses.
+    ///
+    /// # Errors
+    /// If the format is unknown or not written, the scene is inconsistent, or a file cannot be written.
+    pub fn save(&self, scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
+        let path = path.as_ref();
+        let writer = self.writer(path)?;
+        scene
+            .check()
+            .map_err(|e| Error::data(path, None, e.to_string(), "the scene must be in order to be written"))?;
+        let mut warnings = Warnings::default();
+        let clips = scene.animation().map_or(0, |animation| animation.clips.len());
+        warnings.note_many(Oddity::NotShown, clips as u64, path, None, "animation, written as it is shown");
+        losses::of_scene(scene, path, &mut warnings);
+        if writer.has_materials {
+            losses::of_materials(scene, path, &mut warnings);
+        }
+        (writer.save)(scene, path, &mut warnings)?;
+        Ok(warnings)
+    }
+
+    /// The files that [`save`](Self::save) writes for this scene and path: the file itself first, then those that it refers to.
+    ///
+    /// # Errors
+    /// If the format is unknown or not written.
+    pub fn saved_files(&self, scene: &Scene, path: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+        let path = path.as_ref();
+        let mut files = vec![path.to_owned()];
+        files.extend((self.writer(path)?.companions)(scene, path));
+        Ok(files)
     }
 }

@@ -16,7 +16,7 @@ const WORK_GROWTH: u64 = 6;
 type Point = [f64; 2];
 
 /// Cuts the polygons of one file, so that no file takes quadratic time: when its work is done, what is left are fans.
-pub(crate) struct Cutter {
+pub struct Cutter {
     work_left: u64,
     corners: Vec<[f32; 3]>,
     cut: Vec<[usize; 3]>,
@@ -24,14 +24,14 @@ pub(crate) struct Cutter {
 
 impl Cutter {
     /// For a file of so many bytes.
-    pub(crate) fn for_file(length: u64) -> Self {
+    pub fn for_file(length: u64) -> Self {
         let work_left = length.saturating_mul(WORK_GROWTH).saturating_add(WORK);
         Self { work_left, corners: Vec::new(), cut: Vec::new() }
     }
 
     /// Hands out triangles of the numbers `0..count` of a polygon's corners, which lie at `position`: two less than
     /// corners.
-    pub(crate) fn cut(
+    pub fn cut(
         &mut self,
         count: usize,
         position: impl Fn(usize) -> [f32; 3],

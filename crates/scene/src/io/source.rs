@@ -7,26 +7,25 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use gnurt_image::TileCache;
+use gnurt_image::{Budget, Excess, NotRegular, TileCache};
 
-use super::budget::{Budget, Excess};
 use super::error::Error;
 use super::options::LoadOptions;
 
 /// Which files a scene may name, and what reading them may cost.
 #[derive(Debug, Default)]
-pub(crate) struct Access {
+pub struct Access {
     /// The folder, its true name, that files must lie below.
     confine: Option<PathBuf>,
     /// Where textures are kept.
-    pub(crate) tiles: Option<TileCache>,
+    pub tiles: Option<TileCache>,
     /// What was read so far.
-    pub(crate) budget: Budget,
+    pub budget: Budget,
 }
 
 impl Access {
     /// As `options` say; an error if the folder is none.
-    pub(crate) fn new(options: &LoadOptions) -> Result<Self, Error> {
+    pub fn new(options: &LoadOptions) -> Result<Self, Error> {
         let Some(folder) = &options.confine else {
             return Ok(Self { tiles: options.tiles.clone(), ..Self::default() });
         };
@@ -38,18 +37,18 @@ impl Access {
     }
 
     /// Whether files must lie below a folder.
-    pub(crate) fn is_confined(&self) -> bool {
+    pub fn is_confined(&self) -> bool {
         self.confine.is_some()
     }
 
     /// The folder that files must be in.
-    pub(crate) fn confined_to(&self) -> Option<PathBuf> {
+    pub fn confined_to(&self) -> Option<PathBuf> {
         self.confine.clone()
     }
 
     /// Refuses a file that lies outside of the folder that files must be in; the error is what is wrong and what would
     /// be right.
-    pub(crate) fn check(&self, path: &Path) -> Result<(), (String, String)> {
+    pub fn check(&self, path: &Path) -> Result<(), (String, String)> {
         let Some(folder) = &self.confine else {
             return Ok(());
         };
@@ -63,7 +62,7 @@ impl Access {
     }
 
     /// The file that a scene names: a regular one, open for reading, and its length in bytes.
-    pub(crate) fn open(&self, path: &Path) -> Result<(File, u64), Error> {
+    pub fn open(&self, path: &Path) -> Result<(File, u64), Error> {
         self.budget.name_file().map_err(|e| Error::io(path, e.to_string(), Excess::REMEDY))?;
         let Some(folder) = &self.confine else {
             return open(path);
@@ -78,7 +77,7 @@ impl Access {
     }
 
     /// The whole contents of a file that a scene names, or its first `limit` bytes.
-    pub(crate) fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
+    pub fn read(&self, path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
         let (file, length) = self.open(path)?;
         let length = length.min(limit);
         self.budget.add_file(length);
@@ -116,16 +115,12 @@ fn locate(path: &Path, folder: &Path) -> Result<PathBuf, Refusal> {
 }
 
 /// A regular file, open for reading, and its length in bytes.
-pub(crate) fn open(path: &Path) -> Result<(File, u64), Error> {
-    let metadata = std::fs::metadata(path).map_err(|e| Error::system(path, &e))?;
-    if metadata.is_dir() {
-        return Err(Error::io(path, "is a folder", "name a file in it"));
-    }
-    if !metadata.is_file() {
-        return Err(Error::io(path, "is a device or a pipe", "only regular files are read"));
-    }
-    let file = File::open(path).map_err(|e| Error::system(path, &e))?;
-    Ok((file, metadata.len()))
+pub fn open(path: &Path) -> Result<(File, u64), Error> {
+    gnurt_image::open_regular(path).map_err(|fault| match fault {
+        NotRegular::System(error) => Error::system(path, &error),
+        NotRegular::Folder => Error::io(path, "is a folder", "name a file in it"),
+        NotRegular::Device => Error::io(path, "is a device or a pipe", "only regular files are read"),
+    })
 }
 
 /// The whole contents of a regular file.
@@ -144,7 +139,7 @@ fn read_open(file: File, length: u64, path: &Path) -> Result<Vec<u8>, Error> {
 
 /// The file that `name`, found in the file `from`, means: relative to the folder of `from`, as it stands; else with
 /// backslashes as slashes; else with percent signs decoded. The first one that exists, or else the first one.
-pub(crate) fn resolve(from: &Path, name: &str) -> PathBuf {
+pub fn resolve(from: &Path, name: &str) -> PathBuf {
     let folder = from.parent().unwrap_or(Path::new(""));
     let as_written = folder.join(name);
     if !name.contains(['\\', '%']) || as_written.exists() {

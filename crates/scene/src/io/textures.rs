@@ -12,7 +12,7 @@ use crate::texture::Texels;
 
 /// What the values of a texture mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Meaning {
+pub enum Meaning {
     /// Colours: bytes are sRGB.
     Color,
     /// Numbers: bytes are linear.
@@ -20,18 +20,19 @@ pub(crate) enum Meaning {
 }
 
 /// Pictures that were decoded already, or why they could not be.
-pub(crate) struct Pictures<'a> {
+pub struct Pictures<'a> {
     access: &'a Access,
     files: HashMap<(PathBuf, Meaning), Result<Arc<Texels>, String>>,
 }
 
 impl<'a> Pictures<'a> {
-    pub(crate) fn new(access: &'a Access) -> Self {
+    /// No pictures yet, read through `access`.
+    pub fn new(access: &'a Access) -> Self {
         Self { access, files: HashMap::new() }
     }
 
     /// The picture in a file; the error names the file and says why there is none.
-    pub(crate) fn file(&mut self, path: &Path, meaning: Meaning) -> Result<Arc<Texels>, String> {
+    pub fn file(&mut self, path: &Path, meaning: Meaning) -> Result<Arc<Texels>, String> {
         let key = (path.to_owned(), meaning);
         if let Some(known) = self.files.get(&key) {
             return known.clone();
@@ -49,7 +50,7 @@ impl<'a> Pictures<'a> {
     }
 
     /// The files that were asked for, those that could not be read included.
-    pub(crate) fn paths(&self) -> Vec<PathBuf> {
+    pub fn paths(&self) -> Vec<PathBuf> {
         let mut paths: Vec<PathBuf> = self.files.keys().map(|(path, _)| path.clone()).collect();
         paths.sort_unstable();
         paths.dedup();
@@ -57,7 +58,7 @@ impl<'a> Pictures<'a> {
     }
 
     /// Decodes the bytes of a picture file of any format; `name` is for messages.
-    pub(crate) fn decode(&self, bytes: &[u8], name: &str, meaning: Meaning) -> Result<Arc<Texels>, String> {
+    pub fn decode(&self, bytes: &[u8], name: &str, meaning: Meaning) -> Result<Arc<Texels>, String> {
         let budget = &self.access.budget;
         budget.add_picture(bytes.len() as u64);
         let most = budget.left();
@@ -87,7 +88,7 @@ mod tests {
     #[test]
     fn short_files_do_not_fill_the_memory() {
         let side: u32 = 2048;
-        let (format, options) = (gnurt_image::OutputFormat::Png, gnurt_image::WriteOptions::default());
+        let (format, options) = (gnurt_image::PictureFormat::PNG, gnurt_image::WriteOptions::default());
         let picture = gnurt_image::Picture::new(side, side);
         let flat = gnurt_image::encode(&picture, format, &options).expect("a flat picture");
         let access = Access::default();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures as OSL's tools read them, against what can be said of them without: ramps stay ramps, changes are those of values, means stay.
 
-use gnurt_image::{OutputFormat, Picture, WriteOptions, encode};
+use gnurt_image::{PictureFormat, Picture, WriteOptions, encode};
 use gnurt_sl::exec::TextureOptions;
 use gnurt_sl::hir::Data;
 use gnurt_sl::tools::Textures;
@@ -18,7 +18,7 @@ fn ramp(folder: &std::path::Path, [width, height]: [u32; 2]) -> String {
         *pixel = [x as f32 + 0.5, y as f32 + 0.5, noise as f32 / 255.0, 1.0];
     }
     let path = folder.join(format!("{width}x{height}.pfm"));
-    let bytes = encode(&picture, OutputFormat::Pfm, &WriteOptions::default()).expect("consistent");
+    let bytes = encode(&picture, PictureFormat::PFM, &WriteOptions::default()).expect("consistent");
     std::fs::write(&path, bytes).expect("written");
     path.to_string_lossy().into_owned()
 }

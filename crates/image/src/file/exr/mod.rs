@@ -5,17 +5,17 @@
 mod read;
 mod write;
 
-pub(super) use read::{decode, stored};
-pub(super) use write::encode;
+use super::format::{PictureFormat, Readers, Signature};
 
-/// Precision of the colours in an EXR.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum ExrPixels {
-    /// Half where all values fit, else float: a sun that is seen is not cut off.
-    #[default]
-    Fitting,
-    /// 16-bit floats: off by at most 1/2048, up to 65504; what is above becomes that.
-    Half,
-    /// 32-bit floats: exact.
-    Float,
-}
+/// The format.
+pub(super) const FORMAT: PictureFormat = PictureFormat {
+    name: "EXR",
+    extensions: &["exr"],
+    notes: "linear radiance and layers, 16 or 32 bits; deep data is rejected",
+    is_for_screens: false,
+    has_layers: true,
+    is_whole: true,
+    signature: Signature::Head(|head| head.starts_with(&[0x76, 0x2f, 0x31, 0x01])),
+    read: Readers { picture: read::decode, texels: None, stored: Some(read::stored) },
+    write: Some(|picture, options| write::encode(picture, options.exr_pixels)),
+};

@@ -13,9 +13,9 @@ use exr::prelude::{
 };
 
 use super::super::guard::decode_guarded;
-use super::super::limits::{FileBudget, PICTURE_BYTES, check_density, check_size};
+use super::super::limits::{PICTURE_BYTES, check_density, check_size};
 use super::super::source::Source;
-use crate::{Channel, ChannelData, Error, Layer, Opacity, Picture, Stored, StoredValues};
+use crate::{Budget, Channel, ChannelData, Error, Layer, Opacity, Picture, Stored, StoredValues};
 
 /// Most bytes that a byte of compressed data can become in any of the format's compressions: deflate's 1032.
 const MAX_INFLATION: u64 = 1032;
@@ -27,7 +27,7 @@ const MAX_CHANNELS: usize = 1 << 12;
 pub(in crate::file) fn decode(
     source: &mut dyn Source,
     length: u64,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<Picture, Error> {
     decode_guarded("EXR", || decode_unguarded(source, length, budget))
 }
@@ -36,7 +36,7 @@ pub(in crate::file) fn decode(
 pub(in crate::file) fn stored(
     source: &mut dyn Source,
     length: u64,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<Stored, Error> {
     decode_guarded("EXR", || {
         let image = flat(source, length, budget)?;
@@ -72,11 +72,11 @@ pub(in crate::file) fn stored(
     })
 }
 
-fn decode_unguarded(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<Picture, Error> {
+fn decode_unguarded(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<Picture, Error> {
     picture(flat(source, length, budget)?)
 }
 
-fn flat(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<FlatImage, Error> {
+fn flat(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<FlatImage, Error> {
     let reader = exr::block::read(source, false).map_err(library_error)?;
     check_headers(&reader, length, budget)?;
     read()
@@ -93,7 +93,7 @@ fn flat(source: &mut dyn Source, length: u64, budget: FileBudget) -> Result<Flat
 fn check_headers<R: std::io::Read + std::io::Seek>(
     reader: &Reader<R>,
     length: u64,
-    budget: FileBudget,
+    budget: &Budget,
 ) -> Result<(), Error> {
     let mut bytes = 0_u64;
     let mut channels = 0;

@@ -14,7 +14,7 @@ use exr::prelude::{
 };
 use half::f16;
 
-use super::ExrPixels;
+use super::super::options::ExrPixels;
 use crate::{BACKGROUND, Channel, ChannelData, Error, Picture};
 
 /// Names that the file format itself uses; metadata of these names gets a prefix.

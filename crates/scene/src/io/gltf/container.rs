@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::io::{Error, Format, Oddity, Warnings};
+use crate::io::{Error, Oddity, Warnings};
 
 /// The JSON text and the binary chunk.
 pub(super) struct Container<'a> {
@@ -20,14 +20,14 @@ const CHUNK_BINARY: u32 = 0x004e_4942;
 impl<'a> Container<'a> {
     pub(super) fn new(
         bytes: &'a [u8],
-        format: Format,
+        is_binary: bool,
         path: &Path,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
         if bytes.starts_with(MAGIC) {
             return Self::binary(bytes, path, warnings);
         }
-        if format == Format::Glb {
+        if is_binary {
             let remedy = "expected `glTF` in its first four bytes";
             return Err(Error::data(path, None, "not a binary glTF file", remedy));
         }

@@ -13,10 +13,10 @@ use serde_json::value::RawValue;
 use super::base64::data_uri;
 use super::container::Container;
 use super::json::{self, Index, Root};
-use crate::io::budget::{Budget, Excess};
+use gnurt_image::{Budget, Excess};
 use crate::io::error::quoted;
 use crate::io::source::{self, Access};
-use crate::io::{Error, Format, Oddity, Warnings};
+use crate::io::{Error, Oddity, Warnings};
 
 /// Extensions that are shown, or whose absence nobody would notice.
 const KNOWN_EXTENSIONS: &[&str] = &[
@@ -102,11 +102,11 @@ impl<'a> Document<'a> {
     pub(super) fn new(
         path: &Path,
         bytes: &'a [u8],
-        format: Format,
+        is_binary: bool,
         access: &'a Access,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let container = Container::new(bytes, format, path, warnings)?;
+        let container = Container::new(bytes, is_binary, path, warnings)?;
         let json = std::str::from_utf8(container.json).map_err(|error| {
             let problem = format!("the JSON is no UTF-8 at its byte {}", error.valid_up_to());
             Error::data(path, None, problem, "expected a glTF 2.0 document")

@@ -33,16 +33,48 @@ use std::path::Path;
 use document::Document;
 use rig::Rig;
 
+use super::format::{Format, SceneWriter};
+use super::save::gltf as save;
 use super::source::{self, Access};
-use super::{Error, Format, Loaded, Warnings};
+use super::{Error, Loaded, Warnings};
 use crate::scene::Scene;
 
+/// The format of text files.
+pub(super) const TEXT: Format = Format {
+    name: "glTF 2.0",
+    extensions: &["gltf"],
+    notes: "written at rest, without animations",
+    read: Some(|path, access| load(path, false, access)),
+    read_whole: true,
+    write: Some(SceneWriter {
+        save: save::save_text,
+        companions: |_, path| vec![save::buffer_file(path)],
+        has_materials: true,
+        is_whole: false,
+    }),
+};
+
+/// The format of binary files.
+pub(super) const BINARY: Format = Format {
+    name: "binary glTF 2.0",
+    extensions: &["glb"],
+    notes: "one file, with its textures",
+    read: Some(|path, access| load(path, true, access)),
+    read_whole: true,
+    write: Some(SceneWriter {
+        save: save::save_binary,
+        companions: |_, _| Vec::new(),
+        has_materials: true,
+        is_whole: false,
+    }),
+};
+
 /// Loads a glTF file and all that it refers to.
-pub(super) fn load(path: &Path, format: Format, access: &Access) -> Result<Loaded, Error> {
+fn load(path: &Path, is_binary: bool, access: &Access) -> Result<Loaded, Error> {
     let bytes = source::read(path)?;
     access.budget.add_file(bytes.len() as u64);
     let mut warnings = Warnings::default();
-    let document = Document::new(path, &bytes, format, access, &mut warnings)?;
+    let document = Document::new(path, &bytes, is_binary, access, &mut warnings)?;
 
     let mut scene = Scene::new();
     let drafts = animation::read(&document, &mut warnings)?;

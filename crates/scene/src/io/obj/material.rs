@@ -23,7 +23,7 @@ use super::mtl::{Entry, Library, Map};
 use super::normals::{holds_normals, with_normals};
 use crate::detail::{Anisotropy, Interior};
 use crate::id::{MaterialId, TextureId};
-use crate::io::budget::Excess;
+use gnurt_image::Excess;
 use crate::io::error::quoted;
 use crate::io::source::{self, Access};
 use crate::io::textures::{Meaning, Pictures};

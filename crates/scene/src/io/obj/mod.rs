@@ -20,14 +20,31 @@ use std::path::Path;
 
 use statements::Statements;
 
+use super::format::{Format, SceneWriter};
 use super::lines::LogicalLines;
+use super::save::obj as save;
 use super::source::{self, Access};
 use super::{Error, Loaded, Warnings};
 use crate::affine::Affine;
 use crate::scene::Scene;
 
+/// The format.
+pub(super) const FORMAT: Format = Format {
+    name: "OBJ with MTL",
+    extensions: &["obj"],
+    notes: "polygons and vertex colours (linear, `v X Y Z R G B`)",
+    read: Some(load),
+    read_whole: true,
+    write: Some(SceneWriter {
+        save: save::save,
+        companions: save::companion_files,
+        has_materials: true,
+        is_whole: true,
+    }),
+};
+
 /// Loads an OBJ file and its libraries.
-pub(super) fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
+fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
     let (file, length) = source::open(path)?;
     access.budget.add_file(length);
     let lines = LogicalLines::new(BufReader::with_capacity(1 << 16, file.take(length)), path);

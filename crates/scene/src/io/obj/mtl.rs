@@ -9,7 +9,7 @@ use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::io::budget::Excess;
+use gnurt_image::Excess;
 use crate::io::error::quoted;
 use crate::io::lines::LogicalLines;
 use crate::io::source::{self, Access};

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use super::mtl::Library;
 use super::parts::{Corner, Lists, NONE, Parts};
-use crate::io::budget::Excess;
+use gnurt_image::Excess;
 use crate::io::error::quoted;
 use crate::io::lines::LogicalLines;
 use crate::io::polygon::Cutter;

@@ -10,7 +10,7 @@ use std::path::Path;
 use super::columns::{Columns, Slot, Vertex};
 use super::header::{Element, Encoding, Header, Property, Scalar};
 use super::numbers::{Fault, Numbers};
-use crate::io::budget::{Budget, Excess};
+use gnurt_image::{Budget, Excess};
 use crate::io::error::quoted;
 use crate::io::polygon::Cutter;
 use crate::io::{Error, Oddity, Warnings};

@@ -15,32 +15,70 @@ mod columns;
 mod header;
 mod numbers;
 
+use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
 use super::clean::clean;
+use super::format::{Format, SceneWriter};
+use super::save::ply as save;
 use super::source::{self, Access};
 use super::{Error, Loaded, Oddity, Warnings};
 use crate::affine::Affine;
 use crate::material::Material;
+use crate::mesh::Mesh;
 use crate::scene::Scene;
 
 /// Albedo of a mesh that has no material.
 const ALBEDO: f32 = 0.6;
 
-/// Loads a PLY file as one mesh.
-pub(super) fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
-    let (file, length) = source::open(path)?;
+/// The format.
+pub(super) const FORMAT: Format = Format {
+    name: "PLY",
+    extensions: &["ply"],
+    notes: "one mesh; colours, normals, texture coordinates",
+    read: Some(load),
+    read_whole: true,
+    write: Some(SceneWriter {
+        save: save::save,
+        companions: |_, _| Vec::new(),
+        has_materials: false,
+        is_whole: true,
+    }),
+};
+
+/// Reads the mesh of a PLY file that another file names; its material is not set.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn read_mesh(path: &Path, access: &Access, warnings: &mut Warnings) -> Result<Mesh, Error> {
+    let (file, length) = access.open(path)?;
+    mesh_of(file, length, path, access, warnings)
+}
+
+fn mesh_of(
+    file: File,
+    length: u64,
+    path: &Path,
+    access: &Access,
+    warnings: &mut Warnings,
+) -> Result<Mesh, Error> {
     access.budget.add_file(length);
     let mut input = BufReader::with_capacity(1 << 16, std::io::Read::take(file, length));
-    let mut warnings = Warnings::default();
-    let name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-
-    let header = header::read(&mut input, length, path, &mut warnings)?;
+    let header = header::read(&mut input, length, path, warnings)?;
     header.check_length(path)?;
-    let mut mesh = body::read(&mut input, &header, path, &access.budget, &mut warnings)?;
-    mesh.name.clone_from(&name);
-    clean(&mut mesh, path, &mut warnings);
+    let mut mesh = body::read(&mut input, &header, path, &access.budget, warnings)?;
+    mesh.name = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    clean(&mut mesh, path, warnings);
+    Ok(mesh)
+}
+
+/// Loads a PLY file as one mesh.
+fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
+    let (file, length) = source::open(path)?;
+    let mut warnings = Warnings::default();
+    let mut mesh = mesh_of(file, length, path, access, &mut warnings)?;
+    let name = mesh.name.clone();
 
     let mut scene = Scene::new();
     mesh.material = scene.add_material(Material::matte(name.clone(), [ALBEDO; 3]));

@@ -21,7 +21,7 @@ use super::png;
 use crate::affine::Affine;
 use crate::camera::Camera;
 use crate::id::TextureId;
-use crate::io::{Error, Format, Warnings};
+use crate::io::{Error, Warnings};
 use crate::light::Light;
 use crate::material::TextureRef;
 use crate::mesh::Mesh;
@@ -29,7 +29,17 @@ use crate::motion::Motion;
 use crate::ray_mask::RayMask;
 use crate::scene::{Object, Scene};
 
-pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Warnings) -> Result<(), Error> {
+/// Writes a text file and its buffer.
+pub(in crate::io) fn save_text(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
+    save(scene, path, false, warnings)
+}
+
+/// Writes a binary file.
+pub(in crate::io) fn save_binary(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
+    save(scene, path, true, warnings)
+}
+
+fn save(scene: &Scene, path: &Path, is_binary: bool, warnings: &mut Warnings) -> Result<(), Error> {
     let mut buffer = Buffer::default();
     let meshes: Vec<Value> = scene
         .objects()
@@ -116,7 +126,7 @@ pub(super) fn save(scene: &Scene, path: &Path, format: Format, warnings: &mut Wa
     if !used.is_empty() {
         root.insert("extensionsUsed".into(), used.into_iter().collect());
     }
-    write_files(root, &buffer.bytes, path, format)
+    write_files(root, &buffer.bytes, path, is_binary)
 }
 
 /// The names of extensions that stand anywhere in `value`.
@@ -139,12 +149,12 @@ fn note_extensions(value: &Value, used: &mut BTreeSet<String>) {
 }
 
 /// The buffer of a text file, which lies beside it.
-pub(super) fn buffer_file(path: &Path) -> PathBuf {
+pub(in crate::io) fn buffer_file(path: &Path) -> PathBuf {
     path.with_extension("bin")
 }
 
-fn write_files(mut root: Map<String, Value>, bytes: &[u8], path: &Path, format: Format) -> Result<(), Error> {
-    if format == Format::Glb {
+fn write_files(mut root: Map<String, Value>, bytes: &[u8], path: &Path, is_binary: bool) -> Result<(), Error> {
+    if is_binary {
         if !bytes.is_empty() {
             root.insert("buffers".into(), json!([{ "byteLength": bytes.len() }]));
         }

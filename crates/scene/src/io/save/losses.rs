@@ -11,7 +11,7 @@ use crate::scene::Scene;
 use crate::texture::{TexelData, Texels};
 
 /// What is lost of a scene's shaders, attributes and instances in every format.
-pub(super) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+pub(in crate::io) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let attributes = scene.meshes().iter().map(|mesh| mesh.attributes.len()).sum();
     leave_out(attributes, "attribute of a mesh", path, warnings);
     let hidden = scene.instances().iter().filter(|instance| !instance.visible).count();
@@ -19,7 +19,7 @@ pub(super) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warnings) {
 }
 
 /// What is lost of materials in formats that have any.
-pub(super) fn of_materials(scene: &Scene, path: &Path, warnings: &mut Warnings) {
+pub(in crate::io) fn of_materials(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     leave_out(scene.shader_files().count(), "shader file of a material", path, warnings);
     let count = |is: fn(&Material) -> bool| scene.materials().iter().filter(|material| is(material)).count();
     let is_shader = |material: &Material| matches!(material.surface, Surface::Shader(_));

@@ -19,7 +19,7 @@ use crate::mesh::Mesh;
 use crate::scene::Scene;
 use crate::texture::Wrap;
 
-pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
+pub(in crate::io) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
     let stem = stem(path);
     let library_file = library_file(path);
     let textures: Vec<_> = texture_files(scene, path).collect();
@@ -40,8 +40,8 @@ pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Resul
 }
 
 /// The files beside the one of geometry: the library and the textures.
-pub(super) fn companion_files(scene: &Scene, path: &Path) -> impl Iterator<Item = PathBuf> {
-    std::iter::once(library_file(path)).chain(texture_files(scene, path))
+pub(in crate::io) fn companion_files(scene: &Scene, path: &Path) -> Vec<PathBuf> {
+    std::iter::once(library_file(path)).chain(texture_files(scene, path)).collect()
 }
 
 fn library_file(path: &Path) -> PathBuf {

@@ -10,7 +10,7 @@ use crate::io::{Error, Warnings};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-pub(super) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
+pub(in crate::io) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error> {
     let used = || world::world_meshes(scene).map(|(id, transformed)| (scene.mesh(id), transformed));
     let has = |full: fn(&Mesh) -> bool| used().any(|(mesh, _)| full(mesh));
     let normals = has(|m| !m.normals.is_empty());

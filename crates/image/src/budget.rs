@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What reading a scene may cost, in memory and in work, from the lengths of its files.
+//! The cost of reading files, in memory and in work, bounded by their lengths: of a picture, a volume, or a scene with its files.
 //! Invariants: memory is asked for before it is taken; what is held at once stays below
 //! [`BELIEVED`] or, for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures);
 //! all bytes ever looked at stay below [`WORK`] or [`WORK_GROWTH`] times the files' own, so that no short file takes long.
-//! Tests: `tests`, and `tests/growth.rs`, which counts every allocation.
+//! Tests: `tests`; `tests/growth.rs` of this crate and of the scene crate count every allocation.
 
 use std::cell::Cell;
 use std::fmt;
 
-/// Bytes that may be held however short the files are.
+/// Bytes that a scene may hold however short its files are.
 const BELIEVED: u64 = 480 << 20;
+/// Bytes that reading one picture may take however short its file is.
+const PICTURE_BELIEVED: u64 = 512 << 20;
 /// Bytes that each byte of a scene file or buffer may become beyond that.
 const GROWTH: u64 = 16;
 /// Bytes that each byte of a picture's file may become beyond that: flat pictures take next to nothing.
@@ -21,9 +23,11 @@ const WORK_GROWTH: u64 = 64;
 /// Files that a scene may name: each is looked for on the disk.
 const MOST_FILES: u32 = 1 << 16;
 
-/// What a scene's files have cost so far.
-#[derive(Debug, Default)]
-pub(crate) struct Budget {
+/// The cost of files so far, and its limits.
+#[derive(Debug)]
+pub struct Budget {
+    /// Bytes that may be held however short the files are.
+    free: u64,
     /// Bytes that the files account for.
     accounted: Cell<u64>,
     length: Cell<u64>,
@@ -34,7 +38,7 @@ pub(crate) struct Budget {
 
 /// More than the files account for; `Display` says what of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Excess {
+pub enum Excess {
     /// So many bytes at once are the limit.
     Memory(u64),
     /// So many bytes looked at are the limit.
@@ -45,7 +49,7 @@ pub(crate) enum Excess {
 
 impl Excess {
     /// What would be right.
-    pub(crate) const REMEDY: &'static str = "leave out what is not needed, or divide the scene";
+    pub const REMEDY: &'static str = "leave out what is not needed, or divide the scene";
 }
 
 impl fmt::Display for Excess {
@@ -66,14 +70,40 @@ impl fmt::Display for Excess {
     }
 }
 
+impl Default for Budget {
+    /// The budget of a scene, before any of its files.
+    fn default() -> Self {
+        Self::of_bytes(BELIEVED)
+    }
+}
+
 impl Budget {
+    /// So many bytes may be held at once.
+    #[must_use]
+    pub fn of_bytes(free: u64) -> Self {
+        let [accounted, length, held, worked] = [const { Cell::new(0) }; 4];
+        Self { free, accounted, length, held, worked, files: Cell::new(0) }
+    }
+
+    /// The budget of one picture or volume, whose file has so many bytes.
+    #[must_use]
+    pub fn of_picture(length: u64) -> Self {
+        Self::of_bytes(length.saturating_mul(PICTURE_GROWTH).max(PICTURE_BELIEVED))
+    }
+
+    /// The same with a lower limit.
+    #[must_use]
+    pub fn at_most(self, bytes: u64) -> Self {
+        Self { free: self.free.min(bytes), ..self }
+    }
+
     /// Notes that a file of so many bytes was read.
-    pub(crate) fn add_file(&self, bytes: u64) {
+    pub fn add_file(&self, bytes: u64) {
         self.add(bytes, GROWTH);
     }
 
     /// Notes that a picture of so many bytes was read.
-    pub(crate) fn add_picture(&self, bytes: u64) {
+    pub fn add_picture(&self, bytes: u64) {
         self.add(bytes, PICTURE_GROWTH);
     }
 
@@ -82,17 +112,18 @@ impl Budget {
         self.length.set(self.length.get().saturating_add(bytes));
     }
 
-    fn limit(&self) -> u64 {
-        self.accounted.get().max(BELIEVED)
+    /// Bytes that may be held at once.
+    pub(crate) fn limit(&self) -> u64 {
+        self.accounted.get().max(self.free)
     }
 
     /// Bytes that may still be held.
-    pub(crate) fn left(&self) -> u64 {
+    pub fn left(&self) -> u64 {
         self.limit().saturating_sub(self.held.get())
     }
 
     /// Allows `bytes` more to be held.
-    pub(crate) fn hold(&self, bytes: usize) -> Result<(), Excess> {
+    pub fn hold(&self, bytes: usize) -> Result<(), Excess> {
         let bytes = bytes as u64;
         if bytes > self.left() {
             return Err(Excess::Memory(self.limit()));
@@ -102,22 +133,22 @@ impl Budget {
     }
 
     /// What is held now.
-    pub(crate) fn held(&self) -> u64 {
+    pub fn held(&self) -> u64 {
         self.held.get()
     }
 
     /// Takes back all that was held since [`held`](Self::held) said `before`.
-    pub(crate) fn settle(&self, before: u64) {
+    pub fn settle(&self, before: u64) {
         self.held.set(before.min(self.held.get()));
     }
 
     /// Takes back `bytes` that were held.
-    pub(crate) fn release(&self, bytes: usize) {
+    pub fn release(&self, bytes: usize) {
         self.held.set(self.held.get().saturating_sub(bytes as u64));
     }
 
     /// Allows `bytes` more to be looked at.
-    pub(crate) fn work(&self, bytes: usize) -> Result<(), Excess> {
+    pub fn work(&self, bytes: usize) -> Result<(), Excess> {
         let worked = self.worked.get().saturating_add(bytes as u64);
         let limit = self.length.get().saturating_mul(WORK_GROWTH).max(WORK);
         if worked > limit {
@@ -128,7 +159,7 @@ impl Budget {
     }
 
     /// Allows one more file to be looked for.
-    pub(crate) fn name_file(&self) -> Result<(), Excess> {
+    pub fn name_file(&self) -> Result<(), Excess> {
         if self.files.get() == MOST_FILES {
             return Err(Excess::Files);
         }
