@@ -159,20 +159,18 @@ mod tests {
         for round in 0..900 {
             let triangle = sliver(&mut random, round);
             // The same triangle from sixteen places on the way to it.
-            let mut rays = [[[0.0; 16]; 3]; 2];
-            for k in 0..3 {
-                for i in 0..16 {
-                    rays[0][k][i] = triangle.org[k] + triangle.dir[k] * i as f32 / 17.0;
-                    rays[1][k][i] = triangle.dir[k];
-                }
-            }
+            let org: [[f32; 16]; 3] = std::array::from_fn(|k| {
+                std::array::from_fn(|i| triangle.org[k] + triangle.dir[k] * i as f32 / 17.0)
+            });
+            let rays = [org, triangle.dir.map(|x| [x; 16])];
             for level in gnurt_simd::Level::available() {
                 let asked =
                     gnurt_simd::dispatch_wide!(level, simd => Some(ask(simd, &triangle, &rays)), else None);
                 let Some((met, sure)) = asked else { continue };
-                for i in 0..16 {
-                    let org = [0, 1, 2].map(|k| rays[0][k][i]);
-                    let alone = in_doubles(&Corners { org, ..triangle });
+                for (i, alone) in (0..16).map(|i| {
+                    let org = org.map(|row| row[i]);
+                    (i, in_doubles(&Corners { org, ..triangle }))
+                }) {
                     assert_eq!(alone.is_some(), sure >> i & 1 == 1, "whether it is sure, at {level}");
                     if let Some(Weighed { t, u, v }) = alone {
                         let lane = [met[0][i], met[1][i], met[2][i]];
