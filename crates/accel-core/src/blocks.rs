@@ -11,7 +11,8 @@ use crate::hit::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
 use crate::triangle::{
-    LoneRay, Sheared, ShearedRay, TriangleHit, axes_from, meet_single, pass_edges, relative_to, shear,
+    LoneRay, Sheared, ShearedRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges, relative_to,
+    shear,
 };
 
 /// Triangles of a block, and children of a wide BVH's node.
@@ -125,28 +126,67 @@ impl TriangleBlock {
         if !reached.lanes.any_true() {
             return;
         }
-        let (met, uncertain) =
-            if collect.asks_where() { reached.meet_well(simd) } else { reached.meet(simd) };
-        let mut bits = met.hit.to_bitmask();
-        if bits != 0 {
-            let (t, u, v) = (met.t.to_array(), met.u.to_array(), met.v.to_array());
-            while bits != 0 {
-                let i = bits.trailing_zeros() as usize & 7;
-                bits &= bits - 1;
-                if t[i] <= collect.reach() {
-                    collect.offer(TriangleHit { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
-                }
-            }
+        let (met, uncertain) = reached.meet(simd);
+        let bits = met.hit.to_bitmask();
+        // What is in doubt leaves the way: were its lanes taken out of `bits` here, each hit would wait for the bound.
+        let doubtful = if collect.asks_where() { reached.doubtful(simd, met.t) } else { uncertain };
+        if (doubtful | uncertain).any_true() {
+            let (doubtful, uncertain) = (doubtful.to_bitmask(), uncertain.to_bitmask());
+            let hits = [met.t.to_array(), met.u.to_array(), met.v.to_array()];
+            let single = (ray.axes, ray.single(), ray.t_near[0]);
+            self.meet_in_doubt(
+                [bits & !doubtful, doubtful & !uncertain, uncertain],
+                &hits,
+                single,
+                slot,
+                collect,
+            );
+            return;
         }
-        let mut bits = uncertain.to_bitmask();
+        if bits != 0 {
+            let hits = [met.t.to_array(), met.u.to_array(), met.v.to_array()];
+            self.offer(bits, &hits, slot, collect);
+        }
+    }
+
+    /// Offers what lanes by bits have hit.
+    #[inline(always)]
+    fn offer<C: Collect>(&self, mut bits: u64, [t, u, v]: &[[f32; WIDTH]; 3], slot: u32, collect: &mut C) {
         while bits != 0 {
             let i = bits.trailing_zeros() as usize & 7;
             bits &= bits - 1;
-            // By value: a ray whose address is taken lives in memory.
-            let corners = self.corners_of(i, ray.axes);
-            let (asks_where, reach) = (collect.asks_where(), collect.reach());
-            if let Some(triangle_hit) = meet_single(&corners, &ray.single(), asks_where, ray.t_near[0], reach)
+            if t[i] <= collect.reach() {
+                collect.offer(TriangleHit { t: t[i], u: u[i], v: v[i] }, self.numbers[i], slot);
+            }
+        }
+    }
+
+    /// Where floats cannot decide for some lanes: by bits those that hit, those that pass inside, and those of which even that is
+    /// not known. The ray by value: one whose address is taken lives in memory.
+    #[cold]
+    #[inline(never)]
+    fn meet_in_doubt<C: Collect>(
+        &self,
+        [bits, mut inside, mut uncertain]: [u64; 3],
+        hits: &[[f32; WIDTH]; 3],
+        (axes, ray, t_near): ([usize; 3], LoneRay, f32),
+        slot: u32,
+        collect: &mut C,
+    ) {
+        self.offer(bits, hits, slot, collect);
+        while inside != 0 {
+            let i = inside.trailing_zeros() as usize & 7;
+            inside &= inside - 1;
+            if let Some(triangle_hit) = meet_inside(&self.corners_of(i, axes), &ray, t_near, collect.reach())
             {
+                collect.offer(triangle_hit, self.numbers[i], slot);
+            }
+        }
+        while uncertain != 0 {
+            let i = uncertain.trailing_zeros() as usize & 7;
+            uncertain &= uncertain - 1;
+            let (corners, asks_where) = (self.corners_of(i, axes), collect.asks_where());
+            if let Some(triangle_hit) = meet_single(&corners, &ray, asks_where, t_near, collect.reach()) {
                 collect.offer(triangle_hit, self.numbers[i], slot);
             }
         }

@@ -11,7 +11,9 @@ use crate::chunks::Candidate;
 use crate::direction_class::DirectionClass;
 use crate::nearest::{AnyHit, Closest, Kind, closer};
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
-use crate::triangle::{LoneRay, Sheared, TriangleHits, axes_from, meet_single, pass_edges};
+use crate::triangle::{
+    LoneRay, Sheared, TriangleHits, axes_from, meet_inside, meet_inside_in_lanes, meet_single, pass_edges,
+};
 
 /// A tile of one heading, to be tested.
 pub struct TileTest<'a, S: Simd> {
@@ -49,20 +51,32 @@ impl<S: Simd> TileTest<'_, S> {
         if !reached.lanes.any_true() {
             return false;
         }
-        let (met, uncertain) = match self.kind {
-            Kind::Any => reached.meet(simd),
-            Kind::Closest => reached.meet_well(simd),
-        };
+        let (TriangleHits { t, u, v, mut hit }, uncertain) = reached.meet(simd);
         let mut found = false;
-        if uncertain.any_true() {
-            found = self.meet_single(block, lane, slopes, at, uncertain.to_bitmask(), nearest);
+        if self.kind == Kind::Closest {
+            let doubtful = reached.doubtful(simd, t) & !uncertain;
+            if doubtful.any_true() {
+                hit &= !doubtful;
+                found = self.meet_inside(block, lane, slopes, at, doubtful.to_bitmask(), nearest);
+            }
         }
-        if !met.hit.any_true() {
+        if uncertain.any_true() {
+            found |= self.meet_single(block, lane, slopes, at, uncertain.to_bitmask(), nearest);
+        }
+        if !hit.any_true() {
             return found;
         }
-        let TriangleHits { t, u, v, hit } = met;
+        self.take(block.numbers[lane & 7], at, &TriangleHits { t, u, v, hit }, nearest);
+        true
+    }
+
+    /// What lanes hit becomes their nearest hit where it is.
+    #[inline(always)]
+    fn take(&self, number: u32, at: usize, hits: &TriangleHits<S, f32x16<S>>, nearest: &mut NearestTile) {
+        let simd = self.simd;
+        let TriangleHits { t, u, v, hit } = *hits;
         let best = chunk(simd, &nearest.t, at);
-        let number = u32x16::splat(simd, block.numbers[lane & 7]);
+        let number = u32x16::splat(simd, number);
         let slot = u32x16::splat(simd, self.slot);
         let old_number = u32x16::from_slice(simd, &nearest.number[at..at + LANES]);
         let old_slot = u32x16::from_slice(simd, &nearest.slot[at..at + LANES]);
@@ -75,7 +89,62 @@ impl<S: Simd> TileTest<'_, S> {
         store(simd, &mut nearest.v, at, better, v);
         better.select(number, old_number).store_slice(&mut nearest.number[at..at + LANES]);
         better.select(slot, old_slot).store_slice(&mut nearest.slot[at..at + LANES]);
-        true
+    }
+
+    /// Lanes that pass inside, but whose `t` floats cannot tell: in doubles, and those that are still in doubt one by one.
+    #[cold]
+    #[inline(never)]
+    fn meet_inside(
+        &self,
+        block: &TriangleBlock,
+        lane: usize,
+        slopes: &Slopes,
+        at: usize,
+        bits: u64,
+        nearest: &mut NearestTile,
+    ) -> bool {
+        let axes = axes_from(self.direction_class.longest_axis);
+        let corners = block.corners_of(lane, axes);
+        let simd = self.simd;
+        let (mut found, mut left) = simd.vectorize(
+            #[inline(always)]
+            || {
+                let org = self.rays.org_lanes(simd, axes, at);
+                let dir = self.rays.dir_lanes(simd, axes, at);
+                let over_dir = chunk(simd, &slopes.shear[2], at);
+                let ([t, u, v], sure) = meet_inside_in_lanes(simd, &corners, &org, &dir, over_dir);
+                let (t_near, best) = (chunk(simd, &self.rays.t_near, at), chunk(simd, &nearest.t, at));
+                let lanes = mask32x16::from_bitmask(simd, bits & sure);
+                let hit = lanes & t.simd_ge(t_near) & t.simd_le(best);
+                let found = hit.any_true();
+                if found {
+                    self.take(block.numbers[lane & 7], at, &TriangleHits { t, u, v, hit }, nearest);
+                }
+                (found, bits & !sure)
+            },
+        );
+        while left != 0 {
+            let i = at + left.trailing_zeros() as usize;
+            left &= left - 1;
+            let (single, t_near) = (self.single(slopes, axes, i), self.rays.t_near[i]);
+            if let Some(triangle_hit) = meet_inside(&corners, &single, t_near, nearest.t[i]) {
+                let mut best = nearest.get(i);
+                best.offer::<Closest>(triangle_hit, block.numbers[lane & 7], self.slot);
+                nearest.set(i, &best);
+                found = true;
+            }
+        }
+        found
+    }
+
+    /// One ray, along the axes of the sheared space.
+    #[inline(always)]
+    fn single(&self, slopes: &Slopes, axes: [usize; 3], i: usize) -> LoneRay {
+        let sheared = Sheared {
+            org: axes.map(|k| self.rays.org[k][i]),
+            shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
+        };
+        LoneRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) }
     }
 
     /// Lanes that floats cannot decide.
@@ -98,11 +167,7 @@ impl<S: Simd> TileTest<'_, S> {
             let i = at + bits.trailing_zeros() as usize;
             bits &= bits - 1;
             let mut best = nearest.get(i);
-            let sheared = Sheared {
-                org: axes.map(|k| self.rays.org[k][i]),
-                shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
-            };
-            let single = LoneRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) };
+            let single = self.single(slopes, axes, i);
             if let Some(triangle_hit) =
                 meet_single(&corners, &single, asks_where, self.rays.t_near[i], best.t)
             {

@@ -4,8 +4,9 @@
 //! Invariant: every lane does the roundings of the scalar form in its order: the same bits at any width and level.
 //! Tests: `tests/brute_force.rs` (`ask`).
 
-use gnurt_simd::{Simd, SimdFloat, prelude::*};
+use gnurt_simd::{Simd, SimdFloat, f32x16, prelude::*};
 
+use super::precise::in_double_lanes;
 use super::triangle_hit::TriangleHit;
 use super::watertight::{DOUBTFUL, HUGE, LoneRay, SURELY, TINY};
 
@@ -93,7 +94,7 @@ impl<S: Simd, V: Lanes<S>> Edges<S, V> {
 
 impl<S: Simd, V: Lanes<S>> Reached<S, V> {
     /// The last part, by floats: where the lanes meet the triangles; and the lanes that floats cannot decide, which are for
-    /// [`meet_single`].
+    /// [`meet_single`]. Whoever asks where goes on to [`Reached::doubtful`].
     #[inline(always)]
     pub fn meet(&self, simd: S) -> (TriangleHits<S, V>, V::Mask) {
         let Self { edges: Edges { w: [w0, w1, w2], .. }, ts, first, last, t_near, t_far, lanes, .. } = *self;
@@ -109,27 +110,24 @@ impl<S: Simd, V: Lanes<S>> Reached<S, V> {
         (TriangleHits { t, u, v, hit }, lanes & !certain)
     }
 
-    /// The same where one asks where: lanes whose `t` may be off too far are for [`meet_single`], too.
+    /// Lanes inside whose `t`, which is given, may be off too far: they are for [`meet_inside`].
     #[inline(always)]
-    pub fn meet_well(&self, simd: S) -> (TriangleHits<S, V>, V::Mask) {
-        let (mut met, mut alone) = self.meet(simd);
+    pub fn doubtful(&self, simd: S, t: V) -> V::Mask {
         let Self { edges, over_dir, first, last, t_near, t_far, lanes, .. } = *self;
         let Edges { px, py, w: [w0, w1, w2], .. } = edges;
-        let (t, away, scale, long) = (met.t, met.t.abs(), over_dir.abs(), last - first);
+        let (away, scale, size) = (t.abs(), over_dir.abs(), (w0 + w1 + w2).abs());
+        let long = last - first;
         let wide_x = px[0].abs().max(px[1].abs()).max(px[2].abs());
         let wide_y = py[0].abs().max(py[1].abs()).max(py[2].abs());
         let wide = wide_x.max(wide_y);
         let doubt = long * (wide * (wide * scale + (away + long)));
-        let per_t = (w0 + w1 + w2).abs() * scale;
-        let good = doubt.simd_lt(V::splat(simd, DOUBTFUL) * (away * per_t));
-        let mut doubtful = lanes & !good;
-        if doubtful.any_true() {
-            let off = V::splat(simd, SURELY) * doubt;
-            doubtful &= !(((t_near - t) * per_t).simd_gt(off) | ((t - t_far) * per_t).simd_gt(off));
-            alone |= doubtful;
-            met.hit &= good;
+        let per_t = size * scale;
+        let lanes = lanes & !doubt.simd_lt(V::splat(simd, DOUBTFUL) * (away * per_t));
+        if !lanes.any_true() {
+            return lanes;
         }
-        (met, alone)
+        let off = V::splat(simd, SURELY) * doubt;
+        lanes & !(((t_near - t) * per_t).simd_gt(off) | ((t - t_far) * per_t).simd_gt(off))
     }
 }
 
@@ -144,4 +142,31 @@ pub fn meet_single(
     t_far: f32,
 ) -> Option<TriangleHit> {
     ray.meet(corners, asks_where, t_near, t_far)
+}
+
+/// One lane of those that are [doubtful](Reached::doubtful): it passes inside.
+#[cold]
+#[inline(never)]
+pub fn meet_inside(corners: &[[f32; 3]; 3], ray: &LoneRay, t_near: f32, t_far: f32) -> Option<TriangleHit> {
+    ray.meet_inside(corners, t_near, t_far)
+}
+
+/// The same for sixteen rays and one triangle, in double precision; and by bits the lanes for which that is enough.
+#[inline(always)]
+pub fn meet_inside_in_lanes<S: Simd>(
+    simd: S,
+    corners: &[[f32; 3]; 3],
+    org: &[f32x16<S>; 3],
+    dir: &[f32x16<S>; 3],
+    over_dir: f32x16<S>,
+) -> ([f32x16<S>; 3], u64) {
+    let ([t, u, v], sure) = in_double_lanes(simd, corners, org, dir);
+    let [a, b, c] = corners;
+    let ts = [
+        over_dir * (f32x16::splat(simd, a[2]) - org[2]),
+        over_dir * (f32x16::splat(simd, b[2]) - org[2]),
+        over_dir * (f32x16::splat(simd, c[2]) - org[2]),
+    ];
+    let (first, last) = (ts[0].min(ts[1]).min(ts[2]), ts[0].max(ts[1]).max(ts[2]));
+    ([t.max(first).min(last) + f32x16::splat(simd, 0.0), u, v], sure)
 }

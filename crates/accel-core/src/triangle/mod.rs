@@ -9,6 +9,6 @@ mod precise;
 mod triangle_hit;
 mod watertight;
 
-pub use lanes::{TriangleHits, meet_single, pass_edges, relative_to};
+pub use lanes::{TriangleHits, meet_inside, meet_inside_in_lanes, meet_single, pass_edges, relative_to};
 pub use triangle_hit::TriangleHit;
 pub use watertight::{LoneRay, Sheared, ShearedRay, axes_from, shear};

@@ -4,7 +4,9 @@
 //! Source: [WBW13] without the division: sheared positions times the ray's longest component; [She97] for the plan.
 //! Space: along the axes of the sheared space. Invariant: `t` is off by 2^-21 of itself at most. A ray that floats let pass
 //! inside, though it passes beside the triangle, meets it at its edge: weights of the wrong sign are none.
-//! Tests: `tests`, `tests/parameters.rs` of `gnurt-accel`.
+//! In sixteen lanes it is done with the same bits. Tests: `tests`, `tests/parameters.rs` of `gnurt-accel`.
+
+use gnurt_simd::{Simd, f32x16, f64x8, prelude::*};
 
 use crate::exact::ExactMeeting;
 
@@ -61,31 +63,133 @@ fn in_doubles(Corners { corners, org, dir }: &Corners) -> Option<Weighed> {
     sure.then(|| Weighed { t, u: weights[1] / whole, v: weights[2] / whole })
 }
 
+/// [`in_doubles`] of sixteen rays and one triangle: `t` and the weights, and by bits the lanes that are sure.
+#[inline(always)]
+pub(super) fn in_double_lanes<S: Simd>(
+    simd: S,
+    corners: &[[f32; 3]; 3],
+    org: &[f32x16<S>; 3],
+    dir: &[f32x16<S>; 3],
+) -> ([f32x16<S>; 3], u64) {
+    let [ox, oy, oz] = [simd.widen_f32x16(org[0]), simd.widen_f32x16(org[1]), simd.widen_f32x16(org[2])];
+    let [dx, dy, dz] = [simd.widen_f32x16(dir[0]), simd.widen_f32x16(dir[1]), simd.widen_f32x16(dir[2])];
+    let (low, sure_low) = eight(simd, corners, [ox.0, oy.0, oz.0], [dx.0, dy.0, dz.0]);
+    let (high, sure_high) = eight(simd, corners, [ox.1, oy.1, oz.1], [dx.1, dy.1, dz.1]);
+    let met = [
+        simd.narrow_f64x8(low[0], high[0]),
+        simd.narrow_f64x8(low[1], high[1]),
+        simd.narrow_f64x8(low[2], high[2]),
+    ];
+    (met, sure_low | sure_high << 8)
+}
+
+/// [`in_double_lanes`] of eight rays: the roundings of [`in_doubles`] in its order.
+#[inline(always)]
+fn eight<S: Simd>(
+    simd: S,
+    corners: &[[f32; 3]; 3],
+    org: [f64x8<S>; 3],
+    dir: [f64x8<S>; 3],
+) -> ([f64x8<S>; 3], u64) {
+    let zero = f64x8::splat(simd, 0.0);
+    let ([mut px, mut py, mut depth], [dx, dy, dz]) = ([[zero; 3]; 3], dir);
+    for (k, corner) in corners.iter().enumerate() {
+        let x = f64x8::splat(simd, f64::from(corner[0])) - org[0];
+        let y = f64x8::splat(simd, f64::from(corner[1])) - org[1];
+        depth[k] = f64x8::splat(simd, f64::from(corner[2])) - org[2];
+        px[k] = x * dz - depth[k] * dx;
+        py[k] = y * dz - depth[k] * dy;
+    }
+    let w = [px[2] * py[1] - py[2] * px[1], px[0] * py[2] - py[0] * px[2], px[1] * py[0] - py[1] * px[0]];
+    let sum = w[0] + w[1] + w[2];
+    let side = sum.simd_lt(zero).select(f64x8::splat(simd, -1.0), f64x8::splat(simd, 1.0));
+    let w = [(side * w[0]).max(zero), (side * w[1]).max(zero), (side * w[2]).max(zero)];
+    let whole = w[0] + w[1] + w[2];
+    let t = (w[0] * depth[0] + w[1] * depth[1] + w[2] * depth[2]) / (whole * dz);
+
+    let wide_x = px[0].abs().max(px[1].abs()).max(px[2].abs());
+    let wide_y = py[0].abs().max(py[1].abs()).max(py[2].abs());
+    let wide = wide_x.max(wide_y);
+    let near = depth[0].min(depth[1]).min(depth[2]);
+    let far = depth[0].max(depth[1]).max(depth[2]);
+    let doubt = (far - near) * wide * (wide + near.abs().max(far.abs()) * dz.abs());
+    let sure = doubt.simd_lt(f64x8::splat(simd, DOUBTFUL) * (t * dz * sum).abs());
+    ([t, w[1] / whole, w[2] / whole], sure.to_bitmask())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Slivers from 1 down to 2^-40 as wide as they are long, seen from as near.
+    fn sliver(random: &mut gnurt_testkit::Random, round: i32) -> Corners {
+        let (thin, near) = (0.5f32.powi(round % 41), 0.5f32.powi(round / 41 % 21));
+        let p = random.point();
+        let mut beside = |by: f32| {
+            let q = random.point();
+            [0, 1, 2].map(|k| p[k] + by * q[k])
+        };
+        let (a, b) = (beside(1.0), beside(thin));
+        let corners = [p, a, b];
+        let org = beside(near);
+        let dir = [0, 1, 2].map(|k| (p[k] + a[k] + b[k]) / 3.0 - org[k]);
+        let z = (0..3).max_by(|&i, &j| dir[i].abs().total_cmp(&dir[j].abs())).expect("three");
+        let along = |p: [f32; 3]| [p[(z + 1) % 3], p[(z + 2) % 3], p[z]];
+        Corners { corners: corners.map(along), org: along(org), dir: along(dir) }
+    }
+
+    #[inline(always)]
+    fn ask<S: Simd>(simd: S, triangle: &Corners, rays: &[[[f32; 16]; 3]; 2]) -> ([[f32; 16]; 3], u64) {
+        let [org, dir] = rays;
+        let row = |x: &[f32; 16]| f32x16::from_slice(simd, x);
+        let (org, dir) =
+            ([row(&org[0]), row(&org[1]), row(&org[2])], [row(&dir[0]), row(&dir[1]), row(&dir[2])]);
+        let ([t, u, v], sure) = in_double_lanes(simd, &triangle.corners, &org, &dir);
+        let mut met = [[0.0; 16]; 3];
+        t.store_slice(&mut met[0]);
+        u.store_slice(&mut met[1]);
+        v.store_slice(&mut met[2]);
+        (met, sure)
+    }
+
+    #[test]
+    fn lanes_do_the_same() {
+        let mut random = gnurt_testkit::Random::new(4);
+        let (mut sure_ones, mut unsure) = (0, 0);
+        for round in 0..900 {
+            let triangle = sliver(&mut random, round);
+            // The same triangle from sixteen places on the way to it.
+            let org: [[f32; 16]; 3] = std::array::from_fn(|k| {
+                std::array::from_fn(|i| triangle.org[k] + triangle.dir[k] * i as f32 / 17.0)
+            });
+            let rays = [org, triangle.dir.map(|x| [x; 16])];
+            for level in gnurt_simd::Level::available() {
+                let asked =
+                    gnurt_simd::dispatch_wide!(level, simd => Some(ask(simd, &triangle, &rays)), else None);
+                let Some((met, sure)) = asked else { continue };
+                for (i, alone) in (0..16).map(|i| {
+                    let org = org.map(|row| row[i]);
+                    (i, in_doubles(&Corners { org, ..triangle }))
+                }) {
+                    assert_eq!(alone.is_some(), sure >> i & 1 == 1, "whether it is sure, at {level}");
+                    if let Some(Weighed { t, u, v }) = alone {
+                        let lane = [met[0][i], met[1][i], met[2][i]];
+                        assert_eq!([t as f32, u as f32, v as f32], lane, "at {level}");
+                    }
+                    sure_ones += usize::from(alone.is_some());
+                    unsure += usize::from(alone.is_none());
+                }
+            }
+        }
+        assert!(sure_ones == 0 || sure_ones > 5_000 && unsure > 100, "{sure_ones} sure, {unsure} not");
+    }
 
     #[test]
     fn doubles_are_exact_or_say_that_they_are_not() {
         let mut random = gnurt_testkit::Random::new(3);
         let (mut sure, mut unsure) = (0, 0);
         for round in 0..20_000 {
-            // Slivers from 1 down to 2^-40 as wide as they are long, seen from as near.
-            let thin = 0.5f32.powi(round % 41);
-            let near = 0.5f32.powi(round / 41 % 21);
-            let p = random.point();
-            let mut beside = |by: f32| {
-                let q = random.point();
-                [0, 1, 2].map(|k| p[k] + by * q[k])
-            };
-            let (a, b) = (beside(1.0), beside(thin));
-            let corners = [p, a, b];
-            let org = beside(near);
-            let inside = [0, 1, 2].map(|k| (p[k] + a[k] + b[k]) / 3.0 - org[k]);
-            let dir = inside;
-            let z = (0..3).max_by(|&i, &j| dir[i].abs().total_cmp(&dir[j].abs())).expect("three");
-            let along = |p: [f32; 3]| [p[(z + 1) % 3], p[(z + 2) % 3], p[z]];
-            let triangle = Corners { corners: corners.map(along), org: along(org), dir: along(dir) };
+            let triangle = sliver(&mut random, round);
             let exact = ExactMeeting::of(&triangle.corners, &triangle.org, &triangle.dir);
             let (Some(found), Some(exact)) = (in_doubles(&triangle), exact) else {
                 unsure += 1;

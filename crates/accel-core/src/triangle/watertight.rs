@@ -158,6 +158,36 @@ impl LoneRay {
     }
 }
 
+impl LoneRay {
+    /// As [`meet`](Self::meet) of a ray of which floats have decided that it passes inside.
+    #[inline(always)]
+    pub(super) fn meet_inside(
+        &self,
+        corners: &[[f32; 3]; 3],
+        t_near: f32,
+        t_far: f32,
+    ) -> Option<TriangleHit> {
+        let (Self { sheared: Sheared { org, shear }, dir }, [a, b, c]) = (*self, corners);
+        let Some(met) = precise::meet(&Corners { corners: *corners, org, dir }) else {
+            return self.meet(corners, true, t_near, t_far);
+        };
+        let ts = [shear[2] * (a[2] - org[2]), shear[2] * (b[2] - org[2]), shear[2] * (c[2] - org[2])];
+        met.within(ts, t_near, t_far)
+    }
+}
+
+impl Weighed {
+    /// In floats, between the corners' own parameters; if that is within reach.
+    #[inline(always)]
+    fn within(self, ts: [f32; 3], t_near: f32, t_far: f32) -> Option<TriangleHit> {
+        let (first, last) = (least(least(ts[0], ts[1]), ts[2]), most(most(ts[0], ts[1]), ts[2]));
+        // Adding zero turns -0.0 into 0.0.
+        let t = least(most(self.t as f32, first), last) + 0.0;
+        let (u, v) = ((self.u + 0.0) as f32, (self.v + 0.0) as f32);
+        (t >= t_near && t <= t_far).then_some(TriangleHit { t, u, v })
+    }
+}
+
 #[inline(always)]
 fn sheared(corners: [f32; 3], org: f32, shear: f32, depth: [f32; 3]) -> [f32; 3] {
     let [a, b, c] = corners;
@@ -184,15 +214,12 @@ pub(super) fn meet_exactly(
     if !one_sided || sum == 0.0 {
         return None;
     }
-    let Weighed { t, u, v } = precise::meet(unrounded).unwrap_or_else(|| {
+    let met = precise::meet(unrounded).unwrap_or_else(|| {
         // The triangle is seen edge on: as rounding has it.
         let [a, u, v] = weights.map(|w| w / sum);
         Weighed { t: a * f64::from(ts[0]) + u * f64::from(ts[1]) + v * f64::from(ts[2]), u, v }
     });
-    let (first, last) = (least(least(ts[0], ts[1]), ts[2]), most(most(ts[0], ts[1]), ts[2]));
-    // Adding zero turns -0.0 into 0.0.
-    let t = least(most(t as f32, first), last) + 0.0;
-    (t >= t_near && t <= t_far).then_some(TriangleHit { t, u: (u + 0.0) as f32, v: (v + 0.0) as f32 })
+    met.within(ts, t_near, t_far)
 }
 
 #[cfg(test)]
