@@ -35,7 +35,7 @@ pub(super) fn all(document: &Value, file: &str) -> String {
     for (name, title, maker) in makers {
         let row = &document["rows"][name];
         if let (Some(numbers), Some(command)) = (row["numbers"].as_array(), row["command"].as_str()) {
-            let _ = write!(page, "\n## {title}\n\n```sh\n{command}\n```\n\n{}", maker(numbers));
+            let _ = write!(page, "\n### {title}\n\n```sh\n{command}\n```\n\n{}", maker(numbers));
         }
     }
     page
@@ -205,6 +205,6 @@ mod tests {
             json!({ "machine": {}, "rows": { "rays": { "command": "bench", "numbers": numbers } } });
         let page = all(&document, "x.json");
         assert!(page.contains("| ao | 4.00 (2.00) | 5.66 (4.00) |"), "{page}");
-        assert!(!page.contains("## Builds"));
+        assert!(!page.contains("### Builds"));
     }
 }
