@@ -1,31 +1,32 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Renders the pictures of docs/reference/shader-library.md: shaders/pictures.sh [OUT], in the repository's root; OUT is docs/shaders unless given.
-# gnurt is on the PATH. SIZE (144) and SPP (36) make them finer or faster; ONLY=name renders one of them.
+# gnurt, python3 and cwebp are on the PATH. SIZE (512) and SPP (64) make them finer or faster; ONLY=name renders one of them.
 set -euo pipefail
-out=${1:-docs/shaders} size=${SIZE:-144} spp=${SPP:-36}
+out=${1:-docs/shaders} size=${SIZE:-512} spp=${SPP:-64}
 mkdir -p "$out"
+work=$(mktemp -d)
+trap 'rm -r "$work"' EXIT
 
 # picture NAME SCENE [OPTION...]
 picture() {
     local name=$1 scene=$2
     shift 2
     if [ "${ONLY:-$name}" != "$name" ]; then return; fi
-    gnurt render -q "$scene" -o "$out/$name.png" -r "${size}x$size" --spp "$spp" --clamp 8 "$@"
+    gnurt render -q "$scene" -o "$work/$name.png" -r "${size}x$size" --spp "$spp" --clamp 8 "$@"
+    cwebp -quiet -q 90 -m 6 -sharp_yuv "$work/$name.png" -o "$out/$name.webp"
 }
 
-# What surfaces are shown on: the large ball of the spheres; NAME:PARAMETERS, which suit its size.
-ball="builtin:spheres --eye 0.4,1.5,2.6 --target -0.1,0.98,-1.3 --fov 34 --exposure -0.8"
-for surface in bricks brushed_metal car_paint checker concrete fabric:threads=50 frosted_glass lava leather:scale=14 marble:scale=1.5 \
-    metal plastic principled:base=0.6,0.1,0.08:coat=1:sheen=0.1,0.1,0.2 rust:scale=2 skin snow tiles velvet water:height=0.08 wood; do
+# Surfaces, on the stage; NAME:PARAMETERS, which suit its size.
+python3 docs/shaders/stage.py "$work/stage.obj"
+for surface in marble:scale=1.5 metal car_paint wood bricks brushed_metal checker concrete fabric:threads=50 frosted_glass lava leather:scale=14 \
+    plastic principled:base=0.6,0.1,0.08:coat=1:sheen=0.1,0.1,0.2 rust:scale=2 skin snow tiles velvet water:height=0.08; do
     name=${surface%%:*} parameters=${surface#"$name"}
-    # shellcheck disable=SC2086
-    picture "$name" $ball --shader "mirror=shaders/surfaces/$name.osl$parameters"
+    picture "$name" "$work/stage.obj" --eye 0,2.0,5.2 --target 0,0.99,0 --fov 28 --environment 0.25,0.26,0.28 --exposure 0 \
+        --shader "shown=shaders/surfaces/$name.osl$parameters"
 done
 
 # Ground needs heights: hills of 96 by 96 squares, z upwards.
-hills=$(mktemp -d)
-trap 'rm -r "$hills"' EXIT
 awk 'BEGIN {
     n = 96
     print "o hills\nusemtl ground"
@@ -38,15 +39,18 @@ awk 'BEGIN {
         a = j * (n + 1) + i
         print "f", a, a + 1, a + n + 2, a + n + 1
     }
-}' >"$hills/hills.obj"
-picture terrain "$hills/hills.obj" --eye 3.4,-4.4,2.6 --target 0,0,0.75 --up 0,0,1 --fov 36 --environment builtin:day \
+}' >"$work/hills.obj"
+picture terrain "$work/hills.obj" --eye 3.4,-4.4,2.6 --target 0,0,0.75 --up 0,0,1 --fov 36 --environment builtin:day \
     --exposure -0.8 --shader "*=shaders/surfaces/terrain.osl:snow_line=1.5"
+
+# A picture for the projector.
+gnurt render -q builtin:island -o "$work/slide.png" -r 320x180 --spp 16
 
 # Lights in the dark, on things of grey plastic.
 dim="builtin:spheres --environment 0.02,0.02,0.03 --eye 0.2,2.2,6.2 --target -0.1,0.5,-0.3 --fov 50 --exposure -1 \
     --shader *=shaders/surfaces/plastic.osl:base=0.5:roughness=0.4"
 for light in "candle:power=1.5:from=0.35,0.6,1.9:size=0.1" "point_light:intensity=14,13,12:from=1.5,3,2" \
-    "projector:picture=docs/pictures/wind.png:intensity=70:angle=50:place=1,0,0,0,0,1,0,0,0,0,1,0,0,1.5,5,1" \
+    "projector:picture=$work/slide.png:intensity=70:angle=50:place=1,0,0,0,0,1,0,0,0,0,1,0,0,1.5,5,1" \
     "softbox:radiance_of_it=5:place=2,0,0,0,0,2,0,0,0,0,2,0,1,2.5,3.5,1" \
     "spot_light:intensity=70:from=1.5,4,3:to=-0.2,0.6,-0.3:inner=9:outer=15" "sun:elevation=25:azimuth=70:diameter=3"; do
     name=${light%%:*}

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Renders the gallery: render.sh SCENES WORK OUT. SCENES holds the folders conference, office, ...; gnurt is on the PATH.
-# HEIGHT (480) and SPP (16) make it finer or faster; ONLY=name renders one picture.
+# Renders the gallery: render.sh SCENES WORK OUT. SCENES holds the folders conference, office, ...; gnurt and cwebp are on the PATH.
+# HEIGHT (720) and SPP (64) make it finer or faster; ONLY=name renders one picture.
 set -euo pipefail
 scenes=$1 work=$2 out=$3
-height=${HEIGHT:-480} spp=${SPP:-16}
-wide=$((height * 4 / 3))x$height square=${height}x$height tall=$((height * 3 / 4))x$height
+height=${HEIGHT:-720} spp=${SPP:-64}
+wide=$((height * 16 / 9))x$height square=${height}x$height tall=$((height * 3 / 4))x$height
 python3 "$(dirname "$0")/compose.py" "$scenes" "$work"
 mkdir -p "$out"
 
@@ -14,7 +14,8 @@ picture() {
     local name=$1 size=$2 file=$3
     shift 3
     if [ "${ONLY:-$name}" != "$name" ]; then return; fi
-    gnurt render -q "$file" -o "$out/$name.png" -r "$size" --spp "$spp" --clamp 8 "$@"
+    gnurt render -q "$file" -o "$work/$name.png" -r "$size" --spp "$spp" --clamp 8 "$@"
+    cwebp -quiet -q 92 -m 6 -sharp_yuv "$work/$name.png" -o "$out/$name.webp"
 }
 
 picture bunny "$wide" "$work/bunny.obj" --eye -0.05,0.15,0.35 --target -0.017,0.11,0 --fov 30

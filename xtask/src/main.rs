@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | notices | dist | miri | sanitize`.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | notices | dist | miri | sanitize | results`.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
@@ -12,6 +12,7 @@ mod installed;
 mod notices;
 mod python;
 mod readme;
+mod results;
 mod sanitize;
 mod tidy;
 mod workspace;
@@ -26,7 +27,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 9] = [
+const CHORES: [Chore; 10] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -67,6 +68,11 @@ const CHORES: [Chore; 9] = [
         name: "sanitize",
         about: "the tests of the C APIs under address or thread sanitizer; once a week",
         run: sanitize::run,
+    },
+    Chore {
+        name: "results",
+        about: "measure docs/explanation/results.md: SCENES [--only ROW,...] [--all] [--quick] [--busy]",
+        run: results::run,
     },
 ];
 
