@@ -120,9 +120,9 @@ impl Part {
         let mut first = vec![NONE; vertices];
         let mut next: Vec<u32> = Vec::new();
         let equal = |a: usize, b: usize| {
-            values.iter().all(|all| {
-                all.row(a).iter().map(|x| x.to_bits()).eq(all.row(b).iter().map(|x| x.to_bits()))
-            })
+            values
+                .iter()
+                .all(|all| all.row(a).iter().map(|x| x.to_bits()).eq(all.row(b).iter().map(|x| x.to_bits())))
         };
         for &triangle in &part.triangles {
             part.indices.push([0, 1, 2].map(|k| {
@@ -184,7 +184,10 @@ impl DescribedMesh {
         let count = materials.as_ref().map_or(1, Vec::len);
         let mut triangles: Vec<Vec<usize>> = vec![Vec::new(); count];
         slots.iter().enumerate().for_each(|(triangle, &slot)| triangles[slot].push(triangle));
-        let parts = triangles.into_iter().enumerate().filter(|(slot, all)| count == 1 && *slot == 0 || !all.is_empty());
+        let parts = triangles
+            .into_iter()
+            .enumerate()
+            .filter(|(slot, all)| count == 1 && *slot == 0 || !all.is_empty());
         let parts = parts.map(|(slot, triangles)| {
             let part = match count == 1 && split.is_empty() {
                 // All as it was given, vertices of no triangle included.

@@ -46,7 +46,7 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
         "mirror" => {
             let reflectance = Color { factor: color.unwrap_or([1.0; 3]), texture: color_texture };
             Surface::Mirror { reflectance }
-        },
+        }
         "glass" if color_texture.is_some() => {
             return Err(PyValueError::new_err("color_texture: glass has none; give a shader"));
         }
@@ -122,7 +122,9 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
             None | Some("alpha") => OpacityChannel::Alpha,
             Some("red") => OpacityChannel::Red,
             Some(other) => {
-                return Err(PyValueError::new_err(format!("opacity_channel: expected alpha or red, not '{other}'")));
+                return Err(PyValueError::new_err(format!(
+                    "opacity_channel: expected alpha or red, not '{other}'"
+                )));
             }
         };
         let opacity = Opacity { factor, texture: opacity_texture, channel };

@@ -166,7 +166,9 @@ fn aimed(camera: &Bound<'_, PyAny>) -> PyResult<Aim> {
 
 /// What makes rays in the camera's place.
 fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> {
-    let Some(script) = script_named(given, "camera_shader", "camera_parameters", &Access::default())? else { return Ok(None) };
+    let Some(script) = script_named(given, "camera_shader", "camera_parameters", &Access::default())? else {
+        return Ok(None);
+    };
     let made = script.camera_anywhere();
     made.map(|camera| Some((script, camera)))
         .map_err(|why| PyValueError::new_err(format!("camera_shader: {why}")))
@@ -174,7 +176,9 @@ fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> 
 
 /// What pixels show.
 fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShader>)>> {
-    let Some(script) = script_named(given, "pixel_shader", "pixel_parameters", &Access::default())? else { return Ok(None) };
+    let Some(script) = script_named(given, "pixel_shader", "pixel_parameters", &Access::default())? else {
+        return Ok(None);
+    };
     let made = script.pixel();
     made.map(|pixel| Some((script, pixel)))
         .map_err(|why| PyValueError::new_err(format!("pixel_shader: {why}")))

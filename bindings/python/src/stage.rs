@@ -225,7 +225,8 @@ impl Stage {
         let no_view = || PyValueError::new_err("camera: has no view: a number of it is too large");
         let moves = exposure.cameras.iter().find(|(id, _)| Some(id.index()) == number);
         let keys = moves.map_or(std::slice::from_ref(&camera), |(_, keys)| keys);
-        let keys = view.ways.as_ref().map(|ways| &ways.cameras[..]).filter(|keys| !keys.is_empty()).unwrap_or(keys);
+        let keys =
+            view.ways.as_ref().map(|ways| &ways.cameras[..]).filter(|keys| !keys.is_empty()).unwrap_or(keys);
         let rays = camera_rays_along(keys, camera_shader.as_ref(), view.size).ok_or_else(no_view)?;
         let exposure = if view.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure })

@@ -82,7 +82,12 @@ impl Surroundings {
     ///
     /// # Errors
     /// [`Error::Surroundings`] if it is no sky; the scene stays as it was.
-    pub fn put_script_around(script: &Script, scene: &mut Scene, up: [f32; 3], yaw: f64) -> Result<(), Error> {
+    pub fn put_script_around(
+        script: &Script,
+        scene: &mut Scene,
+        up: [f32; 3],
+        yaw: f64,
+    ) -> Result<(), Error> {
         let texels = script_sky::texels_of(script).map_err(Error::Surroundings)?;
         let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians());
         put_texels(texels, script.name(), scene, world_from_light);
@@ -90,7 +95,13 @@ impl Surroundings {
     }
 
     /// Puts a latitude-longitude picture around a scene, multiplied by a radiance.
-    pub fn put_texture_around(texture: Texture, radiance: [f32; 3], scene: &mut Scene, up: [f32; 3], yaw: f64) {
+    pub fn put_texture_around(
+        texture: Texture,
+        radiance: [f32; 3],
+        scene: &mut Scene,
+        up: [f32; 3],
+        yaw: f64,
+    ) {
         let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians());
         let texture = Some(scene.add_texture(texture));
         scene.add_light(Light::Environment { radiance, texture, world_from_light });
@@ -98,7 +109,12 @@ impl Surroundings {
 }
 
 /// Adds an environment of a picture, and of the one that rays of the camera see where it is another.
-fn put_texels((sky, shown): (Texels, Option<Texels>), name: &str, scene: &mut Scene, world_from_light: Affine) {
+fn put_texels(
+    (sky, shown): (Texels, Option<Texels>),
+    name: &str,
+    scene: &mut Scene,
+    world_from_light: Affine,
+) {
     let texture = |texels| Texture {
         name: name.into(),
         texels: Arc::new(texels),
