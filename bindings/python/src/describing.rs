@@ -5,13 +5,14 @@
 use gnurt::Surroundings;
 use gnurt::osl::Script;
 use gnurt::scene::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
-use gnurt::scene::material::{Alpha, Color, Opacity, OpacityChannel, Principled};
-use gnurt::scene::{Camera, Lens, Light, Material, Projection, Surface};
+use gnurt::scene::material::{Alpha, BumpMap, Color, NormalMap, Opacity, OpacityChannel, Principled};
+use gnurt::scene::{Camera, Lens, Light, Material, Projection, Surface, Texture};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::given::Given;
 use crate::scripts::script;
+use crate::textures::{Pictures, reference};
 
 const MOST: f64 = f32::MAX as f64;
 
@@ -23,14 +24,17 @@ pub(crate) enum NewMaterial {
 }
 
 /// A material; `kind` says which arguments there are, unless a shader stands for all of them.
-pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
+pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<NewMaterial> {
     let name = given.text("name")?.unwrap_or_default();
-    if let Some(script) = script(given)? {
+    if let Some(script) = script(given, pictures)? {
         return Ok(NewMaterial::Script(name, script));
     }
     let kind = given.text("kind")?.unwrap_or_else(|| "principled".into());
     let color = given.color("color")?;
-    let base_color = Color::constant(color.unwrap_or([0.8; 3]));
+    let color_texture = reference(given, "color_texture")?;
+    // A texture without a colour is shown as it is.
+    let factor = color.unwrap_or(if color_texture.is_some() { [1.0; 3] } else { [0.8; 3] });
+    let base_color = Color { factor, texture: color_texture };
     let share = |given: &mut Given, name, default: f64| -> PyResult<f32> {
         Ok(given.number(name, 0.0, 1.0)?.unwrap_or(default) as f32)
     };
@@ -39,7 +43,13 @@ pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
             0.0 => Surface::Matte { base_color },
             roughness => Surface::RoughMatte { base_color, roughness },
         },
-        "mirror" => Surface::Mirror { reflectance: Color::constant(color.unwrap_or([1.0; 3])) },
+        "mirror" => {
+            let reflectance = Color { factor: color.unwrap_or([1.0; 3]), texture: color_texture };
+            Surface::Mirror { reflectance }
+        }
+        "glass" if color_texture.is_some() => {
+            return Err(PyValueError::new_err("color_texture: glass has none; give a shader"));
+        }
         "glass" => {
             let (ior, tint) = (ior(given)?, color.unwrap_or([1.0; 3]));
             let (roughness, thin) = (share(given, "roughness", 0.0)?, given.flag("thin")?.unwrap_or(false));
@@ -55,6 +65,14 @@ pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
             base_color,
             metallic: share(given, "metallic", 0.0)?,
             roughness: share(given, "roughness", 0.5)?,
+            metallic_roughness_texture: reference(given, "metallic_roughness_texture")?,
+            normal_texture: match reference(given, "normal_texture")? {
+                None => None,
+                Some(texture) => Some(NormalMap {
+                    texture,
+                    scale: given.number("normal_scale", -MOST, MOST)?.unwrap_or(1.0) as f32,
+                }),
+            },
             ior: ior(given)?,
             specular: share(given, "specular", 1.0)?,
             specular_color: given.color("specular_color")?.unwrap_or([1.0; 3]),
@@ -69,7 +87,7 @@ pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
                 strength: share(given, "anisotropy", 0.0)?,
                 rotation: given.number("anisotropy_rotation", -MOST, MOST)?.unwrap_or(0.0).to_radians()
                     as f32,
-                texture: None,
+                texture: reference(given, "anisotropy_texture")?,
             },
             iridescence: Iridescence {
                 factor: share(given, "iridescence", 0.0)?,
@@ -89,11 +107,31 @@ pub(crate) fn material(given: &mut Given) -> PyResult<NewMaterial> {
         }
     };
     let mut material = Material::of(name, surface);
-    material.emission = given.color("emission")?.unwrap_or_default();
+    material.emission_texture = reference(given, "emission_texture")?;
+    let full = if material.emission_texture.is_some() { [1.0; 3] } else { [0.0; 3] };
+    material.emission = given.color("emission")?.unwrap_or(full);
+    if let Some(texture) = reference(given, "bump_texture")? {
+        let height = given.number("bump_height", -MOST, MOST)?.unwrap_or(1.0) as f32;
+        material.bump = Some(BumpMap { texture, height });
+    }
+    let opacity_texture = reference(given, "opacity_texture")?;
+    let cutoff = given.number("opacity_cutoff", 0.0, 1.0)?;
     let factor = share(given, "opacity", 1.0)?;
-    if factor < 1.0 {
-        let opacity = Opacity { factor, texture: None, channel: OpacityChannel::Alpha };
-        material.alpha = Alpha::Blend { opacity };
+    if factor < 1.0 || opacity_texture.is_some() {
+        let channel = match given.text("opacity_channel")?.as_deref() {
+            None | Some("alpha") => OpacityChannel::Alpha,
+            Some("red") => OpacityChannel::Red,
+            Some(other) => {
+                return Err(PyValueError::new_err(format!(
+                    "opacity_channel: expected alpha or red, not '{other}'"
+                )));
+            }
+        };
+        let opacity = Opacity { factor, texture: opacity_texture, channel };
+        material.alpha = match cutoff {
+            Some(cutoff) => Alpha::Mask { cutoff: cutoff as f32, opacity },
+            None => Alpha::Blend { opacity },
+        };
     }
     Ok(NewMaterial::Material(material))
 }
@@ -117,10 +155,14 @@ fn ior(given: &mut Given) -> PyResult<f32> {
 pub(crate) enum NewLight {
     Light(Light),
     Around(Surroundings, [f32; 3], f64),
+    /// A sky that a shader makes.
+    Script(Script, [f32; 3], f64),
+    /// A latitude-longitude picture, and what multiplies it.
+    Texture(Texture, [f32; 3], [f32; 3], f64),
 }
 
 /// A light; `kind` says which arguments there are.
-pub(crate) fn light(kind: &str, given: &mut Given) -> PyResult<NewLight> {
+pub(crate) fn light(kind: &str, given: &mut Given, pictures: &dyn Pictures) -> PyResult<NewLight> {
     let missing = |name: &str| PyValueError::new_err(format!("{name}: a {kind} light needs one"));
     let position = |given: &mut Given| given.numbers("position")?.ok_or_else(|| missing("position"));
     let direction = |given: &mut Given| {
@@ -153,10 +195,21 @@ pub(crate) fn light(kind: &str, given: &mut Given) -> PyResult<NewLight> {
         "environment" => {
             let up = given.numbers("up")?.unwrap_or([0.0, 1.0, 0.0]);
             let turn_degrees = given.number("turn", -MOST, MOST)?.unwrap_or(0.0);
+            if let Some(script) = script(given, pictures)? {
+                return Ok(NewLight::Script(script, up, turn_degrees));
+            }
+            let texture = given.whole("texture", 0, u64::from(u32::MAX))?;
             let sky = given.text("sky")?;
             let picture =
                 given.get("picture")?.map(|path| path.extract::<std::path::PathBuf>()).transpose()?;
             let radiance = given.color("radiance")?;
+            if let Some(number) = texture {
+                if sky.is_some() || picture.is_some() {
+                    return Err(PyValueError::new_err("environment: give one of sky, picture and texture"));
+                }
+                let texture = pictures.texture(number as usize)?;
+                return Ok(NewLight::Texture(texture, radiance.unwrap_or([1.0; 3]), up, turn_degrees));
+            }
             let around = match (sky, picture, radiance) {
                 (Some(sky), None, None) => Surroundings::sky(&sky).ok_or_else(|| {
                     PyValueError::new_err(format!("sky: expected day, evening or overcast, not '{sky}'"))

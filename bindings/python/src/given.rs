@@ -25,6 +25,19 @@ impl<'a, 'py> Given<'a, 'py> {
         Ok(self.all.get_item(name)?.filter(|value| !value.is_none()))
     }
 
+    /// Several choices by words, as bits of their places in a list.
+    pub(crate) fn words(&mut self, name: &'static str, words: &[&str]) -> PyResult<Option<u32>> {
+        let expected = format!("a list of some of: {}", words.join(", "));
+        self.read(name, &expected, |value| {
+            let mut bits = 0;
+            for word in value.try_iter().ok()? {
+                let word: String = word.ok()?.extract().ok()?;
+                bits |= 1 << words.iter().position(|known| *known == word)?;
+            }
+            Some(bits)
+        })
+    }
+
     /// Refuses what nobody has asked for.
     pub(crate) fn end(self) -> PyResult<()> {
         for name in self.all.keys() {

@@ -4,6 +4,7 @@
 
 mod answers;
 mod arrays;
+mod described_mesh;
 mod describing;
 mod ffi_arrays;
 mod given;
@@ -19,6 +20,7 @@ mod rendering;
 mod scene;
 mod scripts;
 mod stage;
+mod textures;
 mod trees;
 mod watch;
 

@@ -19,12 +19,19 @@ pub(crate) struct Made {
 
 /// Reads and computes what a light needs: that takes its time, and no scene.
 pub(crate) fn made(light: NewLight) -> PyResult<Made> {
-    let (around, up, rotation) = match light {
-        NewLight::Light(light) => return Ok(Made { lights: vec![light], textures: Vec::new() }),
-        NewLight::Around(around, up, rotation) => (around, up, rotation),
-    };
     let mut other = Scene::new();
-    around.put_around(&mut other, up, rotation).map_err(|error| surroundings_error(&error))?;
+    let put = match light {
+        NewLight::Light(light) => return Ok(Made { lights: vec![light], textures: Vec::new() }),
+        NewLight::Around(around, up, rotation) => around.put_around(&mut other, up, rotation),
+        NewLight::Script(script, up, rotation) => {
+            gnurt::Surroundings::put_script_around(&script, &mut other, up, rotation)
+        }
+        NewLight::Texture(texture, radiance, up, rotation) => {
+            gnurt::Surroundings::put_texture_around(texture, radiance, &mut other, up, rotation);
+            Ok(())
+        }
+    };
+    put.map_err(|error| surroundings_error(&error))?;
     Ok(Made { lights: other.lights().to_vec(), textures: other.textures().to_vec() })
 }
 

@@ -8,20 +8,22 @@ use std::time::Duration;
 use gnurt::denoise::Method;
 use gnurt::image;
 use gnurt::memory::check_memory;
-use gnurt::osl::{CameraScript, Script};
+use gnurt::osl::{Access, CameraScript, Script};
 use gnurt::render::{Accumulation, RenderOptions, RenderStats, render_on};
+use gnurt::scene::Affine;
 use gnurt::shading::PixelShader;
 use pyo3::exceptions::{PyMemoryError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
+use crate::arrays::transform;
 use crate::describing;
 use crate::given::Given;
 use crate::picture::{Picture, take_noise_out};
 use crate::pool::ThreadCount;
 use crate::scripts::script_named;
-use crate::stage::{Aim, Clip, Shot, View};
+use crate::stage::{Aim, Clip, Shot, View, Ways};
 use crate::watch::watched;
 
 /// All that a rendering is asked for.
@@ -79,9 +81,13 @@ impl BuildRequest {
             size: [width, height],
             camera_shader: camera_shader(&mut given)?,
             pixel_shader: pixel_shader(&mut given)?,
+            ways: ways(&mut given)?,
             integrator: options.integrator,
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
         };
+        if view.at.is_some() && view.ways.is_some() {
+            return Err(PyValueError::new_err("motion: does not go with at=, which moves the scene's clip"));
+        }
         if view.shutter > 0.0 && view.at.is_none() {
             return Err(PyValueError::new_err("shutter: when it opens is not said; give at=SECONDS, too"));
         }
@@ -142,7 +148,10 @@ fn denoiser(given: &mut Given) -> PyResult<Option<Method>> {
 }
 
 fn aim(given: &mut Given) -> PyResult<Aim> {
-    let Some(camera) = given.get("camera")? else { return Ok(Aim::First) };
+    given.get("camera")?.map_or(Ok(Aim::First), |camera| aimed(&camera))
+}
+
+fn aimed(camera: &Bound<'_, PyAny>) -> PyResult<Aim> {
     if let Ok(number) = camera.extract::<usize>() {
         return Ok(Aim::Number(number));
     }
@@ -157,7 +166,9 @@ fn aim(given: &mut Given) -> PyResult<Aim> {
 
 /// What makes rays in the camera's place.
 fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> {
-    let Some(script) = script_named(given, "camera_shader", "camera_parameters")? else { return Ok(None) };
+    let Some(script) = script_named(given, "camera_shader", "camera_parameters", &Access::default())? else {
+        return Ok(None);
+    };
     let made = script.camera_anywhere();
     made.map(|camera| Some((script, camera)))
         .map_err(|why| PyValueError::new_err(format!("camera_shader: {why}")))
@@ -165,10 +176,41 @@ fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> 
 
 /// What pixels show.
 fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShader>)>> {
-    let Some(script) = script_named(given, "pixel_shader", "pixel_parameters")? else { return Ok(None) };
+    let Some(script) = script_named(given, "pixel_shader", "pixel_parameters", &Access::default())? else {
+        return Ok(None);
+    };
     let made = script.pixel();
     made.map(|pixel| Some((script, pixel)))
         .map_err(|why| PyValueError::new_err(format!("pixel_shader: {why}")))
+}
+
+/// What moves while the shutter is open: instances by number with matrices, and cameras, at moments evenly spaced.
+fn ways(given: &mut Given) -> PyResult<Option<Ways>> {
+    let Some(motion) = given.get("motion")? else { return Ok(None) };
+    let wrong = || PyTypeError::new_err("motion: expected a dict of 'instances' and 'cameras'");
+    let motion = motion.cast_into::<PyDict>().map_err(|_| wrong())?;
+    let mut inner = Given::new(&motion);
+    let mut ways = Ways::default();
+    if let Some(instances) = inner.get("instances")? {
+        for (number, keys) in instances.cast_into::<PyDict>().map_err(|_| wrong())? {
+            let mut places = Vec::new();
+            for key in keys.try_iter()? {
+                places.push(Affine { columns: transform("motion", &key?)? });
+            }
+            if places.is_empty() {
+                return Err(PyValueError::new_err("motion: an instance has no matrix"));
+            }
+            ways.instances.push((number.extract()?, places));
+        }
+    }
+    if let Some(cameras) = inner.get("cameras")? {
+        for camera in cameras.try_iter()? {
+            let Aim::Own(camera) = aimed(&camera?)? else { return Err(wrong()) };
+            ways.cameras.push(camera);
+        }
+    }
+    inner.end()?;
+    Ok(Some(ways))
 }
 
 fn moment(given: &mut Given) -> PyResult<Option<(Clip, f64)>> {

@@ -8,21 +8,23 @@ use std::sync::{Arc, Mutex, PoisonError};
 use gnurt::FORMATS;
 use gnurt::osl::Script;
 use gnurt::scene::{Affine, InstanceId, MaterialId, MeshId, Scene as Description, io};
-use gnurt::scene::{Camera, Material, Mesh as SceneMesh, Projection, Surface};
+use gnurt::scene::{Camera, Material, Object as SceneObject, Projection, RayMask, Surface, Texture};
 use gnurt::shading::SurfaceShader;
+use gnurt::shading::texture::TextureSampler;
 use pyo3::exceptions::{PyIndexError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
 use pyo3::types::PyDict;
 
 use crate::arrays::{Numbers, transform};
+use crate::described_mesh::DescribedMesh;
 use crate::describing::{self, NewMaterial};
 use crate::given::Given;
 use crate::lights;
-use crate::meshes::Mesh;
 use crate::picture::Picture;
 use crate::rendering::{BuildRequest, Growing};
 use crate::stage::Stage;
+use crate::textures::{self, Pictures};
 
 /// Meshes, materials, lights and cameras, of which pictures are made.
 #[pyclass(module = "gnurt", frozen, subclass)]
@@ -66,18 +68,21 @@ fn scene_error(error: &io::Error) -> PyErr {
     }
 }
 
-/// Rows of so many numbers, one for each vertex.
-fn per_vertex<const N: usize>(name: &str, value: Option<Object>, vertices: usize) -> PyResult<Vec<[f32; N]>> {
-    let Some(value) = value else { return Ok(Vec::new()) };
-    let numbers = Numbers::new(name, value, Some(N))?;
-    if numbers.count() != vertices {
-        return Err(PyValueError::new_err(format!(
-            "{name}: expected shape ({vertices}, {N}), one row for each vertex, not ({}, {N})",
-            numbers.count()
-        )));
+/// Textures of a scene, for who describes materials and lights.
+struct Textures<'a, 'py>(&'a Scene, Python<'py>);
+
+impl Pictures for Textures<'_, '_> {
+    fn texture(&self, number: usize) -> PyResult<Texture> {
+        self.0.with(self.1, |stage| stage.texture(number))
     }
-    Ok(numbers.singles())
+
+    fn sampler(&self, number: usize) -> PyResult<Arc<TextureSampler>> {
+        self.0.with(self.1, |stage| stage.sampler(number))
+    }
 }
+
+/// Kinds of rays, in the order of their bits.
+const RAYS: [&str; 3] = ["camera", "shadow", "other"];
 
 /// A material on its way into a scene.
 enum Compiled {
@@ -163,63 +168,87 @@ impl Scene {
 
     fn _add_material(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
         let mut given = Given::new(arguments);
-        let material = describing::material(&mut given)?;
+        let material = describing::material(&mut given, &Textures(self, py))?;
         given.end()?;
         let material = Compiled::new(py, material)?;
         self.with(py, |stage| {
             let material = material.put(stage);
+            textures::check(&material, stage.scene().textures().len())?;
             Ok(stage.edit(|scene| scene.add_material(material.clone()).0))
         })
     }
 
     fn _set_material(&self, py: Python<'_>, number: usize, arguments: &Bound<'_, PyDict>) -> PyResult<()> {
         let mut given = Given::new(arguments);
-        let material = describing::material(&mut given)?;
+        let material = describing::material(&mut given, &Textures(self, py))?;
         given.end()?;
         let material = Compiled::new(py, material)?;
         self.with(py, |stage| {
             let id = material_id(stage.scene(), number)?;
             let material = material.put(stage);
+            textures::check(&material, stage.scene().textures().len())?;
             stage.edit(|scene| *scene.edit_material(id) = material.clone());
             Ok(())
         })
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a mesh may have")]
-    fn _add_mesh(
-        &self,
-        py: Python<'_>,
-        vertices: Object,
-        faces: Object,
-        material: Option<usize>,
-        normals: Option<Object>,
-        texcoords: Option<Object>,
-        colors: Option<Object>,
-        placement: Option<Object>,
-        name: &str,
-    ) -> PyResult<u32> {
-        let mesh = Mesh::new(vertices, faces, placement, false)?;
-        let positions = mesh.positions(py)?;
-        let count = positions.len();
-        let described = SceneMesh {
-            name: name.into(),
-            normals: per_vertex("normals", normals, count)?,
-            texcoords: per_vertex("texcoords", texcoords, count)?,
-            colors: per_vertex("colors", colors, count)?,
-            indices: mesh.indices(py)?,
-            positions,
-            ..SceneMesh::default()
-        };
-        let at = mesh.placement.map_or(Affine::IDENTITY, |columns| Affine { columns });
+    fn _add_texture(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
+        let mut given = Given::new(arguments);
+        let texture = textures::texture(py, &mut given)?;
+        given.end()?;
+        Ok(self.with(py, |stage| stage.edit(|scene| scene.add_texture(texture.clone()).0)))
+    }
+
+    fn _set_texture(&self, py: Python<'_>, number: usize, arguments: &Bound<'_, PyDict>) -> PyResult<()> {
+        let mut given = Given::new(arguments);
+        let texture = textures::texture(py, &mut given)?;
+        given.end()?;
+        self.with(py, |stage| stage.set_texture(number, &texture))
+    }
+
+    fn _add_mesh(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
+        let mut given = Given::new(arguments);
+        let described = DescribedMesh::new(py, &mut given)?;
+        let mask = given.words("rays", &RAYS)?;
+        given.end()?;
+        let at = described.placement.map_or(Affine::IDENTITY, |columns| Affine { columns });
         self.with(py, |stage| {
-            let material = material.map(|number| material_id(stage.scene(), number)).transpose()?;
-            let shared = Arc::new(described);
+            let (name, meshes) = (described.name.clone(), placed(stage, described)?);
             Ok(stage.edit(|scene| {
-                let material = material.unwrap_or_else(|| plain(scene));
-                let mesh = scene.add_mesh(SceneMesh { material, ..(*shared).clone() });
-                let object = scene.add_object_of(name, vec![mesh]);
-                scene.instantiate(object, at).0
+                let meshes = meshes.iter().map(|mesh| scene.add_mesh(mesh.clone())).collect();
+                let object = scene.add_object_of(&name[..], meshes);
+                let id = scene.instantiate(object, at);
+                if let Some(mask) = mask {
+                    scene.edit_instance(id).mask = RayMask(mask);
+                }
+                id.0
             }))
+        })
+    }
+
+    /// Puts other meshes in the place of what an instance shows, for all instances of it.
+    fn _set_mesh(&self, py: Python<'_>, instance: usize, arguments: &Bound<'_, PyDict>) -> PyResult<()> {
+        let mut given = Given::new(arguments);
+        let described = DescribedMesh::new(py, &mut given)?;
+        given.end()?;
+        self.with(py, |stage| {
+            let object = stage.scene().instance(instance_id(stage.scene(), instance)?).object;
+            let meshes = placed(stage, described)?;
+            stage.edit(|scene| {
+                let mut known: Vec<MeshId> = scene.object(object).meshes.clone();
+                known.truncate(meshes.len());
+                for (i, mesh) in meshes.iter().enumerate() {
+                    match known.get(i) {
+                        Some(&id) => scene.replace_mesh(id, mesh.clone()),
+                        None => known.push(scene.add_mesh(mesh.clone())),
+                    }
+                }
+                if scene.object(object).meshes != known {
+                    let SceneObject { meshes, .. } = scene.edit_object(object);
+                    *meshes = known;
+                }
+            });
+            Ok(())
         })
     }
 
@@ -231,6 +260,7 @@ impl Scene {
         })
     }
 
+    #[expect(clippy::too_many_arguments, reason = "what an instance may have")]
     fn _update(
         &self,
         py: Python<'_>,
@@ -239,7 +269,16 @@ impl Scene {
         visible: Option<bool>,
         vertices: Option<Object>,
         material: Option<usize>,
+        rays: Option<Object>,
     ) -> PyResult<()> {
+        let mask = match rays {
+            None => None,
+            Some(rays) => {
+                let arguments = PyDict::new(py);
+                arguments.set_item("rays", rays)?;
+                Given::new(&arguments).words("rays", &RAYS)?
+            }
+        };
         let at = placement.map(|placement| transform("transform", placement)).transpose()?;
         let numbers = vertices.map(|vertices| Numbers::new("vertices", vertices, Some(3))).transpose()?;
         self.with(py, |stage| {
@@ -267,11 +306,12 @@ impl Scene {
                 }
             };
             stage.edit(|scene| {
-                if at.is_some() || visible.is_some() {
+                if at.is_some() || visible.is_some() || mask.is_some() {
                     let edited = scene.edit_instance(id);
                     edited.world_from_object =
                         at.map_or(edited.world_from_object, |columns| Affine { columns });
                     edited.visible = visible.unwrap_or(edited.visible);
+                    edited.mask = mask.map_or(edited.mask, RayMask);
                 }
                 if let Some((mesh, positions)) = &moved {
                     let mesh = scene.edit_mesh(*mesh);
@@ -290,7 +330,7 @@ impl Scene {
 
     fn _add_light(&self, py: Python<'_>, kind: &str, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
         let mut given = Given::new(arguments);
-        let light = describing::light(kind, &mut given)?;
+        let light = describing::light(kind, &mut given, &Textures(self, py))?;
         given.end()?;
         let made = py.detach(|| lights::made(light))?;
         Ok(self.with(py, |stage| lights::add(stage, made)))
@@ -304,10 +344,26 @@ impl Scene {
         arguments: &Bound<'_, PyDict>,
     ) -> PyResult<()> {
         let mut given = Given::new(arguments);
-        let light = describing::light(kind, &mut given)?;
+        let light = describing::light(kind, &mut given, &Textures(self, py))?;
         given.end()?;
         let made = py.detach(|| lights::made(light))?;
         self.with(py, |stage| lights::set(stage, number, made))
+    }
+
+    /// The number of a light that a shader makes, or the same light anew.
+    fn _put_light_shader(
+        &self,
+        py: Python<'_>,
+        number: Option<usize>,
+        arguments: &Bound<'_, PyDict>,
+    ) -> PyResult<u32> {
+        let mut given = Given::new(arguments);
+        let script = crate::scripts::script(&mut given, &Textures(self, py))?;
+        given.end()?;
+        let script = script.ok_or_else(|| PyValueError::new_err("shader: is missing"))?;
+        let wrong = |why| PyValueError::new_err(format!("shader: {why}"));
+        let light = py.detach(|| script.light()).map_err(wrong)?;
+        self.with(py, |stage| stage.put_light_script(number, script, light))
     }
 
     fn _add_camera(&self, py: Python<'_>, arguments: &Bound<'_, PyDict>) -> PyResult<u32> {
@@ -395,6 +451,21 @@ impl Scene {
             )
         })
     }
+}
+
+/// Meshes with the numbers of their materials, checked.
+fn placed(stage: &mut Stage, described: DescribedMesh) -> PyResult<Vec<Arc<gnurt::scene::Mesh>>> {
+    let materials = match &described.materials {
+        Some(numbers) => {
+            numbers.iter().map(|&number| material_id(stage.scene(), number)).collect::<PyResult<_>>()?
+        }
+        None => vec![stage.edit(plain)],
+    };
+    let placed = |(slot, mesh): (usize, _)| {
+        let material = materials[slot];
+        Arc::new(gnurt::scene::Mesh { material, ..mesh })
+    };
+    Ok(described.parts.into_iter().map(placed).collect())
 }
 
 /// The material of meshes that are given none.

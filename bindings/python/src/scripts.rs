@@ -10,10 +10,18 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::given::Given;
+use crate::textures::{Pictures, named};
 
 /// The shader that is given, if one is.
-pub(crate) fn script(given: &mut Given) -> PyResult<Option<Script>> {
-    script_named(given, "shader", "parameters")
+pub(crate) fn script(given: &mut Given, pictures: &dyn Pictures) -> PyResult<Option<Script>> {
+    let textures = given.get("textures")?;
+    let access = Access { pictures: named(textures.as_ref(), pictures)?, ..Access::default() };
+    match script_named(given, "shader", "parameters", &access)? {
+        None if textures.is_some() => {
+            Err(PyValueError::new_err("textures: are those of a shader; give shader=, too"))
+        }
+        script => Ok(script),
+    }
 }
 
 /// The same by the names of two other arguments.
@@ -21,6 +29,7 @@ pub(crate) fn script_named(
     given: &mut Given,
     of_shader: &'static str,
     of_parameters: &'static str,
+    access: &Access,
 ) -> PyResult<Option<Script>> {
     let (shader, parameters) = (given.get(of_shader)?, given.get(of_parameters)?);
     let Some(shader) = shader else {
@@ -36,10 +45,10 @@ pub(crate) fn script_named(
     let made = match shader.extract::<String>() {
         // No shader is without a body.
         Ok(text) if text.contains('{') => {
-            py.detach(|| Script::from_text(Path::new("shader.osl"), &text, &Access::default()))
+            py.detach(|| Script::from_text(Path::new("shader.osl"), &text, access))
         }
         _ => match shader.extract::<PathBuf>() {
-            Ok(path) => py.detach(|| Script::open(&path, &Access::default())),
+            Ok(path) => py.detach(|| Script::open(&path, access)),
             Err(_) => {
                 return Err(PyTypeError::new_err(format!("{of_shader}: expected a file, or source text")));
             }

@@ -10,8 +10,9 @@ use gnurt::defaults::{self, Bounds, Purpose};
 use gnurt::osl::{CameraScript, Script};
 use gnurt::render::{CommitOptions, Integrator, ShaderTable, World};
 use gnurt::scene::animation::Exposure;
-use gnurt::scene::{Camera, CameraId, Scene};
-use gnurt::shading::{CameraShader, PixelShader, SurfaceShader};
+use gnurt::scene::{Affine, Camera, CameraId, InstanceId, Scene, Texture, TextureId};
+use gnurt::shading::texture::TextureSampler;
+use gnurt::shading::{CameraShader, LightShader, PixelShader, SurfaceShader};
 use gnurt::{ThreadPool, camera_rays_along, named_camera_shader, put_named_shaders};
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -29,8 +30,19 @@ pub(crate) struct View {
     pub(crate) camera_shader: Option<(Script, CameraScript)>,
     /// What pixels show, and its script.
     pub(crate) pixel_shader: Option<(Script, Arc<dyn PixelShader>)>,
+    /// What moves while the shutter is open, beside a clip.
+    pub(crate) ways: Option<Ways>,
     pub(crate) integrator: Integrator,
     pub(crate) force_diffuse: bool,
+}
+
+/// Places of things at moments evenly spaced over the time that the shutter is open.
+#[derive(Default)]
+pub(crate) struct Ways {
+    /// By numbers of instances.
+    pub(crate) instances: Vec<(usize, Vec<Affine>)>,
+    /// Of the camera that is used.
+    pub(crate) cameras: Vec<Camera>,
 }
 
 /// Which camera.
@@ -65,6 +77,8 @@ pub(crate) struct Stage {
     scripts: Vec<Script>,
     /// Those of the last view.
     of_view: Vec<Script>,
+    /// Textures as shaders read them.
+    samplers: BTreeMap<u32, Arc<TextureSampler>>,
     /// Lights that are the suns of others.
     pub(crate) suns: BTreeMap<u32, u32>,
     /// What is to be told, and what was.
@@ -102,6 +116,52 @@ impl Stage {
         self.shaders.surfaces.push(surface);
         self.scripts.push(script);
         (self.shaders.surfaces.len() - 1) as u32
+    }
+
+    /// The number of a light that a shader makes, or the same light anew.
+    pub(crate) fn put_light_script(
+        &mut self,
+        number: Option<usize>,
+        script: Script,
+        light: Arc<dyn LightShader>,
+    ) -> PyResult<u32> {
+        let count = self.shaders.lights.len();
+        let number = number.unwrap_or(count);
+        match self.shaders.lights.get_mut(number) {
+            Some(old) => *old = light,
+            None if number == count => self.shaders.lights.push(light),
+            None => {
+                return Err(PyIndexError::new_err(format!(
+                    "light: there is no light shader {number}; there are {count}"
+                )));
+            }
+        }
+        self.progress.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
+        self.scripts.push(script);
+        // Lights that were added because there were none.
+        self.edit(|_| ());
+        Ok(number as u32)
+    }
+
+    /// The texture of a number.
+    pub(crate) fn texture(&self, number: usize) -> PyResult<Texture> {
+        let all = self.scene.textures();
+        all.get(number).cloned().ok_or_else(|| crate::textures::unknown(number, all.len()))
+    }
+
+    /// The same as shaders read it.
+    pub(crate) fn sampler(&mut self, number: usize) -> PyResult<Arc<TextureSampler>> {
+        let texels = self.texture(number)?.texels;
+        let made = || Arc::new(gnurt::osl::sampler(texels));
+        Ok(self.samplers.entry(number as u32).or_insert_with(made).clone())
+    }
+
+    /// Puts another texture in the place of one; shaders keep what they have.
+    pub(crate) fn set_texture(&mut self, number: usize, texture: &Texture) -> PyResult<()> {
+        self.texture(number)?;
+        self.samplers.remove(&(number as u32));
+        self.edit(|scene| *scene.edit_texture(TextureId(number as u32)) = texture.clone());
+        Ok(())
     }
 
     /// What is to be told of shaders and has not been.
@@ -151,6 +211,9 @@ impl Stage {
             }
             None => {}
         }
+        if let Some(ways) = &view.ways {
+            shown.move_along(ways, &mut exposure)?;
+        }
         // A camera of the scene moves with it.
         let camera = number.map_or(camera, |number| shown.scene.cameras()[number].clone());
         let options = CommitOptions { force_diffuse: view.force_diffuse, ..CommitOptions::default() };
@@ -162,6 +225,8 @@ impl Stage {
         let no_view = || PyValueError::new_err("camera: has no view: a number of it is too large");
         let moves = exposure.cameras.iter().find(|(id, _)| Some(id.index()) == number);
         let keys = moves.map_or(std::slice::from_ref(&camera), |(_, keys)| keys);
+        let keys =
+            view.ways.as_ref().map(|ways| &ways.cameras[..]).filter(|keys| !keys.is_empty()).unwrap_or(keys);
         let rays = camera_rays_along(keys, camera_shader.as_ref(), view.size).ok_or_else(no_view)?;
         let exposure = if view.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure })
@@ -240,6 +305,26 @@ impl Stage {
 }
 
 impl Shown {
+    /// Lets instances go their ways while the shutter is open.
+    fn move_along(&mut self, ways: &Ways, exposure: &mut Exposure) -> PyResult<()> {
+        let count = self.scene.instances().len();
+        for (number, keys) in &ways.instances {
+            if *number >= count {
+                return Err(PyIndexError::new_err(format!(
+                    "motion: there is no instance {number}; there are {count}"
+                )));
+            }
+            let id = InstanceId(*number as u32);
+            self.scene.edit_instance(id).world_from_object = keys[0];
+            if keys.len() > 1 {
+                exposure.instances.push((id, keys.clone()));
+            }
+            self.is_posed = true;
+        }
+        exposure.instances.sort_by_key(|(id, _)| id.0);
+        Ok(())
+    }
+
     fn new(
         scene: &Scene,
         shaders: &ShaderTable,

@@ -31,6 +31,11 @@ pub(crate) fn texels(path: &Path, given: &[(String, String)]) -> Result<(Texels,
     for (name, text) in given {
         script.set_text(name, text).map_err(|why| format!("{}: {why}", script.name()))?;
     }
+    texels_of(&script)
+}
+
+/// The same of a script that has its values.
+pub(crate) fn texels_of(script: &Script) -> Result<(Texels, Option<Texels>), String> {
     let sky = picture(&*script.environment()?);
     let backdrop = script.backdrop()?.map(|sky| picture(&*sky));
     Ok((sky, backdrop))

@@ -6,8 +6,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use gnurt_sl_shading::Script;
+
 use crate::error::Error;
-use crate::image;
+use crate::image::{self, Texels};
 use crate::load::BUILTIN;
 use crate::scene::builtin::{BuiltinSky, SKIES};
 use crate::scene::texture::{Filter, Wrap};
@@ -65,25 +67,66 @@ impl Surroundings {
                 return Ok(());
             }
             (Self::Uniform(radiance), _) => (*radiance, None),
-            (Self::Picture(path) | Self::Shader(path, _), texels) => {
-                let texture = |texels| Texture {
-                    name: path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
-                    texels: Arc::new(texels),
-                    wrap: [Wrap::Repeat, Wrap::ClampToEdge],
-                    filter: Filter::Linear,
-                };
-                let (sky, shown) = texels.unzip();
-                let sky = sky.map(|texels| scene.add_texture(texture(texels)));
-                if let Some(texels) = shown.flatten() {
-                    let texture = scene.add_texture(texture(texels));
-                    scene.add_light(Light::Backdrop { texture, world_from_light });
-                }
-                ([1.0; 3], sky)
+            (Self::Picture(path) | Self::Shader(path, _), Some(texels)) => {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                put_texels(texels, &name, scene, world_from_light);
+                return Ok(());
             }
+            (Self::Picture(_) | Self::Shader(..), None) => ([1.0; 3], None),
         };
         scene.add_light(Light::Environment { radiance, texture, world_from_light });
         Ok(())
     }
+
+    /// Puts a sky in the shading language around a scene, with the values that the script has.
+    ///
+    /// # Errors
+    /// [`Error::Surroundings`] if it is no sky; the scene stays as it was.
+    pub fn put_script_around(
+        script: &Script,
+        scene: &mut Scene,
+        up: [f32; 3],
+        yaw: f64,
+    ) -> Result<(), Error> {
+        let texels = script_sky::texels_of(script).map_err(Error::Surroundings)?;
+        let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians());
+        put_texels(texels, script.name(), scene, world_from_light);
+        Ok(())
+    }
+
+    /// Puts a latitude-longitude picture around a scene, multiplied by a radiance.
+    pub fn put_texture_around(
+        texture: Texture,
+        radiance: [f32; 3],
+        scene: &mut Scene,
+        up: [f32; 3],
+        yaw: f64,
+    ) {
+        let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians());
+        let texture = Some(scene.add_texture(texture));
+        scene.add_light(Light::Environment { radiance, texture, world_from_light });
+    }
+}
+
+/// Adds an environment of a picture, and of the one that rays of the camera see where it is another.
+fn put_texels(
+    (sky, shown): (Texels, Option<Texels>),
+    name: &str,
+    scene: &mut Scene,
+    world_from_light: Affine,
+) {
+    let texture = |texels| Texture {
+        name: name.into(),
+        texels: Arc::new(texels),
+        wrap: [Wrap::Repeat, Wrap::ClampToEdge],
+        filter: Filter::Linear,
+    };
+    let sky = scene.add_texture(texture(sky));
+    if let Some(texels) = shown {
+        let texture = scene.add_texture(texture(texels));
+        scene.add_light(Light::Backdrop { texture, world_from_light });
+    }
+    scene.add_light(Light::Environment { radiance: [1.0; 3], texture: Some(sky), world_from_light });
 }
 
 /// The smallest rotation that takes +y to `up`.

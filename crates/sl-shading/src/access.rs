@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which files shaders may name: those that they include and the pictures that they read; and where their code is kept.
+//! Which files shaders may name: those that they include and the pictures that they read, which may be in memory; and where their code is kept.
 //! Tests: `tests/scripts.rs`.
 
+use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use gnurt_shading::texture::TextureSampler;
 
 use gnurt_image::NotRegular;
 
@@ -19,6 +23,8 @@ pub struct Access {
     pub confined_to: Option<PathBuf>,
     /// Folders that `#include` looks through after the shader's own.
     pub includes: Vec<String>,
+    /// Pictures in memory, by the names that shaders call them. They come before files.
+    pub pictures: Arc<HashMap<String, Arc<TextureSampler>>>,
     /// Where code is kept that was made of them.
     pub codes: Codes,
 }

@@ -38,3 +38,4 @@ pub use library::is_carried;
 pub use parameter::{Parameter, ParameterValue};
 pub use script::{Kind, Script};
 pub use stored::StoredTextures;
+pub use textures::sampler;

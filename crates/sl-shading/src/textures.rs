@@ -10,7 +10,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, RwLock};
 
-use gnurt_image::{read_data_texture, read_texture};
+use gnurt_image::{Texels, read_data_texture, read_texture};
 use gnurt_shading::mipmap::{Minify, MipMap};
 use gnurt_shading::texture::{TextureSampler, Wrap};
 use gnurt_sl::exec::{DualRow, TextureOptions, lanes_of};
@@ -52,6 +52,9 @@ impl Textures {
     /// The picture of a name, of a colour space.
     pub(crate) fn find(&self, name: &str, color_space: &str) -> Found {
         let lost = || Arc::from("its memory is lost");
+        if let Some(sampler) = self.access.pictures.get(name) {
+            return Ok(sampler.clone());
+        }
         let is_raw = is_raw(color_space)?;
         let known = &self.known[usize::from(is_raw)];
         if let Some(found) = known.read().map_err(|_| lost())?.get(name) {
@@ -109,15 +112,7 @@ impl Textures {
     fn read(&self, name: &str, is_raw: bool) -> Found {
         let path = self.allowed(name)?;
         match if is_raw { read_data_texture(&path) } else { read_texture(&path) } {
-            Ok(texels) => {
-                let texels = Arc::new(texels);
-                let mips = Arc::new(MipMap::new(texels.clone()));
-                let minify = Minify::Ellipse;
-                // As pictures are read that nobody says more of.
-                let wrap = [Wrap::Clamp; 2];
-                let minify = Some((minify, mips));
-                Ok(Arc::new(TextureSampler { wrap, minify, ..TextureSampler::new(texels) }))
-            }
+            Ok(texels) => Ok(Arc::new(sampler(Arc::new(texels)))),
             Err(error) => Err(format!("texture {error}").into()),
         }
     }
@@ -164,6 +159,14 @@ impl Textures {
         }
         true
     }
+}
+
+/// As shaders read a picture, if they give no options.
+#[must_use]
+pub fn sampler(texels: Arc<Texels>) -> TextureSampler {
+    let mips = Arc::new(MipMap::new(texels.clone()));
+    let minify = Some((Minify::Ellipse, mips));
+    TextureSampler { wrap: [Wrap::Clamp; 2], minify, ..TextureSampler::new(texels) }
 }
 
 /// Whether values of this colour space are as they are stored.

@@ -62,7 +62,12 @@ class Scene(_Scene):
         kind="principled" (metallic, roughness, ior, specular, clearcoat, sheen_color, transmission, thin, anisotropy, iridescence,
         diffuse_transmission, attenuation_color, attenuation_distance, dispersion, ...), "matte", "mirror" or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
 
-        Or shader=FILE or source text in the shading language, and parameters={name: number, text or several of them}.
+        Textures are numbers of `add_texture`, or (number, (a, b, c, d, e, f)) for u' = a u + c v + e, v' = b u + d v + f: color_texture,
+        metallic_roughness_texture, normal_texture (normal_scale), emission_texture, opacity_texture (opacity_channel, opacity_cutoff),
+        bump_texture (bump_height), anisotropy_texture.
+
+        Or shader=FILE or source text in the shading language, parameters={name: number, text or several of them}, and
+        textures={name: number} for pictures that it calls by names.
         """
         number = self._add_material({"name": name, **properties})
         _warn(self._progress())
@@ -73,34 +78,64 @@ class Scene(_Scene):
         self._set_material(material, {"name": name, **properties})
         _warn(self._progress())
 
-    def add_mesh(
-        self, vertices, faces=None, *, material=None, normals=None, texcoords=None, colors=None, transform=None, name=""
-    ):
-        """The number of a new mesh, put in its place. Takes meshes of trimesh and of Open3D, too: shapes and vertex colours."""
-        if faces is None:
-            vertices, faces, found = _arrays(vertices)
-            colors = found if colors is None else colors
-        return self._add_mesh(vertices, faces, material, normals, texcoords, colors, transform, name)
+    def add_texture(self, source, *, name=None, colorspace="srgb", wrap="repeat", filter="linear"):
+        """The number of a new texture. `source` is a file, or an array (height, width) or (height, width, 1 to 4), upper row first: bytes
+        in the colour space "srgb" or "linear", or floats in linear light. `wrap` is "repeat", "mirror" or "clamp", or one for u and one
+        for v; `filter` is "linear" or "nearest".
+        """
+        return self._add_texture(_texture(source, name, colorspace, wrap, filter))
+
+    def set_texture(self, texture, source, *, name=None, colorspace="srgb", wrap="repeat", filter="linear"):
+        """Puts another texture in the place of one. Shaders that were made before keep the old one."""
+        self._set_texture(texture, _texture(source, name, colorspace, wrap, filter))
+
+    def add_mesh(self, vertices, faces=None, **properties):
+        """The number of a new mesh, put in its place. Takes meshes of trimesh and of Open3D, too: shapes and vertex colours.
+
+        normals, texcoords, tangents, colors and the arrays in attributes={name: array} have a row for each vertex, (n, width), or for each
+        corner, (m, 3, width); those in face_attributes have one for each triangle. material is a number, or several, of which
+        face_materials (m,) gives each triangle one. rays lists the kinds that see it: "camera", "shadow", "other". transform, name.
+        """
+        return self._add_mesh(_mesh(vertices, faces, properties))
+
+    def set_mesh(self, instance, vertices, faces=None, **properties):
+        """Puts another mesh in the place of what an instance shows, and of all its instances. Arguments as of `add_mesh`, without
+        transform and rays."""
+        if "transform" in properties or "rays" in properties:
+            raise TypeError("transform, rays: are those of an instance; call update")
+        self._set_mesh(instance, _mesh(vertices, faces, properties))
 
     def add_instance(self, instance, transform):
         """The number of what `instance` shows, shown once more."""
         return self._add_instance(instance, transform)
 
-    def update(self, instance, *, transform=None, visible=None, vertices=None, material=None):
+    def update(self, instance, *, transform=None, visible=None, vertices=None, material=None, rays=None):
         """Changes what is given. Vertices and material are those of all instances of its mesh."""
-        self._update(instance, transform, visible, vertices, material)
+        self._update(instance, transform, visible, vertices, material, rays)
 
     def add_light(self, kind, **properties):
         """The number of a new light.
 
         "point" (position, intensity), "spot" (and direction, inner_angle, outer_angle), "directional" (direction, irradiance),
-        "environment" (radiance, or picture=FILE, or sky="day", "evening", "overcast"; turn, up). Angles are in degrees.
+        "environment" (radiance, or picture=FILE, texture=NUMBER, sky="day", "evening", "overcast", or shader=, parameters=, textures=;
+        turn, up). Angles are in degrees.
         """
         return self._add_light(kind, properties)
 
     def set_light(self, light, kind, **properties):
         """Puts another light in the place of one."""
         self._set_light(light, kind, properties)
+
+    def add_light_shader(self, shader, *, parameters=None, textures=None):
+        """The number of a new light in the shading language, among lights of that kind."""
+        number = self._put_light_shader(None, {"shader": shader, "parameters": parameters, "textures": textures})
+        _warn(self._progress())
+        return number
+
+    def set_light_shader(self, light, shader, *, parameters=None, textures=None):
+        """Puts another light in the shading language in the place of one."""
+        self._put_light_shader(light, {"shader": shader, "parameters": parameters, "textures": textures})
+        _warn(self._progress())
 
     def add_camera(self, camera):
         """The number of a new camera."""
@@ -121,6 +156,7 @@ class Scene(_Scene):
         crop, filter, time, denoise, layers, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
         camera_shader=FILE or source text in the shading language, with camera_parameters={name: value}, makes the rays where the
         camera stands; pixel_shader and pixel_parameters say what pixels show.
+        motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at moments evenly spaced.
         `progress` is True, or called with the share that is done."""
         with _told(progress) as tell:
             picture = self._render({"width": width, "height": height, **options}, tell)
@@ -155,6 +191,19 @@ def load(source):
     scene._take(found)
     _warn(scene._progress())
     return scene
+
+
+def _texture(source, name, colorspace, wrap, filter):
+    return {"source": source, "name": name, "colorspace": colorspace, "wrap": wrap, "filter": filter}
+
+
+def _mesh(vertices, faces, properties):
+    """Arguments of a mesh, others' meshes taken apart."""
+    if faces is None:
+        vertices, faces, found = _arrays(vertices)
+        if properties.get("colors") is None:
+            properties = {**properties, "colors": found}
+    return {**properties, "vertices": vertices, "faces": faces}
 
 
 def _warn(lines):

@@ -47,18 +47,27 @@ class Scene:
     def cameras(self) -> list[Camera]: ...
     def add_material(self, name: str = "", **properties: Any) -> int: ...
     def set_material(self, material: int, name: str = "", **properties: Any) -> None: ...
-    def add_mesh(
+    def add_texture(
         self,
-        vertices: Any,
-        faces: ArrayLike | None = None,
+        source: str | PathLike[str] | ArrayLike,
         *,
-        material: int | None = None,
-        normals: ArrayLike | None = None,
-        texcoords: ArrayLike | None = None,
-        colors: ArrayLike | None = None,
-        transform: ArrayLike | None = None,
-        name: str = "",
+        name: str | None = None,
+        colorspace: Literal["srgb", "linear"] = "srgb",
+        wrap: str | tuple[str, str] = "repeat",
+        filter: Literal["linear", "nearest"] = "linear",
     ) -> int: ...
+    def set_texture(
+        self,
+        texture: int,
+        source: str | PathLike[str] | ArrayLike,
+        *,
+        name: str | None = None,
+        colorspace: Literal["srgb", "linear"] = "srgb",
+        wrap: str | tuple[str, str] = "repeat",
+        filter: Literal["linear", "nearest"] = "linear",
+    ) -> None: ...
+    def add_mesh(self, vertices: Any, faces: ArrayLike | None = None, **properties: Any) -> int: ...
+    def set_mesh(self, instance: int, vertices: Any, faces: ArrayLike | None = None, **properties: Any) -> None: ...
     def add_instance(self, instance: int, transform: ArrayLike) -> int: ...
     def update(
         self,
@@ -68,6 +77,22 @@ class Scene:
         visible: bool | None = None,
         vertices: ArrayLike | None = None,
         material: int | None = None,
+        rays: Sequence[str] | None = None,
+    ) -> None: ...
+    def add_light_shader(
+        self,
+        shader: str | PathLike[str],
+        *,
+        parameters: dict[str, Any] | None = None,
+        textures: dict[str, int] | None = None,
+    ) -> int: ...
+    def set_light_shader(
+        self,
+        light: int,
+        shader: str | PathLike[str],
+        *,
+        parameters: dict[str, Any] | None = None,
+        textures: dict[str, int] | None = None,
     ) -> None: ...
     def add_light(self, kind: str, **properties: Any) -> int: ...
     def set_light(self, light: int, kind: str, **properties: Any) -> None: ...
