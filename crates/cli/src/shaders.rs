@@ -38,6 +38,9 @@ impl Shaders {
         frame: &FrameArguments,
         messages: Messages,
     ) -> Result<Self, Failure> {
+        for change in &frame.set {
+            change.apply(scene).map_err(|why| Failure::usage(format_args!("--set: {why}")))?;
+        }
         let mut shaders = Self::default();
         shaders.put_named(scene, messages);
         if let Some(choice) = &frame.pixel_shader {

@@ -87,6 +87,7 @@ mod load;
 pub mod memory;
 mod named_shaders;
 mod numbered;
+mod overrides;
 mod script_sky;
 mod size;
 mod surroundings;
@@ -107,6 +108,7 @@ pub use load::{
 };
 pub use named_shaders::{named_camera_shader, put_named_shaders};
 pub use numbered::Numbered;
+pub use overrides::Override;
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;
 pub use threads::{JoinedPool, cores, thread_pool};

@@ -17,8 +17,8 @@ pub(crate) struct TimeArguments {
     /// Render the moment of so many seconds of the animation; at rest without it
     #[arg(long, value_name = "SECONDS", value_parser = value::seconds, allow_hyphen_values = true, conflicts_with = "frames")]
     pub(crate) at: Option<f64>,
-    /// Render these frames, both ends included, as in 0..47; --output has a place for the number: frame.####.png
-    #[arg(long, value_name = "FIRST..LAST", value_parser = value::frames, allow_hyphen_values = true)]
+    /// Render these frames, both ends included, as in 0..47, or every second as in 0..47:2; --output has a place for the number: frame.####.png
+    #[arg(long, value_name = "FIRST..LAST[:STEP]", value_parser = value::frames, allow_hyphen_values = true)]
     pub(crate) frames: Option<FrameRange>,
     /// Frames per second: frame f is at f / N seconds [default: 24]
     #[arg(hide_short_help = true, long, value_name = "N", value_parser = value::frames_per_second, allow_hyphen_values = true)]
@@ -53,6 +53,15 @@ impl TimeArguments {
     /// Whether the shutter is open for some time.
     pub(crate) fn is_open(&self) -> bool {
         self.shutter.is_some_and(|frames| frames > 0.0)
+    }
+
+    /// The seed of the samples at a time: noise then differs from frame to frame. At 0 seconds it is the seed itself.
+    pub(crate) fn seed(seed: u64, seconds: f64) -> u64 {
+        // The finaliser of splitmix64: near times get unrelated seeds, and 0 stays 0.
+        let mut bits = (seconds + 0.0).to_bits();
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        seed.wrapping_add(bits ^ (bits >> 31))
     }
 
     /// When the shutter that opens at a moment closes.

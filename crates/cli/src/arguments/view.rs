@@ -5,13 +5,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use gnurt::Surroundings;
 use gnurt::accel::Memory;
 use gnurt::display_rules::TONE;
 use gnurt::image::{Picture, ToneCurve, exposure_for};
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
+use gnurt::{Override, Surroundings};
 
 use super::value::{self, CameraChoice, ExposureChoice, Resolution, ShaderChoice};
 
@@ -97,6 +97,17 @@ pub(crate) struct FrameArguments {
         conflicts_with = "force_diffuse"
     )]
     pub(crate) shaders: Vec<ShaderChoice>,
+    /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2
+    /// or instances.NAME.visible=false; one number keeps a light's colour; may be given more than once
+    #[arg(
+        help_heading = "Look", hide_short_help = true,
+        long,
+        value_name = "LIST.NAME.FIELD=VALUE",
+        value_parser = Override::parse,
+        allow_hyphen_values = true,
+        action = clap::ArgAction::Append
+    )]
+    pub(crate) set: Vec<Override>,
     /// What pixels show, by a pixel shader in the shading language (.osl, .oso, .oslgroup): it sees the light along each camera ray,
     /// and asks for more rays
     #[arg(help_heading = "Look", hide_short_help = true, long = "pixel-shader", value_name = "FILE.osl[:NAME=VALUE...]", value_parser = value::pixel_shader, allow_hyphen_values = true)]

@@ -15,6 +15,7 @@ use gnurt::scene::Scene;
 use gnurt::scene::animation::Exposure;
 
 use super::frame::{Plan, Ready, Targets, commit_into, commit_options, identify, make};
+use crate::arguments::value::FrameRange;
 use crate::arguments::{ExposureChoice, LightArguments, RenderArguments, TimeArguments};
 use crate::clips::clip;
 use crate::failure::{Failure, Outcome};
@@ -79,7 +80,7 @@ pub(super) fn run(
 
 /// The frames, each when it is asked for: there may be many.
 fn frames<'a>(times: &'a TimeArguments, targets: &'a Targets) -> impl Iterator<Item = Frame> + 'a {
-    let range = times.frames.map(|range| range.first..=range.last);
+    let range = times.frames.map(FrameRange::numbers);
     let one =
         times.at.map(|seconds| Frame { number: times.frame_at(seconds), seconds, targets: targets.clone() });
     let all = range.into_iter().flatten().map(move |number| Frame {
@@ -267,8 +268,10 @@ impl Studio<'_> {
         let closes = self.arguments.times.closes(frame.seconds);
         let keys = ready.motion.as_ref().map(|motion| &motion.keys);
         let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
-        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, self.options);
+        let seed = TimeArguments::seed(self.options.seed, frame.seconds);
+        let options = RenderOptions { seed, ..self.options.clone() };
+        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, &options);
         plan.targets = frame.targets;
-        make(self.arguments, begin, plan, ready, self.options, pool, messages)
+        make(self.arguments, begin, plan, ready, &options, pool, messages)
     }
 }

@@ -59,15 +59,37 @@ fn a_sequence_has_the_pictures_of_its_moments() {
         assert!(one != before, "frame {frame}: something moved");
         before = one;
     }
-    folder.gnurt(&format!("render a.gltf --at 2 -o two.png {SMALL}")).success();
-    folder.gnurt(&format!("render a.gltf --at 99 -o end.png {SMALL}")).success();
-    assert!(folder.read("two.png") == folder.read("end.png"), "after the last key nothing moves");
+    folder.gnurt(&format!("render a.gltf --frames 0..4:2 --fps 3 -o step.#.png {SMALL}")).success();
+    for frame in 0..=4 {
+        let (step, all) = (folder.at(&format!("step.{frame}.png")), format!("f.{frame:03}.png"));
+        assert_eq!(step.exists(), frame % 2 == 0, "every second frame");
+        assert!(
+            !step.exists() || folder.read(&format!("step.{frame}.png")) == folder.read(&all),
+            "the same frame"
+        );
+    }
     for (name, file) in [("slide", "name.png"), ("1", "number.png")] {
         folder.gnurt(&format!("render a.gltf --at 1 --animation {name} -o {file} {SMALL}")).success();
     }
     assert!(folder.read("name.png") == folder.read("number.png"), "a clip by its name and by its number");
     folder.gnurt(&format!("render a.gltf --at 1 -o first.png {SMALL}")).success();
     assert!(folder.read("name.png") != folder.read("first.png"), "it is not the first one");
+}
+
+#[test]
+fn noise_differs_between_frames_and_a_still_keeps_its_own() {
+    let folder = Folder::new();
+    animated(&folder);
+    // After the last key nothing moves: only the noise is another one.
+    folder
+        .gnurt(&format!("render a.gltf --frames 100..101 --fps 1 -o f.#.png --denoise=none {SMALL}"))
+        .success();
+    assert!(folder.read("f.100.png") != folder.read("f.101.png"), "two patterns of noise");
+    for (number, seconds) in [(0, 0.0), (1, 1.0)] {
+        folder.gnurt(&format!("render a.gltf --at {seconds} --seed 7 -o {number}.png {SMALL}")).success();
+    }
+    folder.gnurt(&format!("render a.gltf --frames 0..1 --fps 1 --seed 7 -o s.#.png {SMALL}")).success();
+    assert!(folder.read("s.0.png") == folder.read("0.png") && folder.read("s.1.png") == folder.read("1.png"));
 }
 
 #[test]
@@ -108,19 +130,19 @@ fn frames_that_are_there_are_kept() {
 #[test]
 fn files_with_numbers_are_a_sequence() {
     let folder = Folder::new();
-    for (number, x) in [(2, 0.0), (3, 0.5), (4, 1.0)] {
+    for (number, x) in [(0, 0.0), (3, 0.5), (4, 1.0)] {
         folder.write(
             &format!("m.{number:02}.obj"),
             format!("v {x} 0.2 0\nv 1 0 0\nv 0 1 {x}\nv 0 0 1\nf 1 2 3\nf 1 2 4\n"),
         );
     }
-    folder.gnurt(&format!("render m.##.obj --frames 2..4 {SMALL}")).success();
-    let [two, three] = [2, 3].map(|frame| folder.read(&format!("m.{frame:02}.png")));
-    assert!(two != three, "the files differ");
+    folder.gnurt(&format!("render m.##.obj --frames 0..4:3 {SMALL}")).success();
+    let [zero, three] = [0, 3].map(|frame| folder.read(&format!("m.{frame:02}.png")));
+    assert!(zero != three, "the files differ");
     folder.gnurt(&format!("render m.##.obj --at 0.125 -o one.png {SMALL}")).success();
     assert!(folder.read("one.png") == three, "the third file is that of 3 / 24 s");
-    folder.gnurt(&format!("render m.02.obj -o still.png {SMALL}")).success();
-    assert!(folder.read("still.png") == two, "the first one as it is by itself");
+    folder.gnurt(&format!("render m.00.obj -o still.png {SMALL}")).success();
+    assert!(folder.read("still.png") == zero, "the first one as it is by itself");
     folder
         .gnurt(&format!("render m.##.obj --frames 4..5 -q -o n.#.png {SMALL}"))
         .fails(1, "m.05.obj: no such file");

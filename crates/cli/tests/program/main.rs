@@ -25,6 +25,7 @@ mod manuals;
 #[cfg(target_os = "linux")]
 mod out_of_core;
 mod output;
+mod overrides;
 mod pieces;
 mod recoverable;
 mod samples;

@@ -4,11 +4,19 @@
 
 use std::time::Duration;
 
-/// Frames of an animation, both ends included.
+/// Frames of an animation, both ends included, and the distance from each to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct FrameRange {
     pub(crate) first: u32,
     pub(crate) last: u32,
+    pub(crate) step: u32,
+}
+
+impl FrameRange {
+    /// The numbers, in order.
+    pub(crate) fn numbers(self) -> impl Iterator<Item = u32> {
+        (self.first..=self.last).step_by(self.step as usize)
+    }
 }
 
 /// `90`, `90s`, `1.5m`, `2h`, `500ms`.
@@ -40,17 +48,23 @@ pub(crate) fn shutter(text: &str) -> Result<f64, String> {
     value.ok_or_else(|| "give how many frames the shutter is open, 0 or more, like 0.5".into())
 }
 
-/// `0..47`, or one number.
+/// `0..47`, `0..47:2` for every second frame, or one number.
 pub(crate) fn frames(text: &str) -> Result<FrameRange, String> {
     const MOST: u32 = i32::MAX as u32;
     let number = |text: &str| text.trim().parse::<u32>().ok().filter(|&number| number <= MOST);
-    let (first, last) = text.split_once("..").unwrap_or((text, text));
-    let form = || format!("give the first and the last frame like 0..47, whole numbers up to {MOST}");
+    let (ends, step) = text.split_once(':').unwrap_or((text, "1"));
+    let (first, last) = ends.split_once("..").unwrap_or((ends, ends));
+    let form = || {
+        format!(
+            "give the first and the last frame, and a step if it is not 1, like 0..47 or 0..47:2, whole numbers up to {MOST}"
+        )
+    };
     let (first, last) = number(first).zip(number(last)).ok_or_else(form)?;
+    let step = number(step).filter(|&step| step > 0).ok_or_else(form)?;
     if last < first {
         return Err(format!("the last frame is before the first; did you mean {last}..{first}?"));
     }
-    Ok(FrameRange { first, last })
+    Ok(FrameRange { first, last, step })
 }
 
 #[cfg(test)]
@@ -69,14 +83,17 @@ mod tests {
 
     #[test]
     fn frames_have_both_ends() {
-        let range = |first, last| Ok(FrameRange { first, last });
+        let range = |first, last, step| Ok(FrameRange { first, last, step });
         assert_eq!(
-            (frames("0..47"), frames("7"), frames("5..5")),
-            (range(0, 47), range(7, 7), range(5, 5)),
+            (frames("0..47"), frames("7"), frames("5..5"), frames("0..9:4")),
+            (range(0, 47, 1), range(7, 7, 1), range(5, 5, 1), range(0, 9, 4)),
             "ends"
         );
+        assert_eq!(frames("0..9:4").map(|range| range.numbers().collect()), Ok(vec![0, 4, 8]), "a step");
         assert!(frames("5..2").expect_err("turned round").contains("did you mean 2..5?"), "turned round");
-        for bad in ["", "..", "1..", "..2", "-1..2", "1...2", "1..2147483648", "1.5..2", "a"] {
+        for bad in
+            ["", "..", "1..", "..2", "-1..2", "1...2", "1..2147483648", "1.5..2", "a", "0..9:0", "0..9:"]
+        {
             assert!(frames(bad).is_err(), "'{bad}' is no range");
         }
         assert_eq!((seconds("-0.5"), seconds("1e1")), (Ok(-0.5), Ok(10.0)), "moments");

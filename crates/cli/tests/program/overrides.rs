@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! `--set`: values of a scene changed from the command line.
+
+use super::harness::Folder;
+
+const SMALL: &str = "-r 16x16 --spp 4 -t 2";
+
+#[test]
+fn values_are_changed_before_rendering() {
+    let folder = Folder::new();
+    let render = |name: &str, set: &str| {
+        folder.gnurt(&format!("render builtin:cornell {set} -o {name}.pfm {SMALL}")).success();
+        folder.read(&format!("{name}.pfm"))
+    };
+    let plain = render("plain", "");
+    let black = render("black", "--set materials.*.base_color=0 --set materials.*.emission=0");
+    let again = render("again", "--set materials.*.emission=0 --set materials.*.base_color=0");
+    assert!(plain != black && black == again, "every change counts, in any order of different fields");
+    let last = render(
+        "last",
+        "--set materials.*.emission=3 --set materials.*.emission=0 --set materials.*.base_color=0",
+    );
+    assert!(last == black, "of two for one field the last");
+}
+
+#[test]
+fn mistakes_are_told() {
+    let folder = Folder::new();
+    for (set, words) in [
+        ("gold", "give LIST.NAME.FIELD=VALUE like materials.gold.roughness=0.3"),
+        ("materials.gold.roughness=1", "--set: nothing in materials is called 'gold'; valid are:"),
+        ("lights.*.size=1", "--set:"),
+    ] {
+        folder.gnurt(&format!("render builtin:cornell --set {set} {SMALL}")).fails(2, words);
+    }
+}

@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Changes of a scene by text, such as `materials.gold.roughness=0.3`: the values that a file holds, set anew before rendering.
+//! A path names a list, a thing of it and a field; each kind of surface lists its own fields, with their ranges, in one place.
+//! Tests: `tests`, crates/cli/tests/program/overrides.rs.
+
+use gnurt_scene::material::{Alpha, Principled};
+use gnurt_scene::{InstanceId, Light, LightId, Material, MaterialId, Scene, Surface};
+
+/// One change: `LIST.NAME.FIELD=VALUE`.
+///
+/// * `materials.NAME.FIELD`: base_color, metallic, roughness, ior, specular, clearcoat, transmission, emission, opacity and others; an
+///   error lists those of the material's kind. Colours are linear: three numbers `r,g,b`, or one for a grey. A texture of the
+///   field stays, and is multiplied.
+/// * `lights.NUMBER.intensity`: the number counts from 0 in the order of `gnurt info`. One number sets the largest channel and
+///   keeps the colour; three numbers set the channels. The unit is the light's own (W/sr, W/m² or radiance).
+///   `materials.NAME.emission` takes the same two forms.
+/// * `instances.NAME.visible`: `true` or `false`.
+///
+/// `*` as a name means all of them: those without the field stay as they are, but one must have it.
+///
+/// # Examples
+///
+/// ```
+/// let mut scene = gnurt::load_scene("builtin:cornell")?.scene;
+/// gnurt::Override::parse("materials.*.base_color=0.2,0.3,0.4")?.apply(&mut scene)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Override {
+    list: List,
+    name: String,
+    field: String,
+    value: String,
+}
+
+/// Lists of a scene whose things can be changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum List {
+    Materials,
+    Lights,
+    Instances,
+}
+
+/// The names of the lists.
+const LISTS: [(&str, List); 3] =
+    [("materials", List::Materials), ("lights", List::Lights), ("instances", List::Instances)];
+
+/// A field of a thing, where its value goes.
+enum Slot<'a> {
+    /// A number within a range.
+    Number(&'a mut f32, [f32; 2]),
+    /// Three numbers of at least 0 and at most this; one number is a grey.
+    Color(&'a mut [f32; 3], f32),
+    /// Three numbers of at least 0; one number keeps the colour.
+    Light(&'a mut [f32; 3]),
+    /// Yes or no.
+    Flag(&'a mut bool),
+}
+
+const UNIT: [f32; 2] = [0.0, 1.0];
+/// Indices of refraction.
+const IOR: [f32; 2] = [1e-3, 1e3];
+/// Thicknesses and distances.
+const LENGTH: [f32; 2] = [0.0, f32::MAX];
+
+impl Override {
+    /// Reads `LIST.NAME.FIELD=VALUE`. A name may hold dots.
+    ///
+    /// # Errors
+    ///
+    /// If the text has another form, or the list is not one of `materials`, `lights` and `instances`.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let form = || {
+            format!(
+                "'{text}' is no change of a scene; give LIST.NAME.FIELD=VALUE like materials.gold.roughness=0.3"
+            )
+        };
+        let (path, value) = text.split_once('=').ok_or_else(form)?;
+        let (list, rest) = path.split_once('.').ok_or_else(form)?;
+        let (name, field) = rest.rsplit_once('.').ok_or_else(form)?;
+        if name.is_empty() || field.is_empty() || value.trim().is_empty() {
+            return Err(form());
+        }
+        let known = LISTS.iter().find(|(known, _)| *known == list);
+        let Some(&(_, list)) = known else {
+            let lists = LISTS.map(|(list, _)| list).join(", ");
+            return Err(format!("'{list}' is no list of a scene that can be changed; valid are: {lists}"));
+        };
+        Ok(Self { list, name: name.into(), field: field.into(), value: value.trim().into() })
+    }
+
+    /// Makes the change.
+    ///
+    /// # Errors
+    ///
+    /// If nothing has that name, nothing of that name has the field, or the value is out of its range. The message lists the valid ones.
+    /// The scene is then unchanged, but for things before the one at fault under `*`.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
+        let places = self.places(scene)?;
+        let mut valid: Vec<&'static str> = Vec::new();
+        let mut changed = 0;
+        for place in places {
+            let known = match self.list {
+                List::Materials => {
+                    let mut material = scene.material(MaterialId(place)).clone();
+                    let known = self.set(material_fields(&mut material))?;
+                    if known.is_ok() && material != *scene.material(MaterialId(place)) {
+                        *scene.edit_material(MaterialId(place)) = material;
+                    }
+                    known
+                }
+                List::Lights => {
+                    let mut light = scene.light(LightId(place)).clone();
+                    let known = self.set(light_fields(&mut light))?;
+                    if known.is_ok() {
+                        *scene.edit_light(LightId(place)) = light;
+                    }
+                    known
+                }
+                List::Instances => {
+                    let instance = scene.edit_instance(InstanceId(place));
+                    self.set(vec![("visible", Slot::Flag(&mut instance.visible))])?
+                }
+            };
+            match known {
+                Ok(()) => changed += 1,
+                Err(names) => {
+                    valid.extend(names.into_iter().filter(|name| !valid.contains(name)).collect::<Vec<_>>());
+                }
+            }
+        }
+        if changed > 0 {
+            return Ok(());
+        }
+        let (list, name) = (self.list_name(), &self.name);
+        let valid = if valid.is_empty() { "none".into() } else { valid.join(", ") };
+        Err(format!("{list}.{name} has no field '{}'; valid are: {valid}", self.field))
+    }
+
+    fn list_name(&self) -> &'static str {
+        LISTS.iter().find(|(_, list)| *list == self.list).map_or("", |(name, _)| name)
+    }
+
+    /// Those of the list that the name means.
+    fn places(&self, scene: &Scene) -> Result<Vec<u32>, String> {
+        let names: Vec<String> = match self.list {
+            List::Materials => scene.materials().iter().map(|material| material.name.clone()).collect(),
+            List::Lights => (0..scene.lights().len()).map(|number| number.to_string()).collect(),
+            List::Instances => scene.instances().iter().map(|instance| instance.name.clone()).collect(),
+        };
+        let meant = |name: &String| self.name == "*" || *name == self.name;
+        let places: Vec<u32> = (0..).zip(&names).filter(|(_, name)| meant(name)).map(|(i, _)| i).collect();
+        if !places.is_empty() {
+            return Ok(places);
+        }
+        const MOST: usize = 20;
+        let mut valid: Vec<&str> = names.iter().map(String::as_str).filter(|name| !name.is_empty()).collect();
+        valid.dedup();
+        let more = valid.len().saturating_sub(MOST);
+        valid.truncate(MOST);
+        let mut list = valid.join(", ");
+        if more > 0 {
+            list += &format!(" and {more} more");
+        }
+        let list = if list.is_empty() { "none: the list is empty or nameless".into() } else { list };
+        Err(format!("nothing in {} is called '{}'; valid are: {list}", self.list_name(), self.name))
+    }
+
+    /// Sets the field; the names of the fields, if it is none of them.
+    fn set(&self, fields: Vec<(&'static str, Slot)>) -> Result<Result<(), Vec<&'static str>>, String> {
+        let names = fields.iter().map(|(name, _)| *name).collect();
+        match fields.into_iter().find(|(name, _)| *name == self.field) {
+            None => Ok(Err(names)),
+            Some((_, slot)) => self.put(slot).map(Ok),
+        }
+    }
+
+    fn put(&self, slot: Slot) -> Result<(), String> {
+        let wrong = |allowed: String| {
+            let path = format!("{}.{}.{}", self.list_name(), self.name, self.field);
+            format!("{path}: '{}' does not go; {allowed}", self.value)
+        };
+        let numbers = |most: f32| {
+            let parsed: Result<Vec<f32>, _> =
+                self.value.split(',').map(|number| number.trim().parse::<f32>()).collect();
+            let numbers = parsed.ok().filter(|all| all.iter().all(|x| (0.0..=most).contains(x)));
+            match numbers.as_deref() {
+                Some(&[grey]) => Some((vec![grey; 3], true)),
+                Some(&[r, g, b]) => Some((vec![r, g, b], false)),
+                _ => None,
+            }
+        };
+        let three = |most: f32| {
+            let range = if most < f32::MAX { format!("from 0 to {most}") } else { "of at least 0".into() };
+            format!("give three numbers {range} like 0.8,0.5,0.2, or one")
+        };
+        match slot {
+            Slot::Number(place, [least, most]) => {
+                let value = self.value.parse::<f32>().ok().filter(|x| (least..=most).contains(x));
+                let range = if most < f32::MAX {
+                    format!("from {least} to {most}")
+                } else {
+                    format!("of at least {least}")
+                };
+                *place = value.ok_or_else(|| wrong(format!("give a number {range}")))?;
+            }
+            Slot::Color(place, most) => {
+                let (color, _) = numbers(most).ok_or_else(|| wrong(three(most)))?;
+                place.copy_from_slice(&color);
+            }
+            Slot::Light(place) => {
+                let (color, is_one) = numbers(f32::MAX).ok_or_else(|| wrong(three(f32::MAX)))?;
+                let largest = place.iter().fold(0.0_f32, |most, &x| most.max(x));
+                if is_one && largest > 0.0 {
+                    *place = place.map(|x| x / largest * color[0]);
+                } else {
+                    place.copy_from_slice(&color);
+                }
+            }
+            Slot::Flag(place) => {
+                *place = self.value.parse().map_err(|_| wrong("give true or false".into()))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The fields of a material, by its kind of surface.
+fn material_fields(material: &mut Material) -> Vec<(&'static str, Slot<'_>)> {
+    use Slot::{Color, Number};
+    let Material { surface, alpha, emission, .. } = material;
+    let mut fields = match surface {
+        Surface::Matte { base_color } => vec![("base_color", Color(&mut base_color.factor, 1.0))],
+        Surface::MetallicRoughness { base_color, metallic, roughness, ior, .. } => vec![
+            ("base_color", Color(&mut base_color.factor, 1.0)),
+            ("metallic", Number(metallic, UNIT)),
+            ("roughness", Number(roughness, UNIT)),
+            ("ior", Number(ior, IOR)),
+        ],
+        Surface::Principled(principled) => principled_fields(principled),
+        Surface::RoughMatte { base_color, roughness } => {
+            vec![("base_color", Color(&mut base_color.factor, 1.0)), ("roughness", Number(roughness, UNIT))]
+        }
+        Surface::Metal { eta, k, roughness } => vec![
+            ("eta", Color(eta, f32::MAX)),
+            ("k", Color(k, f32::MAX)),
+            ("roughness", Number(roughness, UNIT)),
+        ],
+        Surface::RoughDielectric { ior, roughness, reflectance, transmittance, .. } => vec![
+            ("ior", Number(ior, IOR)),
+            ("roughness", Number(roughness, UNIT)),
+            ("reflectance", Color(reflectance, 1.0)),
+            ("transmittance", Color(transmittance, 1.0)),
+        ],
+        Surface::Mirror { reflectance } => vec![("reflectance", Color(&mut reflectance.factor, 1.0))],
+        Surface::Dielectric { ior, reflectance, transmittance, .. } => vec![
+            ("ior", Number(ior, IOR)),
+            ("reflectance", Color(reflectance, 1.0)),
+            ("transmittance", Color(transmittance, 1.0)),
+        ],
+        Surface::ShadowCatcher { albedo, .. } => vec![("albedo", Color(albedo, 1.0))],
+        Surface::Unlit { color } => vec![("color", Color(&mut color.factor, f32::MAX))],
+        Surface::Shader(_) => Vec::new(),
+    };
+    fields.push(("emission", Slot::Light(emission)));
+    match alpha {
+        Alpha::Opaque => {}
+        Alpha::Mask { cutoff, opacity } => {
+            fields.push(("alpha_cutoff", Number(cutoff, UNIT)));
+            fields.push(("opacity", Number(&mut opacity.factor, UNIT)));
+        }
+        Alpha::Blend { opacity } => fields.push(("opacity", Number(&mut opacity.factor, UNIT))),
+    }
+    fields
+}
+
+fn principled_fields(principled: &mut Principled) -> Vec<(&'static str, Slot<'_>)> {
+    use Slot::{Color, Number};
+    let Principled { interior, anisotropy, iridescence, diffuse_transmission, .. } = principled;
+    vec![
+        ("base_color", Color(&mut principled.base_color.factor, 1.0)),
+        ("metallic", Number(&mut principled.metallic, UNIT)),
+        ("roughness", Number(&mut principled.roughness, UNIT)),
+        ("ior", Number(&mut principled.ior, IOR)),
+        ("specular", Number(&mut principled.specular, UNIT)),
+        ("specular_color", Color(&mut principled.specular_color, f32::MAX)),
+        ("clearcoat", Number(&mut principled.clearcoat, UNIT)),
+        ("clearcoat_roughness", Number(&mut principled.clearcoat_roughness, UNIT)),
+        ("sheen_color", Color(&mut principled.sheen_color, 1.0)),
+        ("sheen_roughness", Number(&mut principled.sheen_roughness, UNIT)),
+        ("transmission", Number(&mut principled.transmission, UNIT)),
+        ("thin", Slot::Flag(&mut principled.thin)),
+        ("attenuation_color", Color(&mut interior.attenuation_color, 1.0)),
+        ("attenuation_distance", Number(&mut interior.attenuation_distance, LENGTH)),
+        ("dispersion", Number(&mut interior.dispersion, LENGTH)),
+        ("anisotropy", Number(&mut anisotropy.strength, UNIT)),
+        ("anisotropy_rotation", Number(&mut anisotropy.rotation, [-1e3, 1e3])),
+        ("iridescence", Number(&mut iridescence.factor, UNIT)),
+        ("iridescence_ior", Number(&mut iridescence.ior, IOR)),
+        ("iridescence_thickness", Number(&mut iridescence.thickness, LENGTH)),
+        ("diffuse_transmission", Number(&mut diffuse_transmission.factor, UNIT)),
+        ("diffuse_transmission_color", Color(&mut diffuse_transmission.color, 1.0)),
+    ]
+}
+
+fn light_fields(light: &mut Light) -> Vec<(&'static str, Slot<'_>)> {
+    match light {
+        Light::Point { intensity, .. } | Light::Spot { intensity, .. } => {
+            vec![("intensity", Slot::Light(intensity))]
+        }
+        Light::Directional { irradiance, .. } => vec![("intensity", Slot::Light(irradiance))],
+        Light::Environment { radiance, .. } => vec![("intensity", Slot::Light(radiance))],
+        Light::Backdrop { .. } => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene() -> Scene {
+        let mut scene = Scene::new();
+        scene.add_material(Material::matte("wall.white", [0.5; 3]));
+        scene.add_material(Material::of("gold", Surface::Principled(Box::default())));
+        scene.add_light(Light::Point { position: [0.0; 3], intensity: [4.0, 2.0, 1.0] });
+        scene
+    }
+
+    fn apply(scene: &mut Scene, text: &str) -> Result<(), String> {
+        Override::parse(text)?.apply(scene)
+    }
+
+    #[test]
+    fn fields_take_numbers_colours_and_intensities() {
+        let mut scene = scene();
+        apply(&mut scene, "materials.gold.roughness=0.25").expect("a number");
+        apply(&mut scene, "materials.wall.white.base_color=0.1,0.2,0.3").expect("a name with a dot");
+        apply(&mut scene, "lights.0.intensity=8").expect("one number");
+        apply(&mut scene, "materials.*.clearcoat=1").expect("one of them has it");
+        let Surface::Principled(gold) = &scene.materials()[1].surface else { panic!("a principled one") };
+        assert_eq!((gold.roughness, gold.clearcoat), (0.25, 1.0));
+        assert_eq!(scene.materials()[0].surface.base_color().factor, [0.1, 0.2, 0.3]);
+        let Light::Point { intensity, .. } = scene.lights()[0] else { panic!("a point light") };
+        assert_eq!(intensity, [8.0, 4.0, 2.0], "the colour stays");
+    }
+
+    #[test]
+    fn mistakes_name_what_is_valid() {
+        let mut scene = scene();
+        for (text, words) in [
+            ("gold", "LIST.NAME.FIELD=VALUE"),
+            ("materials.gold=3", "LIST.NAME.FIELD=VALUE"),
+            ("meshes.a.b=3", "valid are: materials, lights, instances"),
+            ("materials.silver.roughness=0", "valid are: wall.white, gold"),
+            ("materials.wall.white.roughness=0", "has no field 'roughness'; valid are: base_color, emission"),
+            ("materials.gold.roughness=2", "from 0 to 1"),
+            ("materials.gold.roughness=nan", "from 0 to 1"),
+            ("materials.gold.base_color=1,2", "three numbers from 0 to 1"),
+            ("lights.1.intensity=1", "valid are: 0"),
+            ("instances.a.visible=true", "the list is empty or nameless"),
+        ] {
+            let message = apply(&mut scene, text).expect_err(text);
+            assert!(message.contains(words), "{text}: {message}");
+        }
+    }
+}
