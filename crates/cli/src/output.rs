@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 
 use gnurt::Numbered;
-use gnurt::image::{self, ExrPixels, PictureFormat, Picture, WriteOptions};
+use gnurt::image::{self, ExrPixels, Picture, PictureFormat, WriteOptions};
 
 use crate::arguments::{DisplayOptions, LightArguments};
 use crate::failure::{Failure, Outcome};

@@ -89,5 +89,8 @@ fn huge_sizes_are_refused_before_memory_is_taken() {
 #[test]
 fn other_files_list_what_is_known() {
     let error = decode(b"Hello, world, this is a letter.", "letter.png").expect_err("a letter is no picture");
-    assert!(error.to_string().contains("PNG, EXR, HDR, PFM, JPEG, TGA, BMP, WebP, TIFF"), "known formats are listed: {error}");
+    assert!(
+        error.to_string().contains("PNG, EXR, HDR, PFM, JPEG, TGA, BMP, WebP, TIFF"),
+        "known formats are listed: {error}"
+    );
 }

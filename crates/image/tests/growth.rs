@@ -7,7 +7,7 @@
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use gnurt_image::{PictureFormat, Picture, WriteOptions, decode, decode_data_texture, decode_texture};
+use gnurt_image::{Picture, PictureFormat, WriteOptions, decode, decode_data_texture, decode_texture};
 use peak_alloc::PeakAlloc;
 
 #[global_allocator]

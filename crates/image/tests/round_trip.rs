@@ -6,7 +6,7 @@ mod common;
 
 use common::{colors_only, file, files, picture, tiff};
 use gnurt_image::{
-    BACKGROUND, ExrPixels, Layer, Opacity, PictureFormat, Picture, StoredValues, TexelData, ToneCurve,
+    BACKGROUND, ExrPixels, Layer, Opacity, Picture, PictureFormat, StoredValues, TexelData, ToneCurve,
     WriteOptions, compare, decode, decode_data_texture, decode_texture, encode, read, read_stored,
     read_texture, screen_bytes, srgb, write,
 };

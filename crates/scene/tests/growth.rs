@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use gnurt_image::{PictureFormat, Picture, WriteOptions};
+use gnurt_image::{Picture, PictureFormat, WriteOptions};
 use gnurt_scene::io::load;
 use peak_alloc::PeakAlloc;
 
@@ -325,7 +325,8 @@ fn files_cost_what_their_lengths_account_for() {
         }
     }
     let picture = Picture::new(2048, 2048);
-    let flat = gnurt_image::encode(&picture, PictureFormat::PNG, &WriteOptions::default()).expect("a picture");
+    let flat =
+        gnurt_image::encode(&picture, PictureFormat::PNG, &WriteOptions::default()).expect("a picture");
     drop(picture);
     write("flat.png", &flat);
     (0..40).for_each(|k| drop(write(&format!("flat{k}.png"), &flat)));

@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gnurt::image::{PictureFormat, Picture, WriteOptions, encode, replace_file};
+use gnurt::image::{Picture, PictureFormat, WriteOptions, encode, replace_file};
 
 use crate::exposure::Exposure;
 

@@ -36,7 +36,9 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
         Command::View(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
         Command::Trace(arguments) => of_integrator(arguments.frame.integrator, &mut tell),
         Command::Join(arguments) if keeps_light(&arguments.output) => tell(&LOOK, KEEPS_LIGHT),
-        Command::Convert(arguments) if gnurt::FORMATS.of(&arguments.output).is_ok() => tell(&LOOK, "on scenes"),
+        Command::Convert(arguments) if gnurt::FORMATS.of(&arguments.output).is_ok() => {
+            tell(&LOOK, "on scenes")
+        }
         Command::Convert(arguments) => {
             if keeps_light(&arguments.output) {
                 tell(&LOOK, KEEPS_LIGHT);

@@ -5,9 +5,9 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
+use gnurt::FORMATS;
 use gnurt::denoise::denoise;
 use gnurt::image;
-use gnurt::FORMATS;
 
 use crate::arguments::ConvertArguments;
 use crate::environment::Environment;

@@ -149,12 +149,7 @@ fn open_picture(path: &Path) -> Result<(BufReader<File>, u64), Error> {
     Ok((BufReader::with_capacity(1 << 16, file), length))
 }
 
-fn stored_from(
-    source: &mut dyn Source,
-    length: u64,
-    name: &str,
-    budget: &Budget,
-) -> Result<Stored, Error> {
+fn stored_from(source: &mut dyn Source, length: u64, name: &str, budget: &Budget) -> Result<Stored, Error> {
     PictureFormat::of(source, length, name)?.stored(source, length, budget)
 }
 

@@ -61,7 +61,10 @@ mod tests {
         assert!(missing.starts_with("no/such/file.png: cannot be read: "), "file and reason: {missing}");
         assert!(!missing.contains("os error"), "no error numbers: {missing}");
         let folder = message(&std::env::temp_dir());
-        assert!(folder.contains("is a folder; a picture file is needed"), "the message says what it is: {folder}");
+        assert!(
+            folder.contains("is a folder; a picture file is needed"),
+            "the message says what it is: {folder}"
+        );
         #[cfg(unix)]
         {
             let device = message(Path::new("/dev/zero"));

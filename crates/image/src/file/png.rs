@@ -100,4 +100,3 @@ pub fn encode_texels(texels: &Texels, measures: bool) -> Result<Vec<u8>, Error> 
     };
     encode_with(size, png::ColorType::Rgba, depth, png::Compression::default(), meaning, &bytes)
 }
-

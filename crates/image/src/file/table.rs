@@ -113,11 +113,7 @@ mod tests {
         for format in PictureFormat::written() {
             for extension in [format.extension().to_string(), format.extension().to_uppercase()] {
                 let path = format!("a.b/c.{extension}");
-                assert_eq!(
-                    PictureFormat::from_path(Path::new(&path)).ok(),
-                    Some(format),
-                    "format of {path}"
-                );
+                assert_eq!(PictureFormat::from_path(Path::new(&path)).ok(), Some(format), "format of {path}");
             }
         }
         for path in ["picture", "picture.", "picture.jpg", ".png", "png"] {

@@ -34,9 +34,9 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     is_for_screens: false,
     has_layers: false,
     is_whole: false,
-    signature: Signature::Head(
-        |head| matches!(head, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..]),
-    ),
+    signature: Signature::Head(|head| {
+        matches!(head, [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..])
+    }),
     read: Readers {
         picture: |source, length, budget| texels(source, length, Meaning::Color, budget).map(Picture::from),
         texels: Some(texels),
@@ -142,12 +142,7 @@ fn stored(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<Store
 }
 
 /// The first picture of the file and, where `all`, the smaller copies of it that follow; and whether its colours are multiplied with their opacity.
-fn read(
-    source: &mut dyn Source,
-    length: u64,
-    budget: &Budget,
-    all: bool,
-) -> Result<(Stored, bool), Error> {
+fn read(source: &mut dyn Source, length: u64, budget: &Budget, all: bool) -> Result<(Stored, bool), Error> {
     decode_guarded("TIFF", || {
         let limits = {
             let mut limits = Limits::default();
@@ -219,12 +214,7 @@ fn straighten(values: &mut StoredValues, channels: usize) {
 }
 
 /// The picture as a texture: bytes stay bytes, numbers of 16 bits that are measures too, others become linear floats.
-fn texels(
-    source: &mut dyn Source,
-    length: u64,
-    meaning: Meaning,
-    budget: &Budget,
-) -> Result<Texels, Error> {
+fn texels(source: &mut dyn Source, length: u64, meaning: Meaning, budget: &Budget) -> Result<Texels, Error> {
     let (Stored { channels, mut levels, .. }, is_associated) = read(source, length, budget, false)?;
     let StoredLevel { width, height, mut values, .. } = levels.swap_remove(0);
     if is_associated && matches!(channels, 2 | 4) {

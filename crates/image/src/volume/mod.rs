@@ -17,8 +17,8 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::{Budget, Error};
 use crate::file::open_regular;
+use crate::{Budget, Error};
 use bytes::{Bytes, corrupt, hold, too_large};
 use tree::{LEAF_SIZE, Reader, Tree};
 use values::{Format, Number};
@@ -57,7 +57,8 @@ impl Volume {
     /// # Errors
     /// If it cannot be read, is no regular file, is none of OpenVDB's, is broken, holds no numbers, or takes too much memory.
     pub fn read(path: &Path, limit: usize) -> Result<Self, Error> {
-        let (source, length) = open_regular(path).map_err(|fault| fault.in_file(path, "a file of OpenVDB"))?;
+        let (source, length) =
+            open_regular(path).map_err(|fault| fault.in_file(path, "a file of OpenVDB"))?;
         let request = usize::try_from(length).ok().filter(|&length| length <= limit);
         let Some(request) = request else {
             return Err(too_large(limit).in_file(path));

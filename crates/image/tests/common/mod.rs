@@ -2,7 +2,7 @@
 //! Pictures and files that the tests of this folder share.
 #![allow(dead_code, reason = "each test program uses some of these")]
 
-use gnurt_image::{ExrPixels, Layer, PictureFormat, Picture, WriteOptions, encode};
+use gnurt_image::{ExrPixels, Layer, Picture, PictureFormat, WriteOptions, encode};
 
 /// A picture with values of all magnitudes and three layers.
 pub(crate) fn picture(width: u32, height: u32) -> Picture {
@@ -38,7 +38,8 @@ pub(crate) fn file(picture: &Picture, format: &'static PictureFormat) -> Vec<u8>
 /// Small files of all formats that can be read, with the name that tells their format.
 pub(crate) fn files(width: u32, height: u32) -> Vec<(String, Vec<u8>)> {
     let source = picture(width, height);
-    let ours = PictureFormat::written().map(|format| (format!("x.{}", format.extension()), file(&source, format)));
+    let ours =
+        PictureFormat::written().map(|format| (format!("x.{}", format.extension()), file(&source, format)));
     let bytes: Vec<u8> = (0..width * height).flat_map(|i| [i as u8, (i * 7) as u8, (i / 2) as u8]).collect();
     let rgb = image::RgbImage::from_raw(width, height, bytes).expect("three bytes a pixel");
     let formats = [

@@ -188,9 +188,9 @@ impl Formats {
     pub fn save(&self, scene: &Scene, path: impl AsRef<Path>) -> Result<Warnings, Error> {
         let path = path.as_ref();
         let writer = self.writer(path)?;
-        scene
-            .check()
-            .map_err(|e| Error::data(path, None, e.to_string(), "the scene must be in order to be written"))?;
+        scene.check().map_err(|e| {
+            Error::data(path, None, e.to_string(), "the scene must be in order to be written")
+        })?;
         let mut warnings = Warnings::default();
         let clips = scene.animation().map_or(0, |animation| animation.clips.len());
         warnings.note_many(Oddity::NotShown, clips as u64, path, None, "animation, written as it is shown");

@@ -3,10 +3,10 @@
 //! A reader is a [`Format`](super::Format) whose `read` opens files by [`Access`], asks its budget before it takes memory,
 //! and notes oddities in [`Warnings`](super::Warnings). Tests: `tests/ply.rs`.
 
-pub use gnurt_image::{Budget, Excess};
 pub use super::clean::clean;
 pub use super::error::quoted;
 pub use super::ply::read_mesh as read_ply_mesh;
 pub use super::polygon::Cutter;
 pub use super::source::{Access, open, resolve};
 pub use super::textures::{Meaning, Pictures};
+pub use gnurt_image::{Budget, Excess};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures as OSL's tools read them, against what can be said of them without: ramps stay ramps, changes are those of values, means stay.
 
-use gnurt_image::{PictureFormat, Picture, WriteOptions, encode};
+use gnurt_image::{Picture, PictureFormat, WriteOptions, encode};
 use gnurt_sl::exec::TextureOptions;
 use gnurt_sl::hir::Data;
 use gnurt_sl::tools::Textures;

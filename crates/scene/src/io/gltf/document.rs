@@ -13,10 +13,10 @@ use serde_json::value::RawValue;
 use super::base64::data_uri;
 use super::container::Container;
 use super::json::{self, Index, Root};
-use gnurt_image::{Budget, Excess};
 use crate::io::error::quoted;
 use crate::io::source::{self, Access};
 use crate::io::{Error, Oddity, Warnings};
+use gnurt_image::{Budget, Excess};
 
 /// Extensions that are shown, or whose absence nobody would notice.
 const KNOWN_EXTENSIONS: &[&str] = &[

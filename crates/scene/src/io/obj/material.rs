@@ -23,7 +23,6 @@ use super::mtl::{Entry, Library, Map};
 use super::normals::{holds_normals, with_normals};
 use crate::detail::{Anisotropy, Interior};
 use crate::id::{MaterialId, TextureId};
-use gnurt_image::Excess;
 use crate::io::error::quoted;
 use crate::io::source::{self, Access};
 use crate::io::textures::{Meaning, Pictures};
@@ -34,6 +33,7 @@ use crate::material::{
 use crate::scene::Scene;
 use crate::shader_file::ShaderFile;
 use crate::texture::{Filter, Texture, Wrap};
+use gnurt_image::Excess;
 
 /// Bytes that a material of the scene takes beside its name.
 const MATERIAL_BYTES: usize = size_of::<Material>() + size_of::<Principled>() + 64;

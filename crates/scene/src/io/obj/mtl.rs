@@ -9,11 +9,11 @@ use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use gnurt_image::Excess;
 use crate::io::error::quoted;
 use crate::io::lines::LogicalLines;
 use crate::io::source::{self, Access};
 use crate::io::{Error, Oddity, Warnings};
+use gnurt_image::Excess;
 
 /// Bytes that a material takes beside its name and its texture statements.
 const ENTRY_BYTES: usize = size_of::<Entry>() + 2 * size_of::<(Rc<str>, usize)>() + 64;

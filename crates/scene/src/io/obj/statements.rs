@@ -9,12 +9,12 @@ use std::path::Path;
 
 use super::mtl::Library;
 use super::parts::{Corner, Lists, NONE, Parts};
-use gnurt_image::Excess;
 use crate::io::error::quoted;
 use crate::io::lines::LogicalLines;
 use crate::io::polygon::Cutter;
 use crate::io::source::Access;
 use crate::io::{Error, Oddity, Warnings};
+use gnurt_image::Excess;
 
 /// Statements after which the budget is asked again.
 const STATEMENTS_BETWEEN: u64 = 1 << 13;

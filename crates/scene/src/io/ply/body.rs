@@ -10,11 +10,11 @@ use std::path::Path;
 use super::columns::{Columns, Slot, Vertex};
 use super::header::{Element, Encoding, Header, Property, Scalar};
 use super::numbers::{Fault, Numbers};
-use gnurt_image::{Budget, Excess};
 use crate::io::error::quoted;
 use crate::io::polygon::Cutter;
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
+use gnurt_image::{Budget, Excess};
 
 /// Elements after which the budget is asked again.
 const ELEMENTS_BETWEEN: u64 = 1 << 12;

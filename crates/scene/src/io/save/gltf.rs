@@ -153,7 +153,12 @@ pub(in crate::io) fn buffer_file(path: &Path) -> PathBuf {
     path.with_extension("bin")
 }
 
-fn write_files(mut root: Map<String, Value>, bytes: &[u8], path: &Path, is_binary: bool) -> Result<(), Error> {
+fn write_files(
+    mut root: Map<String, Value>,
+    bytes: &[u8],
+    path: &Path,
+    is_binary: bool,
+) -> Result<(), Error> {
     if is_binary {
         if !bytes.is_empty() {
             root.insert("buffers".into(), json!([{ "byteLength": bytes.len() }]));
