@@ -98,7 +98,6 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
                 factor: share(given, "diffuse_transmission", 0.0)?,
                 color: given.color("diffuse_transmission_color")?.unwrap_or([1.0; 3]),
             },
-            ..Principled::default()
         })),
         _ => {
             return Err(PyValueError::new_err(format!(

@@ -111,7 +111,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     write(&path, &(serde_json::to_string(&document).map_err(|error| error.to_string())? + "\n"))?;
     let tables = tables::all(&document, &format!("results-{date}.json"));
     if trial {
-        println!("{tables}");
+        eprintln!("{tables}");
         eprintln!("a trial: the tables are above, the numbers in {}", path.display());
         return Ok(());
     }

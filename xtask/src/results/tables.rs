@@ -23,7 +23,7 @@ pub(super) fn all(document: &Value, file: &str) -> String {
         machine["threads"],
         text("rustc"),
     );
-    let makers: [(&str, &str, fn(&[Value]) -> String); 7] = [
+    let makers: [(&str, &str, Maker); 7] = [
         ("rays", "Rays beside Embree, one thread, speed of ours over theirs", rays),
         ("builds", "Builds beside Embree, one thread", builds),
         ("moving", "Moving meshes, one thread", moving),
@@ -40,6 +40,9 @@ pub(super) fn all(document: &Value, file: &str) -> String {
     }
     page
 }
+
+/// Writes the table of a row's numbers.
+type Maker = fn(&[Value]) -> String;
 
 fn number(row: &Value, name: &str) -> f64 {
     row[name].as_f64().unwrap_or(f64::NAN)
