@@ -16,7 +16,7 @@ use super::{FileArguments, MachineArguments, VerbosityArguments, ViewArguments};
 /// Arguments of `bench`.
 #[derive(Args, Debug)]
 pub(crate) struct BenchArguments {
-    /// What to measure
+    /// Benchmark
     #[command(subcommand)]
     pub(crate) command: BenchCommand,
 }
@@ -30,13 +30,13 @@ pub(crate) enum BenchCommand {
     /// Measure how long trees take to build and how large they are, beside Embree's
     #[command(args_override_self = true)]
     Build(BenchBuildArguments),
-    /// Measure what it takes to follow a scene that is deformed, beside Embree's refit and builds
+    /// Measure updates of deforming scenes, beside Embree's refit and builds
     #[command(args_override_self = true)]
     Dynamic(BenchDynamicArguments),
-    /// Measure what tables 1 and 2 of the paper say of kd-trees, with its figures beside ours
+    /// Measure tables 1 and 2 of the paper (kd-trees), its figures beside ours
     #[command(args_override_self = true)]
     Paper(BenchPaperArguments),
-    /// Measure how fast integrators come near the truth, in seconds of the processor
+    /// Measure the error of integrators over processor time
     #[command(args_override_self = true)]
     Light(Box<BenchLightArguments>),
 }
@@ -90,7 +90,7 @@ pub(crate) struct BenchRaysArguments {
     /// Write the numbers as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) json: Option<PathBuf>,
-    /// Write all that a record needs as JSON: the machine, every round's rate, who was compared with whom
+    /// Write a complete record as JSON: machine, rate of every round, pairs compared
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
     /// Write the best of each side as bars
@@ -207,25 +207,25 @@ pub(crate) struct BenchLightArguments {
     /// Pictures by each integrator, under other seeds
     #[arg(long, value_name = "N", value_parser = value::rounds, allow_hyphen_values = true, default_value = "5")]
     pub(crate) rounds: usize,
-    /// Samples per pixel of each of the two pictures by paths that stand for the truth
+    /// Samples per pixel of each of the two reference pictures by path
     #[arg(long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true, default_value = "1024")]
     pub(crate) truth_spp: u32,
-    /// Keep the two pictures here, the second with a 2 before its extension, and take them from there if they are there
+    /// Save the reference pictures here, the second with a 2 before its extension, and reuse them if they exist
     #[arg(long, value_name = "FILE")]
     pub(crate) truth: Option<PathBuf>,
     /// Write the last picture of each integrator's first seed as FOLDER/NAME.exr
     #[arg(long, value_name = "FOLDER")]
     pub(crate) pictures: Option<PathBuf>,
-    /// How deep light is followed: edges of a path
+    /// Maximum depth: edges of a path
     #[arg(long, value_name = "N", value_parser = value::depth, allow_hyphen_values = true, default_value = "8")]
     pub(crate) max_depth: u32,
-    /// Virtual lights of each sample per pixel, about
+    /// Virtual lights per sample of a pixel, approximately
     #[arg(long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
     pub(crate) vpls: u32,
-    /// Largest geometry term, one over area, that virtual lights bring light over
+    /// Limit of the geometry term of virtual lights, 1/area
     #[arg(long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
-    /// Render each picture twice under the same virtual lights, and tell their share of the error from that of rays
+    /// Render each picture twice with the same virtual lights, to separate their error from that of rays
     #[arg(long)]
     pub(crate) lights_apart: bool,
     /// Make every material a Lambertian reflector of its base colour

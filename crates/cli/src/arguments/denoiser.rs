@@ -10,8 +10,8 @@ use super::value::{self, DenoiserChoice};
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Quality")]
 pub(crate) struct DenoiserArguments {
-    /// Take the noise out of the picture: auto (OIDN where its library is found or OIDN_LIB names it, else built-in),
-    /// built-in, oidn or none; `render` and `view` do so without being asked, see --help-all
+    /// Denoiser: auto (OIDN if its library is found or named by OIDN_LIB, else built-in), built-in, oidn or none; `render` and
+    /// `view` denoise by default, see --help-all
     #[arg(
         long,
         value_name = "HOW",
@@ -19,10 +19,9 @@ pub(crate) struct DenoiserArguments {
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "auto",
-        long_help = "Take the noise out of the picture: auto (OIDN where its library is found or OIDN_LIB names it, else \
-                     built-in), built-in, oidn or none. Unless it is given, `render` takes it out of PNGs of fewer than 256 \
-                     samples per pixel by path, ir, bir or mir, and `view` out of what rests, by the built-in filter; \
-                     EXR, HDR and PFM keep theirs."
+        long_help = "Denoiser: auto (OIDN if its library is found or named by OIDN_LIB, else built-in), built-in, oidn or none. \
+                     By default the built-in filter denoises PNGs of fewer than 256 samples per pixel by path, ir, bir or mir \
+                     in `render`, and still pictures in `view`; EXR, HDR and PFM keep their noise."
     )]
     pub(crate) denoise: Option<DenoiserChoice>,
 }

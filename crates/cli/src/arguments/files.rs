@@ -14,7 +14,7 @@ use crate::failure::Failure;
 /// `--confine` and `--texture-memory`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FileArguments {
-    /// Let the scene name files below this folder only (libraries, textures, buffers; links are followed)
+    /// Read files named by the scene (libraries, textures, buffers) only below this folder; links are followed
     #[arg(
         long,
         help_heading = "Time and machine",
@@ -24,7 +24,7 @@ pub(crate) struct FileArguments {
     )]
     confine: Option<PathBuf>,
 
-    /// Keep textures of files in a temporary file, and no more of them in memory at a time than this [default: all in memory]
+    /// Limit textures in memory to this size; the rest stays in a temporary file [default: all in memory]
     #[arg(
         long,
         help_heading = "Time and machine",

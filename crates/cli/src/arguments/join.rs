@@ -10,7 +10,7 @@ use super::{DenoiserArguments, LightArguments, MachineArguments, VerbosityArgume
 /// Arguments of `join`.
 #[derive(Args, Debug)]
 pub(crate) struct JoinArguments {
-    /// Pieces that `gnurt render --piece` wrote: all of one picture, in any order; some may be there twice
+    /// Pieces from `gnurt render --piece`: all of one picture, in any order; duplicates are allowed
     #[arg(value_name = "PIECE", required = true)]
     pub(crate) pieces: Vec<PathBuf>,
     /// Picture to write: {PICTURES}

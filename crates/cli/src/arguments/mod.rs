@@ -54,7 +54,7 @@ pub(crate) use window::WindowArguments;
     disable_help_subcommand = false
 )]
 pub(crate) struct Arguments {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub(crate) command: Command,
 }
@@ -83,7 +83,7 @@ pub(crate) enum Command {
     /// Render a scene to a picture
     #[command(args_override_self = true, disable_help_flag = true)]
     Render(Box<RenderArguments>),
-    /// Put the pieces of a picture together that `render --piece` made
+    /// Join the pieces of a picture from `render --piece`
     #[command(args_override_self = true)]
     Join(Box<JoinArguments>),
     /// Fly through a scene in a window
@@ -95,7 +95,7 @@ pub(crate) enum Command {
         mut_arg("spp", |spp| spp.default_value("1024").default_value_if("headless", "true", "1"))
     )]
     View(Box<WindowArguments>),
-    /// Say what is in a scene
+    /// Print the contents of a scene
     #[command(args_override_self = true)]
     Info(InfoArguments),
     /// Compare two pictures: exit status 0 if equal, 1 if they differ, 2 if they cannot be compared
@@ -166,7 +166,7 @@ pub(crate) struct InfoArguments {
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
-    /// Build the trees, and say how large they are
+    /// Build the trees and print their size
     #[arg(long)]
     pub(crate) tree: bool,
     #[command(flatten)]
@@ -199,7 +199,7 @@ pub(crate) struct ConvertArguments {
     /// A picture or a scene
     #[arg(value_name = "IN")]
     pub(crate) input: OsString,
-    /// The file to write: the extension says the format
+    /// File to write; its extension selects the format
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
     #[command(flatten)]

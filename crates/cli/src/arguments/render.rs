@@ -23,7 +23,7 @@ pub(crate) struct RenderArguments {
     /// Picture to write: {PICTURES}; without it the scene's name with .png, in the current folder
     #[arg(help_heading = "Picture", short, long, value_name = "FILE", allow_hyphen_values = true)]
     pub(crate) output: Option<PathBuf>,
-    /// Also write a picture of the cost of each pixel
+    /// Also write a heat map of each pixel's cost
     #[arg(
         help_heading = "Picture",
         hide_short_help = true,
@@ -32,10 +32,10 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) heatmap: Option<PathBuf>,
-    /// Render only these pixels, x1 and y1 excluded, from the upper left corner; the others stay black
+    /// Render only these pixels (origin at the upper left, x1 and y1 excluded); the others stay black
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,
-    /// Render only the I-th of N pieces, for other processes or machines to render the others; `gnurt join` puts them together
+    /// Render piece I of N; other processes or machines render the others, and `gnurt join` joins them
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "I/N", value_parser = value::piece, allow_hyphen_values = true)]
     pub(crate) piece: Option<Piece>,
     #[command(flatten)]
@@ -48,13 +48,13 @@ pub(crate) struct RenderArguments {
     pub(crate) denoiser: DenoiserArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
-    /// Stop after this time and keep the picture so far: 90, 90s, 1.5m, 2h
+    /// Stop after TIME (90, 90s, 1.5m, 2h) and save the picture
     #[arg(help_heading = "Time and machine", long, value_name = "TIME", value_parser = value::time, allow_hyphen_values = true)]
     pub(crate) time: Option<Duration>,
-    /// Also show the picture while it is rendered, in tev: tev:HOST:PORT
+    /// Also show the picture in tev while it renders: tev:HOST:PORT
     #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "WHERE", value_parser = value::display, allow_hyphen_values = true)]
     pub(crate) display: Option<TevAddress>,
-    /// Keep the rendering's state in this file and go on from it if it is there: a program that was killed loses little
+    /// Save the state of the rendering in FILE, and resume from it if it exists
     #[arg(
         help_heading = "Time and machine",
         hide_short_help = true,
@@ -70,7 +70,7 @@ pub(crate) struct RenderArguments {
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
     pub(crate) trees: TreeArguments,
-    /// Say what was counted and measured: a table on standard error, or json on standard output
+    /// Print counts and times: a table on standard error, or json on standard output
     #[arg(
         help_heading = "Messages", hide_short_help = true,
         long,

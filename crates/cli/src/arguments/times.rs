@@ -14,22 +14,22 @@ const FPS: f64 = 24.0;
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Animation")]
 pub(crate) struct TimeArguments {
-    /// Render the moment of so many seconds of the animation; at rest without it
+    /// Time of the animation to render, in seconds [default: the scene at rest]
     #[arg(long, value_name = "SECONDS", value_parser = value::seconds, allow_hyphen_values = true, conflicts_with = "frames")]
     pub(crate) at: Option<f64>,
-    /// Render these frames, both ends included, as in 0..47, or every second as in 0..47:2; --output has a place for the number: frame.####.png
+    /// Frames to render, both ends included: 0..47, or every second one: 0..47:2; --output has # for the number: frame.####.png
     #[arg(long, value_name = "FIRST..LAST[:STEP]", value_parser = value::frames, allow_hyphen_values = true)]
     pub(crate) frames: Option<FrameRange>,
     /// Frames per second: frame f is at f / N seconds [default: 24]
     #[arg(hide_short_help = true, long, value_name = "N", value_parser = value::frames_per_second, allow_hyphen_values = true)]
     fps: Option<f64>,
-    /// Animation of the scene, by its name or its number from 0; without it the first
+    /// Animation of the scene, by name or number from 0 [default: the first]
     #[arg(hide_short_help = true, long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
     pub(crate) animation: Option<String>,
-    /// Open the shutter at the moment for so many frames, so that what moves is blurred; 0 closes it at once [default: 0]
+    /// Shutter time in frames, for motion blur; 0 = none [default: 0]
     #[arg(hide_short_help = true, long, value_name = "X", value_parser = value::shutter, allow_hyphen_values = true)]
     shutter: Option<f64>,
-    /// Keep frames whose files are there
+    /// Skip frames whose files exist
     #[arg(hide_short_help = true, long, requires = "frames")]
     pub(crate) skip_existing: bool,
 }

@@ -12,10 +12,10 @@ use crate::messages::Verbosity;
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Messages")]
 pub(crate) struct VerbosityArguments {
-    /// Say nothing but errors
+    /// Print errors only
     #[arg(short, long, overrides_with = "verbose")]
     quiet: bool,
-    /// Say what is done and how long it takes; twice: all that is known
+    /// Print each step and its time; twice: everything
     #[arg(short, long, hide_short_help = true, action = ArgAction::Count, overrides_with = "quiet")]
     verbose: u8,
 }

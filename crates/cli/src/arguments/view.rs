@@ -43,8 +43,8 @@ pub(crate) struct FrameArguments {
     /// Seed of the random numbers: the same seed gives the same picture
     #[arg(help_heading = "Quality", hide_short_help = true, long, value_name = "N", value_parser = value::seed, allow_hyphen_values = true, default_value = "0")]
     pub(crate) seed: u64,
-    /// How light is computed: path (all light), whitted (direct light, mirrors, glass), ir, bir, mir (all light by virtual
-    /// lights), eyelight or normals (shapes)
+    /// Integrator: path (all light), whitted (direct light, mirrors, glass), ir, bir, mir (all light by virtual lights), eyelight
+    /// or normals (shapes)
     #[arg(
         help_heading = "Light", hide_short_help = true,
         long,
@@ -54,7 +54,7 @@ pub(crate) struct FrameArguments {
         default_value = "path"
     )]
     pub(crate) integrator: Integrator,
-    /// How samples make a pixel: box, triangle, gaussian or blackman-harris
+    /// Reconstruction filter: box, triangle, gaussian or blackman-harris
     #[arg(
         help_heading = "Quality", hide_short_help = true,
         long,
@@ -64,29 +64,28 @@ pub(crate) struct FrameArguments {
         default_value = "box"
     )]
     pub(crate) filter: ReconstructionFilter,
-    /// How deep light is followed; whitted: how often it may be mirrored or refracted; path: edges of a path, 1 = light
-    /// seen directly, 2 = direct light
+    /// Maximum depth. path: edges of a path, 1 = lights seen directly, 2 = direct light; whitted: reflections and refractions
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::depth, allow_hyphen_values = true, default_value = "16")]
     pub(crate) max_depth: u32,
-    /// Virtual lights of each sample per pixel, about (ir, bir, mir)
+    /// Virtual lights per sample of a pixel, approximately (ir, bir, mir)
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::virtual_lights, allow_hyphen_values = true, default_value = "1024")]
     pub(crate) vpls: u32,
-    /// ir, bir, mir: largest geometry term, one over area, that virtual lights bring light over; rays bring the rest; without it
-    /// the scene's size decides. path: no light that was scattered more than once adds more than this where it is met (too dark)
+    /// path: limit each indirect contribution to X (biased, darker). ir, bir, mir: limit the geometry term of virtual lights,
+    /// 1/area; rays add the remainder (unbiased) [default: from the scene's size]
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "X", value_parser = value::clamp, allow_hyphen_values = true)]
     pub(crate) clamp: Option<f32>,
-    /// ir, bir, mir: each pixel of a pattern of NxN gathers its share of the virtual lights, then light is averaged over as
-    /// many pixels of a surface: N^2 times fewer rays, slightly blurred. 1, 3, 5 or 7; 1 = every pixel gathers from all
+    /// ir, bir, mir: interleaved sampling in patterns of NxN pixels: N^2 times fewer rays, slightly blurred; 1, 3, 5 or 7;
+    /// 1 = each pixel uses all virtual lights
     #[arg(help_heading = "Light", hide_short_help = true, long, value_name = "N", value_parser = value::interleave, allow_hyphen_values = true, default_value = "1")]
     pub(crate) interleave: u32,
-    /// Sample each tile until its noise falls below this share of its radiance: at least 16 samples, at most --spp
+    /// Adaptive sampling: stop a tile when its relative noise is below X, like 0.02; at least 16 samples, at most --spp
     #[arg(help_heading = "Quality", hide_short_help = true, long, value_name = "X", value_parser = value::noise, allow_hyphen_values = true)]
     pub(crate) noise: Option<f32>,
     /// Make every material a Lambertian reflector of its base colour
     #[arg(help_heading = "Look", hide_short_help = true, long)]
     pub(crate) force_diffuse: bool,
-    /// Shade a material, or all by *, by a file in the shading language (.osl, .oso, .oslgroup) or a class of libOpenRT: a built-in
-    /// one, or one of a plugin's FILE; numbers between commas, textures as @FILE; a FILE.osl of a light needs no material; may be given more than once
+    /// Shade a material (* = all) by a shader: a file (.osl, .oso, .oslgroup), or a class of libOpenRT, built-in or from a
+    /// plugin's FILE. Values: numbers between commas, textures as @FILE. A light's FILE.osl needs no material; repeatable
     #[arg(
         help_heading = "Look", hide_short_help = true,
         long = "shader",
@@ -98,7 +97,7 @@ pub(crate) struct FrameArguments {
     )]
     pub(crate) shaders: Vec<ShaderChoice>,
     /// Change a value of the scene, as in materials.gold.roughness=0.3, materials.*.base_color=0.2,0.5,0.8, lights.0.intensity=2
-    /// or instances.NAME.visible=false; one number keeps a light's colour; may be given more than once
+    /// or instances.NAME.visible=false; one number keeps a light's colour; repeatable
     #[arg(
         help_heading = "Look", hide_short_help = true,
         long,
@@ -108,8 +107,7 @@ pub(crate) struct FrameArguments {
         action = clap::ArgAction::Append
     )]
     pub(crate) set: Vec<Override>,
-    /// What pixels show, by a pixel shader in the shading language (.osl, .oso, .oslgroup): it sees the light along each camera ray,
-    /// and asks for more rays
+    /// Pixel shader (.osl, .oso, .oslgroup): computes a pixel from the light along its camera rays, and can trace more rays
     #[arg(help_heading = "Look", hide_short_help = true, long = "pixel-shader", value_name = "FILE.osl[:NAME=VALUE...]", value_parser = value::pixel_shader, allow_hyphen_values = true)]
     pub(crate) pixel_shader: Option<ShaderChoice>,
 }
@@ -118,32 +116,32 @@ pub(crate) struct FrameArguments {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Camera")]
 pub(crate) struct ViewArguments {
-    /// Camera of the scene, by its name or its number from 0; or a camera in the shading language that stands where the scene's first
-    /// one does, or the one of a name: [NAME=]FILE.osl[:NAME=VALUE...]
+    /// Camera of the scene, by name or number from 0; or a camera shader, [NAME=]FILE.osl[:NAME=VALUE...], at the position of
+    /// the camera NAME, or of the first one
     #[arg(long, value_name = "NAME|INDEX|FILE.osl", value_parser = value::camera, allow_hyphen_values = true)]
     pub(crate) camera: Option<CameraChoice>,
-    /// Where the camera is
+    /// Position of the camera, in world units
     #[arg(long, value_name = "X,Y,Z", value_parser = value::point, allow_hyphen_values = true)]
     pub(crate) eye: Option<[f32; 3]>,
-    /// A point in the middle of the picture
+    /// Point that the camera looks at, in the middle of the picture
     #[arg(long, value_name = "X,Y,Z", value_parser = value::point, allow_hyphen_values = true)]
     pub(crate) target: Option<[f32; 3]>,
-    /// What is up in the picture
+    /// Direction of up in the picture
     #[arg(hide_short_help = true, long, value_name = "X,Y,Z", value_parser = value::direction, allow_hyphen_values = true)]
     pub(crate) up: Option<[f32; 3]>,
-    /// Vertical angle of view in degrees; above 0, below 180, of fisheyes at most 360
+    /// Vertical field of view in degrees: above 0 and below 180, at most 360 for a fisheye
     #[arg(hide_short_help = true, long, value_name = "DEGREES", value_parser = value::angle_of_view, allow_hyphen_values = true)]
     pub(crate) fov: Option<f32>,
-    /// How directions become places in the picture: perspective, orthographic, fisheye, panorama
+    /// Projection: perspective, orthographic, fisheye or panorama
     #[arg(hide_short_help = true, long, value_name = "NAME", value_parser = value::projection)]
     pub(crate) projection: Option<Projection>,
-    /// Height of what an orthographic camera shows [default: what the perspective would show at the target]
+    /// Height of an orthographic camera's view [default: the perspective's height at the target]
     #[arg(hide_short_help = true, long, value_name = "UNITS", value_parser = value::length, allow_hyphen_values = true)]
     pub(crate) view_height: Option<f32>,
-    /// Diameter of the lens: what is not in focus becomes soft; 0 = a pinhole
+    /// Diameter of the lens, for depth of field; 0 = pinhole
     #[arg(hide_short_help = true, long, value_name = "UNITS", value_parser = value::aperture, allow_hyphen_values = true)]
     pub(crate) aperture: Option<f32>,
-    /// Distance from the camera to what is in focus [default: where the target is]
+    /// Distance in focus [default: the target's distance]
     #[arg(hide_short_help = true, long, value_name = "UNITS", value_parser = value::length, allow_hyphen_values = true)]
     pub(crate) focus: Option<f32>,
     #[command(flatten)]
@@ -154,12 +152,12 @@ pub(crate) struct ViewArguments {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Light")]
 pub(crate) struct SurroundingsArguments {
-    /// What rays see that leave the scene, and light from there: a latitude-longitude picture (.hdr, .exr, .pfm, .png, .jpg), a
-    /// radiance R,G,B, builtin:day, builtin:evening, builtin:overcast, or a sky in the shading language, FILE.osl[:NAME=VALUE...]; its up
-    /// is --up, or else +y. Without it a default light is added, but only to a scene without any light of its own
+    /// Environment light and background: a latitude-longitude picture (.hdr, .exr, .pfm, .png, .jpg), a radiance R,G,B,
+    /// builtin:day, builtin:evening, builtin:overcast, or a shader, FILE.osl[:NAME=VALUE...]. Its up is --up, else +y. Without
+    /// this option a scene that has no light gets a default one
     #[arg(long, value_name = "FILE|R,G,B|SKY", value_parser = value::surroundings, allow_hyphen_values = true)]
     pub(crate) environment: Option<Surroundings>,
-    /// Degrees that it is turned by around what is up
+    /// Rotation of the environment around up, in degrees
     #[arg(hide_short_help = true, long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true, default_value = "0", requires = "environment")]
     pub(crate) environment_turn: f64,
 }
@@ -199,7 +197,7 @@ pub(crate) struct MachineArguments {
     /// Instruction set: auto, scalar, sse4.2, avx2, avx512 or neon
     #[arg(hide_short_help = true, long, value_name = "NAME", value_parser = value::isa, allow_hyphen_values = true)]
     pub(crate) isa: Option<Level>,
-    /// Keep large arrays in a file in this folder instead of memory: for scenes larger than memory
+    /// Keep large arrays in a file in this folder: for scenes larger than memory
     #[arg(hide_short_help = true, long, value_name = "DIR")]
     pub(crate) out_of_core: Option<PathBuf>,
 }
@@ -208,7 +206,7 @@ pub(crate) struct MachineArguments {
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Time and machine")]
 pub(crate) struct TreeArguments {
-    /// What trees are made for: fast rays, or compact, in half the memory for slower rays; the picture is the same
+    /// Trees: fast, or compact (half the memory, slower rays); the picture is the same
     #[arg(hide_short_help = true, long, value_name = "NAME", value_parser = value::memory, allow_hyphen_values = true, default_value = "fast")]
     pub(crate) memory: Memory,
 }
@@ -227,7 +225,7 @@ pub(crate) struct LightArguments {
         hide_short_help = true
     )]
     pub(crate) tone: ToneCurve,
-    /// Exposure of PNG files in stops, each of which doubles the light: 0 = as it is, auto = as suits the picture
+    /// Exposure of PNG files in stops, each doubles the light: 0 = unchanged, auto = from the picture
     #[arg(
         long,
         value_name = "EV",

@@ -18,7 +18,7 @@ use super::{
 pub(crate) struct WindowArguments {
     /// Scene file ({SCENES}) or builtin:NAME
     pub(crate) scene: OsString,
-    /// Render without a window, and say how fast that is
+    /// Render without a window and print the frame rate
     #[arg(help_heading = "Picture", long)]
     pub(crate) headless: bool,
     /// Picture to write of the last frame: {PICTURES}; only without a window
@@ -33,7 +33,7 @@ pub(crate) struct WindowArguments {
     pub(crate) output: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) view: ViewArguments,
-    /// Degrees that the camera goes around its target in all frames; only without a window, 360 for several frames
+    /// Orbit of the camera around its target over all frames, in degrees; only without a window [default: 360 for several frames]
     #[arg(help_heading = "Camera", hide_short_help = true, long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true)]
     pub(crate) orbit: Option<f64>,
     #[command(flatten)]
@@ -42,13 +42,13 @@ pub(crate) struct WindowArguments {
     pub(crate) denoiser: DenoiserArguments,
     #[command(flatten)]
     pub(crate) light: LightArguments,
-    /// Animation that the space bar plays, by its name or its number from 0; without it the first
+    /// Animation that the space bar plays, by name or number from 0 [default: the first]
     #[arg(help_heading = "Animation", long, value_name = "NAME|INDEX", allow_hyphen_values = true)]
     pub(crate) animation: Option<String>,
-    /// Leave after this many pictures; without a window 1 unless given
+    /// Leave after N pictures [default without a window: 1]
     #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true)]
     pub(crate) frames: Option<u32>,
-    /// Pictures at rest that follow the last frame, with more and more samples, and how much they flicker; only without a window
+    /// Render N refining pictures after the last frame and print their flicker; only without a window
     #[arg(help_heading = "Time and machine", hide_short_help = true, long, value_name = "N", value_parser = value::samples, allow_hyphen_values = true)]
     pub(crate) rest: Option<u32>,
     /// Show the pictures in tev instead of a window: tev:HOST:PORT
@@ -58,7 +58,7 @@ pub(crate) struct WindowArguments {
     pub(crate) machine: MachineArguments,
     #[command(flatten)]
     pub(crate) trees: TreeArguments,
-    /// Say how long frames took: a table on standard error, or json on standard output; only without a window
+    /// Print frame times: a table on standard error, or json on standard output; only without a window
     #[arg(
         help_heading = "Messages", hide_short_help = true,
         long,
