@@ -144,7 +144,7 @@ pub fn meet_single(
     ray.meet(corners, asks_where, t_near, t_far)
 }
 
-/// One lane of those that are [doubtful](Reached::doubtful): it passes inside.
+/// One lane of those that are doubtful (`Reached::doubtful`): it passes inside.
 #[cold]
 #[inline(never)]
 pub fn meet_inside(corners: &[[f32; 3]; 3], ray: &LoneRay, t_near: f32, t_far: f32) -> Option<TriangleHit> {

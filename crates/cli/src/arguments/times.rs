@@ -55,15 +55,6 @@ impl TimeArguments {
         self.shutter.is_some_and(|frames| frames > 0.0)
     }
 
-    /// The seed of the samples at a time: noise then differs from frame to frame. At 0 seconds it is the seed itself.
-    pub(crate) fn seed(seed: u64, seconds: f64) -> u64 {
-        // The finaliser of splitmix64: near times get unrelated seeds, and 0 stays 0.
-        let mut bits = (seconds + 0.0).to_bits();
-        bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        seed.wrapping_add(bits ^ (bits >> 31))
-    }
-
     /// When the shutter that opens at a moment closes.
     pub(crate) fn closes(&self, opens: f64) -> f64 {
         opens + self.shutter.unwrap_or(0.0) / self.fps()

@@ -268,10 +268,8 @@ impl Studio<'_> {
         let closes = self.arguments.times.closes(frame.seconds);
         let keys = ready.motion.as_ref().map(|motion| &motion.keys);
         let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
-        let seed = TimeArguments::seed(self.options.seed, frame.seconds);
-        let options = RenderOptions { seed, ..self.options.clone() };
-        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, &options);
+        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, self.options);
         plan.targets = frame.targets;
-        make(self.arguments, begin, plan, ready, &options, pool, messages)
+        make(self.arguments, begin, plan, ready, self.options, pool, messages)
     }
 }

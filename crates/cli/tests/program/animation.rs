@@ -77,22 +77,6 @@ fn a_sequence_has_the_pictures_of_its_moments() {
 }
 
 #[test]
-fn noise_differs_between_frames_and_a_still_keeps_its_own() {
-    let folder = Folder::new();
-    animated(&folder);
-    // After the last key nothing moves: only the noise is another one.
-    folder
-        .gnurt(&format!("render a.gltf --frames 100..101 --fps 1 -o f.#.png --denoise=none {SMALL}"))
-        .success();
-    assert!(folder.read("f.100.png") != folder.read("f.101.png"), "two patterns of noise");
-    for (number, seconds) in [(0, 0.0), (1, 1.0)] {
-        folder.gnurt(&format!("render a.gltf --at {seconds} --seed 7 -o {number}.png {SMALL}")).success();
-    }
-    folder.gnurt(&format!("render a.gltf --frames 0..1 --fps 1 --seed 7 -o s.#.png {SMALL}")).success();
-    assert!(folder.read("s.0.png") == folder.read("0.png") && folder.read("s.1.png") == folder.read("1.png"));
-}
-
-#[test]
 fn scenes_without_camera_and_light_keep_theirs() {
     let folder = Folder::new();
     animated(&folder);
