@@ -26,7 +26,7 @@ fn every_command_has_a_page() {
         }
     }
     let render = read("gnurt-render.1");
-    for arguments_given in ["Also write a picture of the cost of each pixel", "How deep light is followed"] {
+    for arguments_given in ["Also write a heat map", "Maximum depth"] {
         assert!(
             render.contains(arguments_given),
             "the page says what options do that the short help leaves out: {arguments_given}"
