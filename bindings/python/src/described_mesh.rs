@@ -252,9 +252,10 @@ fn materials(given: &mut Given, triangles: usize) -> PyResult<(Option<Vec<usize>
         )));
     }
     let slots = flat(&numbers, 1).into_iter().map(|slot| match slot {
-        slot if slot >= 0.0 && slot < count as f32 => Ok(slot as usize),
+        slot if slot >= 0.0 && slot < count as f32 && slot.fract() == 0.0 => Ok(slot as usize),
         slot => Err(PyValueError::new_err(format!(
-            "face_materials: expected places among {count} materials, from 0 on, not {slot}"
+            "face_materials: expected whole numbers from 0 to {}, not {slot}",
+            count - 1
         ))),
     });
     Ok((materials, slots.collect::<PyResult<_>>()?))

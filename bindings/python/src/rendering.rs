@@ -23,7 +23,7 @@ use crate::given::Given;
 use crate::picture::{Picture, take_noise_out};
 use crate::pool::ThreadCount;
 use crate::scripts::script_named;
-use crate::stage::{Aim, Clip, Shot, View, Ways};
+use crate::stage::{Aim, Clip, MotionKeys, Shot, View};
 use crate::watch::watched;
 
 /// All that a rendering is asked for.
@@ -81,11 +81,11 @@ impl BuildRequest {
             size: [width, height],
             camera_shader: camera_shader(&mut given)?,
             pixel_shader: pixel_shader(&mut given)?,
-            ways: ways(&mut given)?,
+            motion: motion_keys(&mut given)?,
             integrator: options.integrator,
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
         };
-        if view.at.is_some() && view.ways.is_some() {
+        if view.at.is_some() && view.motion.is_some() {
             return Err(PyValueError::new_err("motion: does not go with at=, which moves the scene's clip"));
         }
         if view.shutter > 0.0 && view.at.is_none() {
@@ -184,33 +184,33 @@ fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShad
         .map_err(|why| PyValueError::new_err(format!("pixel_shader: {why}")))
 }
 
-/// What moves while the shutter is open: instances by number with matrices, and cameras, at moments evenly spaced.
-fn ways(given: &mut Given) -> PyResult<Option<Ways>> {
+/// Motion while the shutter is open: instances by number with matrices, and cameras, at times evenly spaced.
+fn motion_keys(given: &mut Given) -> PyResult<Option<MotionKeys>> {
     let Some(motion) = given.get("motion")? else { return Ok(None) };
     let wrong = || PyTypeError::new_err("motion: expected a dict of 'instances' and 'cameras'");
     let motion = motion.cast_into::<PyDict>().map_err(|_| wrong())?;
     let mut inner = Given::new(&motion);
-    let mut ways = Ways::default();
+    let mut keys = MotionKeys::default();
     if let Some(instances) = inner.get("instances")? {
-        for (number, keys) in instances.cast_into::<PyDict>().map_err(|_| wrong())? {
+        for (number, matrices) in instances.cast_into::<PyDict>().map_err(|_| wrong())? {
             let mut places = Vec::new();
-            for key in keys.try_iter()? {
+            for key in matrices.try_iter()? {
                 places.push(Affine { columns: transform("motion", &key?)? });
             }
             if places.is_empty() {
                 return Err(PyValueError::new_err("motion: an instance has no matrix"));
             }
-            ways.instances.push((number.extract()?, places));
+            keys.instances.push((number.extract()?, places));
         }
     }
     if let Some(cameras) = inner.get("cameras")? {
         for camera in cameras.try_iter()? {
             let Aim::Own(camera) = aimed(&camera?)? else { return Err(wrong()) };
-            ways.cameras.push(camera);
+            keys.cameras.push(camera);
         }
     }
     inner.end()?;
-    Ok(Some(ways))
+    Ok(Some(keys))
 }
 
 fn moment(given: &mut Given) -> PyResult<Option<(Clip, f64)>> {

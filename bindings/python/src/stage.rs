@@ -31,14 +31,14 @@ pub(crate) struct View {
     /// What pixels show, and its script.
     pub(crate) pixel_shader: Option<(Script, Arc<dyn PixelShader>)>,
     /// What moves while the shutter is open, beside a clip.
-    pub(crate) ways: Option<Ways>,
+    pub(crate) motion: Option<MotionKeys>,
     pub(crate) integrator: Integrator,
     pub(crate) force_diffuse: bool,
 }
 
-/// Places of things at moments evenly spaced over the time that the shutter is open.
+/// Transforms of instances, and cameras, at times evenly spaced while the shutter is open.
 #[derive(Default)]
-pub(crate) struct Ways {
+pub(crate) struct MotionKeys {
     /// By numbers of instances.
     pub(crate) instances: Vec<(usize, Vec<Affine>)>,
     /// Of the camera that is used.
@@ -211,8 +211,8 @@ impl Stage {
             }
             None => {}
         }
-        if let Some(ways) = &view.ways {
-            shown.move_along(ways, &mut exposure)?;
+        if let Some(motion) = &view.motion {
+            shown.move_along(motion, &mut exposure)?;
         }
         // A camera of the scene moves with it.
         let camera = number.map_or(camera, |number| shown.scene.cameras()[number].clone());
@@ -225,8 +225,12 @@ impl Stage {
         let no_view = || PyValueError::new_err("camera: has no view: a number of it is too large");
         let moves = exposure.cameras.iter().find(|(id, _)| Some(id.index()) == number);
         let keys = moves.map_or(std::slice::from_ref(&camera), |(_, keys)| keys);
-        let keys =
-            view.ways.as_ref().map(|ways| &ways.cameras[..]).filter(|keys| !keys.is_empty()).unwrap_or(keys);
+        let keys = view
+            .motion
+            .as_ref()
+            .map(|motion| &motion.cameras[..])
+            .filter(|keys| !keys.is_empty())
+            .unwrap_or(keys);
         let rays = camera_rays_along(keys, camera_shader.as_ref(), view.size).ok_or_else(no_view)?;
         let exposure = if view.integrator == Integrator::Normals { Some(0.0) } else { shown.exposure };
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure })
@@ -305,10 +309,10 @@ impl Stage {
 }
 
 impl Shown {
-    /// Lets instances go their ways while the shutter is open.
-    fn move_along(&mut self, ways: &Ways, exposure: &mut Exposure) -> PyResult<()> {
+    /// Moves instances along their keys while the shutter is open.
+    fn move_along(&mut self, motion: &MotionKeys, exposure: &mut Exposure) -> PyResult<()> {
         let count = self.scene.instances().len();
-        for (number, keys) in &ways.instances {
+        for (number, keys) in &motion.instances {
             if *number >= count {
                 return Err(PyIndexError::new_err(format!(
                     "motion: there is no instance {number}; there are {count}"

@@ -98,6 +98,8 @@ def test_corners_and_materials():
         scene.add_mesh(SQUARE, FACES, normals=np.zeros((3, 3)))
     with pytest.raises(ValueError, match="face_materials"):
         scene.add_mesh(SQUARE, FACES, material=both)
+    with pytest.raises(ValueError, match="face_materials: expected whole numbers"):
+        scene.add_mesh(SQUARE, FACES, material=both, face_materials=[0, 0.5])
 
 
 def test_motion():

@@ -6,7 +6,7 @@
 use std::panic::{PanicHookInfo, catch_unwind};
 use std::sync::{Mutex, Once, PoisonError};
 
-use clap::{CommandFactory, FromArgMatches};
+use clap::FromArgMatches;
 use gnurt::image::expects_panics;
 
 use crate::arguments::{Arguments, Command, Refusal, explain, verbosity_behind_command, without_effect};
@@ -41,8 +41,9 @@ fn parse_and_run() -> u8 {
     if let Some(status) = osl::run() {
         return status;
     }
-    let command_line = verbosity_behind_command(command_line().to_vec(), &Arguments::command());
-    let parsed = Arguments::with_formats().try_get_matches_from(command_line);
+    let command = Arguments::with_formats();
+    let command_line = verbosity_behind_command(command_line().to_vec(), &command);
+    let parsed = command.try_get_matches_from(command_line);
     let (arguments, matches) = match parsed
         .and_then(|matches| Ok((Arguments::from_arg_matches(&matches)?, matches)))
     {

@@ -72,7 +72,7 @@ impl Override {
     pub fn parse(text: &str) -> Result<Self, String> {
         let form = || {
             format!(
-                "'{text}' is no change of a scene; give LIST.NAME.FIELD=VALUE like materials.gold.roughness=0.3"
+                "invalid change of a scene: '{text}'; give LIST.NAME.FIELD=VALUE like materials.gold.roughness=0.3"
             )
         };
         let (path, value) = text.split_once('=').ok_or_else(form)?;
@@ -84,7 +84,7 @@ impl Override {
         let known = LISTS.iter().find(|(known, _)| *known == list);
         let Some(&(_, list)) = known else {
             let lists = LISTS.map(|(list, _)| list).join(", ");
-            return Err(format!("'{list}' is no list of a scene that can be changed; valid are: {lists}"));
+            return Err(format!("unknown list of a scene: '{list}'; valid are: {lists}"));
         };
         Ok(Self { list, name: name.into(), field: field.into(), value: value.trim().into() })
     }
@@ -134,7 +134,7 @@ impl Override {
         }
         let (list, name) = (self.list_name(), &self.name);
         let valid = if valid.is_empty() { "none".into() } else { valid.join(", ") };
-        Err(format!("{list}.{name} has no field '{}'; valid are: {valid}", self.field))
+        Err(format!("{list}.{name}: unknown field '{}'; valid are: {valid}", self.field))
     }
 
     fn list_name(&self) -> &'static str {
@@ -163,7 +163,7 @@ impl Override {
             list += &format!(" and {more} more");
         }
         let list = if list.is_empty() { "none: the list is empty or nameless".into() } else { list };
-        Err(format!("nothing in {} is called '{}'; valid are: {list}", self.list_name(), self.name))
+        Err(format!("{}: unknown name '{}'; valid are: {list}", self.list_name(), self.name))
     }
 
     /// Sets the field; the names of the fields, if it is none of them.
@@ -178,7 +178,7 @@ impl Override {
     fn put(&self, slot: Slot) -> Result<(), String> {
         let wrong = |allowed: String| {
             let path = format!("{}.{}.{}", self.list_name(), self.name, self.field);
-            format!("{path}: '{}' does not go; {allowed}", self.value)
+            format!("{path}: invalid value '{}'; {allowed}", self.value)
         };
         let numbers = |most: f32| {
             let parsed: Result<Vec<f32>, _> =
@@ -352,7 +352,10 @@ mod tests {
             ("materials.gold=3", "LIST.NAME.FIELD=VALUE"),
             ("meshes.a.b=3", "valid are: materials, lights, instances"),
             ("materials.silver.roughness=0", "valid are: wall.white, gold"),
-            ("materials.wall.white.roughness=0", "has no field 'roughness'; valid are: base_color, emission"),
+            (
+                "materials.wall.white.roughness=0",
+                "unknown field 'roughness'; valid are: base_color, emission",
+            ),
             ("materials.gold.roughness=2", "from 0 to 1"),
             ("materials.gold.roughness=nan", "from 0 to 1"),
             ("materials.gold.base_color=1,2", "three numbers from 0 to 1"),

@@ -54,27 +54,18 @@ impl Surroundings {
     /// [`Error::Image`] if the picture cannot be read, [`Error::Surroundings`] if the shader does not compile; the scene stays as
     /// it was.
     pub fn put_around(&self, scene: &mut Scene, up: [f32; 3], yaw: f64) -> Result<(), Error> {
-        let given = if let Self::Shader(_, given) = self { &given[..] } else { &[] };
-        let read = |path: &Path| match script_sky::is_script(path) || !given.is_empty() {
-            true => script_sky::texels(path, given).map_err(Error::Surroundings),
-            false => Ok((image::read_texture(path)?, None)),
-        };
-        let texels = self.file().map(read).transpose()?;
-        let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians());
-        let (radiance, texture) = match (self, texels) {
-            (Self::Sky(sky), _) => {
-                sky.add_to(scene, world_from_light);
-                return Ok(());
+        let world_from_light = placed(up, yaw);
+        match self {
+            Self::Uniform(radiance) => {
+                scene.add_light(Light::Environment { radiance: *radiance, texture: None, world_from_light });
             }
-            (Self::Uniform(radiance), _) => (*radiance, None),
-            (Self::Picture(path) | Self::Shader(path, _), Some(texels)) => {
-                let name = path.file_name().unwrap_or_default().to_string_lossy();
-                put_texels(texels, &name, scene, world_from_light);
-                return Ok(());
+            Self::Sky(sky) => sky.add_to(scene, world_from_light),
+            Self::Picture(path) if !script_sky::is_script(path) => {
+                put_texels((image::read_texture(path)?, None), &name_of(path), scene, world_from_light);
             }
-            (Self::Picture(_) | Self::Shader(..), None) => ([1.0; 3], None),
-        };
-        scene.add_light(Light::Environment { radiance, texture, world_from_light });
+            Self::Picture(path) => put_sky(path, &[], scene, world_from_light)?,
+            Self::Shader(path, given) => put_sky(path, given, scene, world_from_light)?,
+        }
         Ok(())
     }
 
@@ -89,7 +80,7 @@ impl Surroundings {
         yaw: f64,
     ) -> Result<(), Error> {
         let texels = script_sky::texels_of(script).map_err(Error::Surroundings)?;
-        let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians());
+        let world_from_light = placed(up, yaw);
         put_texels(texels, script.name(), scene, world_from_light);
         Ok(())
     }
@@ -102,10 +93,26 @@ impl Surroundings {
         up: [f32; 3],
         yaw: f64,
     ) {
-        let world_from_light = upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians());
+        let world_from_light = placed(up, yaw);
         let texture = Some(scene.add_texture(texture));
         scene.add_light(Light::Environment { radiance, texture, world_from_light });
     }
+}
+
+/// Adds a sky in the shading language.
+fn put_sky(
+    path: &Path,
+    given: &[(String, String)],
+    scene: &mut Scene,
+    world_from_light: Affine,
+) -> Result<(), Error> {
+    let texels = script_sky::texels(path, given).map_err(Error::Surroundings)?;
+    put_texels(texels, &name_of(path), scene, world_from_light);
+    Ok(())
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 /// Adds an environment of a picture, and of the one that rays of the camera see where it is another.
@@ -127,6 +134,11 @@ fn put_texels(
         scene.add_light(Light::Backdrop { texture, world_from_light });
     }
     scene.add_light(Light::Environment { radiance: [1.0; 3], texture: Some(sky), world_from_light });
+}
+
+/// The transform of an environment whose +y is `up`, turned around it by `yaw` degrees.
+fn placed(up: [f32; 3], yaw: f64) -> Affine {
+    upright(up) * Affine::rotation([0.0, 1.0, 0.0], yaw.to_radians())
 }
 
 /// The smallest rotation that takes +y to `up`.

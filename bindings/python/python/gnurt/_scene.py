@@ -89,21 +89,74 @@ class Scene(_Scene):
         """Puts another texture in the place of one. Shaders that were made before keep the old one."""
         self._set_texture(texture, _texture(source, name, colorspace, wrap, filter))
 
-    def add_mesh(self, vertices, faces=None, **properties):
+    def add_mesh(
+        self,
+        vertices,
+        faces=None,
+        *,
+        name=None,
+        normals=None,
+        texcoords=None,
+        tangents=None,
+        colors=None,
+        attributes=None,
+        face_attributes=None,
+        material=None,
+        face_materials=None,
+        transform=None,
+        rays=None,
+    ):
         """The number of a new mesh, put in its place. Takes meshes of trimesh and of Open3D, too: shapes and vertex colours.
 
         normals, texcoords, tangents, colors and the arrays in attributes={name: array} have a row for each vertex, (n, width), or for each
         corner, (m, 3, width); those in face_attributes have one for each triangle. material is a number, or several, of which
         face_materials (m,) gives each triangle one. rays lists the kinds that see it: "camera", "shadow", "other". transform, name.
         """
-        return self._add_mesh(_mesh(vertices, faces, properties))
+        given = {
+            "name": name,
+            "normals": normals,
+            "texcoords": texcoords,
+            "tangents": tangents,
+            "colors": colors,
+            "attributes": attributes,
+            "face_attributes": face_attributes,
+            "material": material,
+            "face_materials": face_materials,
+            "transform": transform,
+            "rays": rays,
+        }
+        return self._add_mesh(_mesh(vertices, faces, given))
 
-    def set_mesh(self, instance, vertices, faces=None, **properties):
+    def set_mesh(
+        self,
+        instance,
+        vertices,
+        faces=None,
+        *,
+        name=None,
+        normals=None,
+        texcoords=None,
+        tangents=None,
+        colors=None,
+        attributes=None,
+        face_attributes=None,
+        material=None,
+        face_materials=None,
+    ):
         """Puts another mesh in the place of what an instance shows, and of all its instances. Arguments as of `add_mesh`, without
-        transform and rays."""
-        if "transform" in properties or "rays" in properties:
-            raise TypeError("transform, rays: are those of an instance; call update")
-        self._set_mesh(instance, _mesh(vertices, faces, properties))
+        transform and rays, which `update` changes."""
+        given = {
+            "name": name,
+            "normals": normals,
+            "texcoords": texcoords,
+            "tangents": tangents,
+            "colors": colors,
+            "attributes": attributes,
+            "face_attributes": face_attributes,
+            "material": material,
+            "face_materials": face_materials,
+        }
+        self._set_mesh(instance, _mesh(vertices, faces, given))
 
     def add_instance(self, instance, transform):
         """The number of what `instance` shows, shown once more."""
@@ -156,7 +209,7 @@ class Scene(_Scene):
         crop, filter, time, denoise, layers, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
         camera_shader=FILE or source text in the shading language, with camera_parameters={name: value}, makes the rays where the
         camera stands; pixel_shader and pixel_parameters say what pixels show.
-        motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at moments evenly spaced.
+        motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at times evenly spaced.
         `progress` is True, or called with the share that is done."""
         with _told(progress) as tell:
             picture = self._render({"width": width, "height": height, **options}, tell)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, Self
 
@@ -66,8 +66,39 @@ class Scene:
         wrap: str | tuple[str, str] = "repeat",
         filter: Literal["linear", "nearest"] = "linear",
     ) -> None: ...
-    def add_mesh(self, vertices: Any, faces: ArrayLike | None = None, **properties: Any) -> int: ...
-    def set_mesh(self, instance: int, vertices: Any, faces: ArrayLike | None = None, **properties: Any) -> None: ...
+    def add_mesh(
+        self,
+        vertices: Any,
+        faces: ArrayLike | None = None,
+        *,
+        name: str | None = None,
+        normals: ArrayLike | None = None,
+        texcoords: ArrayLike | None = None,
+        tangents: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        attributes: Mapping[str, ArrayLike] | None = None,
+        face_attributes: Mapping[str, ArrayLike] | None = None,
+        material: int | Sequence[int] | None = None,
+        face_materials: ArrayLike | None = None,
+        transform: ArrayLike | None = None,
+        rays: Sequence[str] | None = None,
+    ) -> int: ...
+    def set_mesh(
+        self,
+        instance: int,
+        vertices: Any,
+        faces: ArrayLike | None = None,
+        *,
+        name: str | None = None,
+        normals: ArrayLike | None = None,
+        texcoords: ArrayLike | None = None,
+        tangents: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        attributes: Mapping[str, ArrayLike] | None = None,
+        face_attributes: Mapping[str, ArrayLike] | None = None,
+        material: int | Sequence[int] | None = None,
+        face_materials: ArrayLike | None = None,
+    ) -> None: ...
     def add_instance(self, instance: int, transform: ArrayLike) -> int: ...
     def update(
         self,

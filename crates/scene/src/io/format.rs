@@ -114,11 +114,7 @@ impl Formats {
                 }
                 None => "no extension says which scene format it has".to_owned(),
             };
-            let allowed = match allowed.rsplit_once(", ") {
-                Some((others, last)) => format!("valid are {others} and {last}"),
-                None => format!("valid is {allowed}"),
-            };
-            Error { kind: ErrorKind::UnknownFormat, ..Error::data(path, None, problem, allowed) }
+            unknown(path, problem, &allowed)
         })
     }
 
@@ -130,15 +126,8 @@ impl Formats {
         let path = path.as_ref();
         let access = Access::new(options)?;
         let read = self.of(path).and_then(|format| {
-            format.read.ok_or_else(|| Error {
-                kind: ErrorKind::UnknownFormat,
-                ..Error::data(
-                    path,
-                    None,
-                    format!("{} files are written, not read", format.name),
-                    format!("valid are {}", self.read_extensions()),
-                )
-            })
+            let problem = || format!("{} files are written, not read", format.name);
+            format.read.ok_or_else(|| unknown(path, problem(), &self.read_extensions()))
         });
         let mut loaded = match read {
             Ok(read) => read(path, &access),
@@ -170,15 +159,8 @@ impl Formats {
 
     fn writer(&self, path: &Path) -> Result<SceneWriter, Error> {
         let format = self.named(path, self.written_extensions())?;
-        format.write.ok_or_else(|| Error {
-            kind: ErrorKind::UnknownFormat,
-            ..Error::data(
-                path,
-                None,
-                format!("{} files are read, not written", format.name),
-                format!("valid are {}", self.written_extensions()),
-            )
-        })
+        let problem = || format!("{} files are read, not written", format.name);
+        format.write.ok_or_else(|| unknown(path, problem(), &self.written_extensions()))
     }
 
     /// Writes a scene in the format of the file's name. The warnings name the losses.
@@ -212,4 +194,13 @@ impl Formats {
         files.extend((self.writer(path)?.companions)(scene, path));
         Ok(files)
     }
+}
+
+/// The error of a format that is unknown or has no reader or writer; `allowed` are extensions between commas.
+fn unknown(path: &Path, problem: String, allowed: &str) -> Error {
+    let remedy = match allowed.rsplit_once(", ") {
+        Some((others, last)) => format!("valid are {others} and {last}"),
+        None => format!("valid is {allowed}"),
+    };
+    Error { kind: ErrorKind::UnknownFormat, ..Error::data(path, None, problem, remedy) }
 }

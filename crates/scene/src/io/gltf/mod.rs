@@ -58,7 +58,7 @@ pub(super) const TEXT: Format = Format {
 pub(super) const BINARY: Format = Format {
     name: "binary glTF 2.0",
     extensions: &["glb"],
-    notes: "one file, with its textures",
+    notes: "one file, with its textures; written at rest",
     read: Some(|path, access| load(path, true, access)),
     read_whole: true,
     write: Some(SceneWriter {
