@@ -29,15 +29,14 @@ use crate::walk::{MOST_WAIT, farthest_first};
 
 /// Where intervals leave this many children of a node, rays are tested one by one.
 const MANY: u32 = 2;
-/// So many rays or fewer go on alone. Where a register holds sixteen lanes five take up to 5 % less time than three
-/// (bench/record/rays-few-2026-11-22.md).
+/// So many rays or fewer go on alone. Where a register holds sixteen lanes five take up to 5 % less time than three (docs/explanation/tried.md).
 const fn few<S: Simd>() -> u32 {
     if S::LANES >= LANES { 5 } else { 3 }
 }
 
 /// So many rays of a chunk or fewer are tested one by one against the eight triangles of a block. Tests of sixteen rays, of
 /// which there is one for each triangle that may be met, take twice as long where a register holds eight; with sixteen, six
-/// are up to 4 % better than four (bench/record/kernels-tried.md).
+/// are up to 4 % better than four (docs/explanation/tried.md).
 const fn few_in_leaf<S: Simd>() -> u32 {
     if S::LANES >= LANES { 6 } else { 7 }
 }

@@ -13,23 +13,28 @@ pub enum TriangleTest {
     Projected,
 }
 
-/// The acceleration structure of an object.
+/// The acceleration structure of an object. All but BVHs need the feature `research`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Structure {
     /// A SAH kd-tree with nodes of 8 bytes: the paper's structure.
+    #[cfg(feature = "research")]
     Kd,
     /// A bounding volume hierarchy whose nodes have eight children.
     #[default]
     Bvh,
     /// A bounding interval hierarchy \[WK06\]: nodes of 12 bytes with two planes along one axis. Shared out by the surface area
     /// heuristic, with clips where a child does not fill what rays know of it. Can be refitted.
+    #[cfg(feature = "research")]
     Bih,
     /// The same as it was published: space is halved, and nothing is done about what is empty. For comparison.
+    #[cfg(feature = "research")]
     PlainBih,
     /// A B-KD tree \[WMS06\]: nodes of 20 bytes with four planes along one axis, and clips as above. Can be refitted.
+    #[cfg(feature = "research")]
     BKd,
     /// A grid of cells of one size \[WIK*06\]: quick to build, for what is built anew each frame; slow to
     /// trace, most of all where triangles are spread unevenly. All qualities are one.
+    #[cfg(feature = "research")]
     Grid,
 }
 

@@ -11,6 +11,7 @@ use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 use gnurt_simd::{Simd, Token, by_level};
 
+use crate::any::ResearchIndex;
 use crate::grid::GridIndex;
 use crate::index::KdIndex;
 use crate::interval::IntervalIndex;
@@ -115,58 +116,38 @@ impl Kernels {
         Self { token, table: by_level!(token, S => &For::<S>::TABLE) }
     }
 
-    /// One ray through the tree.
+    /// One ray through the structure.
     #[inline]
-    pub fn ray(&self, index: &KdIndex, traversal: &mut RayTraversal) {
-        (self.table.ray)(self.token, index, traversal);
+    pub fn ray(&self, index: &ResearchIndex, traversal: &mut RayTraversal) {
+        match index {
+            ResearchIndex::Kd(index) => (self.table.ray)(self.token, index, traversal),
+            ResearchIndex::Interval(index) => (self.table.interval)(self.token, index, traversal),
+            ResearchIndex::Grid(index) => (self.table.grid)(self.token, index, traversal),
+        }
     }
 
-    /// A tile's first rays, all of them active and of one heading. Lanes beyond them up to the next multiple of 16 hold
-    /// copies of rays that look for nothing (`t` is -inf). Whether there is a kernel for it.
+    /// A tile's first rays, all of them active and of one direction class. Lanes beyond them up to the next multiple of 16 hold
+    /// copies of rays that look for nothing (`t` is -inf). Returns whether there is a kernel for it.
     #[inline]
     pub fn tile(
         &self,
-        index: &KdIndex,
+        index: &ResearchIndex,
         direction_class: DirectionClass,
         traversal: &mut TileTraversal,
     ) -> bool {
-        self.table.tile.inspect(|kernel| kernel(self.token, index, direction_class, traversal)).is_some()
-    }
-
-    /// One ray through an interval hierarchy.
-    #[inline]
-    pub fn interval(&self, index: &IntervalIndex, traversal: &mut RayTraversal) {
-        (self.table.interval)(self.token, index, traversal);
-    }
-
-    /// A tile as [`tile`](Self::tile) takes it. Whether there is a kernel for it.
-    #[inline]
-    pub fn interval_tile(
-        &self,
-        index: &IntervalIndex,
-        direction_class: DirectionClass,
-        traversal: &mut TileTraversal,
-    ) -> bool {
-        self.table
-            .interval_tile
-            .inspect(|kernel| kernel(self.token, index, direction_class, traversal))
-            .is_some()
-    }
-
-    /// One ray through a grid.
-    #[inline]
-    pub fn grid(&self, index: &GridIndex, traversal: &mut RayTraversal) {
-        (self.table.grid)(self.token, index, traversal);
-    }
-
-    /// A tile as [`tile`](Self::tile) takes it. Whether there is a kernel for it.
-    #[inline]
-    pub fn grid_tile(
-        &self,
-        index: &GridIndex,
-        direction_class: DirectionClass,
-        traversal: &mut TileTraversal,
-    ) -> bool {
-        self.table.grid_tile.inspect(|kernel| kernel(self.token, index, direction_class, traversal)).is_some()
+        let token = self.token;
+        match index {
+            ResearchIndex::Kd(index) => {
+                self.table.tile.inspect(|kernel| kernel(token, index, direction_class, traversal)).is_some()
+            }
+            ResearchIndex::Interval(index) => {
+                let kernel = self.table.interval_tile;
+                kernel.inspect(|kernel| kernel(token, index, direction_class, traversal)).is_some()
+            }
+            ResearchIndex::Grid(index) => {
+                let kernel = self.table.grid_tile;
+                kernel.inspect(|kernel| kernel(token, index, direction_class, traversal)).is_some()
+            }
+        }
     }
 }

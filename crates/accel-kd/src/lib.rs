@@ -10,6 +10,7 @@
     reason = "keys of docs/papers.bib stand in brackets, too; tidy checks them"
 )]
 
+mod any;
 mod build;
 mod builder;
 mod divide;
@@ -35,7 +36,5 @@ mod single;
 mod slab;
 mod tiles;
 
-pub use grid::GridIndex;
-pub use index::KdIndex;
-pub use interval::IntervalIndex;
+pub use any::ResearchIndex;
 pub use kernels::Kernels;

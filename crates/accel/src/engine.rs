@@ -11,7 +11,7 @@ use gnurt_simd::Level;
 pub(crate) struct Engine {
     pub(crate) tiles: TileKernels,
     pub(crate) bvh: gnurt_accel_bvh::Kernels,
-    pub(crate) kd: gnurt_accel_kd::Kernels,
+    pub(crate) research: crate::research::Kernels,
 }
 
 impl Engine {
@@ -28,7 +28,7 @@ impl Engine {
         Self {
             tiles: TileKernels::of(token),
             bvh: gnurt_accel_bvh::Kernels::of(token),
-            kd: gnurt_accel_kd::Kernels::of(token),
+            research: crate::research::Kernels::of(token),
         }
     }
 

@@ -205,6 +205,7 @@ mod packet;
 mod pencil;
 mod queries;
 mod query;
+mod research;
 mod scene;
 mod shown;
 mod slices;

@@ -22,12 +22,12 @@ use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
-use gnurt_accel_kd::{GridIndex, IntervalIndex, KdIndex};
 use kind::{Group, Kind};
 use locations::Locations;
 
 use crate::coherent::by_direction_class;
 use crate::engine::Engine;
+use crate::research::ResearchIndex;
 use crate::{Aabb, BadPrimitives, Hit, TreeStats};
 
 /// Trees over an object's geometries.
@@ -55,9 +55,7 @@ struct Part {
 /// What was built. To add a structure is to add a line here and in the matches below.
 #[derive(Clone, Debug)]
 enum Index {
-    Kd(KdIndex),
-    Interval(IntervalIndex),
-    Grid(GridIndex),
+    Research(ResearchIndex),
     Bvh(BvhIndex),
     /// Triangles that move while the shutter is open.
     Moving(MotionIndex),
@@ -90,9 +88,7 @@ impl ObjectTree {
         let same = |(a, b): (&Part, &Part)| {
             a.mask == b.mask
                 && match (&a.index, &b.index) {
-                    (Index::Kd(a), Index::Kd(b)) => a == b,
-                    (Index::Interval(a), Index::Interval(b)) => a == b,
-                    (Index::Grid(a), Index::Grid(b)) => a == b,
+                    (Index::Research(a), Index::Research(b)) => a == b,
                     (Index::Bvh(a), Index::Bvh(b)) => a == b,
                     (Index::Moving(a), Index::Moving(b)) => a == b,
                     (Index::Spheres(a), Index::Spheres(b)) => a == b,
@@ -169,9 +165,7 @@ impl ObjectTree {
     fn coherent(&self, engine: &Engine, direction_class: DirectionClass, traversal: &mut TileTraversal) {
         for part in self.parts.iter().filter(|part| part.mask & traversal.rays.mask != 0) {
             let has_kernel = match &part.index {
-                Index::Kd(index) => engine.kd.tile(index, direction_class, traversal),
-                Index::Interval(index) => engine.kd.interval_tile(index, direction_class, traversal),
-                Index::Grid(index) => engine.kd.grid_tile(index, direction_class, traversal),
+                Index::Research(index) => engine.research.tile(index, direction_class, traversal),
                 Index::Bvh(index) => engine.bvh.tile(index, direction_class, traversal),
                 Index::Moving(_) | Index::Spheres(_) | Index::User(_) => false,
             };
@@ -185,9 +179,7 @@ impl ObjectTree {
     pub(crate) fn nearest(&self, engine: &Engine, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         for part in self.parts.iter().filter(|part| part.mask & probe.mask != 0) {
             match &part.index {
-                Index::Kd(index) => index.nearest(probe, slot, nearest),
-                Index::Interval(index) => index.nearest(probe, slot, nearest),
-                Index::Grid(index) => index.nearest(probe, slot, nearest),
+                Index::Research(index) => index.nearest(probe, slot, nearest),
                 Index::Bvh(index) => engine.bvh.point(index, probe, slot, nearest),
                 Index::Moving(index) => engine.bvh.point(index.first(), probe, slot, nearest),
                 Index::Spheres(index) => engine.bvh.spheres_point(index, probe, slot, nearest),
@@ -227,7 +219,7 @@ impl Part {
     /// What it is over.
     fn group(&self) -> Group {
         let kind = match self.index {
-            Index::Kd(_) | Index::Interval(_) | Index::Grid(_) | Index::Bvh(_) => Kind::Surfaces,
+            Index::Research(_) | Index::Bvh(_) => Kind::Surfaces,
             Index::Moving(ref index) => Kind::Moving(index.keys()),
             Index::Spheres(_) => Kind::Spheres,
             Index::User(_) => Kind::User,
@@ -239,9 +231,7 @@ impl Part {
 impl Index {
     fn bounds(&self) -> Aabb {
         match self {
-            Self::Kd(index) => index.bounds(),
-            Self::Interval(index) => index.bounds(),
-            Self::Grid(index) => index.bounds(),
+            Self::Research(index) => index.bounds(),
             Self::Bvh(index) => index.bounds(),
             Self::Moving(index) => index.bounds(),
             Self::Spheres(index) => index.bounds(),
@@ -251,9 +241,7 @@ impl Index {
 
     fn stats(&self) -> TreeStats {
         match self {
-            Self::Kd(index) => index.stats(),
-            Self::Interval(index) => index.stats(),
-            Self::Grid(index) => index.stats(),
+            Self::Research(index) => index.stats(),
             Self::Bvh(index) => index.stats(),
             Self::Moving(index) => index.stats(),
             Self::Spheres(index) => index.stats(),
@@ -265,9 +253,7 @@ impl Index {
     #[inline(always)]
     fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
         match self {
-            Self::Kd(index) => engine.kd.ray(index, traversal),
-            Self::Interval(index) => engine.kd.interval(index, traversal),
-            Self::Grid(index) => engine.kd.grid(index, traversal),
+            Self::Research(index) => engine.research.ray(index, traversal),
             Self::Bvh(index) => engine.bvh.ray(index, traversal),
             Self::Moving(index) => engine.bvh.moving(index, traversal),
             Self::Spheres(index) => engine.bvh.spheres(index, traversal),

@@ -20,6 +20,8 @@ pub enum LoadError {
     Checksum,
     /// What it holds is no tree that could have been built; the text says what is wrong.
     Damaged(&'static str),
+    /// The crate was built without the feature of this name, which its structure needs.
+    MissingFeature(&'static str),
 }
 
 impl fmt::Display for LoadError {
@@ -37,6 +39,9 @@ impl fmt::Display for LoadError {
             Self::Truncated => f.write_str("a saved tree ends too early"),
             Self::Checksum => f.write_str("a saved tree does not have the checksum that it should have"),
             Self::Damaged(what) => write!(f, "a saved tree is damaged: {what}"),
+            Self::MissingFeature(name) => {
+                write!(f, "a saved tree needs the feature `{name}`, which this program lacks")
+            }
         }
     }
 }

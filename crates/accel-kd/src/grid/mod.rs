@@ -12,4 +12,4 @@ mod positions;
 mod slices;
 mod walk;
 
-pub use index::GridIndex;
+pub(crate) use index::GridIndex;

@@ -14,4 +14,4 @@ mod refit;
 mod share;
 mod walk;
 
-pub use index::IntervalIndex;
+pub(crate) use index::IntervalIndex;

@@ -8,11 +8,14 @@ use gnurt_accel_bvh::{BvhIndex, MotionIndex, Screen, SphereIndex, UserIndex};
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::surfaces::Surfaces;
+
+#[cfg(feature = "research")]
 use gnurt_accel_core::valid_triangles::ValidTriangles;
-use gnurt_accel_kd::{GridIndex, IntervalIndex, KdIndex};
 
 use super::kind::{Group, Kind, group_of};
 use super::{Index, ObjectTree, Part};
+#[cfg(feature = "research")]
+use crate::research::ResearchIndex;
 use crate::{
     Aabb, BadPrimitives, BuildControl, BuildError, BuildOptions, Geometry, Structure, Threads, TreeStats,
     Triangles,
@@ -85,39 +88,7 @@ impl ObjectTree {
                 Kind::Surfaces => {
                     let group_numbers = (0..geometries.len()).filter(|&i| in_group(&geometries[i]));
                     let numbers: usize = group_numbers.map(|i| numbering.range(i).len()).sum();
-                    let number = size_of::<u32>();
                     match options.structure {
-                        Structure::Kd
-                        | Structure::Bih
-                        | Structure::PlainBih
-                        | Structure::BKd
-                        | Structure::Grid => {
-                            watch.take(number * numbers);
-                            watch.result()?;
-                            let valid_triangles =
-                                ValidTriangles::over(geometries, &numbering, in_group, threads);
-                            bad += valid_triangles.bad;
-                            triangles = Some(valid_triangles.good.len() as u64);
-                            if valid_triangles.good.is_empty() {
-                                continue;
-                            }
-                            let index = match options.structure {
-                                Structure::Kd => {
-                                    Index::Kd(KdIndex::build(&valid_triangles, options, threads, &watch)?)
-                                }
-                                Structure::Grid => {
-                                    Index::Grid(GridIndex::build(&valid_triangles, options, threads, &watch)?)
-                                }
-                                other => Index::Interval(IntervalIndex::build(
-                                    &valid_triangles,
-                                    other,
-                                    threads,
-                                    &watch,
-                                )?),
-                            };
-                            watch.give(number * numbers);
-                            index
-                        }
                         Structure::Bvh => {
                             let each = Screen::bytes_each(quality);
                             watch.take(each * numbers);
@@ -135,6 +106,21 @@ impl ObjectTree {
                             let index = BvhIndex::build(&mut screen, quality, memory, threads, &watch)?;
                             watch.give(retained);
                             Index::Bvh(index)
+                        }
+                        #[cfg(feature = "research")]
+                        _ => {
+                            let number = size_of::<u32>();
+                            watch.take(number * numbers);
+                            watch.result()?;
+                            let valid = ValidTriangles::over(geometries, &numbering, in_group, threads);
+                            bad += valid.bad;
+                            triangles = Some(valid.good.len() as u64);
+                            if valid.good.is_empty() {
+                                continue;
+                            }
+                            let index = ResearchIndex::build(&valid, options, threads, &watch)?;
+                            watch.give(number * numbers);
+                            Index::Research(index)
                         }
                     }
                 }

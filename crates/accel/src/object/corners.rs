@@ -15,9 +15,7 @@ impl Index {
     /// How many leaf blocks there are, and the numbers of each.
     pub(super) fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
         match self {
-            Self::Kd(index) => index.numbers(visit),
-            Self::Interval(index) => index.numbers(visit),
-            Self::Grid(index) => index.numbers(visit),
+            Self::Research(index) => index.numbers(visit),
             Self::Bvh(index) => index.numbers(visit),
             Self::Moving(index) => index.first().numbers(visit),
             Self::Spheres(index) => index.numbers(visit),
@@ -27,9 +25,7 @@ impl Index {
 
     fn primitive(&self, number: u32, block: usize, lane: usize, time: f32) -> Option<Primitive<'_>> {
         Some(match self {
-            Self::Kd(index) => Primitive::Triangle(index.corners_at(number, block, lane)),
-            Self::Interval(index) => Primitive::Triangle(index.corners_at(block, lane)),
-            Self::Grid(index) => Primitive::Triangle(index.corners_at(block, lane)),
+            Self::Research(index) => Primitive::Triangle(index.corners_at(number, block, lane)),
             Self::Bvh(index) => Primitive::Triangle(index.corners_at(block, lane)),
             Self::Moving(index) => Primitive::Triangle(index.corners_at(block, lane, time)),
             Self::Spheres(index) => {

@@ -52,7 +52,7 @@ impl ObjectTree {
         let part = |part: &Part| {
             let group = part.group();
             let index = match &part.index {
-                Index::Kd(_) | Index::Interval(_) | Index::Grid(_) => return Err(RefitError::Structure),
+                Index::Research(_) => return Err(RefitError::Structure),
                 Index::Bvh(index) => {
                     let surfaces = Surfaces::new(geometries, &numbering, |other| group_of(other) == group);
                     Index::Bvh(index.without_pose(&surfaces)?)

@@ -63,8 +63,8 @@ impl ObjectTree {
             let in_group = |geometry: &Geometry| group_of(geometry) == group;
             let mut primitives = None;
             match &mut part.index {
-                Index::Kd(_) | Index::Grid(_) | Index::Moving(_) => return Err(RefitError::Structure),
-                Index::Interval(index) => {
+                Index::Moving(_) => return Err(RefitError::Structure),
+                Index::Research(index) => {
                     index.refit(&Surfaces::new(geometries, &numbering, in_group), threads)?
                 }
                 Index::Bvh(index) => {
@@ -90,7 +90,11 @@ impl ObjectTree {
 
     /// Whether its structure knows refits at all.
     pub(crate) fn knows_refits(&self) -> bool {
-        !self.parts.iter().any(|part| matches!(part.index, Index::Kd(_) | Index::Grid(_) | Index::Moving(_)))
+        self.parts.iter().all(|part| match &part.index {
+            Index::Research(index) => index.knows_refits(),
+            Index::Moving(_) => false,
+            Index::Bvh(_) | Index::Spheres(_) | Index::User(_) => true,
+        })
     }
 
     /// What a ray is expected to cost, as a multiple of what it was expected to cost when the trees over triangles were
@@ -99,7 +103,7 @@ impl ObjectTree {
     pub fn cost_growth(&self) -> f64 {
         let growth = |part: &super::Part| match &part.index {
             Index::Bvh(index) => index.decline(),
-            Index::Interval(index) => index.decline(),
+            Index::Research(index) => index.decline(),
             _ => 1.0,
         };
         self.parts.iter().map(growth).fold(1.0, f64::max)

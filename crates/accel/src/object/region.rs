@@ -24,9 +24,7 @@ impl ObjectTree {
                 visit(&SurfaceInRegion { slot, number, primitive, path, region });
             };
             match &part.index {
-                Index::Kd(index) => index.filter_region(&region_filter, visit),
-                Index::Interval(index) => index.filter_region(&region_filter, visit),
-                Index::Grid(index) => index.filter_region(&region_filter, visit),
+                Index::Research(index) => index.filter_region(&region_filter, visit),
                 Index::Bvh(index) => index.filter_region(&region_filter, visit),
                 Index::Moving(index) => index.first().filter_region(&region_filter, visit),
                 Index::Spheres(index) => index.filter_region(&region_filter, visit),

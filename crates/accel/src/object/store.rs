@@ -8,10 +8,10 @@ use std::sync::OnceLock;
 use gnurt_accel_bvh::{BvhIndex, SphereIndex};
 use gnurt_accel_core::geometry::{Numbering, geometry_of};
 use gnurt_accel_core::store::{Reader, Writer};
-use gnurt_accel_kd::KdIndex;
 
 use super::build::both;
 use super::{Index, ObjectTree, Part};
+use crate::research::ResearchIndex;
 use crate::{Aabb, BadPrimitives, LoadError, MOST_TRIANGLES, Memory, TreeStats, TriangleTest};
 
 const BVH: u64 = 0;
@@ -56,24 +56,12 @@ impl ObjectTree {
             writer.number(match index {
                 Index::Bvh(index) if index.is_compact() => COMPACT_BVH,
                 Index::Bvh(_) => BVH,
-                Index::Kd(index) => match index.triangle_test() {
+                Index::Research(index) => match index.saved_test()? {
                     TriangleTest::Watertight => KD_WATERTIGHT,
                     TriangleTest::Projected => KD_PROJECTED,
                 },
                 Index::Spheres(index) if index.is_compact() => COMPACT_SPHERES,
                 Index::Spheres(_) => SPHERES,
-                Index::Interval(_) => {
-                    return Err(io::Error::new(
-                        io::ErrorKind::Unsupported,
-                        "interval hierarchies cannot be saved: they are there to be built and refitted",
-                    ));
-                }
-                Index::Grid(_) => {
-                    return Err(io::Error::new(
-                        io::ErrorKind::Unsupported,
-                        "grids cannot be saved: they are there to be built anew",
-                    ));
-                }
                 Index::Moving(_) => {
                     return Err(io::Error::new(
                         io::ErrorKind::Unsupported,
@@ -87,10 +75,10 @@ impl ObjectTree {
             save_stats(&mut writer, &index.stats())?;
             writer.bounds(&index.bounds())?;
             match index {
-                Index::Kd(index) => index.save(&mut writer)?,
+                Index::Research(index) => index.save(&mut writer)?,
                 Index::Bvh(index) => index.save(&mut writer)?,
                 Index::Spheres(index) => index.save(&mut writer)?,
-                Index::Interval(_) | Index::Grid(_) | Index::Moving(_) | Index::User(_) => {}
+                Index::Moving(_) | Index::User(_) => {}
             }
         }
         writer.end()
@@ -135,11 +123,12 @@ impl ObjectTree {
             let index = match kind {
                 BVH => Index::Bvh(BvhIndex::load(&mut reader, Memory::Fast, bounds)?),
                 COMPACT_BVH => Index::Bvh(BvhIndex::load(&mut reader, Memory::Compact, bounds)?),
-                KD_WATERTIGHT => {
-                    Index::Kd(KdIndex::load(&mut reader, bounds, stats, TriangleTest::Watertight)?)
-                }
-                KD_PROJECTED => {
-                    Index::Kd(KdIndex::load(&mut reader, bounds, stats, TriangleTest::Projected)?)
+                KD_WATERTIGHT | KD_PROJECTED => {
+                    let test = match kind {
+                        KD_PROJECTED => TriangleTest::Projected,
+                        _ => TriangleTest::Watertight,
+                    };
+                    Index::Research(ResearchIndex::load(&mut reader, bounds, stats, test)?)
                 }
                 SPHERES => Index::Spheres(SphereIndex::load(&mut reader, Memory::Fast, bounds)?),
                 COMPACT_SPHERES => Index::Spheres(SphereIndex::load(&mut reader, Memory::Compact, bounds)?),
@@ -165,10 +154,10 @@ impl ObjectTree {
                 return Err(LoadError::Damaged("a tree is over nothing"));
             }
             match index {
-                Index::Kd(index) => index.check(count)?,
+                Index::Research(index) => index.check(count)?,
                 Index::Bvh(index) => index.check(count)?,
                 Index::Spheres(index) => index.check(count)?,
-                Index::Interval(_) | Index::Grid(_) | Index::Moving(_) | Index::User(_) => {}
+                Index::Moving(_) | Index::User(_) => {}
             }
             bounds = bounds.union(&index.bounds());
             measured = both(measured, index.stats());
