@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which paths are ended by chance. Source: [AK90] (Russian roulette); how soon was measured, bench/record/light-2026-11-23.md.
+//! Which paths are ended by chance. Source: [AK90] (Russian roulette); how soon was measured, docs/explanation/tried.md.
 //! Invariant: who ends a path with probability `1 - survival` divides what it carries by `survival`.
 //! Tests: crates/render/tests/{path,agreement,many_lights}.rs.
 

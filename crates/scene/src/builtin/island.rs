@@ -36,7 +36,7 @@ pub(super) fn scene() -> Scene {
 }
 
 /// The same with trees that move, seen from nearer, where the shader library shows what it can. From the boat that would cost a third of
-/// the time of a picture, for little to see (bench/record/language-closing-2026-11-23.md).
+/// the time of a picture, for little to see.
 pub(super) fn in_the_wind() -> Scene {
     let (mut scene, trees) = island();
     wind::blow(&mut scene, &trees);

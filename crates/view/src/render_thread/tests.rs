@@ -356,7 +356,6 @@ fn shaders_are_read_again_by_themselves_or_stay() {
     let shown = begin.elapsed().as_millis();
     wait_for(&render_thread, "all of it", is_all(2.0));
     assert_eq!(render_thread.stage().world.stats(), world, "nothing else was made");
-    // bench/record/language-closing-2026-11-23.md.
     eprintln!("a saved shader is read after {} ms and seen after {shown} ms", took.as_millis());
     assert!(took < Duration::from_millis(1000), "{took:?}");
     for value in [3.0, 0.25] {
