@@ -22,6 +22,7 @@ mod output;
 mod picture_header;
 mod program;
 mod progress;
+mod reference;
 mod shaders;
 mod signals;
 mod source;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt manuals DIR`: a man page for the program and one for each command, and completions for bash, zsh and fish, made
-//! from the command line's own description, for those who install the program. By clap's crates.
+//! `gnurt manuals DIR`: a man page for the program and one for each command, completions for bash, zsh and fish, and the
+//! reference page in Markdown, made from the command line's own description. Man pages and completions by clap's crates.
 //! Tests: `tests/program/manuals.rs`.
 
 use std::path::Path;
@@ -10,6 +10,7 @@ use clap_complete::Shell;
 
 use crate::arguments::{Arguments, ManualsArguments};
 use crate::failure::{Failure, Outcome};
+use crate::reference;
 
 /// Writes them all.
 pub(crate) fn run(arguments: &ManualsArguments) -> Outcome {
@@ -20,6 +21,7 @@ pub(crate) fn run(arguments: &ManualsArguments) -> Outcome {
     let mut program = without_help(Arguments::with_formats());
     program.build();
     write_pages(&program, "gnurt", folder).map_err(failed)?;
+    std::fs::write(folder.join("command-line.md"), reference::page(&program)).map_err(failed)?;
     for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
         clap_complete::generate_to(shell, &mut Arguments::with_formats(), "gnurt", folder).map_err(failed)?;
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt manuals`: a page for each command that the help lists, and completions that know them.
 
+use std::path::Path;
+
 use super::harness::Folder;
 
 #[test]
@@ -36,6 +38,12 @@ fn every_command_has_a_page() {
     for name in ["gnurt.bash", "_gnurt", "gnurt.fish"] {
         assert!(read(name).contains("render"), "{name} knows the commands");
     }
+    let reference = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/command-line.md");
+    let known = std::fs::read_to_string(&reference).unwrap_or_default();
+    assert!(
+        known == read("command-line.md"),
+        "docs/reference/command-line.md differs from the options; `gnurt manuals DIR` writes it anew"
+    );
     folder.write("file", "");
     folder.gnurt("manuals file/below").fails(1, "cannot write to file/below");
 }
