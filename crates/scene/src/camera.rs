@@ -13,13 +13,13 @@ pub struct Camera {
     pub eye: [f32; 3],
     /// A point in the middle of the picture.
     pub target: [f32; 3],
-    /// What is up; need not be perpendicular to the view.
+    /// The up direction; it need not be perpendicular to the view.
     pub up: [f32; 3],
     /// Vertical angle of view in degrees: in (0, 180) of perspectives, in (0, 360] of fisheyes; others do not read it.
     pub fov_y: f32,
     /// How directions become places in the picture.
     pub projection: Projection,
-    /// What it lets light in through.
+    /// The lens.
     pub lens: Lens,
 }
 
@@ -41,12 +41,12 @@ impl Default for Camera {
 /// How directions become places in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Projection {
-    /// Straight lines stay straight, what is far is small.
+    /// Straight lines stay straight; distant objects are smaller.
     #[default]
     Perspective,
     /// All rays are parallel and begin in the plane of the eye.
     Orthographic {
-        /// Of what the picture shows, world units.
+        /// Height of the visible region, world units.
         height: f32,
     },
     /// The distance from the middle of the picture is the angle to the view (equidistant); `fov_y` is the angle between the upper and
@@ -73,12 +73,13 @@ impl fmt::Display for Projection {
     }
 }
 
-/// A thin, round lens. What is in focus lies in a plane across the view; for fisheyes and panoramas, which look everywhere, on a sphere.
+/// A thin, round lens. The focus surface is a plane across the view; for fisheyes and panoramas it is a
+/// sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lens {
     /// Its diameter in world units; 0 = a pinhole, all is in focus.
     pub aperture: f32,
-    /// Distance from the eye to what is in focus, world units, above 0; `None` = where the target is.
+    /// Distance from the eye to the focus surface, world units, above 0; `None` = distance of the target.
     pub focus: Option<f32>,
 }
 
@@ -96,7 +97,7 @@ pub struct Frame {
 }
 
 impl Camera {
-    /// Distance from the eye to what is in focus.
+    /// Distance from the eye to the focus surface.
     #[must_use]
     pub fn focus_distance(&self) -> f32 {
         let target = || {
@@ -114,7 +115,7 @@ impl Camera {
         (2.0 * far * (f64::from(self.fov_y).to_radians() / 2.0).tan()) as f32
     }
 
-    /// What keeps it from showing anything, in words, and what would be right; `None` if it can.
+    /// The reason that the camera cannot be used, with the remedy; `None` for a valid camera.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         let Some(_) = self.frame().filter(|_| self.eye.iter().all(|x| x.is_finite())) else {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What few materials have: something within them, brushed facets, a thin film, a body that light goes through.
-//! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}; each says what its numbers mean.
-//! Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
+//! Rare parts of materials: an interior, brushed microfacets, a thin film, diffuse transmission.
+//! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}, which define
+//! the numbers. Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
 
 use crate::texture::TextureRef;
 
-/// What light meets within solid glass. Glass that is thin has no inside.
+/// The interior of solid glass. Glass that is thin has no inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interior {
-    /// What is left of white light after the distance below, in `[0, 1]`.
+    /// Transmittance of white light over the distance below, in `[0, 1]`.
     pub attenuation_color: [f32; 3],
     /// World units, > 0; infinite = nothing is absorbed.
     pub attenuation_distance: f32,

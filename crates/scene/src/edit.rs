@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The edit log: what changed since somebody last looked, so that a commit does only the work that is due.
-//! A journal in the order of time, and the moment of each thing's last edit: of several edits of one thing
-//! only the last counts. The journal is weeded when half of it is stale, so it never grows beyond the scene itself.
-//! Cost: noting is O(1), amortised; asking costs what was noted since, however large the scene.
-//! Any number of worlds can follow one scene, each with its own [`Cursor`]; a copy of a scene is another scene.
+//! The edit log: the changes since a cursor, so that a commit does only the necessary work. A journal in the
+//! order of time, and the time of each thing's last edit: of several edits of one thing only the last counts.
+//! The journal is compacted when half of it is stale, so it never outgrows the scene. Cost: noting is O(1),
+//! amortised; reading is linear in the number of edits since the cursor, for a scene of any size. Any number
+//! of worlds can follow one scene, each with its own [`Cursor`]; a copy of a scene is another scene.
 
 use std::sync::Arc;
 
@@ -67,7 +67,7 @@ impl Eq for SceneIdentity {}
 pub struct EditLog {
     identity: SceneIdentity,
     now: u64,
-    /// What was noted, ascending in time. An entry counts while it is the last of its thing.
+    /// The edits, ascending in time. An entry counts while it is the last of its thing.
     journal: Vec<(u64, Edit)>,
     /// By kind and place: the moment of the last edit; 0 = none yet.
     last: [Vec<u64>; KINDS],
@@ -123,7 +123,7 @@ impl EditLog {
         &self.identity
     }
 
-    /// What was edited after `cursor`, each thing once, in the order of last edits.
+    /// The edits after `cursor`: each thing once, in the order of last edits.
     pub fn since(&self, cursor: Cursor) -> impl Iterator<Item = Edit> + '_ {
         let first = self.journal.partition_point(|&(edit_number, _)| edit_number <= cursor.0);
         let entries = self.journal[first..].iter();

@@ -19,7 +19,7 @@ const GLASS_ROUGHNESS: f32 = 0.05;
 /// From this factor on all light goes through.
 const CLEAR: f32 = 0.99;
 
-/// What glTF says of a material. The defaults are glTF's.
+/// The factors of a glTF material. The defaults are glTF's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factors {
     /// For people.
@@ -58,7 +58,7 @@ pub struct Factors {
     pub transmission: f32,
     /// KHR_materials_volume: above 0 = solid.
     pub thickness: f32,
-    /// KHR_materials_volume: what is left after the distance below.
+    /// KHR_materials_volume: the transmittance over the distance below.
     pub attenuation_color: [f32; 3],
     /// KHR_materials_volume: world units.
     pub attenuation_distance: f32,
@@ -92,7 +92,7 @@ pub struct Factors {
     pub emission_texture: Option<MappedTexture>,
 }
 
-/// What the opacity means.
+/// The use of the opacity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AlphaMode {
     /// Nothing.
@@ -179,7 +179,7 @@ enum Kind {
 }
 
 impl Factors {
-    /// What the extensions add, over glTF's defaults for the rest.
+    /// The values of the extensions, with glTF's defaults for the rest.
     fn layers(&self) -> Principled {
         let transmission = unit(self.transmission);
         Principled {
@@ -199,12 +199,12 @@ impl Factors {
         }
     }
 
-    /// Whether what glass there is has no inside.
+    /// Whether all glass of the material is thin.
     fn is_thin(&self) -> bool {
         unit(self.transmission) == 0.0 || unit(self.thickness) == 0.0
     }
 
-    /// What is within glass; of materials without that, the default.
+    /// The interior of the glass; the default for materials without glass.
     fn interior(&self) -> Interior {
         if self.is_thin() {
             return Interior::default();
@@ -319,7 +319,7 @@ impl Factors {
                 material.diffuse = Some(base_color);
                 return material;
             }
-            // What neither mirrors nor conducts is Lambertian, as the material is so far.
+            // A material that neither mirrors nor conducts is Lambertian, as it is so far.
             Kind::Matte => return material,
             Kind::Rough(layers) => *layers,
         };

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects made of other objects: how deep they lie in one another, whether one holds itself, and everything that instances show
-//! when all is unfolded.
-//! The paper's section 6 has two levels. Spaces: a member's transform goes to the object that holds it.
-//! Invariants: walks end, also in descriptions with circles; an object is looked at once, however often it occurs, but by
-//! [`Scene::occurrences`]. Tests: `tests`.
+//! Objects made of other objects: the depth of nesting, cycles, and the occurrences that instances show after
+//! unfolding. [SIP06], section 6, has two levels. Spaces: a member's transform goes to the object that holds
+//! it. Invariants: traversals end, also in descriptions with cycles; each visits an object once, however
+//! often it occurs, except [`Scene::occurrences`]. Tests: `tests`.
 
 use crate::affine::Affine;
 use crate::id::{InstanceId, ObjectId};
@@ -13,7 +12,7 @@ use crate::scene::{Object, Scene};
 /// Most transforms on the way from the world to a mesh: that of an instance, and those of the members within.
 pub const DEEPEST: u32 = 16;
 
-/// Objects that cannot lie in one another as a description says.
+/// Objects whose nesting is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NestingError {
     /// A member that is no object of the scene.
@@ -23,7 +22,7 @@ pub enum NestingError {
         object: u32,
         /// Its place among the members.
         member: usize,
-        /// What it shows.
+        /// The missing object.
         missing: u32,
     },
     /// The members of an object, or theirs, show the object itself.
@@ -51,13 +50,13 @@ pub struct Occurrence<'a> {
     pub name: &'a str,
     /// The object.
     pub object_id: ObjectId,
-    /// And what it is.
+    /// The object itself.
     pub object: &'a Object,
     /// The last transform on the way to it.
     pub parent_from_object: Affine,
     /// All transforms on the way to it.
     pub world_from_object: Affine,
-    /// What all masks on the way have in common.
+    /// The intersection of all masks along the path.
     pub mask: RayMask,
 }
 
@@ -128,8 +127,8 @@ impl Scene {
     }
 
     /// All objects that visible instances show, those within others too, each as often as it occurs: those that hold others
-    /// come first. There may be very many. Of a scene whose [`levels`](Self::levels) are an error what instances show
-    /// themselves; ids that name nothing are passed over.
+    /// come first. There may be very many. If [`levels`](Self::levels) is an error, only the objects that
+    /// instances show directly; invalid ids are skipped.
     #[must_use]
     pub fn occurrences(&self) -> Occurrences<'_> {
         let is_flat = self.objects().iter().all(|object| object.members.is_empty());

@@ -50,7 +50,7 @@ enum Side {
     Both,
 }
 
-/// The corners of a mesh's triangles, and what is found of its vertices.
+/// The corners of a mesh's triangles, and the values found for its vertices.
 struct Corners<'a> {
     mesh: &'a Mesh,
     /// Brings all coordinates to [-1, 1], so that nothing overflows.

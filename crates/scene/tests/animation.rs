@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Animations of glTF files and of programs: what is where at a moment, against a simple evaluation in double precision.
-//! GlTF 2.0 section 3.11 and appendix C, KHR_animation_pointer, KHR_node_visibility.
+//! Animations of glTF files and of programs: positions at a time, against a simple evaluation in double
+//! precision. GlTF 2.0 section 3.11 and appendix C, KHR_animation_pointer, KHR_node_visibility.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ impl Gltf {
         self.add(&bytes, 5126, shape, values.len() / width, "")
     }
 
-    /// An animation's sampler and its channel: `target` is what stands in it.
+    /// An animation's sampler and its channel with this `target`.
     fn curve(&mut self, times: &[f32], values: &[f32], shape: &str, how: &str) -> String {
         let (input, output) = (self.floats(times, "SCALAR"), self.floats(values, shape));
         format!(r#"{{"input":{input},"output":{output},"interpolation":"{how}"}}"#)
@@ -196,7 +196,7 @@ fn cubic_splines_and_normalized_integers() {
     );
 }
 
-/// A bar along y of three squares, whose vertices hang on two joints by their height, in two sets of joints.
+/// A bar along y of three squares, whose vertices follow two joints by their height, in two sets of joints.
 fn bar(g: &mut Gltf, joint: u8) -> String {
     let (mut positions, mut first, mut second, mut normals) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -204,7 +204,7 @@ fn bar(g: &mut Gltf, joint: u8) -> String {
         for x in [0.0, 1.0] {
             positions.extend([x, f32::from(row), 0.0]);
             normals.extend([0.0, 0.0, 1.0]);
-            // Half of what one may expect: weights are divided by their sum.
+            // Half of the expected value: weights are divided by their sum.
             first.extend([0.5 * (1.0 - f32::from(row) / 3.0), 0.0, 0.0, 0.0]);
             second.extend([0.0, 0.5 * f32::from(row) / 3.0, 0.0, 0.0]);
         }
@@ -301,7 +301,7 @@ fn joints_that_mirror_turn_triangles_round() {
     }
 }
 
-/// Numbers of the file that are none: what bends by them is told.
+/// Invalid numbers in the file: the deformed mesh gets a warning.
 #[test]
 fn weights_and_matrices_that_are_no_numbers_are_told() {
     for (weight, bind, text) in [

@@ -4,7 +4,7 @@
 
 use crate::common::{glb, load_named};
 
-/// What must come of a file.
+/// The expected result of a file.
 enum Outcome {
     /// An error whose line holds this text.
     Error(&'static str),

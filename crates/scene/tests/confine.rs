@@ -15,7 +15,7 @@ fn write(path: &Path, bytes: impl AsRef<[u8]>) {
     std::fs::write(path, bytes).expect("a file");
 }
 
-/// Loads a scene in `in/` that may read what is there.
+/// Loads a scene in `in/` that may read only files there.
 fn confined(folder: &Path, name: &str, text: &str) -> Result<Loaded, Error> {
     let path = folder.join("in").join(name);
     write(&path, text);

@@ -19,7 +19,7 @@ pub struct Body {
     pub mesh: MeshId,
     /// As it is before anything bends it.
     pub base: Arc<Mesh>,
-    /// What weights add.
+    /// Displacements that the weights scale and add.
     pub morphs: Vec<Morph>,
     /// Which set of weights; a number of `Animation::weights`.
     pub weights: Option<u32>,
@@ -29,7 +29,7 @@ pub struct Body {
     pub skin: Option<u32>,
 }
 
-/// A morph target: what a weight of one adds.
+/// A morph target: the displacement at weight one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Morph {
     /// To positions.

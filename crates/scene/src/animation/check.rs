@@ -63,7 +63,7 @@ fn exists(what: &str, number: usize, count: usize) -> Result<(), String> {
     if number < count { Ok(()) } else { Err(format!("{what} {number} does not exist")) }
 }
 
-/// Whether what it stands on is among the first `count` nodes.
+/// Whether the node under it is among the first `count` nodes.
 fn on_node(location: &Attachment, count: usize) -> Result<(), String> {
     match location {
         Attachment::On(node) if *node as usize >= count => {

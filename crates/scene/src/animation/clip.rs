@@ -11,7 +11,7 @@ use super::sampler::Sampler;
 pub struct Clip {
     /// For people; may be empty, need not be unique.
     pub name: String,
-    /// What it drives; of two channels of one value the last one counts.
+    /// The driven values; if two channels drive one value, the last one counts.
     pub channels: Vec<Channel>,
 }
 
@@ -24,16 +24,16 @@ impl Clip {
     }
 }
 
-/// A value over time, and what it is the value of.
+/// A value over time and its target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What is driven.
+    /// The driven value.
     pub target: Target,
-    /// By what.
+    /// Its keys.
     pub sampler: Arc<Sampler>,
 }
 
-/// What a channel drives.
+/// The target of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Target {
     /// Where a node is: 3 numbers.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What of a scene moves while a shutter is open: the same things at several moments.
-//! Moments are those of the clip itself, evenly spaced, so that a turn is followed and not its chord, whatever
-//! nodes stand on each other; between two of them a renderer goes straight, or along an arc. Of a mesh only as many moments are
-//! kept as its way needs, and no more are held on the way. Space and units: those of the scene; seconds. Tests: `tests/animation.rs`, `tests/growth.rs`.
+//! Moving parts of a scene during an open shutter, sampled at several times. The times are those of the clip,
+//! evenly spaced, so that a rotation follows its arc instead of its chord for any depth of the node tree. A
+//! renderer interpolates between two samples on a line or an arc. A mesh keeps only as many samples as its
+//! path needs, and the build holds no more than that. Space and units: those of the scene; seconds. Tests:
+//! `tests/animation.rs`, `tests/growth.rs`.
 
 use std::sync::Arc;
 
@@ -15,8 +16,8 @@ use crate::light::Light;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-/// Things that move while a shutter is open, each at moments evenly spaced from when it opens to when it closes, both ends
-/// among them. What a scene shows is the first of them.
+/// Moving parts during an open shutter, each with samples evenly spaced from its opening to its closing, both
+/// included. The scene shows the first sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exposure {
     /// Meshes that bend; their vertices go straight from one moment to the next, up to [`Exposure::BEND`].
@@ -55,7 +56,7 @@ impl Exposure {
     }
 }
 
-/// What a moment shows of what can move, meshes aside.
+/// The state of all moving parts at one time, except meshes.
 #[derive(Clone)]
 struct Instant {
     instances: Vec<(Affine, bool)>,
@@ -109,7 +110,7 @@ impl Bends {
         self.is_enough = mesh.positions.iter().zip(ends).all(|(is, (from, to))| {
             (0..3).all(|k| {
                 let off = (is[k] - (1.0 - share) * from[k] - share * to[k]).abs();
-                // What is no number is in no tree either.
+                // Vertices that are not finite are in no tree either.
                 off <= self.tolerance || off.is_nan()
             })
         });
@@ -125,14 +126,14 @@ struct Shutter<'a> {
     opens: f64,
     closes: f64,
     pieces: usize,
-    /// What was seen at each moment so far.
+    /// The samples so far.
     moments: Vec<Option<Instant>>,
     /// Materials that one moment changes, at most.
     materials: usize,
 }
 
 impl Shutter<'_> {
-    /// Shows a moment, and keeps what moves but meshes.
+    /// Poses the scene for a time, and keeps all moving parts except meshes.
     fn show(&mut self, i: usize) {
         let share = i as f64 / self.pieces as f64;
         let posed = self.scene.pose(self.clip, self.opens + (self.closes - self.opens) * share);
@@ -193,7 +194,7 @@ impl Shutter<'_> {
 }
 
 impl Scene {
-    /// What moves between two moments of a clip, in seconds. The scene shows the first of them afterwards, as after
+    /// Motion between two times of a clip, in seconds. The scene shows the first of them afterwards, as after
     /// [`pose`](Self::pose). Nothing moves where the second is not after the first.
     ///
     /// Values that jump (STEP) go from one to the other within a piece of the time, of which there are 16 to 64.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All that moves in a scene: nodes with their parents, what hangs on them, and the clips that drive them.
-//! Source: after glTF 2.0. Only nodes that can move are here: what stands still is a matrix.
-//! Invariants: a node's parent stands before it; every number is a place in its list. Checked by `Scene::animate`.
+//! All moving parts of a scene: nodes with their parents, the things attached to them, and the clips.
+//! Source: after glTF 2.0. Only moving nodes are here; a fixed node is folded into a matrix. Invariants: a
+//! node follows its parent in the list; every index is in range. Checked by `Scene::animate`.
 
 use crate::affine::Affine;
 use crate::camera::Camera;
@@ -13,10 +13,10 @@ use super::body::Body;
 use super::clip::Clip;
 use super::local::Local;
 
-/// What moves, and how.
+/// The moving parts and their motion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animation {
-    /// What can be played.
+    /// Clips that can be played.
     pub clips: Vec<Clip>,
     /// Nodes that can move, parents first.
     pub nodes: Vec<Node>,
@@ -47,7 +47,7 @@ pub struct Animation {
 pub struct Node {
     /// For people.
     pub name: String,
-    /// What it stands on.
+    /// The node or matrix under it.
     pub parent: Attachment,
     /// Where it is on it, at rest.
     pub rest: Local,
@@ -80,10 +80,10 @@ pub struct MovingInstance {
     pub has_transform: bool,
 }
 
-/// A member of an object that goes with a node.
+/// A member of an object that follows a node.
 ///
-/// The place of the node is the member's place in the object that holds it. Who sees it hangs on the object's instances and on the
-/// member's mask, not on the node.
+/// The node's transform becomes the member's transform in the object that holds it. Its visibility depends on
+/// the object's instances and the member's mask; the node does not affect it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MovingMember {
     /// The object that holds it.
@@ -154,10 +154,10 @@ pub enum LightKind {
     Directional,
 }
 
-/// What makes a light, beside its place.
+/// Factors of a light, except its position and direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightFactors {
-    /// Of what kind.
+    /// The kind of light.
     pub kind: LightKind,
     /// Linear.
     pub color: [f32; 3],

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values over time: keys, and what lies between them.
+//! Values over time: keys and their interpolation.
 //! Source: glTF 2.0 section 3.11 and appendix C (step, linear, spherical linear, cubic spline). Double precision.
 //! Times outside of the keys are clamped. Of keys of equal times the last one counts from that time on.
-//! Invariant: times ascend or are equal and there is at least one; each has its values; all numbers that are looked at are finite.
+//! Invariant: there is at least one time; times do not descend; each has its values; all numbers in use are
+//! finite.
 //! Tests: `tests`, `tests/animation.rs`.
 
 use std::sync::Arc;
@@ -28,7 +29,7 @@ impl Interpolation {
     }
 }
 
-/// Why keys are no sampler; `Display` says what is wrong.
+/// Reasons to reject keys; `Display` gives the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SamplerError {
     /// There are no keys.
@@ -91,7 +92,7 @@ impl Sampler {
             return Err(SamplerError::Count { values: values.len(), keys, expected });
         }
         let of_key = width.saturating_mul(interpolation.sets()).max(1);
-        // Nobody looks at the tangent that comes into the first key and the one that goes out of the last.
+        // The tangent into the first key and the tangent out of the last key are unused.
         let ends = if interpolation == Interpolation::CubicSpline { width } else { 0 };
         let used = &values[ends..values.len() - ends];
         if let Some(i) = used.iter().position(|value| !value.is_finite()) {

@@ -3,8 +3,8 @@
 //! Terrain after [Mus93] (ridged sums of noise). Two levels: thousands of trees and rocks are
 //! instances of a few objects. Space: +Y up, sea level at y = 0; the island fits into a circle of radius [`REACH`].
 //!
-//! The sea is one sheet of glass with water's index of refraction: it mirrors like water, more the flatter one looks, and
-//! what is refracted into it meets the environment's lower half, which has the colour of deep water.
+//! The sea is one sheet of glass with the index of refraction of water: its reflection grows towards grazing
+//! angles, and refracted rays meet the lower half of the environment, which has the colour of deep water.
 //! Tests: `tests/builtin.rs::the_showpiece_is_large`.
 
 mod cape;
@@ -35,8 +35,9 @@ pub(super) fn scene() -> Scene {
     island().0
 }
 
-/// The same with trees that move, seen from nearer, where the shader library shows what it can. From the boat that would cost a third of
-/// the time of a picture, for little to see (bench/record/language-closing-2026-11-23.md).
+/// The same scene with trees that move, from a nearer camera, as a demonstration of the shader library. From
+/// the boat that would cost a third of the time of a picture, for little to see
+/// (bench/record/language-closing-2026-11-23.md).
 pub(super) fn in_the_wind() -> Scene {
     let (mut scene, trees) = island();
     wind::blow(&mut scene, &trees);
@@ -73,7 +74,7 @@ fn island() -> (Scene, Vec<wind::Tree>) {
     (scene, trees)
 }
 
-/// What materials are shown by where somebody compiles shaders: the shader's name and its parameters.
+/// Shaders of the materials, for programs that compile shaders: name and parameters.
 const DRESSES: [(&str, &str, &str); 5] = [
     (
         "ground",

@@ -20,9 +20,9 @@ pub use sky::{BuiltinSky, SKIES};
 /// A scene that can be asked for by name.
 #[derive(Clone, Copy, Debug)]
 pub struct Builtin {
-    /// What to write after `builtin:`.
+    /// The name after `builtin:`.
     pub name: &'static str,
-    /// What it shows, in one line.
+    /// The contents of the scene, in one line.
     pub description: &'static str,
     make: fn() -> Scene,
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Four panels that show what textures do beyond their edges and between their texels.
-//! From left to right: repeat, mirrored repeat, clamp to edge (bilinear), repeat (nearest).
+//! Four panels that show textures outside of `[0, 1]` and between texels. From left to right: repeat,
+//! mirrored repeat, clamp to edge (bilinear), repeat (nearest).
 
 use super::shapes::{quad, show};
 use crate::affine::Affine;

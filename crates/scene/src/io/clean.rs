@@ -33,7 +33,7 @@ fn in_mesh(mesh: &Mesh) -> String {
     if mesh.name.is_empty() { String::new() } else { format!("in {}", mesh.name) }
 }
 
-/// Drops what is not finite or has no area; says whether there was any.
+/// Drops triangles that are not finite or have no area; returns whether there was any.
 fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool {
     let before = mesh.indices.len();
     let (mut not_finite, mut zero_area) = (0, 0);

@@ -15,7 +15,8 @@ const WORK_GROWTH: u64 = 6;
 
 type Point = [f64; 2];
 
-/// Cuts the polygons of one file, so that no file takes quadratic time: when its work is done, what is left are fans.
+/// Cuts the polygons of one file within a budget of work, so that no file takes quadratic time: after it is
+/// spent, polygons become fans.
 pub struct Cutter {
     work_left: u64,
     corners: Vec<[f32; 3]>,
@@ -48,7 +49,7 @@ impl Cutter {
     }
 }
 
-/// Appends triangles of positions `0..corners.len()` in the polygon to `triangles`; as many as corners less 2.
+/// Appends triangles of positions `0..corners.len()` in the polygon to `triangles`, two less than corners.
 fn triangulate(corners: &[[f32; 3]], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) {
     let flat = project(corners);
     if is_convex(&flat) {
@@ -115,8 +116,8 @@ fn clip_ears(p: &[Point], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) 
 
 fn is_ear(p: &[Point], ring: &[usize], ear: [usize; 3]) -> bool {
     let [a, b, c] = ear.map(|i| p[i]);
-    // Corners in the same place as one of the ear's (bridges to holes) do not stand in its way; asked last, since most lie
-    // elsewhere.
+    // Corners at the position of one of the ear's corners (bridges to holes) do not block it; this test comes
+    // last because it is rarely needed.
     let inside = |q: Point| {
         orientation(a, b, q) >= 0.0
             && orientation(b, c, q) >= 0.0

@@ -12,14 +12,14 @@ use gnurt_image::{Budget, Excess, NotRegular, TileCache};
 use super::error::Error;
 use super::options::LoadOptions;
 
-/// Which files a scene may name, and what reading them may cost.
+/// The files that a scene may name, and the budget for reading them.
 #[derive(Debug, Default)]
 pub struct Access {
     /// The folder, its true name, that files must lie below.
     confine: Option<PathBuf>,
     /// Where textures are kept.
     pub tiles: Option<TileCache>,
-    /// What was read so far.
+    /// Memory and work spent so far.
     pub budget: Budget,
 }
 
@@ -46,8 +46,8 @@ impl Access {
         self.confine.clone()
     }
 
-    /// Refuses a file that lies outside of the folder that files must be in; the error is what is wrong and what would
-    /// be right.
+    /// Rejects a file outside of the folder that confines the scene; the error gives the fault and the
+    /// remedy.
     pub fn check(&self, path: &Path) -> Result<(), (String, String)> {
         let Some(folder) = &self.confine else {
             return Ok(());
@@ -151,7 +151,7 @@ pub fn resolve(from: &Path, name: &str) -> PathBuf {
     others.into_iter().find(|path| path.exists()).unwrap_or(as_written)
 }
 
-/// `%20` and the like as the bytes they mean; what is no such code stays.
+/// Decodes `%20` and the like to bytes; an invalid code stays.
 pub(crate) fn percent_decode(name: &str) -> Vec<u8> {
     let bytes = name.as_bytes();
     let mut decoded = Vec::with_capacity(bytes.len());

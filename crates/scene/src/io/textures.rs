@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures of a file, each decoded once, and a warning where one is missing or broken.
-//! Tests: `tests`. The image crate is told what is left of the budget, and checks a picture's declared
-//! size before it takes memory.
+//! Tests: `tests`. The image crate gets the rest of the budget, and checks a picture's declared size before
+//! it takes memory.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::source::Access;
 use crate::texture::Texels;
 
-/// What the values of a texture mean.
+/// The meaning of a texture's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Meaning {
     /// Colours: bytes are sRGB.

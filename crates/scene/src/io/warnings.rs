@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::printable;
 
-/// Lines of a kind. What else there is of the kind is counted in one more.
+/// Lines of one kind. Further ones are counted in one more line.
 const MOST_LINES: usize = 20;
 /// Bytes of a detail.
 const LONGEST: usize = 1000;
@@ -51,13 +51,13 @@ pub enum Oddity {
     NormalsForHeights,
     /// Lines of a header that say nothing.
     BadHeaderLine,
-    /// Lines of numbers that end before what the header declares.
+    /// A line of numbers is shorter than the header declares.
     ShortLine,
     /// Cameras that cannot be used.
     BadCamera,
-    /// What a camera's `extras` say of it, and cannot mean.
+    /// Invalid values in a camera's `extras`.
     CameraExtras,
-    /// Nodes whose transform flattens space or is no number, or that stand in a tree twice.
+    /// Nodes whose transform is flat or not finite, or that occur twice in the tree.
     BadNode,
     /// Channels of animations that cannot be played.
     BadAnimation,
@@ -83,7 +83,7 @@ impl Oddity {
         )
     }
 
-    /// What it is and what was done about it.
+    /// The oddity and the action taken.
     fn sentence(self) -> &'static str {
         match self {
             Self::EmptyScene => "no triangles: only the background is seen",
@@ -121,7 +121,7 @@ impl Oddity {
 /// One oddity in a scene; `Display` is one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What kind.
+    /// The kind of oddity.
     pub oddity: Oddity,
     /// How often.
     pub count: u64,
@@ -167,7 +167,7 @@ fn shortened(mut detail: String) -> String {
     detail
 }
 
-/// The detail of the line that counts what has no line of its own.
+/// The detail of the line that counts all others.
 const OTHERS: &str = "and others";
 
 impl Warnings {

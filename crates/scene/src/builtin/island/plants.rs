@@ -16,7 +16,7 @@ const KINDS: i32 = 4;
 /// Meshes and their materials.
 type Parts = Vec<(Mesh, MaterialId)>;
 
-/// What to instance.
+/// Objects to instance.
 pub(super) struct Objects {
     pub(super) conifers: Vec<ObjectId>,
     pub(super) broadleaf: Vec<ObjectId>,

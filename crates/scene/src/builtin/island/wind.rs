@@ -31,7 +31,7 @@ const STIFF: f64 = 0.6;
 const WAVES: f64 = 0.35;
 const OWN_SWINGS: f64 = 4.0;
 
-/// What stands in the wind: an instance, how it stands at rest, and whether it is a conifer.
+/// A tree in the wind: its instance, its transform at rest, and whether it is a conifer.
 pub(super) type Tree = (InstanceId, Trs, bool);
 
 /// Makes the trees move.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Animations as the file writes them: channels with their keys, before it is known what stands where.
+//! Animations as the file writes them: channels with their keys, before the node tree is known.
 //! Source: glTF 2.0 section 3.11, KHR_animation_pointer.
-//! What cannot be played (times that are no numbers or do not ascend, wrong counts, an unknown interpolation) is left out with a
-//! warning that names it, for the scene at rest is good; an index that points nowhere is an error, as everywhere.
-//! Keys are shared where channels share them. Tests: `tests/animation.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
+//! An animation that cannot be played (invalid times, wrong counts, an unknown interpolation) is dropped with
+//! a warning, because the scene at rest is valid. An index out of range is an error, as everywhere. Keys are
+//! shared where channels share them. Tests: `tests/animation.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub(super) struct DraftChannel {
     pub(super) number: u32,
 }
 
-/// All animations of a file, and what they drive.
+/// All animations of a file and their targets.
 #[derive(Default)]
 pub(super) struct Drafts {
     pub(super) list: Vec<Draft>,
@@ -145,7 +145,7 @@ impl<'d> Reader<'_, 'd> {
         Ok(sampler.map(|sampler| DraftChannel { aim, sampler, number: number.0 }))
     }
 
-    /// Whether what is driven is there.
+    /// Whether the target exists.
     fn check(&self, aim: Aim, location: &str) -> Result<(), Error> {
         let root = &self.document.root;
         let lights = root.extensions.lights.as_ref().map_or(0, |lights| lights.lights.len());
@@ -229,7 +229,7 @@ impl<'d> Reader<'_, 'd> {
         let sets = times.len() * interpolation.sets();
         let width = match width {
             Some(width) => width,
-            // As many as there are morph targets, which is looked at where the mesh is known.
+            // The number of morph targets, which is checked where the mesh is known.
             None if sets > 0 && !values.is_empty() && values.len() % sets == 0 => values.len() / sets,
             None => return Ok(Err(format!("{} weights for {} keys", values.len(), times.len()))),
         };

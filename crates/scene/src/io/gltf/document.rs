@@ -18,7 +18,7 @@ use crate::io::source::{self, Access};
 use crate::io::{Error, Oddity, Warnings};
 use gnurt_image::{Budget, Excess};
 
-/// Extensions that are shown, or whose absence nobody would notice.
+/// Extensions that are shown, or whose absence is invisible.
 const KNOWN_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
@@ -48,7 +48,7 @@ const COMPRESSIONS: &[&str] =
 /// Extensions whose textures are told where a material reads one.
 const TOLD_WHERE_USED: &[&str] = &["EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
 
-/// What the names of extensions begin with that no picture could show.
+/// First letters of extensions that have no visible effect.
 const UNSEEN: &[&str] = &[
     "EXT_mesh_features",
     "EXT_structural_metadata",
@@ -61,7 +61,7 @@ const UNSEEN: &[&str] = &[
     "KHR_xmp",
 ];
 
-/// What to do about a mesh that is compressed.
+/// The remedy for a compressed mesh.
 const DECOMPRESS: &str = "this program does not unpack it; write the file without compression";
 
 /// Files named by a document that are told.
@@ -87,13 +87,13 @@ impl Bytes<'_> {
     }
 }
 
-/// The JSON, the buffers, and what they may cost.
+/// The JSON, the buffers, and their memory budget.
 pub(super) struct Document<'a> {
     pub(super) path: PathBuf,
     pub(super) root: Root<'a>,
     pub(super) access: &'a Access,
     buffers: Vec<Buffer<'a>>,
-    /// The JSON; in a binary file nobody sees its lines.
+    /// The JSON; a binary file has no line numbers.
     json: &'a str,
     is_text: bool,
 }
@@ -131,7 +131,8 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    /// What is wrong with a document of another version, whose arrays may be of another form: those of glTF 1.0 are objects.
+    /// The error for a document of another version, whose arrays may have another form: those of glTF 1.0 are
+    /// objects.
     fn old(&self) -> Option<Error> {
         let json::Versioned { asset } = serde_json::from_str(self.json).ok()?;
         let version = asset.version.get().trim_matches('"');
@@ -164,7 +165,7 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// Tells extensions that are used and that nobody looks at.
+    /// Warns about extensions that are used but not supported.
     fn tell_unknown(&self, warnings: &mut Warnings) {
         // Those beyond are told twice; the set stays small whatever the file holds.
         const MOST_REQUIRED: usize = 1024;
@@ -212,13 +213,13 @@ impl<'a> Document<'a> {
         self.error(location, "the mesh is compressed by KHR_draco_mesh_compression", DECOMPRESS)
     }
 
-    /// What a piece of the JSON says; `what` names it in a message.
+    /// Parses a piece of the JSON; `what` names it in a message.
     pub(super) fn read<T: Deserialize<'a>>(&self, piece: &'a RawValue, what: &str) -> Result<T, Error> {
         self.work(piece.get().len(), what)?;
         serde_json::from_str(piece.get()).map_err(|error| self.broken(what, piece.get(), &error))
     }
 
-    /// What an index found at `location` points to in an array of the root.
+    /// The element of an array of the root for an index found at `location`.
     pub(super) fn get<T: Deserialize<'a>>(
         &self,
         array: &[&'a RawValue],
@@ -233,7 +234,7 @@ impl<'a> Document<'a> {
             .map_err(|error| self.broken(&format!("{what} {}", index.0), piece.get(), &error))
     }
 
-    /// What is wrong in a piece of the JSON, and in which line of the file.
+    /// The error for a piece of the JSON, with the line of the file.
     fn broken(&self, what: &str, piece: &str, error: &serde_json::Error) -> Error {
         let text = error.to_string();
         let problem = text.split(" at line ").next().unwrap_or_default();

@@ -4,7 +4,8 @@
 //! ior, iridescence, sheen, specular, transmission, unlit, volume},
 //! KHR_texture_transform.
 //!
-//! Textures of these extensions, but of the anisotropy, are not shown, and say so. What material numbers and textures make is said in [`Factors`].
+//! Textures of these extensions are not shown, except those of the anisotropy; a warning names them.
+//! [`Factors`] defines how material numbers and textures combine.
 //! Tests: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
 //! tangents_come_with_normal_maps}`.
 
@@ -119,7 +120,7 @@ struct Converter<'a, 't> {
 }
 
 impl Converter<'_, '_> {
-    /// What the file says of a material. Textures that it does not look at are not read, unless that may change.
+    /// The factors in the file. Unused textures are not read, unless an animation may use them.
     fn factors(&mut self, i: usize, from: &json::Material<'_>, is_driven: bool) -> Factors {
         let pbr = &from.pbr_metallic_roughness;
         let extensions = &from.extensions;
@@ -161,7 +162,7 @@ impl Converter<'_, '_> {
         to
     }
 
-    /// What the extensions add.
+    /// The extensions of a material.
     fn layers(&mut self, extensions: &json::MaterialExtensions, to: &mut Factors) {
         let mut textured = Vec::new();
         if let Some(specular) = &extensions.specular {

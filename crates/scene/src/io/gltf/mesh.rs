@@ -29,7 +29,8 @@ enum Mode {
     Fan,
 }
 
-/// The meshes of all primitives of `from`, glTF mesh `index`, as `bending` bends them at rest, and what bends them later.
+/// The meshes of all primitives of `from`, glTF mesh `index`, as `bending` deforms them at rest, with the
+/// data that deforms them later.
 pub(super) fn read(
     document: &Document<'_>,
     index: Index,
@@ -57,7 +58,7 @@ pub(super) fn read(
             clean_attributes(&mut parts.base);
             parts.base.name.clone_from(&name);
         }
-        // What has no area at rest may have one later.
+        // A triangle without area at rest may have one later.
         if !mesh.indices.is_empty() || parts.is_some() {
             document.hold(mesh.memory_bytes() + name.len() + MESH_BYTES, &location)?;
             mesh.name.clone_from(&name);
@@ -128,7 +129,7 @@ impl PrimitiveReader<'_> {
         self.bent(bending, mesh, triangles, warnings)
     }
 
-    /// The mesh and its triangles as they are at rest, and what bends them later.
+    /// The mesh and its triangles at rest, with the data that deforms them later.
     fn bent(
         &self,
         bending: &Bending,

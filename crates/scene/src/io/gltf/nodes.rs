@@ -30,7 +30,7 @@ use crate::shader_file::ShaderFile;
 /// Bytes that an instance, a camera or a light of the scene takes beside its name.
 const PLACED_BYTES: usize = 224;
 
-/// Adds what the nodes of the default scene, or else of all scenes, show, and the animation of what of it moves.
+/// Adds the contents of the default scene, or of all scenes, and the animation of its moving parts.
 pub(super) fn add_all(
     document: &Document<'_>,
     materials: &[AddedMaterial],
@@ -39,7 +39,8 @@ pub(super) fn add_all(
     warnings: &mut Warnings,
 ) -> Result<(), Error> {
     if !rig.is_still() {
-        // Meshes are bent by joints that may stand behind them. The walk that shows things says what is odd.
+        // Joints may follow the meshes that they deform. The traversal that adds the nodes gives the
+        // warnings.
         walk(document, &mut Warnings::default(), |index, node, parent, world_from_node, _| {
             rig.enter(index, node, parent, world_from_node)
         })?;
@@ -69,8 +70,8 @@ struct Ancestor {
     children: std::vec::IntoIter<Index>,
 }
 
-/// Calls `visit` with every node that is shown, parents first, with its parent's place and its own transform; `visit` says what its
-/// own place is.
+/// Calls `visit` for every visible node, parents first, with its parent's transform and its own; `visit`
+/// returns its world transform.
 fn walk(
     document: &Document<'_>,
     warnings: &mut Warnings,
@@ -114,7 +115,7 @@ fn walk(
         }
     }
     match visited.iter().position(|&visited| !visited).filter(|_| are_all) {
-        // What no root leads to has a parent above it that leads back to it.
+        // A node that no root reaches has an ancestor in a cycle.
         Some(index) => Err(cycle(document, index)),
         None => Ok(()),
     }
@@ -269,7 +270,7 @@ impl Adder<'_> {
         let has_transform = node.skin.is_none();
         let world_from_object = if has_transform { attached.world_from_node } else { Affine::IDENTITY };
         let moves = matches!(attached.attachment, Attachment::On(_));
-        // What is flat at rest may not be so later.
+        // A node that is flat at rest may get volume later.
         if world_from_object.inverse().is_none() && !moves {
             warnings.note(Oddity::BadNode, &self.document.path, None, name);
             return Ok(());
@@ -309,7 +310,7 @@ impl Adder<'_> {
         Ok(self.scene.add_object_of_members(name, members))
     }
 
-    /// What a node's `extras` say of who sees its mesh.
+    /// The visibility mask in a node's `extras`.
     fn ray_mask(&self, name: &str, node: &json::Node, warnings: &mut Warnings) -> RayMask {
         let Some(mask) = node.extras.as_ref().and_then(|extras| extras.get("mask")) else {
             return RayMask::ALL;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What of the file's nodes moves, what hangs on it, and the channels that drive it: the scene's animation in the making.
-//! Source: glTF 2.0 sections 3.5, 3.7.3 and 3.11; KHR_node_visibility. A node moves if a channel moves it or what it stands on; only
-//! those become nodes of the animation. Tests: `tests/animation.rs`.
+//! The animation under construction: the file's moving nodes, the things attached to them, and their
+//! channels.
+//! Source: glTF 2.0 sections 3.5, 3.7.3 and 3.11; KHR_node_visibility. A node moves if a channel moves it or
+//! an ancestor; only moving nodes become nodes of the animation. Tests: `tests/animation.rs`.
 
 use std::collections::HashMap;
 
@@ -66,7 +67,7 @@ impl<'a> Rig<'a> {
         self.joints.is_empty() && self.drafts.list.is_empty()
     }
 
-    /// Where a node stands, on what is at `parent`; it becomes one of the animation's if it moves.
+    /// The transform of a node under `parent`; it becomes a node of the animation if it moves.
     pub(super) fn enter(
         &mut self,
         index: Index,
@@ -96,7 +97,7 @@ impl<'a> Rig<'a> {
         Ok(attachment)
     }
 
-    /// Whether what stands there is seen at rest.
+    /// Whether things attached there are visible at rest.
     pub(super) fn is_visible(&self, attachment: Attachment) -> bool {
         match attachment {
             Attachment::On(node) => self.visible[node as usize],
@@ -104,7 +105,7 @@ impl<'a> Rig<'a> {
         }
     }
 
-    /// Whether a skin may stretch the normals of what it bends: a node is scaled unevenly, or stands on one that is.
+    /// Whether a skin may stretch the normals of its mesh: a node or an ancestor is scaled unevenly.
     fn may_stretch(&self) -> bool {
         let uneven = |node: &Node| {
             let above = match node.parent {
@@ -207,7 +208,7 @@ impl<'a> Rig<'a> {
             for channel in draft.channels {
                 match self.target(channel.aim, channel.sampler.width()) {
                     Ok(Some(target)) => clip.channels.push(Channel { target, sampler: channel.sampler }),
-                    // What is not shown need not move.
+                    // A target that is not shown need not move.
                     Ok(None) => {}
                     Err(problem) => {
                         let detail = format!("animations[{i}].channels[{}]: {problem}", channel.number);
@@ -221,7 +222,7 @@ impl<'a> Rig<'a> {
         scene.animate(self.made).map_err(|error| Error::data(path, None, error.to_string(), ""))
     }
 
-    /// What a channel of `width` numbers drives; `None` = what is not shown; the error says why it cannot.
+    /// The target of a channel of `width` numbers; `None` if it is not shown; the error gives the fault.
     fn target(&self, aim: Aim, width: usize) -> Result<Option<Target>, String> {
         Ok(match aim {
             Aim::Node(index, part) => {

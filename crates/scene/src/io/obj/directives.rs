@@ -6,14 +6,14 @@
 
 use crate::texture::Wrap;
 
-/// What a `map_Kd` statement says.
+/// A `map_Kd` statement.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MapStatement {
     pub(super) file: String,
     pub(super) scale: [f32; 2],
     pub(super) offset: [f32; 2],
     pub(super) wrap: Wrap,
-    /// What heights are multiplied with.
+    /// The factor of heights.
     pub(super) bump: f32,
 }
 

@@ -324,7 +324,7 @@ fn roughness(ns: f32) -> f32 {
     (2.0 / (ns.max(0.0) + 2.0)).sqrt().sqrt()
 }
 
-/// Textures of the scene by what names them.
+/// Textures of the scene by their names.
 struct Textures<'a> {
     access: &'a Access,
     pictures: Pictures<'a>,

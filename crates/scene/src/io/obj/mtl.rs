@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Material libraries: the materials of all that a file names.
 //! Source: Wavefront MTL 4.2, and the keywords of its PBR extension. Material 0 is the default one, for faces that name
-//! none. Messages say which keyword is wrong, never what stands beside it: a library may be any file of the machine.
-//! Memory: about [`ENTRY_BYTES`] for each name that is defined. Tests: `tests/obj.rs`, `tests/{broken_files,growth}.rs`.
+//! none. Messages name the invalid keyword but quote no more of the line, because a library may be any file
+//! of the machine. Memory: about [`ENTRY_BYTES`] for each name that is defined. Tests: `tests/obj.rs`,
+//! `tests/{broken_files,growth}.rs`.
 
 use std::collections::{HashMap, HashSet};
 use std::io::{BufReader, Read};
@@ -24,7 +25,7 @@ pub(super) struct Map {
     pub(super) line: u64,
 }
 
-/// What a library says about a material; `None` where it says nothing.
+/// The entry of a material in a library; `None` where the library gives no value.
 #[derive(Default)]
 pub(super) struct Entry {
     pub(super) name: Rc<str>,
@@ -77,7 +78,7 @@ impl Library {
         })
     }
 
-    /// Reads what a `mtllib` statement names: one file, whose name may have spaces, or several.
+    /// Reads the files of a `mtllib` statement: one file, whose name may have spaces, or several.
     pub(super) fn read(
         &mut self,
         obj: &Path,
@@ -130,7 +131,7 @@ impl Library {
         warnings: &mut Warnings,
     ) -> Result<Option<(u64, Excess)>, Error> {
         let path = Rc::new(path.to_owned());
-        // The first definition of a name counts; what a later one says goes nowhere.
+        // The first definition of a name counts; later ones are ignored.
         let mut nowhere = Entry::default();
         let mut location = None;
         while let Some((line, text)) = lines.next()? {
@@ -185,7 +186,7 @@ impl Library {
     }
 }
 
-/// What a statement says.
+/// A parsed statement.
 enum Statement<'a> {
     Color(fn(&mut Entry) -> &mut Option<[f32; 3]>, [f32; 3]),
     Number(fn(&mut Entry) -> &mut Option<f32>, f32),
@@ -204,7 +205,7 @@ impl Statement<'_> {
     }
 }
 
-/// What a line says; `None` for keywords that say nothing here; the error says what is wrong.
+/// Parses a line; `None` for unsupported keywords; the error gives the fault.
 fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<Statement<'a>>, String> {
     let color = |slot| match color(rest) {
         Some(color) => Ok(Some(Statement::Color(slot, color))),

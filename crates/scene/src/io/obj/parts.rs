@@ -23,11 +23,11 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Places of a corner's position, texture coordinate and normal in the lists, from 0.
 pub(super) type Corner = [u32; 3];
 
-/// What `v`, `vt` and `vn` statements have listed.
+/// The elements listed by `v`, `vt` and `vn` statements.
 #[derive(Default)]
 pub(super) struct Lists {
     pub(super) positions: Vec<[f32; 3]>,
-    /// As many as positions, or none; sRGB-encoded.
+    /// One for each position, or none; sRGB-encoded.
     pub(super) colors: Vec<[f32; 3]>,
     pub(super) texcoords: Vec<[f32; 2]>,
     pub(super) normals: Vec<[f32; 3]>,
@@ -131,7 +131,7 @@ impl Part {
             positions: vertices.iter().map(|c| lists.positions[c[0] as usize]).collect(),
             ..Mesh::default()
         };
-        // Whoever has none among those that have some gets zeros, which say nothing.
+        // A vertex without the attribute, among others with it, gets zeros, which mean no value.
         if vertices.iter().any(|c| c[1] != NONE) {
             let texcoord = |c: &Corner| lists.texcoords.get(c[1] as usize).copied().unwrap_or_default();
             mesh.texcoords = vertices.iter().map(texcoord).collect();

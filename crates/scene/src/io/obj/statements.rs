@@ -19,7 +19,7 @@ use gnurt_image::Excess;
 /// Statements after which the budget is asked again.
 const STATEMENTS_BETWEEN: u64 = 1 << 13;
 
-/// What the statements of a file have said.
+/// The statements of a file so far.
 pub(super) struct Statements<'a> {
     path: &'a Path,
     access: &'a Access,
@@ -74,7 +74,7 @@ impl<'a> Statements<'a> {
         Ok(counts)
     }
 
-    /// Asks the budget for what was taken since it was asked last.
+    /// Charges the budget for the memory taken since the last call.
     fn hold(&mut self) -> Result<(), Error> {
         let now = self.lists.memory_bytes() + self.parts.memory_bytes();
         if now > self.held {
@@ -221,7 +221,7 @@ fn number(token: &str) -> Option<f32> {
     }
 }
 
-/// `vt` and `vn`: what is missing or no number is 0, which says nothing.
+/// `vt` and `vn`: a missing or invalid number becomes 0, which means no value.
 fn attribute<const N: usize>(rest: &str, location: &Location<'_>, warnings: &mut Warnings) -> [f32; N] {
     let mut numbers = [0.0; N];
     let mut good = values(rest).next().is_some();

@@ -58,7 +58,7 @@ pub(super) fn read(
     Ok(body.mesh)
 }
 
-/// Tells what faces have that no mesh of ours holds.
+/// Warns about properties of faces that our meshes do not have.
 fn tell_unread(face: &Element, path: &Path, warnings: &mut Warnings) {
     let has = |names: &[&str]| face.properties.iter().any(|property| names.contains(&&property.name[..]));
     for (names, what) in [
@@ -104,7 +104,7 @@ impl<R: BufRead> Body<'_, R> {
         self.budget.hold(bytes).map_err(|e| self.error(e.to_string(), Excess::REMEDY))
     }
 
-    /// What is wrong with element `index`.
+    /// The error for element `index`.
     fn fault(&self, fault: Fault, element: &Element, index: u64) -> Error {
         let (name, count) = (&element.name, element.count);
         let problem = match fault {
@@ -124,7 +124,7 @@ impl<R: BufRead> Body<'_, R> {
         self.error(problem, "it may have been cut off")
     }
 
-    /// Notes a line that ends before properties that nobody needs.
+    /// Notes a line that ends before unused properties.
     fn tell_short(&mut self, is_whole: bool) {
         if !is_whole {
             self.warnings.note(Oddity::ShortLine, self.path, self.numbers.line(), "");
@@ -260,7 +260,7 @@ fn read_vertex<R: BufRead>(
     let mut is_whole = true;
     for &(slot, property) in slots {
         match slot {
-            // A property that nobody needs may be missing.
+            // An unused property may be missing.
             Slot::None if numbers.is_spent() => is_whole = false,
             Slot::None => numbers.skip(property)?,
             slot => vertex.set(slot, numbers.float(property.item)?, property.item),

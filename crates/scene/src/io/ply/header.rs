@@ -89,7 +89,7 @@ impl Element {
     /// The fewest bytes that one takes.
     pub(super) fn least_bytes(&self, encoding: Encoding) -> u64 {
         match encoding {
-            // A digit and what separates it from the next, of as many as a point has: those that nobody needs may be missing.
+            // A digit and a separator for each number of a point; unused properties may be missing.
             Encoding::Text => 2 * self.properties.len().min(3) as u64,
             _ => self.properties.iter().map(|p| p.count.unwrap_or(p.item).size() as u64).sum(),
         }
@@ -220,10 +220,10 @@ impl<R: BufRead> HeaderLines<'_, R> {
     }
 }
 
-/// What is wrong with a line and what would be right.
+/// The fault of a line, and the remedy.
 type Mistake = (String, String);
 
-/// What the lines of a header have said so far.
+/// The declarations of a header so far.
 #[derive(Default)]
 struct Declared {
     encoding: Option<Encoding>,

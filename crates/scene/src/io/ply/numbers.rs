@@ -157,7 +157,7 @@ impl<'a, R: BufRead> Numbers<'a, R> {
             Scalar::U16 => i64::from(u16::from_le_bytes(self.bytes()?)),
             Scalar::I32 => i64::from(i32::from_le_bytes(self.bytes()?)),
             Scalar::U32 => i64::from(u32::from_le_bytes(self.bytes()?)),
-            // Nobody asks for an integer where the header declares a float.
+            // No caller reads an integer where the header declares a float.
             Scalar::F32 | Scalar::F64 => return Err(Fault::Token),
         })
     }

@@ -138,7 +138,7 @@ fn note_extensions(value: &Value, used: &mut BTreeSet<String>) {
                 if let ("extensions", Value::Object(named)) = (&key[..], value) {
                     used.extend(named.keys().cloned());
                 }
-                // What any program puts into `extras` is none of glTF's.
+                // The contents of `extras` are outside of glTF.
                 if key != "extras" {
                     note_extensions(value, used);
                 }

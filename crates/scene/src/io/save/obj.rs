@@ -57,7 +57,7 @@ fn stem(path: &Path) -> String {
     path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// What MTL says of layers, glass and textures is less than there may be.
+/// MTL's layers, glass and textures are fewer than ours.
 fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let principled = || {
         scene.materials().iter().filter_map(|material| match &material.surface {

@@ -12,7 +12,7 @@ use crate::texture::{TexelData, Texels, Texture};
 
 /// The base colour's texture with the material's opacity in its alpha.
 pub(super) enum BaseTexture {
-    /// What the material has says it already.
+    /// The material's texture is used as it is.
     AsIs(Option<TextureRef>),
     /// A new texture, and its transform.
     Merged(Texture, [f32; 6]),
