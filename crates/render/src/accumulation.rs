@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture that grows: samples are added to it pass by pass, for as long as somebody looks.
-//! A pass that is stopped in the middle leaves tiles with different numbers of samples; the next one
-//! first takes what they lack. Memory: sums of all pixels, whatever the number of samples.
+//! A progressive picture: passes add samples until the caller stops. A stopped pass leaves tiles with
+//! different numbers of samples; the next pass first evens them out. Memory: sums of all pixels, independent
+//! of the number of samples.
 //! Invariant: sample `s` of a pixel is the same whichever pass takes it, and sums are added in the order of the samples:
 //! after `n` samples the picture equals that of `render` with `spp = n`, bit for bit.
 //! Tests: crates/render/tests/accumulation.rs.
@@ -48,13 +48,13 @@ pub trait Progress: Sync {
     }
 }
 
-/// Nobody watches.
+/// Ignores progress and never stops.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
 impl Progress for Silent {}
 
-/// A caller's watch, as those see it who render.
+/// The renderer's view of a caller's progress.
 struct Watched<'a>(&'a dyn Progress);
 
 impl Watch for Watched<'_> {
@@ -91,11 +91,11 @@ impl Watch for Watched<'_> {
 #[derive(Clone, Debug)]
 pub struct Accumulation {
     pub(crate) options: RenderOptions,
-    /// `[x0, y0, x1, y1]` in pixels: what is rendered of the frame.
+    /// The rendered part of the frame in pixels: `[x0, y0, x1, y1]`.
     pub(crate) region: [u32; 4],
     pub(crate) tiles: Vec<TileFilm>,
     pub(crate) stats: RenderStats,
-    /// What virtual lights of all its passes have in common.
+    /// State of virtual lights that all passes share.
     common: Arc<Common>,
 }
 
@@ -158,9 +158,9 @@ impl Accumulation {
         self.pass_with(Some(persistent), None, world, camera, 1, pool, progress)
     }
 
-    /// As [`pass_in_motion`](Self::pass_in_motion), and where [`PictureHistory::suits`] says so the picture is made of what the pictures
-    /// before knew of the light, and of fresh samples for a share `fresh` of the pixels, in (0, 1]: of the right mean, but smoothed, and
-    /// sparks are cut.
+    /// As [`pass_in_motion`](Self::pass_in_motion). Where [`PictureHistory::suits`] is true, the picture
+    /// reuses the light of the previous pictures, with fresh samples for a share `fresh` of the pixels, in
+    /// (0, 1]. Its mean is right, but it is smoothed, and fireflies are clamped.
     pub fn pass_remembering(
         &mut self,
         persistent: &mut PictureHistory,
@@ -188,7 +188,7 @@ impl Accumulation {
         whole
     }
 
-    /// Notes what a pass has brought.
+    /// Updates the statistics after a pass.
     fn note_pass(&mut self, begin: Instant, pool: &rayon::ThreadPool) {
         self.stats.spp_min = self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
         self.stats.spp_max = self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
@@ -280,7 +280,7 @@ impl Accumulation {
         self.tiles.iter().all(|tile| tile.samples >= tile.requested(self.options.spp))
     }
 
-    /// What it is rendered with.
+    /// The options of the rendering.
     #[must_use]
     pub fn options(&self) -> &RenderOptions {
         &self.options
@@ -325,8 +325,8 @@ impl Accumulation {
         });
     }
 
-    /// The same in parts, from the upper one to the lower one: whoever goes on with the colours does so part by part,
-    /// while they are in the cache.
+    /// The same in bands, from top to bottom, so that the caller can process each band while it is in the
+    /// cache.
     #[must_use]
     pub fn color_bands<'a>(&'a self, out: &'a mut [[f32; 4]]) -> Vec<ColorBand<'a>> {
         let width = self.options.width as usize;
@@ -347,7 +347,7 @@ impl Accumulation {
             .collect()
     }
 
-    /// The same for those who need no picture of the colours.
+    /// The same without conversion to colours.
     #[must_use]
     pub fn film_bands(&self) -> Vec<FilmBand<'_>> {
         FilmBand::all_of(&self.tiles).collect()
@@ -374,13 +374,13 @@ impl Accumulation {
     /// The picture as it is, with its counters and the time since `start`.
     pub(crate) fn into_frame(self, start: Instant) -> Frame {
         let (picture, heatmap) = (self.picture(), self.heatmap());
-        // Nothing was to be done for what had all of its samples before, or has no pixels.
+        // No work remains for a film that was complete or has no pixels.
         let (complete, seconds) = (self.is_complete(), start.elapsed().as_secs_f64());
         Frame { picture, heatmap, stats: RenderStats { complete, seconds, ..self.stats } }
     }
 }
 
-/// What the jobs of all passes have in common.
+/// Setup that the jobs of all passes share.
 #[derive(Clone, Copy)]
 struct PassSetup<'a> {
     camera: &'a dyn CameraShader,

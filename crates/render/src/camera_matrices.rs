@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera as matrices, for programs that put something else into its pictures.
-//! What the matrices lead to is what pbrt-v4's film writes. Row-major, of column vectors; double precision.
+//! The matrices have the form that pbrt-v4's film writes. Row-major, of column vectors; double precision.
 //! Tests: `tests::matrices_lead_to_the_picture`.
 
 use gnurt_scene::{Camera, Projection};

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray stands for, as a cone around it: how wide it is where it begins and how fast it widens, and what sent it. From the camera it is the
-//! pixel's; where rays are scattered it goes on as wide as it came, and widens by the surface's curvature and by the lobe's width.
-//! Source: [AM21] (ray cones), [Ige99] (what they stand for: differentials). Differs: the lobe's width is read from the density of the
-//! direction that was chosen, which all lobes have: a sample stands for one over its density of solid angle. Cones are round.
-//! All widths shrink with a pixel's samples, so that these and not the cones make the picture in the end: sample n has cones
-//! 1 / sqrt(n + 1) as wide, an eighth at least, which leaves a blur of an eighth of a pixel.
-//! Space: world; spreads are in units per unit of way, widths from rim to rim.
+//! The footprint of a ray as a cone around it: its width at the origin, its spread, and the kind of its ray.
+//! The camera's cone covers the pixel. A scattered ray starts with the incoming width, and the surface's
+//! curvature and the lobe's width add to its spread.
+//! Source: [AM21] (ray cones), [Ige99] (ray differentials, which cones replace). Differs: the lobe's width
+//! comes from the density of the chosen direction, which all lobes have: a sample represents a solid angle of
+//! one over its density. Cones are round. All widths shrink with the number of a pixel's samples, so that the
+//! samples determine the final picture. Sample n has cones scaled by 1 / sqrt(n + 1), but not below an
+//! eighth, which leaves a blur of an eighth of a pixel.
+//! Space: world; spreads are in units per unit of distance, widths are diameters.
 //! Tests: `tests`; tests/filtering.rs; the OpenRT binding's tests/c/mipmaps.c.
 
 use gnurt_accel::RayBatch;
@@ -22,7 +24,7 @@ pub(crate) struct Cone {
     width: f32,
     /// How fast it widens; below zero it narrows until it has no width, then widens again.
     spread: f32,
-    /// What sent the ray.
+    /// The kind of ray.
     kind: RayKind,
 }
 
@@ -40,7 +42,7 @@ const FINEST: f32 = 1.0 / 64.0;
 const SHARE_OF_LOBE: f32 = 0.25 * 4.0 * std::f32::consts::FRAC_1_PI;
 /// No lobe makes a ray's cone wider than this at distance 1, squared.
 const WIDEST: f32 = 1.0;
-/// A mirror turns its image by twice what its normal turns.
+/// A mirror rotates its image by twice the rotation of its normal.
 const MIRRORED: f32 = 2.0;
 /// Glass by about half of that, to any side.
 const REFRACTED: f32 = 0.5;
@@ -61,7 +63,7 @@ pub(crate) struct ConeHit<R> {
     pub(crate) curvature: R,
     /// Of the ray to the surface's normal.
     pub(crate) cos: R,
-    /// What sent the ray; of one point only.
+    /// The kind of ray; of one point only.
     pub(crate) kind: RayKind,
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What may go wrong, and whose fault it is.
-//! Bad geometry is no error: commit drops it and counts it.
+//! Errors, and their causes. Bad geometry is no error: commit drops it and counts it.
 
 use gnurt_scene::nesting::NestingError;
 
@@ -31,7 +30,7 @@ pub enum CommitError {
         /// How many there are.
         known: usize,
     },
-    /// Objects that cannot lie in one another as the scene says.
+    /// Objects whose nesting is invalid.
     #[error(transparent)]
     Nesting(#[from] NestingError),
     /// More triangles or instances than 32-bit ids can count.

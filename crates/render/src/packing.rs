@@ -12,7 +12,8 @@ use crate::error::RenderError;
 use crate::film::TileFilm;
 use crate::options::RenderOptions;
 
-/// The name of what lies behind in a piece: a file's reader would add it to the colour, and round.
+/// The name of the background in a piece: under the standard name a file's reader would add it to the colour,
+/// and round.
 const BEHIND: &str = "behind";
 
 /// Rectangles `[x0, y0, x1, y1]` in pixels that are rendered under these options, ends excluded: all of the region, or the piece's.
@@ -117,7 +118,8 @@ fn blank(channel: &Channel, pixels: usize) -> Channel {
     Channel { name: channel.name.clone(), data, half: channel.half }
 }
 
-/// The grid on which a piece's tiles lie in its file: near to a square, at least one place, each as large as the largest tile.
+/// The grid of a piece's tiles in its file: nearly square, at least one slot, each as large as the largest
+/// tile.
 struct Slots {
     columns: u32,
     rows: u32,

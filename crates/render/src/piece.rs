@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which part of a picture is rendered. What becomes of its pixels: `packing`.
+//! The rendered part of a picture. Packing of its pixels: `packing`.
 
 use std::fmt;
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One sample, or several, of all pixels of a tile: camera rays, hits, radiance, film.
-//! A batch is one sample of all pixels of a tile, or several, where many rays together are worth more than few. What a ray
-//! brings does not depend on the others, and samples are added in order: pictures do not depend on batches.
+//! A batch is one sample of all pixels of a tile, or several, where many rays together are worth more than few.
+//! The result of a ray does not depend on the others, and samples are added in order: pictures do not depend
+//! on batches.
 
 use std::sync::atomic::Ordering;
 
@@ -24,7 +25,7 @@ use crate::tracer::BatchTracer;
 /// Paths that go together, about: enough to fill lanes when most have ended, few enough for caches.
 const WAVEFRONT: usize = 4096;
 
-/// What takes samples.
+/// Takes samples.
 #[derive(Clone, Copy)]
 pub(crate) struct Sampler<'a> {
     pub(crate) job: &'a Job<'a>,
@@ -42,7 +43,7 @@ pub(crate) struct SplitLight {
 }
 
 impl<'a> Sampler<'a> {
-    /// What renders one tile after another.
+    /// A tracer that renders one tile after another.
     pub(crate) fn tracer(&self) -> BatchTracer<'a> {
         let mut tracer = BatchTracer::new(self.job.world, self.job.options, self.job.options.heatmap);
         tracer.cone = self.job.cone;
@@ -50,7 +51,7 @@ impl<'a> Sampler<'a> {
         tracer
     }
 
-    /// Takes the next samples of all pixels of a tile, as many as go together, up to `last`.
+    /// Takes the next samples of all pixels of a tile, as many as fit into a batch, up to `last`.
     pub(crate) fn render_samples(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, last: u32) {
         let mut batch = std::mem::take(&mut tracer.camera);
         let pixels = tile.first.len();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One tile, up to a number of samples or as many as its noise asks for.
+//! Rendering of one tile, up to a number of samples or to a noise target.
 
 use std::sync::atomic::Ordering;
 

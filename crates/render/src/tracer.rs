@@ -2,7 +2,7 @@
 //! The renderer's side of shading: batches of rays in, batches of radiance out, by recursion.
 //! Source: [Whi80] (recursion); batches by shader after the paper's section 8. Space: world.
 //! Flow: rays -> hits -> lanes sorted by shader -> surface points -> shader, which may ask for lights and more rays.
-//! Invariant: what a lane gets depends on its ray and key only, not on the lanes beside it.
+//! Invariant: the result of a lane depends on its ray and key only.
 //! Tests: crates/render/tests/{lights,mirrors,appearance,determinism}.rs.
 
 use std::ops::Range;
@@ -35,7 +35,7 @@ pub(crate) trait FurtherLights: Sync {
     /// How many.
     fn count(&self, tracer: &BatchTracer) -> usize;
 
-    /// What light `number` of them brings to points.
+    /// Light of light `number` at points.
     fn illuminate(
         &self,
         tracer: &mut BatchTracer,
@@ -61,40 +61,41 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) world: &'w World,
     pub(crate) options: &'w RenderOptions,
     pub(crate) stats: RenderStats,
-    /// Cost per pixel of the tile, if somebody wants a heat map.
+    /// Cost per pixel of the tile, if a heat map is requested.
     pub(crate) costs: Option<TileCosts>,
-    /// What happens on the way, if somebody wants to read it.
+    /// Events along the paths, if a log is requested.
     pub(crate) log: Option<Log>,
     /// Lights that shaders meet beside those of the world.
     pub(crate) lights: Option<&'w dyn FurtherLights>,
-    /// Whether surfaces whose shaders only know `shade` are asked what they do to light, in place of what they show.
+    /// Whether radiance-only shaders are probed for their scattering, in place of their radiance.
     pub(crate) probes: bool,
     /// How pixels share virtual lights out.
     pub(crate) sharing: Sharing,
-    /// What pixels stand for.
+    /// The footprint of a pixel.
     pub(crate) cone: Cone,
     record: Record,
-    /// What camera rays see without anything scattered, lane by lane; empty if the integrator does not tell or nobody asks.
+    /// Directly visible light, lane by lane; empty if it is not requested, or if the integrator does not
+    /// provide it.
     pub(crate) direct: Vec3s,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
     spare: Vec<Group>,
-    /// Memory of the camera rays, likewise.
+    /// Reused memory of the camera rays.
     pub(crate) camera: CameraBatch,
     /// And of paths.
     pub(crate) wavefront: Wavefront,
-    /// And of what points do to light.
+    /// And of closures.
     pub(crate) closures: ClosureBatch,
-    /// What the points of the last shader that was probed showed without light.
+    /// Radiance without light at the points of the last probed shader.
     pub(crate) dark: Vec3s,
     /// How shadow rays lie beside each other.
     pub(crate) shadows: Coherence,
-    /// And of what shadow rays hit.
+    /// And of the hits of shadow rays.
     blocked: Vec<bool>,
     /// Rays with their moments, where the shutter is open.
     timed: RayBatch,
 }
 
-/// What the points of a batch are looked at for.
+/// The attributes that the points of a batch need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AttributeRequests {
     /// All that shaders can do.
@@ -228,7 +229,7 @@ impl<'w> BatchTracer<'w> {
                 shader.attributes(),
                 points,
             );
-            // Unknown where nobody asks.
+            // Unknown if no material reads it.
             if world.materials().read_widths() {
                 self.cone.widen(points, lanes, from.cones);
             }
@@ -237,7 +238,7 @@ impl<'w> BatchTracer<'w> {
         self.spare.push(group);
     }
 
-    /// Radiance against each ray, given what it hit.
+    /// Radiance along each ray, given its hit.
     pub(crate) fn shade(&mut self, from: HitLanes, radiance: &mut Vec3s) {
         radiance.reset(from.rays.len(), Vec3::ZERO);
         self.shade_misses(from, radiance);
@@ -263,7 +264,8 @@ impl<'w> BatchTracer<'w> {
         }
     }
 
-    /// What some of the rays would see if nothing were in their way; `is_of_camera` says of a lane whether the camera sends its ray.
+    /// Radiance of the environment along some of the rays, unoccluded; `is_of_camera` tells whether a lane's
+    /// ray comes from the camera.
     pub(crate) fn environment(
         &mut self,
         rays: &RayBatch,
@@ -309,7 +311,7 @@ impl<'w> BatchTracer<'w> {
         cones
     }
 
-    /// What rays of a kind meet first.
+    /// The first hits of rays of a kind.
     pub(crate) fn meetings_of(
         &mut self,
         kind: RayMask,
@@ -371,7 +373,8 @@ impl<'w> BatchTracer<'w> {
         self.blocked = blocked;
     }
 
-    /// From surface to surface, multiplying what each lets through, until all light or all way is used up.
+    /// Steps from surface to surface and multiplies their transmittances, until no light or no distance
+    /// remains.
     fn occluded_by_layers(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
         let no_width = Cones::default();
         let (mut rays, mut keys) = (request.rays.clone(), request.key.clone());

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Bidirectional instant radiosity: many candidates from both sides, of which the ones that matter become virtual lights.
-//! Source: [SIMP06]; resampling [TCE05] by what a candidate brings to pilots, with the exact probability of its choice as
-//! weight, so that the mean does not change. Space: world.
-//! A candidate that is chosen more than once becomes one light, as many times as strong.
+//! Bidirectional instant radiosity: many candidates from both sides, of which the important ones become
+//! virtual lights.
+//! Source: [SIMP06]; resampling [TCE05] by a candidate's contribution to the pilot points, weighted by the
+//! exact probability of the choice, so that the mean does not change. Space: world. A candidate that is
+//! chosen n times becomes one light of n times the power.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::borrow::Borrow;
@@ -45,7 +46,8 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     spread(&all, count, start).into_iter().map(|(i, weight)| all[i].0.vpl.scaled(weight / paths)).collect()
 }
 
-/// Chooses virtual lights by what they bring, each as often as it says, spread evenly: places and weights.
+/// Chooses virtual lights in proportion to their weights, by stratified sampling; returns positions in the
+/// list and weights.
 pub(super) fn spread(all: &[(impl Borrow<Candidate>, f32)], count: usize, u: f32) -> Vec<(usize, f32)> {
     let positions: Vec<Vec3> = all.iter().map(|(own, _)| own.borrow().vpl.point.p).collect();
     let order = neighbours::in_order(&positions, 1);
@@ -100,7 +102,7 @@ impl Candidates {
         crowd_of(path, self.paths)
     }
 
-    /// What each of them counts.
+    /// The weight of each of them.
     pub(super) fn share_of_pair(&self, path: u32) -> f32 {
         1.0 / self.crowd_of(path).len() as f32
     }

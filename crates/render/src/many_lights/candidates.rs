@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Complete paths from a lamp to the camera, and the virtual lights on them: standard ones, where a light path meets a
-//! surface, and reverse ones, where a ray from a point that the camera sees does; the latter are joined to all vertices
-//! of the light path, and to a lamp.
-//! Source: [SIMP06]; the two ways are weighted by the balance heuristic [VG95]. Differs: densities of reverse virtual lights
-//! are exact, see `pilots`. Space: world.
-//! Invariant: for uniform numbers the sum over a path's virtual lights of what they bring has the mean of all light that
-//! virtual lights may bring, whatever the pilots. Tests: crates/render/tests/many_lights.rs.
+//! Complete paths from a light to the camera, and the virtual lights on them. Standard virtual lights lie
+//! where a light path hits a surface, reverse ones where a ray from a visible point hits one; reverse ones
+//! are joined to all vertices of the light path, and to a light.
+//! Source: [SIMP06]; the two strategies are weighted by the balance heuristic [VG95]. Differs: densities of
+//! reverse virtual lights are exact, see `pilots`. Space: world.
+//! Invariant: for uniform random numbers the summed contribution of a path's virtual lights has the mean of
+//! all light in their share, for any pilot points. Tests: crates/render/tests/many_lights.rs.
 
 use std::borrow::Borrow;
 use std::f32::consts::FRAC_1_PI;
@@ -84,8 +84,8 @@ pub(super) fn total<'a>(found: impl IntoIterator<Item = &'a Candidate>) -> f32 {
     found.into_iter().map(|candidate| candidate.importance).sum()
 }
 
-/// Whether paths may be made from both sides: what only covers a share of the light makes the densities of the reverse way
-/// unknown.
+/// Whether both strategies are possible: partly transparent surfaces make the densities of the reverse
+/// strategy unknown.
 fn both_ways(tracer: &BatchTracer, pilots: &Pilots) -> bool {
     tracer.world.materials().all_solid() && !pilots.points.is_empty() && pilots.max_depth > 2
 }
@@ -139,7 +139,7 @@ pub(super) fn eye_sides(
     let (ends, pilot_of) = ends(tracer, pilots, paths, numbers);
     let points: Vec<_> = ends.iter().map(|(_, vertex)| (vertex.point, &vertex.scattering.bsdf)).collect();
     let mut mask = pilots.visible_from(tracer, &points, &mut scratch);
-    // By rounding a ray may meet what a shadow ray between the same points does not.
+    // By rounding a ray may hit a surface that a shadow ray between the same points misses.
     mask.iter_mut().zip(&pilot_of).for_each(|(mask, &k)| mask[k / BLOCK] |= 1 << (k % BLOCK));
     let mut joins = Vec::new();
     for ((path, vertex), mask) in ends.iter().zip(mask) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Fewer virtual lights for some points than there are: a sample of them, in proportion to what they may bring there.
-//! Source: in the spirit of [WFA*05] (light cuts), but by chance with known probability, so that the mean does not change.
-//! Space: world. What may be brought is judged without visibility: strength, the cosine at the light, distance to the points.
-//! Invariant: a light that shines is never impossible; a function of the points and of one random number.
+//! A sample of the virtual lights for some points, in proportion to their possible contribution there.
+//! Source: in the spirit of [WFA*05] (light cuts), but random with known probability, so that the mean does
+//! not change.
+//! Space: world. The estimate ignores visibility: it uses power, the cosine at the light, and the distance to
+//! the points.
+//! Invariant: the probability of a light with power is above 0; a function of the points and of one random
+//! number.
 //! Tests: `tests::samples_keep_the_sum`, crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
@@ -24,7 +27,7 @@ pub(super) fn cut(points: &[&EyePoint], sources: &[Source], most: usize, u: f32)
     Some(chosen.into_iter().map(|(i, weight)| sources[i].scaled(weight)).collect())
 }
 
-/// The same as places in the list, and what each counts, of one point or more.
+/// The same as positions in the list and weights, for one point or more.
 pub(super) fn cut_of(points: &[&EyePoint], sources: &[Source], most: usize, u: f32) -> Vec<(usize, f32)> {
     let step = points.len().div_ceil(WITNESSES);
     let witnesses: Vec<Vec3> = points.iter().step_by(step).map(|point| point.point.p).collect();

@@ -86,7 +86,7 @@ pub(super) fn light_samples(
     offers.settle(tracer, radiance);
 }
 
-/// So many light samples of a point: what the nth offers is added to the nth of the rounds.
+/// The light samples of one round: the nth offer of a point is added to the nth of the rounds.
 #[inline(always)]
 fn sample<W: Width>(
     width: W,
@@ -155,7 +155,7 @@ fn sample_each<W: Width>(width: W, lights: &LightSet, seed: u64, stops: &[&Stop]
     }
 }
 
-/// What one of `count` light samples of a point offers.
+/// The offer of one of `count` light samples of a point.
 #[inline(always)]
 fn offer<R: Real>(
     stop: &Stop,

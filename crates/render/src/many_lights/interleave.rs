@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Interleaved sampling: each pixel of an N x N pattern gathers its own share of the virtual lights, then light is averaged
-//! over N x N pixels where they show the same surface, so that each pixel has light of all of them.
-//! Source: [WKB*02] (interleaved sampling with a discontinuity buffer), [KH01] (the pattern). Light is taken without the
-//! share that the surface scatters, so that textures stay sharp. Differs: light straight from lamps and by scattered rays is
-//! averaged, too, and takes fewer samples, with numbers that belong to places of the pattern: no noise, and the same numbers
-//! from frame to frame.
-//! Space: world. Biased: light is blurred over N pixels of a surface, and next to edges it lacks some of the virtual lights.
-//! Invariant: pixels that see other surfaces, or none, bring nothing to a pixel.
+//! Interleaved sampling: each pixel of an N x N pattern gathers its own subset of the virtual lights. Light
+//! is then averaged over N x N pixels of the same surface, so that each pixel has light of all of them.
+//! Source: [WKB*02] (interleaved sampling with a discontinuity buffer), [KH01] (the pattern). Light is
+//! averaged without the surface's albedo, so that textures stay sharp. Differs: direct light and light by
+//! scattered rays is averaged, too, and takes fewer samples, with random numbers that belong to positions of
+//! the pattern: no noise, and the same numbers from frame to frame.
+//! Space: world. Biased: light is blurred over N pixels of a surface, and near its edges some of the virtual
+//! lights are missing.
+//! Invariant: a pixel receives nothing from pixels of other surfaces or of the background.
 //! Tests: `tests`, crates/render/tests/interleave.rs.
 
 use glam::Vec3;
@@ -26,10 +27,10 @@ const SAME_PLANE: f32 = 0.2;
 /// Distance of neighbouring pixels on one surface, at most, in widths of pixels: it is foreshortened.
 const NEAR: f32 = 16.0;
 
-/// What a pixel sees, light and surface apart.
+/// The light and the surface of a pixel, separately.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Texel {
-    /// What counts as it is: what is seen of lamps, and of surfaces that are not averaged.
+    /// Radiance that is not averaged: directly visible lights, and surfaces that are excluded.
     pub(crate) plain: Vec3,
     /// Share of light that goes from the surface to the eye.
     pub(crate) share: Vec3,
@@ -112,7 +113,7 @@ pub(super) fn shares(vpls: &[Vpl], pattern_size: usize) -> Vec<Vec<Vpl>> {
     (0..pattern_size).map(share).collect()
 }
 
-/// What the pixels of a picture's part saw, by tiles of the film.
+/// The texels of a picture's part, by tiles of the film.
 pub(crate) struct PatternTexels<'a> {
     /// Row by row in each tile.
     tiles: Vec<(&'a [u32; 4], &'a [Texel])>,

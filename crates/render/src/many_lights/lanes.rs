@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One virtual light on a block of points, as many at a time as the CPU's registers hold: geometry, both ends' BSDFs, the bound.
 //! Source: [Kel97]. Space: world.
-//! What light goes through is left to `Vpl::brings`. Shadow rays start at the light: as a cone from one point they are narrower
-//! than as a bundle to it.
-//! Invariant: lanes compute what `Vpl::brings` computes, up to rounding; every CPU level gives the same bits.
+//! Transmitting lights are left to `Vpl::brings`. Shadow rays start at the light: a cone from one point is
+//! narrower than a bundle to it.
+//! Invariant: lanes compute the same as `Vpl::brings`, up to rounding; every CPU level gives the same bits.
 //! Tests: `tests::lanes_agree_with_single_points`.
 
 use glam::Vec3;
@@ -17,7 +17,7 @@ use super::bound::Bound;
 use super::eye::EyePoint;
 use super::vpl::{self, Vpl};
 
-/// Points per block: as many as rays that the tree takes at a time.
+/// Points per block: the largest pencil of the tree.
 pub(super) const BLOCK: usize = Pencil::MOST;
 
 pub(super) type Lanes = [f32; BLOCK];
@@ -37,7 +37,7 @@ pub(super) struct Block {
     throughput: Lanes3,
     /// Most edges that a virtual light's path may have.
     most_edges: Lanes,
-    /// What they do to light, seen from the eye, by sixteens.
+    /// Their lobes for the direction to the eye, in groups of sixteen.
     persistent: Vec<CachedLobes>,
     /// Lanes that light may go through.
     pub(super) other: Vec<usize>,
@@ -67,12 +67,12 @@ impl Extent {
     }
 }
 
-/// What one virtual light brings to a block.
+/// Light of one virtual light on a block.
 #[derive(Default)]
 pub(super) struct Light {
     /// Shadow rays from the light; where no light is to be tested for shadow there is none.
     pub(super) rays: Pencil,
-    /// What arrives if nothing is in between.
+    /// Unoccluded light.
     pub(super) color: Color,
 }
 
@@ -132,8 +132,8 @@ pub(crate) struct Source {
     edges: f32,
     /// On the density, per area.
     pub(super) bound: f32,
-    /// Its BSDF as the light asks it, and what to multiply to its value times the cosine of the geometric normal over that of the shading
-    /// normal; `None` where light goes through.
+    /// Its BSDF prepared for the light, and the factor of its value times the ratio of the cosines of the
+    /// geometric and the shading normal; `None` for transmitting surfaces.
     sender: Option<(Box<Carrying>, Vec3)>,
     pub(super) vpl: Vpl,
 }
@@ -212,8 +212,8 @@ impl Block {
         block
     }
 
-    /// Whether `source` may bring anything to lanes that they know: one test for all of them. Rounding may lose what is all but below a
-    /// horizon; one that light goes through may shine to either side.
+    /// Whether `source` may reach any of the lanes: one test for all of them. Rounding may lose lights just
+    /// below a horizon; a transmitting light may shine to either side.
     pub(super) fn may_get(&self, source: &Source) -> bool {
         if source.sender.is_none() {
             return true;
@@ -233,8 +233,8 @@ fn at<R: Real>(like: R, [x, y, z]: &Lanes3, first: usize) -> Vector<R> {
 }
 
 impl Block {
-    /// What `source` brings; the lanes of `other` are left dark. Says how many lanes get something, if lanes know what it
-    /// sends. `like` only tells how many points go at a time.
+    /// Light of `source`; the lanes of `other` stay dark. Returns the number of lit lanes, or `None` if the
+    /// light has no lanes. `like` only selects the number of points per step.
     #[inline(always)]
     pub(super) fn light<R: Real>(&self, like: R, source: &Source, light: &mut Light) -> Option<u32> {
         let (sender, power) = source.sender.as_ref()?;
@@ -287,7 +287,8 @@ impl Block {
         Some(lit)
     }
 
-    /// What the points from `first` on make of light from the unit `to`, and the density with which they choose it.
+    /// Reflectance of the points from `first` on for light from the unit vector `to`, and the density with
+    /// which they choose it.
     #[inline(always)]
     fn kept_at<R: Real>(&self, first: usize, to: Vector<R>) -> (Vector<R>, R) {
         match self.persistent.get(first / LANES) {
@@ -406,7 +407,7 @@ mod tests {
 
     type Make = fn(u32, Vec3) -> Bsdf;
 
-    /// What the CPU's lanes say, which must have the bits of single points.
+    /// The result of the CPU's lanes, which must have the bits of single points.
     fn by_lanes(block: &Block, source: &Source, light: &mut Light) -> Option<u32> {
         let (mut one, lit) = (Light::default(), block.light(0.0_f32, source, light));
         for level in Level::available() {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Learns which lamps matter to the camera: light paths of instant radiosity start there more often.
-//! Source: [WBS03b]: a first pass of particles finds the lamps whose light is seen. Differs: what is weighted is the number
-//! that chooses a lamp, cut into bins, so any kind of lamp will do; each bin keeps a share, so the mean does not change.
+//! Learns which lights matter to the camera: light paths of instant radiosity start there more often.
+//! Source: [WBS03b]: a first pass of particles finds the lights that contribute. Differs: the weights apply
+//! to the number that chooses a light, cut into bins, so any kind of light works; each bin keeps a minimum,
+//! so the mean does not change.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use super::bound::bound_of;
@@ -25,7 +26,8 @@ const FEW: usize = 4;
 pub(super) fn light_choice<'j>(job: &'j Job, stats: &mut RenderStats) -> Option<&'j LightChoice> {
     let light_choices = &job.common.light_choices;
     if light_choices.get().is_none() {
-        // Not inside of the lock: a thread that waits for others takes up their work. Who comes second has learned the same.
+        // Outside of the lock: a thread that waits in the pool executes other tasks, which may need the lock.
+        // A second thread has computed the same.
         let _ = light_choices.set(learned(job, stats));
     }
     light_choices.get().and_then(Option::as_ref)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which lamps light paths start at: the number that chooses a lamp is bent.
-//! Source: [WBS03b]; what is weighted is the number, cut into bins, so any kind of lamp will do; each bin keeps a share, so the mean
-//! does not change. Tests: `tests::weights_undo_the_choice`.
+//! Choice of lights for the starts of light paths: the number that chooses a light is warped.
+//! Source: [WBS03b]; the weights apply to the number, cut into bins, so any kind of light works; each bin
+//! keeps a minimum, so the mean does not change. Tests: `tests::weights_undo_the_choice`.
 
 use gnurt_shading::sampling::Distribution;
 

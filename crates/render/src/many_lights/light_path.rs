@@ -50,7 +50,7 @@ pub(crate) struct LightVertex {
     pub(crate) survival: f32,
 }
 
-/// Random numbers of an edge: which pair is for what.
+/// Purposes of the pairs of random numbers of an edge.
 pub(crate) mod pair {
     /// The direction.
     pub(crate) const DIRECTION: u32 = 0;
@@ -79,7 +79,8 @@ struct Walk {
     absorption: Vec3,
     /// The lamp's triangle and normal, on the first edge.
     emitter_choice: Option<(u32, Vec3)>,
-    /// On the first edge from a light of a shader plugin: which one; `power` then is what its light is multiplied with.
+    /// On the first edge from a light of a shader plugin: its source; `power` then is the factor of its
+    /// light.
     plugin: Option<Source>,
     /// Whether it comes straight from a lamp, by nothing but mirrors and smooth glass.
     is_direct_light: bool,
@@ -97,8 +98,8 @@ pub(super) fn share_of_light_set(world: &World) -> f32 {
     }
 }
 
-/// The start of a path at a light of a shader plugin, if that is where its numbers put it (`None` = it starts nowhere); else the number that
-/// chooses a lamp, and one over the probability that it is not at a plugin's.
+/// The start of a path at a light of a shader plugin, if its numbers select one (`None` = it starts nowhere).
+/// Otherwise the number that chooses a light, and one over the probability that it is not a plugin's.
 fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Option<Start>, (f32, f32)> {
     let [choice, _] = numbers(path, 0, pair::LOBE);
     let share = 1.0 - share_of_light_set(world);
@@ -113,7 +114,7 @@ fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Option<Start>, (
     Ok(start.map(|start| Start { weight: start.weight / share, ..start }))
 }
 
-/// What arrives at the ends of first edges from lights and environments of shader plugins.
+/// Light from lights and environments of shader plugins at the ends of first edges.
 fn ask_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[Option<Vertex>]) {
     let of = |source: Source, walks: &[Walk]| -> Vec<usize> {
         (0..walks.len()).filter(|&i| walks[i].plugin == Some(source) && vertices[i].is_some()).collect()
@@ -176,7 +177,7 @@ pub(crate) fn trace(
                         absorption: Vec3::ZERO,
                         emitter_choice: None,
                         plugin: Some(start.source),
-                        // Shaders do not ask what is around the scene.
+                        // Shaders of surfaces do not query the environment.
                         is_direct_light: start.source != Source::Environment,
                     },
                 );
@@ -284,15 +285,15 @@ pub(crate) fn trace(
     out
 }
 
-/// Probability that a path goes on, which anybody can tell who joins it to another: by its albedo. The edge to the eye is sure
-/// to come.
+/// Probability that a path continues, from its albedo, so that joined paths can compute it, too. The edge to
+/// the eye has probability 1.
 fn survival(albedo: Vec3, edges: u32) -> f32 {
     // No albedo is told too low by more than this, where it is only about right.
     const LEAST: f32 = 0.05;
     if roulette::decides(edges + 1) { roulette::survival(albedo.max_element().max(LEAST)) } else { 1.0 }
 }
 
-/// What chance on a path beside its own numbers hangs on: these, so that no two sets share it.
+/// Seed of a path's further random choices, made of its own numbers, so that no two sets share it.
 fn key(path: u32, numbers: &Numbers) -> SampleKey {
     let [a, b] = numbers(path, 0, pair::DIRECTION).map(f32::to_bits);
     SampleKey { pixel: a, sample: b, branch: 0x5eed }
@@ -343,7 +344,8 @@ mod tests {
         found.iter().map(|vertex| vertex.vpl.point.p.z > 0.05).collect()
     }
 
-    /// Each set decides anew which of its paths go through holes: the mean over sets is the picture.
+    /// Each set decides on its own which of its paths pass transparent surfaces: the mean over sets is the
+    /// picture.
     #[test]
     fn sets_decide_about_holes() {
         let share = |ends: &[bool]| ends.iter().filter(|&&veil| veil).count() as f64 / ends.len() as f64;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light transport by many virtual lights: where they are put, how they shine, how what they cannot bring comes back.
+//! Light transport by many virtual lights: their placement, their shading, and the rays that replace their
+//! clamped part.
 //! Source: see each file.
 
 mod bidirectional;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays towards light, and what each brings unless something is in between. Space: world.
+//! Shadow rays, with the unoccluded light of each. Space: world.
 //! Tests: crates/render/tests/{many_lights,panes}.rs.
 
 use glam::Vec3;
@@ -10,7 +10,7 @@ use super::walk::Walk;
 use crate::tracer::BatchTracer;
 use crate::transport::panes;
 
-/// Rays towards light and what they bring if nothing is in between.
+/// Shadow rays and their unoccluded light.
 #[derive(Default)]
 pub(super) struct Offers {
     request: RayRequest,
@@ -47,7 +47,7 @@ impl Offers {
         });
     }
 
-    /// Adds what arrives.
+    /// Adds the unoccluded light.
     pub(super) fn settle(self, tracer: &mut BatchTracer, radiance: &mut Vec3s) {
         let mut through = Vec3s::default();
         tracer.occluded(&self.request, &mut through);

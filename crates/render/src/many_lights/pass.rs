@@ -23,9 +23,10 @@ pub(crate) struct PassLights {
     pub(crate) shares: Vec<Vec<Vpl>>,
     /// The same, ready to be gathered.
     pub(super) sources: Vec<Vec<Source>>,
-    /// All of them, once somebody gathers all.
+    /// All of them, prepared at first use.
     whole: OnceLock<Vec<Source>>,
-    /// Those of each place, or shares of all of them where there is no pattern, once somebody asks for points that the eye does not see.
+    /// Those of each position of the pattern, or subsets of all of them without a pattern; prepared at the
+    /// first use by indirectly visible points.
     unseen: OnceLock<Vec<Vec<Source>>>,
     pub(crate) bound: Bound,
     /// Rays that leave a point that the eye sees, and the chance of each where that scatters alike to all sides.
@@ -37,7 +38,7 @@ pub(crate) struct PassLights {
     light_samples: u32,
     /// Whether points that the eye sees ask no more lights than others: each sample few of a share that chance gives it.
     pub(crate) is_few: bool,
-    /// What it took to put them there.
+    /// Cost of their creation.
     pub(crate) stats: RenderStats,
 }
 
@@ -110,7 +111,7 @@ impl PassLights {
         })
     }
 
-    /// The bound on what virtual lights bring to a point.
+    /// The bound on virtual lights at a point.
     pub(crate) fn bound_at(&self, is_directly_visible: bool) -> Bound {
         if is_directly_visible && !self.is_few { self.bound } else { self.bound.times(UNSEEN) }
     }
@@ -130,11 +131,12 @@ impl PassLights {
     }
 }
 
-/// Rays at most that leave a point that the eye sees: a ray costs little beside what virtual lights cost there, and brings
-/// most of the error where surfaces are glossy.
+/// The largest number of rays from a visible point: a ray costs little compared with the virtual lights
+/// there, and brings most of the error on glossy surfaces.
 const MOST_RAYS: u32 = 4;
 
-/// Rays from a matte point where pictures are remembered: they bring what the bound takes from virtual lights, which is little.
+/// Rays from a matte point if pictures are reused: they bring only the small part that the bound removes from
+/// virtual lights.
 const FEW_RAYS: f32 = 0.25;
 
 /// Lights of a share, about, of which a sample asks few; how many where the eye sees.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A few points that the camera sees, fresh for each pass: how much a virtual light matters is what it brings to them.
-//! Source: [SIMP06] (virtual lights judged by what they bring to the camera). Differs: the same points also choose where
-//! reverse virtual lights lie, so that the density of that choice is a plain sum, and no density has to be estimated; and where
-//! much of a point's light is left to rays, as on gloss, the ends of some of these are pilots, too.
-//! Space: world. Invariant: a function of the set's number; the estimate stays unbiased whatever the points are.
+//! A few visible points, fresh for each pass: the importance of a virtual light is its contribution to them.
+//! Source: [SIMP06] (importance of virtual lights from their contribution to the camera). Differs: the same
+//! points also choose the positions of reverse virtual lights, so that the density of that choice is a plain
+//! sum and needs no estimate. Where rays bring much of a point's light, as on gloss, the ends of some of
+//! these rays are pilot points, too.
+//! Space: world. Invariant: a function of the set's number; the estimate stays unbiased for any points.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::FRAC_1_PI;
@@ -29,8 +30,8 @@ use crate::transport::walks::Walks;
 
 /// Points that the eye sees, at most.
 const SEEN: u32 = 64;
-/// Blocks of lanes that hold all pilots: as many points again may be where their rays end. One bit each in a mask of who sees
-/// whom.
+/// Blocks of lanes for all pilot points: rays may end at as many points again. One bit each in a mask of
+/// mutual visibility.
 const BLOCKS: usize = 2;
 /// Share of light that rays must bring from there.
 const LEAST_REST: f32 = 0.05;
@@ -51,7 +52,7 @@ pub(super) struct Pilots {
     bound: Bound,
     /// All of them, by blocks.
     groups: Vec<Group>,
-    /// About what a unit of strength brings to a point somewhere in the scene.
+    /// Approximate contribution of unit power to a point somewhere in the scene.
     anywhere: f32,
     level: Level,
 }
@@ -63,7 +64,7 @@ struct Group {
     other: u64,
 }
 
-/// Room for what lanes compute.
+/// Memory for results of lanes.
 #[derive(Default)]
 pub(super) struct Scratch {
     light: Box<Light>,
@@ -93,7 +94,7 @@ impl Pilots {
         };
         let samples = CameraSamples { positions: &positions, lens: &lens, times: &times };
         job.camera.rays(&samples, options.width as f32 / options.height as f32, &mut rays);
-        // Each carries what light at its end is multiplied with.
+        // The factor of light at its end.
         let carried = vec![Vec3::ONE; rays.len()];
         let keys = keys[..rays.len()].to_vec();
         let mut walks = Walks { keys, rays, cones: Some(Cones::default()), carried, ..Walks::default() };
@@ -263,7 +264,8 @@ fn chances(seed: u64, keys: &[SampleKey], edges: u32) -> Vec<f32> {
     keys.iter().map(|&key| opacity::probability(seed, key, edges)).collect()
 }
 
-/// Where a ray from each point ends that brings what virtual lights leave to it, if that is much: on gloss it is most.
+/// The end of a ray from each point that finds the remainder of virtual lights, if that is large: on gloss it
+/// is most.
 fn ends_of_rays(
     job: &Job,
     tracer: &mut BatchTracer,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where light paths start at lights that only know `illuminate`, and at an environment that only knows `miss`: asked
-//! about some points, a light that is always seen at one place, or in one direction, is a point light or a directional one.
-//! What it sends is asked where a path arrives.
+//! Starts of light paths at lights that only have `illuminate`, and at an environment that only has `miss`.
+//! Queries at some points classify them: a light with a constant position or direction is a point light or a
+//! directional light. Its radiance is queried where a path arrives.
 //! Space: world. Units: as `LightBatch`.
 //! Invariant: unbiased for lights of these two kinds; others, and those that light none of the points, start no paths.
 //! Tests: `tests`, crates/render/tests/shader_lights.rs.
@@ -32,7 +32,7 @@ enum StartKind {
     Around,
 }
 
-/// Who is asked what it sends.
+/// The source of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Source {
     /// A light, by its number among those of the shader table.
@@ -49,7 +49,7 @@ struct PluginLight {
 #[derive(Default)]
 pub(crate) struct PluginEmitters {
     plugin_lights: Vec<PluginLight>,
-    /// By what they bring to the scene.
+    /// By their light in the scene.
     choice: Option<Distribution>,
     /// Centre and radius of a ball around the scene.
     ball: (Vec3, f32),
@@ -93,7 +93,7 @@ impl PluginEmitters {
         Self { plugin_lights, choice, ball }
     }
 
-    /// How many there are; none where nobody knows how to choose among them.
+    /// The number of lights; 0 if the choice among them is unknown.
     pub(super) fn len(&self) -> usize {
         self.plugin_lights.len()
     }
@@ -122,7 +122,7 @@ impl PluginEmitters {
     }
 }
 
-/// What arrives at points from a light, as intensity where it has a place.
+/// Light at points, as intensity if the light has a position.
 pub(super) fn arriving(light: &dyn LightShader, p: &Vec3s, normal: &Vec3s) -> Vec<Vec3> {
     let mut out = LightBatch::default();
     out.reset(p.len());
@@ -131,7 +131,7 @@ pub(super) fn arriving(light: &dyn LightShader, p: &Vec3s, normal: &Vec3s) -> Ve
     (0..p.len()).map(|i| out.radiance.get(i) * scale(i)).collect()
 }
 
-/// What an environment shows on average.
+/// Mean radiance of an environment.
 fn mean(environment: &dyn EnvironmentShader) -> f32 {
     let mut dirs = Vec3s::default();
     for sample in 0..ASKED {
@@ -199,7 +199,8 @@ fn locate(light: &dyn LightShader, low: Vec3, high: Vec3) -> Option<(StartKind, 
 mod tests {
     use super::*;
 
-    /// Lights the half space z > 0: from a place, from a direction, or from a place that hangs on the random numbers.
+    /// Lights the half space z > 0: from a position, from a direction, or from a position that depends on the
+    /// random numbers.
     struct PluginLight(u32);
 
     impl LightShader for PluginLight {
@@ -224,7 +225,7 @@ mod tests {
         }
     }
 
-    /// Else light paths whose numbers put them there would start at other lights, as many as all others do.
+    /// Otherwise light paths with these numbers would start at other lights, as many as at all others.
     #[test]
     fn lamps_that_cannot_be_chosen_are_none() {
         let bounds = Some(([-1.0; 3], [1.0; 3]));

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the picture before knows of the light on what a pixel sees now: the point is looked up where it was seen then, and what the
-//! four pixels around it knew is taken over as far as they showed the same surface.
-//! Source: temporal reprojection [NSL*07], light and surface apart, bilinear so that light stays where it is while the camera moves by
-//! parts of pixels. Differs: samples are counted, so that pixels that know nothing bring nothing. Space: world.
-//! Light that hangs on the direction of view is forgotten as fast as that turns against the width of the lobes.
-//! Invariant: nothing is taken over from another surface, nor from what has moved away by more than the pixels nearby show.
+//! Light of the previous picture at the point that a pixel shows. The point is projected to its previous
+//! position, and the four pixels around it contribute if they showed the same surface.
+//! Source: temporal reprojection [NSL*07], light and surface apart, bilinear so that light stays in place
+//! while the camera moves by fractions of pixels. Differs: samples are counted, so that pixels without
+//! samples bring nothing. Space: world. View-dependent light is forgotten at a rate given by the rotation of
+//! the view direction relative to the width of the lobes.
+//! Invariant: no light is reused from another surface, nor from a point that has moved further than the
+//! pixels nearby show.
 //! Tests: `super::tests`.
 
 use std::sync::Arc;
@@ -32,7 +34,7 @@ pub(super) struct Before {
 }
 
 impl Before {
-    /// What it knows of the light that is seen there; `most` samples count at most.
+    /// The light at that point; `most` samples count at most.
     pub(super) fn recall(&self, sample: &SurfaceSample, most: f32) -> Light {
         if !sample.spot.is_surface() {
             return Light::default();

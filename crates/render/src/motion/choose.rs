@@ -26,7 +26,8 @@ pub(super) fn turn_of(x: u32, y: u32, frame: u32) -> f32 {
     at.fract() as f32
 }
 
-/// What needs are multiplied by, so that about `requested` pixels are chosen, of which so many have each of the needs 1, 2 and 4.
+/// The factor of needs at which about `requested` pixels are chosen; `counts` are the pixels with the needs
+/// 1, 2 and 4.
 pub(super) fn scale(counts: [u64; 3], requested: f64) -> f32 {
     let (mut low, mut high) = (0.0, 1.0);
     let chosen = |scale: f64| -> f64 {

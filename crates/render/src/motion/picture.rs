@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture of a camera in motion, and what the next one needs of it.
+//! A picture of a camera in motion, and the state for the next one.
 //! Source: see `motion/mod.rs`. Space: world.
-//! Fresh samples go through the pixels' centres, as what is seen does, with random numbers of their own in each frame. One that is far
-//! brighter than all that is known is cut: a picture that is gone in a moment has no time to average sparks away.
-//! Invariant: a function of the pictures before it and their options, whatever threads do. Tests: crates/render/tests/motion.rs.
+//! Fresh samples go through the pixels' centres, as the first surfaces do, with their own random numbers in
+//! each frame. A sample far brighter than all known light is clamped, because a short-lived picture has no
+//! time to average fireflies.
+//! Invariant: a function of the previous pictures and their options, on any number of threads. Tests:
+//! crates/render/tests/motion.rs.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -38,15 +40,15 @@ const CHANGING: f32 = 0.7;
 const UNREST: u32 = 8;
 /// Share of the mean light below which samples err as if there were so much.
 const DIM: f32 = 0.25;
-/// Share that a picture has in what is known of the noise.
+/// Weight of a new picture in the noise estimate.
 const NEW_NOISE: f32 = 0.2;
 /// How many more fresh samples a first picture has than those that remember one.
 const FIRST: f32 = 4.0;
 /// Fresh samples that go together.
 const TOGETHER: usize = 1024;
 
-/// What pictures of a camera in motion leave to the next one: light on what they showed, and virtual lights; see
-/// [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
+/// State that pictures of a camera in motion leave to the next one: light on visible surfaces, and virtual
+/// lights; see [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
 #[derive(Default)]
 pub struct PictureHistory {
     pub(crate) lights: PersistentLights,
@@ -54,12 +56,12 @@ pub struct PictureHistory {
     before: Option<Before>,
     /// Pictures so far: each has random numbers of its own.
     frame: u32,
-    /// Frames for which what is remembered fades.
+    /// Frames during which the history fades.
     unrest: u32,
-    /// Light on the mean pixel; 0 = nobody knows.
+    /// Light on the mean pixel; 0 = unknown.
     mean: f32,
-    /// How much samples err on surfaces that scatter widely and on shiny ones: mean squares, as shares of what they should tell; unknown
-    /// at first.
+    /// Error of samples on rough surfaces and on shiny ones: mean squares, relative to the true value;
+    /// unknown at first.
     noise: Option<[f32; 2]>,
     tints: Vec<Tint>,
     /// Light as it is shown.
@@ -69,7 +71,7 @@ pub struct PictureHistory {
     cost: MotionCost,
 }
 
-/// What the last picture in motion took.
+/// Cost of the last picture in motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionCost {
     /// Fresh samples of light.
@@ -93,13 +95,14 @@ impl PictureHistory {
         }
     }
 
-    /// What the last picture took.
+    /// Cost of the last picture.
     #[must_use]
     pub fn cost(&self) -> MotionCost {
         self.cost
     }
 
-    /// Makes the next picture, with fresh samples for this share of the pixels, and writes it to `tiles`; says whether nobody stopped it.
+    /// Makes the next picture, with fresh samples for this share of the pixels, and writes it to `tiles`;
+    /// returns false if it was stopped.
     pub(crate) fn next(
         &mut self,
         job: &Job,
@@ -150,7 +153,7 @@ impl PictureHistory {
             self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
             let noise = noise_of((&chosen, &brightness), &given, &self.shown, self.mean);
             if self.noise.is_none() && Strength::of(noise) != strength {
-                // Nobody knew how noisy the first one is.
+                // The noise of the first picture was unknown.
                 self.shown.smooth(&given, Strength::of(noise), level);
                 self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
             }
@@ -171,7 +174,7 @@ impl PictureHistory {
         true
     }
 
-    /// Forgets what other options or another world have made wrong.
+    /// Drops the history that other options or another world have invalidated.
     fn follow(&mut self, job: &Job) {
         match &self.of {
             Some((_, of)) if !alike(of, job.options) => {
@@ -184,7 +187,7 @@ impl PictureHistory {
         self.of = Some((job.world.mark(), job.options.clone()));
     }
 
-    /// The share of what is remembered that is left in this frame.
+    /// The fraction of the history that this frame keeps.
     fn fading(&self) -> f32 {
         if self.unrest > 0 { CHANGING } else { 1.0 }
     }
@@ -216,8 +219,8 @@ fn mean_of(spots: &[SurfaceKey], shown: &Smooth, width: usize) -> f32 {
     (total(|row| row.0) / f64::max(total(|row| row.1), 1.0)) as f32
 }
 
-/// The mean square of what samples are off by what is shown, as shares of that, or of `DIM` of the mean where that is darker; on surfaces
-/// that scatter widely and on shiny ones.
+/// The mean square of the relative errors of samples, with `DIM` times the mean as the least reference; on
+/// rough surfaces and on shiny ones.
 fn noise_of(
     (chosen, brightness): (&[[u32; 2]], &[f32]),
     given: &Given,
@@ -314,8 +317,8 @@ impl Frame {
         bands.par_iter().flat_map(of_band).collect()
     }
 
-    /// Adds a fresh sample to some pixels; how bright each of them counts, unless somebody stopped it. None counts more than `most` times
-    /// the light that is known there, or that of the mean pixel.
+    /// Adds a fresh sample to some pixels; returns their brightness, or `None` if stopped. A sample counts at
+    /// most `most` times the known light there, or that of the mean pixel.
     fn sample(
         &mut self,
         job: &Job,
@@ -345,7 +348,7 @@ impl Frame {
         };
         let fresh_radiance = found.iter().flat_map(|(fresh_radiance, _)| fresh_radiance);
         let mut samples: Vec<Vec3> = chosen.iter().zip(fresh_radiance).map(light_of).collect();
-        // Nobody knew how bright the first picture is.
+        // The brightness of the first picture was unknown.
         let mean = if mean > 0.0 { mean } else { mean_brightness(&samples) };
         let mut count_in = |(&[x, y], sample): (&[u32; 2], &mut Vec3)| {
             if !sample.is_finite() {

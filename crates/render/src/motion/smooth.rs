@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light of neighbours on one surface is averaged until enough samples have come together: in steps that double, so that few
-//! neighbours are asked for a wide circle.
-//! Source: [DSHL10] (steps that double, edges kept). Differs: samples are counted, and noise is known of the whole picture only; pixels
-//! that have enough stay as they are, so that light gets sharper the longer it is seen. Rows go through all steps one after the other, in
-//! bands, so that what steps ask stays in a cache.
-//! Invariant: no light comes from another surface; the mean over a surface stays; bands do not show. Tests: `tests`, and
-//! crates/render/tests/motion.rs (any number of threads).
+//! Averages light of neighbours on one surface until enough samples contribute: in steps of doubling
+//! distance, so that few neighbours cover a wide circle.
+//! Source: [DSHL10] (steps that double, edges kept). Differs: samples are counted, and the noise is known
+//! only for the whole picture; pixels with enough samples stay unchanged, so that light becomes sharper over
+//! time. Rows go through all steps in succession, in bands, so that the data of a step stays in a cache.
+//! Invariant: no light comes from another surface; the mean over a surface stays; bands are invisible. Tests:
+//! `tests`, and crates/render/tests/motion.rs (any number of threads).
 
 use glam::Vec3;
 use gnurt_shading::real::{Real, Vector};
@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::surface_key::{Light, Same, SurfaceKey, Tint};
 
-/// Samples that make a pixel good enough where they err as much as what they tell, in the mean of squares, or less.
+/// Sufficient samples of a pixel, at a mean square error of one.
 const ENOUGH: f32 = 100.0;
 /// So many times as many are wanted at most where they err more.
 const MOST_TIMES: f32 = 64.0;
@@ -32,9 +32,9 @@ const EVEN: [f32; 2] = [0.5, 0.25];
 const LAST: [f32; 2] = [0.75, 0.4];
 /// Steps for pixels alone that know nothing then.
 const FAR: [Step; 2] = [(8, LAST), (16, LAST)];
-/// What squares of errors are of little noise.
+/// Mean squares of relative errors that count as little noise.
 const LITTLE: f32 = 1.0;
-/// Where lobes are narrower than this so few samples are good enough: what they show is blurred first, and sharp the longer it is seen.
+/// Below this width of lobes, few samples suffice: the pixel is blurred first and becomes sharp over time.
 const SHINY: f32 = 0.25;
 const ENOUGH_OF_SHINY: f32 = 4.0;
 /// Neighbours by row and column, of three each.
@@ -63,7 +63,7 @@ mod light {
     pub(super) const COUNT: usize = 4;
 }
 
-/// Whether what a pixel shows is blurred first, and sharp the longer it is seen.
+/// Whether a pixel is blurred first and becomes sharp over time.
 pub(super) fn is_shiny(tint: &Tint) -> bool {
     tint.roughness < SHINY
 }
@@ -77,10 +77,10 @@ pub(super) struct Strength {
 }
 
 impl Strength {
-    /// For samples that err so much on surfaces of both kinds: the mean square of errors as shares of what they should tell.
+    /// For samples with these errors on surfaces of both kinds: mean squares of relative errors.
     pub(super) fn of(noise: [f32; 2]) -> Self {
         let times = noise.map(|noise| (noise / LITTLE).clamp(1.0, MOST_TIMES));
-        // Where they err much, little is seen of what narrow lobes show.
+        // Under large errors, the image in narrow lobes is hardly visible.
         let enough = [times[0] * ENOUGH, (times[1] * times[1] * ENOUGH_OF_SHINY).min(MOST_TIMES * ENOUGH)];
         let most_times = enough[0].max(enough[1]) / ENOUGH;
         let (_, steps) = STEPS.into_iter().find(|&(most, _)| most_times <= most).unwrap_or(STEPS[0]);
@@ -99,7 +99,7 @@ impl Strength {
     }
 }
 
-/// What is averaged, row by row.
+/// The input of the filter, row by row.
 #[derive(Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) width: usize,
@@ -117,7 +117,7 @@ pub(super) struct Smooth {
 }
 
 impl Smooth {
-    /// Averages light over surfaces; pixels have no samples where nobody knows anything. Call within a pool of threads.
+    /// Averages light over surfaces; pixels without any data keep no samples. Call within a pool of threads.
     pub(super) fn smooth(&mut self, given: &Given, strength: Strength, level: Level) {
         let stride = given.width.next_multiple_of(LANES) + 2 * MARGIN;
         let height = given.spots.len() / given.width.max(1);
@@ -140,7 +140,7 @@ impl Smooth {
         Light { mean, count: at(light::SAMPLES) }
     }
 
-    /// Averages what neighbours so many pixels away know, for pixels of surfaces that know nothing.
+    /// Averages neighbours at this distance, for pixels of surfaces that have no samples.
     fn ask_far(&mut self, given: &Given, (step, [neighbours, corner]): Step) {
         let Given { width, spots, .. } = *given;
         let of_row = |(y, spots_of_row): (usize, &[SurfaceKey])| -> Vec<(usize, Light)> {
@@ -176,7 +176,8 @@ impl Smooth {
     }
 }
 
-/// Rows that steps ask of each other, so few that they stay in a cache: each goes where the one was that nobody asks any more.
+/// Rows that steps read from each other, so few that they stay in a cache: each new row replaces one that is
+/// no longer needed.
 struct Near {
     strength: Strength,
     stride: usize,

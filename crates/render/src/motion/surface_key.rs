@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a pixel of a picture in motion sees, light and surface apart, and what is known of the light there.
+//! The surface and light of a pixel of a picture in motion, and the light known there.
 //! Source: light and surface apart: as [WKB*02]; when two pixels show one surface: `many_lights/interleave.rs`. Space: world.
-//! Layout: what pixels are compared by is apart from what their colour is made of: filters read the one many times.
+//! Layout: the data that compares pixels is apart from the data of their colour, because filters read only
+//! the former many times.
 
 use glam::Vec3;
 use gnurt_shading::real::Real;
@@ -15,7 +16,7 @@ const TOUCHING: f32 = 0.1;
 /// How far a surface is foreshortened, at most, that pixels beside each other may show: in widths of pixels.
 const NEAR: f32 = 8.0;
 
-/// What is seen there: a point on a surface, behind mirrors and smooth glass if they are in between.
+/// The visible point on a surface, behind mirrors and smooth glass if present.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SurfaceKey {
     pub(super) p: Vec3,
@@ -42,7 +43,7 @@ impl SurfaceKey {
     }
 }
 
-/// What pixels so wide, and so many pixels away, have to agree in.
+/// Criteria for the same surface, for pixels of this width at this distance.
 #[derive(Clone, Copy)]
 pub(super) struct Same<R> {
     /// Square of the greatest distance.
@@ -68,15 +69,15 @@ impl<R: Real> Same<R> {
     }
 }
 
-/// What its colour is made of.
+/// The components of its colour.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tint {
-    /// What counts as it is: lamps and surroundings.
+    /// Radiance without filtering: lights and environment.
     pub(super) plain: Vec3,
-    /// What light on the surface is multiplied by.
+    /// Factor of light on the surface.
     pub(super) share: Vec3,
-    /// Width of the lobes of what it shows, as slopes of facets: light stays while they are wide against the turn of the view.
-    /// 1 = the same to all sides.
+    /// Width of its lobes, as slopes of microfacets: light stays valid while they are wide relative to the
+    /// rotation of the view. 1 = the same to all sides.
     pub(super) roughness: f32,
     /// Whether anything was met.
     pub(super) opacity: f32,
@@ -98,7 +99,7 @@ impl Light {
         self.count += count;
     }
 
-    /// What was added, as a mean.
+    /// The mean of the added values.
     #[inline(always)]
     pub(super) fn averaged(self) -> Self {
         let scale = if self.count > 0.0 { 1.0 / self.count } else { 0.0 };

@@ -32,7 +32,7 @@ pub(crate) struct Asking<'a> {
     pub(crate) edges: u32,
 }
 
-/// What a light of a shader plugin offers.
+/// A light sample from a light of a shader plugin.
 pub(crate) struct Offer {
     /// Unit, towards the light.
     pub(crate) dir: Vec3,
@@ -41,8 +41,9 @@ pub(crate) struct Offer {
     pub(crate) arriving: Vec3,
 }
 
-/// Calls `with(number of the vertex, offer)` for all that lights which only know `illuminate` bring. They are told one normal, so
-/// vertices that light may come through ask them twice, once for each side, and take from each answer what lies on that side.
+/// Calls `with(number of the vertex, offer)` for the light of all lights that only have `illuminate`. The
+/// query has one normal, so transmitting vertices make two queries, once for each side, and use from each
+/// answer the light on that side.
 pub(crate) fn ask_plugin_lights(
     world: &World,
     seed: u64,

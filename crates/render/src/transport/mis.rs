@@ -10,7 +10,7 @@ use gnurt_shading::real::Real;
 
 use super::paths::Path;
 
-/// Weight of what was sampled with density `own` and might have been with `other`; of one point or of many.
+/// Weight of a sample with density `own` if another technique has density `other`; of one point or of many.
 #[inline(always)]
 pub(crate) fn power_heuristic<R: Real>(own: R, other: R) -> R {
     let (zero, one) = (own.all(0.0), own.all(1.0));
@@ -20,7 +20,8 @@ pub(crate) fn power_heuristic<R: Real>(own: R, other: R) -> R {
     R::pick(own.is_number(), weight, one)
 }
 
-/// Weight of what was sampled with density `own` and might have been with `other`, each times its number of samples.
+/// Weight of a sample with density `own` if another technique has density `other`, each times its number of
+/// samples.
 #[inline(always)]
 pub(crate) fn balance_heuristic(own: f32, other: f32) -> f32 {
     own * over_both(own, other)

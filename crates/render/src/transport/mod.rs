@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What integrators that scatter light themselves share: the vertices of paths, weights of samples; and the steps of the
-//! path tracer, many paths at a time.
+//! Common parts of integrators that scatter light themselves: the vertices of paths, weights of samples, and
+//! the steps of the path tracer, many paths at a time.
 //! Source: see each file.
 
 pub(crate) mod absorption;

@@ -30,8 +30,8 @@ pub(crate) fn passed(probability: f32, coverage: f32) -> Option<f32> {
     goes_on.then(|| ((probability - coverage) / (1.0 - coverage)).min(1.0 - f32::EPSILON / 2.0))
 }
 
-/// The rest of a ray that goes on from a surface as `onward`. It ends where the ray would have: rays leave surfaces a little ahead of them,
-/// and what is behind the end, a lamp itself, must stay behind it.
+/// The remainder of a ray after a surface, from `onward`. It ends where the original ray ends: rays leave
+/// surfaces with a small offset, and a surface behind the end, such as the light itself, must stay behind it.
 pub(crate) fn rest(ray: &Ray, onward: Ray) -> Ray {
     if !ray.t_far.is_finite() {
         return onward;

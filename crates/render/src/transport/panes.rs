@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lamps that no scattered ray meets (delta lights), seen through smooth glass: where the shadow ray of a light sample is blocked, the one way is
-//! followed that light takes straight through, bent in and bent out. Light from one direction counts where it leaves all glass as it came,
-//! which panes with two faces do; points and spots through what does not bend at all.
-//! A way is a function of the sample's point and direction, and nothing else finds that light, so it counts in full
-//! times what the glass lets through. Lamps that scattered rays can meet are left to these: to seek them here, too, costs more than it
-//! brings (bench/record/light-2026-11-24.md). So is glass that bends colours apart or in several ways, and what is mirrored.
-//! Space: world. Invariant: what is found depends on the sample and its key only.
+//! Delta lights through smooth glass. A blocked shadow ray is refracted in and out along the only path from
+//! the light. Directional light counts if it leaves all glass in its original direction, as after panes with
+//! two faces; point and spot lights only through glass without refraction. A path is a function of the
+//! sample's point and direction, and no other technique finds that light, so it counts in full times the
+//! transmittance of the glass. Lights that scattered rays can hit are left to scattered rays: to find them
+//! here, too, costs more than it gains (bench/record/light-2026-11-24.md). The same holds for dispersive
+//! glass, glass with several directions, and reflections.
+//! Space: world. Invariant: the result depends on the sample and its key only.
 //! Tests: crates/render/tests/panes.rs.
 
 use glam::Vec3;
@@ -33,9 +34,9 @@ struct StraightPath {
     edges: u32,
     /// Where the light comes from, if that is a direction.
     towards: Option<Vec3>,
-    /// What is left of light that comes along it.
+    /// Transmittance so far.
     left: Vec3,
-    /// Where its last part begins, and what is absorbed there.
+    /// Start of its last segment, and the absorption there.
     start: Vec3,
     absorption: Vec3,
     /// Whether it went through glass yet; and how many holes.
@@ -59,8 +60,8 @@ impl Ways {
     }
 }
 
-/// Adds to what reaches the lamps, by ray of the request, what does so through glass. `emitters` are the rays whose lamps no scattered ray
-/// meets, and which begin where nothing is absorbed, with the edges up to these lamps.
+/// Adds light through glass to the light that reaches the lights directly, by ray of the request. `emitters`
+/// are the rays to delta lights that begin outside of absorbing media, with the edges up to these lights.
 pub(crate) fn trace_through(
     tracer: &mut BatchTracer,
     request: &RayRequest,
@@ -131,7 +132,7 @@ fn is_free(prim_id: u32, straight_path: &StraightPath) -> bool {
     prim_id == INVALID_ID && straight_path.is_through
 }
 
-/// What is left of light that comes along a way that met nothing more.
+/// Transmittance of a path without a further hit.
 fn beyond(straight_path: &StraightPath, ray: &Ray) -> Vec3 {
     if straight_path.towards.is_some_and(|towards| towards.distance_squared(ray.dir.into()) > SAME) {
         return Vec3::ZERO;

@@ -19,13 +19,13 @@ pub(crate) struct Path {
     /// Whose radiance it brings.
     pub(crate) lane: u32,
     pub(crate) key: SampleKey,
-    /// What light at its end is multiplied with.
+    /// Factor of light at its end.
     pub(crate) throughput: Vec3,
     /// Edges up to the next hit, that one included.
     pub(crate) edges: u32,
     /// Surfaces passed straight through since the last vertex.
     pub(crate) layers: u32,
-    /// Where the ray was scattered; `None` where no light sample could have found what it meets.
+    /// The origin of the scattered ray; `None` if no light sample could have found its hit.
     pub(crate) from: Option<Origin>,
     /// Where it was scattered in any case, and how much is absorbed there along it: meant if paths have media.
     pub(crate) start: Vec3,
@@ -73,13 +73,13 @@ pub(crate) struct Scattered<R> {
     pub(crate) throughput: Vector<R>,
     pub(crate) p: Vector<R>,
     pub(crate) ns: Vector<R>,
-    /// [`NOWHERE`] where no light sample could have found what the ray meets.
+    /// [`NOWHERE`] if no light sample could have found the ray's hit.
     pub(crate) pdf: R,
-    /// What is absorbed along the rays where they were scattered; meant if paths have media.
+    /// Absorption along the rays at their origins; used if paths have media.
     pub(crate) absorption: Vector<R>,
-    /// The rays' cones: how wide they begin, how fast they widen; `None` if nobody asks.
+    /// The rays' cones: initial width and spread; `None` if they are not needed.
     pub(crate) cone: Option<[R; 2]>,
-    /// What sends the rays, as bits: one direction only, through the surface, to all sides.
+    /// The kinds of the rays, as bits: delta, transmitted, diffuse.
     pub(crate) how: [u64; 3],
 }
 
@@ -145,7 +145,7 @@ impl Paths {
         }
     }
 
-    /// Takes from path `i` what is absorbed.
+    /// Applies absorption to path `i`.
     pub(crate) fn dim(&mut self, i: usize, left: Vec3) {
         self.throughput.set(i, self.throughput.get(i) * left);
     }
@@ -351,7 +351,7 @@ impl Unshadowed {
     }
 }
 
-/// What a path tracer keeps from step to step, and from batch to batch.
+/// State that a path tracer keeps from step to step, and from batch to batch.
 #[derive(Default)]
 pub(crate) struct Wavefront {
     pub(crate) paths: Paths,
@@ -362,7 +362,7 @@ pub(crate) struct Wavefront {
     pub(crate) through: Vec3s,
     /// Paths in order of the materials that they met: material in the upper half, number in the lower one.
     pub(crate) order: Vec<u64>,
-    /// Lanes whose shader says what comes back from there, and not why.
+    /// Lanes whose shader only returns radiance.
     pub(crate) radiance_only: Vec<u32>,
     pub(crate) closures: ClosureBatch,
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which paths are ended by chance. Source: [AK90] (Russian roulette); how soon was measured, bench/record/light-2026-11-23.md.
-//! Invariant: who ends a path with probability `1 - survival` divides what it carries by `survival`.
+//! Russian roulette: random termination of paths. Source: [AK90]; the start of termination was measured,
+//! bench/record/light-2026-11-23.md.
+//! Invariant: if a path ends with probability `1 - survival`, the survivors' light is divided by `survival`.
 //! Tests: crates/render/tests/{path,agreement,many_lights}.rs.
 
 use gnurt_shading::real::Real;
@@ -9,8 +10,9 @@ use gnurt_shading::real::Real;
 const FROM: u32 = 4;
 /// No path goes on with more than this probability, once chance decides.
 const MOST: f32 = 0.95;
-/// A path from the eye is in danger where less than one over this is left of its light. Those that live carry so much on average, and what
-/// they meet counts as much: ended as soon as anything is lost, the few that live would be fireflies where they meet a lamp.
+/// A path from the eye may end if less than one over this is left of its throughput. Survivors carry this
+/// much on average. With termination at any loss, the few survivors would be fireflies where they hit a
+/// light.
 const SPARED: f32 = 4.0;
 
 /// Whether chance decides on a path of so many edges.

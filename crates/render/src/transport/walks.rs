@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Random walks whose vertices are looked at one by one: from lamps, from the eye to virtual lights, from the points that
-//! judge these. Each goes on from edge to edge with what its owner carries along; the way to the next surface that stops it, the
-//! choice of a direction there and the ray that follows are the same for all. Where paths need no more than `path` does, they
-//! take their steps sixteen at a time: `step`.
+//! Random walks whose vertices are processed one by one: from lights, from the eye to virtual lights, from
+//! the pilot points. Each walk carries data of its owner from edge to edge. The search for the next surface
+//! that stops it, the choice of a direction and the next ray are common to all walks. Paths that need no more
+//! than `path` take their steps sixteen at a time: `step`.
 //! Source: wavefronts after the paper's section 8. Space: world.
-//! Invariant: what a walk meets depends on its ray, key and chance only, not on the walks beside it.
+//! Invariant: the hits of a walk depend on its ray, key and random numbers only.
 //! Tests: crates/render/tests/{many_lights,agreement}.rs.
 
 use glam::Vec3;
@@ -19,7 +19,7 @@ use crate::cone::{Cone, Cones};
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
 
-/// Walks under way, each with what its owner carries along.
+/// Active walks, each with data of its owner.
 #[derive(Clone)]
 pub(crate) struct Walks<W> {
     pub(crate) rays: RayBatch,
@@ -71,8 +71,8 @@ impl<W> Walks<W> {
 }
 
 impl BatchTracer<'_> {
-    /// The vertex where each ray is stopped, given what it hit: surfaces that are there in part are passed by chance, by the `chances` of the
-    /// rays, or by their keys if there are none.
+    /// The vertex where each ray stops, given its hit. A partly transparent surface is passed at random, by
+    /// the `chances` of the rays, or by their keys if there are none.
     pub(crate) fn stopped(&mut self, from: HitLanes, chances: &[f32]) -> Vec<Option<Vertex>> {
         let (depth, seed) = (from.depth, self.options.seed);
         let mut vertices = self.vertices(from);
@@ -114,9 +114,10 @@ impl BatchTracer<'_> {
     }
 }
 
-/// What light that counts so much, by colour, counts for the choice of a direction.
+/// The weight of light of this colour in the choice of a direction.
 fn counted(bsdf: &Bsdf, light: Vec3) -> Vec3 {
-    // Who asks for densities does not know what light counts: only where there are none colours are chosen by that.
+    // A caller that computes densities does not know the light's weight: only without densities the choice of
+    // colours depends on it.
     let by_light = bsdf.is_dispersed() && !bsdf.is_smooth();
     if by_light { light } else { Vec3::ONE }
 }

@@ -15,7 +15,7 @@ const MOST: usize = 4096;
 /// A mesh, and the squares of how a place stretches it.
 type Key = (u32, [u32; 6]);
 
-/// What an object remembers. Its clones begin anew: they may have other meshes.
+/// Cached areas of an object. Clones start empty, because they may have other meshes.
 #[derive(Default)]
 pub(crate) struct Areas {
     known: Mutex<HashMap<Key, f32>>,
@@ -59,7 +59,7 @@ fn sum(mesh: &Mesh, linear: &Mat3) -> f32 {
         let at = |i: u32| mesh.positions.get(i as usize).copied().map_or(Vec3::ZERO, Vec3::from);
         let (p, q, r) = (at(a), at(b), at(c));
         let doubled = f64::from((*linear * (q - p)).cross(*linear * (r - p)).length());
-        // What is no triangle has none.
+        // A degenerate triangle has no area.
         if doubled.is_finite() { 0.5 * doubled } else { 0.0 }
     };
     mesh.indices.iter().map(area).sum::<f64>() as f32

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Commit: from a description to a world, doing only what is due.
-//! The scene's log says what was edited since the last commit; each edit touches its part of the world, and
-//! what hangs on that (the table in ARCHITECTURE.md). Parts are shared: a commit works on a copy of the world that has all
-//! parts in common with it, replaces those that are due, and puts the copy in its place at the end.
-//! Invariants: a clone of the world before is not touched; after an error, or a panic, neither is the world.
+//! Commit: from a description to a world, with only the necessary work. The scene's log lists the edits since
+//! the last commit; each edit affects its part of the world, and the parts that depend on it (the table in
+//! ARCHITECTURE.md). Parts are shared: a commit works on a copy of the world that shares all parts, replaces
+//! the affected ones, and stores the copy at the end. Invariants: a clone of the world before is not touched;
+//! after an error, or a panic, neither is the world.
 //! Tests: `crates/render/tests/{commit,edits}.rs`.
 
 use std::collections::HashMap;
@@ -23,12 +23,12 @@ use super::{Dropped, Followed, World, check, members, object_build, top, users};
 use crate::error::CommitError;
 
 impl World {
-    /// Brings the world up to date with `scene`. A world follows one scene: only what its log says was edited since
-    /// the last commit is made again; for another scene, or with other options, all is. Bad primitives and instances are
-    /// dropped and counted.
+    /// Brings the world up to date with `scene`. A world follows one scene: a commit rebuilds only the parts
+    /// edited since the last one; for another scene, or with other options, it rebuilds all. Bad primitives
+    /// and instances are dropped and counted.
     ///
     /// # Errors
-    /// [`CommitError`] if the scene names things that are not there; the world stays as it was.
+    /// [`CommitError`] if the scene refers to missing things; the world stays as it was.
     pub fn commit(
         &mut self,
         scene: &Scene,
@@ -39,9 +39,9 @@ impl World {
         self.commit_exposed(scene, &Exposure::default(), shaders, options, pool)
     }
 
-    /// The same for a shutter that is open: what `exposure` names moves while a picture is taken, and the scene shows where all
-    /// is when it opens. Trees of meshes that bend are built at each commit. What has no place at some moment, because it is
-    /// flat then, stays where the scene shows it; ids that the scene does not have are passed over.
+    /// The same for an open shutter: the contents of `exposure` move during the picture, and the scene shows
+    /// the state at its opening. Trees of deforming meshes are built at each commit. An instance that is flat
+    /// at some time keeps the transform of the scene; ids outside of the scene are skipped.
     ///
     /// # Errors
     /// As [`commit`](Self::commit).
@@ -227,7 +227,7 @@ impl World {
     }
 }
 
-/// What became of objects and instances.
+/// Changes of objects and instances.
 struct Geometry {
     /// Instances that were placed again, ascending.
     changed: Vec<u32>,

@@ -16,7 +16,7 @@ use super::object::WorldObject;
 use super::shader_emission::{EmissionTriangle, ShaderEmission};
 use super::transform::Transform;
 
-/// What is looked through for them.
+/// The input of the search for emissive triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Shown<'a> {
     pub(super) instances: &'a SharedList<InstanceSlot>,
@@ -38,7 +38,7 @@ pub(super) struct Emitters {
     instances: Vec<u32>,
 }
 
-/// Triangles that may shine: each with leaf, mesh and triangle, and what is known of those whose shaders are asked.
+/// Triangles that may emit: leaf, mesh and triangle of each, and the data of those whose shaders are queried.
 #[derive(Default)]
 struct Found {
     triangles: Vec<shading::EmissiveTriangle>,
@@ -52,7 +52,7 @@ impl Emitters {
         let Shown { instances, materials, pool, .. } = shown;
         let is_emissive = |instance_index: usize| {
             let placed = instances.get(instance_index).and_then(InstanceSlot::placed);
-            // What rays of light do not see gives off none.
+            // Geometry hidden from light rays emits none.
             placed.is_some_and(|placed| {
                 placed.mask.meets(RayMask::OTHER) && shows_lamps(&placed.object, materials)
             })
@@ -204,7 +204,7 @@ fn each_lamp(
     visit(object, first + members.own_leaf(), instance_index);
 }
 
-/// A triangle in the world; `None` if it cannot be traced, because what is not there does not shine.
+/// A triangle in the world; `None` if it cannot be traced, because absent triangles emit nothing.
 fn triangle(
     instance_index: &Transform,
     (mesh, keys, time): (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),

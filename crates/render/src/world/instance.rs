@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object put somewhere, and what of it a hit names.
+//! A placed object, and the parts of it that a hit names.
 //! Invariant: the transform of a placed instance has an inverse.
 
 use std::sync::Arc;
@@ -23,7 +23,7 @@ pub(crate) struct PlacedInstance {
     pub(crate) motion: Option<Arc<MotionPath>>,
 }
 
-/// What there is of an instance of the scene.
+/// The state of an instance of the scene.
 #[derive(Clone, Default)]
 pub(super) enum InstanceSlot {
     /// Rays do not meet it.

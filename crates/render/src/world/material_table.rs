@@ -18,7 +18,7 @@ use super::textures::{Reading, Textures};
 #[derive(Clone)]
 pub(crate) struct MaterialEntry {
     pub(crate) shader: Arc<dyn SurfaceShader>,
-    /// What it gives off, if anything.
+    /// Its emission, if any.
     pub(super) emitter: Option<Arc<Emitter>>,
     is_opaque: bool,
     pub(crate) is_solid: bool,
@@ -44,12 +44,12 @@ pub(crate) struct MaterialTable {
     filled: usize,
     /// How many may be smooth glass.
     clear: usize,
-    /// How many look at what rays stand for.
+    /// The number of materials that read the width of cones.
     reading: usize,
     textures: Textures,
 }
 
-/// What an update has done.
+/// The changes of an update.
 #[derive(Default)]
 pub(super) struct ChangedMaterials {
     /// Shaders that were made.
@@ -85,12 +85,12 @@ impl MaterialTable {
         self.clear > 0
     }
 
-    /// Whether some surface looks at what rays stand for: at how wide their cones are. Where none does, nobody need know.
+    /// Whether some surface reads the width of ray cones. Otherwise widths need not be computed.
     pub(crate) fn read_widths(&self) -> bool {
         self.reading > 0
     }
 
-    /// What each gives off, in their order.
+    /// The emission of each, in their order.
     pub(super) fn emitters(&self) -> impl Iterator<Item = Option<&Arc<Emitter>>> {
         self.entries.iter().map(|entry| entry.as_ref().and_then(|entry| entry.emitter.as_ref()))
     }
@@ -169,9 +169,9 @@ fn entry(
     let from = Reading { scene, textures, opacity_texture };
     let emission = materials::emission(from, material);
     let coverage = if force_diffuse { None } else { materials::coverage(from, &material.alpha) };
-    // Forced or not: who swaps it asks for the surface to be looked at again.
+    // With or without `--force-diffuse`: an edit of the shader marks the surface as dirty.
     let from_table = number_of(scene, id).map(|number| shaders.surfaces[number as usize].clone());
-    // What surfaces show by their own rays and loops over lights is no light.
+    // Radiance from a surface's own rays and light loops is no emission.
     let emission_shader =
         from_table.as_ref().filter(|it| !force_diffuse && it.emits() && it.radiance().is_none());
     let before = before.and_then(|before| before.emitter.as_ref());
@@ -180,7 +180,7 @@ fn entry(
         same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
     });
     let is_asked = emission_shader.is_some();
-    // Cones know what sent a ray, too.
+    // Cones carry the kind of the ray, too.
     let asks_for_kinds = matches!(material.surface, Surface::Shader(_) | Surface::Unlit { .. });
     let shader = materials::shader(from, material, shaders, force_diffuse, emission, coverage);
     let emitter = reported.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));

@@ -16,8 +16,8 @@ use super::object::{MemberSlot, Members, ObjectSlot, PlacedMember, WorldObject};
 use super::object_build::ChangedObjects;
 use super::open::ways_in;
 
-/// Brings objects in use that hold others up to date: those of `dirty`, ascending, and those that hold what has changed. Adds them
-/// to `changed`.
+/// Updates used objects that hold others: those of `dirty`, ascending, and holders of changed objects. Adds
+/// them to `changed`.
 pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
     before: &SharedList<ObjectSlot>,
@@ -55,7 +55,7 @@ pub(super) fn update(
     changed.ids = all.into_iter().collect();
 }
 
-/// How many objects lie in one another here, without the outermost.
+/// The nesting depth of an object, without itself.
 fn level(objects: &SharedList<ObjectSlot>, id: u32, known: &mut HashMap<u32, usize>) -> usize {
     if let Some(&level) = known.get(&id) {
         return level;
@@ -67,8 +67,8 @@ fn level(objects: &SharedList<ObjectSlot>, id: u32, known: &mut HashMap<u32, usi
 }
 
 impl Members {
-    /// Those of `members` as objects are now, with the ways of some while the shutter is open, and what the object itself has;
-    /// shares with those `before` what has not changed.
+    /// The `members` with the objects' current state, the paths of some during the open shutter, and the
+    /// object's own geometry; shares unchanged parts with those `before`.
     pub(super) fn after(
         before: Option<&Self>,
         own: &WorldObject,

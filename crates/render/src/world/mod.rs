@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The world: a committed scene that rays can be sent into.
-//! Two levels (a tree per object, a top tree over instances) after the paper's section 6 and \[WBS03a\].
-//! Space: world. Invariant: whatever a hit names is there; errors ended at commit.
-//! Its parts are kept apart by what edits them, immutable and shared: whoever has a clone has the world as it was.
+//! Two levels (a tree per object, a top tree over instances) after [SIP06], section 6, and \[WBS03a\].
+//! Space: world. Invariant: the parts that a hit names exist; errors ended at commit. Its parts are separated
+//! by the edits that affect them, immutable and shared: a clone keeps the world as it was.
 //! Tests: crates/render/tests/{commit,edits}.rs.
 
 mod areas;
@@ -87,9 +87,9 @@ pub struct World {
     materials: Arc<MaterialTable>,
     lights: Arc<Lights>,
     face_normals: bool,
-    /// What pixels show, where that is not the radiance against their rays.
+    /// The pixel shader, if pixels show more than the radiance along their rays.
     pixel: Option<Arc<dyn PixelShader>>,
-    /// What moves while the shutter is open; `None` = nothing.
+    /// Parts that move during the open shutter; `None` if nothing moves.
     open: Option<Arc<Open>>,
     /// When rays see it.
     shutter: Shutter,
@@ -115,7 +115,7 @@ impl WorldMark {
             && self.lights.as_ptr() == Arc::as_ptr(&world.lights)
     }
 
-    /// Whether no light was changed; what they light may have grown.
+    /// Whether the lights are unchanged; the lit geometry may differ.
     pub(crate) fn has_lights_of(&self, world: &World) -> bool {
         self.content == world.lights.content
     }
@@ -129,7 +129,7 @@ struct Followed {
     options: CommitOptions,
 }
 
-/// What was left out, of all that is there.
+/// Counts of dropped and of all elements.
 #[derive(Clone, Copy, Default)]
 struct Dropped {
     triangles: usize,
@@ -184,7 +184,7 @@ impl World {
             lights: self.lights.shaders.len(),
             ..WorldStats::default()
         };
-        // What is shared counts once: trees by objects in equal poses, structures by poses.
+        // Shared parts count once: trees by objects in equal poses, structures by poses.
         let mut visible = HashSet::new();
         for object in self.objects.iter().filter_map(|slot| slot.object.as_ref()) {
             let tree = object.tree.stats();
@@ -240,7 +240,7 @@ impl World {
         self.open.is_some()
     }
 
-    /// Whether nobody has said yet when its rays see what moves.
+    /// Whether the times of rays are still undefined.
     pub(crate) fn needs_times(&self) -> bool {
         self.is_open() && self.shutter == Shutter::Closed
     }
@@ -279,7 +279,7 @@ impl World {
         SurfacePoints { instances, leaves, shutter, face_normals, curved }
     }
 
-    /// What lamps are looked for in.
+    /// The input of the search for emissive triangles.
     fn shown<'a>(&'a self, pool: &'a rayon::ThreadPool) -> Shown<'a> {
         Shown {
             instances: &self.instances,
@@ -309,7 +309,7 @@ impl World {
         self.lights.plugin_emitters(self.bounds())
     }
 
-    /// What tells it from any world that came of another commit.
+    /// Identity that distinguishes it from a world of any other commit.
     pub(crate) fn mark(&self) -> WorldMark {
         WorldMark {
             instances: Arc::downgrade(&self.instances),
@@ -332,7 +332,7 @@ impl World {
         &self.materials
     }
 
-    /// What pixels show, where that is not the radiance against their rays.
+    /// The pixel shader, if pixels show more than the radiance along their rays.
     pub(crate) fn pixel(&self) -> Option<&dyn PixelShader> {
         self.pixel.as_deref()
     }
@@ -342,7 +342,7 @@ impl World {
         &*self.materials.get(material).shader
     }
 
-    /// The material of what was hit: its place among the surface shaders.
+    /// The material of a hit: its index among the surface shaders.
     pub(crate) fn material_of(&self, leaf_id: u32, geom_id: u32) -> u32 {
         self.leaf(leaf_id).0.meshes[geom_id as usize].material.0
     }
@@ -370,7 +370,7 @@ impl World {
         }
     }
 
-    /// The object whose triangle was hit: within what the instance shows, where that holds others.
+    /// The object of the hit triangle: within the instance, if that holds other objects.
     #[must_use]
     pub fn object_of(&self, hit: &Hit) -> ObjectId {
         self.leaf(hit.leaf_id).1

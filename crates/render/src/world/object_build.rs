@@ -24,13 +24,13 @@ pub(super) struct ChangedObjects {
     pub(super) ids: Vec<u32>,
     /// Trees that were built for them, at least in part.
     pub(super) built: usize,
-    /// Trees that were fitted to what has moved.
+    /// Trees that were refitted.
     pub(super) refitted: usize,
-    /// Whether what rays meet has changed: meshes may have got other coordinates for textures only.
+    /// Whether the traced geometry has changed: meshes may have changed texture coordinates only.
     pub(super) reshaped: bool,
 }
 
-/// Brings those of `dirty`, ascending, up to date: builds what is needed, lets go what is not.
+/// Updates those of `dirty`, ascending: builds needed objects, drops unused ones.
 pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
     crowds: &Crowds,
@@ -75,7 +75,7 @@ struct Found {
     keys: Vec<Vec<Arc<Mesh>>>,
     motion: gnurt_scene::Motion,
     kind: Option<Arc<Kind>>,
-    /// What it was, if nothing but vertices can have moved.
+    /// Its previous state, if at most vertices have moved.
     before: Option<Arc<WorldObject>>,
 }
 
@@ -87,7 +87,7 @@ impl Found {
         crowds: &Crowds,
     ) -> Self {
         let object = &scene.objects()[id as usize];
-        // Shared with the scene, which copies what it edits later.
+        // Shared with the scene, which copies a mesh before it edits it.
         let meshes: Vec<Arc<Mesh>> =
             object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
         let exposed =
@@ -104,7 +104,7 @@ impl Found {
         Self { meshes, keys, motion: object.motion, kind, before }
     }
 
-    /// What shares with it, where it is one of many. What has a tree of its own keeps it.
+    /// The topology that it shares with other objects. An object that already has its own tree keeps it.
     fn crowd(&self) -> Option<&Arc<Kind>> {
         let shares = self.before.as_ref().is_none_or(|before| before.tree.is_posed());
         self.kind.as_ref().filter(|kind| shares && kind.is_of_many())
@@ -117,8 +117,8 @@ impl Found {
     }
 }
 
-/// Builds what objects of a kind will share, over the first of them: once, by all threads. Those that are built side by side
-/// would not wait for each other, but each build it for itself.
+/// Builds the structures that objects of a kind will share, over the first of them: once, by all threads.
+/// Those that are built side by side would not wait for each other, but each build it for itself.
 fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
     let mut visible: HashSet<*const Kind> = HashSet::new();
     let firsts: Vec<(&Found, &Arc<Kind>)> = found
@@ -135,8 +135,8 @@ fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
     }
 }
 
-/// An object, and what was done for it: its tree is the one before where no triangle has moved, and that one refitted where
-/// vertices have. One of many of its kind shares with the others.
+/// An object, and its update: it keeps the previous tree if no triangle has moved, and refits it if vertices
+/// have. Objects of the same topology share structures.
 fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObject, Option<Update>) {
     let Found { meshes, keys, motion: moves, kind, before } = found;
     if bends(keys) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What of a world moves while the shutter is open, and at which moment rays see it.
-//! Source: [CPC84] (a moment for each ray); original for the rest. Where each ray has a moment of its own, it is a function of its
-//! pixel and sample, so that all rays of a path have the same one without carrying it. Where all rays of a pass need one, because
-//! virtual lights are the pass's or because lights move, the pass has it: a van der Corput sequence over the samples.
-//! Invariant: moments are in [0, 1) and do not depend on threads. Tests: crates/render/tests/shutter.rs.
+//! Parts of a world that move during an open shutter, and the times of rays.
+//! Source: [CPC84] (a time for each ray); original for the rest. Where each ray has its own time, the time is
+//! a function of its pixel and sample, so that all rays of a path share it without carrying it. Where all
+//! rays of a pass need one time, because virtual lights belong to the pass or because lights move, the pass
+//! has it: a van der Corput sequence over the samples.
+//! Invariant: times are in [0, 1) and do not depend on threads. Tests: crates/render/tests/shutter.rs.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,7 +15,7 @@ use gnurt_scene::{Affine, Light, Scene};
 use gnurt_shading::SampleKey;
 use gnurt_shading::sampling::{hash_combine, purpose, sample_pair};
 
-/// When rays see what moves.
+/// The times of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Shutter {
     /// Nothing moves.
@@ -46,7 +47,7 @@ pub(super) fn time_of_pass(seed: u64, sample: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// What moves, beside the paths of instances and the keys of objects.
+/// Moving parts beside the paths of instances and the keys of objects.
 #[derive(Default)]
 pub(super) struct Open {
     /// Objects with meshes that bend or members that move, ascending.

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles that shine as their surfaces' shaders say: asked what leaves a place, for light samples and paths that start there,
-//! and at some places beforehand for what each side of each triangle gives off on average.
-//! Asking before choosing is a cached average, light itself is never cached. Space: world.
-//! Invariant: a place looks as to a ray that met it, but that no width is known there. Sides that were dark wherever they were
-//! looked at are no lights: scattered rays alone find what shines there. Tests: crates/render/tests/shader_emission.rs.
+//! Triangles that emit by their surfaces' shaders. Queries give the exit radiance, for light samples and
+//! paths that start there; earlier queries at some points give the mean emission of each side of each
+//! triangle. Only this mean is cached, never light itself. Space: world.
+//! Invariant: a queried point has the properties of a hit point, except that its cone width is unknown. Sides
+//! that were dark at all queried points are no lights: only scattered rays find emission there. Tests:
+//! crates/render/tests/shader_emission.rs.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -33,7 +34,8 @@ const FEWEST_PROBES: usize = 4;
 /// A triangle that may shine.
 #[derive(Clone, Copy)]
 pub(super) struct EmissionTriangle {
-    /// Instance, object in what that shows, mesh, triangle; the instance by its place in `ShaderEmission::instances`.
+    /// Instance, object in the instance, mesh, triangle; the instance by its index in
+    /// `ShaderEmission::instances`.
     pub(super) met: [u32; 4],
     /// Its instance in the world.
     pub(super) inst_id: u32,
@@ -43,7 +45,7 @@ pub(super) struct EmissionTriangle {
     pub(super) is_turned: bool,
 }
 
-/// Who knows what they give off.
+/// The evaluation of their emission.
 pub(super) struct ShaderEmission {
     /// By number of the emissive triangle; `None` = another emitter's.
     pub(super) triangles: Vec<Option<EmissionTriangle>>,

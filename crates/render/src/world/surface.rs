@@ -2,8 +2,8 @@
 //! From hits to surface points: positions, normals, coordinates and attributes out of the meshes' arrays, as many points at a time
 //! as the CPU's registers hold.
 //! Source: [PJH23] section 6.8 (bounding the error of a hit point); [Hanika2021] (`lift`); original. Space: world.
-//! Points are computed from barycentric weights, not from `org + t dir`: they lie in their triangle's plane up to
-//! rounding, and `error` bounds that from the largest coordinate involved.
+//! Points are computed from barycentric weights instead of `org + t dir`: they lie in their triangle's plane
+//! up to rounding, and `error` bounds that from the largest coordinate involved.
 //! Invariant: every CPU level gives the same bits. Tests: crates/render/tests/{offsets,terminator,appearance,lanes}.rs.
 
 use std::sync::Arc;
@@ -26,13 +26,13 @@ use crate::cone::Cones;
 /// as a multiple of the largest coordinate.
 const ERROR_SCALE: f32 = 8.0 * f32::EPSILON;
 
-/// What a batch of points is made from.
+/// The input of a batch of points.
 #[derive(Clone, Copy)]
 pub(crate) struct HitLanes<'a> {
     pub(crate) rays: &'a RayBatch,
     pub(crate) keys: &'a [SampleKey],
     pub(crate) hits: &'a HitBatch,
-    /// What the rays stand for; `None` = camera rays a pixel, others nobody knows what.
+    /// The rays' cones; `None` = a pixel for camera rays, unknown for others.
     pub(crate) cones: Option<&'a Cones>,
     /// Bounces that the rays had behind them.
     pub(crate) depth: u32,
@@ -52,25 +52,25 @@ type Row = [f32; LANES];
 pub(super) enum Leaves<'w> {
     /// As the tree over the instances numbers them.
     Tree(&'w SceneTree),
-    /// By leaf: the place of its instance, and its number in what that shows.
+    /// By leaf: the index of its instance, and its number in it.
     Listed(&'w [[u32; 2]]),
 }
 
-/// Where points are computed: the world, or what of it shines.
+/// The geometry of points: the world, or its emissive part.
 #[derive(Clone, Copy)]
 pub(crate) struct SurfacePoints<'w> {
     pub(super) instances: &'w SharedList<InstanceSlot>,
     pub(super) leaves: Leaves<'w>,
-    /// When rays see what moves; `None` = nothing does.
+    /// The times of rays; `None` = nothing moves.
     pub(super) shutter: Option<Shutter>,
     pub(super) face_normals: bool,
-    /// Whether points have curvatures: somebody asks how wide cones of rays are.
+    /// Whether points have curvatures, because some surface reads the width of ray cones.
     pub(super) curved: bool,
 }
 
-/// What some points are made from, out of the meshes' arrays; rows of vectors stand one after the other.
+/// The gathered input of some points, out of the meshes' arrays; rows of vectors follow each other.
 struct Gathered<'w> {
-    /// With the numbers of objects in what they show.
+    /// With the numbers of objects in the instances.
     instances: [Option<(&'w PlacedInstance, u32)>; LANES],
     meshes: [Option<&'w Mesh>; LANES],
     /// Of meshes that bend while the shutter is open.
@@ -91,7 +91,7 @@ struct Gathered<'w> {
     full: bool,
 }
 
-/// What some of them have.
+/// Optional attributes that some of them have.
 #[derive(Clone, Copy, Default)]
 struct Has {
     normals: bool,
@@ -119,7 +119,7 @@ impl<'w> Gathered<'w> {
         }
     }
 
-    /// Reads what the points of these lanes need, sixteen or fewer.
+    /// Reads the input of the points of these lanes, sixteen or fewer.
     fn read(&mut self, point_sources: &SurfacePoints<'w>, from: HitLanes, lanes: &[u32]) {
         let hits = from.hits;
         self.has = Has::default();
@@ -152,7 +152,7 @@ impl<'w> Gathered<'w> {
         self.read_places(lanes.len().min(LANES));
     }
 
-    /// Reads what only some meshes have.
+    /// Reads the attributes that only some meshes have.
     fn read_attributes(&mut self, i: usize, mesh: &Mesh, normals: bool) {
         let smooth = normals && !mesh.normals.is_empty();
         // Lanes without any are zero, but need not be written where no lane has some.
@@ -271,7 +271,7 @@ fn put3<R: Real>(out: &mut Vec3s, range: (usize, usize), v: Vector<R>) {
 }
 
 impl<'w> SurfacePoints<'w> {
-    /// The instance that a leaf belongs to, and the leaf's number in what that shows. Panics where nothing can be hit; hits name only
+    /// The instance of a leaf, and the leaf's number in it. Panics where nothing can be hit; hits name only
     /// instances that are there.
     #[inline]
     pub(super) fn instance(&self, leaf_id: u32) -> (&'w PlacedInstance, u32) {
@@ -498,7 +498,7 @@ impl Gathered<'_> {
         put3(&mut out.dp_dv, range, dp_dv);
     }
 
-    /// Writes what few meshes have: colours, tangents, coordinates with divisors.
+    /// Writes rare attributes: colours, tangents, coordinates with divisors.
     fn rare(&self, count: usize, at: usize, out: &mut SurfaceBatch) {
         let Has { colors, tangents, divisors, .. } = self.has;
         if !(colors || tangents || divisors) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a commit is given beside the scene, and what it tells.
+//! Further input of a commit beside the scene, and its report.
 
 use std::sync::Arc;
 
@@ -10,13 +10,13 @@ use gnurt_simd::Level;
 /// Shaders that the description only names by number, or does not know at all.
 #[derive(Clone, Default)]
 pub struct ShaderTable {
-    /// What `Surface::Shader(n)` means.
+    /// The shaders of `Surface::Shader(n)`.
     pub surfaces: Vec<Arc<dyn SurfaceShader>>,
     /// Lights beside those of the scene.
     pub lights: Vec<Arc<dyn LightShader>>,
-    /// What misses see, instead of the scene's own environment.
+    /// The environment, in place of the scene's own.
     pub environment: Option<Arc<dyn EnvironmentShader>>,
-    /// What pixels show in place of the radiance against their rays.
+    /// The pixel shader, which replaces the radiance along the rays.
     pub pixel: Option<Arc<dyn PixelShader>>,
     /// The camera that goes with them; commit does not use it, callers pass it to `render`.
     pub camera: Option<Arc<dyn CameraShader>>,
@@ -33,7 +33,7 @@ pub struct CommitOptions {
     pub memory: Memory,
 }
 
-/// What a commit did.
+/// The work of a commit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CommitReport {
     /// Triangles of visible objects that were left out: NaN, infinite or without area.
@@ -52,7 +52,8 @@ pub struct CommitReport {
     pub made_shaders: usize,
     /// Whether the triangles that shine were looked for.
     pub found_lamps: bool,
-    /// Whether the list of lights was made. What is costly of it is shared with the list before while that holds.
+    /// Whether the list of lights was made. Its costly parts are shared with the list before while they are
+    /// valid.
     pub made_lights: bool,
     /// Seconds that all of it took.
     pub build_seconds: f64,

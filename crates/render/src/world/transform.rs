@@ -49,7 +49,8 @@ impl Transform {
         self.linear.is_finite() && self.origin.is_finite() && self.normals.is_finite()
     }
 
-    /// The place of what is at `inner` in the object that is here; coordinates of its points in that object are at most `reach`.
+    /// The transform of `inner`, followed by this one; coordinates of its points in the middle space are at
+    /// most `reach`.
     pub(crate) fn then(&self, inner: &Self, reach: Vec3) -> Self {
         let normals = self.normals * inner.normals;
         let largest = normals.to_cols_array().iter().fold(f32::MIN_POSITIVE, |m, x| m.max(x.abs()));
@@ -62,7 +63,8 @@ impl Transform {
         }
     }
 
-    /// The greatest coordinates, by axis, of what lies within a box of the object, on the way into the world, too.
+    /// The greatest coordinates, by axis, of points within a box of the object, intermediate results of the
+    /// transform included.
     pub(crate) fn reach(&self, low: Vec3, high: Vec3) -> Vec3 {
         absolute(&self.linear).mul_vec3(low.abs().max(high.abs())) + self.origin.abs()
     }
