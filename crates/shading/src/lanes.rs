@@ -2,9 +2,10 @@
 //! Sixteen points at once: vectors and rows of lanes, for code that is written once and compiled for each CPU level.
 //! Space: whatever the caller's.
 //! Invariant: every lane does the roundings of `glam`'s scalar form in its order, so that lanes and scalar code give the
-//! same bits. All of it is inlined into what `gnurt_simd::dispatch_wide!` enters: loops over lanes are written out, because a
-//! closure that is handed to an adapter of arrays or iterators may become a call, and with it each operation in it.
-//! Tests: `tests`, and those of who uses it.
+//! same bits. All of it is inlined into the functions that `gnurt_simd::dispatch_wide!` enters: loops over
+//! lanes are written out, because a closure passed to an adapter of arrays or iterators may become a call,
+//! and with it each operation in it.
+//! Tests: `tests`, and those of its users.
 
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};

@@ -93,9 +93,9 @@ impl MipMap {
         Some(bilinear(self.level(level), uv, wrap))
     }
 
-    /// The mean over an ellipse around coordinates that are where they should be. `axes` are two lengths that cross in its middle,
-    /// in texels, x to the right and y upwards, from rim to rim, one the image of a line across a circle and the other that of the line
-    /// square to it. `None` where it is no wider than a texel: the picture itself is read there.
+    /// The mean over an ellipse around wrapped coordinates. `axes` are two diameters that cross in its
+    /// middle, in texels, x to the right and y upwards: the images of two perpendicular diameters of a
+    /// circle. `None` if it is no wider than a texel: the picture itself is read there.
     #[must_use]
     pub(crate) fn over(&self, uv: [f32; 2], axes: [[f32; 2]; 2], wrap: [Wrap; 2]) -> Option<[f32; 4]> {
         let [[ax, ay], [bx, by]] = axes;

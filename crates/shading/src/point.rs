@@ -13,7 +13,7 @@ use gnurt_accel::Ray;
 
 use crate::real::{Real, Vector};
 
-/// What rays that leave a point need to know of it.
+/// The data of a point for rays that leave it.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
     /// Where it is.
@@ -115,9 +115,9 @@ impl SurfacePoint {
         Rays { org: self.off_surface(dir), dir: dir.into(), t_far }.ray()
     }
 
-    /// A ray that ends at `dist` along the unit direction `dir`, seen from the point itself: what
-    /// [`LightBatch`](crate::LightBatch) gives. Its origin is off the surface, and it ends as much before the light: that
-    /// may lie on a surface, which must not shadow it.
+    /// A ray that ends at `dist` along the unit direction `dir`, both measured from the point itself, as
+    /// [`LightBatch`](crate::LightBatch) gives them. Its origin is off the surface, and it ends at the same
+    /// distance before the light, because a surface of the light must not shadow it.
     #[must_use]
     pub fn spawn_to(&self, dir: Vec3, dist: f32) -> Ray {
         rays_joining(self.p.into(), self.off_surface(dir), dir.into(), dist, self.error).ray()
@@ -147,8 +147,9 @@ impl SurfacePoint {
         self.leaving().scatters_to(dir.into(), transmitted)
     }
 
-    /// The unit normal `ns`, bent as little as it takes that a ray from `wo` (unit, above `ng`) sees it from the front
-    /// and its mirror image leaves above the horizon: so that shiny surfaces are not black at their edges.
+    /// The unit normal `ns`, bent by the least angle at which a ray from `wo` (unit, above `ng`) sees its
+    /// front and the mirror reflection leaves above the horizon: so that shiny surfaces are not black at
+    /// their edges.
     #[must_use]
     pub fn bent_normal(&self, ns: Vec3, wo: Vec3) -> Vec3 {
         // Mirror images must clear both normals where both count.
@@ -194,7 +195,8 @@ const LOWEST_MIRROR_IMAGE: f32 = 1e-3;
 /// How far rounding may move the end of a ray, as a multiple of its length.
 const END_ERROR: f32 = 8.0 * f32::EPSILON;
 
-/// The rays from `from` to what is seen from `p` along `dir`, `dist` away; they stop short by `error` and their rounding.
+/// The rays from `from` to the points at distance `dist` from `p` along `dir`; they stop short by `error` and
+/// their rounding.
 #[inline(always)]
 fn rays_joining<R: Real>(p: Vector<R>, from: Vector<R>, dir: Vector<R>, dist: R, error: R) -> Rays<R> {
     let zero = dist.all(0.0);

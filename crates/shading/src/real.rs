@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Numbers of one point or of sixteen: what is written once over [`Real`] is compiled for both.
+//! Numbers of one point or of sixteen: code over [`Real`] is written once and compiled for both.
 //! Space: whatever the caller's.
 //! Invariant: every operation rounds lane by lane as that of `f32` does, and nothing is fused: one point and sixteen, at every
-//! CPU level, give the same bits. Everything here is inlined into what `gnurt_simd::dispatch_wide!` enters; loops over lanes
-//! are written out, because a closure that is handed to an adapter of arrays or iterators may become a call.
-//! Tests: `tests`, and those of who uses it.
+//! CPU level, give the same bits. Everything here is inlined into the functions that
+//! `gnurt_simd::dispatch_wide!` enters; loops over lanes are written out, because a closure passed to an
+//! adapter of arrays or iterators may become a call.
+//! Tests: `tests`, and those of its users.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -67,7 +68,7 @@ pub trait Real:
     /// there are points.
     fn squeeze(self, mask: Self::Mask, to: &mut [f32], at: usize);
 
-    /// What `f` makes, by a function of its own: for what few points need, so that it is compiled once and not into every loop
+    /// Calls `f` out of line: for rare work of points, so that it is compiled once instead of into every loop
     /// over points. `f` must be `#[inline(always)]`.
     fn outline<T>(self, f: impl FnOnce() -> T) -> T;
 

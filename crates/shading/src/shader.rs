@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What shaders implement and what they may ask for: the seam between renderer, materials, OpenRT classes and plugins.
-//! Source: \[DWBS03\] (shader kinds); the paper's section 8 (no ray-by-ray prototypes); the batch form is original.
-//! All calls take whole batches; implementations hold no mutable state and are called from many threads at once.
+//! Traits of shaders, and the services that they may use: the interface between renderer, materials, OpenRT
+//! classes and plugins.
+//! Source: \[DWBS03\] (shader kinds); [SIP06], section 8 (no ray-by-ray prototypes); the batch form is
+//! original. All calls take whole batches; implementations hold no mutable state and are called from many
+//! threads at once.
 
 use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
@@ -21,8 +23,8 @@ pub struct AttributeRequest {
 }
 
 impl AttributeRequest {
-    /// The name under which instances have what puts the object into the world: 12 floats, the images of the x, y and z axes,
-    /// then of the origin.
+    /// The name of the instance attribute with the transform from object to world: 12 floats, the images of
+    /// the x, y and z axes, then of the origin.
     pub const WORLD_FROM_OBJECT: &'static str = "gnurt:world_from_object";
 
     /// The name under which meshes have their area where they stand, world units squared: one float. As they are when the shutter opens.
@@ -33,16 +35,17 @@ impl AttributeRequest {
     pub const TIME: &'static str = "gnurt:time";
 }
 
-/// A surface: what its points do to light.
+/// A surface: the scattering of its points.
 pub trait SurfaceShader: Send + Sync {
-    /// Writes what light does at each point; `out` has `hits.len()` points that do nothing. That is all there is to know of a
-    /// surface, but for one that has [`radiance`](Self::radiance).
+    /// Writes the closure of each point; `out` has `hits.len()` points without lobes. Nothing else is known
+    /// of a surface, except for one with [`radiance`](Self::radiance).
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         let _ = (hits, out);
     }
 
-    /// Itself, if it computes its radiance by its own rays and loops over lights, as shaders of OpenRT do. Integrators that
-    /// scatter light themselves take that as if the surface emitted it, beside what it emits, and end there.
+    /// Itself, if it computes its radiance by its own rays and loops over lights, as shaders of OpenRT do.
+    /// Integrators that scatter light themselves treat that as emission, in addition to its own emission, and
+    /// end there.
     fn radiance(&self) -> Option<&dyn RadianceShader> {
         None
     }
@@ -63,9 +66,10 @@ pub trait SurfaceShader: Send + Sync {
         true
     }
 
-    /// Writes the share of light that passes without meeting the surface: holes. For integrators that scatter light
-    /// themselves: what glass lets through they find by scattered rays, and must not count here as well. `out` has
-    /// `hits.len()` lanes, all zero; called only if [`is_solid`](Self::is_solid) says no.
+    /// Writes the share of light that passes without hitting the surface: transparent parts. For integrators
+    /// that scatter light themselves: they find light through glass by scattered rays, and must not count it
+    /// here as well. `out` has `hits.len()` lanes, all zero; called only if [`is_solid`](Self::is_solid) is
+    /// false.
     fn gaps(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         self.transmit(tracer, hits, out);
     }
@@ -92,19 +96,20 @@ pub trait SurfaceShader: Send + Sync {
         let _ = (hits, out);
     }
 
-    /// What lies behind the scene, for a Lambertian reflector that shows just that where all light of the environment reaches it
-    /// and shadow where not: in pictures with opacity it is there as far as it is darker.
+    /// The background, for a shadow catcher: a Lambertian reflector that shows just that under all light of
+    /// the environment, and shadow elsewhere. In pictures with opacity, its opacity is the relative
+    /// darkening.
     fn backdrop(&self) -> Option<Vec3> {
         None
     }
 
-    /// What happens inside at one point, a line for each value, for people who look for a mistake.
+    /// The inner values at one point, a line for each, for debugging.
     fn describe(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
         let _ = (hits, lane);
         Vec::new()
     }
 
-    /// What it wants from the mesh, in the order of `SurfaceBatch::attributes`.
+    /// The requested mesh attributes, in the order of `SurfaceBatch::attributes`.
     fn attributes(&self) -> &[AttributeRequest] {
         &[]
     }
@@ -123,8 +128,8 @@ pub struct LightBatch {
     pub dir: Vec3s,
     /// Distances to it, world units; infinite for lights without a place.
     pub dist: Vec<f32>,
-    /// What arrives at a surface that faces `dir` if nothing is in between, divided by the probability with which
-    /// `dir` was chosen. Zero = this light does not reach the point.
+    /// Unoccluded irradiance at a surface that faces `dir`, divided by the probability of choosing `dir`.
+    /// Zero = this light does not reach the point.
     pub radiance: Vec3s,
 }
 
@@ -150,7 +155,7 @@ pub trait LightShader: Send + Sync {
     }
 }
 
-/// What camera rays are made of, ray by ray.
+/// The random numbers and positions of camera rays, ray by ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraSamples<'a> {
     /// Where they go through the picture: both in [0, 1], (0, 0) = lower left corner, y upwards.
@@ -199,21 +204,21 @@ pub trait CameraShader: Send + Sync {
     /// Appends one ray for each of `samples`. Directions are unit, or zero for a ray that sees nothing. `aspect` = width / height.
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch);
 
-    /// Whether its rays depend on where they go through the lens: if not, nobody need draw numbers for that.
+    /// Whether its rays depend on the position on the lens: if not, no numbers are drawn for that.
     fn has_lens(&self) -> bool {
         false
     }
 
-    /// Where the point `p` of the world shows in a sharp picture, (0, 0) = lower left corner, (1, 1) = upper right one; places outside
-    /// are those that it would have in a larger picture. `None` where it does not show, or if nobody knows: pictures of a camera in
-    /// motion are made of earlier ones only if it does.
+    /// The position of the point `p` of the world in a sharp picture, (0, 0) = lower left corner, (1, 1) =
+    /// upper right one; positions outside are those in a larger picture. `None` if it is invisible, or if the
+    /// camera has no inverse: pictures of a camera in motion reuse earlier ones only with an inverse.
     fn project(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
         let _ = (p, aspect);
         None
     }
 }
 
-/// Samples of pixels: camera rays, and what came against them.
+/// Samples of pixels: camera rays, and the radiance along them.
 #[derive(Clone, Copy)]
 pub struct PixelSamples<'a> {
     /// The rays; a direction of zero sees nothing.
@@ -232,14 +237,15 @@ pub struct PixelSamples<'a> {
     pub distances: &'a [f32],
 }
 
-/// What pixels show: the last step between what comes against camera rays and the picture.
+/// A function of pixels: the last step between the radiance of camera rays and the picture.
 pub trait PixelShader: Send + Sync {
-    /// Writes what each sample shows in place of its radiance; `out` has as many lanes as there are rays, all zero. Rays that it asks
-    /// `tracer` for are rays of the camera: `trace` takes a sample of the integrator along each.
+    /// Writes the colour of each sample in place of its radiance; `out` has a lane for each ray, all zero.
+    /// Rays that it requests from `tracer` are rays of the camera: `trace` takes a sample of the integrator
+    /// along each.
     fn show(&self, tracer: &mut dyn Tracer, samples: &PixelSamples, out: &mut Vec3s);
 }
 
-/// What rays see that hit nothing.
+/// Radiance of rays that hit nothing.
 pub trait EnvironmentShader: Send + Sync {
     /// Writes the radiance that comes against each direction (unit, world); `out` has `dir.len()` lanes.
     fn miss(&self, dir: &Vec3s, out: &mut Vec3s);
@@ -257,7 +263,7 @@ pub struct RayRequest {
     /// Widths of the rays' cones where they begin, world units; empty = all 0. Mirrored and straight rays begin as wide
     /// as the point that sends them.
     pub width: Vec<f32>,
-    /// What sends them; empty = all are mirrored, or sent by a shader that follows them itself.
+    /// Their kinds; empty = all are mirrored, or sent by a shader that follows them itself.
     pub kinds: Vec<RayKind>,
 }
 
@@ -280,7 +286,7 @@ impl RayRequest {
     }
 }
 
-/// What a ray met first.
+/// The first hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
     /// How far away, world units.
@@ -299,7 +305,7 @@ pub struct SurfaceHit {
     pub ids: [u32; 4],
 }
 
-/// What a shader may ask the renderer for.
+/// Services of the renderer for shaders.
 pub trait Tracer {
     /// Lights of the scene.
     fn light_count(&self) -> usize;
@@ -313,21 +319,21 @@ pub trait Tracer {
     /// Asks light `light` about all points of `hits` (facing shading normals are used); `out` is reset first.
     fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch);
 
-    /// Writes for each ray what share of light comes through between its near and far end: 1 = nothing is in between.
+    /// Writes for each ray the transmittance between its near and far end: 1 = unoccluded.
     fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s);
 
     /// Writes the radiance that comes against each ray, one bounce deeper than `hits` was.
     /// Beyond the depth limit the environment is seen.
     fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s);
 
-    /// Writes how far each ray goes until it meets a surface, see-through ones included: world units, infinite where it meets none.
-    /// Those who trace nothing meet nothing.
+    /// Writes the distance of each ray to the first surface, transparent ones included: world units, infinite
+    /// if there is none. The default finds nothing.
     fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {
         out.clear();
         out.resize(request.rays.len(), f32::INFINITY);
     }
 
-    /// Writes what each ray meets first; nothing for those who trace nothing.
+    /// Writes the first hit of each ray; the default finds none.
     fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
         out.clear();
         out.resize(request.rays.len(), None);

@@ -22,7 +22,7 @@ pub struct TextureSampler {
     pub wrap: [Wrap; 2],
     /// Interpolate between texel centres, or take the nearest one.
     pub linear: bool,
-    /// What is read instead where a pixel stands for more than a texel; `None` = the same.
+    /// The reader for footprints of more than a texel; `None` = the same.
     pub minify: Option<(Minify, Arc<MipMap>)>,
     /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`.
     pub uv_from_mesh: [f32; 6],
@@ -74,8 +74,8 @@ impl TextureSampler {
         mips.sample(self.own(uv), self.wrap, level, *minify)
     }
 
-    /// The mean over what a point stands for: an ellipse around `uv` whose axes are two changes of the mesh's coordinates, from
-    /// rim to rim.
+    /// The mean over a footprint: an ellipse around `uv` whose axes are two changes of the mesh's
+    /// coordinates, as diameters.
     #[must_use]
     pub fn sample_over(&self, uv: [f32; 2], axes: [[f32; 2]; 2]) -> [f32; 4] {
         match &self.minify {
@@ -90,7 +90,7 @@ impl TextureSampler {
         }
     }
 
-    /// At lane `i` of a batch: the mean over what its ray stands for; where a broad lobe sent the ray, about that.
+    /// The mean over the footprint of lane `i` of a batch; an approximation if a broad lobe sent the ray.
     #[must_use]
     pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> [f32; 4] {
         let uv = hits.uv(i);
@@ -118,7 +118,7 @@ impl TextureSampler {
         read(&self.texels, uv, self.wrap)
     }
 
-    /// Mean of all texels: what a far-away viewer sees.
+    /// Mean of all texels, as seen from far away.
     #[must_use]
     pub fn mean(&self) -> [f32; 4] {
         let [w, h] = [self.texels.width, self.texels.height].map(|n| n as usize);

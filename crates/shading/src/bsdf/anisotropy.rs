@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Brushed surfaces: facets whose slopes have one width along a direction and another across it. And what one bounce between such
-//! facets keeps, by cosine and azimuth of the view.
-//! Source: \[Hei14\] sections 5.2 and 5.3 (GGX stretched along two axes, and its shadowing); [KC17] for what the tables are used for.
-//! Facets that are alike in all directions are `Ggx`, whose bits they keep.
-//! Tables are by the roots of both widths, made node by node when they are first asked for: a scene has few brushed surfaces.
+//! Brushed surfaces: GGX microfacets whose slopes have one width along a direction and another across it.
+//! Includes the albedo of single scattering, by cosine and azimuth of the view.
+//! Source: \[Hei14\] sections 5.2 and 5.3 (GGX stretched along two axes, and its shadowing); [KC17] for the
+//! use of the tables. Isotropic microfacets stay `Ggx`, with the same bits. Tables are indexed by the roots
+//! of both widths; nodes are computed at first use, because a scene has few brushed surfaces.
 //! Space: world; directions are unit. Tests: `tests`, `tests` of `bsdf`.
 
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -165,7 +165,7 @@ const AZIMUTHS: usize = 7;
 const WIDTHS: usize = 16;
 const INDICES: usize = 33;
 
-/// What one bounce keeps of light: by azimuth and cosine, and on average over a cosine-weighted hemisphere.
+/// Albedo of single scattering: by azimuth and cosine, and on average over a cosine-weighted hemisphere.
 struct Node {
     retained: [[Vec2; COSINES]; AZIMUTHS],
     average: Vec2,
@@ -232,7 +232,7 @@ fn lambda([along, across]: [f32; 2], w: Vec3) -> f32 {
     ((1.0 + wide).sqrt() - 1.0) * 0.5
 }
 
-/// The share of what a facet that is seen sends to `wi` that no other one stops.
+/// The unshadowed share of the light that a visible microfacet sends to `wi`.
 fn unhidden(widths: [f32; 2], wo: Vec3, wi: Vec3) -> f32 {
     let hidden = lambda(widths, wo);
     (1.0 + hidden) / (1.0 + hidden + lambda(widths, wi))
@@ -308,7 +308,7 @@ pub(super) fn mean_retained_by_glass(widths: [f32; 2], eta: f32) -> f32 {
     by_index(eta, |index| mix(widths, |node, _| glass(node, index).average))
 }
 
-/// What all facets of a metal or plastic keep after one bounce, averaged over a cosine-weighted hemisphere.
+/// Albedo of single scattering of a metal or plastic, averaged over a cosine-weighted hemisphere.
 pub(super) fn mean_retained(widths: [f32; 2]) -> f32 {
     mean_of_microfacets(widths[0], widths[1]).iter().sum()
 }

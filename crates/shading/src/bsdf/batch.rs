@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What many points do to light: the only output of a surface, and all that integrators read.
-//! Shaped by the paper's section 8; a list of weighted lobes for each point is what shading languages make, too. Layout: blocks of sixteen points; in a block each number of each place of the lists is a row, aligned, so that sixteen
-//! points are read at once. Points beyond the last one have no lobes.
+//! Closures of many points: the only output of a surface, and all that integrators read. Shaped by [SIP06],
+//! section 8; shading languages, too, produce a list of weighted lobes for each point. Layout: blocks of
+//! sixteen points; in a block each number of each list position is a row, aligned, so that sixteen points are
+//! read at once. Points beyond the last one have no lobes.
 //! Tests: `tests`.
 
 use glam::Vec3;
@@ -51,14 +52,14 @@ pub(super) struct Block {
     pub(super) lobes: [LobeRows; MOST],
 }
 
-/// What many points do to light.
+/// Closures of many points.
 #[derive(Clone, Debug, Default)]
 pub struct ClosureBatch {
     len: usize,
     pub(super) blocks: Vec<Block>,
     emits: bool,
     is_partly_transparent: bool,
-    /// What lies beside the points; empty if nothing does.
+    /// The media beside the points; empty if there are none.
     media: Vec<Medium>,
 }
 
@@ -222,8 +223,8 @@ impl ClosureBatch {
         }
     }
 
-    /// Says that all points are Lambert's reflectors of these albedos around the normals that scatter light on the sides that rays came
-    /// from: what [`set`](Self::set) says of each.
+    /// Makes all points Lambertian with these albedos around the shading normals on the sides of the rays, as
+    /// [`set`](Self::set) does for each.
     pub fn set_lambertian(&mut self, hits: &SurfaceBatch, albedo: impl Fn(usize) -> Vec3) {
         let black = Lobe::lambert(Vec3::ZERO);
         for (block, first) in self.blocks.iter_mut().zip((0..self.len).step_by(LANES)) {
@@ -280,7 +281,7 @@ impl ClosureBatch {
         self.blocks[i / LANES].coverage.0[i % LANES] *= share;
     }
 
-    /// Says what lies beside point `i`.
+    /// Sets the media beside point `i`.
     pub fn fill(&mut self, i: usize, medium: Medium) {
         self.media.resize(self.len, Medium::default());
         self.media[i] = medium;
@@ -292,7 +293,7 @@ impl ClosureBatch {
         !self.media.is_empty()
     }
 
-    /// What lies beside point `i`.
+    /// The media beside point `i`.
     #[inline]
     #[must_use]
     pub fn medium(&self, i: usize) -> Medium {
@@ -334,8 +335,9 @@ impl ClosureBatch {
         Vector::load(f32x16::splat(simd, 0.0), [&x.0, &y.0, &z.0], 0)
     }
 
-    /// Looks at the sixteen points from `first` on, a multiple of sixteen, from the unit directions `wo`, where the light that they scatter
-    /// will count `light` by colour (ones where nobody knows): see [`Bsdf::prepared_for`]. `prepared` must be [`Prepared::none`].
+    /// Prepares the sixteen points from `first` on, a multiple of sixteen, for the unit directions `wo`;
+    /// `light` is the weight of the scattered light by colour (ones if unknown): see [`Bsdf::prepared_for`].
+    /// `prepared` must be [`Prepared::none`].
     #[inline(always)]
     pub fn prepare<S: Simd>(
         &self,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Beckmann's facets, whose slopes are spread as a Gaussian: density, shadowing, sampling of the visible ones. One bounce; what goes on
-//! between facets is lost.
+//! Beckmann's microfacets, whose slopes have a Gaussian distribution: density, shadowing, sampling of the
+//! visible ones. Single scattering only; the light of further bounces is lost.
 //! Source: [WMLT07] (the distribution), [Hei14] (shadowing in closed form, stretched facets, the density of visible slopes).
 //! Sampling is original: the distribution function of the slopes along the view has a closed form, which is inverted by halving.
 //! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests` of `bsdf`.
@@ -78,8 +78,8 @@ fn rest_of_error(x: f32) -> f32 {
     series * (-x * x).exp()
 }
 
-/// The slope, towards the view, of a facet of slopes of width 1 that is seen under the tangent `tan` >= 0: the one that faces less to the
-/// view than all but a share `u` of what is seen.
+/// The slope, towards the view, of a visible microfacet, for slopes of width 1 and a view with tangent `tan`
+/// >= 0; `u` is the cumulative probability.
 fn visible_slope(tan: f32, u: f32) -> f32 {
     // Of the integral of (1 + tan x) exp(-x²), where that is positive.
     let below = |x: f32| {

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A point's lobes as paths ask them that carry light: seen from where it came from, with the values that paths from the eye find.
-//! Source: \[Vea97\] sections 5.2 (refraction), 5.3 (shading normals) and 8.3 (the scattered measure); original for lobes with normals of
-//! their own, whose correction is each lobe's.
+//! A point's lobes for paths that carry light: prepared for the direction of the light, with the values of
+//! paths from the eye.
+//! Source: \[Vea97\] sections 5.2 (refraction), 5.3 (shading normals) and 8.3 (the scattered measure);
+//! original for lobes with their own normals, each of which has its own correction.
 //! Space: world, unit directions away from the surface.
-//! Invariant: a value times [`Carrying::correction`] is what a path from the eye finds, times the cosine of where it goes over the one of
-//! where the light came from, both to the geometric normal. Tests: `carrying_tests`; crates/render/tests/agreement.rs.
+//! Invariant: a value times [`Carrying::correction`] is the value of a path from the eye, times the ratio of
+//! the cosines of the outgoing and the incoming direction to the geometric normal. Tests: `carrying_tests`;
+//! crates/render/tests/agreement.rs.
 
 use glam::Vec3;
 
@@ -92,9 +94,9 @@ impl Carrying {
         (value.into(), self.mixed(pdf, wi, ng))
     }
 
-    /// What is multiplied to the values: shading normals treat light and its measurement differently \[Vea97\], and so does refraction. `ng` is
-    /// the unit geometric normal, on either side. Zero where light comes from below the shading normal: there light samples bring nothing,
-    /// either.
+    /// The factor of the values: shading normals and refraction treat light and importance differently
+    /// \[Vea97\]. `ng` is the unit geometric normal, on either side. Zero for light from below the shading
+    /// normal, where light samples bring nothing, either.
     #[must_use]
     pub fn correction(&self, wi: Vec3, ng: Vec3) -> Vec3 {
         let (so, si) = (self.cos, self.normal.dot(wi));

@@ -5,7 +5,7 @@
 
 use crate::real::{Real, Vector};
 
-/// What a pane mirrors whose faces each mirror `once`: all orders of reflection between them.
+/// Reflectance of a pane whose faces each reflect `once`: all orders of reflection between them.
 #[inline(always)]
 pub(super) fn pane<R: Real>(once: R) -> R {
     once * 2.0 / (once + once.all(1.0))

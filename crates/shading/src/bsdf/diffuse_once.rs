@@ -69,7 +69,7 @@ impl Model {
     }
 }
 
-/// What every facet sends back, and what more comes back to where light came from.
+/// The share that every facet scatters, and the additional share of retroreflection.
 fn shares(roughness: f32) -> [f32; 2] {
     let square = roughness * roughness;
     [1.0 - 0.5 * square / (square + 0.33), 0.45 * square / (square + 0.09)]
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use std::f32::consts::TAU;
 
-    /// What a white surface sends back by the midpoint rule.
+    /// Albedo of a white surface by the midpoint rule.
     fn sum(of: impl Fn(f32, [f32; 2]) -> f32, o: f32) -> f32 {
         let (rings, sectors) = (400, 200);
         let mut sum = 0.0_f64;

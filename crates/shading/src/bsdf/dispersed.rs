@@ -14,7 +14,7 @@ use super::lobe::eta_of;
 use super::rough_dielectric::{Glass, PreparedGlass};
 use crate::real::{Real, Vector};
 
-/// What some points' indices and chances of colours are.
+/// Indices of some points, and probabilities of colours.
 #[derive(Clone, Copy)]
 pub(super) struct Colours<R> {
     /// See [`Lobe::spread`](super::Lobe::spread).
@@ -37,8 +37,8 @@ impl<R: Real> Colours<R> {
     }
 }
 
-/// The glass as one colour meets it. What is lost between facets is so much alike that one colour's tables stand for all, but for how
-/// much goes beyond.
+/// The glass for one colour. Lost energy depends so little on the index that one colour's tables serve all
+/// colours, except for the share of transmission.
 fn of_colour(glass: &Glass<f32>, spread: f32, channel: usize) -> Glass<f32> {
     let eta = eta_of(glass.eta, spread, channel);
     let mut losses = glass.losses;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How much light rough facets send back after one bounce, and a lobe for what they send back after more.
+//! Albedo of rough microfacets after single scattering, and a lobe for multiple scattering.
 //! Source: [KC17] (the lobe, from the albedo after one bounce; colour by the sum over bounces), tables over the cosine of
 //! the view and the roughness, split as in [Kar13] so that they are linear in Schlick's two reflectances.
 //! Invariant: averages are those of the interpolated tables, so that one bounce and the lobe sum to 1 for white facets
@@ -37,7 +37,7 @@ struct Table {
     average: [Split; ROUGHNESSES],
 }
 
-/// What facets of one roughness do to light on the whole.
+/// Mean scattering of microfacets of one roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Energy<R> {
     /// Root of the facets' width.
@@ -60,7 +60,7 @@ impl<R: Real> Energy<R> {
         Self { roughness, average }
     }
 
-    /// What comes back of light from cosine `cos` after one bounce, by reflectance at normal and grazing incidence.
+    /// Albedo of single scattering at cosine `cos`, by reflectance at normal and grazing incidence.
     #[inline(always)]
     pub(super) fn split(self, cos: R) -> [R; 2] {
         let table = table();
@@ -86,7 +86,7 @@ impl<R: Real> Energy<R> {
         )
     }
 
-    /// What multiplies the loss of both directions and the cosine of one for the lobe of all bounces but the first.
+    /// The factor of the losses of both directions and one cosine in the lobe of multiple scattering.
     #[inline(always)]
     pub(super) fn more_scale(self) -> R {
         let lost = (self.average[0] + self.average[1]).rest();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What one lobe of a point makes of light that a path carries, where that differs from what the point's normal and its glass say.
+//! Correction of one lobe on light paths, if it differs from the correction of the point's normal and glass.
 //! Source: \[Vea97\] sections 5.2 (refraction) and 5.3 (shading normals), lobe by lobe. Tests: `carrying_tests`.
 
 use glam::Vec3;

@@ -72,15 +72,15 @@ impl Ggx<f32> {
         Self::from_alpha(roughness * roughness)
     }
 
-    /// What a light seen in the direction of a sampled facet counts, by the cosines: all but Fresnel's factor.
+    /// Weight of light in the direction of a sampled facet, by the cosines: without Fresnel's factor.
     pub(crate) fn sample_weight(self, cos_o: f32, cos_i: f32) -> f32 {
         let hidden = self.lambda(cos_o);
         (1.0 + hidden) / (1.0 + hidden + self.lambda(cos_i))
     }
 
     /// The mean of `f` over the facets that a viewer at `wo` sees, each by its share of the view; `wo` has no y, so that
-    /// both halves of the facets are alike. For tables: strata are narrow towards the facets that face away, few as they
-    /// are, for what loses light lies there.
+    /// both halves of the facets are alike. For tables: strata are narrow towards the rare facets that face
+    /// away, because the loss of light is there.
     pub(super) fn mean_visible<T>(self, wo: Vec3, f: impl Fn(Vec3) -> T) -> T
     where
         T: Sum + Mul<f32, Output = T> + Div<f32, Output = T>,

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lists of lobes of sixteen points of a batch, written lobe by lobe for many of them at once: for who knows what points share.
-//! Points have lists of different lengths; a lobe goes to the end of each point's own list.
-//! Invariant: what [`Lobes`] makes of the same lobes in the same order, point by point. Tests: crates/sl-shading/tests/scripts/lanes.rs.
+//! Lists of lobes of sixteen points of a batch, written lobe by lobe for many of them at once, for callers
+//! that know the common lobes. Points have lists of different lengths; a lobe goes to the end of each point's
+//! own list.
+//! Invariant: equals the result of [`Lobes`] for the same lobes in the same order, point by point. Tests:
+//! crates/sl-shading/tests/scripts/lanes.rs.
 
 use glam::Vec3;
 
@@ -147,7 +149,8 @@ impl<'a> Lists<'a> {
         self.ends[i] += 1;
     }
 
-    /// Gives what lies in the lists of some points from `from` on unit normals of their own; zero = the point's.
+    /// Gives the entries in the lists of some points from `from` on their own unit normals; zero = the
+    /// point's.
     pub fn tilt(&mut self, lanes: u32, from: &Ends, normals: &[Row; 3]) {
         let own = lanes & bits(|i| (0..3).any(|k| normals[k][i] != 0.0));
         if own == 0 {
@@ -172,7 +175,7 @@ impl<'a> Lists<'a> {
         }
     }
 
-    /// Multiplies what lies in the lists of some points from `from` on by colours.
+    /// Multiplies the entries in the lists of some points from `from` on by colours.
     pub fn times(&mut self, lanes: u32, from: &Ends, weights: &[Row; 3]) {
         self.each_since(lanes, from, |rows, same| {
             for (row, weights) in rows.numbers.iter_mut().zip(weights) {
@@ -183,7 +186,8 @@ impl<'a> Lists<'a> {
         });
     }
 
-    /// Lays what lies in the lists of some points from `top` to `base` over what follows: [`Lobes::over`](super::Lobes::over).
+    /// Layers the entries in the lists of some points from `top` to `base` over the following ones:
+    /// [`Lobes::over`](super::Lobes::over).
     pub fn layer(&mut self, lanes: u32, top: &Ends, base: &Ends) {
         let (mut hidden, mut above) = ([0.0_f32; LANES], [0_u32; LANES]);
         for entry in 0..self.block.count as usize {

@@ -28,7 +28,7 @@ pub(crate) struct LobesAt<'a, R> {
     pub(super) rarities: Rarities<R>,
 }
 
-/// What few lobes have, as numbers; zero where a point has none.
+/// Numbers of rare features of lobes; zero where a point has none.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rarities<R> {
     /// See [`Lobe::tangent`]; once seen, unit and along the surface.

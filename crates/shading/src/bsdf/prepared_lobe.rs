@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One lobe of each of many points, seen from one direction each: its numbers, and what all kinds have.
+//! One lobe of each of many points, prepared for one direction each: its numbers, common to all kinds.
 //! Space: world, unit directions away from the surface.
-//! What follows from the view, values and densities: `prepared_values.rs`; glass and deltas: `prepared_glass.rs`; lobes that are looked at by
-//! themselves: `prepared_scalar.rs`. Tests: `tests` of `bsdf`.
+//! Values that depend on the view, evaluations and densities: `prepared_values.rs`; glass and deltas:
+//! `prepared_glass.rs`; lobes evaluated per point: `prepared_scalar.rs`. Tests: `tests` of `bsdf`.
 
 use super::anisotropy::{AnisotropyFrame, Slopes};
 use super::ggx::Ggx;
@@ -20,7 +20,8 @@ pub(super) struct PreparedLobe<R> {
     /// Where it is seen from, raised to where that sees the front, and its cosine.
     pub(super) wo: Vector<R>,
     pub(super) cos: R,
-    /// Multiplied to its values, but for what the layers above leave: `left` of that from where it is seen.
+    /// Factor of its values, except for the light that the layers above leave: `left` of that for the
+    /// prepared direction.
     pub(super) weight: Vector<R>,
     pub(super) left: Vector<R>,
     pub(super) a: Vector<R>,
@@ -30,7 +31,7 @@ pub(super) struct PreparedLobe<R> {
     pub(super) more: Vector<R>,
     pub(super) alpha: R,
     pub(super) eta: R,
-    /// Smith's auxiliary function, and what facets lose after one bounce.
+    /// Smith's auxiliary function, and the energy that single scattering loses.
     pub(super) hidden: R,
     pub(super) lost: R,
     /// Chance that it is drawn from; that further bounces are, if it is.

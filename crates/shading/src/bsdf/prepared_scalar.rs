@@ -83,8 +83,9 @@ impl<R: Real> PreparedLobe<R> {
         )
     }
 
-    /// What fibres at points in a mask send back towards where they are seen from of light from `wi`, at the cosine `cos`, if seen from there: their
-    /// values differ where directions change places. Times the cosine `cos`, as other values are.
+    /// Light that fibres at points in a mask reflect towards the prepared direction from `wi`, at the cosine
+    /// `cos`, in the opposite order of directions: their values are not reciprocal. Times the cosine `cos`,
+    /// as other values are.
     #[inline(always)]
     pub(super) fn fibres_from(&self, is: R::Mask, wi: Vector<R>, cos: R) -> R {
         let [x, y] = self.axes();

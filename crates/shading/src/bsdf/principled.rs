@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! glTF's layered surface: a coat, over sheen, over plastic, metal or glass or a mix, over a body that scatters light back or through.
+//! glTF's layered surface: a coat, over sheen, over plastic, metal or glass or a mix, over a diffuse body
+//! that reflects or transmits.
 //! Source: glTF 2.0 appendix B.3, KHR_materials_{anisotropy, clearcoat, diffuse_transmission, dispersion, ior, iridescence, sheen, specular,
 //! transmission}.
-//! Differs from glTF's sample code: the body gets what the layers above leave on the whole, in both directions, not Fresnel's
-//! share at the half vector, so that white plastic keeps all light. A body that scatters light through has panes for its glass: light that
-//! leaves it has been bent by no one knows what.
+//! Differs from glTF's sample code: the body gets the total light that the layers above leave, in both
+//! directions, instead of Fresnel's share at the half vector, so that white plastic keeps all light. A body
+//! that transmits has panes for its glass, because the refraction of its light is unknown.
 //! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;

@@ -23,7 +23,7 @@ pub struct BsdfSample {
 }
 
 impl BsdfSample {
-    /// What kind of ray takes the direction.
+    /// The kind of the ray along the direction.
     #[must_use]
     pub fn ray_kind(&self) -> RayKind {
         RayKind::of(self.delta, self.transmitted, self.wide)

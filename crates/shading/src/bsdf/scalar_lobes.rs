@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lobes that few surfaces have, one point at a time: by Phong, by Ward, Beckmann's facets, glass under Schlick's reflectances, layers of fibres. What sixteen
-//! points have of them is looked at point by point, so that other lobes' code stays as it is.
+//! Rare lobes, one point at a time: by Phong, by Ward, Beckmann's microfacets, glass under Schlick's
+//! reflectances, layers of fibres. Sixteen points evaluate them point by point, so that other lobes' code
+//! stays small.
 //! Source: see the file of each. Space: a frame with z = the shading normal and x along the slopes.
 //! Invariant: the same code for one point and for each of sixteen, so the same bits. Tests: `tests` of `bsdf`.
 
@@ -37,17 +38,17 @@ pub(super) struct ScalarLobe {
     pub(super) film: [f32; 3],
 }
 
-/// What follows from the view.
+/// Values that depend on the view.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct View {
     /// Share of light that is scattered, about.
     pub(super) albedo: Vec3,
-    /// See [`PreparedGlass`]; of Ward's lobe what it would send back as it was published.
+    /// See [`PreparedGlass`]; for Ward's lobe the albedo of the published form.
     pub(super) hidden: f32,
     pub(super) lost: f32,
 }
 
-/// What a facet of such lobes mirrors.
+/// The reflectance of a facet of such lobes.
 #[derive(Clone, Copy)]
 enum Rise {
     All,
@@ -123,7 +124,7 @@ impl ScalarLobe {
         }
     }
 
-    /// Fills in what follows from the view.
+    /// Computes the values that depend on the view.
     #[inline(never)]
     pub(super) fn prepare(&self) -> View {
         let wo = self.wo;
@@ -146,7 +147,8 @@ impl ScalarLobe {
             }
             Kind::Beckmann => {
                 let glass = self.beckmann();
-                // Of the facets that are seen, some mirror light to others: about as many as hide each other.
+                // Of the visible facets, some reflect light to others: their number is about that of facets
+                // that hide each other.
                 let hidden = glass.slopes.lambda(wo.into(), wo.z);
                 of_glass(
                     glass.prepared(wo.into(), wo.z),
@@ -163,7 +165,7 @@ impl ScalarLobe {
         }
     }
 
-    /// About the share of light that does not go through, without what comes back of further bounces.
+    /// Approximate share of light that is not transmitted, without multiple scattering.
     #[inline(never)]
     pub(super) fn sent_back(&self) -> Vec3 {
         match self.kind {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What every BSDF must keep: samples follow the density, densities and values integrate to what is said, energy is not
-//! made, and white surfaces lose none. Source: \[PJH23\] section 9.8 (chi-square test of samples); original.
+//! Properties of every BSDF: samples follow the density, densities and values have the stated integrals,
+//! energy is not created, and white surfaces lose none. Source: \[PJH23\] section 9.8 (chi-square test of
+//! samples); original.
 
 use std::f64::consts::{PI, TAU};
 
@@ -217,7 +218,7 @@ fn samples_follow_the_density() {
                 (rest_expected - rest_counts).abs() < 6.0 * rest_expected.sqrt() + 8.0,
                 "{name}: rare cells"
             );
-            // Stratified samples stay far below what chance allows; the quadrature's error needs the rest.
+            // Stratified samples stay far below the random bound; the quadrature's error needs the rest.
             let bound = f64::from(cells) + 4.0 * f64::from(2 * cells).sqrt();
             assert!(chi_square < bound, "{name} seen from {wo}: chi-square {chi_square} in {cells} cells");
         }
@@ -290,7 +291,7 @@ fn densities_and_values_integrate() {
     }
 }
 
-/// A layer over white facets: they give what the layer leaves of the direction of which it leaves less, and no light is made.
+/// A layer over white microfacets: they lose the larger loss of both directions, and no light is created.
 #[test]
 fn facets_lose_the_larger_share_below_layers() {
     let white = Vec3::ONE;
@@ -321,7 +322,8 @@ fn facets_lose_the_larger_share_below_layers() {
     assert!(least > 0.8, "no more than that is lost: {least} comes back");
 }
 
-/// Fibres that nearly stand send back all light of grazing views and next to none of others: what they leave is the body's.
+/// Nearly upright fibres reflect all light at grazing views and next to none at others: the body gets the
+/// rest.
 #[test]
 fn smooth_cloth_keeps_light() {
     for sheen_roughness in [0.0, 0.15, 0.25, 0.5] {
@@ -380,7 +382,7 @@ fn light_may_go_both_ways() {
     }
 }
 
-/// What mirrors on top takes its light from below.
+/// Reflection on top takes its light from the layers below.
 #[test]
 fn what_is_mirrored_above_does_not_reach_below() {
     let body = Lobe::lambert(Vec3::ONE);
@@ -403,7 +405,7 @@ fn what_is_mirrored_above_does_not_reach_below() {
     }
 }
 
-/// What goes through on top does not reach below either: no light is made.
+/// Transmission on top takes light from below, too: no light is created.
 #[test]
 fn what_goes_through_above_does_not_reach_below() {
     let body = Lobe::lambert(Vec3::ONE);
@@ -452,7 +454,7 @@ fn delta_lobes_keep_all_light() {
     }
 }
 
-/// glTF's glass of no roughness mirrors and lets through what facets as small as they come do.
+/// glTF's glass without roughness has the shares of its smallest microfacets.
 #[test]
 fn smooth_principled_glass_is_as_its_smallest_facets() {
     let base = Vec3::new(0.9, 0.7, 0.4);
@@ -523,7 +525,7 @@ fn silhouettes_are_not_black() {
     }
 }
 
-/// Value, density, and what was chosen, as bits.
+/// Value, density, and the sample, as bits.
 type Found = (Vec3, f32, Option<BsdfSample>, Vec3);
 
 #[inline(always)]

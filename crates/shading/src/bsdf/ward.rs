@@ -8,7 +8,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-/// Value times the cosine, and density; `made` is what [`sent_back`] says of `wo`.
+/// Value times the cosine, and density; `made` is the result of [`sent_back`] for `wo`.
 pub(super) fn eval_pdf(widths: [f32; 2], made: f32, wo: Vec3, wi: Vec3) -> (f32, f32) {
     if wi.z <= 0.0 {
         return (0.0, 0.0);
@@ -28,7 +28,8 @@ pub(super) fn sample(widths: [f32; 2], wo: Vec3, u: [f32; 2]) -> Vec3 {
     (-wo).reflect(h)
 }
 
-/// About what the published lobe sends back of all light: the mean weight over slopes along the view and across it, which are Gaussian.
+/// Approximate albedo of the published lobe: the mean weight over slopes along the view and across it, which
+/// are Gaussian.
 pub(super) fn sent_back([along, across]: [f32; 2], wo: Vec3) -> f32 {
     /// Slopes along the view, up to so many widths.
     const STEPS: u32 = 20;

@@ -3,7 +3,7 @@
 //!
 //! | parameter | rate | default | meaning |
 //! |---|---|---|---|
-//! | radiance | shader | 1 1 1 | what arrives |
+//! | radiance | shader | 1 1 1 | irradiance |
 //! | direction | shader | 0 0 1 | towards the light, any length but zero |
 //!
 //! Source: name and parameters as OpenRT programs know them. Tests: `tests::comes_from_one_side`.

@@ -6,10 +6,10 @@
 //! | diffuseColor | 0.8 0.8 0.8 | share of light that is scattered |
 //! | specularColor | 0 0 0 | share of light in the highlights |
 //! | emissiveColor | 0 0 0 | radiance of its own |
-//! | reflective | 0 | share of what a mirror would show that is added |
+//! | reflective | 0 | share of the mirror reflection that is added |
 //! | ambientIntensity | 0.2 | white light from everywhere, scattered by the diffuse colour |
 //! | shininess | 0.2 | 0 to 1: highlights from wide to small; the exponent is 128 times it |
-//! | transparency | 0 | share of what lies straight behind, instead of all the rest |
+//! | transparency | 0 | share of the radiance straight behind, instead of all the rest |
 //! | diffuseTexture | texture 0 | multiplied to the diffuse colour |
 //! | maxDepth | int -1 | mirrors and see-through end at this depth of rays; negative: at that of the API |
 //! | useVertexColor | int 0 | if not 0, the colours of the vertices stand for the diffuse colour |
@@ -29,7 +29,7 @@ use crate::batch::{SurfaceBatch, Vec3s};
 use crate::shader::{AttributeRequest, LightBatch, RadianceShader, RayRequest, SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
 
-/// What shininess is multiplied with to be the exponent.
+/// Factor from shininess to the exponent.
 const EXPONENT: f32 = 128.0;
 
 /// Numbers of the branches.
@@ -127,7 +127,7 @@ impl Phong {
         }
     }
 
-    /// Adds `weight` times what rays in these directions see.
+    /// Adds `weight` times the radiance of rays in these directions.
     fn add_radiance(
         tracer: &mut dyn Tracer,
         hits: &SurfaceBatch,

@@ -8,11 +8,11 @@
 //! | target | all | 0 0 -1 | the middle of the picture |
 //! | up | all | 0 1 0 | up in the picture; need not be perpendicular to the view |
 //! | aperture | all | 0 | diameter of the lens; 0 = all is sharp |
-//! | focus | all | 0 | distance of what is in focus; 0 = that of the target |
+//! | focus | all | 0 | distance of the focus; 0 = that of the target |
 //! | fov | thin lens, fisheye | 60, 180 | vertical angle of view in degrees |
-//! | height | orthographic | 2 | of what the picture shows |
+//! | height | orthographic | 2 | height of the visible region |
 //!
-//! The projections are [`ProjectiveCamera`]'s. A camera whose numbers make no sense sees nothing.
+//! The projections are [`ProjectiveCamera`]'s. A camera with invalid numbers sees nothing.
 //! Tests: `tests`.
 
 use std::sync::Arc;

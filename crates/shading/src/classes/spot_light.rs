@@ -3,7 +3,7 @@
 //!
 //! | parameter | rate | default | meaning |
 //! |---|---|---|---|
-//! | radiance | shader | 1 1 1 | what arrives at distance 1; falls with the square of the distance |
+//! | radiance | shader | 1 1 1 | irradiance at distance 1; falls with the square of the distance |
 //! | position | shader | 0 0 1 | where it is |
 //!
 //! Source: name and parameters as OpenRT programs know them. Tests: `tests` of `lights/punctual.rs`.

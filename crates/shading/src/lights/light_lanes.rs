@@ -38,7 +38,7 @@ pub struct LightSamples<R: Real> {
 pub type LightSampleX16<S> = LightSamples<f32x16<S>>;
 
 impl<R: Real> LightSamples<R> {
-    /// Points that find no light, as many as `zero` has.
+    /// No light for any point of `zero`.
     #[inline(always)]
     pub(super) fn none(zero: R) -> Self {
         let (none, black) = (zero.points(0), Vector::grey(zero));
@@ -72,7 +72,7 @@ struct Block {
     lights: [u32; LANES],
 }
 
-/// What a node's row ends with: where walks go on.
+/// The last entry of a node's row: the kind of the next step.
 const INNER: u32 = 0;
 /// A leaf: the first half of a block.
 const SINGLE: u32 = 1;
@@ -97,7 +97,7 @@ struct End<S: Simd> {
     block: UInts<S>,
     kind: UInts<S>,
     probability: Floats<S>,
-    /// What is left of the random number.
+    /// The remainder of the random number.
     rest: Floats<S>,
     /// Lanes that came there.
     alive: Mask<S>,
@@ -288,7 +288,7 @@ impl LightLanes {
         (u32x16::simd_from(simd, light), probability, found)
     }
 
-    /// What each triangle of each lane's block promises to it.
+    /// Contribution of each triangle of each lane's block.
     #[inline(always)]
     fn contributions<S: Simd>(&self, end: &End<S>, p: Vec3x16<S>, normal: Vec3x16<S>) -> [Floats<S>; LANES] {
         let simd = end.rest.token();
@@ -378,7 +378,8 @@ fn vector<S: Simd>(columns: &[Floats<S>], k: usize) -> Vec3x16<S> {
     Vec3x16::new(columns[k], columns[k + 1], columns[k + 2])
 }
 
-/// What is left of a random number after a choice between a share and the rest, and whether it is the former.
+/// The remainder of a random number after a choice with probability `share`, and whether the first
+/// alternative was chosen.
 #[inline(always)]
 fn descend<S: Simd>(u: Floats<S>, share: Floats<S>) -> (Floats<S>, Mask<S>) {
     let simd = u.token();

@@ -22,17 +22,17 @@ use crate::sampling::{self, Distribution};
 /// All lights.
 pub struct LightSet {
     pub(super) parts: LightParts,
-    /// What those lights that have a place are chosen by: shared by all sets that have the same ones.
+    /// The choice of lights that have a position: shared by all sets with the same ones.
     pub(super) near: Arc<NearLights>,
     /// Tree, directional lights, environment: how often each is sampled.
     pub(super) choice: Option<Distribution>,
     /// Centre and radius of a ball around all that can be lit.
     pub(super) ball: (Vec3, f32),
-    /// By light: what paths that start at lights are shared out by; made when the first one starts.
+    /// Shares of lights among light paths, by light; computed at the start of the first path.
     power: OnceLock<Option<Distribution>>,
 }
 
-/// What lights that have a place are chosen by.
+/// The choice of lights that have a position.
 pub(super) struct NearLights {
     pub(super) tree: LightTree,
     /// The tree for many points at once, where all its lights are triangles.
@@ -74,7 +74,7 @@ impl LightSet {
         let ball = ball(parts.bounds);
         let of_tree = if near.tree.is_empty() { 0.0 } else { near.power };
         let groups: Vec<f64> = std::iter::once(of_tree).chain(far_powers(&parts, ball.1)).collect();
-        // Half by power, half evenly: what is dim on the whole may be all that there is at a point.
+        // Half by power, half uniform: a light of little power may be the only one at a point.
         let shining = groups.iter().filter(|&&power| power > 0.0).count() as f64;
         let total: f64 = groups.iter().sum();
         let share = |&power: &f64| if power > 0.0 { power / total + 1.0 / shining } else { 0.0 };
@@ -82,7 +82,7 @@ impl LightSet {
         Self { near, choice, ball, power: OnceLock::new(), parts }
     }
 
-    /// By light: what paths that start at lights are shared out by.
+    /// Shares of lights among light paths, by light.
     pub(super) fn power(&self) -> Option<&Distribution> {
         let all = || near_powers(&self.parts).chain(far_powers(&self.parts, self.ball.1));
         self.power.get_or_init(|| Distribution::new(all())).as_ref()
@@ -102,7 +102,7 @@ impl LightSet {
         self.len() == 0
     }
 
-    /// What a light is.
+    /// The kind of a light.
     #[must_use]
     pub fn kind(&self, light: LightId) -> LightKind {
         type Kind = fn(u32) -> LightKind;
@@ -235,8 +235,8 @@ impl LightSet {
         choice.probability(0) * self.near.tree.probability(triangle, p, ns, contribution) * here
     }
 
-    /// What emissive triangle `triangle` sends against a ray along `dir` that met it at these weights of the mesh's second and third
-    /// corner.
+    /// Radiance of emissive triangle `triangle` against a ray along `dir` that hit it at these weights of the
+    /// mesh's second and third corner.
     #[must_use]
     pub fn radiance_of_triangle(&self, triangle: u32, met: [f32; 2], dir: Vec3) -> Vec3 {
         let triangles = self.parts.triangles.as_ref();
@@ -263,7 +263,7 @@ impl LightSet {
         environment.map_or(Vec3::ZERO, |environment| environment.radiance(dir))
     }
 
-    /// About what a light of the tree brings to a surface; 0 if nothing.
+    /// Approximate contribution of a light of the tree to a surface; 0 if there is none.
     pub(super) fn contribution(&self, light: u32, p: Vec3, ns: Vec3) -> f32 {
         let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> f32| {
             let offset = position - p;

@@ -30,9 +30,9 @@ pub struct MetallicRoughness {
     pub ior: f32,
     /// Normals.
     pub normal_map: Option<NormalMap>,
-    /// What else it is made of; what is named above stands in the place of its base, metal, roughness and index.
+    /// The rest of its model; the fields above replace its base, metal, roughness and index.
     pub model: Principled,
-    /// Along what it is brushed.
+    /// The direction of brushing.
     pub anisotropy: Anisotropy,
     /// Share of light that the inside of glass which is no pane absorbs per way, 1 over world units, >= 0.
     pub absorption: Vec3,
@@ -67,8 +67,8 @@ pub struct NormalMap {
 }
 
 impl NormalMap {
-    /// The shading normal of a lane, unit, on the side of the mesh's own, and the square of the slopes that the map has around it
-    /// within what the lane stands for, by how much shorter their mean is than they are \[Tok05\].
+    /// The shading normal of a lane, unit, on the side of the mesh's own normal; and the mean square of the
+    /// slopes that the map has around it within the footprint, from the length of the mean normal \[Tok05\].
     fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> (Vec3, f32) {
         let ns = hits.scattering_ns(i);
         let [x, y, z, _] = self.texture.at_hit(hits, i);
@@ -93,7 +93,7 @@ impl NormalMap {
     }
 }
 
-/// What a unit normal of three bytes may lack by rounding.
+/// Possible rounding loss of a unit normal of three bytes.
 const ROUNDED: f32 = 0.004;
 /// The most that fine slopes add to the square of facets' slopes \[TK19\].
 const MOST_ROUGHER: f32 = 0.18;
@@ -138,7 +138,7 @@ impl MetallicRoughness {
         model.alpha += (1.0 - model.alpha) * (strength * strength).clamp(0.0, 1.0);
     }
 
-    /// What it is where its textures hold these numbers, seen from its front or its back, not brushed.
+    /// The model for these values of its textures, seen from its front or its back, not brushed.
     fn model(&self, base: Vec3, metallic: f32, roughness: f32, front: bool) -> Principled {
         let eta = if front { 1.0 / self.ior } else { self.ior };
         Principled {
@@ -160,7 +160,7 @@ impl MetallicRoughness {
 impl SurfaceShader for MetallicRoughness {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         let mut lobes = Lobes::default();
-        // What the lobes were made from: neighbours often are alike.
+        // The last input of the lobes, because neighbours often are equal.
         let mut made = None;
         for i in 0..hits.len() {
             let texel = self.metallic_roughness_texture.as_ref().map_or([1.0; 4], |t| t.at_hit(hits, i));

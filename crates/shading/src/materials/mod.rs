@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The built-in surfaces, as shaders: each says what BSDF its points have, and what Whitted's renderer shows follows from
-//! that alone; [`Material`] adds emission, bumps and holes around any of them.
+//! The built-in surfaces, as shaders: each returns the BSDF of its points, from which Whitted's renderer
+//! derives the radiance; [`Material`] adds emission, bumps and opacity around any of them.
 //! Source: see each file. One model, one file.
 
 mod bump;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Surfaces that are given by a function from a hit to its scattering: what most models need and no more.
+//! Surfaces defined by a function from a hit to its scattering: most models need no more.
 //! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
@@ -51,7 +51,8 @@ pub struct RoughGlass {
 }
 
 impl RoughGlass {
-    /// Glass of index `ior`, a pane if `thin`; `roughness` is glTF's, in [0, 1]; tints are of what is mirrored and of what goes through.
+    /// Glass of index `ior`, a pane if `thin`; `roughness` is glTF's, in [0, 1]; tints are those of
+    /// reflection and transmission.
     #[must_use]
     pub fn new(ior: f32, roughness: f32, [reflectance, transmittance]: [Vec3; 2], thin: bool) -> Self {
         let side = |eta| Lobe::rough_glass(roughness * roughness, eta, reflectance, transmittance, thin);

@@ -114,7 +114,7 @@ fn scrambled<S: Simd>(turned: UInts<S>, set: UInts<S>, n: u32) -> Floats<S> {
     Floats::<S>::float_from(value) * f32x16::splat(turned.token(), 1.0 / 16_777_216.0)
 }
 
-/// What `owen_scramble` does between its two turns, but for the first sum.
+/// The steps of `owen_scramble` between its two reversals, except for the first sum.
 #[inline(always)]
 fn owen<S: Simd>(mut x: UInts<S>) -> UInts<S> {
     for factor in [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6] {
