@@ -119,7 +119,7 @@ pub(crate) fn are_certain<S: Simd>(simd: S, [a, b, c]: &Rows<S>, bounds: &Aabb) 
     let (least, share) = (f32x8::splat(simd, 1e-30), f32x8::splat(simd, 1.0 / (1 << 20) as f32));
     let u = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     let v = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-    // What is no number in one coordinate spoils this.
+    // A NaN in one coordinate spoils this.
     let all = u[0] + u[1] + u[2] + v[0] + v[1] + v[2];
     let products = [[u[0] * v[1], u[1] * v[0]], [u[1] * v[2], u[2] * v[1]], [u[2] * v[0], u[0] * v[2]]];
     let mut spans = mask32x8::splat(simd, false);

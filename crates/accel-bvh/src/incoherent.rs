@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays of a tile that have nothing in common: one after the other, or, where memory is what they wait for, by turns.
+//! Incoherent rays of a tile: traced singly, or interleaved if they wait for memory.
 //! Source: decision 0016. Tests: `tests/brute_force.rs` of `gnurt-accel`, `interleaved::tests`.
 
 use gnurt_accel_core::beam::has_wide_lanes;

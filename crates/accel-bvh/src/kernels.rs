@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is compiled for each level: one table of functions over wide BVHs. This is the only place where they are made, and
-//! [`Kernels`] the only door to them.
-//! See decision 0018 says why tables.
+//! Code compiled for each level: one table of functions over wide BVHs. Tables are made only here, and
+//! reached only through [`Kernels`]. Decision 0018 gives the reasons for tables.
 //! Invariant: a table's functions are called with its own token, which proves that the CPU has the level.
-//! Tests: `tests/brute_force.rs` of `gnurt-accel`, which asks at every level.
+//! Tests: `tests/brute_force.rs` of `gnurt-accel`, which runs at every level.
 //!
-//! Walks of single rays are compiled for the closest hit, for any hit and once for all that a callback judges; the others,
-//! where a ray spends its time elsewhere, once.
+//! Traversals of single rays are compiled for the closest hit, for any hit and once for all hits that a
+//! callback judges; the others, where a ray spends its time elsewhere, once.
 
 use std::marker::PhantomData;
 

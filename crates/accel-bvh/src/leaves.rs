@@ -31,7 +31,7 @@ pub(crate) struct Leaves {
 }
 
 impl Leaves {
-    /// From numbers of triangles. What they take stays counted.
+    /// From numbers of triangles. Their memory stays counted.
     pub(super) fn build(
         screen: &Screen,
         memory: Memory,
@@ -167,7 +167,7 @@ fn block<S: Simd>(
     (block, Lanes::new(0, &triangles.bounds()))
 }
 
-/// Asks for the memory of what will be visited: a node, or the first block of a leaf. Not for compact trees.
+/// Prefetches the memory of the next visit: a node, or the first block of a leaf. Not for compact trees.
 #[inline(always)]
 pub(super) fn prefetch_child(tree: &Tree, leaves: &Leaves, child: Child) {
     if child.is_leaf() {

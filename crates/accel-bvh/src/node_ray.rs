@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One ray against the eight boxes of a node.
-//! Source: slabs, [KK86]; `slab.rs` of `gnurt-accel-core` prepares rays and adds up what is rounded.
-//! Invariant: what a triangle test hits is in no box that is skipped. Tests: `tests/watertight.rs` of `gnurt-accel`.
+//! Source: slabs, [KK86]; `slab.rs` of `gnurt-accel-core` prepares rays and bounds the rounding.
+//! Invariant: a primitive that the triangle test hits is in no skipped box. Tests: `tests/watertight.rs` of
+//! `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
 use gnurt_accel_core::slab::Slabs;

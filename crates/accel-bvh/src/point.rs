@@ -146,7 +146,7 @@ impl SphereIndex {
 }
 
 impl UserIndex {
-    /// Improves `nearest` by what the primitives say.
+    /// Improves `nearest` by the primitives' answers.
     #[inline(always)]
     pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         let point = probe.point.map(|x| x as f32);

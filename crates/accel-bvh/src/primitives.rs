@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a wide BVH is built over: boxes by number, some of which may be split. Source: [SFD09] for the splits.
+//! The input of a wide BVH: boxes by number, some of which may be split. Source: [SFD09] for the splits.
 
 use gnurt_accel_core::Aabb;
 
-/// What a tree is built over: boxes, by numbers from 0 on.
+/// The primitives of a tree: boxes, by numbers from 0 on.
 pub(crate) trait Primitives: Sync {
     /// How many there are.
     fn count(&self) -> usize;
@@ -16,7 +16,7 @@ pub(crate) trait Primitives: Sync {
     }
 }
 
-/// Boxes of what cannot be split.
+/// Boxes of primitives that cannot be split.
 impl Primitives for &[Aabb] {
     fn count(&self) -> usize {
         self.len()

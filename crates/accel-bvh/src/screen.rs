@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a wide BVH over triangles is built from: those that can be traced, as references, or as middles for a fast build, in one
-//! pass over them.
-//! Space: object. Invariant: what is taken, and what is counted, is what `accel_core::valid_triangles` takes and
-//! counts. Tests: `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
+//! The input of a wide BVH over triangles: the traceable ones, as references, or as centres for a fast build,
+//! in one pass over them.
+//! Space: object. Invariant: takes and counts the same triangles as `accel_core::valid_triangles`. Tests:
+//! `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use std::ops::Range;
 
@@ -136,7 +136,7 @@ impl<'a> Screen<'a> {
 }
 
 impl Piece {
-    /// Takes what is good among `numbers` of one geometry.
+    /// Takes the good ones among `numbers` of one geometry.
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, surfaces: &Surfaces, numbers: Range<u32>, is_fast: bool) {
         let mut mesh = Mesh::NONE;

@@ -181,7 +181,7 @@ impl SingleRays<'_> {
     }
 }
 
-/// What there is to know of rays that have nothing in common.
+/// Prepared data of incoherent rays.
 #[repr(C, align(64))]
 pub(super) struct PreparedTile {
     planes: TilePlanes,
@@ -235,7 +235,8 @@ impl PreparedTile {
     }
 }
 
-/// Along the axes of the sheared space: what is along axis `k + 1` in cyclic order of rays that go along x, and so on.
+/// Along the axes of the sheared space: for rays along x, the value of axis `k + 1` in cyclic order, and so
+/// on.
 #[inline(always)]
 fn turned<S: Simd>([x, y, z]: [f32x16<S>; 3], [along_x, along_y]: [mask32x16<S>; 2]) -> [f32x16<S>; 3] {
     [

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tile of rays through the tree: multi-level ray tracing, and packets where it does not pay.
-//! Source: [RSH05]: subtrees, then triangles, are discarded for all rays at once. Differs: the interval test is made on
-//! the eight children of a node, then on the eight triangles of a block; the tree is searched front to back, so that a
-//! tile's common entry point is found on the way and what lies behind all hits is skipped. Where intervals leave
-//! [`MANY`] children or more, rays are tested against each child, sixteen to a step, and only those that meet it go on
-//! (masks, the paper's Figure 4); a few that are left go on alone ([BWW*12]), and a few that come to a leaf are tested there
-//! one by one. Rays that look for any hit visit children in the builder's order, which promises hits, not front to back.
-//! In: a tile whose first `count` rays have one heading. Each ray gets the hit that it would get alone.
+//! Source: [RSH05]: subtrees, then triangles, are discarded for all rays at once. Differs: the interval test
+//! is made on the eight children of a node, then on the eight triangles of a block. The tree is searched
+//! front to back, so that a tile's common entry point is found during the descent, and nodes behind all hits
+//! are skipped. Where intervals leave [`MANY`] children or more, rays are tested against each child, sixteen
+//! to a step, and only those that hit it go on (masks, [SIP06], Figure 4). A few remaining rays go on singly
+//! ([BWW*12]), and a few that reach a leaf are tested there one by one. Rays that need any hit visit children
+//! in the builder's order, which maximises hits, instead of front to back. In: a tile whose first `count`
+//! rays have one direction class. Each ray gets the hit that it would get as a single ray.
 //! Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::beam::Slopes;
@@ -42,7 +43,7 @@ const fn few_in_leaf<S: Simd>() -> u32 {
     if S::LANES >= LANES { 6 } else { 7 }
 }
 
-/// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
+/// A stack entry: a child, the rays that may hit it, and the number of steps to the first possible hit.
 #[derive(Clone, Copy)]
 struct Entry {
     steps: f32,
@@ -150,7 +151,7 @@ pub(crate) fn walk_tile<S: Simd>(
             planes_ready = true;
         }
         let mut pushed = 0;
-        // Chunks outside, children inside: what is known of a chunk's rays stays in registers.
+        // Chunks outside, children inside: the data of a chunk's rays stays in registers.
         let mut masks = [0u64; WIDTH];
         if one_by_one {
             for at in (0..count).step_by(LANES) {

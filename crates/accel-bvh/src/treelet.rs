@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A wide BVH over boxes in one piece of memory, which its copies share: the part of a top tree that an edit makes anew.
-//! Source: [WBB08] for the nodes, [WBS06] for the refit. Leaf blocks are eight boxes again, with the numbers of members as
-//! children, and lie behind the nodes; children come after their parents, so that one pass from the end refits.
-//! Where members move while the shutter is open, boxes are around all of their ways, and `keys.rs` has those of moments.
-//! Space: that of the boxes. Invariant: a box of a node is the smallest around what is below it, or empty.
+//! A wide BVH over boxes in one piece of memory, which its copies share: the part of a top tree that an edit
+//! rebuilds.
+//! Source: [WBB08] for the nodes, [WBS06] for the refit. Leaf blocks are eight boxes again, with the numbers
+//! of members as children, and follow the nodes; children come after their parents, so that one pass from the
+//! end refits. If members move during an open shutter, boxes enclose their whole paths, and `keys.rs` has
+//! those at single times.
+//! Space: that of the boxes. Invariant: a box of a node is the smallest around its subtree, or empty.
 //! Tests: `tests`, `boxes::update::tests`.
 
 mod fit;
@@ -27,9 +29,10 @@ pub(crate) struct Treelet {
     first_block: usize,
     /// The same at moments of an open shutter, if members move.
     at_keys: Option<Arc<NodesAtKeys>>,
-    /// Half the surfaces of all boxes of nodes together: what a ray is expected to visit, times half of the whole's surface.
+    /// Half the surfaces of all boxes of nodes together: the expected visits of a ray, times half of the
+    /// whole's surface.
     areas: f64,
-    /// What a ray that meets the whole was expected to visit when this was built.
+    /// The expected visits of a ray that hits the whole, at the build.
     built_cost: f64,
 }
 
@@ -109,7 +112,7 @@ impl Treelet {
         self.areas
     }
 
-    /// What a ray that meets the whole is expected to visit.
+    /// The expected visits of a ray that hits the whole.
     fn cost(&self) -> f64 {
         let whole = self.bounds().half_area();
         if whole > 0.0 { self.areas / whole } else { 0.0 }
@@ -251,7 +254,7 @@ mod tests {
         members
     }
 
-    /// Every box of a node is the smallest around what is below.
+    /// Every box of a node is the smallest around its subtree.
     fn assert_fits(treelet: &Treelet) {
         for (at, node) in treelet.nodes[..treelet.first_block].iter().enumerate() {
             for (lane, child) in below(node) {

@@ -13,7 +13,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// No point at all; what growing starts from.
+    /// The empty box, the start of growing.
     pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
     /// The smallest box around some points.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What many rays have in common, as intervals: one test tells which of eight boxes any of them may meet.
+//! Intervals of many rays: one test finds which of eight boxes any of them may hit.
 //! Source: [RSH05] section 3 (inverse direction intervals), with an interval of origins as well, so that the rays need
 //! not start in one point.
 //! Parameters count steps along the axis on which all rays move most (the direction divided by its longest component):
@@ -179,7 +179,7 @@ impl Slopes {
     }
 }
 
-/// Least and greatest of the first `count` values: lane by lane first, since across lanes is what takes time.
+/// Least and greatest of the first `count` values: lane by lane first, because steps across lanes are slow.
 #[inline(always)]
 fn range_of<S: Simd>(simd: S, values: &PerRay, count: usize) -> [f32; 2] {
     let (mut low, mut high) = (chunk(simd, values, 0), chunk(simd, values, 0));

@@ -33,7 +33,7 @@ pub struct TriangleBlock {
 pub struct BlockRay<S: Simd> {
     axes: [usize; 3],
     sheared: Sheared<f32x8<S>>,
-    /// As it was, along the same axes: what few ask for.
+    /// The direction of the original ray, along the same axes: rarely needed.
     dir: [f32; 3],
     t_near: f32x8<S>,
 }
@@ -50,7 +50,7 @@ impl<S: Simd> BlockRay<S> {
         Self::sheared(simd, axes, LoneRay { sheared, dir }, ray.t_near)
     }
 
-    /// From what is known of the ray in the space with these axes.
+    /// From the data of a ray in the space with these axes.
     #[inline(always)]
     pub fn sheared(simd: S, axes: [usize; 3], single: LoneRay, t_near: f32) -> Self {
         let LoneRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = single;
@@ -61,7 +61,7 @@ impl<S: Simd> BlockRay<S> {
         Self { axes, sheared, dir, t_near: f32x8::splat(simd, t_near) }
     }
 
-    /// What [`sheared`](Self::sheared) was given: out of the lanes, since few ask for it.
+    /// The input of [`sheared`](Self::sheared), extracted from the lanes, because it is rarely needed.
     #[inline(always)]
     fn single(&self) -> LoneRay {
         let ([x, y, z], [sx, sy, sz]) = (self.sheared.org, self.sheared.shear);
@@ -128,7 +128,8 @@ impl TriangleBlock {
         }
         let (met, uncertain) = reached.meet(simd);
         let bits = met.hit.to_bitmask();
-        // What is in doubt leaves the way: were its lanes taken out of `bits` here, each hit would wait for the bound.
+        // Doubtful lanes leave the fast path: if they were removed from `bits` here, each hit would wait for
+        // the bound.
         let doubtful = if collect.asks_where() { reached.doubtful(simd, met.t) } else { uncertain };
         if (doubtful | uncertain).any_true() {
             let (doubtful, uncertain) = (doubtful.to_bitmask(), uncertain.to_bitmask());
@@ -149,7 +150,7 @@ impl TriangleBlock {
         }
     }
 
-    /// Offers what lanes by bits have hit.
+    /// Offers the hits of lanes, by bits.
     #[inline(always)]
     fn offer<C: Collect>(&self, mut bits: u64, [t, u, v]: &[[f32; WIDTH]; 3], slot: u32, collect: &mut C) {
         while bits != 0 {

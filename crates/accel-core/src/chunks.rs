@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A tile cut into chunks of sixteen rays: what each of them, and all together, may still meet.
+//! A tile in chunks of sixteen rays: the remaining extents of each of them, and of all together.
 //! Source: [RSH05] (intervals); the second level of intervals is original. Invariant: `farthest` is the largest `ahead`.
 //! Tests: `tests/brute_force.rs`.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The box of what a node sees of a triangle ("perfect splits").
+//! The box of the part of a triangle in a node ("perfect splits").
 //! Source: [WH06] section 4.1; polygons are clipped plane by plane [SH74], in double precision.
 //! Boxes are rounded to the nearest float: they may miss the polygon by half a unit in the last place, which the
 //! traversal's slack covers (`slab.rs`). Tests: `tests::{parts_cover_the_whole, outside_is_nothing,
@@ -54,7 +54,7 @@ impl Polygon {
         }
     }
 
-    /// The boxes of what lies on either side of a plane, kept inside `halves`; `None` where nothing does.
+    /// The boxes of the parts on either side of a plane, kept inside `halves`; `None` for an empty part.
     #[inline(always)]
     fn boxes_of_halves(&self, axis: usize, at: f64, halves: [Aabb; 2]) -> [Option<Aabb>; 2] {
         let mut boxes = [([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]); 2];

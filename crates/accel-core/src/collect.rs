@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray that is being traced collects.
+//! Collectors of a ray's hits.
 //! Tests: `traversal::tests`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use std::marker::PhantomData;
@@ -7,7 +7,8 @@ use std::marker::PhantomData;
 use crate::nearest::{AnyHit, Closest, Kind, Mode, Nearest};
 use crate::triangle::TriangleHit;
 
-/// What a single ray gathers on its way. Searches that are worth it are compiled once for each: [`Best`] of either mode; a [`RayTraversal`](crate::traversal::RayTraversal) is one for everything.
+/// The collector of a single ray's hits. Frequent searches are compiled once for each: [`Best`] of either
+/// mode; a [`RayTraversal`](crate::traversal::RayTraversal) is one for everything.
 pub trait Collect {
     /// Whether the first offer ends the search, so that its order does not matter.
     const ANY: bool;
@@ -28,7 +29,8 @@ pub trait Collect {
     }
 }
 
-/// The best hit so far, or any, where it is kept: what is written in parts and copied as a whole at once makes the CPU wait.
+/// The best hit so far, or any, updated in place: the CPU would wait for a copy of a value that was written
+/// in parts.
 pub struct Best<'a, M: Mode>(pub &'a mut Nearest, PhantomData<M>);
 
 impl<'a, M: Mode> Best<'a, M> {

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a program may say to a build while it runs, and what it is told.
-//! Memory is counted where it is large: what grows with the number of triangles, when it is taken and given back. What
-//! few triangles take comes and goes uncounted.
-//! Invariant: without an error from [`Watch::result`] nothing was left out. Tests: `tests/control.rs`.
+//! Control of a running build by the program, and its progress. Only large memory is counted: allocations
+//! that grow with the number of triangles, when they are made and freed. The memory of a few triangles is not
+//! counted.
+//! Invariant: if [`Watch::result`] returns no error, the tree is complete. Tests: `tests/control.rs`.
 
 use std::fmt;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
-/// What a build asks and tells. All is optional: `()` lets it run and hears nothing. Called from any thread of the
+/// Callbacks of a build. All are optional: `()` lets it run without reports. Called from any thread of the
 /// build, every few thousand triangles.
 pub trait BuildControl: Sync {
     /// Whether the build is still wanted.
@@ -45,7 +45,7 @@ pub enum BuildError {
     OutOfMemory {
         /// With that step; a build that may go on could need more.
         needed: u64,
-        /// What [`BuildControl::memory_budget`] allowed.
+        /// The value of [`BuildControl::memory_budget`].
         budget: u64,
     },
     /// Leaves cannot number so many blocks of eight primitives: several objects can hold them.
@@ -82,11 +82,11 @@ pub struct Watch<'a> {
     held: AtomicU64,
     /// The part of it that grows by itself.
     growing: AtomicU64,
-    /// What was too much; 0 where nothing was.
+    /// The excessive number of bytes; 0 if there was none.
     needed: AtomicU64,
     done: AtomicU64,
     whole: AtomicU64,
-    /// What was told last.
+    /// The progress reported last.
     reported: Mutex<f32>,
 }
 
@@ -133,7 +133,7 @@ impl<'a> Watch<'a> {
     /// Counts memory that was given back.
     pub fn give(&self, bytes: usize) {
         let held = self.held.fetch_sub(bytes as u64, Relaxed) - bytes as u64;
-        // What was refused was counted, but never taken.
+        // Rejected memory was counted, but never allocated.
         if !self.stopped.load(Relaxed) {
             self.control.memory(held);
         }
@@ -150,7 +150,7 @@ impl<'a> Watch<'a> {
         self.give(self.growing.swap(0, Relaxed) as usize);
     }
 
-    /// Replaces what was counted before by what is there now; whether that may be.
+    /// Replaces an earlier count by the current one; returns whether the budget allows it.
     pub fn recount(&self, counted: &mut usize, now: usize) -> bool {
         let before = std::mem::replace(counted, now);
         if now >= before {
@@ -160,7 +160,7 @@ impl<'a> Watch<'a> {
         true
     }
 
-    /// So much more is to be done before all is finished, but for what `finish` tells.
+    /// Adds steps to the total; `finish` reports the last ones.
     pub fn start(&self, whole: usize) {
         self.whole.fetch_add(whole as u64, Relaxed);
     }
@@ -177,7 +177,7 @@ impl<'a> Watch<'a> {
 
     fn report_steps(&self, done: u64) {
         let whole = self.whole.load(Relaxed).max(1);
-        // What comes before and behind the division takes its time as well.
+        // The stages before and after the division take time as well.
         self.report(0.05 + 0.8 * (done as f64 / whole as f64).min(1.0) as f32);
     }
 

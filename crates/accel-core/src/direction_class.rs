@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where rays go: the signs of their directions and the axis along which they move most. Rays of one heading go through a
-//! tree together.
-//! Source: [RSH05] (rays of one octant); the longest axis is what the sheared space of [WBW13] depends on.
+//! Classes of ray directions: the signs of the components and the longest axis. Rays of one class go through
+//! a tree together.
+//! Source: [RSH05] (rays of one octant); the sheared space of [WBW13] depends on the longest axis.
 //! Tests: `tile_kernels::tests::direction_classes_split_a_tile`.
 
 use crate::bits::TILE;

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles seen from the one point where all rays of a tile start: planes through it and the edges tell which triangles
-//! the rays pass by.
-//! That edge functions are linear in the slopes of rays from one point is [RSH05]'s and [WBS06]'s.
+//! Triangles seen from the common origin of a tile's rays: planes through it and the edges tell which
+//! triangles the rays miss. [RSH05] and [WBS06] use that edge functions are linear in the slopes of rays from
+//! one point.
 //!
-//! With corners `a`, `b`, `c` relative to the point and the ray's slopes `sx`, `sy` along the longest axis, the test of
-//! `triangle/lanes.rs` has `w0 = n.z + sx * n.x + sy * n.y` where `n = c x b`, and so for the others: six fused
-//! operations decide for sixteen rays, or intervals of slopes for all.
+//! Take corners `a`, `b`, `c` relative to the point and the ray's slopes `sx`, `sy` along the longest axis.
+//! The test of `triangle/lanes.rs` has `w0 = n.z + sx * n.x + sy * n.y` where `n = c x b`, and so for the
+//! others: six fused operations decide for sixteen rays, or intervals of slopes for all.
 //!
-//! Invariant: what is left out, the test would not hit. With `m` the greatest coordinate of the corners, slopes of at most
-//! 1 and `u = 2^-24`: the test's own `w` is at most `40 u m^2` off (`px`, `py`: `3 u m` and at most `2 m`; products: `16 u m^2`
-//! for their roundings and `24 u m^2` for those of their factors); `n` is `4 u m^2` off in each component, the sum above
-//! `28 u m^2` in all. `ROUNDING` is 128 `u`, and `UNDERFLOW` covers products that are too small for floats. A viewpoint
-//! is refused where products may overflow. Tests: `tests::bounds_hold`, `tests/brute_force.rs`.
+//! Invariant: the test would miss every skipped triangle. With `m` the greatest coordinate of the corners,
+//! slopes of at most 1 and `u = 2^-24`, the errors are at most as follows. The test's own `w`: `40 u m^2`
+//! (`px`, `py`: `3 u m` and at most `2 m`; products: `16 u m^2` for their roundings and `24 u m^2` for those
+//! of their factors). `n`: `4 u m^2` in each component; the sum above: `28 u m^2` in all. `ROUNDING` is 128
+//! `u`, and `UNDERFLOW` covers products that are too small for floats. A viewpoint is rejected where products
+//! may overflow. Tests: `tests::bounds_hold`, `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 
@@ -209,7 +210,7 @@ impl Faces {
     }
 }
 
-/// What rows hold at `lane`, in all lanes.
+/// The value of rows at `lane`, in all lanes.
 #[inline(always)]
 fn corner_of<S: Simd>(simd: S, [x, y, z]: &[[f32; WIDTH]; 3], lane: usize) -> [f32x16<S>; 3] {
     let lane = lane & (WIDTH - 1);
@@ -249,7 +250,8 @@ mod tests {
         Some(left)
     }
 
-    /// No plane leaves out what the test hits: rays are aimed at corners, at edges and past them by a few bits.
+    /// No plane skips a triangle that the test hits: rays are aimed at corners, at edges and past them by a
+    /// few bits.
     #[test]
     fn bounds_hold() {
         let mut numbers = Random::new(11);

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The ground floor of ray queries: rays, hits and geometry as plain data, the trip that goes through trees, and the
-//! arithmetic that every tree shares. `gnurt-accel` is the door for programs; trees are crates of their own.
+//! The base of ray queries: rays, hits and geometry as plain data, the traversal states that pass through
+//! trees, and the arithmetic that every tree shares. `gnurt-accel` is the API for programs; trees are crates
+//! of their own.
 //! Source: see each file.
 //!
 //! From below: `float`, `bits`, `aabb`, `ray`, `hit`: numbers and plain data. `slab`, `triangle`, `blocks`: one ray against
 //! planes and triangles. `tile`, `beam`, `faces`, `chunks`, `tile_test`: up to 64 rays of one [`direction_class`] against boxes and
-//! triangles. [`traversal`]: what goes from a query to the kernels of a tree. `geometry`, `valid_triangles`, `threads`, `control`:
-//! what trees are built over, by whom and under whose eyes. `store`: trees in files.
+//! triangles. [`traversal`]: the state that a query passes to the kernels of a tree. `geometry`,
+//! `valid_triangles`, `threads`, `control`: the input of builds, their threads and their control. `store`:
+//! trees in files.
 //!
-//! Nothing in here is compiled for a level by itself but [`tile_kernels`]: the rest is `#[inline(always)]` for the kernels
-//! of the crates above.
+//! Only [`tile_kernels`] is compiled for each level here: the rest is `#[inline(always)]` for the kernels of
+//! the crates above.
 #![forbid(unsafe_code)]
 #![allow(
     rustdoc::broken_intra_doc_links,

@@ -9,7 +9,7 @@ use gnurt_simd::{Simd, SimdFloat, prelude::*};
 use crate::hit::INVALID_ID;
 use crate::triangle::TriangleHit;
 
-/// What a query wants.
+/// The kind of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The closest hit.
@@ -18,7 +18,7 @@ pub enum Kind {
     Any,
 }
 
-/// The same for what is compiled once for each.
+/// The same for code compiled once for each.
 pub trait Mode {
     /// Whether the first hit found ends the search.
     const ANY: bool;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a batch of rays is to be traced, and what tracing it took.
+//! Options of a batch query, and its cost.
 
 use gnurt_simd::Level;
 
-/// What the caller knows of the rays of a batch.
+/// The caller's knowledge about the rays of a batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coherence {
     /// Neighbours in the batch go much the same way (camera rays, shadow rays to one point): traced in packets.
@@ -23,7 +23,7 @@ pub struct Query {
     pub level: Level,
     /// Whether packets pay.
     pub coherence: Coherence,
-    /// What is seen: each ray's own mask counts only as far as it has bits in common with this one. All by default.
+    /// The visible kinds: each ray's own mask counts only in its common bits with this one. All by default.
     pub mask: u32,
 }
 
@@ -34,11 +34,12 @@ impl Default for Query {
     }
 }
 
-/// What tracing took.
+/// The cost of tracing.
 ///
-/// Sums over rays: a tile adds one for each of its rays that may meet a node or is tested against a triangle. Rays of a
-/// tile go through the tree in one order, so a tile counts more than its rays would one by one; every level that has tiles
-/// counts the same nodes, and the same triangles but for AVX-512, where fewer are tested for rays one by one.
+/// Sums over rays: a tile adds one for each of its rays that may meet a node or is tested against a triangle.
+/// Rays of a tile go through the tree in one order, so a tile counts more than its rays would singly. Every
+/// level with tiles counts the same nodes, and the same triangles except for AVX-512, where fewer are tested
+/// for single rays.
 /// Tests: `tests/counters.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {

@@ -7,12 +7,12 @@
 
 use crate::ray::Ray;
 
-/// Many rays, one array per component: what a tile's queue holds and what kernels read.
+/// Many rays, one array per component: the contents of a tile's queue, and the input of kernels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayBatch {
     /// Origins: x, y and z arrays, `len()` values each.
     pub org: [Vec<f32>; 3],
-    /// Directions, likewise.
+    /// Directions, component by component.
     pub dir: [Vec<f32>; 3],
     /// Near ends.
     pub t_near: Vec<f32>,
@@ -39,7 +39,7 @@ impl RayBatch {
         }
     }
 
-    /// Number of rays: of near ends, where somebody made arrays of different lengths.
+    /// Number of rays: that of near ends, if arrays have different lengths.
     #[must_use]
     #[inline]
     pub fn len(&self) -> usize {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where to look for primitives: along a line or in a box, carried into the spaces of instances.
-//! Source: slabs, [KK86], in double precision. Plain loops over eight boxes, of which compilers make lanes: one body for all
-//! levels, since what is found is decided afterwards, exactly.
-//! Invariant: what meets the region lies in no box that is skipped: boxes are widened by what they were rounded by (`SLACK`), by
-//! what doubles round, and by what may be off in the space of an instance, which is measured on the way back.
+//! Regions of searches for primitives: lines and boxes, transformed into the spaces of instances.
+//! Source: slabs, [KK86], in double precision. Plain loops over eight boxes, which compilers turn into lanes:
+//! one body for all levels, because exact arithmetic decides about the results afterwards.
+//! Invariant: a primitive that meets the region lies in no skipped box. Boxes are widened by their own
+//! rounding (`SLACK`), by the rounding of doubles, and by the error in the space of an instance, which is
+//! measured by the inverse transform.
 //! Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use crate::blocks::WIDTH;
@@ -12,11 +13,11 @@ use crate::exact::Line;
 /// Coordinates along a row of eight boxes: x lo, x hi, y lo, y hi, z lo, z hi.
 pub type Rows = [[f32; WIDTH]; 6];
 
-/// Sides of boxes are right up to this share of the greatest coordinate: twice what `kd/slab.rs` and the clipped boxes of
-/// spatial splits need.
+/// Sides of boxes are right up to this fraction of the greatest coordinate: twice the need of `kd/slab.rs`
+/// and of the clipped boxes of spatial splits.
 const SLACK: f64 = 2e-6;
 
-/// What a few roundings of doubles take off.
+/// The error of a few roundings of doubles.
 const ROUNDING: f64 = 1e-14;
 
 /// A part of space.
@@ -72,8 +73,8 @@ pub struct Map<'a> {
 }
 
 impl Map<'_> {
-    /// A point or vector on the way in, that may be off by so much, and how far off it then may be: what does not come back
-    /// on the way out, and what is lost there.
+    /// Transforms a point or vector with an error bound inward; returns its error bound there, from the
+    /// inverse transform and its rounding.
     fn inward(&self, v: [f64; 3], origin: [f64; 3], off: f64) -> ([f64; 3], f64) {
         let from = [0, 1, 2].map(|k| v[k] - origin[k]);
         let inside = self.rows.map(|row| row[0] * from[0] + row[1] * from[1] + row[2] * from[2]);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A long list whose copies share what they have in common: an edit copies a few values around it, and the way to them.
-//! Persistent arrays, here a trie of depth three. For who edits one of a million while others still read
-//! the list before. Cost: reading follows two pointers more than a vector; a copy takes a pointer per 512 values; an edit
-//! copies 16 values and 32 pointers, once. Tests: `tests::copies_share_what_was_not_edited`.
+//! A long list whose copies share memory: an edit copies a few values around it, and the path to them.
+//! Persistent arrays, here a trie of depth three. For callers that edit one of a million elements while
+//! others still read the earlier list. Cost: reading follows two pointers more than a vector; a copy takes a
+//! pointer per 512 values; an edit copies 16 values and 32 pointers, once. Tests:
+//! `tests::copies_share_what_was_not_edited`.
 
 use std::ops::Index;
 use std::sync::Arc;
@@ -18,7 +19,7 @@ type Leaf<T> = Arc<[T; LEAF]>;
 
 /// A list whose copies share memory.
 ///
-/// Behind its end, up to the end of a leaf, are default values that nobody sees.
+/// Between its end and the end of a leaf are unused default values.
 #[derive(Clone, Debug)]
 pub struct SharedList<T> {
     branches: Vec<Arc<[Leaf<T>]>>,
@@ -91,7 +92,7 @@ impl<T: Default + Clone + Send + Sync> SharedList<T> {
         Self::with(len, parallel, |position| (value(position), ())).0
     }
 
-    /// The same, and what comes along with each value.
+    /// The same, with a second result for each value.
     pub fn with<U: Send>(
         len: usize,
         parallel: bool,
@@ -140,7 +141,7 @@ impl<T: Default + Clone + Send + Sync> SharedList<T> {
         self.len = len;
     }
 
-    /// A value, to be changed; what it shares with others on the way to it is copied first.
+    /// A value for editing; the shared nodes on the path to it are copied first.
     ///
     /// # Panics
     /// Behind the end.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Up to 64 rays that are traced together: what multi-level ray tracing descends with.
-//! Source: [RSH05]; structure of arrays after the paper's Figure 4.
-//! Space: as the rays that went in.
-//! Invariant: a tile's lanes are plain arrays, so that the same tile serves every SIMD level; `active` says which lanes
-//! hold a ray that can hit something. The others hold nothing that may be looked at.
+//! Up to 64 rays that are traced together: the unit of multi-level ray tracing.
+//! Source: [RSH05]; structure of arrays after [SIP06], Figure 4.
+//! Space: that of the original rays.
+//! Invariant: a tile's lanes are plain arrays, so that the same tile serves every SIMD level; `active` tells
+//! which lanes hold a ray that can hit something. The other lanes are undefined.
 //! Tests: `tile_kernels::tests`.
 
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
@@ -37,15 +37,15 @@ pub struct RayTile {
     pub t_near: PerRay,
     /// Moments; see [`Ray::time`].
     pub time: PerRay,
-    /// What all of them see: rays of different masks go into different tiles.
+    /// Their common mask: rays of different masks go into different tiles.
     pub mask: u32,
     /// Whether they have moments; if not, `time` is zero everywhere.
     pub is_timed: bool,
     /// Whether lanes that are not active hold rays all the same, which look for nothing (`t` is -inf): then the tile
     /// need not be copied where a few lanes are missing.
     pub is_full: bool,
-    /// Where all rays are heading, if that is known: then lanes behind the first rays up to a multiple of 16 look for
-    /// nothing, and nobody need look which ways they go.
+    /// The common direction class of all rays, if known: then lanes after the first rays, up to a multiple of
+    /// 16, hold rays without an extent, and no directions need to be compared.
     pub direction_class: Option<DirectionClass>,
 }
 
@@ -289,7 +289,7 @@ impl NearestTile {
         Nearest { t: self.t[i], u: self.u[i], v: self.v[i], number: self.number[i], slot: self.slot[i] }
     }
 
-    /// Puts back what [`RayTile::gather`] took out.
+    /// Restores the lanes that [`RayTile::gather`] extracted.
     pub fn scatter(&mut self, mut bits: u64, best: &Self) {
         let mut from = 0;
         while bits != 0 {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is done to whole tiles outside of trees, sixteen rays at a time: a table of small functions for each level.
+//! Operations on whole tiles outside of trees, sixteen rays at a time: a table of small functions for each
+//! level.
 //! Space: that of the rays.
-//! Invariant: every level answers with the same bits. Tests: `tests::direction_classes_split_a_tile`, `tests/pencils.rs` and
-//! `tests/instances.rs` of `gnurt-accel`.
+//! Invariant: every level returns the same bits. Tests: `tests::direction_classes_split_a_tile`,
+//! `tests/pencils.rs` and `tests/instances.rs` of `gnurt-accel`.
 
 use std::marker::PhantomData;
 
@@ -15,7 +16,8 @@ use crate::hit::{HitBatch, INVALID_ID};
 use crate::ray::Ray;
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 
-/// What one level does to tiles. Made by [`TileKernels::of`]; its functions run with that level's instructions.
+/// The operations of one level on tiles. Made by [`TileKernels::of`]; its functions run with that level's
+/// instructions.
 #[derive(Clone, Copy)]
 pub struct TileKernels {
     token: Token,

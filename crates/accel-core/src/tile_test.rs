@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One triangle against sixteen rays of a tile, and what that does to their best hits.
+//! One triangle against sixteen rays of a tile, and the update of their best hits.
 //! Source: [WBW13] in lanes of rays. Space: object. In: a triangle that a chunk's rays may meet.
-//! Invariant: each ray gets the hit that it would get alone. Tests: `tests/brute_force.rs` of `gnurt-accel`.
+//! Invariant: each ray gets the hit that it would get as a single ray. Tests: `tests/brute_force.rs` of
+//! `gnurt-accel`.
 
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
@@ -70,7 +71,7 @@ impl<S: Simd> TileTest<'_, S> {
         true
     }
 
-    /// What lanes hit becomes their nearest hit where it is.
+    /// Stores the lanes' hits where they are nearer.
     #[inline(always)]
     fn take(&self, number: u32, at: usize, hits: &TriangleHits<S, f32x16<S>>, nearest: &mut NearestTile) {
         let simd = self.simd;

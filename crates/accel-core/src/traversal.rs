@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The trip: rays under way through trees, and what they have found so far. One value goes from a query through scenes and
-//! objects to the kernels; each of these looks at it, goes on with it, or with one made from it for an inner space.
-//! Space: that of the tree that is entered.
-//! Invariant: a trip's `nearest` says how far it is still of interest, whatever its kind.
+//! Traversal states: rays on their way through trees, and their best hits so far. One value goes from a query
+//! through scenes and objects to the kernels; each level passes it on, or one made from it for an inner
+//! space.
+//! Space: that of the current tree.
+//! Invariant: a state's `nearest` limits the distance of further hits, for any kind of query.
 //! Tests: `tests::{scaled_rays_find_unscaled_hits, one_by_one_is_each}`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_simd::Simd;
@@ -15,7 +16,7 @@ use crate::ray::Ray;
 use crate::tile::{NearestTile, RayTile};
 use crate::triangle::TriangleHit;
 
-/// What one ray looks for.
+/// The kind of one ray's query.
 pub enum RayKind<'a> {
     /// The closest hit.
     Closest,
@@ -34,7 +35,7 @@ pub struct RayTraversal<'a> {
     pub kind: RayKind<'a>,
     /// Where the tree's object stands among all objects of the scene.
     pub slot: u32,
-    /// The best hit so far; what is beyond its `t` is of no interest.
+    /// The best hit so far; hits beyond its `t` do not count.
     pub nearest: &'a mut Nearest,
     pub counters: &'a mut Counters,
 }
@@ -120,13 +121,13 @@ impl RayTraversal<'_> {
         if let RayKind::Each(_) = self.kind {
             self.nearest.t = up(nearest.t);
         } else if (nearest.slot, nearest.number) != (before.slot, before.number) {
-            // What was not improved keeps its bits, even where the scaled parameter left the range of floats.
+            // An unimproved hit keeps its bits, even if the scaled parameter left the range of floats.
             *self.nearest = Nearest { t: up(nearest.t), ..nearest };
         }
     }
 }
 
-/// For searches that are compiled once for all kinds: what they offer goes through one function.
+/// For searches that are compiled once for all kinds: their offers go through one function.
 impl Collect for RayTraversal<'_> {
     const ANY: bool = false;
     const CAN_END: bool = true;
@@ -224,7 +225,7 @@ mod tests {
 
     const MET: TriangleHit = TriangleHit { t: 2.0, u: 0.25, v: 0.5 };
 
-    /// What a trip of some kind finds where the search offers [`MET`], in parameters four times as long.
+    /// The result of a query of some kind if the search offers [`MET`], in parameters scaled by four.
     fn scaled(mut kind: RayKind, t_far: f32, offered: bool) -> Nearest {
         let (mut nearest, mut counters) = (Nearest::none(t_far), Counters::default());
         let ray = Ray::new([0.0; 3], [1.0; 3]);

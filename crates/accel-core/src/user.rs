@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Geometry of the caller's own making: boxes and a test per primitive.
-//! What Embree calls user geometry and OptiX custom primitives. Space: object.
+//! Geometry defined by the caller: boxes and a test per primitive. Embree's user geometry and OptiX's custom
+//! primitives. Space: object.
 //! Tests: `tests/mixed.rs`.
 
 use std::fmt;
@@ -15,7 +15,7 @@ pub struct UserHit {
     pub t: f32,
     /// First parameter on the primitive, handed on to [`Hit::u`](crate::Hit::u).
     pub u: f32,
-    /// Second parameter, likewise.
+    /// Second parameter of the hit.
     pub v: f32,
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The triangles of an object, halves of quads among them, without those that cannot be traced.
-//! Space: object. Invariant: what passes has finite, in-range, non-flat corners.
+//! The triangles of an object, halves of quads among them, without untraceable ones.
+//! Space: object. Invariant: each of them has finite, in-range, non-flat corners.
 //! Tests: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
 
 use std::ops::Range;
@@ -21,7 +21,7 @@ pub struct ValidTriangles<'a> {
     pub bounds: Aabb,
 }
 
-/// What is good and bad among some of them.
+/// The good and the bad ones of some triangles.
 struct Filtered {
     good: Vec<u32>,
     bad: BadPrimitives,
@@ -99,7 +99,7 @@ impl<'a> ValidTriangles<'a> {
 }
 
 impl Filtered {
-    /// Takes what is good among `numbers` of a geometry whose first number is `start`.
+    /// Takes the good ones among `numbers` of a geometry whose first number is `start`.
     fn filter(&mut self, surface: &Surface, start: u32, numbers: Range<u32>) {
         let range = (numbers.start - start) as usize..(numbers.end - start) as usize;
         match surface {

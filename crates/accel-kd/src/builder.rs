@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What builders of kd-trees have in common: cells, subtrees, and who builds.
-//! Source: [WH06] for what a cell is; budgets original. Space: object. Tests: `tests/kd_build.rs` of `gnurt-accel`.
+//! Common parts of builders of kd-trees: cells, subtrees, and threads.
+//! Source: [WH06] for cells; budgets original. Space: object. Tests: `tests/kd_build.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::control::Watch;
@@ -19,7 +19,8 @@ pub(super) struct Cell {
     pub(super) depth: usize,
     /// Most references that the leaves below may hold.
     pub(super) budget: usize,
-    /// Whether this one or one above sees few triangles: nobody asks how far it is, and its memory is not counted.
+    /// Whether this one or an ancestor has few triangles: its progress is not reported, and its memory is not
+    /// counted.
     pub(super) small: bool,
 }
 
@@ -40,7 +41,7 @@ impl Cell {
     }
 }
 
-/// What was built below one node: nodes and items with indices of their own.
+/// A finished subtree: nodes and items with indices of their own.
 pub(super) struct Subtree {
     pub(super) nodes: Vec<Node>,
     pub(super) items: Vec<u32>,
@@ -67,7 +68,7 @@ impl Builder<'_> {
         if self.parallel { rayon::join(a, b) } else { (a(), b()) }
     }
 
-    /// Tells of what was built below a large node, where it is small.
+    /// Reports the progress of small subtrees below a large node.
     pub(super) fn advance(&self, cell: &Cell, child: &Cell) {
         if child.small && !cell.small {
             self.watch.advance(child.budget);

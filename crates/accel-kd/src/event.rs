@@ -7,7 +7,7 @@
 
 use gnurt_accel_core::Aabb;
 
-/// What happens to a triangle's box at an event's position.
+/// The event of a triangle's box at a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     End,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is compiled for each level: one table of functions over kd-trees, interval hierarchies and grids. This is the only place where they are made, and
-//! [`Kernels`] the only door to them.
-//! See decision 0018 says why tables. Walks are compiled once for all that rays may look for.
+//! Code compiled for each level: one table of functions over kd-trees, interval hierarchies and grids. Tables
+//! are made only here, and reached only through [`Kernels`]. Decision 0018 gives the reasons for tables.
+//! Traversals are compiled once for all kinds of queries.
 //! Invariant: a table's functions are called with its own token, which proves that the CPU has the level.
-//! Tests: `tests/brute_force.rs` of `gnurt-accel`, which asks at every level.
+//! Tests: `tests/brute_force.rs` of `gnurt-accel`, which runs at every level.
 
 use std::marker::PhantomData;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which triangles rays were tested against lately: where triangles lie in several cells, a second test has nothing to add.
-//! Source: [AW87]. Invariant: what it knows was tested; it may forget. Tests: `tests/brute_force.rs`, `tests/grids.rs` of `gnurt-accel`.
+//! Mailboxes: the last triangles that rays were tested against. If triangles lie in several cells, a second
+//! test is redundant.
+//! Source: [AW87]. Invariant: recorded triangles were tested; records may be lost. Tests:
+//! `tests/brute_force.rs`, `tests/grids.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::INVALID_ID;
 

@@ -8,7 +8,7 @@ use gnurt_accel_core::Aabb;
 use gnurt_accel_core::clip::split_boxes;
 use gnurt_accel_core::valid_triangles::ValidTriangles;
 
-/// What a node sees of a triangle.
+/// A node's part of a triangle.
 #[derive(Clone, Copy)]
 struct Overlap {
     number: u32,

@@ -23,7 +23,7 @@ pub(crate) struct Node {
     value_or_item: u32,
 }
 
-/// A leaf's node, empty: what a slot holds before it is filled.
+/// An empty leaf: the initial value of a slot.
 pub(crate) const EMPTY_LEAF: Node = Node { left: 0, value_or_item: 0 };
 
 impl Node {

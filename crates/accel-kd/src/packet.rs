@@ -67,7 +67,7 @@ pub(crate) struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Improves `nearest` in the active lanes. Counts what single rays would.
+    /// Improves `nearest` in the active lanes. Counts as single rays do.
     #[inline(always)]
     pub(crate) fn packet<S: Simd>(
         &self,

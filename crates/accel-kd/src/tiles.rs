@@ -38,8 +38,8 @@ struct FarChild {
 const FARTHEST_SPREAD: f32 = 1.0 / 16.0;
 
 impl Blocked<'_> {
-    /// Improves the hits of a tile's first rays, all of them active and of one heading; or does nothing and says so, where
-    /// they spread so far that one by one is faster: an interval that most leaves lie in tells nothing.
+    /// Improves the hits of a tile's first rays, all of them active and of one direction class. Returns false
+    /// without a result if their intervals are so wide that single rays are faster.
     #[inline(always)]
     pub(crate) fn walk_tile<S: Simd>(
         &self,

@@ -16,7 +16,7 @@ struct Mesh {
     indices: Vec<[u32; 3]>,
 }
 
-/// Reads the one layout that the benchmark scenes use, and says what it expected where a file has another.
+/// Reads only the layout of the benchmark scenes, and reports the expected layout for other files.
 fn read_ply(path: &str) -> Result<Mesh, String> {
     let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
     let end = bytes.windows(11).position(|w| w == b"end_header\n").ok_or("no end of header")? + 11;
@@ -87,7 +87,7 @@ fn cpu_and_peak() -> (f64, f64) {
     (nanoseconds / 1e9, peak.unwrap_or(0.0) / 1024.0)
 }
 
-/// Processor seconds of all threads of the process, in steps of a hundredth; what other jobs take is not in it.
+/// Processor seconds of all threads of the process, in steps of a hundredth; other processes are excluded.
 fn process_cpu() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = stat.rsplit(')').next().unwrap_or("");

@@ -18,12 +18,12 @@ pub(crate) struct BatchRun<'a> {
     pub(crate) engine: &'a Engine,
     pub(crate) rays: &'a RayBatch,
     pub(crate) kind: Kind,
-    /// What all of its rays see at most.
+    /// The union of the masks of all its rays.
     pub(crate) mask: u32,
 }
 
 impl BatchRun<'_> {
-    /// What ray `i` sees.
+    /// The visibility mask of ray `i`.
     #[inline]
     fn mask_of(&self, i: usize) -> u32 {
         let own = &self.rays.mask;
@@ -65,7 +65,7 @@ impl BatchRun<'_> {
         }
     }
 
-    /// Traces rays one by one and notes what each costs.
+    /// Traces rays one by one and records the cost of each.
     pub(crate) fn singles(&self, answers: &mut Answers, counters: &mut Counters, costs: &mut Vec<u32>) {
         costs.clear();
         costs.reserve(self.rays.len());
@@ -89,8 +89,8 @@ impl BatchRun<'_> {
     }
 }
 
-/// Calls `go` with the active rays of a tile that see the same, once for each mask. `mask_of` says what a ray sees; where
-/// it `is_shared`, ray 0 says so for all.
+/// Calls `go` with the active rays of a tile that have one mask, once for each mask. `mask_of` returns the
+/// mask of a ray; if it `is_shared`, that of ray 0 holds for all.
 pub(crate) fn by_mask(
     tile: &mut RayTile,
     active: u64,

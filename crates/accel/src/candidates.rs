@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lists of all hits of a ray, made of those that are shown to a callback one by one.
-//! Filters and collecting all hits are what Embree's filter functions are used for.
+//! Lists of all hits of a ray, from hits that are passed to a callback one by one. Filters and the collection
+//! of all hits serve the purpose of Embree's filter functions.
 //! Tests: `tests/filters.rs`, `tests/all_hits.rs`.
 
 use crate::Hit;
@@ -47,7 +47,7 @@ impl<'a> Sorted<'a> {
         }
     }
 
-    /// Sorts what was not sorted yet.
+    /// Sorts the elements that are still unsorted.
     pub(crate) fn finish(self) {
         if self.most != usize::MAX {
             return;

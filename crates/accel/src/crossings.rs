@@ -11,7 +11,7 @@ use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::{LineRegion, Region};
 
-/// What a line crosses, gathered object by object; keeps its memory.
+/// The crossings of a line, collected object by object; keeps its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Crossed {
     /// Triangles by object and number, some of them twice while they are gathered.
@@ -57,7 +57,7 @@ impl Crossed {
     }
 }
 
-/// How often a ray crosses what it sees.
+/// Number of crossings of a ray with visible surfaces.
 pub(crate) fn count(target: Target, query: &Query, ray: &dyn AnyRay, crossed: &mut Crossed) -> u32 {
     crossed.clear();
     show(target, query, ray, &mut |line, surface| crossed.take(line, surface));
@@ -65,7 +65,7 @@ pub(crate) fn count(target: Target, query: &Query, ray: &dyn AnyRay, crossed: &m
     crossed.count()
 }
 
-/// What [`count`] counts, in the order in which the ray meets it; of what is crossed at one place the lowest ids first.
+/// The crossings of [`count`], in the order along the ray; at one position the lowest ids come first.
 pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut Vec<Hit>) {
     let (mut met, mut others): (Vec<Nearest>, Vec<Nearest>) = Default::default();
     show(target, query, ray, &mut |line, surface| {
@@ -101,7 +101,7 @@ pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut V
     hits.extend(met.iter().map(|nearest| target.hit(nearest)));
 }
 
-/// Shows what a ray may cross; nothing if it is no ray.
+/// Visits the surfaces that a ray may cross; none for an invalid ray.
 fn show(target: Target, query: &Query, ray: &dyn AnyRay, visit: &mut dyn FnMut(&Line, &SurfaceInRegion)) {
     let rounded = ray.rounded();
     if !rounded.is_sound() {
@@ -119,7 +119,7 @@ fn ray_of(line: &LineRegion) -> Ray {
     Ray::new(org.map(|x| x as f32), dir.map(|x| x as f32)).within(*near as f32, *far as f32)
 }
 
-/// Shows what a line meets of user geometry between its ends.
+/// Visits the hits of a line with user geometry between its ends.
 fn through_user(
     surface: &SurfaceInRegion,
     user: &dyn UserGeometry,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The tables of kernels of a level, together: what a query takes along through scenes and objects.
-//! See decision 0018. Tests: `tests/brute_force.rs`, which asks at every level.
+//! The tables of kernels of a level, together: a query passes them through scenes and objects. See decision
+//! 0018. Tests: `tests/brute_force.rs`, which runs at every level.
 
 use std::sync::OnceLock;
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether points lie in closed meshes. The method: a ray's crossings, counted without rounding (`crossings.rs`), are even
-//! outside and odd inside. Space: world, or that of an object that is asked directly.
-//! Invariant: no point is on the wrong side, however near it is, and whatever vertices and edges are in the way.
+//! Containment of points in closed meshes. The method: a ray's crossings, counted without rounding
+//! (`crossings.rs`), are even outside and odd inside. Space: world, or that of a directly queried object.
+//! Invariant: no point is on the wrong side, at any distance from the surface, with any vertices and edges
+//! along the ray.
 //! Tests: `tests/surfaces/inside.rs`.
 
 use crate::Query;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Answers to many questions: one each, or lists of different lengths side by side; and threads that share the work.
-//! Invariant: what is answered does not depend on the threads. Tests: `tests/surfaces/inside.rs`, `tests/surfaces/overlaps.rs`.
+//! Answers to many queries: one each, or lists of different lengths side by side; and threads that share the
+//! work.
+//! Invariant: results do not depend on the threads. Tests: `tests/surfaces/inside.rs`,
+//! `tests/surfaces/overlaps.rs`.
 
 use std::ops::Range;
 

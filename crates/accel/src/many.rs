@@ -62,7 +62,7 @@ impl<R: AnyRay + Sync> Rays for [R] {
     }
 }
 
-/// What a thread keeps.
+/// State that a thread keeps.
 #[derive(Default)]
 struct Desk {
     rays: RayBatch,

@@ -77,7 +77,7 @@ impl NearestPoint for Within {
     }
 }
 
-/// Shows what is near to somebody who says how near is near.
+/// Visits near primitives; the visitor sets the radius.
 struct Visited<'a> {
     target: Target<'a>,
     point: [f64; 3],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays that start near each other but go different ways: sorted by heading, then traced in tiles.
-//! Source: [RSH05] for what tiles gain; counting sort. Tests: `tests/brute_force.rs` (`query`).
+//! Rays with near origins but different directions: sorted by direction class, then traced in tiles.
+//! Source: [RSH05] for the gain of tiles; counting sort. Tests: `tests/brute_force.rs` (`query`).
 
 use gnurt_accel_core::bits::{TILE, all, each};
 use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};

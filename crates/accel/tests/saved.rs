@@ -205,7 +205,7 @@ fn signed_changes_are_found_or_harmless() {
             if round % 2 == 0 {
                 file[random.below(again.len() - 8)] ^= 1 << random.below(8);
             } else {
-                // Copies of other words are what a tree takes for its own.
+                // A tree accepts only copies of other words as its own.
                 let [to, from] = [0; 2].map(|_: i32| random.below(again.len() / 4 - 2));
                 let copied = value(&file, from);
                 set_value(&mut file, to, copied);

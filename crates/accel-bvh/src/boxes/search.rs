@@ -56,7 +56,8 @@ impl BoxIndex {
 /// Where a ray starts that is alone from the start.
 const ROOT: Child = Child::node(0);
 
-/// What waits in the upper treelet, which is built as any tree, and in those below: scenes in one another hold one of these each.
+/// Stacks for the upper treelet, which is built as any tree, and for those below: nested scenes hold one of
+/// these each.
 type Long = StackBuffer<u64, { 8 * DEEPEST }>;
 type Short = StackBuffer<u64, { 8 * DEEPEST_TREELET }>;
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tile of rays through a top tree.
-//! Source: [RSH05] for what rays share, masks as in `tiles.rs`: where intervals leave [`MANY`] boxes or more, rays are tested
-//! against each, sixteen to a step, and only those that meet it go on; a few that are left go on alone ([BWW*12]). Where rays
-//! part at once, as after a bounce, the interval of all is the whole scene.
-//! Space: that of the boxes. Tests: `tests/instances.rs` and `tests/counters.rs` of `gnurt-accel`, which ask at every level.
+//! Source: [RSH05] for intervals, masks as in `tiles.rs`: where intervals leave [`MANY`] boxes or more, rays
+//! are tested against each, sixteen to a step, and only those that hit it go on; a few remaining rays go on
+//! singly ([BWW*12]). Where rays diverge at once, as after a bounce, their interval is the whole scene.
+//! Space: that of the boxes. Tests: `tests/instances.rs` and `tests/counters.rs` of `gnurt-accel`, which run
+//! at every level.
 
 use gnurt_accel_core::beam::{Beam, Slopes};
 use gnurt_accel_core::bits::{TILE, all, each};
@@ -21,7 +22,7 @@ use crate::planes::{MovingMember, TilePlanes};
 use crate::treelet::Treelet;
 use crate::walk::farthest_first;
 
-/// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
+/// A stack entry: a child, the rays that may hit it, and the number of steps to the first possible hit.
 #[derive(Clone, Copy)]
 struct Entry {
     steps: f32,
@@ -92,7 +93,7 @@ struct Shot<'a> {
     direction_class: DirectionClass,
     /// How many steps any ray still looks ahead.
     farthest: f32,
-    /// Each ray by itself, once somebody asks. Not on the stack, which scenes in one another share.
+    /// Planes for each single ray, computed at first use. On the heap, because nested scenes share the stack.
     planes: Option<Box<TilePlanes>>,
     /// Nodes, once for each ray.
     visited: u64,
@@ -191,8 +192,8 @@ impl Shot<'_> {
         self.farthest = self.slopes.steps_ahead(simd, traversal.nearest, self.count);
     }
 
-    /// Each ray in `bits` by itself: `search` is given the ray, its moment, where it ends, and what to call for the places of
-    /// boxes that it meets, and answers with the number of nodes visited.
+    /// Each ray in `bits` by itself: `search` gets the ray, its time, its far end, and a callback for the
+    /// indices of hit boxes, and returns the number of visited nodes.
     #[inline(always)]
     fn go_alone<S: Simd>(
         &mut self,
@@ -312,7 +313,8 @@ fn tile_treelet<S: Simd>(
 /// A member of a block: its place there, after how many steps the first ray may meet it, and which rays may.
 type Met = (usize, f32, u64);
 
-/// What members are put in order by, not so finely that their order depends on the level, which rounds differently.
+/// The sort key of members, coarse enough that their order is independent of the level, which rounds
+/// differently.
 #[inline(always)]
 fn rank(&(_, steps, _): &Met) -> u32 {
     steps.to_bits() >> 12

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A top tree after some boxes moved, came or went, that shares what did not change with the one before.
+//! A top tree after some boxes moved, came or went, which shares unchanged parts with the previous one.
 //! Source: [WBS06] for refits and for rebuilding when the cost has risen; original for the rest.
-//! A box that stays within its treelet's is moved there; one that leaves goes to the treelet whose box grows least. Treelets that
-//! are touched are refitted; those that are worn or have no room are built again, parted where they are too large. The upper
-//! one is refitted, or built again where treelets came. Where all costs so much more than when it was built, all is.
-//! Invariant: as for any build; threads do not matter. Tests: `tests`, `tests/moving_instances.rs` of `gnurt-accel`.
+//! A box that stays within its treelet's box is moved there; one that leaves goes to the treelet whose box
+//! grows least. Edited treelets are refitted; degraded or full ones are rebuilt, split where they are too
+//! large. The upper one is refitted, or rebuilt after new treelets. If the total cost has grown too far since
+//! the build, all is rebuilt.
+//! Invariant: as for any build; independent of threads. Tests: `tests`, `tests/moving_instances.rs` of
+//! `gnurt-accel`.
 
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::{Aabb, Threads};
@@ -24,7 +26,7 @@ const MANY: usize = 4;
 /// A box that is given, or taken away, at a place.
 pub type BoxEdit = (u32, Option<Aabb>);
 
-/// What is to be done in a treelet.
+/// The edits of a treelet.
 struct DirtyTreelet<'a> {
     number: usize,
     edits: &'a [BoxEdit],
@@ -92,7 +94,7 @@ impl BoxIndex {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// What is to be done: treelet, place and box, ascending.
+    /// The edits: treelet, index and box, ascending.
     fn orders(&self, edits: &[BoxEdit], parallel: bool) -> Vec<(u32, BoxEdit)> {
         let order = |&(member_index, bounds): &BoxEdit| {
             let bounds = bounds.filter(|bounds| !bounds.is_empty());
@@ -173,7 +175,7 @@ impl BoxIndex {
         build_parts(&boxes, options, Threads::Single, &watch, make).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Enters the homes of what came and left.
+    /// Updates the owners of boxes that came and left.
     fn rehome(&mut self, orders: &[(u32, BoxEdit)], edits: &[BoxEdit], threads: Threads) {
         let mut owners: Vec<(u32, u32)> = orders
             .iter()

@@ -31,7 +31,7 @@ pub(super) struct Workspace {
     right: Vec<Reference>,
 }
 
-/// What is built over, by whom.
+/// The input of a careful build, and its threads.
 pub(super) struct Careful<'a, P> {
     pub(super) primitives: &'a P,
     pub(super) tasks: TaskPool<'a>,
@@ -39,7 +39,7 @@ pub(super) struct Careful<'a, P> {
     least_overlap: f32,
     /// From this depth on references are divided by number alone.
     by_number: usize,
-    /// What references are of; none if they are of primitives.
+    /// The clusters that references point to; empty if they point to primitives.
     clusters: &'a [Cluster],
 }
 
@@ -77,7 +77,8 @@ impl<'a, P: Primitives> Careful<'a, P> {
         nodes
     }
 
-    /// Appends to the last of `pieces`, or as further pieces; returns the number of nodes and what the last one costs.
+    /// Appends to the last of `pieces`, or as further pieces; returns the number of nodes and the cost of the
+    /// last one.
     fn subtree(
         &self,
         references: &mut [Reference],
@@ -199,7 +200,7 @@ impl Workspace {
     }
 }
 
-/// Half the surface of what two boxes share; zero where they do not meet.
+/// Half the surface of the intersection of two boxes; zero if they are disjoint.
 fn overlap([a, b]: &[Lanes; 2], scale: f32) -> f32 {
     let mut shared = *a;
     shared.0.iter_mut().zip(b.0).for_each(|(a, b)| *a = a.min(b));

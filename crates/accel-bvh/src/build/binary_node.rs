@@ -16,7 +16,7 @@ pub(super) struct BinaryNode {
     pub(super) bounds: Lanes,
     /// In a leaf the numbers of primitives; else the first two say where the children are.
     pub(super) numbers: [u32; WIDTH],
-    /// Primitives of a leaf; 0 if it is none, [`MADE`] if it stands for what was made before.
+    /// Primitives of a leaf; 0 for an inner node, [`MADE`] for a finished subtree.
     pub(super) count: u32,
     /// How the children share the places of a wide node.
     pub(super) shares: Shares,
@@ -49,7 +49,7 @@ impl BinaryNode {
         Self { bounds, numbers, count: 0, shares }
     }
 
-    /// What it stands for, if that was made before.
+    /// The finished subtree that it represents, if any.
     pub(super) fn as_made(&self) -> Option<Child> {
         (self.count == MADE).then_some(Child(self.numbers[0]))
     }
@@ -65,7 +65,7 @@ impl BinaryNode {
     }
 }
 
-/// Some primitives near each other, and what was made of them.
+/// Some adjacent primitives, and the subtree over them.
 pub(super) struct Cluster {
     pub(super) child: Child,
     pub(super) costs: Costs,

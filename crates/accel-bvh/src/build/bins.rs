@@ -12,7 +12,7 @@ use crate::node::WIDTH;
 /// Bins of each axis, a power of two.
 pub(super) const BINS: usize = 16;
 
-/// What is before bin `border` along `axis` goes left.
+/// References before bin `border` along `axis` go left.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
     pub(super) axis: usize,
@@ -47,7 +47,7 @@ impl Mapping {
     }
 }
 
-/// What is in the bins of all axes.
+/// The contents of the bins of all axes.
 #[derive(Clone)]
 pub(super) struct Bins {
     bounds: [[Lanes; BINS]; 3],
@@ -86,7 +86,7 @@ impl Bins {
         }
     }
 
-    /// Adds what is in `other`.
+    /// Adds the contents of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         for axis in 0..3 {
             for bin in 0..BINS {
@@ -122,8 +122,8 @@ impl Bins {
     }
 }
 
-/// Looks for a border along `axis` that is cheaper than `best`. What begins before the border is on its left, what ends
-/// behind it is on its right; both together may be `most`.
+/// Searches for a border along `axis` that is cheaper than `best`. References that begin before the border
+/// are on its left, those that end behind it on its right; both together may be `most`.
 #[inline(always)]
 pub(super) fn scan<S: Simd>(
     simd: S,

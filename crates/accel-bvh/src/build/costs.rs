@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What nodes of eight children will cost, made from a binary tree. Source: [YKL17] section 3.1: for each node of the binary
-//! tree, from the leaves to the root, what it costs in so many places at most. Tests: `super::tests`.
+//! Expected costs of nodes of eight children, made from a binary tree. Source: [YKL17] section 3.1: for each
+//! node of the binary tree, from the leaves to the root, its least cost in a limited number of slots. Tests:
+//! `super::tests`.
 
 use crate::node::WIDTH;
 
 /// Cost of a step through a node, in blocks.
 const NODE: f32 = 1.0;
 
-/// Least costs of what represents a node in at most 1, 2 ... 7 places of a node; the first element is not used.
+/// Least costs of a node's representation in at most 1, 2 ... 7 slots of a wide node; the first element is
+/// not used.
 pub(super) type Costs = [f32; WIDTH];
 
 /// Of so many places, those for the left child; 0 where one place less does as well. With 8 it is the node made of the node

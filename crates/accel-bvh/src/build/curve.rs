@@ -16,7 +16,7 @@ use super::task_pool::TaskPool;
 use crate::node::WIDTH;
 use crate::pools::transposed;
 
-/// Most primitives of a cluster: what fits the blocks of a node.
+/// The largest number of primitives of a cluster: the capacity of a node's blocks.
 const CLUSTER: usize = WIDTH * WIDTH;
 
 /// Ranges of more primitives are cut by several threads. Tests have small scenes.

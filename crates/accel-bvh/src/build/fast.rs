@@ -27,7 +27,7 @@ const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
 /// Clusters are not split.
 const NOTHING: &[Aabb] = &[];
 
-/// What of a tree is there before the heuristic starts.
+/// The part of a tree that exists before the heuristic starts.
 struct Made {
     nodes: Vec<Node8>,
     clusters: Vec<Cluster>,
@@ -49,7 +49,7 @@ pub(super) fn over_curve(tasks: TaskPool, curve: &Curve, boxes: &[Lanes]) -> Res
     let above = |by_number| {
         let mut references = references.clone();
         let binary = Careful::over(&clusters, &NOTHING, tasks, &root, by_number).build(&mut references, root);
-        // What was stopped is no tree.
+        // A stopped build gives no tree.
         if tasks.watch.go_on() { collapse(&binary, &nodes, tasks) } else { None }
     };
     let tree = above(BY_NUMBER).or_else(|| above(BY_NUMBER_WHEN_DEEP));

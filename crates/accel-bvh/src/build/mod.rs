@@ -63,7 +63,8 @@ pub(crate) fn build(
     try_build(primitives, Vec::new(), quality, threads, &Watch::new(&()))
 }
 
-/// The same under control; with references where they are there already, which are counted from here on. What the tree takes stays counted.
+/// The same under control; with references where they are there already, which are counted from here on. The
+/// tree's memory stays counted.
 pub(crate) fn try_build(
     primitives: &impl Primitives,
     references: Vec<Reference>,
@@ -88,7 +89,7 @@ fn build_with(
     if quality == Quality::Fast {
         return build_fast(primitives, parallel, watch);
     }
-    // What cannot be split has no parts.
+    // Primitives that cannot be split have no parts.
     let first = primitives.bounds(0);
     let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
     let try_parts = quality == Quality::High && primitives.split(0, &first, 0, middle).is_some();

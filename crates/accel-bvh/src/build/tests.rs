@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What must hold of every tree, whatever it is built over.
+//! Properties of every tree, for any input.
 
 use super::*;
 use crate::node::Child;
@@ -30,8 +30,8 @@ fn holds(outer: &Aabb, inner: &Aabb) -> bool {
     (0..3).all(|k| outer.min[k] <= inner.min[k] && outer.max[k] >= inner.max[k])
 }
 
-/// Walks the whole tree: boxes hold what is below, each primitive is in one leaf, nodes and blocks are all used once,
-/// children come after parents.
+/// Visits the whole tree: boxes enclose their subtrees, each primitive is in one leaf, nodes and blocks are
+/// all used once, children come after parents.
 fn check(boxes: &[Aabb], tree: &Tree) {
     if boxes.is_empty() {
         assert_eq!((tree.nodes.len(), tree.blocks.len()), (0, 0), "nothing is built over nothing");
@@ -173,7 +173,7 @@ fn piles_stay_shallow() {
     check_all(row.map(|x| Aabb { min: [x, 0.0, 0.0], max: [1.5 * x, x, x] }).collect());
 }
 
-/// Long triangles in all directions: what spatial splits are for.
+/// Long triangles in all directions, which need spatial splits.
 fn needles(random: &mut Random, count: usize) -> Corners {
     let mut needle = || {
         let (from, to, by) = (random.point(), random.point(), random.point());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What all poses of an object have in common. Space: none; it knows no coordinates.
-//! Invariant: corners are numbered in the order in which blocks first ask for them, so that a block's lie near each other.
+//! The common part of all poses of an object. Space: none; it holds no coordinates.
+//! Invariant: corners are numbered in the order of their first use by blocks, so that a block's corners are
+//! adjacent.
 //! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
@@ -34,7 +35,7 @@ pub(crate) struct Structure {
     pub(crate) strays: Vec<u32>,
     /// Triangles, good and bad.
     pub(crate) count: u64,
-    /// What a ray was expected to do below the root when the tree was built, in steps and blocks.
+    /// The expected cost of a ray below the root at the build, in steps and blocks.
     pub(crate) built: f32,
     /// Of the tree that was built.
     pub(crate) stats: TreeStats,

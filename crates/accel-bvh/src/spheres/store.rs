@@ -70,10 +70,10 @@ impl SphereIndex {
         Ok(Self(Blocked::of_parts(tree, blocks)))
     }
 
-    /// Whether all that a walk relies on is so, where there are `count` primitives. Then the tree is measured.
+    /// Checks all properties that a traversal relies on, for `count` primitives. Then the tree is measured.
     ///
     /// # Errors
-    /// What is not so.
+    /// The violated property.
     pub fn check(&mut self, count: u32) -> Result<(), LoadError> {
         if !self.0.blocks.iter().all(|block| block.is_sound(count)) {
             return Err(LoadError::Damaged("a sphere is none"));

@@ -14,7 +14,7 @@ pub struct InstancePath<'a> {
     pub outer: Option<&'a InstancePath<'a>>,
 }
 
-/// The unit in the last place of 1, twice what rounding takes off.
+/// The unit in the last place of 1, twice the rounding error.
 pub(super) const UNIT: f64 = f64::EPSILON;
 
 impl InstancePath<'_> {

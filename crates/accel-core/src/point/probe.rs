@@ -27,7 +27,7 @@ impl Probe {
     pub fn inside(&self, point: [f64; 3], axes: &[[f64; 3]; 3]) -> Self {
         let axes = axes.map(|axis| self.vector(axis));
         let (values, _) = eigen(&square(&axes));
-        // What the method leaves of the greatest one in the least is taken off.
+        // Subtracts the possible error of the method, relative to the greatest value.
         let least = values[0] - 1e-14 * values[2];
         Self { point, axes, least_growth: least.max(0.0).sqrt() * (1.0 - 1e-12), mask: self.mask }
     }
@@ -58,7 +58,7 @@ pub(super) fn square(axes: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 pub(super) fn eigen(matrix: &[[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut m = *matrix;
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Each sweep squares what is left beside the diagonal.
+    // Each sweep squares the remaining off-diagonal elements.
     for _ in 0..12 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             if m[p][q] == 0.0 {

@@ -35,19 +35,19 @@ impl TriangleBlock {
     }
 }
 
-/// Whether these can be what a block holds.
+/// Whether these can be the numbers of a block.
 ///
 /// # Errors
-/// That they cannot.
+/// They are invalid.
 pub fn check_numbers(numbers: &[u32; WIDTH], count: u32) -> Result<(), LoadError> {
     let all = numbers.iter().all(|&number| number < count);
     if all { Ok(()) } else { Err(LoadError::Damaged("a block names a triangle that does not exist")) }
 }
 
-/// Whether these can be what a block holds.
+/// Whether these can be the corners of a block.
 ///
 /// # Errors
-/// That they cannot.
+/// They are invalid.
 pub fn check_corners(corners: &[f32]) -> Result<(), LoadError> {
     // The greatest as bits, which NaN is as well.
     let greatest = corners.iter().fold(0, |most, x| most.max(x.abs().to_bits()));

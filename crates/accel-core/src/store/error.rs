@@ -16,9 +16,9 @@ pub enum LoadError {
     Version(u32),
     /// It ends too early.
     Truncated,
-    /// Its checksum is not that of what it holds.
+    /// Its checksum does not match its contents.
     Checksum,
-    /// What it holds is no tree that could have been built; the text says what is wrong.
+    /// Its contents are no tree that could have been built; the text names the fault.
     Damaged(&'static str),
 }
 

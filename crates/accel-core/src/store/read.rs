@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Words on their way in.
-//! Invariant: memory grows with what has been read, never with what a file says that is to come.
+//! Words read from a file.
+//! Invariant: memory grows with the bytes read so far, never with a count in a file.
 //! Tests: `tests/saved.rs`.
 
 use std::io::Read;
@@ -12,7 +12,7 @@ use super::error::LoadError;
 use crate::aabb::Aabb;
 use crate::geometry::FARTHEST_PLANE;
 
-/// Reads from `from`, piece by piece, and sums up what was read.
+/// Reads from `from`, piece by piece, and updates the checksum.
 pub struct Reader<'a, R> {
     from: &'a mut R,
     sum: Checksum,
@@ -91,7 +91,7 @@ impl<'a, R: Read> Reader<'a, R> {
     }
 }
 
-/// Whether a box is not empty and its planes are what a build may make.
+/// Whether a box is not empty and its planes are within the range of a build.
 pub fn is_sound(bounds: &Aabb) -> bool {
     (0..3).all(|k| {
         -FARTHEST_PLANE <= bounds.min[k] && bounds.min[k] <= bounds.max[k] && bounds.max[k] <= FARTHEST_PLANE

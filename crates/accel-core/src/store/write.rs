@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use super::data::{Checksum, MAGIC, PIECE, StoredRecord, VERSION};
 use crate::aabb::Aabb;
 
-/// Writes to `to`, piece by piece, and sums up what was written.
+/// Writes to `to`, piece by piece, and updates the checksum.
 pub struct Writer<'a, W> {
     to: &'a mut W,
     sum: Checksum,

@@ -24,7 +24,7 @@ pub struct TriangleHits<S: Simd, V: Lanes<S>> {
     pub hit: V::Mask,
 }
 
-/// Lanes that pass all three edges, and what that took.
+/// Lanes that pass all three edges, and their edge values.
 #[derive(Clone, Copy)]
 pub struct Edges<S: Simd, V: Lanes<S>> {
     depth: [V; 3],
@@ -93,8 +93,8 @@ impl<S: Simd, V: Lanes<S>> Edges<S, V> {
 }
 
 impl<S: Simd, V: Lanes<S>> Reached<S, V> {
-    /// The last part, by floats: where the lanes meet the triangles; and the lanes that floats cannot decide, which are for
-    /// [`meet_single`]. Whoever asks where goes on to [`Reached::doubtful`].
+    /// The last part, in floats: the lanes' hits; and the lanes that floats cannot decide, which are for
+    /// [`meet_single`]. Callers that need the exact position continue with [`Reached::doubtful`].
     #[inline(always)]
     pub fn meet(&self, simd: S) -> (TriangleHits<S, V>, V::Mask) {
         let Self { edges: Edges { w: [w0, w1, w2], .. }, ts, first, last, t_near, t_far, lanes, .. } = *self;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where a ray that passes inside of a triangle meets it, from what is not rounded: in double precision, and in exact
-//! arithmetic where that is not enough either (slivers a ten-millionth as wide as they are long, seen edge on from close by).
+//! The exact intersection of a ray with a triangle that it passes inside of, from unrounded input: in double
+//! precision, or in exact arithmetic where that is insufficient. An example is a sliver a ten-millionth as
+//! wide as it is long, seen edge on from close by.
 //! Source: [WBW13] without the division: sheared positions times the ray's longest component; [She97] for the plan.
-//! Space: along the axes of the sheared space. Invariant: `t` is off by 2^-21 of itself at most. A ray that floats let pass
-//! inside, though it passes beside the triangle, meets it at its edge: weights of the wrong sign are none.
-//! In sixteen lanes it is done with the same bits. Tests: `tests`, `tests/parameters.rs` of `gnurt-accel`.
+//! Space: along the axes of the sheared space. Invariant: the relative error of `t` is at most 2^-21. A ray
+//! that passes the float test although it misses the triangle hits it at its edge: weights of the wrong sign
+//! become zero. Sixteen lanes give the same bits. Tests: `tests`, `tests/parameters.rs` of `gnurt-accel`.
 
 use gnurt_simd::{Simd, f32x16, f64x8, prelude::*};
 

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The watertight ray-triangle test: no ray passes between triangles that share an edge or a corner.
 //! Source: [WBW13]: translate to the ray's origin, shear so that the ray is the z axis, decide by the signs of three
-//! 2D edge functions. Differs: the fallback to double precision is taken for any edge function that is too small or
-//! too large for a float, not only for zeros, and ends in double precision; `t` is clamped to the corners' own; and where `t`
-//! in floats may be off by more than 1e-5 of itself, which is so in slivers, at grazing rays and close to large triangles, it
-//! is found anew from what is not rounded (`precise.rs`).
+//! 2D edge functions. Differs: the fallback to double precision is taken for any edge function that is too
+//! small or too large for a float, instead of only for zeros, and ends in double precision. `t` is clamped to
+//! the corners' own. If `t` in floats may have a relative error above 1e-5, as in slivers, at grazing rays
+//! and close to large triangles, it is computed again from unrounded input (`precise.rs`).
 //!
 //! Why it holds: a corner's sheared position depends on ray and corner alone, so both triangles at an edge see the
 //! same two points. Rounding is monotonic, so `fl(a*b) - fl(c*d)` never has the wrong sign, it can only be zero; then
 //! products in double precision are exact and their difference has the right sign. NaN (from infinities that cancel)
 //! is on neither side and goes to double precision too.
 //!
-//! How exact `t` is: a corner's sheared position is off by roundings of itself (at most `wide`) and of the depth that it is
-//! sheared by (at most `away + long`, times the direction), an edge function by that times `wide`, a weight by that over
-//! their sum, and `t` by that times how far apart the corners' own `t` are (`long`): by
-//! `k * 2^-24 * long * wide * (wide + (|t| + long) * |dir|) / |sum|`, `k` being 2.7 in the worst of 4 million hits of all kinds.
-//! [`DOUBTFUL`] lets pass what is below 1e-5 of `t` for a `k` of 3.5; what is out of reach by [`SURELY`], a `k` of 16, is not
-//! looked at again: so is the triangle that a ray starts on. Whoever asks for any hit gets no `t`, and
-//! the answer of floats. What floats decide depends on ray and triangle alone, so
-//! that which of two hits is nearer never depends on the order of visits.
+//! Error of `t`: a corner's sheared position has the rounding error of itself (at most `wide`) and of its
+//! depth (at most `away + long`, times the direction). An edge function has that times `wide`; a weight that
+//! over their sum; and `t` that times the range of the corners' own `t` (`long`). Together: `k * 2^-24 * long
+//! * wide * (wide + (|t| + long) * |dir|) / |sum|`, `k` being 2.7 in the worst of 4 million hits of all
+//! kinds. [`DOUBTFUL`] accepts an error below 1e-5 of `t` for a `k` of 3.5. Hits out of reach by [`SURELY`],
+//! a `k` of 16, are not computed again; the triangle at a ray's origin is an example. Any-hit queries return
+//! no `t`, and use the decision of floats. The decision of floats depends on ray and triangle alone, so the
+//! nearer of two hits never depends on the order of visits.
 //! Tests: `tests::agrees_with_double_precision`, `tests/watertight.rs`, `tests/parameters.rs` of `gnurt-accel`.
 
 use super::precise::{self, Corners, Weighed};
@@ -28,12 +28,12 @@ use crate::ray::Ray;
 
 /// Edge functions of a smaller magnitude are computed again in double precision.
 pub(super) const TINY: f32 = 1e-30;
-/// Sums of edge functions of a greater magnitude likewise.
+/// The same for sums of edge functions of a greater magnitude.
 pub(super) const HUGE: f32 = 1e30;
 
-/// `t` in floats counts where what its error is measured by (see the head) is less than this many times itself.
+/// `t` in floats is accepted if the error measure (see the head) is less than this many times `t`.
 pub(super) const DOUBTFUL: f32 = 48.0;
-/// And `t` is never off by more than this many times what its error is measured by.
+/// And the error of `t` is never more than this many times the error measure.
 pub(super) const SURELY: f32 = 16.0 * f32::EPSILON / 2.0;
 
 /// Rays prepared for the test: origins along the axes of the sheared space (z is the axis along which the ray moves
@@ -58,7 +58,7 @@ pub struct ShearedRay {
     alone: LoneRay,
 }
 
-/// What takes a ray's direction, which is along the axes of the sheared space, to its z axis.
+/// The shear that maps a ray's direction, along the axes of the sheared space, to its z axis.
 #[inline(always)]
 pub fn shear<V: Number>([x, y, z]: [V; 3], one: V) -> [V; 3] {
     [x / z, y / z, one / z]
@@ -194,8 +194,8 @@ fn sheared(corners: [f32; 3], org: f32, shear: f32, depth: [f32; 3]) -> [f32; 3]
     [a - org - shear * depth[0], b - org - shear * depth[1], c - org - shear * depth[2]]
 }
 
-/// The same decision in double precision, from the sheared corners and their ray parameters; where the ray meets the triangle
-/// follows from what is not rounded. NaN misses.
+/// The same decision in double precision, from the sheared corners and their ray parameters; the hit is
+/// computed from unrounded input. NaN misses.
 #[cold]
 #[inline(never)]
 pub(super) fn meet_exactly(

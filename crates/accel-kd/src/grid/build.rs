@@ -112,7 +112,7 @@ pub(super) fn slices(
     Ok(slices)
 }
 
-/// Puts `count` values, each worth a thread, behind what is in `all`.
+/// Appends `count` values to `all`, each by a thread.
 fn extend_each<T: Send>(
     parallel: bool,
     all: &mut Vec<T>,

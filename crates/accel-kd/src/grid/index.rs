@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object's triangles in a grid. Source: [WIK*06]. Space: object. Triangles are kept once, as they came; cells refer to them.
-//! Large triangles lie in many cells: where references would be more than [`BuildOptions::reference_budget`] allows, cells are larger.
+//! An object's triangles in a grid. Source: [WIK*06]. Space: object. Triangles are stored once, in the
+//! caller's order; cells refer to them. Large triangles lie in many cells: if references would exceed
+//! [`BuildOptions::reference_budget`], cells are larger.
 //! Tests: `tests/grids.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::TriangleBlock;
@@ -141,7 +142,7 @@ impl GridIndex {
     /// By how much a point may be off that rays which start `away` from the origin are found to hit, the planes between cells among it.
     #[inline(always)]
     pub(super) fn slack(&self, away: f32) -> f32 {
-        // Twice what it is for boxes, which are not rounded.
+        // Twice the value of boxes, which are not rounded.
         SLACK * (4.0 * self.greatest + away)
     }
 }

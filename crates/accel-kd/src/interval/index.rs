@@ -30,7 +30,7 @@ pub struct IntervalIndex {
     /// The greatest coordinate.
     pub(super) greatest: f32,
     pub(super) stats: TreeStats,
-    /// What a ray was expected to do when it was built.
+    /// The expected cost of a ray at the build.
     pub(super) built: f64,
 }
 
@@ -131,7 +131,7 @@ impl IntervalIndex {
         self.stats.sah_cost / self.built
     }
 
-    /// Offers what the ray meets; it is sound and regular.
+    /// Offers the ray's hits; it is valid and regular.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
         with_nodes!(&self.nodes, nodes => self.search_in(simd, nodes, traversal));

@@ -41,7 +41,7 @@ pub(super) enum Rule {
     Cost,
 }
 
-/// What a test of a block costs, in steps through nodes.
+/// The cost of a block, in steps through nodes.
 pub(super) const BLOCK: f32 = 2.0;
 
 /// From this depth on triangles are shared out in equal parts, which ends soon: there are fewer than 2^30.
@@ -71,7 +71,7 @@ impl Binary {
         }
     }
 
-    /// What a ray that meets its box is expected to do, in steps through nodes.
+    /// The expected cost of a ray that hits its box, in steps through nodes.
     pub(super) fn cost(&self) -> f32 {
         match self {
             Self::Leaf { .. } => BLOCK,
@@ -87,7 +87,7 @@ struct Sharing<'a, 'b> {
 }
 
 impl Sharing<'_, '_> {
-    /// All of `references`, which lie in `bounds`; their middles lie in `cell`.
+    /// A subtree over all of `references`, which lie in `bounds`, with their centres in `cell`.
     fn below(
         &self,
         references: &mut [Reference],

@@ -5,7 +5,7 @@ use gnurt_accel_core::geometry::GeometryKind;
 
 use crate::Geometry;
 
-/// What trees are told apart by.
+/// The kinds of trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Surfaces,

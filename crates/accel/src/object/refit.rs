@@ -93,8 +93,8 @@ impl ObjectTree {
         !self.parts.iter().any(|part| matches!(part.index, Index::Kd(_) | Index::Grid(_) | Index::Moving(_)))
     }
 
-    /// What a ray is expected to cost, as a multiple of what it was expected to cost when the trees over triangles were
-    /// built: 1 for trees that never were refitted, and more the worse boxes fit.
+    /// The expected cost of a ray, relative to that at the build of the trees over triangles: 1 for trees
+    /// without a refit, and more for worse boxes.
     #[must_use]
     pub fn cost_growth(&self) -> f64 {
         let growth = |part: &super::Part| match &part.index {
@@ -105,8 +105,7 @@ impl ObjectTree {
         self.parts.iter().map(growth).fold(1.0, f64::max)
     }
 
-    /// Whether geometries of these groups are in the trees that they would be built into. What is not known of a tree that
-    /// was loaded is found there.
+    /// Whether the trees match the groups of these geometries. Missing data of a loaded tree is filled in.
     pub(super) fn are_groups(&self, groups: &[Group]) -> bool {
         groups.len() == self.groups.len()
             && groups.iter().zip(&self.groups).all(|(now, then)| then.is_none_or(|then| then == *now))

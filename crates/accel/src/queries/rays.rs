@@ -42,8 +42,8 @@ macro_rules! queries {
 
             /// The closest hit that `accept` lets pass.
             ///
-            /// It is asked for hits in any order, more than once where a tree lists a primitive in several leaves, and
-            /// not for what cannot be part of the answer.
+            /// The callback gets hits in any order, more than once where a tree lists a primitive in several
+            /// leaves, and only possible parts of the answer.
             #[must_use]
             pub fn intersect_filtered(
                 &self,
@@ -88,8 +88,8 @@ macro_rules! queries {
                 self.first_hits(query, ray, usize::MAX, hits);
             }
 
-            /// The first `n` hits, or all where there are fewer; as [`all_hits`](Self::all_hits), but what lies
-            /// behind the `n` is not searched.
+            /// The first `n` hits, or all where there are fewer; as [`all_hits`](Self::all_hits), but the
+            /// search ends behind the `n`th.
             pub fn first_hits(&self, query: &Query, ray: &impl AnyRay, n: usize, hits: &mut Vec<Hit>) {
                 self.target().first_hits(query, ray, n, hits);
             }
@@ -158,8 +158,9 @@ macro_rules! queries {
                 self.target().any_of_packet(query, packet)
             }
 
-            /// Which rays of a pencil hit anything, as bits. They are traced together, whatever `query` says of
-            /// coherence; what each costs is not noted. Directions of lanes without a ray are lost.
+            /// Which rays of a pencil hit anything, as bits. They are traced together, for any coherence in
+            /// `query`; costs of single rays are not recorded. Directions of lanes without a ray are
+            /// overwritten.
             pub fn occluded_pencil(&self, query: &Query, pencil: &mut Pencil, record: &mut Record) -> u64 {
                 batch::occluded_pencil(self.target(), query, pencil, record)
             }

@@ -28,11 +28,11 @@ impl SceneTree {
         built.unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Builds over `instances`, all of them, under control: may be cancelled, tells how far it is and what memory it takes,
-    /// and stays within a budget. What instances show does not count.
+    /// Builds over `instances`, all of them, under control: it may be cancelled, reports progress and memory,
+    /// and stays within a budget. The memory of the shown objects does not count.
     ///
     /// # Errors
-    /// See [`SceneError`]: the first instance that cannot be placed, or that `control` stopped it.
+    /// See [`SceneError`]: the first instance that cannot be placed, or a stop by `control`.
     pub fn try_build(
         instances: &[Instance],
         options: &BuildOptions,
@@ -53,16 +53,16 @@ impl Default for SceneTree {
     }
 }
 
-/// What there is to know of an instance once it is placed.
+/// Properties of a placed instance.
 #[derive(Clone, Copy)]
 pub(super) struct InstanceProperties {
     /// Around it, relative to the origin of boxes; empty where there is nothing to see.
     pub(super) bounds: Aabb,
-    /// Objects in what it shows.
+    /// Number of objects in its shape.
     pub(super) leaves: u32,
-    /// Of what can be seen of it.
+    /// Nesting depth of its visible part.
     pub(super) depth: u32,
-    /// Whether it moves while the shutter is open, or shows what does.
+    /// Whether it moves during an open shutter, or shows something that does.
     pub(super) moves: bool,
     /// Why it is refused.
     pub(super) error: Option<SceneError>,
@@ -165,7 +165,7 @@ pub(super) fn is_near(bounds: &Box64, origin: [f32; 3]) -> bool {
     bounds.is_empty() || !(0..3).any(far)
 }
 
-/// What boxes within `bounds` are to be relative to.
+/// The origin of boxes within `bounds`.
 pub(super) fn origin_for(bounds: &Box64) -> [f32; 3] {
     if is_near(bounds, [0.0; 3]) {
         return [0.0; 3];

@@ -7,7 +7,7 @@ use std::fmt;
 use super::types::DEEPEST_SCENE;
 use crate::BuildError;
 
-/// What is wrong; `inst_id` is an instance's place in the list.
+/// The fault; `inst_id` is an instance's index in the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneError {
     /// Its transform has no inverse in floats, or a value that is not finite.
@@ -15,7 +15,7 @@ pub enum SceneError {
         /// The instance.
         inst_id: u32,
     },
-    /// More than [`DEEPEST_SCENE`](crate::DEEPEST_SCENE) scenes would lie in one another.
+    /// More than [`DEEPEST_SCENE`](crate::DEEPEST_SCENE) levels of scenes.
     TooDeep {
         /// The instance.
         inst_id: u32,

@@ -55,7 +55,7 @@ impl From<Arc<SceneTree>> for Shape {
 }
 
 impl Shape {
-    /// How many scenes lie in one another here.
+    /// Levels of scenes in this shape.
     pub(super) fn depth(&self) -> u32 {
         match self {
             Self::Object(_) => 0,
@@ -129,7 +129,7 @@ impl PlacedInstance {
         carry_box(&exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
     }
 
-    /// Whether it moves while the shutter is open, or shows what does.
+    /// Whether it moves during an open shutter, or shows something that does.
     pub(super) fn moves(&self) -> bool {
         self.motion().is_some() || self.shape.moves()
     }
@@ -186,8 +186,9 @@ impl Slot {
         }
     }
 
-    /// Boxes of what moves at moments evenly spaced from 0 to 1, relative to `origin`: mixed between two of them, they hold it.
-    /// One more than a power of two; `None` where it stands still or cannot be seen.
+    /// Boxes of a moving instance at times evenly spaced from 0 to 1, relative to `origin`: interpolated
+    /// between two of them, they enclose it. One more than a power of two; `None` if it is static or
+    /// invisible.
     pub(super) fn boxes_at(&self, origin: [f32; 3]) -> Option<Vec<Aabb>> {
         let Self::PlacedInstance(placed) = self else { return None };
         boxes_along(placed.motion()?, &placed.shape.bounds(), origin.map(f64::from))
@@ -197,7 +198,7 @@ impl Slot {
 /// The map in floats; `None` where these cannot hold it.
 #[inline]
 pub(super) fn rounded(stand: &Stand) -> Option<ObjectFromWorld> {
-    // Written out: rays through what moves come here.
+    // Written out for speed: rays through moving instances come here.
     let floats = |v: [f64; 3]| [v[0] as f32, v[1] as f32, v[2] as f32];
     let is_finite = |v: [f32; 3]| v[0].is_finite() & v[1].is_finite() & v[2].is_finite();
     let spans = |v: [f32; 3]| (v[0] != 0.0) | (v[1] != 0.0) | (v[2] != 0.0);
@@ -231,15 +232,16 @@ fn carry_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<
     whole.filter(is_held)
 }
 
-/// Boxes at keys that, mixed, hold an object's box on its way, relative to `origin`; `None` where there is nothing to see.
+/// Boxes at keys whose interpolation encloses the path of an object's box, relative to `origin`; `None` if
+/// there is nothing visible.
 ///
-/// Between two keys both boxes grow by what the object leaves their mixture by, side by side.
+/// Between two keys both boxes grow by the object's distance outside of their interpolation, side by side.
 fn boxes_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<Vec<Aabb>> {
     if object.is_empty() {
         return None;
     }
     let pieces = motion.straight_pieces();
-    // By piece: where on it, and around what.
+    // By piece: position within it, and box.
     let mut samples: Vec<Vec<(f64, Box64)>> = vec![Vec::new(); pieces];
     let mut held = true;
     motion.steps_of(object, pieces, |piece, ends, bulge| {

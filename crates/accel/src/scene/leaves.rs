@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Numbers of the objects of a scene, those of nested scenes too, in the order of the instances on the way to them.
-//! An instance that shows an object takes one number, as does one that is not there; one that shows a scene
-//! takes as many as that has. Where no instance shows a scene, an object's number is its instance's place, and nothing is stored.
+//! Numbers of the objects of a scene, those of nested scenes too, in the order of the instances on the path
+//! to them. An instance of an object takes one number, as does an absent one; an instance of a scene takes as
+//! many as that has. If no instance shows a scene, an object's number is its instance's index, and nothing is
+//! stored.
 //! Tests: `tests`, `tests/nested.rs`.
 
 use std::sync::Arc;
@@ -89,7 +90,7 @@ impl Leaves {
 mod tests {
     use super::*;
 
-    /// Against a list of who has each number.
+    /// Against a list of the owner of each number.
     fn check(leaves: &Leaves, counts: &[u32]) {
         let owners: Vec<usize> =
             counts.iter().enumerate().flat_map(|(index, &count)| vec![index; count as usize]).collect();

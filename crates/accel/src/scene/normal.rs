@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Normals of what was hit in a scene, carried out through all instances.
+//! Normals of hits in a scene, transformed outward through all instances.
 //! Space: that of the scene. Tests: `tests/surfaces/normals.rs`.
 
 use super::types::{SceneTree, Shape};

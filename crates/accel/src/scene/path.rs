@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How an instance moves while the shutter is open: matrices at moments that are evenly spaced, and what lies between two.
-//! What turns is in `rotation.rs`.
-//! Space: world. Invariant: keys are met exactly, and the box of a path holds the object at every moment.
+//! Motion of an instance during an open shutter: matrices at evenly spaced times, and their interpolation.
+//! Rotations are in `rotation.rs`.
+//! Space: world. Invariant: keys are reproduced exactly, and the box of a path encloses the object at every
+//! time.
 //! Tests: `tests`, `tests/surfaces/motion.rs`.
 
 use gnurt_accel_core::affine::inverse;
@@ -25,7 +26,7 @@ pub(super) struct Piece {
     linear: Linear,
 }
 
-/// What becomes of the linear part.
+/// Interpolation of the linear part.
 #[derive(Clone, Debug, PartialEq)]
 enum Linear {
     /// It stays: the rows of its inverse.
@@ -156,7 +157,8 @@ impl MotionPath {
     }
 }
 
-/// The piece, of so many, that a moment is in, and what share of it lies behind; other times than 0 to 1 are clamped, NaN is 0.
+/// The piece, of this many, that contains a time, and the fraction of it before the time; times outside of 0
+/// to 1 are clamped, NaN is 0.
 #[inline(always)]
 pub(super) fn share_of(time: f32, pieces: usize) -> (usize, f64) {
     let at = f64::from(if time > 0.0 { time.min(1.0) } else { 0.0 }) * pieces as f64;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What there is to know of a scene, and which instance was hit. Source: [WBS03a]. Space: world.
+//! Properties of a scene, and the instance of a hit. Source: [WBS03a]. Space: world.
 //! Tests: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`.
 
 use gnurt_accel_core::bits::each;
@@ -69,7 +69,7 @@ impl SceneTree {
         Some((index as u32, leaf_id - self.leaves.first(index)))
     }
 
-    /// The number of the first object of an instance, what [`instance_at`](Self::instance_at) undoes.
+    /// The number of the first object of an instance, the inverse of [`instance_at`](Self::instance_at).
     ///
     /// # Panics
     /// If there is no such instance.
@@ -124,14 +124,14 @@ impl SceneTree {
         }
     }
 
-    /// Ids of what was hit.
+    /// Ids of a hit.
     #[inline]
     pub(crate) fn resolve(&self, nearest: &Nearest) -> Hit {
         let (inst_id, object) = self.object_at(nearest.slot);
         object.resolve(nearest, inst_id, nearest.slot)
     }
 
-    /// Writes what those rays of a tile that are in `bits` have hit, the tile's first ray to lane `first`.
+    /// Writes the hits of those rays of a tile that are in `bits`, the tile's first ray to lane `first`.
     pub(crate) fn write(&self, nearest: &NearestTile, bits: u64, first: usize, hits: &mut HitBatch) {
         // Neighbours often hit the same object.
         let mut last: Option<(u32, (u32, &ObjectTree))> = None;

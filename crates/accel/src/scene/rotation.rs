@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A turn from one place to the next, with what is stretched on the way.
-//! Source: turns follow the shorter arc at constant speed [Sho85], as glTF's do; a matrix is taken apart into a place, a
-//! turn and a stretch by Gram and Schmidt, which for a translation, a turn and a scale finds those.
-//! Space: columns are images of the object's axes. Invariant: between two moments points leave the straight line by less than the
-//! square of the time between them, times an eighth of their greatest acceleration. Tests: `path::tests`.
+//! A rotation between two transforms, with the interpolation of the stretch.
+//! Source: rotations follow the shorter arc at constant speed [Sho85], as glTF's do; a matrix is decomposed
+//! into translation, rotation and stretch by Gram and Schmidt, which recovers these three.
+//! Space: columns are images of the object's axes. Invariant: between two times points leave the straight
+//! line by less than the square of the time between them, times an eighth of their greatest acceleration.
+//! Tests: `path::tests`.
 
 use super::box64::Box64;
 use super::exact::Exact;
@@ -14,7 +15,7 @@ pub(super) type Columns = [[f64; 3]; 4];
 /// An upper triangular matrix, by columns: of the first one number, of the second two.
 type Stretch = [f64; 6];
 
-/// A turn, and what is done before it.
+/// A rotation, and the stretch before it.
 type Parts = (Quaternion, Stretch);
 
 /// How the linear part of a matrix becomes another.
@@ -25,7 +26,7 @@ pub(super) struct Rotation {
     beyond: Quaternion,
     /// How long the arc is: half the angle by which the object turns.
     arc: f64,
-    /// What is done before the turn, at both ends.
+    /// The stretch before the rotation, at both ends.
     stretch: [Stretch; 2],
     /// Whether these two are the same but for rounding: then the first counts.
     is_rigid: bool,
@@ -71,7 +72,7 @@ impl Rotation {
         [a, b, c]
     }
 
-    /// What is done before the turn.
+    /// The stretch before the rotation.
     #[inline(always)]
     fn stretch_at(&self, share: f64) -> Stretch {
         let [from, to] = &self.stretch;
@@ -108,7 +109,7 @@ impl Rotation {
     }
 }
 
-/// Whether two stretches differ by what taking apart rounds, no more.
+/// Whether two stretches differ only by the rounding of the decomposition.
 fn is_same(a: &Stretch, b: &Stretch) -> bool {
     let size = a.iter().chain(b).fold(0.0_f64, |most, x| most.max(x.abs()));
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-14 * size)
@@ -118,7 +119,7 @@ fn length(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// A turn, and what is done before it. `None` where the columns are in one plane or not finite.
+/// A rotation, and the stretch before it. `None` if the columns are in one plane or not finite.
 fn decompose(columns: &Columns) -> Option<Parts> {
     Exact::new(columns)?;
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
@@ -128,7 +129,7 @@ fn decompose(columns: &Columns) -> Option<Parts> {
         v.map(|x| x / length)
     };
     let x = unit(a);
-    // Twice is enough: what one subtraction leaves over is lost in the second.
+    // Twice is enough: the second subtraction removes the error of the first.
     let without_x = |v: [f64; 3]| -> [f64; 3] {
         let along = dot(v, x);
         std::array::from_fn(|k| v[k] - along * x[k])

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A scene as it is at one moment of an open shutter. Space: world.
-//! Invariant: what many instances show is stopped once, and is shared afterwards as it was before.
+//! A scene at one time of an open shutter. Space: world.
+//! Invariant: shared objects are frozen once, and are shared afterwards as before.
 //! Tests: `tests/surfaces/motion.rs`, `tests/nested.rs`.
 
 use std::collections::HashMap;
@@ -24,7 +24,7 @@ impl SceneTree {
     }
 }
 
-/// What was stopped at a moment, by what it was before, which is held by the scene meanwhile.
+/// The frozen shapes of one time, by their originals, which the scene holds meanwhile.
 struct Stopped<'a> {
     time: f32,
     threads: Threads<'a>,

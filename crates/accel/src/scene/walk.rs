@@ -14,12 +14,13 @@ use crate::Ray;
 use crate::coherent::{WORTH_A_TILE, by_direction_class};
 use crate::engine::Engine;
 
-/// Tiles go together through so many scenes in one another; what lies deeper is searched ray by ray, which takes less of the
-/// stack.
+/// Tiles pass together through this many levels of scenes; deeper levels are searched ray by ray, which takes
+/// less of the stack.
 const DEEPEST_TILE: u32 = 4;
 
 impl SceneTree {
-    /// Improves what the ray has found; it is sound. The trip's slot is the number of the scene's first object in the whole.
+    /// Improves the ray's result; the ray is valid. The state's slot is the number of the scene's first
+    /// object in the whole.
     pub(crate) fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
         if let Some(only) = self.only {
             return self.enter(engine, only, traversal);
@@ -27,7 +28,7 @@ impl SceneTree {
         if self.top.count() == 0 {
             return;
         }
-        // Boxes are met by the regular ray; what is compared are its parameters.
+        // Boxes are tested with the regular ray; comparisons use its parameters.
         let (regular, scale) = if traversal.ray.is_regular() {
             (*traversal.ray, 1.0)
         } else {
@@ -106,7 +107,7 @@ impl SceneTree {
         }
     }
 
-    /// Improves what a tile's active rays have found; they may be `incoherent`.
+    /// Improves the results of a tile's active rays; they may be `incoherent`.
     pub(crate) fn tile(&self, engine: &Engine, traversal: &mut TileTraversal, incoherent: bool) {
         self.tile_at(engine, traversal, incoherent, 1);
     }

@@ -12,8 +12,8 @@ use gnurt_testkit::{Random, Soup, closed};
 
 use crate::common::{WATERTIGHT, build, scene_of};
 
-/// What is left of a triangle in a box, cut side by side; whole multiples of small powers of two are cut exactly enough to tell
-/// nothing from something.
+/// The part of a triangle in a box, cut side by side; multiples of small powers of two are cut exactly enough
+/// to decide whether it is empty.
 fn is_in_box(corners: [[f32; 3]; 3], min: [f64; 3], max: [f64; 3]) -> bool {
     let mut polygon: Vec<[f64; 3]> = corners.map(|p| p.map(f64::from)).into();
     for k in 0..3 {
@@ -57,7 +57,7 @@ fn boxes_equal_brute_force() {
                 for i in 0..mesh.indices.len() {
                     let corners = mesh.corners(i).expect("a triangle");
                     let found = ids.iter().any(|id| id.prim_id == i as u32);
-                    // Where cutting rounds, what just touches may be either.
+                    // If cutting rounds, a primitive that just touches may be in either set.
                     let slack = 1e-9;
                     let (less, more) = (min.map(|x| x - slack), max.map(|x| x + slack));
                     if is_in_box(corners, min, max) {

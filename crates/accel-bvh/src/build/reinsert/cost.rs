@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From places back to nodes, with what wide nodes made of them will cost.
+//! Conversion of a movable tree to nodes, with the expected cost of its wide tree.
 //! Source: [YKL17], as in `collapse`. Invariant: as of [`MovableTree`]. Tests: `super::tests`.
 
 use super::super::binary_node::BinaryNode;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What must hold of a tree whatever was moved, and that a move is what it is said to be.
+//! Properties of a tree after any moves, and the effect of a single move.
 
 use super::super::binary::Careful;
 use super::super::{all_references, collapse};
@@ -178,7 +178,7 @@ fn progress_is_reported_and_cancelling_ends_it() {
     let pieces = nodes.len() / PIECE / 2;
     assert!(reported.is_sorted() && reported.len() > pieces, "{} times: {reported:?}", reported.len());
     assert!(reported.last().is_some_and(|&last| (0.7..=0.85).contains(&last)), "all of it: {reported:?}");
-    // Searches of the first round; then its moves, while what was moved stays.
+    // Searches of the first round; then its moves, which keep the tree's contents.
     let searches = (0.5 * nodes.len() as f32) as usize / PIECE;
     for no in [1, searches / 2, searches + 2, requests] {
         let (less, until, other) = run(no);
