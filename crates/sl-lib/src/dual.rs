@@ -35,7 +35,7 @@ impl<T> Dual<T> {
 }
 
 impl<T: Copy> Dual<[T; 3]> {
-    /// A triple with derivatives as a triple of numbers with derivatives, which is what functions take.
+    /// A triple with derivatives as a triple of numbers with derivatives, the form that functions take.
     #[inline(always)]
     pub fn components(self) -> [Dual<T>; 3] {
         let [v, dx, dy] = [self.value, self.dx, self.dy];

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the library's functions are written over: a float, what stands for one while a shader is compiled, or either with derivatives.
-//! [`Real`] is a float or what stands for one; [`Number`] is that or a [`Dual`](crate::Dual) of it. A function that takes any
-//! [`Number`] is written once and serves the interpreter, derivatives and machine code for lanes.
-//! Invariant: an operation gives the same bits alone and in lanes; nothing is fused.
+//! Numbers of the library's functions: a float, its substitute while a shader is compiled, or either with
+//! derivatives. [`Real`] is a float or its substitute; [`Number`] is that or a [`Dual`](crate::Dual) of it. A
+//! function that takes any [`Number`] is written once and serves the interpreter, derivatives and machine
+//! code for lanes.
+//! Invariant: an operation gives the same bits by itself and in lanes; nothing is fused.
 //! Tests: the tests of `gnurt-jit`.
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
@@ -49,7 +50,7 @@ pub trait UInts:
     + Shl<u32, Output = Self>
     + Shr<u32, Output = Self>
 {
-    /// What a comparison gives.
+    /// The result of a comparison.
     type Mask: Mask;
 
     /// `x`, as one of these.
@@ -74,12 +75,12 @@ pub trait UInts:
     }
 }
 
-/// What comparisons give: yes or no, or what stands for that.
+/// Results of comparisons: a boolean, or its substitute.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {}
 
 impl<T: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>> Mask for T {}
 
-/// A float, or what stands for one.
+/// A float, or its substitute.
 pub trait Real: Arithmetic + Div<f32, Output = Self> {
     /// As many words.
     type UInts: UInts<Mask = Self::Mask>;
@@ -110,7 +111,8 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
     fn copysign(self, sign: Self) -> Self;
     /// The bits of the floats.
     fn bits(self) -> Self::UInts;
-    /// The same for who looks at them: all NaNs have the bits of one, for nobody says which bits an operation gives to a NaN.
+    /// The same for operations on bits: all NaNs get the bits of one, because the bits of a NaN result are
+    /// unspecified.
     #[inline(always)]
     fn known_bits(self) -> Self::UInts {
         Self::choose(self.equal(self), self, self.of(f32::NAN)).bits()
@@ -123,7 +125,7 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
     fn from_int(x: Self::UInts) -> Self;
     /// The floats nearest to whole numbers without sign.
     fn from_unsigned(x: Self::UInts) -> Self;
-    /// Does what is large: for a float in a function of its own, so that callers stay small; when it is recorded, where it is called.
+    /// Calls large code: for a float out of line, so that callers stay small; during recording, inline.
     fn outline<T>(work: impl FnOnce() -> T) -> T;
 
     /// `low` where below it or NaN, `high` where above.
@@ -154,7 +156,7 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
 pub trait Number: Arithmetic {
     /// The kind of value.
     type Real: Real<Mask = Self::Mask>;
-    /// What comparisons of values give.
+    /// The result of a comparison of values.
     type Mask: Mask;
 
     /// Without derivatives.
@@ -174,7 +176,7 @@ pub trait Number: Arithmetic {
     fn pick(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// With the sign turned where the lowest bit of a word is set.
     fn negated_where(self, bit: <Self::Real as Real>::UInts) -> Self;
-    /// This value with another value and the same derivatives: what subtracting a whole number leaves.
+    /// This value with another value and the same derivatives, as after the subtraction of a whole number.
     fn with_value(self, value: Self::Real) -> Self;
 
     /// `x`, as one of these.

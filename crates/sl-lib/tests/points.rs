@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Point clouds: the tree against all points one by one, files, and what is none.
+//! Point clouds: the tree against brute force, files, and invalid files.
 
 use gnurt_sl_lib::points::*;
 

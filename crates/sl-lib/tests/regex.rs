@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Regular expressions against what OSL's test suite prints, what ECMAScript says, and a matcher by definition.
+//! Regular expressions against the output of OSL's test suite, the rules of ECMAScript, and a matcher by
+//! definition.
 
 use gnurt_sl_lib::regex::Regex;
 use proptest::prelude::*;
@@ -9,7 +10,7 @@ fn spans(pattern: &str, subject: &str) -> Option<Vec<Option<(usize, usize)>>> {
     regex.find(subject, false).expect("few steps")
 }
 
-/// What the whole match is.
+/// The whole match.
 fn found<'a>(pattern: &str, subject: &'a str) -> Option<&'a str> {
     let (start, end) = spans(pattern, subject)?[0]?;
     Some(&subject[start..end])
@@ -161,7 +162,7 @@ impl Tree {
     }
 }
 
-/// What is compared and copied counts, not steps alone.
+/// Comparisons and copies of characters count, too, beside steps.
 #[test]
 fn long_groups_are_not_compared_for_ever() {
     let subject = "a".repeat(1 << 20);

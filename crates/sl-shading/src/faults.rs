@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What shaders said while they ran: each line once, and not without end.
+//! Output of shaders during their runs: each line once, up to a limit.
 //! Tests: `tests/scripts/wrong.rs`.
 
 use std::sync::Mutex;
@@ -40,7 +40,7 @@ impl Faults {
         lines.push(line.to_owned());
     }
 
-    /// Notes what a shader said.
+    /// Notes the output of a shader.
     pub(crate) fn hear(&self, name: &str, event: &Event) {
         if self.is_full.load(Ordering::Relaxed) {
             return;

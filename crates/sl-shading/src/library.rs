@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The shader library, as the program carries it: `builtin/wood.osl` is `shaders/surfaces/wood.osl`, wherever somebody is.
-//! A file that is there wins. Tests: `tests`.
+//! The shader library, embedded in the program: `builtin/wood.osl` is `shaders/surfaces/wood.osl`, in every
+//! directory. An existing file of that name takes precedence. Tests: `tests`.
 
 use std::path::Path;
 

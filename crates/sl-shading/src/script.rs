@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A shader's file with values for its parameters, and the shaders of the renderer that it makes.
-//! `.osl` is source text, `.oso` what OSL's compiler makes of it, `.oslgroup` OSL's text for groups:
-//! `param float scale 2 ; shader noise.osl pattern ; shader matte.osl base ; connect pattern.out base.Kd ;`, names of files beside it.
+//! `.osl` is source text, `.oso` the output of OSL's compiler, `.oslgroup` OSL's text for groups: `param
+//! float scale 2 ; shader noise.osl pattern ; shader matte.osl base ; connect pattern.out base.Kd ;`, with
+//! file names relative to it.
 //! Tests: `tests/scripts.rs`.
 
 use std::cell::RefCell;
@@ -41,7 +42,7 @@ use crate::world::Common;
 /// Turns of loops that a point may take.
 const ITERATIONS: u64 = 1 << 20;
 
-/// What a script is for.
+/// The kind of a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The look of a surface: `surface` and `shader`.
@@ -50,9 +51,9 @@ pub enum Kind {
     Light,
     /// A camera.
     Camera,
-    /// What rays see that hit nothing.
+    /// Radiance of rays that hit nothing.
     Environment,
-    /// What a pixel shows.
+    /// The colour of a pixel.
     Pixel,
 }
 
@@ -87,10 +88,11 @@ pub struct Script {
 }
 
 impl Script {
-    /// Reads and compiles a file; `builtin/wood.osl` is one that the program carries, unless there is a file of that name.
+    /// Reads and compiles a file; `builtin/wood.osl` is an embedded one, unless there is a file of that name.
     ///
     /// # Errors
-    /// The file cannot be read, or what the compiler says: file, line, column and the source line of each error.
+    /// The file cannot be read, or the compiler's messages: file, line, column and the source line of each
+    /// error.
     pub fn open(path: &Path, access: &Access) -> Result<Self, String> {
         if let Some(text) = library::text(path) {
             return Self::made(path, text, access, Vec::new());
@@ -157,8 +159,8 @@ impl Script {
         })
     }
 
-    /// Reads and compiles its file again, and gives the parameters the values that they were given here; what they do not take any more
-    /// becomes a warning.
+    /// Reads and compiles its file again, and sets the parameters to their values here; values that no longer
+    /// fit become warnings.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -182,7 +184,7 @@ impl Script {
         let is_elsewhere = |name: &str| {
             others.iter().any(|layer| layer.shader.find(name).is_some_and(|id| layer.interpolated(id)))
         };
-        // A camera's `aspect` that nobody has given is the picture's.
+        // A camera's `aspect` without a value is the picture's.
         let is_given = |name: &str| self.given.iter().any(|(known, _)| known == name);
         let is_of_picture = |name: &str| self.kind == Kind::Camera && name == "aspect" && !is_given(name);
         let tunable: Vec<Parameter> =
@@ -220,7 +222,7 @@ impl Script {
         }
     }
 
-    /// What it is for.
+    /// Its kind.
     #[must_use]
     pub fn kind(&self) -> Kind {
         self.kind
@@ -244,13 +246,13 @@ impl Script {
         &self.files
     }
 
-    /// What the compiler warned of.
+    /// Warnings of the compiler.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// What it said while it ran, and what went wrong: each line once.
+    /// Output and faults of its runs: each line once.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         self.faults.lines()
@@ -287,7 +289,7 @@ impl Script {
         Ok(())
     }
 
-    /// The same of a value that somebody wrote: numbers between commas, or a text.
+    /// The same for a written value: numbers between commas, or a text.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -327,7 +329,7 @@ impl Script {
         let plan = self.plan(&self.group, &[])?;
         let fixed = Fixed::of(&plan, &colors()?);
         let common = match &fixed {
-            // Nobody runs it but who asks for its variables.
+            // It runs only for callers that request its variables.
             Some(_) => self.common_of(&self.group, &plan, plan.clone())?,
             None => self.compiled(&self.group, &plan)?,
         };
@@ -344,7 +346,8 @@ impl Script {
         Ok(Arc::new(ScriptLight { common }))
     }
 
-    /// As a camera that stands somewhere. A parameter `aspect` that nobody has set is the picture's width over its height.
+    /// As a camera with a position. A parameter `aspect` without a value is the picture's width over its
+    /// height.
     ///
     /// # Errors
     /// It is none, or too large.
@@ -372,13 +375,13 @@ impl Script {
         Ok(CameraScript { common, has_lens })
     }
 
-    /// As what rays see that hit nothing.
+    /// As the environment of rays that hit nothing.
     ///
     /// # Errors
     /// It is none, or too large.
     pub fn environment(&self) -> Result<Arc<dyn EnvironmentShader>, String> {
         self.is(Kind::Environment)?;
-        // Who asks for kinds of rays is asked for those that light things, too.
+        // A shader that queries kinds of rays must be evaluated for light rays, too.
         let ray_kinds = if self.asks_ray_kind() { DIFFUSE } else { CAMERA };
         Ok(Arc::new(ScriptSky { common: self.common(&self.group, &[])?, ray_kinds }))
     }
@@ -405,7 +408,7 @@ impl Script {
         queries
     }
 
-    /// As what pixels show.
+    /// As a pixel shader.
     ///
     /// # Errors
     /// It is none, has no `output color Cpixel`, or is too large.
@@ -470,7 +473,7 @@ impl Script {
         })
     }
 
-    /// What meshes and instances are asked for: values of parameters, attributes by names that are written out, matrices.
+    /// Requests to meshes and instances: values of parameters, attributes with constant names, matrices.
     fn requests(&self, group: &Group) -> Vec<AttributeRequest> {
         let mut found: Vec<AttributeRequest> = Vec::new();
         let mut query = |name: &str, components: usize| {
@@ -553,7 +556,7 @@ struct Reader<'a> {
     warnings: RefCell<Vec<String>>,
 }
 
-/// What the compiler says, and what would be right, in one line: `wood.osl:3:7: ...`.
+/// The compiler's message and remedy, in one line: `wood.osl:3:7: ...`.
 fn headline(messages: &Diagnostic, sources: &Sources) -> String {
     let words: Vec<&str> = messages.message.split_whitespace().collect();
     let help = messages.help.as_ref().map_or_else(String::new, |help| format!("; {help}"));
@@ -600,7 +603,7 @@ impl Reader<'_> {
             let drawn: String =
                 of(Severity::Error).take(5).map(|d| d.render(sources, Style::Drawn)).collect();
             let first = first.unwrap_or_else(|| format!("{} does not compile", path.display()));
-            // Whoever has one line shows what stands before the blank one.
+            // Callers with one line show the text before the blank one.
             format!("{first}\n\n{}", drawn.trim_end())
         })
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Points of surfaces as shaders see them.
-//! What the globals hold is OSL's. Space: world; normals face the ray.
+//! Points of surfaces as input of shaders. The globals have OSL's meaning. Space: world; normals face the
+//! ray.
 //! Tests: `tests`, `tests/scripts/floor.rs`.
 
 use gnurt_shading::real::{Real, Vector};
@@ -9,7 +9,7 @@ use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 use gnurt_sl::exec::{LANES, Plan, Points, Row};
 use gnurt_sl::ir::SymbolKind;
 
-/// What a shader reads that is not for nothing; what it does not need holds anything.
+/// Costly inputs of a shader; those that it does not need are undefined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Needs {
     /// How places change from pixel to pixel.
@@ -41,7 +41,7 @@ impl Needs {
     }
 }
 
-/// Who asks what a point does to light.
+/// The purpose of an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Caller {
     /// The rays that met it.
@@ -167,7 +167,8 @@ fn store_vector<R: Real>([x, y, z]: [&mut Row; 3], lane: usize, v: Vector<R>) {
     store(z, lane, v.z);
 }
 
-/// How the places of points change, from pixel to pixel and with texture coordinates: of as many as `like` has, from `lane` on.
+/// Derivatives of the points' positions, from pixel to pixel and with texture coordinates, for the lanes of
+/// `like`, from `lane` on.
 #[inline(always)]
 fn changes<R: Real>(
     like: R,

@@ -207,7 +207,7 @@ impl<'a> WrapOptions<'a> {
         Self { sampler, options, is_bordered: [is_black(0), is_black(1)] }
     }
 
-    /// What is there, and its changes from pixel to pixel by the picture's slopes.
+    /// The texel, and its derivatives from pixel to pixel by the picture's slopes.
     fn read(&self, [s, t]: [Dual<f32>; 2]) -> [Dual<f32>; 4] {
         let Self { options, is_bordered, .. } = self;
         let outside = |k: usize, x: f32| is_bordered[k] && !(0.0..=1.0).contains(&x);
@@ -231,8 +231,8 @@ impl<'a> WrapOptions<'a> {
         })
     }
 
-    /// How channels change with s and t around a place: over a texel, or over what is read where that is more, so that slopes do not leap
-    /// at texels' borders. Bump maps of materials do the same.
+    /// Derivatives of channels by s and t around a position: over a texel, or over a larger footprint, so
+    /// that slopes have no steps at texels' borders. Bump maps of materials do the same.
     fn slopes(&self, [u, v]: [f32; 2], axes: [[f32; 2]; 2]) -> [[f32; 4]; 2] {
         let [[ux, vx], [uy, vy]] = axes;
         let stands_for = (ux * vy - uy * vx).abs().sqrt();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Volumes that shaders read by `texture3d`: each file once, between eight voxels or the nearest one.
-//! Grids, options and what is seen beyond a grid's leaves are as OpenImageIO's textures have it, but maps that turn or shear are right. Nothing is filtered: a voxel is a voxel, however far away. Space: world, which is the file's.
+//! Grids, options and values beyond a grid's leaves follow OpenImageIO's textures, except that transforms
+//! with rotation or shear are right. There is no filtering: a voxel stays a voxel at any distance. Space:
+//! world, which is the file's.
 //! Tests: `tests/scripts/volumes.rs`.
 
 use std::collections::HashMap;
@@ -97,7 +99,7 @@ pub(crate) fn color_at_place(
     Ok(if is_grey { [texel[0], texel[0], texel[0], texel[3]] } else { texel })
 }
 
-/// What a grid has at a place.
+/// The values of a grid at a position.
 struct Read {
     values: DVec3,
     /// How they change with the coordinates of voxels: a row for each value.
@@ -116,7 +118,7 @@ impl Read {
         let share = index - low;
         let voxel = |k: usize, up: i64| {
             let size = (i64::from(last[k]) - i64::from(first[k]) + 1) as usize;
-            // Beyond what is here there is no voxel.
+            // There is no voxel outside of this range.
             let at = low[k].clamp(-1e15, 1e15) as i64 + up - i64::from(first[k]);
             wrap[k].texel(at, size).map(|i| (i as i64 + i64::from(first[k])) as i32)
         };

@@ -23,7 +23,7 @@ impl Wrap {
         })
     }
 
-    /// What a file says of both directions: `black,clamp`, or one word for both.
+    /// The file's wrap modes of both directions: `black,clamp`, or one word for both.
     pub(crate) fn of_file(text: &str) -> [Self; 2] {
         let (s, t) = text.split_once(',').unwrap_or((text, text));
         [s, t].map(|wrap_name| Self::named(wrap_name.trim()).unwrap_or(Self::Black))

@@ -11,7 +11,7 @@ pub type VarId = u32;
 /// Number of a function.
 pub type FuncId = u32;
 
-/// What a variable is.
+/// The kind of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VarKind {
     /// Given by the renderer.
@@ -65,9 +65,9 @@ pub struct Var {
     pub name: Arc<str>,
     /// Its type.
     pub ty: Type,
-    /// What it is.
+    /// Its kind.
     pub kind: VarKind,
-    /// What it starts with.
+    /// Its initial value.
     pub init: Option<Expr>,
     /// Metadata.
     pub meta: Vec<Meta>,
@@ -80,11 +80,11 @@ pub struct Var {
 pub struct Func {
     /// Its name.
     pub name: Arc<str>,
-    /// What it returns.
+    /// Its return type.
     pub returns: Type,
     /// Its parameters, and whether each is written to.
     pub formals: Vec<(VarId, bool)>,
-    /// What it does; none if only declared.
+    /// Its body; `None` if only declared.
     pub body: Option<Vec<Stmt>>,
 }
 
@@ -105,14 +105,14 @@ pub struct Program {
     pub meta: Vec<Meta>,
     /// The shader's parameters in order.
     pub params: Vec<VarId>,
-    /// What the shader does.
+    /// The body of the shader.
     pub body: Vec<Stmt>,
 }
 
 /// An expression.
 #[derive(Clone, Debug)]
 pub struct Expr {
-    /// What it is.
+    /// Its kind.
     pub kind: ExprKind,
     /// Its type.
     pub ty: Type,
@@ -127,7 +127,7 @@ pub struct Builtin {
     pub name: Arc<str>,
     /// Its arguments.
     pub args: Vec<Expr>,
-    /// What each argument must become; unknown where any type goes.
+    /// The type that each argument is converted to; unknown where any type is valid.
     pub formals: Vec<Type>,
     /// Which arguments it writes; bit 0 is the first.
     pub writes: u64,
@@ -160,7 +160,7 @@ pub enum ExprKind {
     Ternary(Box<[Expr; 3]>),
     /// Target and value.
     Assign(Box<Expr>, Box<Expr>),
-    /// What the target of the assignment around it was before.
+    /// The value of the assignment's target before the assignment.
     Old,
     /// `++a` or `--a`
     Before(bool, Box<Expr>),
@@ -187,7 +187,7 @@ pub enum ExprKind {
 /// A statement.
 #[derive(Clone, Debug)]
 pub struct Stmt {
-    /// What it is.
+    /// Its kind.
     pub kind: StmtKind,
     /// Where it starts.
     pub loc: Loc,
@@ -221,6 +221,6 @@ pub enum StmtKind {
     Return(Option<Expr>),
     /// Gives variables their first value.
     Declare(Vec<VarId>),
-    /// For what it does.
+    /// For its side effects.
     Expr(Expr),
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Cuts a file's text into tokens. Comments are white space; a backslash at a line's end joins it with the next.
-//! What counts as a number is OSL's.
+//! The syntax of numbers is OSL's.
 //!
-//! Invariant: every call either moves on or returns [`Tok::End`].
+//! Invariant: every call either advances or returns [`Tok::End`].
 
 use crate::source::Loc;
 use crate::token::{SIGNS, Tok, Token};

@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-/// What a value is, arrays aside.
+/// The element type of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Base {
     /// Not known, because of an error before.
@@ -29,7 +29,7 @@ pub enum Base {
     Matrix,
     /// Text.
     String,
-    /// What a surface does with light: a weighted sum of named parts.
+    /// Scattering of a surface: a weighted sum of named parts.
     Closure,
     /// A struct, by its number.
     Struct(u16),
@@ -38,7 +38,7 @@ pub enum Base {
 /// A base and an array length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Type {
-    /// What one element is.
+    /// The type of one element.
     pub base: Base,
     /// 0: no array; -1: an array whose length the caller gives; else the length.
     pub array: i32,
@@ -221,7 +221,7 @@ impl Base {
         matches!(self, Self::Color | Self::Point | Self::Vector | Self::Normal)
     }
 
-    /// Point, vector or normal: what lies in space.
+    /// Point, vector or normal: a quantity in space.
     #[must_use]
     pub const fn is_spatial(self) -> bool {
         matches!(self, Self::Point | Self::Vector | Self::Normal)

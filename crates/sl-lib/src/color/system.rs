@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What red, green and blue mean: primaries and a white point, and all that follows from them.
-//! Source: the chromaticities are those of the standards that the names are of; the table of black bodies is OSL's: even in
+//! Definitions of red, green and blue: primaries and a white point, and the values derived from them.
+//! Source: the chromaticities are those of the named standards; the table of black bodies is OSL's: even in
 //! (T - 800)^(2/3), fifth roots, within 0.1 %. Tests: `tests/colors.rs`.
 
 use super::convert::{
@@ -58,7 +58,7 @@ impl Default for ColorSystem {
     }
 }
 
-/// A colour space that nobody knows.
+/// An unknown colour space.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownColorSpace {
     /// Where colours were to come from.
@@ -116,7 +116,7 @@ impl ColorSystem {
         system
     }
 
-    /// What it is called.
+    /// Its name.
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.name

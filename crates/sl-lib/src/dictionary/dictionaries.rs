@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use super::path::Query;
 use super::xml::{Content, Document};
 
-/// Documents and nodes that are kept; what is asked beyond is not found.
+/// Documents and nodes that are kept; further ones are not found.
 const DOCUMENTS: usize = 1 << 10;
 const NODES: usize = 1 << 20;
 
@@ -32,7 +32,7 @@ struct Found {
     next: i32,
 }
 
-/// What could not be read.
+/// A failure to read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DictionaryError {
     /// A document.
@@ -47,7 +47,7 @@ pub enum DictionaryError {
 }
 
 impl DictionaryError {
-    /// What `dict_find` gives then.
+    /// The result of `dict_find` in this case.
     #[must_use]
     pub fn result(&self) -> i32 {
         if matches!(self, Self::Document { .. }) { -1 } else { 0 }

@@ -18,7 +18,7 @@ enum Test {
     Parent,
 }
 
-/// What stands in brackets.
+/// A condition in brackets.
 #[derive(Debug)]
 enum Condition {
     Position(usize),
@@ -37,7 +37,7 @@ enum Operand {
 #[derive(Debug)]
 struct Comparison {
     operand: Operand,
-    /// Whether it must be equal or must not, and to what; else it must be there.
+    /// Whether it must be equal or must not, and the text to compare; `None` requires only presence.
     to: Option<(bool, String)>,
 }
 

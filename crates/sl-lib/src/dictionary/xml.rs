@@ -4,7 +4,7 @@
 //! Invariants: no text makes it panic or recurse; a tree takes no more than a small multiple of its text.
 //! Tests: `tests/dictionary.rs`.
 
-/// What stands at a place of the tree.
+/// A node of the tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     Element { name: String, attributes: Vec<(String, String)> },
@@ -44,7 +44,7 @@ impl<'a> Reader<'a> {
         found
     }
 
-    /// What comes before a token; the reader then stands behind it.
+    /// Reads up to a token and past it; returns the text before it.
     fn until(&mut self, token: &str, reason: &'static str) -> Result<&'a str, Fault> {
         let length = self.rest().find(token).ok_or((self.text.len(), reason))?;
         let found = &self.rest()[..length];
@@ -85,7 +85,7 @@ impl<'a> Reader<'a> {
         Ok((name.to_owned(), decoded(self.until(quote, REASON)?)))
     }
 
-    /// A declaration of the document's type, with what may stand in its brackets.
+    /// A declaration of the document's type, with anything in its brackets.
     fn doctype(&mut self) -> Result<(), Fault> {
         let mut depth = 0_usize;
         for (i, c) in self.rest().char_indices() {
@@ -106,7 +106,7 @@ impl<'a> Reader<'a> {
 /// Bytes of an entity with its signs before and after.
 const LONGEST_ENTITY: usize = 32;
 
-/// Text with its entities replaced; those that nobody knows stay.
+/// Text with its entities replaced; unknown ones stay.
 fn decoded(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;

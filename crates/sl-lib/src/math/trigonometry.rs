@@ -157,7 +157,8 @@ pub fn atan<N: Number>(x: N) -> N {
     x.chain(angle.copysign(value), || one / (value * value + 1.0))
 }
 
-/// The angle of the direction (x, y), in [-pi, pi]; 0 or pi where both are zero. What is no number counts as without a sign.
+/// The angle of the direction (x, y), in [-pi, pi]; 0 or pi where both are zero. A NaN counts as without a
+/// sign.
 #[inline(always)]
 pub fn atan2<N: Number>(y: N, x: N) -> N {
     let (v, u) = (y.value(), x.value());

@@ -90,7 +90,7 @@ pub fn refract<N: Number>(i: [N; 3], n: [N; 3], eta: N) -> [N; 3] {
     [N::pick(none, zero, bent[0]), N::pick(none, zero, bent[1]), N::pick(none, zero, bent[2])]
 }
 
-/// What a smooth surface between two media does to light.
+/// Reflection and refraction at a smooth surface between two media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fresnel<N> {
     /// The part that is reflected.

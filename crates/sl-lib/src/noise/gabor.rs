@@ -254,7 +254,7 @@ impl Gabor {
         (omega, TAU * random.next())
     }
 
-    /// What the bells of a cell contribute at `x`, which is relative to the cell's corner.
+    /// Contribution of the kernels of a cell at `x`, which is relative to the cell's corner.
     fn cell(&self, corner: Vec3, x: DualVec3, seed: u32) -> Dual<f32> {
         let cell = self.period.map_or(corner, |period| wrap(corner, period));
         let mut random = Random::in_cell(cell, seed);

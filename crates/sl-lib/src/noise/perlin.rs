@@ -91,7 +91,7 @@ impl<N: Number, const D: usize> CellPoint<N, D> {
         hash_uints(key)
     }
 
-    /// What a corner with this hash contributes.
+    /// Contribution of a corner with this hash.
     #[inline(always)]
     fn contribution(&self, corner: usize, hash: UIntsOf<N>) -> N {
         let mut offset = self.rest;

@@ -36,7 +36,7 @@ impl Values {
         }
     }
 
-    /// Appends what is of the same kind; whether it is.
+    /// Appends a column of the same kind; returns whether the kinds agree.
     fn append(&mut self, more: &Self) -> bool {
         match (self, more) {
             (Self::Float(list), Self::Float(more)) => list.extend(more),
@@ -61,7 +61,7 @@ pub struct Column {
     pub values: Values,
 }
 
-/// Points, what they carry, and a tree over them once somebody has searched.
+/// Points, their attributes, and a tree over them, built at the first search.
 #[derive(Clone, Debug, Default)]
 pub struct PointCloud {
     positions: Vec<[f32; 3]>,
@@ -83,7 +83,7 @@ impl PointCloud {
         &self.positions
     }
 
-    /// What they carry, beside their place.
+    /// Their attributes, without the position.
     #[must_use]
     pub fn columns(&self) -> &[Column] {
         &self.columns

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Point clouds as files: Houdini's classic geometry as text, `.geo`, of which points and their attributes are read.
-//! Source: what OSL's own tests read and write by Partio; original. Primitives and groups are passed over. A file looks like
+//! Source: the subset that OSL's own tests read and write by Partio; original. Primitives and groups are
+//! skipped. A file looks like
 //!
 //! ```text
 //! PGEOMETRY V5
@@ -69,10 +70,10 @@ impl<'a> FileTokens<'a> {
     }
 }
 
-/// What a column's head says.
+/// The head of a column.
 struct Head {
     column: Column,
-    /// What numbers in the file stand for, if they are texts.
+    /// The texts that numbers in the file refer to, for texts.
     texts: Vec<Arc<str>>,
 }
 
@@ -100,7 +101,7 @@ fn head(tokens: &mut FileTokens<'_>) -> Result<Head, String> {
         }
     };
     if kind != "index" {
-        // What points are given that say nothing.
+        // Values of points without data.
         for _ in 0..width {
             tokens.next()?;
         }
@@ -111,7 +112,7 @@ fn head(tokens: &mut FileTokens<'_>) -> Result<Head, String> {
 /// A cloud of a file's text.
 ///
 /// # Errors
-/// The line, and what is wrong there.
+/// The line, and the fault.
 pub fn read_cloud(text: &str) -> Result<PointCloud, String> {
     let mut tokens = FileTokens { rest: text, line: 1 };
     tokens.expect("PGEOMETRY")?;

@@ -139,7 +139,7 @@ impl Parser<'_> {
         (self.at > start).then_some(value)
     }
 
-    /// What stands in braces.
+    /// The counts in braces.
     fn counts(&mut self) -> Result<(usize, Option<usize>), Fault> {
         let at = self.at;
         let least = self.number().ok_or((at, "a count must stand in the braces"))?;

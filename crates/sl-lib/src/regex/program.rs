@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a regular expression is compiled to: steps for a machine that goes back where it fails.
+//! The compiled form of a regular expression: steps for a backtracking machine.
 //! Source: after Cox's "Regular Expression Matching: the Virtual Machine Approach".
 //! Tests: `tests/regex.rs`.
 
@@ -31,7 +31,7 @@ impl Set {
     }
 }
 
-/// What letters, digits and the underscore are.
+/// Letters, digits and the underscore.
 pub(super) fn is_word_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
@@ -53,9 +53,10 @@ pub(super) enum Step {
     End,
     /// Between a letter and none, or, if not, elsewhere.
     Boundary(bool),
-    /// What a group holds, again.
+    /// The contents of a group again.
     Again(usize),
-    /// What follows up to the next `Captured` of this level must come, or must not; then on from the place.
+    /// Tests whether the steps up to the next `Captured` of this level match, or do not; then continues at
+    /// `then`.
     Lookahead { expected: bool, then: usize },
     /// The end of a look.
     Captured,

@@ -58,7 +58,7 @@ pub type Groups = Vec<Option<(usize, usize)>>;
 
 const UNSET: usize = usize::MAX;
 
-/// What to do where a way ends.
+/// The alternative after a failed path.
 enum Back {
     /// Goes on from here.
     Try { step: usize, at: usize },
@@ -207,12 +207,12 @@ impl Regex {
         Ok(None)
     }
 
-    /// `regex_search`, or `regex_match` if the `whole` subject must match: 1 or 0. The start and the end of the match and of
-    /// each group go to `results`, pair by pair; a group that took no part begins and ends where the subject does, and what there
-    /// is no group for, or no match, gets the pattern's length.
+    /// `regex_search`, or `regex_match` if the `whole` subject must match: 1 or 0. The start and the end of
+    /// the match and of each group go to `results`, pair by pair. A group without a match begins and ends at
+    /// the end of the subject; further elements, or all without a match, get the pattern's length.
     ///
     /// # Errors
-    /// If the search was given up.
+    /// The search exceeded its limit of steps.
     pub fn search(&self, subject: &str, whole: bool, results: &mut [i32]) -> Result<i32, TooManySteps> {
         let found = self.find(subject, whole)?;
         let groups = found.as_deref().unwrap_or_default();

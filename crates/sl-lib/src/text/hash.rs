@@ -59,7 +59,7 @@ fn up_to_16(s: &[u8]) -> u64 {
     }
 }
 
-/// What 17 bytes and more have in common: two sums of the first and last 16 bytes.
+/// The common start for 17 bytes and more: two sums of the first and last 16 bytes.
 fn ends(s: &[u8], mul: u64) -> (u64, u64) {
     let len = s.len();
     let (a, b) = (times(load(s, 0), K1), load(s, 8));
@@ -104,7 +104,7 @@ fn weak(s: &[u8], at: usize, a: u64, b: u64) -> (u64, u64) {
     (add(a, z), add(add(b, rotated(a, 44)), c))
 }
 
-/// What the variant `na` carries from block to block.
+/// The state of variant `na` between blocks.
 #[derive(Clone, Copy)]
 struct State {
     x: u64,

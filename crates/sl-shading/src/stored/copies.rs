@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Smaller copies of a picture whose file has none: each half as large as the one before, read from it between its texels.
-//! Sizes and values are those of OpenImageIO's `automip`, values rounded to what the file stores. A picture that says that it
-//! is a texture stays as it is: who made it wanted no copies.
+//! Mip levels of a picture whose file has none: each half as large as the one before, sampled between its
+//! texels. Sizes and values are those of OpenImageIO's `automip`, values rounded to the type of the file. A
+//! picture marked as a texture stays as it is: its maker chose to have no levels.
 
 use gnurt_image::{Stored, StoredLevel, StoredValues};
 
@@ -53,7 +53,7 @@ fn halved(finer: &StoredLevel, channels: usize) -> StoredLevel {
     StoredLevel { width, height, tile: Some([width.min(TILE), height.min(TILE)]), values }
 }
 
-/// What lies in the window that is shown; black where the file has no values.
+/// The contents of the display window; black where the file has no values.
 fn shown(file: Stored) -> Stored {
     if file.window == file.display || file.levels.len() > 1 {
         return file;

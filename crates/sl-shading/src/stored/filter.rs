@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Over what a picture is read: the ellipse that a pixel covers, by probes along its longer axis in the two levels where the shorter one is
-//! about a texel wide; of pictures of all around, by angles.
-//! Levels, probes and their weights are those of OpenImageIO's texture system. Ellipses: Greene and Heckbert, Creating
-//! Raster Omnimax Images from Multiple Perspective Views Using the Elliptical Weighted Average Filter (1986); probes along the axis: Mavridis and
-//! Papaioannou, High Quality Elliptical Texture Filtering on GPU (2011).
+//! The footprint of a lookup: the ellipse that a pixel covers, by probes along its longer axis in the two
+//! levels where the shorter one is about a texel wide; of panoramas, by angles. Levels, probes and their
+//! weights are those of OpenImageIO's texture system. Ellipses: Greene and Heckbert, Creating Raster Omnimax
+//! Images from Multiple Perspective Views Using the Elliptical Weighted Average Filter (1986); probes along
+//! the axis: Mavridis and Papaioannou, High Quality Elliptical Texture Filtering on GPU (2011).
 
 use std::f32::consts::{FRAC_PI_2, PI};
 

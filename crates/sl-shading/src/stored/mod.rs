@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures as OSL's own tools read them: for `testshade`, whose output is compared with theirs.
-//! What is computed follows OpenImageIO, whose texture system OSL's tools use: `filter` says over which ellipse and in which of a file's levels is read, `sample` how a level is read at a place, `copies` makes levels where a file has none. Values are those that are
-//! stored, without a colour space; renderings read pictures otherwise (`textures`).
+//! The computation follows OpenImageIO, whose texture system OSL's tools use: `filter` chooses the ellipse
+//! and the levels of a file, `sample` reads a level at a position, `copies` makes missing levels. Values are
+//! the stored ones, without a colour space; renderings read pictures otherwise (`textures`).
 //! Tests: `tests/scripts/stored.rs`; OSL's suite (bench/record/osl-suite.md).
 
 mod copies;
@@ -71,7 +72,7 @@ impl StoredTextures {
         if is_new { why.to_owned() } else { String::new() }
     }
 
-    /// The picture, and what is read of it.
+    /// The picture, its wrap modes, and its subimage.
     fn open(&self, name: &str, options: &TextureOptions) -> Result<(Arc<Stored>, [Wrap; 2], usize), String> {
         let file = self.find(name).map_err(|why| self.once(name, &why))?;
         let first = usize::try_from(options.first_channel).unwrap_or(0);
@@ -96,7 +97,7 @@ fn read(name: &str) -> Found {
     Ok(Arc::new(copies::with_copies(file)))
 }
 
-/// Red where there is nothing but red, and what is filled in where channels are missing.
+/// A single channel becomes red, and missing channels are filled.
 fn completed(mut texel: Read, file: &Stored, options: &TextureOptions, first: usize) -> Read {
     if file.channels == 1 && options.channels >= 3 && first == 0 {
         (texel[1], texel[2]) = (texel[0], texel[0]);
@@ -152,7 +153,8 @@ impl Textures for StoredTextures {
         let tiled = TILES.into_iter().any(|tag| name.contains(tag));
         let named = match at {
             Some(at) => tile(name, at).map_or_else(|| name.to_owned(), |(name, _)| name),
-            // Without a place, what all tiles have in common; those of the first are taken for it.
+            // Without coordinates, the properties common to all tiles, which are assumed to be those of the
+            // first.
             None => tile(name, [0.0; 2]).map_or_else(|| name.to_owned(), |(name, _)| name),
         };
         let found = self.find(&named);

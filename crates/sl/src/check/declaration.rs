@@ -33,7 +33,8 @@ pub fn check_library(parsed: &Parsed, sources: &Sources, options: Options) -> Kn
     checker.known()
 }
 
-/// Checks a file that comes after what is known, if something is. The program is only whole if there were no errors.
+/// Checks a file that follows the known declarations, if any. The program is only whole if there were no
+/// errors.
 #[must_use]
 pub fn check(
     parsed: &Parsed,
@@ -192,7 +193,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Declares a variable and checks what it starts with.
+    /// Declares a variable and checks its initial value.
     pub(super) fn variable_declaration(&mut self, d: &ast::Declarator, ty: Type, kind: VarKind) -> VarId {
         let list = matches!(d.init.as_ref().map(|e| &e.kind), Some(ast::ExprKind::Braces(_)));
         let parameter = self.formals_of_shader;

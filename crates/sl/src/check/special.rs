@@ -7,7 +7,7 @@ use crate::hir::{Expr, ExprKind};
 use crate::types::Type;
 use std::sync::Arc;
 
-/// What a call does to its arguments.
+/// The effects of a call on its arguments.
 pub(super) struct Effects {
     pub(super) name: Arc<str>,
     pub(super) writes: u64,
@@ -19,7 +19,7 @@ const fn bit(i: usize) -> u64 {
     if i < 64 { 1 << i } else { 0 }
 }
 
-/// What this call does.
+/// The effects of this call.
 pub(super) fn effects(signature: &Signature, args: &[Expr]) -> Effects {
     let plain = &*signature.name;
     let name = match (plain, signature.returns) {

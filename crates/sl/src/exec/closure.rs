@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operations that make closures, for one point or for many at once, and their texts.
-//! What is printed is OSL's. Tests: `tests/meaning/more.rs`, crates/jit/tests/agreement.rs.
+//! The printed form is OSL's. Tests: `tests/meaning/more.rs`, crates/jit/tests/agreement.rs.
 
 use super::cells::{Cells, LANES};
 use super::components::{Closures, Component, Part};
@@ -17,7 +17,7 @@ use std::sync::Arc;
 const LONGEST: usize = 1 << 20;
 /// Closures within closures that are told.
 const DEEPEST: usize = 64;
-/// What stands for the rest.
+/// The mark of omitted text.
 const CUT: &str = "...";
 
 /// Whether an operation makes closures of others, or of numbers.
@@ -44,8 +44,9 @@ pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
     }
 }
 
-/// What it makes of each of some points; `read` knows what cells hold. None if closures of its name are not known, or if names are
-/// not the same for all of them. What is written may be among what is read, as in `Ci = layer (coat, Ci)`.
+/// The closures of some points; `read` returns the contents of cells. `None` if closures of its name are
+/// unknown, or if names differ between points. The result may be among the operands, as in `Ci = layer (coat,
+/// Ci)`.
 fn made<'c>(
     closures: &mut Closures,
     known: (&dyn Host, &Strings),
@@ -73,7 +74,7 @@ fn made<'c>(
     })
 }
 
-/// What a number is.
+/// The type of a number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Float,
@@ -212,8 +213,8 @@ impl Bound {
 }
 
 impl Machine<'_> {
-    /// Does an operation that [makes closures](makes_closures) for some points at once; `read` knows what cells hold. None if it must be
-    /// done one point after the other.
+    /// Does an operation that [makes closures](makes_closures) for some points at once; `read` returns the
+    /// contents of cells. Returns false if it must be done one point after the other.
     pub fn make_closures<'c>(
         &mut self,
         step: &Step,
@@ -223,8 +224,8 @@ impl Machine<'_> {
         made(&mut self.closures, (self.host, &self.strings), step, lanes, read)
     }
 
-    /// Looks up what component an operation makes, where its names do not change; `read` knows what cells hold. None if the program does not
-    /// know it, or if it makes none.
+    /// Looks up the component of an operation with constant names; `read` returns the contents of cells.
+    /// `None` if it is unknown, or if the operation makes none.
     pub fn bind_component<'c>(&self, step: &Step, read: impl Fn(u32) -> Cells<'c>) -> Option<Bound> {
         let [_, name, rest @ ..] = &*step.args else { return None };
         let known = (self.host, &self.strings);
@@ -269,7 +270,8 @@ impl Machine<'_> {
         Some(Component { name: decl.name.clone(), params: params.collect() })
     }
 
-    /// As `printf` shows it. What is longer than a text may be, or lies in more than 64 others, ends in three points.
+    /// As `printf` shows it. A text beyond the limit of length, or nested in more than 64 others, ends in
+    /// three points.
     #[must_use]
     pub fn closure_text(&self, number: u32) -> String {
         let mut out = String::new();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What closures are made of: nodes of sums, weights and components, each made for many points of a batch at once.
-//! A node is known by its number, counted from 1; 0 is no closure. Its numbers lie one behind the other in one memory,
-//! each either once for all points that the node was made for, or in a row. Points for which it was not made find anything in it.
-//! Invariant: nodes only name nodes that were made before them. Tests: `tests/meaning/more.rs`.
+//! The data of closures: nodes of sums, weights and components, each made for many points of a batch at once.
+//! A node is identified by its number, counted from 1; 0 is no closure. Its numbers are consecutive in one
+//! memory, each either once for all points of the node, or in a row. For other points they are undefined.
+//! Invariant: nodes refer only to earlier nodes. Tests: `tests/meaning/more.rs`.
 
 use super::cells::{Cells, LANES, lanes_of};
 use crate::hir::Data;
@@ -18,12 +18,12 @@ pub struct ClosureParam {
     pub key: Option<Arc<str>>,
 }
 
-/// What a closure takes.
+/// The declaration of a closure.
 #[derive(Clone, Debug)]
 pub struct ClosureDecl {
     /// Its name.
     pub name: Arc<str>,
-    /// What it takes.
+    /// Its parameters.
     pub params: Vec<ClosureParam>,
 }
 
@@ -72,7 +72,7 @@ enum What {
     Add,
 }
 
-/// What a node is, and the first of its numbers.
+/// The kind of a node, and the first of its numbers.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     what: What,
@@ -88,7 +88,7 @@ pub struct Closures {
     cells_bits: Vec<u32>,
 }
 
-/// Words of a batch's nodes; what does not fit is no closure.
+/// Words of a batch's nodes; closures beyond are dropped.
 const MOST: usize = 1 << 22;
 /// Components of one point that are told apart: sums of sums may have any number.
 const MOST_PARTS: usize = 1 << 16;
@@ -169,7 +169,7 @@ impl Closures {
         self.nodes.len() as u32
     }
 
-    /// A closure's number, if there is such a closure by now: what is connected, or what files say, may be any number.
+    /// A closure's number, if there is such a closure yet: connections and files may give any number.
     pub(super) fn made(&self, number: u32) -> u32 {
         if number as usize <= self.nodes.len() { number } else { 0 }
     }

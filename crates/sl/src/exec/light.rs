@@ -8,7 +8,7 @@ use super::slot::Slot;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 
-/// Calls `with(name, value)` for what follows in pairs.
+/// Calls `with(name, value)` for the remaining pairs of arguments.
 pub(super) fn pairs(m: &mut Machine<'_>, args: &[Slot], mut with: impl FnMut(&mut Machine<'_>, &str, &Slot)) {
     for pair in args.chunks_exact(2) {
         let name = m.text(&pair[0]);
@@ -16,7 +16,7 @@ pub(super) fn pairs(m: &mut Machine<'_>, args: &[Slot], mut with: impl FnMut(&mu
     }
 }
 
-/// Whether something is hit, or what is seen.
+/// Whether a ray hits, or its radiance.
 pub(super) fn trace(m: &mut Machine<'_>, s: &Step) {
     let [out, p, r, rest @ ..] = &*s.args else { return };
     let (p, r) = (Dual::from_components(m.triple(p)), Dual::from_components(m.triple(r)));

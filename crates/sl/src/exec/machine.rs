@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex};
 
 pub(super) type D = Dual<f32>;
 
-/// What an operation does.
+/// The function of an operation.
 #[derive(Clone, Copy)]
 pub enum Action {
     /// To each component by itself.
@@ -136,13 +136,13 @@ pub struct Param {
 pub struct Copy {
     /// The layer that it comes from.
     pub layer: usize,
-    /// What is read.
+    /// The operand.
     pub from: Slot,
     /// Cells between value and derivatives if `from` is a part of something larger; 0 otherwise.
     pub from_derivs: u32,
-    /// What is written.
+    /// The result.
     pub to: Slot,
-    /// The same for what is written.
+    /// The same for the result.
     pub to_derivs: u32,
     /// The parameter that it is for.
     pub to_symbol: SymId,
@@ -160,7 +160,7 @@ pub struct LayerPlan {
     pub params: Vec<Param>,
     /// Values that come along connections.
     pub copies: Vec<Copy>,
-    /// What it does.
+    /// Its code.
     pub code: Vec<Instruction>,
     /// Whether it waits until it is asked for.
     pub lazy: bool,
@@ -190,7 +190,7 @@ pub struct Plan {
     pub entries: Vec<usize>,
     /// Turns of loops that a point may take.
     pub iterations: u64,
-    /// What [`Program`](super::Program) gives back of each point.
+    /// The outputs that [`Program`](super::Program) returns for each point.
     pub(super) retained: Vec<RetainedOutput>,
     /// Points that were stopped.
     pub(super) strikes: AtomicU32,
@@ -198,7 +198,7 @@ pub struct Plan {
     pub(super) memories: Mutex<Vec<Memory>>,
 }
 
-/// What a layer left for others, or asked for in vain.
+/// A message of a layer for others, or a failed query.
 #[derive(Clone, Debug)]
 pub struct Message {
     pub(super) name: Arc<str>,
@@ -208,7 +208,7 @@ pub struct Message {
     pub(super) source_position: String,
 }
 
-/// What a shader says.
+/// Output of a shader.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// By `printf`.
@@ -239,11 +239,11 @@ pub struct Machine<'a> {
     pub(super) pulled: Vec<Vec<bool>>,
     /// Steps left for this point.
     pub(super) fuel: u64,
-    /// What was said since it was last taken.
+    /// Output since the last call.
     pub events: Vec<Event>,
     /// Bytes that were said by this point, or by this batch.
     pub(super) reports: usize,
-    /// Blocks that layers which are under way lie in.
+    /// Nesting depth of the blocks around running layers.
     pub(super) nested: usize,
     /// Regular expressions that were read; none where one is wrong.
     pub(super) regexes: HashMap<Arc<str>, Option<Regex>>,
@@ -253,7 +253,7 @@ pub struct Machine<'a> {
     pub(super) checks: bool,
 }
 
-/// What a machine works in, between two uses.
+/// The memory of a machine, between two uses.
 pub struct Memory {
     cells: Vec<u32>,
     strings: Strings,
@@ -316,7 +316,7 @@ impl<'a> Machine<'a> {
         self.checks = true;
     }
 
-    /// What it worked in, for another one.
+    /// Its memory, for another one.
     #[must_use]
     pub fn into_memory(self) -> Memory {
         let Self { memory, strings, done, pulled, regexes, dictionaries, .. } = self;

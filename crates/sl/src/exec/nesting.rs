@@ -5,9 +5,9 @@
 
 use super::machine::{Instruction, LayerPlan};
 
-/// Blocks that may be open at once: as many as one layer may have.
+/// Blocks that may be open at once: the limit of one layer.
 pub(super) const MOST_NESTED: usize = 1000;
-/// What a layer takes beside its blocks, in blocks.
+/// The cost of a layer beside its blocks, in blocks.
 pub(super) const LAYER: usize = 4;
 
 /// How deep blocks nest.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Point clouds: `pointcloud_search`, `pointcloud_get`, `pointcloud_write`.
-//! Source: the OSL specification, "Point clouds"; original. The library searches; the host has the files. What is found is sorted
-//! whether that is asked for or not; arrays bound how much is found.
+//! Source: the OSL specification, "Point clouds"; original. The library searches; the host has the files.
+//! Results are always sorted; the lengths of arrays limit their number.
 //! Tests: `tests/meaning/clouds.rs`.
 
 use super::light::pairs;
@@ -28,7 +28,7 @@ fn cloud(m: &mut Machine<'_>, s: &Step, file: &str) -> Option<Arc<PointCloud>> {
     }
 }
 
-/// Elements of an array; 1 of what is none.
+/// Elements of an array; 1 for other types.
 fn elements(slot: &Slot) -> usize {
     (slot.size / slot.one.max(1)) as usize
 }

@@ -18,7 +18,7 @@ pub(super) fn dual(batch: &dyn Batch, slot: &Slot, i: u32) -> DualRow {
     out
 }
 
-/// What lies so far behind the first cell of a slot.
+/// The contents at this offset from the first cell of a slot.
 fn fill(row: &mut Row, batch: &dyn Batch, slot: &Slot, offset: u32) {
     let number = |cell_bits: u32| {
         if slot.ty.base == Base::Int { cell_bits as i32 as f32 } else { f32::from_bits(cell_bits) }

@@ -145,7 +145,7 @@ impl Machine<'_> {
         self.layer = outer;
     }
 
-    /// Fetches what is connected to parameters.
+    /// Evaluates the connections of parameters.
     fn pull(&mut self, pulls: &[u32]) {
         for &symbol in pulls {
             let layer = self.layer;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Single operations, for code that runs a group by other means and leaves to the interpreter what it has no better way for.
-//! Values are elsewhere: the caller brings an operation's arguments into the machine's memory, and takes them
-//! from there. Whose turn it is (the point, its messages) is exchanged by the caller as well.
+//! Single operations, for engines that run a group by other means and leave some operations to the
+//! interpreter. Values are elsewhere: the caller copies an operation's arguments into the machine's memory,
+//! and its results back. The caller also switches the current point and its messages.
 
 use super::components::Closures;
 use super::host::Point;
@@ -12,7 +12,7 @@ use crate::ir::SourcePosition;
 use std::sync::atomic::Ordering;
 
 impl Machine<'_> {
-    /// Forgets all points before, and what they said.
+    /// Drops all earlier points, and their output.
     pub fn start(&mut self) {
         self.strings.truncate(self.plan.strings.count());
         self.closures.clear();
@@ -28,7 +28,7 @@ impl Machine<'_> {
         std::mem::replace(&mut self.messages, messages)
     }
 
-    /// Does an operation of a layer, with what the memory holds.
+    /// Executes an operation of a layer, on the contents of the memory.
     pub fn perform(&mut self, layer: usize, step: &Step) {
         self.layer = layer;
         match step.action {
@@ -120,7 +120,7 @@ impl Plan {
         self.strikes.load(Ordering::Relaxed) >= STRIKES
     }
 
-    /// Notes that a point was stopped; what is to be said if it was the last one.
+    /// Notes that a point was stopped; returns the message of the last allowed one.
     #[must_use]
     pub fn strike(&self) -> Option<Event> {
         let last = self.strikes.fetch_add(1, Ordering::Relaxed) + 1 == STRIKES;

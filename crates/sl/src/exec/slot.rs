@@ -37,6 +37,6 @@ pub struct RetainedOutput {
     pub name: String,
     /// Its type, made of floats or ints.
     pub ty: Type,
-    /// Its first row in [`Results::rows`](super::Results::rows); it has as many as the type has numbers.
+    /// Its first row in [`Results::rows`](super::Results::rows); it has a row for each number of the type.
     pub row: usize,
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What shaders ask about the renderer and themselves.
+//! Queries of shaders about the renderer and themselves.
 
 use super::host::Given;
 use super::machine::{Machine, Step};
@@ -62,7 +62,7 @@ pub(super) fn is_connected(m: &mut Machine<'_>, s: &Step) {
     m.set_int(&s.args[0], i32::from(value));
 }
 
-/// Whether the text says what the value is.
+/// Whether the value is a constant of the text.
 pub(super) fn is_constant(m: &mut Machine<'_>, s: &Step) {
     let layer = &m.plan.layers[m.layer];
     let id = s.symbols[1];

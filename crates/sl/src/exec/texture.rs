@@ -60,7 +60,7 @@ pub(super) fn texture3d(m: &mut Machine<'_>, s: &Step) {
     read(m, s, out, rest, |m, options| m.host.texture3d(&m.text(file), position, options, &m.point));
 }
 
-/// What an operation says of how it reads.
+/// The options of a texture operation.
 struct TextureReport {
     options: TextureOptions,
     /// Where opacity goes, and why there is no picture.
@@ -72,7 +72,8 @@ struct TextureReport {
 }
 
 impl TextureReport {
-    /// Of the pairs of names and values after the place; `cell_bits` knows what cells hold. None if it does not know all that is asked.
+    /// From the pairs of names and values after the coordinates; `cell_bits` returns the contents of cells.
+    /// `None` if an option is unsupported here.
     fn of(
         strings: &Strings,
         out: &Slot,

@@ -181,7 +181,7 @@ impl Machine<'_> {
         self.say(Event::Error(message));
     }
 
-    /// Notes what is said, as long as it is not too much: a loop may say as much as it has turns.
+    /// Records output, up to a limit, because a loop may print in each iteration.
     pub(super) fn say(&mut self, event: Event) {
         let (Event::Print(text) | Event::Error(text) | Event::Warning(text) | Event::File(_, text)) = &event;
         let before = self.reports;

@@ -10,7 +10,7 @@ impl Group {
     /// Connects an output of a layer to an input of a later one; structs by their members.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The fault.
     pub fn connect(&mut self, from_layer: &str, from: &str, to_layer: &str, to: &str) -> Result<(), String> {
         let group = self.name.clone();
         let wrong = |what: String| Err(format!("ConnectShaders: {what}\n        group: {group}"));

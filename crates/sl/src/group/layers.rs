@@ -48,7 +48,7 @@ pub struct Part {
 pub struct Connection {
     /// The layer it comes from.
     pub from_layer: usize,
-    /// What comes.
+    /// The source.
     pub from: Part,
     /// The layer it goes to.
     pub to_layer: usize,
@@ -68,7 +68,7 @@ pub struct Group {
 }
 
 impl Group {
-    /// Adds a layer with values for its parameters. What is wrong with a value is said, and it is left out.
+    /// Adds a layer with values for its parameters. A fault of a value is reported, and the value is dropped.
     pub fn add(
         &mut self,
         shader: Arc<Shader>,

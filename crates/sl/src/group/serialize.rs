@@ -17,7 +17,7 @@ pub type Find<'a> = dyn FnMut(&str) -> Option<Arc<Shader>> + 'a;
 /// Reads a group.
 ///
 /// # Errors
-/// What is wrong, one message each.
+/// The faults, one message each.
 pub fn read_group(
     name: &str,
     text: &str,

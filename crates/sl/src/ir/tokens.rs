@@ -11,11 +11,11 @@ pub(super) enum TextToken {
     Plain(String),
     /// A text in quotes, escapes replaced.
     Text(String),
-    /// `%name{...}` or `%name`; what is in the braces as it stands.
+    /// `%name{...}` or `%name`; the contents of the braces unchanged.
     Hint(String, String),
 }
 
-/// The words of a line; what follows `#` is left out.
+/// The words of a line; text after `#` is dropped.
 pub(super) fn line_tokens(line: &str) -> Vec<TextToken> {
     let mut out = Vec::new();
     let mut rest = line;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether the intermediate form is whole: what passes make and files hold is checked before it runs.
+//! Validity of the intermediate form: output of passes and contents of files are checked before they run.
 
 use super::shader::{Block, Node, Op, Shader, SymId, SymbolKind};
 use crate::hir::Data;

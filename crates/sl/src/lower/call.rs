@@ -76,7 +76,7 @@ impl Lowerer<'_> {
         result.unwrap_or_else(|| Value { ty, leaves: [].into() })
     }
 
-    /// What may be written in place of a value: constants stay what they are.
+    /// A writable symbol for a value: constants stay unchanged.
     fn writable(&mut self, value: Value, loc: Loc) -> Value {
         if value.leaves.iter().all(|&s| self.shader.symbols[s as usize].kind != SymbolKind::Const) {
             return value;

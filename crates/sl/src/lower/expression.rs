@@ -62,7 +62,7 @@ impl Lowerer<'_> {
                 last.unwrap_or_else(|| self.temp(e.ty))
             }
             ExprKind::Cast(a) => {
-                // A cast that says what is there already, as `(color) noise (P)` does, stands in nobody's way.
+                // A cast to the existing type, as in `(color) noise (P)`, does not prevent this.
                 let value = self.expr(a, expected.filter(|_| a.ty == e.ty));
                 self.convert(value, e.ty, loc)
             }
@@ -113,7 +113,7 @@ impl Lowerer<'_> {
         loc: Loc,
     ) -> Value {
         let mut left = self.expr(a, None);
-        // What the right side changes must not change what was read before.
+        // The right side must not change an operand that was read before.
         left = self.settle(left, b, loc);
         let mut right = self.expr(b, None);
         if ty == Type::CLOSURE {

@@ -17,7 +17,7 @@ const OPS: usize = 1_000_000;
 /// the result call themselves as often, on threads of 2 MiB.
 const DEPTH: usize = 800;
 
-/// What an expression leaves: a symbol, of structs one for each value in it.
+/// The result of an expression: a symbol, or one for each value in a struct.
 #[derive(Clone, Debug)]
 pub(super) struct Value {
     pub(super) ty: Type,
@@ -45,7 +45,7 @@ pub(super) struct Lowerer<'a> {
     pub(super) values: HashMap<VarId, Value>,
     constants: HashMap<String, SymId>,
     pub(super) inlines: Vec<Inline>,
-    /// What targets of assignments that are under way were before.
+    /// The old values of the targets of current assignments.
     pub(super) old: Vec<Value>,
     pub(super) effects: Effects,
     temps: usize,
@@ -244,7 +244,7 @@ impl<'a> Lowerer<'a> {
         self.emit_with(name, args.to_vec(), [!1, 1, 0], loc);
     }
 
-    /// An operation with what it reads, writes and takes derivatives of.
+    /// An operation with its reads, writes and derivatives.
     pub(super) fn emit_with(
         &mut self,
         name: &str,
@@ -256,7 +256,7 @@ impl<'a> Lowerer<'a> {
         self.push(Node::Op(Op { name: name.into(), args, reads, writes, derivs, at }));
     }
 
-    /// What `inner` writes, as a block of its own.
+    /// The code that `inner` emits, as a block of its own.
     pub(super) fn block(&mut self, inner: impl FnOnce(&mut Self)) -> Block {
         self.blocks.push(Vec::new());
         inner(self);

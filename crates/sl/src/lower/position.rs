@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What can be assigned to: a variable, a member, an element, a component.
+//! Assignable expressions: a variable, a member, an element, a component.
 
 use super::lowerer::{Lowerer, Value};
 use crate::hir::{Expr, ExprKind};

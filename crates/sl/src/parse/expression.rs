@@ -174,7 +174,7 @@ impl Parser {
         self.node(ExprKind::Call(name, list), loc)
     }
 
-    /// What may start a variable or be an argument.
+    /// An initial value or an argument.
     pub(super) fn expression_or_braces(&mut self) -> Parse<Expr> {
         if !self.is("{") {
             return self.expression();

@@ -13,7 +13,7 @@ use crate::ast::{Binary, Declarator, Expr, ExprKind, Stmt, StmtKind, TypeName, T
 use crate::source::Loc;
 use crate::types::Base;
 
-/// What a turn of the loop sets.
+/// The variables that an iteration of the loop sets.
 const SET: [(&str, Base); 4] =
     [("L", Base::Vector), ("Cl", Base::Color), ("lightdist", Base::Float), ("lightpdf", Base::Float)];
 
@@ -32,7 +32,7 @@ fn declare(base: Base, text: &str, init: Expr, loc: Loc) -> Stmt {
 }
 
 impl Parser {
-    /// What follows the word.
+    /// The rest after the keyword.
     pub(super) fn illuminance(&mut self) -> Parse<StmtKind> {
         let loc = self.loc();
         self.expect("(")?;

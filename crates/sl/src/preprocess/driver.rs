@@ -473,7 +473,7 @@ impl<'a> Preprocessor<'a> {
                 return;
             }
         };
-        // The compiler has brought that already, and what a folder has under this name would say it again.
+        // The compiler has already included it, and a file of this name would repeat its declarations.
         if Path::new(&name).file_name().is_some_and(|file| file == "stdosl.h") {
             return;
         }

@@ -34,7 +34,7 @@ impl Macro {
     /// From the rest of a `#define` line, after the name.
     ///
     /// # Errors
-    /// What is wrong with the parameter list.
+    /// The fault of the parameter list.
     pub fn read(lexer: &mut Lexer) -> Result<Self, String> {
         let mut body = Vec::new();
         while !lexer.at_line_end() {
@@ -134,7 +134,7 @@ impl Macro {
                     let before_paste = self.body.get(i + 1).is_some_and(|t| t.is("##"));
                     let source = if before_paste { &argument(p).raw } else { &argument(p).expanded };
                     if before_paste && source.is_empty() {
-                        // An empty left side: what follows stands alone.
+                        // An empty left side: the right side stays as it is.
                         let blank = Token { tok: Tok::Str("".into()), ..token.clone() };
                         out.push((blank, true));
                     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `testshade` can run groups by beside the interpreter: code that takes points in batches, made elsewhere.
+//! Another engine for `testshade` beside the interpreter: code that takes points in batches, made elsewhere.
 
 use crate::exec::{Event, Host, Plan, Points};
 use crate::hir::Data;
@@ -23,7 +23,7 @@ pub trait Batch {
     /// The value of a layer's output for one of the points.
     fn output(&self, lane: usize, layer: usize, name: &str) -> Option<(Type, Data)>;
 
-    /// What was said, each with the number of its point, in order.
+    /// The output, each with the number of its point, in order.
     fn take_events(&mut self) -> Vec<(usize, Event)>;
 }
 

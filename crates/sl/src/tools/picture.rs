@@ -106,7 +106,7 @@ impl Picture {
 
     fn exr(&self, sample: Sample) -> Vec<u8> {
         let names = self.channel_names();
-        // Channels stand in the order of their names.
+        // Channels are in the order of their names.
         let mut order: Vec<usize> = (0..self.channels).collect();
         order.sort_by(|&a, &b| names[a].cmp(&names[b]));
         let (kind, bytes) = if sample == Sample::Half { (1_u32, 2) } else { (2, 4) };

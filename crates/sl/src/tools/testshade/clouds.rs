@@ -20,12 +20,12 @@ impl Clouds {
         known.entry(file.to_owned()).or_insert_with(|| open(file).map(Arc::new)).clone()
     }
 
-    /// Adds a point to what a file will have.
+    /// Adds a point to the future contents of a file.
     pub(super) fn push(&self, file: &str, position: [f32; 3], row: &[Column]) -> bool {
         self.written.borrow_mut().entry(file.to_owned()).or_default().push(position, row)
     }
 
-    /// Writes what was added; the reasons why files could not be written.
+    /// Writes the added points; returns the reasons of failures.
     pub(super) fn save(&self) -> Vec<String> {
         let written = self.written.take();
         let save = |(file, cloud): (String, PointCloud)| {

@@ -356,7 +356,7 @@ fn globals(group: &Group, console: &mut Console<'_>) {
     console.print(&format!("Need {} globals:  {}\n", names.len(), names.join(" ")));
 }
 
-/// What could not be known before the group runs, and costs time therefore.
+/// Warns about values that were unknown before the group runs, and cost time therefore.
 fn warn(plan: &Plan, options: &Options, console: &mut Console<'_>) {
     let waits = flag(&options.extra, "lazyerror", true);
     for layer in &plan.layers {

@@ -61,7 +61,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Writes what shaders have left for the end; why something could not be written.
+    /// Writes the shaders' files at the end; returns the reasons of failures.
     pub(super) fn save(&self) -> Vec<String> {
         self.clouds.save()
     }
