@@ -37,7 +37,7 @@ programs! {
     threads
 }
 
-/// What is too large is told in the words of the library that renders.
+/// A value above a limit is reported with the limits of the renderer's library.
 #[test]
 fn limits() {
     let workshop = Workshop::new();

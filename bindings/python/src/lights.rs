@@ -17,7 +17,7 @@ pub(crate) struct Made {
     textures: Vec<Texture>,
 }
 
-/// Reads and computes what a light needs: that takes its time, and no scene.
+/// Reads and computes the data of a light: slow work, without access to a scene.
 pub(crate) fn made(light: NewLight) -> PyResult<Made> {
     let mut other = Scene::new();
     let put = match light {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a picture is rendered with, and pictures that grow. Names as the program's options.
+//! Options of a picture, and progressive pictures. Names as the program's options.
 //! Tests: `tests/test_pictures.py`.
 
 use std::sync::{Arc, Mutex};
@@ -96,7 +96,7 @@ impl BuildRequest {
         Ok(Self { view, threads: ThreadCount::new(threads)?, options, layers, denoise })
     }
 
-    /// The finished picture of what `ready` makes ready.
+    /// The finished picture of the input that `ready` prepares.
     pub(crate) fn render(
         &self,
         py: Python<'_>,
@@ -164,7 +164,7 @@ fn aimed(camera: &Bound<'_, PyAny>) -> PyResult<Aim> {
     }
 }
 
-/// What makes rays in the camera's place.
+/// The shader of camera rays.
 fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> {
     let Some(script) = script_named(given, "camera_shader", "camera_parameters", &Access::default())? else {
         return Ok(None);
@@ -174,7 +174,7 @@ fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> 
         .map_err(|why| PyValueError::new_err(format!("camera_shader: {why}")))
 }
 
-/// What pixels show.
+/// The pixel shader.
 fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShader>)>> {
     let Some(script) = script_named(given, "pixel_shader", "pixel_parameters", &Access::default())? else {
         return Ok(None);
@@ -184,7 +184,7 @@ fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShad
         .map_err(|why| PyValueError::new_err(format!("pixel_shader: {why}")))
 }
 
-/// What moves while the shutter is open: instances by number with matrices, and cameras, at moments evenly spaced.
+/// Motion during an open shutter: instances by number with matrices, and cameras, at evenly spaced times.
 fn ways(given: &mut Given) -> PyResult<Option<Ways>> {
     let Some(motion) = given.get("motion")? else { return Ok(None) };
     let wrong = || PyTypeError::new_err("motion: expected a dict of 'instances' and 'cameras'");

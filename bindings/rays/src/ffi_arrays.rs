@@ -150,7 +150,7 @@ fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
     fits.then_some(4 * numbers)
 }
 
-/// What is to be an array of a geometry.
+/// A new array of a geometry.
 struct Given {
     of: c_uint,
     slot: c_uint,

@@ -242,7 +242,7 @@ fn filtered(
     first
 }
 
-/// What is written of a hit.
+/// The output for a hit.
 fn written(built: &Built, hit_arrays: &HitArrays, hit: &Hit, at: impl FnOnce() -> [f64; 3]) -> Written {
     let Hit { t, u, v, prim_id, .. } = *hit;
     let (geom_id, inst_id) = built.ids(hit.geom_id, hit.inst_id, hit.leaf_id);

@@ -46,7 +46,7 @@ unsafe fn forward<const N: usize>(
         if !valid.is_null() && *valid.add(at) == 0 {
             return;
         }
-        // Who has room for the number of an instance in an array says so by giving it.
+        // A program with space for an instance number in an array passes that number.
         if inst_prim_id.is_some() {
             committed.device.has_arrays.store(true, Ordering::Relaxed);
         }

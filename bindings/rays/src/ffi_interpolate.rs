@@ -10,7 +10,8 @@ use crate::ffi_arrays::no_array;
 use crate::ffi_handle::{Handle, with};
 use crate::objects::{Geometry, Kind};
 
-/// Corners of a triangle: the one that weighs what the others leave, those that u and v weigh; and which way these grow.
+/// Corners of a triangle: the one with the remaining weight, and those weighted by u and v; and the
+/// directions in which these grow.
 struct Corners {
     of: [u32; 3],
     u: f32,

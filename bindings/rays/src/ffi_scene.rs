@@ -57,7 +57,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcReleaseScene(scene: Handle) {
     unsafe { release::<Scene>(scene) }
 }
 
-/// What rays are sent into: the scene itself.
+/// The traversable of a scene: the scene itself.
 ///
 /// # Safety
 /// A scene.
@@ -135,7 +135,8 @@ unsafe fn found_at_once<'a>(scene: Handle, id: c_uint) -> Option<&'a Geometry> {
     committed?.geometry(id).map(|geometry| &**geometry)
 }
 
-/// A geometry of a scene, which does not count it for the program. Takes no lock for what is committed: programs call it for each hit.
+/// A geometry of a scene, which does not count it for the program. Takes no lock for committed geometries:
+/// programs call it for each hit.
 ///
 /// # Safety
 /// A scene.
@@ -162,10 +163,10 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryThreadSafe(scene: Handle, i
     geometry.map_or(null_mut(), |geometry| Arc::as_ptr(&geometry).cast_mut().cast())
 }
 
-/// Builds what rays are sent into; nothing where nothing was edited since it was built.
+/// Builds the trees; does nothing without edits since the last build.
 ///
 /// # Safety
-/// A scene that nobody asks meanwhile if it was edited; arrays and callbacks of its geometries are in order.
+/// A scene without concurrent queries if it was edited; arrays and callbacks of its geometries are valid.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcCommitScene(scene: Handle) {
     // SAFETY: passed on.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shader classes in the shading language: `rtGenNewShaderClass("wood", "wood.osl")`.
-//! Parameters of floats and ints have the calls of their numbers, texts have rtParameterString; one that is marked
-//! `interpolated` is of vertices, or of triangles where `rate = "triangle"` stands beside it. What C has no call for keeps its default.
+//! Parameters of floats and ints have the calls of their numbers, texts have rtParameterString; one that is
+//! marked `interpolated` belongs to vertices, or to triangles with `rate = "triangle"`. A parameter without a
+//! call in C keeps its default.
 //! Tests: tests/c/script.c.
 
 use std::path::Path;

@@ -214,7 +214,7 @@ impl Bound {
 
 impl Machine<'_> {
     /// Does an operation that [makes closures](makes_closures) for some points at once; `read` returns the
-    /// contents of cells. Returns false if it must be done one point after the other.
+    /// contents of cells. `None` if it must be done one point after the other.
     pub fn make_closures<'c>(
         &mut self,
         step: &Step,
