@@ -14,7 +14,7 @@ const MOST: usize = 1024;
 /// Pools that are kept. Each is some sleeping threads.
 const KEPT: usize = 4;
 
-/// The pools of a process. Children of a fork keep their parents' behind their own, without using them.
+/// The pools of a process. A child of a fork finds its ancestors' in the list before its own, and never uses them.
 struct Process {
     id: u32,
     /// With their numbers of threads, the one that was used last in front.

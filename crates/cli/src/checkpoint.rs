@@ -42,7 +42,7 @@ impl Checkpoint {
             }
             Err(error) => return Err(self.failure(system_reason(&error))),
         };
-        // What is longer is no checkpoint of this picture: a word more, and that is found out.
+        // A longer file is no checkpoint of this picture: one more word is enough to detect that.
         let most = Accumulation::new(options.clone()).map_err(Failure::usage)?.byte_count() + 8;
         let mut bytes = Vec::new();
         file.take(most).read_to_end(&mut bytes).map_err(|error| self.failure(system_reason(&error)))?;

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::messages::Verbosity;
 use crate::nearest::unknown;
 
-/// What the environment says.
+/// Environment variables.
 #[derive(Debug, Default)]
 pub(crate) struct Environment {
     /// `GNURT_THREADS`: as `--threads`.

@@ -22,14 +22,14 @@ use crate::osl;
 pub(crate) fn run() -> u8 {
     announce_bugs_in_one_line();
     catch_unwind(parse_and_run).unwrap_or_else(|_| {
-        // The hook has told what happened, unless a picture was being decoded elsewhere.
+        // The hook has printed the message, unless a picture was being decoded elsewhere.
         let retained = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take();
         tell_once(&retained.unwrap_or_else(|| "internal: please report this".into()));
         1
     })
 }
 
-/// What was not told yet: a decoder's panic, which becomes an error, or another one at the same time.
+/// The unprinted message: a decoder's panic, which becomes an error, or another one at the same time.
 static KEPT: Mutex<Option<String>> = Mutex::new(None);
 
 fn tell_once(text: &str) {
@@ -121,7 +121,7 @@ fn announce_bugs_in_one_line() {
     }));
 }
 
-/// What is said of a panic.
+/// The message of a panic.
 fn bug(panic: &PanicHookInfo<'_>) -> String {
     let position = panic.location().map(|position| format!(" ({}:{})", position.file(), position.line()));
     let payload = panic.payload();

@@ -40,7 +40,7 @@ impl Source {
                 folder.display()
             )));
         }
-        // The names are text, so that what is none is an unknown name.
+        // The names are text, so an invalid text is an unknown name.
         if let Some(name) = scene.to_string_lossy().strip_prefix(BUILTIN) {
             let names = gnurt::builtin_names();
             return match names.contains(&name) {
@@ -112,7 +112,7 @@ impl Source {
         self.stem_or("scene").to_string_lossy().into_owned()
     }
 
-    /// What a picture of it is called, or all pictures of a sequence.
+    /// The default name of a picture, or of all pictures of a sequence.
     pub(crate) fn picture_name(&self, is_sequence: bool) -> PathBuf {
         let mut name = self.stem_or("picture").to_owned();
         let has_number = Numbered::of(Path::new(&name)).is_some();

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The cost of reading files, in memory and in work, bounded by their lengths: of a picture, a volume, or a scene with its files.
-//! Invariants: memory is asked for before it is taken; what is held at once stays below
-//! [`BELIEVED`] or, for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures);
-//! all bytes ever looked at stay below [`WORK`] or [`WORK_GROWTH`] times the files' own, so that no short file takes long.
+//! Invariants: memory is requested before it is allocated. Memory held at once stays below [`BELIEVED`] or,
+//! for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures). All bytes
+//! ever processed stay below [`WORK`] or [`WORK_GROWTH`] times the files' own, so that no short file takes
+//! long.
 //! Tests: `tests`; `tests/growth.rs` of this crate and of the scene crate count every allocation.
 
 use std::cell::Cell;
@@ -36,7 +37,7 @@ pub struct Budget {
     files: Cell<u32>,
 }
 
-/// More than the files account for; `Display` says what of.
+/// An exceeded budget; `Display` names the resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Excess {
     /// So many bytes at once are the limit.
@@ -48,7 +49,7 @@ pub enum Excess {
 }
 
 impl Excess {
-    /// What would be right.
+    /// The remedy.
     pub const REMEDY: &'static str = "leave out what is not needed, or divide the scene";
 }
 
@@ -132,7 +133,7 @@ impl Budget {
         Ok(())
     }
 
-    /// What is held now.
+    /// Memory held now.
     pub fn held(&self) -> u64 {
         self.held.get()
     }

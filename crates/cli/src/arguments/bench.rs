@@ -21,7 +21,7 @@ pub(crate) struct BenchArguments {
     pub(crate) command: BenchCommand,
 }
 
-/// What can be measured.
+/// The measurements.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
     /// Measure ray queries, beside Embree's where EMBREE4_LIB names a library of Embree 4

@@ -9,7 +9,7 @@ use super::Arguments;
 use crate::command_line::command_line;
 use crate::nearest::unknown;
 
-/// What became of a command line that is no command.
+/// The outcome of an invalid command line.
 #[derive(Debug)]
 pub(crate) enum Refusal {
     /// Help or version: text for standard output, and success.
@@ -18,7 +18,7 @@ pub(crate) enum Refusal {
     Mistake(String),
 }
 
-/// Rewrites what the parser says.
+/// Rewrites the parser's messages.
 pub(crate) fn explain(error: &clap::Error) -> Refusal {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Refusal::Answer(error.render().to_string()),
@@ -92,7 +92,7 @@ fn commands(root: &Command) -> Vec<&str> {
     visible.map(Command::get_name).chain(["help"]).collect()
 }
 
-/// `--spp <N>` without what stands behind the name.
+/// `--spp <N>` without the part after the name.
 fn name_of(argument: &str) -> &str {
     argument.split([' ', '=', '[']).next().unwrap_or(argument)
 }
@@ -107,7 +107,7 @@ fn text(error: &clap::Error, kind: ContextKind) -> String {
     }
 }
 
-/// What the parser says of its own accord, for kinds that this program's arguments do not bring about.
+/// The parser's own message, for kinds of errors that this program's arguments never cause.
 fn first_line(error: &clap::Error) -> String {
     let whole = error.render().to_string();
     let line = whole.lines().next().unwrap_or("bad arguments");

@@ -7,10 +7,10 @@ use clap::Args;
 use super::value::{self, FrameRange};
 use crate::failure::Failure;
 
-/// Frames per second where nobody says: film's.
+/// Default frames per second: film's.
 const FPS: f64 = 24.0;
 
-/// `--at`, `--frames` and what goes with them: when, and for how long.
+/// `--at`, `--frames` and related options: time and duration.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Animation")]
 pub(crate) struct TimeArguments {
@@ -66,7 +66,7 @@ impl TimeArguments {
         (seconds * self.fps()).round() as u32
     }
 
-    /// What can be refused before the scene is read.
+    /// Checks that need no scene.
     pub(crate) fn check(&self, is_of_files: bool, has_checkpoint: bool) -> Result<(), Failure> {
         let without = |option: &str| {
             let reason = "which moment is not said; give --at SECONDS or --frames FIRST..LAST, too";

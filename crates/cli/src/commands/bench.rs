@@ -26,7 +26,7 @@ use crate::workers::machine;
 /// The variable that names the rival.
 const EMBREE: &str = "EMBREE4_LIB";
 
-/// Measures what was asked for.
+/// Runs the requested measurement.
 pub(crate) fn run(arguments: &BenchArguments, environment: &Environment, messages: Messages) -> Outcome {
     match &arguments.command {
         BenchCommand::Rays(arguments) => measure_rays(arguments, environment, messages),
@@ -43,7 +43,7 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
     check_outputs(&[&arguments.json, &arguments.record, &arguments.svg])?;
     let sources = find(&arguments.scenes, &arguments.files, environment)?;
     let embree = rival(&filter, messages)?;
-    // One thread if nobody says how many: what others do disturbs it least.
+    // One thread by default: other processes disturb it least.
     let threads = match arguments.machine.threads.or(environment.threads) {
         Some(0) => gnurt::cores(),
         given => given.unwrap_or(1),
@@ -68,7 +68,7 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
             BenchEvent::Built(what) => messages.detail(what),
             BenchEvent::Differs(what) => messages.note(what),
             BenchEvent::Class(rows) => {
-                // The first failure counts; a reader who has left hears nothing more.
+                // The first failure counts; after the reader has left, nothing more is printed.
                 if heard.is_ok() {
                     heard = print(table::of_class(rows));
                 }

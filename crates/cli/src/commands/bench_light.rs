@@ -99,7 +99,7 @@ fn truth(
     }
     messages.detail(format_args!("two pictures by paths, {} samples per pixel each", arguments.truth_spp));
     let truth = Truth::by_paths(world, camera, options, arguments.truth_spp, pool).map_err(Failure::usage)?;
-    // What is read again is what was rendered, bit for bit.
+    // The file is read back as it was rendered, bit for bit.
     let how = WriteOptions { exr_pixels: ExrPixels::Float, ..WriteOptions::default() };
     for (file, picture) in files.iter().flatten().zip(truth.pictures()) {
         image::write(picture, file, &how).map_err(Failure::data)?;

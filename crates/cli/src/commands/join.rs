@@ -28,7 +28,7 @@ struct Whole {
     /// The file of each piece, once it is there.
     files: Vec<Option<PathBuf>>,
     picture: Picture,
-    /// What the first file says of the picture's making.
+    /// Metadata of the first file.
     metadata: Vec<(String, String)>,
     /// Most samples of a pixel.
     spp_max: u32,
@@ -179,7 +179,7 @@ impl Whole {
         Ok(Some(used.name().to_owned()))
     }
 
-    /// The picture with what its file is to say.
+    /// The picture with the metadata of its file.
     fn finished(&mut self, output: &Output, denoiser: Option<String>) -> Picture {
         let mut picture = std::mem::take(&mut self.picture);
         let is_clean = denoiser.is_some();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt manuals DIR`: a man page for the program and one for each command, and completions for bash, zsh and fish, made
-//! from the command line's own description, for those who install the program. By clap's crates.
+//! `gnurt manuals DIR`: a man page for the program and one for each command, and completions for bash, zsh
+//! and fish, made from the definition of the command line, for packages. By clap's crates.
 //! Tests: `tests/program/manuals.rs`.
 
 use std::path::Path;
@@ -38,7 +38,7 @@ fn write_pages(command: &Command, name: &str, folder: &Path) -> std::io::Result<
     let mut page = Vec::new();
     let title = name.to_uppercase();
     // The page speaks of "gnurt render"; its file and title are gnurt-render, as for other programs of many commands.
-    // What the short help leaves out would stand there without a word.
+    // Options without short help would have no text there.
     let named =
         command.clone().display_name(name.to_owned()).mut_args(|argument| argument.hide_short_help(false));
     clap_mangen::Man::new(named).title(title).render(&mut page)?;

@@ -302,7 +302,7 @@ fn values_may_begin_with_a_minus() {
     assert!(folder.at("-p.png").exists(), "a file's name may begin with a minus, too");
 }
 
-/// Who asks for something that changes nothing is told.
+/// An option without effect gets a warning.
 #[test]
 fn options_without_effect_are_told() {
     let folder = folder();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `render --piece` and `join`: the bytes of the single run, whatever the pieces were made with; what does not fit is refused.
+//! `render --piece` and `join`: the bytes of the single run, for pieces made with any settings; mismatches
+//! are rejected.
 
 use gnurt::image::{Picture, read};
 

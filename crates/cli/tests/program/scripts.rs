@@ -126,7 +126,7 @@ fn wrong_scripts_are_refused() {
         assert!(run.stderr.contains(message), "{choice}: '{message}' must be said: {}", run.stderr);
         assert!(!run.stderr.contains("panicked") && !folder.at("p.png").exists(), "{choice}");
     }
-    // What does not end is stopped, and the picture goes on.
+    // An endless shader is stopped, and the picture continues.
     folder.write("endless.osl", "surface endless () { while (1) { } }");
     let run = folder.gnurt("render builtin:cornell -r 8x8 --spp 1 --shader *=endless.osl -o p.pfm").success();
     assert!(run.stderr.contains("did not end"), "{}", run.stderr);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a scene gets that lacks a camera or any light, so that every scene can be looked at.
-//! The key light over the left shoulder is the custom of scan repositories and of photographers.
+//! Defaults for a scene without a camera or any light, so that every scene can be shown. The key light over
+//! the left shoulder is the custom of scan repositories and of photographers.
 //! Space: world, y upwards unless another axis is given. Tests: `tests` of the submodules.
 
 mod added;
@@ -110,8 +110,8 @@ pub fn complete_camera_around(scene: &mut Scene, bounds: Option<Bounds>, aspect:
     Some(Note::Camera)
 }
 
-/// Puts a scene that needs light (`own_light`) into a studio, seen by `camera`; `up` is what is up there, +y unless it is clearly
-/// another axis. A camera that stands in a room gets a lamp instead.
+/// Puts a scene that needs light (`own_light`) into a studio, seen by `camera`; `up` is the up direction
+/// there, +y unless it is clearly another axis. A camera that stands in a room gets a lamp instead.
 pub fn complete_lights(
     scene: &mut Scene,
     shaders: &ShaderTable,
@@ -150,7 +150,7 @@ pub fn complete_lights_around(
     Some(Note::Studio { displays })
 }
 
-/// Adds lights without extent, and nothing else, to a scene in which nothing emits: for those who measure.
+/// Adds lights without extent, and nothing else, to a scene in which nothing emits: for measurements.
 pub fn complete_plain_lights(scene: &mut Scene, shaders: &ShaderTable, camera: &Camera) -> Option<Note> {
     if !Purpose::Numbers.needs_light(own_light(scene, shaders)) {
         return None;

@@ -122,7 +122,7 @@ fn decode(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<Pictu
 struct Header {
     width: u32,
     height: u32,
-    /// What the values of each channel were multiplied with.
+    /// The factors of each channel's values.
     exposure: [f32; 3],
 }
 

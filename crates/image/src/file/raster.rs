@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PNG, JPEG, TGA, BMP and WebP, decoded by the `image` library behind checks of our own.
 //! In: bytes. Out: texels, rows from the top: 8-bit values as they are, 16-bit ones of measures too, those of colours as linear floats.
-//! Invariants: sizes are checked against `limits` before pixels are decoded, and so is what they take; a panic of the library becomes an error.
-//! Colour profiles and orientation tags are not read. Tests: `tests/{round_trip,broken}.rs`.
+//! Invariants: sizes and memory are checked against `limits` before pixels are decoded; a panic of the
+//! library becomes an error. Colour profiles and orientation tags are not read. Tests:
+//! `tests/{round_trip,broken}.rs`.
 
 use std::io::SeekFrom;
 
@@ -160,7 +161,7 @@ fn stored(
     Ok(Stored::plain(size, channels, values))
 }
 
-/// What is to become of a picture, and what that may take.
+/// The requested form of a picture, and its budget.
 #[derive(Clone, Copy)]
 struct Request<'a> {
     /// Whether bytes become floats in the end.
@@ -215,7 +216,7 @@ fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
     [u64::from(width), u64::from(height)]
 }
 
-/// What a decoder takes beside what it gives.
+/// Memory of a decoder beside its output.
 #[derive(Clone, Copy)]
 struct Sidecar {
     /// For each pixel.
@@ -230,7 +231,7 @@ impl Sidecar {
     }
 }
 
-/// Decodes what may take the memory that it needs.
+/// Decodes within the memory budget.
 fn decode_within(
     decoder: impl ImageDecoder,
     beside: Sidecar,
@@ -240,7 +241,7 @@ fn decode_within(
     let color = decoder.color_type();
     let native = u64::from(color.bytes_per_pixel());
     let texel = if is_wide(color) { request.wide } else { 4 };
-    // First the decoder's own and what it gives, then that and the texels, then those and the floats.
+    // First the decoder's memory and its output, then the output and the texels, then those and the floats.
     let last = if request.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
     let size = size_of(&decoder);
     let decoded = (native + texel).max(last);

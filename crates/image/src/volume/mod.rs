@@ -51,11 +51,12 @@ impl std::fmt::Debug for Grid {
 }
 
 impl Volume {
-    /// Reads a regular file of at most `limit` bytes; at most as many bytes of memory are taken for what it holds, and no more than its
-    /// length accounts for, beside the file itself.
+    /// Reads a regular file of at most `limit` bytes; its contents take at most the same number of bytes of
+    /// memory, and no more than its length accounts for, in addition to the file itself.
     ///
     /// # Errors
-    /// If it cannot be read, is no regular file, is none of OpenVDB's, is broken, holds no numbers, or takes too much memory.
+    /// The file cannot be read, is no regular file, is no OpenVDB file, is broken, holds no numbers, or takes
+    /// too much memory.
     pub fn read(path: &Path, limit: usize) -> Result<Self, Error> {
         let (source, length) =
             open_regular(path).map_err(|fault| fault.in_file(path, "a file of OpenVDB"))?;
@@ -106,7 +107,7 @@ impl Volume {
         }
     }
 
-    /// Reads one of the grids, which may show what the grid named `parent` holds.
+    /// Reads one of the grids, which may share the contents of the grid named `parent`.
     fn grid_of(
         &self,
         bytes: &mut Bytes<'_>,
@@ -165,7 +166,8 @@ impl Grid {
         self.index_from_world
     }
 
-    /// The numbers of a voxel; those beyond [`channels`](Self::channels) are 0. What no voxel was stored for has the background.
+    /// The numbers of a voxel; those beyond [`channels`](Self::channels) are 0. A voxel that was not stored
+    /// has the background.
     #[must_use]
     #[inline]
     pub fn voxel(&self, at: [i32; 3]) -> [f32; 3] {
@@ -178,7 +180,7 @@ impl Grid {
         self.tree.active
     }
 
-    /// The same, rounded to whole leaves of the tree: what other programs take for the picture's size.
+    /// The same, rounded to whole leaves of the tree: the picture's size in other programs.
     #[must_use]
     pub fn window(&self) -> Option<[[i32; 3]; 2]> {
         let mask = LEAF_SIZE - 1;
@@ -235,12 +237,12 @@ fn format_of(kind: &str) -> Option<Format> {
     Some(Format { number, listed, channels, compression: 0 })
 }
 
-/// Reads how voxels lie in the world.
+/// Reads the transform from voxels to the world.
 fn map(bytes: &mut Bytes<'_>) -> Result<DAffine3, Error> {
     let kind = bytes.text()?;
     let mut vector = || Ok::<_, Error>(DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?));
     Ok(match &*kind {
-        // What can be worked out of the scale follows it.
+        // Values derived from the scale follow it.
         "UniformScaleMap" | "ScaleMap" => {
             let scale = vector()?;
             (0..4).try_for_each(|_| vector().map(drop))?;

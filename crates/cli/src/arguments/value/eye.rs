@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values that say where the eye is, and what it sees through.
-//! See docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
+//! Values for the eye's position, and its camera. See docs/reference/cli.md. Tests: `tests` of
+//! `value/mod.rs`.
 
 use gnurt::scene::Projection;
 
