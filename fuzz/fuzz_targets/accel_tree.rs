@@ -58,7 +58,7 @@ fn trace(tree: &ObjectTree) {
     let _ = (tree.stats(), tree.bad_primitives().total(), tree.bounds());
 }
 
-/// What was loaded can be saved and loaded again, bit for bit.
+/// A loaded tree can be saved and loaded again, bit for bit.
 fn come_back(tree: &ObjectTree) {
     let save = |tree: &ObjectTree| {
         let mut file = Vec::new();

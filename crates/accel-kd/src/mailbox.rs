@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Mailboxes: the last triangles that rays were tested against. If triangles lie in several cells, a second
+//! Mailboxes: the last triangles that rays were tested against. If triangles are in several cells, a second
 //! test is redundant.
 //! Source: [AW87]. Invariant: recorded triangles were tested; records may be lost. Tests:
 //! `tests/brute_force.rs`, `tests/grids.rs` of `gnurt-accel`.

@@ -9,7 +9,7 @@
 //! the interval `[d - slack
 //! * |inv|, d + slack * |inv|]`, and no triangle that the test can hit is skipped.
 //!
-//! A component of the direction that is tiny or zero is replaced by 2^-30 of the longest, with its sign: over
+//! A component of the direction that is tiny or zero is replaced by 2^-30 of the longest, with its sign. Over
 //! the whole scene that moves a point by far less than the slack, and neither infinity nor `0 * inf` can
 //! arise. The sign bit decides which child is nearer, for -0.0 too. Tests: `tests/axis_parallel.rs`,
 //! `tests/watertight.rs`.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether two engines gave the same answers to the same rays, and if not, whose are wrong.
-//! Where answers differ both are compared with the truth of the triangles that they name (`exact.rs`): an
-//! answer is wrong if its triangle is not met, if its `t` is off, or if the other's triangle is surely met nearer. Rays that
-//! pass an edge so closely that the triangles beside it are met as well as missed are nobody's. Where it is not said which
-//! triangle, or any would do, all are looked at.
-//! What is wrong in our own answers ends a benchmark as soon as it is more than a few; a rival's is told.
+//! Agreement of two engines on the same rays, and the engine at fault where they differ. Where answers
+//! differ, both are compared with the exact values for their triangles (`exact.rs`): an answer is wrong if
+//! its triangle is missed, if its `t` is off, or if the other's triangle is surely hit nearer. A ray that
+//! passes an edge so closely that both triangles beside it may count as hit or missed is undecided. If an
+//! answer names no triangle, or if any would do, all are tested. More than a few wrong answers of our own end
+//! a benchmark; those of a reference engine are reported.
 //! Tests: `tests`.
 
 use gnurt::accel::{INVALID_ID, Ray, Triangles};
@@ -13,7 +13,7 @@ use crate::exact::{Truth, truth};
 use crate::ties::{BESIDE, is_tie, meet};
 use crate::timing::{Answered, Rays};
 
-/// What the answers of an engine come to.
+/// Sums over the answers of an engine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     pub(crate) hits: u64,
@@ -35,9 +35,9 @@ const ROUNDING: f64 = 1e-5;
 /// Rays whose triangles are all looked at: beyond these nobody's fault is known.
 const MOST_LOOKED_AT: u64 = 500;
 
-/// What of a rival's answers may be wrong, as a share of the rays: hits and misses; all together. Its usual test is not
-/// watertight, and near large triangles its `t` is as exact as floats are; but an engine that is asked in a wrong way gives
-/// other answers to most rays.
+/// Allowed wrong answers of a reference engine, as a fraction of the rays: hits and misses; all together. Its
+/// usual test is not watertight, and near large triangles its `t` has the precision of floats; but an engine
+/// that is called wrongly gives other answers to most rays.
 const REFERENCES: [f64; 2] = [1e-2, 0.5];
 
 /// How the answers to a ray differ.
@@ -51,7 +51,7 @@ enum Kind {
     Other,
 }
 
-/// Who is wrong about a ray.
+/// The engine at fault for a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wrong {
     First,
@@ -114,21 +114,21 @@ fn judge_flip(triangles: &Triangles, ray: &Ray, hit: Answer, hit_is_first: bool)
     if hit_is_first { Wrong::of(hit_is_wrong, miss_is_wrong) } else { Wrong::of(miss_is_wrong, hit_is_wrong) }
 }
 
-/// What differs, and the place of a ray for which it does: the one whose `t` differs most, if there is any.
+/// A description of the differences, and the index of the ray whose `t` differs most, if there is any.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Difference {
     pub(crate) what: String,
     pub(crate) ray: usize,
 }
 
-/// Who is compared.
+/// The compared engines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Names<'a> {
     pub(crate) first: &'a str,
     pub(crate) second: &'a str,
 }
 
-/// How many rays are answered differently, by who is wrong: by flips, and all of them.
+/// Numbers of differing rays, by the engine at fault: flips, and all of them.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     flips: u64,
@@ -148,9 +148,9 @@ impl Tally {
     }
 }
 
-/// Compares ray by ray. Nothing to tell, something to tell, or too much of it: more than a share `tolerance` of the rays hit
-/// or missed wrongly, or ten times as many wrong in any way, by the first or by who bears the same name, or by nobody knows
-/// whom. Others are given more room.
+/// Compares ray by ray. Reports nothing, something, or a failure. A failure is more than a fraction
+/// `tolerance` of the rays with wrong hits or misses, or ten times as many wrong in any way, by the first
+/// engine, by one of the same name, or undecided. Other engines have wider limits.
 pub(crate) fn compare(
     first: &Answered,
     second: &Answered,

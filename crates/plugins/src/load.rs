@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From a class's name and a file to a checked class, or to words that say what is wrong.
-//! Invariant: what passes has every promise of [`PluginClass`].
+//! From a class's name and a file to a checked class, or to a message about the fault.
+//! Invariant: an accepted class has every guarantee of [`PluginClass`].
 //! Tests: bindings/openrt/tests/plugins.rs: a plugin for each rule that it breaks.
 
 use std::fmt::{Display, Formatter};
@@ -47,11 +47,12 @@ pub fn load(name: &str, file: &str) -> Result<PluginClass, LoadError> {
     load_by(name, file, || find(file, &folders, Library::open))
 }
 
-/// Loads class `name` from the library at `path` as it is now, whatever was loaded from there before: from a copy, since the
-/// system's loader gives back what it has under a name, and a file that is mapped must not change.
+/// Loads class `name` from the current library at `path`, whatever was loaded from there before. It loads a
+/// copy, because the system's loader returns an already loaded library of a name, and a mapped file must not
+/// change.
 ///
-/// The copy is made where temporary files are, or beside the library where no code may be loaded from there. Where neither
-/// can be, the library itself is loaded, so that it works, though one that was built again is not seen.
+/// The copy is in the folder of temporary files, or beside the library if no code may be loaded from there.
+/// If neither is possible, the library itself is loaded; then a rebuilt library is not noticed.
 pub(crate) fn load_anew(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
     let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folders = [&std::env::temp_dir(), beside];
@@ -189,7 +190,7 @@ fn checked(raw: &RawClass, file: &str, library: Arc<Library>) -> Result<PluginCl
     Ok(checked)
 }
 
-/// What a class says before its parameters.
+/// The part of a class before its parameters.
 fn checked_header(class: &Class) -> Result<Kind, String> {
     if (class.struct_size as usize) < Class::LEAST {
         return Err(format!("RTSclass has struct_size {}, not {}", class.struct_size, size_of::<Class>()));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surface shaders for scenes that no OpenRT calls make: classes of plugins and built-in ones, files in the shading language,
 //! parameters as people write them.
-//! A parameter is as many numbers as it has, or one for all of them, between commas; a text; or, for
-//! textures, `@` and the name of a picture. A plugin is loaded anew each time, so that one that was built again is seen.
+//! A parameter is its numbers, or one number for all of them, between commas; a text; or, for textures, `@`
+//! and the name of a picture. A plugin is loaded again each time, so that a rebuilt one is used.
 //! Tests: `tests`; crates/cli/tests/program/shaders.rs.
 
 use std::collections::BTreeMap;
@@ -66,7 +66,7 @@ impl SceneShader {
         Ok(Self::of(script, surface))
     }
 
-    /// What it did wrong since, a line each.
+    /// Its faults since then, a line each.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = self.plugins.faults();
@@ -74,7 +74,7 @@ impl SceneShader {
         faults
     }
 
-    /// What the compiler of a script warned of.
+    /// Warnings of a script's compiler.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         self.script.as_ref().map_or(&[], Script::warnings)
@@ -192,7 +192,7 @@ fn index_of(name: &str, described: &[Parameter]) -> Result<usize, String> {
     }
 }
 
-/// The numbers of a parameter: as many as it has, or one for all.
+/// The numbers of a parameter: one for each, or one for all.
 fn numbers<T: Clone, E>(
     parameter: &Parameter,
     text: &str,

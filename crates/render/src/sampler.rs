@@ -51,7 +51,7 @@ impl<'a> Sampler<'a> {
         tracer
     }
 
-    /// Takes the next samples of all pixels of a tile, as many as fit into a batch, up to `last`.
+    /// Takes the next samples of all pixels of a tile, up to the size of a batch and up to `last`.
     pub(crate) fn render_samples(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, last: u32) {
         let mut batch = std::mem::take(&mut tracer.camera);
         let pixels = tile.first.len();

@@ -13,7 +13,7 @@ pub struct Material {
     pub name: String,
     /// How it scatters light.
     pub surface: Surface,
-    /// What `--force-diffuse` shows instead of the surface; `None` = see [`Material::diffuse_color`]. Set
+    /// The colour of `--force-diffuse` instead of the surface; `None` = see [`Material::diffuse_color`]. Set
     /// where the conversion to `surface` loses the file's diffuse colour: an OBJ mirror keeps its `Kd` here,
     /// even if it is black.
     pub diffuse: Option<Color>,

@@ -6,10 +6,10 @@
 //! come as [`Dual`].
 //!
 //! Most functions are generic over [`Number`]: the same text is compiled for a float, for a float with
-//! derivatives, and for any other number (the compiler of shaders has one that records operations), and gives
-//! the same bits in all of them. Functions that have no derivative (`floor`, `step`, hashes) take a [`Real`].
-//! Triples go through such a function component by component, and those that mix components (`math` of
-//! vectors) take `[N; 3]`.
+//! derivatives, and for any other number, with the same bits in all of them. The compiler of shaders has a
+//! number that records operations. Functions that have no derivative (`floor`, `step`, hashes) take a
+//! [`Real`]. Triples go through such a function component by component, and those that mix components (`math`
+//! of vectors) take `[N; 3]`.
 //!
 //! ```
 //! use gnurt_sl_lib::{Dual, math};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures of what is seen, without the numbers over it: view-0001.png, view-0002.png, ...
-//! Old files are kept; a file appears whole or not at all. Tests: `tests`.
+//! Screenshots, without the overlay: view-0001.png, view-0002.png, ... Old files are kept; a file appears
+//! whole or not at all. Tests: `tests`.
 
 use std::path::{Path, PathBuf};
 

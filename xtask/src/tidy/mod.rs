@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask tidy`: what the compiler does not check of ARCHITECTURE.md and CONTRIBUTING.md.
-//! One file per rule; each rule is a function from plain text to complaints and has a test in which it fails.
+//! `cargo xtask tidy`: rules of ARCHITECTURE.md and CONTRIBUTING.md that the compiler does not check. One
+//! file per rule; each rule is a function from plain text to complaints and has a test in which it fails.
 
 mod arrows;
 mod attributes;
@@ -28,7 +28,7 @@ use crate::failure::Failure;
 use crate::workspace::Workspace;
 use files::SourceFile;
 
-/// Checks one file; gives line numbers (from 1) and what is wrong there.
+/// Checks one file; returns line numbers (from 1) and faults.
 type Rule = fn(&SourceFile) -> Vec<(usize, String)>;
 
 const RULES: [Rule; 7] = [

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! An object's triangles in a grid. Source: [WIK*06]. Space: object. Triangles are stored once, in the
-//! caller's order; cells refer to them. Large triangles lie in many cells: if references would exceed
+//! caller's order; cells refer to them. Large triangles are in many cells: if references would exceed
 //! [`BuildOptions::reference_budget`], cells are larger.
 //! Tests: `tests/grids.rs` of `gnurt-accel`.
 

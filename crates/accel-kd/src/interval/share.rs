@@ -87,7 +87,7 @@ struct Sharing<'a, 'b> {
 }
 
 impl Sharing<'_, '_> {
-    /// A subtree over all of `references`, which lie in `bounds`, with their centres in `cell`.
+    /// A subtree over all of `references`, which are in `bounds`, with their centres in `cell`.
     fn below(
         &self,
         references: &mut [Reference],

@@ -17,13 +17,14 @@ macro_rules! queries {
             ///
             /// The count is that of a line infinitesimally beside the ray, on a side that depends on its
             /// direction alone. So a ray through an edge or a vertex crosses the surface there once, for any
-            /// number of triangles, whether they share corners, only positions, or lie in several geometries.
-            /// Coincident sheets are crossed one by one. A ray that touches a surface at an edge or a vertex
-            /// crosses it there twice or not at all. One in the plane of a triangle does not cross that. One
-            /// through the rim of an open mesh crosses it once or not at all, and of two meshes that meet at
-            /// their rims exactly one. Ends of the ray belong to it. Decisions are exact, far away and
-            /// through instances, too; only spheres and user geometry are as good as their arithmetic, and
-            /// trees of [projected](crate::TriangleTest::Projected) triangles as the corners that they keep.
+            /// number of triangles, whether they share corners, only positions, or belong to several
+            /// geometries. Coincident sheets are crossed one by one. A ray that touches a surface at an edge
+            /// or a vertex crosses it there twice or not at all. One in the plane of a triangle does not
+            /// cross that. One through the rim of an open mesh crosses it once or not at all, and of two
+            /// meshes that meet at their rims exactly one. Ends of the ray belong to it. Decisions are exact,
+            /// far away and through instances, too; only spheres and user geometry are as good as their
+            /// arithmetic, and trees of [projected](crate::TriangleTest::Projected) triangles as the corners
+            /// that they keep.
             #[must_use]
             pub fn crossings(&self, ray: &impl AnyRay) -> u32 {
                 self.crossings_with(&Query::default(), ray)

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers of the objects of a scene, those of nested scenes too, in the order of the instances on the path
-//! to them. An instance of an object takes one number, as does an absent one; an instance of a scene takes as
-//! many as that has. If no instance shows a scene, an object's number is its instance's index, and nothing is
-//! stored.
+//! to them. An instance of an object takes one number, and so does an absent one; an instance of a scene
+//! takes one for each of its objects. If no instance shows a scene, an object's number is its instance's
+//! index, and nothing is stored.
 //! Tests: `tests`, `tests/nested.rs`.
 
 use std::sync::Arc;

@@ -225,7 +225,7 @@ mod tests {
         }
     }
 
-    /// Otherwise light paths with these numbers would start at other lights, as many as at all others.
+    /// Otherwise light paths with these numbers would start at other lights.
     #[test]
     fn lamps_that_cannot_be_chosen_are_none() {
         let bounds = Some(([-1.0; 3], [1.0; 3]));

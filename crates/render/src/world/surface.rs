@@ -2,7 +2,7 @@
 //! From hits to surface points: positions, normals, coordinates and attributes out of the meshes' arrays, as many points at a time
 //! as the CPU's registers hold.
 //! Source: [PJH23] section 6.8 (bounding the error of a hit point); [Hanika2021] (`lift`); original. Space: world.
-//! Points are computed from barycentric weights instead of `org + t dir`: they lie in their triangle's plane
+//! Points are computed from barycentric weights instead of `org + t dir`: they are in their triangle's plane
 //! up to rounding, and `error` bounds that from the largest coordinate involved.
 //! Invariant: every CPU level gives the same bits. Tests: crates/render/tests/{offsets,terminator,appearance,lanes}.rs.
 
