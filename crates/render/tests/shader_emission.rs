@@ -153,7 +153,7 @@ fn lamps_follow_their_shaders() {
     let options = RenderOptions { integrator: Integrator::Path, max_depth: 2, ..options(4, 4, 4) };
     let mut light = |table: &ShaderTable| {
         let report = world.commit(&scene, table, &commit, &pool(1)).expect("the scene is sound");
-        (measured(&world, &options), report.found_lamps)
+        (measured(&world, &options), report.found_emitters)
     };
     let dim = table(1.0);
     let (one, _) = light(&dim);

@@ -119,7 +119,7 @@ impl World {
         let is_numbered = || emitters.ids.is_empty() || tree_before.numbers_alike(&self.tree);
         let emitters =
             found.or_else(|| (!is_numbered()).then(|| emitters.renumbered(&tree_before, &self.tree)));
-        report.found_lamps = emitters.is_some();
+        report.found_emitters = emitters.is_some();
         let bounds = self.tree.bounds();
         let changed = ChangedLights {
             edited: is_first || !dirty.lights.is_empty() || !dirty.textures.is_empty(),

@@ -51,7 +51,7 @@ pub struct CommitReport {
     /// Surface shaders that were made.
     pub made_shaders: usize,
     /// Whether the triangles that shine were looked for.
-    pub found_lamps: bool,
+    pub found_emitters: bool,
     /// Whether the list of lights was made. Its costly parts are shared with the list before while they are
     /// valid.
     pub made_lights: bool,
