@@ -128,7 +128,7 @@ impl Target<'_> {
     }
 
     /// All primitives within `radius`.
-    pub(crate) fn touching_ball(
+    pub(crate) fn touching_sphere(
         self,
         query: &Query,
         center: [f64; 3],

@@ -239,18 +239,18 @@ macro_rules! queries {
             /// All primitives with a point no farther than `radius` from `center`, in the order of their ids; `ids` is
             /// emptied first. User geometry is seen as far as it answers
             /// [`closest_point`](crate::UserGeometry::closest_point).
-            pub fn touching_ball(
+            pub fn touching_sphere(
                 &self,
                 query: &Query,
                 center: [f64; 3],
                 radius: f64,
                 ids: &mut Vec<PrimitiveId>,
             ) {
-                self.target().touching_ball(query, center, radius, ids);
+                self.target().touching_sphere(query, center, radius, ids);
             }
 
             /// The same for many balls, centres and radii, a list each.
-            pub fn touching_ball_batch(
+            pub fn touching_sphere_batch(
                 &self,
                 query: &Query,
                 balls: &[([f64; 3], f64)],
@@ -258,7 +258,7 @@ macro_rules! queries {
                 ids: &mut Lists<PrimitiveId>,
             ) {
                 let touching = |ball: &([f64; 3], f64), ids: &mut _| {
-                    self.touching_ball(query, ball.0, ball.1, ids);
+                    self.touching_sphere(query, ball.0, ball.1, ids);
                 };
                 ids.answer_each(threads, balls, touching);
             }
