@@ -26,7 +26,7 @@ pub struct Options {
     pub seeds: u64,
     /// Render each picture twice under the same virtual lights, and separate the common part of their errors
     /// from the rest.
-    pub lights_apart: bool,
+    pub separate_lights: bool,
 }
 
 /// Errors of one picture after some samples.
@@ -198,7 +198,7 @@ pub fn run(
                 ..options.picture.clone()
             };
             // Of other rays under the same virtual lights.
-            let twin = options.lights_apart && integrator.has_virtual_lights();
+            let twin = options.separate_lights && integrator.has_virtual_lights();
             let lights_seed = Some(seed_of_picture);
             let of_twin = RenderOptions { seed: SEED + 2 + seed_of_picture, lights_seed, ..picture.clone() };
             let mut twin = if twin { Some(Accumulation::new(of_twin)?) } else { None };

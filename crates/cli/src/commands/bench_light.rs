@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
         picture,
         seconds,
         seeds: arguments.rounds as u64,
-        lights_apart: arguments.lights_apart,
+        separate_lights: arguments.separate_lights,
     };
     let mut retained = Ok(());
     let mut keep = |point: &light::Point, picture: &image::Picture| {
