@@ -178,7 +178,7 @@ impl Program for Job {
         self.plan.retained()
     }
 
-    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
-        self.plan.tell_point(host, point)
+    fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        self.plan.describe_point(host, point)
     }
 }

@@ -326,8 +326,8 @@ impl Program for Compiled {
         self.run_for(&self.plan, host, points, out);
     }
 
-    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
-        self.plan.tell_point(host, point)
+    fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        self.plan.describe_point(host, point)
     }
 
     fn retained(&self) -> &[RetainedOutput] {

@@ -180,7 +180,7 @@ impl SurfaceShader for ScriptSurface {
         let world = World::around(&self.common, hits, None);
         let mut all = Points::default();
         points(hits, lane / LANES * LANES, Caller::Rays, self.common.needs.with_all(), &mut all);
-        self.common.program.tell_point(&world, &all.point(lane % LANES))
+        self.common.program.describe_point(&world, &all.point(lane % LANES))
     }
 }
 

@@ -145,5 +145,5 @@ pub trait Program: Send + Sync {
     fn retained(&self) -> &[RetainedOutput];
 
     /// Runs it for one point and tells its parameters and variables, a line each.
-    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String>;
+    fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String>;
 }

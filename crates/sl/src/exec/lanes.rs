@@ -46,7 +46,7 @@ impl Program for Plan {
         &self.retained
     }
 
-    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+    fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
         let mut machine = Machine::new(self, host);
         machine.run(point);
         let mut lines = Vec::new();
