@@ -24,7 +24,7 @@ pub(crate) fn run() -> u8 {
     catch_unwind(parse_and_run).unwrap_or_else(|_| {
         // The hook has printed the message, unless a picture was being decoded elsewhere.
         let retained = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take();
-        tell_once(&retained.unwrap_or_else(|| "internal: please report this".into()));
+        print_once(&retained.unwrap_or_else(|| "internal: please report this".into()));
         1
     })
 }
@@ -32,7 +32,7 @@ pub(crate) fn run() -> u8 {
 /// The unprinted message: a decoder's panic, which becomes an error, or another one at the same time.
 static KEPT: Mutex<Option<String>> = Mutex::new(None);
 
-fn tell_once(text: &str) {
+fn print_once(text: &str) {
     static FIRST: Once = Once::new();
     FIRST.call_once(|| Messages::new(Verbosity::Normal).error(text));
 }
@@ -116,7 +116,7 @@ fn announce_bugs_in_one_line() {
         if expects_panics() {
             *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(text);
         } else {
-            tell_once(&text);
+            print_once(&text);
         }
     }));
 }

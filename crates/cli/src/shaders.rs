@@ -125,7 +125,7 @@ impl Shaders {
     }
 
     /// Reports their faults.
-    pub(crate) fn tell_faults(&self, messages: Messages) {
+    pub(crate) fn report_faults(&self, messages: Messages) {
         let scripts = self.scripts.iter().flat_map(Script::faults);
         self.made
             .iter()

@@ -93,7 +93,7 @@ impl Source {
     }
 
     /// Warns of textures that were lost while they were on the disk.
-    pub(crate) fn tell_lost(&self, messages: Messages) {
+    pub(crate) fn warn_lost(&self, messages: Messages) {
         let failed = self.options.tiles.as_ref().map_or(0, |tiles| tiles.counts().failed);
         if failed > 0 {
             messages.warning(format_args!(

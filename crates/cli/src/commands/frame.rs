@@ -101,7 +101,7 @@ pub(super) fn make(
 ) -> Outcome {
     let mut frame = render_frame(arguments, plan, ready, options, pool, messages)?;
     tell(&frame, arguments, messages);
-    ready.shaders.tell_faults(messages);
+    ready.shaders.report_faults(messages);
     let camera = ready.chosen.shader.iter();
     camera.flat_map(|shader| shader.script.faults()).for_each(|fault| messages.warning(fault));
     if signals::is_stopped() && arguments.times.frames.is_some() {

@@ -33,7 +33,7 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
         let ready = prepare(arguments, &plan, &options, &pool, messages)?;
         make(arguments, begin, &plan, &ready, &options, &pool, messages)
     };
-    source.tell_lost(messages);
+    source.warn_lost(messages);
     outcome
 }
 

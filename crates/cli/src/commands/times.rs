@@ -123,7 +123,7 @@ impl Studio<'_> {
             let begin = Instant::now();
             let closes = self.arguments.times.closes(frame.seconds);
             let exposure = scene.expose(clip, frame.seconds, closes);
-            self.tell_held(&exposure, &mut is_reported);
+            self.warn_held(&exposure, &mut is_reported);
             self.make(plan, &mut ready, (&scene, &exposure), frame, begin)?;
             if signals::is_stopped() {
                 break;
@@ -238,7 +238,7 @@ impl Studio<'_> {
     }
 
     /// Warns once about motion that an open shutter does not blur.
-    fn tell_held(&self, exposure: &Exposure, is_reported: &mut bool) {
+    fn warn_held(&self, exposure: &Exposure, is_reported: &mut bool) {
         if exposure.held > 0 && !std::mem::replace(is_reported, true) {
             self.messages.warning(format_args!(
                 "{} materials or instances change or come and go while the shutter is open; they stay as they are when it opens",

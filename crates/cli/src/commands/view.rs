@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     let (pool, level) = machine(&arguments.machine, environment)?;
     if windowless {
         let outcome = run_windowless(arguments, &source, output.as_ref(), &pool, level, messages);
-        source.tell_lost(messages);
+        source.warn_lost(messages);
         return outcome;
     }
     signals::listen(FirstSignal::Leaves, messages)?;

@@ -161,12 +161,12 @@ impl<'a> Document<'a> {
                 warnings.note(Oddity::UnknownExtension, &self.path, None, quoted(name));
             }
         }
-        self.tell_unknown(warnings);
+        self.warn_unknown(warnings);
         Ok(())
     }
 
     /// Warns about extensions that are used but not supported.
-    fn tell_unknown(&self, warnings: &mut Warnings) {
+    fn warn_unknown(&self, warnings: &mut Warnings) {
         // Those beyond are told twice; the set stays small whatever the file holds.
         const MOST_REQUIRED: usize = 1024;
         let required = self.root.extensions_required.iter().take(MOST_REQUIRED);

@@ -183,7 +183,7 @@ struct Phong {
 
 impl Phong {
     fn of(entry: &Entry, warnings: &mut Warnings) -> Self {
-        tell_out_of_range(entry, warnings);
+        warn_out_of_range(entry, warnings);
         let not_negative = |c: [f32; 3]| c.map(|x| x.max(0.0));
         let unit = |x: f32| x.clamp(0.0, 1.0);
         let ke = entry.ke.map(not_negative);
@@ -275,7 +275,7 @@ impl Phong {
 }
 
 /// Numbers that are brought into their range before they are used.
-fn tell_out_of_range(entry: &Entry, warnings: &mut Warnings) {
+fn warn_out_of_range(entry: &Entry, warnings: &mut Warnings) {
     let mut tell = |keyword: &str, value: f32, range: &str| {
         let detail = format!("`{keyword} {value}` of {}; {range}", quoted(&entry.name));
         warnings.note(Oddity::NumberOutOfRange, &entry.path, None, detail);

@@ -43,7 +43,7 @@ pub(super) fn read(
     for element in &header.elements {
         let corners = element.properties.iter().position(is_corners);
         if element.name == "face" && element.count > 0 {
-            tell_unread(element, path, body.warnings);
+            warn_unread(element, path, body.warnings);
         }
         match (&element.name[..], corners) {
             ("vertex", _) => body.read_vertices(element)?,
@@ -59,7 +59,7 @@ pub(super) fn read(
 }
 
 /// Warns about properties of faces that our meshes do not have.
-fn tell_unread(face: &Element, path: &Path, warnings: &mut Warnings) {
+fn warn_unread(face: &Element, path: &Path, warnings: &mut Warnings) {
     let has = |names: &[&str]| face.properties.iter().any(|property| names.contains(&&property.name[..]));
     for (names, what) in [
         (&["red", "green", "blue", "diffuse_red"][..], "colours of faces"),
@@ -125,7 +125,7 @@ impl<R: BufRead> Body<'_, R> {
     }
 
     /// Notes a line that ends before unused properties.
-    fn tell_short(&mut self, is_whole: bool) {
+    fn note_short(&mut self, is_whole: bool) {
         if !is_whole {
             self.warnings.note(Oddity::ShortLine, self.path, self.numbers.line(), "");
         }
@@ -164,7 +164,7 @@ impl<R: BufRead> Body<'_, R> {
         for index in 0..element.count {
             let read = read_vertex(&mut self.numbers, &slots);
             let (vertex, is_whole) = read.map_err(|fault| self.fault(fault, element, index))?;
-            self.tell_short(is_whole);
+            self.note_short(is_whole);
             let mesh = &mut self.mesh;
             mesh.positions.push(vertex.position);
             mesh.normals.extend(columns.normals.then_some(vertex.normal));
@@ -189,7 +189,7 @@ impl<R: BufRead> Body<'_, R> {
         for index in 0..element.count {
             let read = read_face(&mut self.numbers, element, corners, &mut self.corners);
             let is_whole = read.map_err(|fault| self.fault(fault, element, index))?;
-            self.tell_short(is_whole);
+            self.note_short(is_whole);
             add(self, index)?;
             // One list may be as long as the file.
             if index.is_multiple_of(ELEMENTS_BETWEEN) || self.corners.len() > ELEMENTS_BETWEEN as usize {
