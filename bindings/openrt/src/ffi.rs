@@ -10,7 +10,7 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, LazyLock};
 
-use gnurt_plugins::host::say;
+use gnurt_plugins::host::print_line;
 
 use crate::context::Context;
 use crate::ffi_lock::{Biased, Guard};
@@ -49,7 +49,7 @@ pub(crate) fn look<T>(blind: T, at: impl FnOnce(Option<&Context>) -> T) -> T {
 /// A call from within a call of the same thread: it would wait for itself, and nothing can be noted meanwhile.
 #[cold]
 fn reject<T>(shown: impl FnOnce() -> String, on_error: T) -> T {
-    say(format_args!("{} was called by a shader while the library waits for that shader: ignored", shown()));
+    print_line(format_args!("{} was called by a shader while the library waits for that shader: ignored", shown()));
     on_error
 }
 
@@ -71,7 +71,7 @@ fn fail<T>(
     if *PRINTS || hearing.is_some() {
         let call = shown();
         if *PRINTS {
-            say(report::line(error, &call));
+            print_line(report::line(error, &call));
         }
         if let Some(hearing) = hearing {
             let _listening = Listening::begin();
@@ -117,7 +117,7 @@ fn wait_for(replaced: Option<Arc<Listener>>) {
 /// The error for a panic, whose message has already been printed.
 #[cold]
 fn internal_error() -> Error {
-    say("this is a bug in libOpenRT; the call failed");
+    print_line("this is a bug in libOpenRT; the call failed");
     Error::InvalidOperation
 }
 
@@ -212,7 +212,7 @@ extern "C-unwind" fn rtExit() {
         let listener = context.as_mut().and_then(|context| context.listener.take());
         // Dropping frees everything; a panic in it must not cross to C, and there is no context left to note it.
         let dropped = catch_unwind(AssertUnwindSafe(|| drop(context)));
-        dropped.unwrap_or_else(|_| say("this is a bug in libOpenRT; rtExit did not finish"));
+        dropped.unwrap_or_else(|_| print_line("this is a bug in libOpenRT; rtExit did not finish"));
         wait_for(listener);
     }
 }

@@ -172,7 +172,7 @@ mod barrier {
         // A child of fork has to register again.
         if !call(EXPEDITED) && !is_there() {
             // No other instruction orders another CPU's stores; the system has withdrawn the service.
-            gnurt_plugins::host::say("the system's membarrier does not work any more");
+            gnurt_plugins::host::print_line("the system's membarrier does not work any more");
             std::process::abort();
         }
     }

@@ -14,7 +14,7 @@ use gnurt::render::{
     Accumulation, CommitError, CommitOptions, Integrator, RenderError, RenderOptions, ShaderTable, World,
 };
 use gnurt::shading::CameraShader;
-use gnurt_plugins::host::{PluginFrame, say};
+use gnurt_plugins::host::{PluginFrame, print_line};
 
 use crate::stage::Stage;
 use crate::state::error::{Error, Result};
@@ -106,7 +106,7 @@ impl Job {
 
 /// Prints an error, and returns its code for the program.
 pub(crate) fn reported(error: &dyn std::fmt::Display, code: Error) -> Error {
-    say(error);
+    print_line(error);
     code
 }
 

@@ -14,7 +14,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use crate::class::PluginClass;
 use crate::ffi_catch::Thrown;
 use crate::ffi_rts::{BlockFn, Host, PrepareFn};
-use crate::say::say;
+use crate::print_line::print_line;
 
 /// Bytes with an alignment, all zero at first.
 struct Memory {
@@ -160,7 +160,7 @@ impl Drop for PluginBlock {
         if let Some(fini) = self.class.calls.fini {
             let content = self.content.get_mut().unwrap_or_else(PoisonError::into_inner);
             if call_block(&self.class, fini, &mut content.memory).is_err() {
-                say(format_args!("{}: an exception left its fini", self.class.title()));
+                print_line(format_args!("{}: an exception left its fini", self.class.title()));
             }
         }
     }

@@ -18,7 +18,7 @@ use crate::ffi_lanes::Buffers;
 use crate::ffi_rts::{Ctx, Hits, Host, RTS_ABI, Rays, Vec3In, Vec3Out, read_sized, text};
 use crate::ffi_stack;
 use crate::frame_shader::FrameShader;
-use crate::say::say;
+use crate::print_line::print_line;
 
 /// The host's functions.
 pub(crate) static HOST: Host = Host {
@@ -450,7 +450,7 @@ unsafe extern "C" fn log(ctx: *mut Ctx, level: c_int, message: *const c_char) {
     if ctx.is_null() {
         let printed = catch_unwind(|| {
             if !SILENT.with_borrow(|silent| *silent) {
-                say(format_args!("plugin: {grade}{message}"));
+                print_line(format_args!("plugin: {grade}{message}"));
             }
             MESSAGES.with_borrow_mut(|messages| messages.as_mut().map(|messages| messages.push(message)));
         });
@@ -461,7 +461,7 @@ unsafe extern "C" fn log(ctx: *mut Ctx, level: c_int, message: *const c_char) {
     unsafe {
         serve(ctx, (), |call| {
             if call.shader.faults.may_speak() {
-                say(format_args!("{}: {grade}{message}", call.shader.class().title()));
+                print_line(format_args!("{}: {grade}{message}", call.shader.class().title()));
             }
         });
     }

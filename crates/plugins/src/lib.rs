@@ -40,7 +40,7 @@ mod frame;
 mod frame_shader;
 mod frame_state;
 mod load;
-mod say;
+mod print_line;
 mod scene_shader;
 mod search;
 
@@ -56,5 +56,5 @@ pub mod host {
     pub use crate::frame::PluginFrame;
     pub use crate::frame_state::FrameState;
     pub use crate::load::{LoadError, load, suggestion};
-    pub use crate::say::say;
+    pub use crate::print_line::print_line;
 }

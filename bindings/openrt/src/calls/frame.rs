@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use gnurt::memory::{check_more, picture_bytes};
 use gnurt::render::RenderOptions;
-use gnurt_plugins::host::say;
+use gnurt_plugins::host::print_line;
 
 use crate::context::Context;
 use crate::frame::{FrameThread, Job, reported};
@@ -72,7 +72,7 @@ impl Context {
         if lines.is_empty() {
             return Ok(());
         }
-        lines.iter().for_each(say);
+        lines.iter().for_each(print_line);
         self.classes.set_info_log(&lines.join("\n"));
         Err(Error::InvalidOperation)
     }
