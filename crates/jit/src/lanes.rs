@@ -390,7 +390,7 @@ impl Calls for Batch<'_, '_> {
             Call::Stopped { layer, at } => {
                 for lane in lanes {
                     work.turn(points, lane);
-                    work.machine.say_stopped(*layer, *at, code.plan.iterations);
+                    work.machine.report_stopped(*layer, *at, code.plan.iterations);
                     work.stopped += 1;
                     work.hear(lane);
                 }

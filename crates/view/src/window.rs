@@ -264,7 +264,7 @@ impl App {
         self.controls.shader_controls.replace(stage.scripts.shader_controls());
     }
 
-    fn say(&mut self, lines: Vec<String>) {
+    fn report(&mut self, lines: Vec<String>) {
         self.messages = Some((Instant::now(), lines));
         if let Some(open) = &self.open {
             open.window.request_redraw();
@@ -277,7 +277,7 @@ impl App {
             Ok(what) => self.listener.note(what),
             Err(why) => self.listener.warning(why),
         }
-        self.say(vec![reported.unwrap_or_else(|why| why)]);
+        self.report(vec![reported.unwrap_or_else(|why| why)]);
     }
 
     fn begin_recording(&mut self) {
@@ -309,7 +309,7 @@ impl App {
         self.reported = all;
         if !faults.is_empty() {
             faults.iter().for_each(|fault| self.listener.warning(fault));
-            self.say(faults);
+            self.report(faults);
         }
     }
 
@@ -321,11 +321,11 @@ impl App {
         match pick {
             Some(pick) => {
                 self.listener.note(&format!("pixel {x},{y}: {pick}"));
-                self.say(pick.lines().to_vec());
+                self.report(pick.lines().to_vec());
             }
             None => {
                 self.listener.note(&format!("pixel {x},{y}: nothing"));
-                self.say(vec!["nothing".into()]);
+                self.report(vec!["nothing".into()]);
             }
         }
     }
@@ -337,7 +337,7 @@ impl App {
         let stops = self.controls.exposure.stops;
         let options = format!("{} --exposure {stops}", camera_options(&camera));
         self.listener.camera(&options);
-        self.say(vec![format!("--eye {}", point(eye)), format!("--target {}", point(target))]);
+        self.report(vec![format!("--eye {}", point(eye)), format!("--target {}", point(target))]);
     }
 
     /// Writes the picture that was asked for, as soon as there is one with all its pixels.
@@ -424,13 +424,13 @@ impl ApplicationHandler<RenderEvent> for App {
                     self.controls.playing = range.map(Playing::new);
                 }
                 self.listener.note("the scene was read again");
-                self.say(vec!["the scene was read again".into()]);
+                self.report(vec!["the scene was read again".into()]);
             }
             RenderEvent::Shaders(lines) => {
                 self.check_shaders();
                 self.bad_shader.clear();
                 lines.iter().for_each(|line| self.listener.note(line));
-                self.say(lines);
+                self.report(lines);
             }
             RenderEvent::BadShader(why) => {
                 self.listener.warning(&why);
@@ -440,7 +440,7 @@ impl ApplicationHandler<RenderEvent> for App {
             }
             RenderEvent::Trouble(why) => {
                 self.listener.warning(&why);
-                self.say(vec!["not read again, the old scene stays:".into(), why]);
+                self.report(vec!["not read again, the old scene stays:".into(), why]);
             }
             RenderEvent::Denoised(how) => self.notify(Ok(how)),
         }

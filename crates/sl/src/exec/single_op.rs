@@ -72,7 +72,7 @@ impl Machine<'_> {
     }
 
     /// Says that a loop of a layer was stopped.
-    pub fn say_stopped(&mut self, layer: usize, at: SourcePosition, iterations: u64) {
+    pub fn report_stopped(&mut self, layer: usize, at: SourcePosition, iterations: u64) {
         self.layer = layer;
         let source_position = self.source_position(at);
         self.error(format!("stopped: a loop at {source_position} did not end after {iterations} turns"));

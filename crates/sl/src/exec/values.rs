@@ -11,7 +11,7 @@ use gnurt_sl_lib::Dual;
 use std::sync::Arc;
 
 /// Bytes that a point may say, the rest of its words counted.
-const MOST_SAID: usize = 16 << 20;
+const MOST_OUTPUT: usize = 16 << 20;
 
 impl Machine<'_> {
     /// Word `i` of a slot; 0 beyond its end, for files may give operations symbols of any types.
@@ -178,18 +178,18 @@ impl Machine<'_> {
     }
 
     pub(super) fn error(&mut self, message: String) {
-        self.say(Event::Error(message));
+        self.report(Event::Error(message));
     }
 
     /// Records output, up to a limit, because a loop may print in each iteration.
-    pub(super) fn say(&mut self, event: Event) {
+    pub(super) fn report(&mut self, event: Event) {
         let (Event::Print(text) | Event::Error(text) | Event::Warning(text) | Event::File(_, text)) = &event;
         let before = self.reports;
         self.reports = before.saturating_add(text.len() + 64);
-        if self.reports <= MOST_SAID {
+        if self.reports <= MOST_OUTPUT {
             self.events.push(event);
-        } else if before <= MOST_SAID {
-            let text = format!("more than {} MiB are said: the rest is left out", MOST_SAID >> 20);
+        } else if before <= MOST_OUTPUT {
+            let text = format!("more than {} MiB are said: the rest is left out", MOST_OUTPUT >> 20);
             self.events.push(Event::Warning(text));
         }
     }
