@@ -130,7 +130,7 @@ impl TriangleBlock {
         let bits = met.hit.to_bitmask();
         // Doubtful lanes leave the fast path: if they were removed from `bits` here, each hit would wait for
         // the bound.
-        let doubtful = if collect.asks_where() { reached.doubtful(simd, met.t) } else { uncertain };
+        let doubtful = if collect.needs_position() { reached.doubtful(simd, met.t) } else { uncertain };
         if (doubtful | uncertain).any_true() {
             let (doubtful, uncertain) = (doubtful.to_bitmask(), uncertain.to_bitmask());
             let hits = [met.t.to_array(), met.u.to_array(), met.v.to_array()];
@@ -186,8 +186,8 @@ impl TriangleBlock {
         while uncertain != 0 {
             let i = uncertain.trailing_zeros() as usize & 7;
             uncertain &= uncertain - 1;
-            let (corners, asks_where) = (self.corners_of(i, axes), collect.asks_where());
-            if let Some(triangle_hit) = meet_single(&corners, &ray, asks_where, t_near, collect.reach()) {
+            let (corners, needs_position) = (self.corners_of(i, axes), collect.needs_position());
+            if let Some(triangle_hit) = meet_single(&corners, &ray, needs_position, t_near, collect.reach()) {
                 collect.offer(triangle_hit, self.numbers[i], slot);
             }
         }
@@ -212,7 +212,7 @@ impl TriangleBlock {
                 [x[lane], y[lane], z[lane]]
             };
             if let Some(triangle_hit) =
-                ray.meet(&[corner(0), corner(1), corner(2)], collect.asks_where(), t_near, collect.reach())
+                ray.meet(&[corner(0), corner(1), corner(2)], collect.needs_position(), t_near, collect.reach())
             {
                 collect.offer(triangle_hit, number, slot);
             }

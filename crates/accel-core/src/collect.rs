@@ -20,7 +20,7 @@ pub trait Collect {
     fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32);
 
     /// Whether it matters where the ray meets things, not only that it does.
-    fn asks_where(&self) -> bool;
+    fn needs_position(&self) -> bool;
 
     /// Whether nothing more is wanted.
     #[inline(always)]
@@ -50,7 +50,7 @@ impl<M: Mode> Collect for Best<'_, M> {
     }
 
     #[inline(always)]
-    fn asks_where(&self) -> bool {
+    fn needs_position(&self) -> bool {
         !M::ANY
     }
 
@@ -76,7 +76,7 @@ impl Collect for BestOf {
     }
 
     #[inline(always)]
-    fn asks_where(&self) -> bool {
+    fn needs_position(&self) -> bool {
         self.kind == Kind::Closest
     }
 

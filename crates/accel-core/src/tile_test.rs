@@ -162,7 +162,7 @@ impl<S: Simd> TileTest<'_, S> {
     ) -> bool {
         let axes = axes_from(self.direction_class.longest_axis);
         let corners = block.corners_of(lane, axes);
-        let asks_where = self.kind == Kind::Closest;
+        let needs_position = self.kind == Kind::Closest;
         let mut found = false;
         while bits != 0 {
             let i = at + bits.trailing_zeros() as usize;
@@ -170,7 +170,7 @@ impl<S: Simd> TileTest<'_, S> {
             let mut best = nearest.get(i);
             let single = self.single(slopes, axes, i);
             if let Some(triangle_hit) =
-                meet_single(&corners, &single, asks_where, self.rays.t_near[i], best.t)
+                meet_single(&corners, &single, needs_position, self.rays.t_near[i], best.t)
             {
                 match self.kind {
                     Kind::Closest => best.offer::<Closest>(triangle_hit, block.numbers[lane & 7], self.slot),

@@ -138,7 +138,7 @@ impl Collect for RayTraversal<'_> {
     }
 
     #[inline(always)]
-    fn asks_where(&self) -> bool {
+    fn needs_position(&self) -> bool {
         !matches!(self.kind, RayKind::Any)
     }
 

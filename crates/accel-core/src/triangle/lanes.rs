@@ -137,11 +137,11 @@ impl<S: Simd, V: Lanes<S>> Reached<S, V> {
 pub fn meet_single(
     corners: &[[f32; 3]; 3],
     ray: &LoneRay,
-    asks_where: bool,
+    needs_position: bool,
     t_near: f32,
     t_far: f32,
 ) -> Option<TriangleHit> {
-    ray.meet(corners, asks_where, t_near, t_far)
+    ray.meet(corners, needs_position, t_near, t_far)
 }
 
 /// One lane of those that are doubtful (`Reached::doubtful`): it passes inside.

@@ -81,18 +81,18 @@ impl ShearedRay {
         Self { axes, alone: LoneRay { sheared, dir } }
     }
 
-    /// Where the ray meets a triangle in `[t_near, t_far]`; or, unless one `asks_where`, whether it does by floats.
+    /// Where the ray meets a triangle in `[t_near, t_far]`; or, unless one `needs_position`, whether it does by floats.
     #[inline(always)]
     pub fn meet(
         &self,
         [a, b, c]: &[[f32; 3]; 3],
-        asks_where: bool,
+        needs_position: bool,
         t_near: f32,
         t_far: f32,
     ) -> Option<TriangleHit> {
         let [x, y, z] = self.axes;
         let corners = [[a[x], a[y], a[z]], [b[x], b[y], b[z]], [c[x], c[y], c[z]]];
-        self.alone.meet(&corners, asks_where, t_near, t_far)
+        self.alone.meet(&corners, needs_position, t_near, t_far)
     }
 }
 
@@ -102,7 +102,7 @@ impl LoneRay {
     pub(super) fn meet(
         &self,
         corners: &[[f32; 3]; 3],
-        asks_where: bool,
+        needs_position: bool,
         t_near: f32,
         t_far: f32,
     ) -> Option<TriangleHit> {
@@ -138,7 +138,7 @@ impl LoneRay {
         let t = (w0 * over) * ts[0] + u * ts[1] + v * ts[2];
         let t = least(most(t, first), last) + 0.0;
 
-        if asks_where {
+        if needs_position {
             let (away, scale, long) = (t.abs(), shear[2].abs(), last - first);
             let widest = |p: [f32; 3]| most(most(p[0].abs(), p[1].abs()), p[2].abs());
             let wide = most(widest(px), widest(py));

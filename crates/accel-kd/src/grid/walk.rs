@@ -187,7 +187,7 @@ impl GridIndex {
                         for &position in &unknown[..count] {
                             let Triangle { corners, number } = &self.triangles[position as usize];
                             if let Some(hit) =
-                                single.meet(corners, traversal.asks_where(), t_near, traversal.reach())
+                                single.meet(corners, traversal.needs_position(), t_near, traversal.reach())
                             {
                                 traversal.offer(hit, *number, slot);
                             }
