@@ -382,7 +382,7 @@ impl Script {
     pub fn environment(&self) -> Result<Arc<dyn EnvironmentShader>, String> {
         self.is(Kind::Environment)?;
         // A shader that queries kinds of rays must be evaluated for light rays, too.
-        let ray_kinds = if self.asks_ray_kind() { DIFFUSE } else { CAMERA };
+        let ray_kinds = if self.reads_ray_kind() { DIFFUSE } else { CAMERA };
         Ok(Arc::new(ScriptSky { common: self.common(&self.group, &[])?, ray_kinds }))
     }
 
@@ -392,14 +392,14 @@ impl Script {
     /// As [`environment`](Self::environment).
     pub fn backdrop(&self) -> Result<Option<Arc<dyn EnvironmentShader>>, String> {
         self.is(Kind::Environment)?;
-        if !self.asks_ray_kind() {
+        if !self.reads_ray_kind() {
             return Ok(None);
         }
         Ok(Some(Arc::new(ScriptSky { common: self.common(&self.group, &[])?, ray_kinds: CAMERA })))
     }
 
     /// Whether some layer calls `raytype`.
-    fn asks_ray_kind(&self) -> bool {
+    fn reads_ray_kind(&self) -> bool {
         let mut queries = false;
         self.group
             .layers

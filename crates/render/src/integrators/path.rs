@@ -22,7 +22,7 @@ use crate::transport::absorption::absorb;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
-    Asking, Known, Offer, Wavefront, add, ask_plugin_lights, panes, power_heuristic, shadow_ray,
+    LightQuery, Known, Offer, Wavefront, add, query_plugin_lights, panes, power_heuristic, shadow_ray,
 };
 use crate::world::HitLanes;
 
@@ -107,23 +107,23 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
             else step::step(One, &met, &mut onward)
         );
         if !(is_final || world.lights().plugins.is_empty()) {
-            ask_plugins(&met, &mut onward);
+            query_plugins(&met, &mut onward);
         }
     });
 }
 
 /// Light of lights that only know `illuminate`.
-fn ask_plugins(met: &Met, onward: &mut Onward) {
+fn query_plugins(met: &Met, onward: &mut Onward) {
     let paths: Vec<_> = (0..met.numbers.len()).map(|k| met.path(k)).collect();
     let there = |&k: &usize| paths[k].edges < met.options.max_depth && met.is_there(k, &paths[k]);
     let alive: Vec<usize> = (0..paths.len()).filter(there).collect();
     let vertices: Vec<_> =
         alive.iter().map(|&k| (k, met.points.point(k), met.closures.point(k).bsdf)).collect();
-    let asking: Vec<Asking> = vertices
+    let queries: Vec<LightQuery> = vertices
         .iter()
-        .map(|(k, point, bsdf)| Asking { point, bsdf, key: paths[*k].key, edges: paths[*k].edges })
+        .map(|(k, point, bsdf)| LightQuery { point, bsdf, key: paths[*k].key, edges: paths[*k].edges })
         .collect();
-    ask_plugin_lights(met.world, met.options.seed, &asking, |i, Offer { dir, dist, arriving }| {
+    query_plugin_lights(met.world, met.options.seed, &queries, |i, Offer { dir, dist, arriving }| {
         let (k, point, bsdf) = &vertices[i];
         let wo = -met.points.ray_dir.get(*k);
         let absorption = bsdf.absorption(dir);

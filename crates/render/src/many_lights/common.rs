@@ -11,7 +11,7 @@ use super::light_choice::LightChoice;
 /// Learned once for a world, a camera and options.
 #[derive(Debug, Default)]
 pub(crate) struct Common {
-    /// Lamps that matter, where it is worth asking.
+    /// Lamps that matter, where it is worth queries.
     pub(super) light_choices: OnceLock<Option<LightChoice>>,
     /// How many light paths bring the lights that are wanted.
     pub(super) paths: OnceLock<u32>,

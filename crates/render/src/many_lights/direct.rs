@@ -19,7 +19,7 @@ use super::walk::{Stop, purpose};
 use crate::tracer::BatchTracer;
 use crate::transport::mis::balance_heuristic;
 use crate::transport::width::{One, Sixteen, Width};
-use crate::transport::{Asking, Offer, ask_plugin_lights, sampling_normal, shadow_ray};
+use crate::transport::{LightQuery, Offer, query_plugin_lights, sampling_normal, shadow_ray};
 
 /// Light samples of a point from which on they are taken side by side.
 const MANY: u32 = 4;
@@ -64,16 +64,16 @@ pub(super) fn light_samples(
         );
     }
     rounds.for_each(|round| offers.append(&round));
-    let asking: Vec<Asking> = there
+    let queries: Vec<LightQuery> = there
         .iter()
-        .map(|stop| Asking {
+        .map(|stop| LightQuery {
             point: &stop.eye.point,
             bsdf: &stop.eye.bsdf,
             key: stop.walk.key,
             edges: stop.walk.edges,
         })
         .collect();
-    ask_plugin_lights(tracer.world, seed, &asking, |i, Offer { dir, dist, arriving }| {
+    query_plugin_lights(tracer.world, seed, &queries, |i, Offer { dir, dist, arriving }| {
         let Stop { walk, eye, light_gain, .. } = there[i];
         let absorption = eye.bsdf.absorption(dir);
         let left = left_after(dist, [absorption, Vec3::ZERO]);

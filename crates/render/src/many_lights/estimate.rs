@@ -412,7 +412,7 @@ fn environment_of_shaders(
 }
 
 /// Whether all that virtual lights bring there is brought by a few of them.
-fn asks_few(pass: &PassLights, stop: &Stop) -> bool {
+fn uses_few(pass: &PassLights, stop: &Stop) -> bool {
     pass.is_few || !stop.walk.is_directly_visible
 }
 
@@ -421,7 +421,7 @@ fn asks_few(pass: &PassLights, stop: &Stop) -> bool {
 /// pixel itself gathers.
 fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
     let there: Vec<&Stop> =
-        stops.iter().filter(|stop| asks_few(pass, stop) && stop.eye.bsdf.is_smooth()).collect();
+        stops.iter().filter(|stop| uses_few(pass, stop) && stop.eye.bsdf.is_smooth()).collect();
     if there.is_empty() || pass.vpls.is_empty() {
         return;
     }
@@ -439,7 +439,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
         let begin = (u * shares.len() as f32) as usize;
         mix(&mut others, v.to_bits());
         for (n, stops) in others.chunks(BLOCK).enumerate() {
-            ask_few(tracer, pass, &shares[(begin + n) % shares.len()], stops, &mut offers);
+            query_few(tracer, pass, &shares[(begin + n) % shares.len()], stops, &mut offers);
         }
     }
     if !own.is_empty() {
@@ -449,7 +449,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
         }
         for (share, of_share) in shares.iter().zip(&by_share) {
             for stops in of_share.chunks(BLOCK) {
-                ask_few(tracer, pass, share, stops, &mut offers);
+                query_few(tracer, pass, share, stops, &mut offers);
             }
         }
     }
@@ -457,7 +457,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
 }
 
 /// The same for neighbours that ask some of the virtual lights, `BLOCK` at most.
-fn ask_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&Stop], offers: &mut Offers) {
+fn query_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&Stop], offers: &mut Offers) {
     let (seed, level, max_edges) = (tracer.options.seed, tracer.options.level, tracer.options.max_depth);
     let eyes: Vec<&EyePoint> = stops.iter().map(|stop| &stop.eye).collect();
     let [u, _] = sample_pair(seed, stops[0].walk.key, stops[0].walk.edges, purpose::CUT);

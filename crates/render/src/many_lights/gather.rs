@@ -63,7 +63,7 @@ fn gather_all(
     radiance: &mut Vec3s,
 ) {
     let mut scratch = Scratch::default();
-    let most = asked_of(sources.len());
+    let most = lights_of(sources.len());
     let SampleKey { pixel, sample, .. } = keys[points[0].lane as usize];
     let mixed = (sources.len() > most).then(|| hash_combine(pixel, sample));
     let mut parts: Vec<Part> = blocks(points, mixed).map(|eyes| Part::new(tracer, eyes, keys)).collect();
@@ -98,7 +98,7 @@ const NEAR: usize = 8;
 
 /// How many of so many virtual lights a block asks, at most: a part, for that takes a ray from each of its points, and to know which promise
 /// most takes none.
-fn asked_of(lights: usize) -> usize {
+fn lights_of(lights: usize) -> usize {
     (lights / 4).clamp(256, MOST)
 }
 

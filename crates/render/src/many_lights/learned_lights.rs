@@ -22,7 +22,7 @@ const PARTICLES: u32 = 2048;
 /// Lamps below which nothing is to be learned.
 const FEW: usize = 4;
 
-/// Which lamps light paths are to start at, if that is worth asking; learned once for a job.
+/// Which lamps light paths are to start at, if that is worth queries; learned once for a job.
 pub(super) fn light_choice<'j>(job: &'j Job, stats: &mut RenderStats) -> Option<&'j LightChoice> {
     let light_choices = &job.common.light_choices;
     if light_choices.get().is_none() {

@@ -115,7 +115,7 @@ fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Option<Start>, (
 }
 
 /// Light from lights and environments of shader plugins at the ends of first edges.
-fn ask_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[Option<Vertex>]) {
+fn query_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[Option<Vertex>]) {
     let of = |source: Source, walks: &[Walk]| -> Vec<usize> {
         (0..walks.len()).filter(|&i| walks[i].plugin == Some(source) && vertices[i].is_some()).collect()
     };
@@ -216,7 +216,7 @@ pub(crate) fn trace(
     let mut out = Vec::new();
     while let Some(first) = walks.carried.first() {
         let found = walks.meet(tracer, first.edges);
-        ask_plugins(world, &walks.rays, &mut walks.carried, &found);
+        query_plugins(world, &walks.rays, &mut walks.carried, &found);
         let mut next = Walks::default();
         for (walk, vertex) in walks.carried.iter().zip(found) {
             let Some(vertex) = vertex.filter(|vertex| !vertex.is_final) else { continue };

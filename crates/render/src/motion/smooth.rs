@@ -129,7 +129,7 @@ impl Smooth {
             || Near::new(stride, height, strength),
             |near, (n, out)| near.band(given, n * rows, out, level),
         );
-        FAR.into_iter().for_each(|step| self.ask_far(given, step));
+        FAR.into_iter().for_each(|step| self.average_far(given, step));
     }
 
     /// Light on a pixel, of so many samples.
@@ -141,7 +141,7 @@ impl Smooth {
     }
 
     /// Averages neighbours at this distance, for pixels of surfaces that have no samples.
-    fn ask_far(&mut self, given: &Given, (step, [neighbours, corner]): Step) {
+    fn average_far(&mut self, given: &Given, (step, [neighbours, corner]): Step) {
         let Given { width, spots, .. } = *given;
         let of_row = |(y, spots_of_row): (usize, &[SurfaceKey])| -> Vec<(usize, Light)> {
             let first = (y * light::COUNT + light::SAMPLES) * self.stride + MARGIN;

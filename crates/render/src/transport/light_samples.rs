@@ -25,7 +25,7 @@ pub(crate) fn shadow_ray(point: &SurfacePoint, bsdf: &Bsdf, dir: Vec3, dist: f32
 }
 
 /// A vertex that asks lights of shader plugins.
-pub(crate) struct Asking<'a> {
+pub(crate) struct LightQuery<'a> {
     pub(crate) point: &'a SurfacePoint,
     pub(crate) bsdf: &'a Bsdf,
     pub(crate) key: SampleKey,
@@ -44,29 +44,29 @@ pub(crate) struct Offer {
 /// Calls `with(number of the vertex, offer)` for the light of all lights that only have `illuminate`. The
 /// query has one normal, so transmitting vertices make two queries, once for each side, and use from each
 /// answer the light on that side.
-pub(crate) fn ask_plugin_lights(
+pub(crate) fn query_plugin_lights(
     world: &World,
     seed: u64,
-    asking: &[Asking],
+    queries: &[LightQuery],
     mut with: impl FnMut(usize, Offer),
 ) {
     let lights = world.lights();
-    if lights.plugins.is_empty() || asking.is_empty() {
+    if lights.plugins.is_empty() || queries.is_empty() {
         return;
     }
     let (mut p, mut normal) = (Vec3s::default(), Vec3s::default());
     let mut lane = |number: usize, side: f32| {
-        p.push(asking[number].point.p);
-        normal.push(asking[number].point.ns * side);
+        p.push(queries[number].point.p);
+        normal.push(queries[number].point.ns * side);
         number
     };
-    let mut lanes: Vec<usize> = (0..asking.len()).map(|number| lane(number, 1.0)).collect();
-    let behind = (0..asking.len()).filter(|&number| asking[number].bsdf.is_translucent());
+    let mut lanes: Vec<usize> = (0..queries.len()).map(|number| lane(number, 1.0)).collect();
+    let behind = (0..queries.len()).filter(|&number| queries[number].bsdf.is_translucent());
     lanes.extend(behind.map(|number| lane(number, -1.0)));
     let mut arriving = LightBatch::default();
     for light in lights.plugins.clone() {
         let draw = |&number: &usize| {
-            let Asking { key, edges, .. } = asking[number];
+            let LightQuery { key, edges, .. } = queries[number];
             sample_pair(seed, key, edges, purpose::LIGHT + light as u32)
         };
         let random: Vec<_> = lanes.iter().map(draw).collect();
@@ -78,7 +78,7 @@ pub(crate) fn ask_plugin_lights(
                 dist: arriving.dist[i],
                 arriving: arriving.radiance.get(i),
             };
-            let is_of_side = !asking[number].bsdf.is_translucent() || normal.get(i).dot(offer.dir) > 0.0;
+            let is_of_side = !queries[number].bsdf.is_translucent() || normal.get(i).dot(offer.dir) > 0.0;
             if is_of_side && offer.arriving != Vec3::ZERO {
                 with(number, offer);
             }

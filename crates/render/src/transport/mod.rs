@@ -19,7 +19,7 @@ pub(crate) mod width;
 use glam::Vec3;
 use gnurt_shading::Vec3s;
 
-pub(crate) use light_samples::{Asking, Offer, ask_plugin_lights, sampling_normal, shadow_ray};
+pub(crate) use light_samples::{LightQuery, Offer, query_plugin_lights, sampling_normal, shadow_ray};
 pub(crate) use mis::power_heuristic;
 pub(crate) use paths::Wavefront;
 pub(crate) use vertex::{Known, Vertex};

@@ -179,17 +179,17 @@ fn entry(
         let same = before.filter(|emitter| emitter.gives_off(&emission, coverage.as_ref()));
         same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
     });
-    let is_asked = emission_shader.is_some();
+    let is_queried = emission_shader.is_some();
     // Cones carry the kind of the ray, too.
-    let asks_for_kinds = matches!(material.surface, Surface::Shader(_) | Surface::Unlit { .. });
+    let reads_kinds = matches!(material.surface, Surface::Shader(_) | Surface::Unlit { .. });
     let shader = materials::shader(from, material, shaders, force_diffuse, emission, coverage);
-    let emitter = reported.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
+    let emitter = reported.or_else(|| is_queried.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
     MaterialEntry {
         is_opaque: shader.is_opaque(),
         is_solid: shader.is_solid(),
         has_medium: shader.has_medium(),
         is_clear: shader.is_clear(),
-        reads_widths: asks_for_kinds || materials::textures_of(material).next().is_some(),
+        reads_widths: reads_kinds || materials::textures_of(material).next().is_some(),
         emitter,
         from_table,
         shader,
