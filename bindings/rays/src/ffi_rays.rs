@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The calls of `gnurt/rays.h` that make and edit scenes. See include/gnurt/rays.h. Queries are in `ffi_ask.rs`.
+//! The calls of `gnurt/rays.h` that make and edit scenes. See include/gnurt/rays.h. Queries are in `ffi_query.rs`.
 //! No panic gets past [`called`]. Tests: `tests/c/rays.c`.
 
 use std::cell::RefCell;

@@ -6,7 +6,7 @@
 //! `ffi_scene.rs`, `ffi_geometry.rs`, `ffi_arrays.rs` edit the objects of `objects.rs`, and `commit.rs`
 //! builds from them. `ffi_trace.rs` and `ffi_point.rs` trace queries, `ffi_filter.rs` and `ffi_user.rs` call
 //! the program from trees, `ffi_forward.rs` forwards rays to other scenes. Those of `gnurt/rays.h`:
-//! `ffi_rays.rs` edits the scene of `ray_scene.rs`, which also builds it; `ffi_ask.rs` traces queries. No
+//! `ffi_rays.rs` edits the scene of `ray_scene.rs`, which also builds it; `ffi_query.rs` traces queries. No
 //! panic crosses to C. docs/reference/c-rays.md is the manual.
 #![deny(unsafe_code)]
 #![allow(non_snake_case, reason = "C calls have C names")]
@@ -19,7 +19,7 @@ mod ffi_absent;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_arrays;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
-mod ffi_ask;
+mod ffi_query;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_callbacks;
 #[expect(unsafe_code, reason = "a frame that catches, and what it catches")]
