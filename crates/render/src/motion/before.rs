@@ -29,14 +29,14 @@ pub(super) struct Before {
     pub(super) eye: Vec3,
     pub(super) size: [u32; 2],
     /// Row by row.
-    pub(super) spots: Vec<SurfaceKey>,
+    pub(super) surface_keys: Vec<SurfaceKey>,
     pub(super) lights: Vec<Light>,
 }
 
 impl Before {
     /// The light at that point; `most` samples count at most.
     pub(super) fn recall(&self, sample: &SurfaceSample, most: f32) -> Light {
-        if !sample.spot.is_surface() {
+        if !sample.surface_key.is_surface() {
             return Light::default();
         }
         let [width, height] = self.size;
@@ -63,7 +63,7 @@ impl Before {
                 continue;
             }
             let i = row as usize * width as usize + column as usize;
-            if sample.spot.agrees(&self.spots[i], 1.5) {
+            if sample.surface_key.agrees(&self.surface_keys[i], 1.5) {
                 sum.add(&self.lights[i], weight);
                 weights += weight;
             }

@@ -9,8 +9,8 @@ const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 const TURN: f64 = 0.618_033_988_749_894_9;
 
 /// How much more a pixel needs a sample than one that knows its light.
-pub(super) fn need(spot: &SurfaceKey, light: &Light) -> f32 {
-    if !spot.is_surface() {
+pub(super) fn need(surface_key: &SurfaceKey, light: &Light) -> f32 {
+    if !surface_key.is_surface() {
         return 0.0;
     }
     match light.count {

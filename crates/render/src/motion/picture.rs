@@ -67,7 +67,7 @@ pub struct PictureHistory {
     /// Light as it is shown.
     shown: Smooth,
     spare: Vec<Light>,
-    spare_spots: Vec<SurfaceKey>,
+    spare_surface_keys: Vec<SurfaceKey>,
     cost: MotionCost,
 }
 
@@ -115,7 +115,7 @@ impl PictureHistory {
         let size = [job.options.width, job.options.height];
         self.follow(job);
         let mut frame =
-            Frame::new(size, std::mem::take(&mut self.spare_spots), std::mem::take(&mut self.spare));
+            Frame::new(size, std::mem::take(&mut self.spare_surface_keys), std::mem::take(&mut self.spare));
         let fading = self.fading();
         let Self { lights, before, tints, .. } = self;
         // Few paths bring virtual lights: they would not be work for all threads.
@@ -140,31 +140,31 @@ impl PictureHistory {
         });
         let Some(brightness) = sampled else {
             // The picture before stays the one before.
-            (self.spare_spots, self.spare) = (frame.spots, frame.lights);
+            (self.spare_surface_keys, self.spare) = (frame.surface_keys, frame.lights);
             return false;
         };
         let sampled = Instant::now();
         pool.install(|| {
             let level = job.options.level;
-            let Frame { spots, lights, .. } = &frame;
-            let given = Given { width: size[0] as usize, spots, tints: &self.tints, lights };
+            let Frame { surface_keys, lights, .. } = &frame;
+            let given = Given { width: size[0] as usize, surface_keys, tints: &self.tints, lights };
             let strength = Strength::of(self.noise.unwrap_or_default());
             self.shown.smooth(&given, strength, level);
-            self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
+            self.mean = mean_of(&frame.surface_keys, &self.shown, size[0] as usize);
             let noise = noise_of((&chosen, &brightness), &given, &self.shown, self.mean);
             if self.noise.is_none() && Strength::of(noise) != strength {
                 // The noise of the first picture was unknown.
                 self.shown.smooth(&given, Strength::of(noise), level);
-                self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
+                self.mean = mean_of(&frame.surface_keys, &self.shown, size[0] as usize);
             }
             let before = self.noise.unwrap_or(noise);
             self.noise = Some([0, 1].map(|k| before[k] + (noise[k] - before[k]) * NEW_NOISE));
             self.write(tiles, size[0] as usize);
         });
         let next =
-            Before { camera: camera.clone(), eye: job.eye, size, spots: frame.spots, lights: frame.lights };
+            Before { camera: camera.clone(), eye: job.eye, size, surface_keys: frame.surface_keys, lights: frame.lights };
         if let Some(old) = self.before.replace(next) {
-            (self.spare_spots, self.spare) = (old.spots, old.lights);
+            (self.spare_surface_keys, self.spare) = (old.surface_keys, old.lights);
         }
         self.frame = self.frame.wrapping_add(1);
         self.unrest = self.unrest.saturating_sub(1);
@@ -208,13 +208,13 @@ impl PictureHistory {
 }
 
 /// Luminance of light on the mean pixel that shows a surface.
-fn mean_of(spots: &[SurfaceKey], shown: &Smooth, width: usize) -> f32 {
-    let of_row = |(y, spots): (usize, &[SurfaceKey])| {
-        let surfaces = (0..width).filter(|&x| spots[x].is_surface()).map(|x| shown.light(x, y));
+fn mean_of(surface_keys: &[SurfaceKey], shown: &Smooth, width: usize) -> f32 {
+    let of_row = |(y, surface_keys): (usize, &[SurfaceKey])| {
+        let surfaces = (0..width).filter(|&x| surface_keys[x].is_surface()).map(|x| shown.light(x, y));
         let known = surfaces.filter(|light| light.count > 0.0);
         known.fold((0.0, 0.0), |(sum, count), light| (sum + luminance(light.mean.into()), count + 1.0))
     };
-    let rows: Vec<(f32, f32)> = spots.par_chunks(width).enumerate().map(of_row).collect();
+    let rows: Vec<(f32, f32)> = surface_keys.par_chunks(width).enumerate().map(of_row).collect();
     let total = |k: fn(&(f32, f32)) -> f32| rows.iter().map(|row| f64::from(k(row))).sum::<f64>();
     (total(|row| row.0) / f64::max(total(|row| row.1), 1.0)) as f32
 }
@@ -246,17 +246,17 @@ type Band<'a> = (usize, ((&'a mut [SurfaceKey], &'a mut [Light]), &'a mut [Tint]
 /// A picture in the making, row by row.
 struct Frame {
     size: [u32; 2],
-    spots: Vec<SurfaceKey>,
+    surface_keys: Vec<SurfaceKey>,
     lights: Vec<Light>,
 }
 
 impl Frame {
     /// In this memory.
-    fn new(size: [u32; 2], mut spots: Vec<SurfaceKey>, mut lights: Vec<Light>) -> Self {
+    fn new(size: [u32; 2], mut surface_keys: Vec<SurfaceKey>, mut lights: Vec<Light>) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
-        spots.resize(pixels, SurfaceKey::default());
+        surface_keys.resize(pixels, SurfaceKey::default());
         lights.resize(pixels, Light::default());
-        Self { size, spots, lights }
+        Self { size, surface_keys, lights }
     }
 
     /// Looks at all pixels, and remembers light; how many pixels have each of the needs 1, 2 and 4.
@@ -269,20 +269,20 @@ impl Frame {
         stats: &mut RenderStats,
     ) -> [u64; 3] {
         let [width, height] = self.size;
-        tints.resize(self.spots.len(), Tint::default());
+        tints.resize(self.surface_keys.len(), Tint::default());
         let band = (width * ROWS) as usize;
-        let bands = self.spots.par_chunks_mut(band).zip(self.lights.par_chunks_mut(band));
+        let bands = self.surface_keys.par_chunks_mut(band).zip(self.lights.par_chunks_mut(band));
         let bands = bands.zip(tints.par_chunks_mut(band)).enumerate();
         let sampler = Sampler { job, pass: None };
-        let see = |tracer: &mut BatchTracer, (n, ((spots, lights), tints)): Band| {
+        let see = |tracer: &mut BatchTracer, (n, ((surface_keys, lights), tints)): Band| {
             let top = n as u32 * ROWS;
             let mut counts = [0; 3];
             sample_surfaces(job, tracer, [top, (top + ROWS).min(height)], &mut |x, y, surface_key| {
                 let i = ((y - top) * width + x) as usize;
                 let mut light = before.map_or_else(Light::default, |before| before.recall(surface_key, MOST));
                 light.count *= fading;
-                (spots[i], tints[i], lights[i]) = (surface_key.spot, surface_key.tint, light);
-                match need(&surface_key.spot, &light) {
+                (surface_keys[i], tints[i], lights[i]) = (surface_key.surface_key, surface_key.tint, light);
+                match need(&surface_key.surface_key, &light) {
                     need if need >= 4.0 => counts[2] += 1,
                     need if need >= 2.0 => counts[1] += 1,
                     need if need > 0.0 => counts[0] += 1,
@@ -307,7 +307,7 @@ impl Frame {
             for [x0, y0, x1, y1] in film::blocks([0, top, width, (top + ROWS).min(height)]) {
                 for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
                     let i = (y * width + x) as usize;
-                    if turn_of(x, y, frame) < scale * need(&self.spots[i], &self.lights[i]) {
+                    if turn_of(x, y, frame) < scale * need(&self.surface_keys[i], &self.lights[i]) {
                         chosen.push([x, y]);
                     }
                 }

@@ -103,7 +103,7 @@ impl Strength {
 #[derive(Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) width: usize,
-    pub(super) spots: &'a [SurfaceKey],
+    pub(super) surface_keys: &'a [SurfaceKey],
     pub(super) tints: &'a [Tint],
     pub(super) lights: &'a [Light],
 }
@@ -120,7 +120,7 @@ impl Smooth {
     /// Averages light over surfaces; pixels without any data keep no samples. Call within a pool of threads.
     pub(super) fn smooth(&mut self, given: &Given, strength: Strength, level: Level) {
         let stride = given.width.next_multiple_of(LANES) + 2 * MARGIN;
-        let height = given.spots.len() / given.width.max(1);
+        let height = given.surface_keys.len() / given.width.max(1);
         self.stride = stride;
         self.light.resize(height * stride * light::COUNT, 0.0);
         let rows = height.div_ceil(2 * rayon::current_num_threads()).max(LEAST_ROWS);
@@ -142,21 +142,21 @@ impl Smooth {
 
     /// Averages neighbours at this distance, for pixels of surfaces that have no samples.
     fn average_far(&mut self, given: &Given, (step, [neighbours, corner]): Step) {
-        let Given { width, spots, .. } = *given;
-        let of_row = |(y, spots_of_row): (usize, &[SurfaceKey])| -> Vec<(usize, Light)> {
+        let Given { width, surface_keys, .. } = *given;
+        let of_row = |(y, keys_of_row): (usize, &[SurfaceKey])| -> Vec<(usize, Light)> {
             let first = (y * light::COUNT + light::SAMPLES) * self.stride + MARGIN;
             let counts = &self.light[first..first + width];
-            let unknown = |x: &usize| spots_of_row[*x].is_surface() && counts[*x] <= 0.0;
+            let unknown = |x: &usize| keys_of_row[*x].is_surface() && counts[*x] <= 0.0;
             let query = |x: usize| {
                 let mut sum = Light::default();
                 for [row, column] in AROUND {
                     // Beyond all where it would be left of or above all.
                     let (left, above) =
                         ((x + column * step).wrapping_sub(step), (y + row * step).wrapping_sub(step));
-                    if left >= width || above >= spots.len() / width {
+                    if left >= width || above >= surface_keys.len() / width {
                         continue;
                     }
-                    if spots_of_row[x].agrees(&spots[above * width + left], step as f32) {
+                    if keys_of_row[x].agrees(&surface_keys[above * width + left], step as f32) {
                         let weight = if row == 1 || column == 1 { neighbours } else { corner };
                         sum.add(&self.light(left, above), weight);
                     }
@@ -165,7 +165,7 @@ impl Smooth {
             };
             (0..width).filter(unknown).map(|x| (x, query(x))).filter(|(_, light)| light.count > 0.0).collect()
         };
-        let found: Vec<Vec<(usize, Light)>> = spots.par_chunks(width).enumerate().map(of_row).collect();
+        let found: Vec<Vec<(usize, Light)>> = surface_keys.par_chunks(width).enumerate().map(of_row).collect();
         for (y, found) in found.iter().enumerate() {
             for (x, light) in found {
                 for (k, number) in light.mean.to_array().into_iter().chain([light.count]).enumerate() {
@@ -233,10 +233,10 @@ impl Near {
         let row = y * width..(y + 1) * width;
         let [x, y_, z, u, v, w, wide, id, enough] =
             planes_of(row_mut(shape, y, stride * shape::COUNT), stride, width);
-        for (i, (spot, tint)) in given.spots[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate() {
-            [x[i], y_[i], z[i]] = spot.p.to_array();
-            [u[i], v[i], w[i]] = spot.ns.to_array();
-            (wide[i], id[i]) = (spot.width, number_of(spot.id));
+        for (i, (surface_key, tint)) in given.surface_keys[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate() {
+            [x[i], y_[i], z[i]] = surface_key.p.to_array();
+            [u[i], v[i], w[i]] = surface_key.ns.to_array();
+            (wide[i], id[i]) = (surface_key.width, number_of(surface_key.id));
             enough[i] = strength.enough[usize::from(is_shiny(tint))];
         }
         let [r, g, b, n] = planes_of(row_mut(&mut light[0], y, stride * light::COUNT), stride, width);
@@ -374,24 +374,24 @@ mod tests {
     fn smoothed(strength: Strength, noise: impl Fn(usize) -> f32) -> Vec<Light> {
         let width = 40;
         let at = |i: usize| ((i % width) as f32, (i / width) as f32);
-        let spot = |i: usize| {
+        let surface_key = |i: usize| {
             let (x, y) = at(i);
             SurfaceKey { p: Vec3::new(x, y, 0.0), ns: Vec3::Z, id: if x < 20.0 { 1 } else { 3 }, width: 1.0 }
         };
-        let spots: Vec<SurfaceKey> = (0..40 * 32).map(spot).collect();
-        let tints = vec![Tint { roughness: 1.0, ..Tint::default() }; spots.len()];
+        let surface_keys: Vec<SurfaceKey> = (0..40 * 32).map(surface_key).collect();
+        let tints = vec![Tint { roughness: 1.0, ..Tint::default() }; surface_keys.len()];
         let light = |i: usize| {
             let (x, y) = at(i);
             let count = if (x as u32 + 4 * (y as u32 % 4)).is_multiple_of(16) { 1.0 } else { 0.0 };
             let mean = if x < 20.0 { noise(i) } else { 100.0 };
             Light { mean: Vec3::splat(if count > 0.0 { mean } else { 0.0 }), count }
         };
-        let lights: Vec<Light> = (0..spots.len()).map(light).collect();
+        let lights: Vec<Light> = (0..surface_keys.len()).map(light).collect();
         let all = Level::available().into_iter().map(|level| {
             let mut smooth = Smooth::default();
-            let given = Given { width, spots: &spots, tints: &tints, lights: &lights };
+            let given = Given { width, surface_keys: &surface_keys, tints: &tints, lights: &lights };
             smooth.smooth(&given, strength, level);
-            (0..spots.len()).map(|i| smooth.light(i % width, i / width)).collect::<Vec<Light>>()
+            (0..surface_keys.len()).map(|i| smooth.light(i % width, i / width)).collect::<Vec<Light>>()
         });
         let all: Vec<Vec<Light>> = all.collect();
         let bits = |lights: &[Light]| -> Vec<[u32; 3]> {

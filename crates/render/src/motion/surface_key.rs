@@ -113,17 +113,17 @@ mod tests {
 
     #[test]
     fn surfaces_are_told_apart() {
-        let spot = SurfaceKey { p: Vec3::ZERO, ns: Vec3::Z, id: 3, width: 1.0 };
-        let at = |x: f32, y: f32, z: f32| SurfaceKey { p: Vec3::new(x, y, z), ..spot };
-        assert!(spot.agrees(&at(2.0, 0.0, 0.0), 1.0), "on one plane");
-        assert!(spot.agrees(&at(0.0, 0.0, 0.05), 1.0), "off by rounding");
-        assert!(!spot.agrees(&at(2.0, 0.0, 1.0), 1.0), "off the plane");
+        let surface_key = SurfaceKey { p: Vec3::ZERO, ns: Vec3::Z, id: 3, width: 1.0 };
+        let at = |x: f32, y: f32, z: f32| SurfaceKey { p: Vec3::new(x, y, z), ..surface_key };
+        assert!(surface_key.agrees(&at(2.0, 0.0, 0.0), 1.0), "on one plane");
+        assert!(surface_key.agrees(&at(0.0, 0.0, 0.05), 1.0), "off by rounding");
+        assert!(!surface_key.agrees(&at(2.0, 0.0, 1.0), 1.0), "off the plane");
         assert!(
-            !spot.agrees(&at(9.0, 0.0, 0.0), 1.0) && spot.agrees(&at(9.0, 0.0, 0.0), 2.0),
+            !surface_key.agrees(&at(9.0, 0.0, 0.0), 1.0) && surface_key.agrees(&at(9.0, 0.0, 0.0), 2.0),
             "as far as pixels"
         );
-        assert!(!spot.agrees(&SurfaceKey { id: 4, ..spot }, 1.0), "another thing");
-        assert!(!spot.agrees(&SurfaceKey { ns: Vec3::X, ..spot }, 1.0), "around a corner");
+        assert!(!surface_key.agrees(&SurfaceKey { id: 4, ..surface_key }, 1.0), "another thing");
+        assert!(!surface_key.agrees(&SurfaceKey { ns: Vec3::X, ..surface_key }, 1.0), "around a corner");
     }
 
     #[test]

@@ -39,7 +39,7 @@ const DELTAS: u32 = Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothP
 /// The surface of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SurfaceSample {
-    pub(super) spot: SurfaceKey,
+    pub(super) surface_key: SurfaceKey,
     pub(super) tint: Tint,
     /// Where the image of the point is.
     pub(super) image: Vec3,
@@ -196,14 +196,14 @@ impl Met<'_, '_> {
             beyond.push(ray, points.key[k], Beyond { lane, throughput: Vec3::ONE, distance: t });
         }
         let p = points.p.get(k);
-        let spot = SurfaceKey {
+        let surface_key = SurfaceKey {
             p,
             ns: points.facing_ns(k),
             id: id_of(points.leaf_id[k], material),
             width: tracer.cone.width_at(t),
         };
         let tint = Tint { plain: closures.emission(k), share: share + LEAST_SHARE, roughness, opacity: 1.0 };
-        *sample = SurfaceSample { spot, tint, image: p, toward };
+        *sample = SurfaceSample { surface_key, tint, image: p, toward };
     }
 }
 
@@ -254,10 +254,10 @@ fn see_beyond(
             send(&mut beyond, (&vertex.point, &branch), vertex.cone, walks.keys[i], carried);
         }
         let material = tracer.world.material_of(vertex.ids[0], vertex.ids[1]);
-        sample.spot = SurfaceKey {
+        sample.surface_key = SurfaceKey {
             p: vertex.point.p,
             ns: vertex.point.ns,
-            id: hash_combine(id_of(vertex.ids[0], material), sample.spot.id) | 1,
+            id: hash_combine(id_of(vertex.ids[0], material), sample.surface_key.id) | 1,
             width: tracer.cone.width_at(distance),
         };
         sample.tint.share = throughput * manner.share + LEAST_SHARE;
