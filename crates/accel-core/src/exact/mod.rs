@@ -5,11 +5,11 @@
 mod ball;
 mod dyadic;
 mod line;
-mod meeting;
+mod exact_hit;
 mod number;
 mod path;
 
 pub use ball::side_of_sphere;
 pub use line::Line;
-pub(crate) use meeting::ExactMeeting;
+pub(crate) use exact_hit::ExactHit;
 pub use path::{InstancePath, Triangle};

@@ -9,7 +9,7 @@
 
 use gnurt_simd::{Simd, f32x16, f64x8, prelude::*};
 
-use crate::exact::ExactMeeting;
+use crate::exact::ExactHit;
 
 /// A triangle and a ray before anything is rounded, along the axes of the sheared space.
 pub(super) struct Corners {
@@ -33,7 +33,7 @@ const DOUBTFUL: f64 = (1u64 << 29) as f64;
 pub(super) fn meet(triangle: &Corners) -> Option<Weighed> {
     in_doubles(triangle).or_else(|| {
         let Corners { corners, org, dir } = triangle;
-        let ExactMeeting { t, u, v } = ExactMeeting::of(corners, org, dir)?;
+        let ExactHit { t, u, v } = ExactHit::of(corners, org, dir)?;
         Some(Weighed { t, u, v })
     })
 }
@@ -191,7 +191,7 @@ mod tests {
         let (mut sure, mut unsure) = (0, 0);
         for round in 0..20_000 {
             let triangle = sliver(&mut random, round);
-            let exact = ExactMeeting::of(&triangle.corners, &triangle.org, &triangle.dir);
+            let exact = ExactHit::of(&triangle.corners, &triangle.org, &triangle.dir);
             let (Some(found), Some(exact)) = (in_doubles(&triangle), exact) else {
                 unsure += 1;
                 continue;
