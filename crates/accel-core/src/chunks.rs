@@ -8,7 +8,7 @@ use gnurt_simd::{Simd, f32x16};
 use crate::beam::{Beam, CHUNKS, Ranges, Slopes, has_wide_lanes};
 use crate::blocks::{TriangleBlock, WIDTH};
 use crate::direction_class::DirectionClass;
-use crate::faces::{Faces, Viewpoint};
+use crate::edge_planes::{EdgePlanes, Viewpoint};
 use crate::tile::{LANES, NearestTile, RayTile};
 use crate::triangle::{axes_from, relative_to};
 
@@ -123,7 +123,7 @@ impl<'a> Chunks<'a> {
             && let Some(view) = &self.view
             && view.is_worth_it(simd, block, &extents, common)
         {
-            let mut faces = Faces::EMPTY;
+            let mut faces = EdgePlanes::EMPTY;
             common &= faces.lanes_to_test(simd, view, block, self.farthest);
             for which in 0..self.count {
                 if common == 0 || bits >> (which * LANES) & 0xffff == 0 {

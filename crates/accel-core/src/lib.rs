@@ -5,7 +5,7 @@
 //! Source: see each file.
 //!
 //! From below: `float`, `bits`, `aabb`, `ray`, `hit`: numbers and plain data. `slab`, `triangle`, `blocks`: one ray against
-//! planes and triangles. `tile`, `beam`, `faces`, `chunks`, `tile_test`: up to 64 rays of one [`direction_class`] against boxes and
+//! planes and triangles. `tile`, `beam`, `edge_planes`, `chunks`, `tile_test`: up to 64 rays of one [`direction_class`] against boxes and
 //! triangles. [`traversal`]: the state that a query passes to the kernels of a tree. `geometry`,
 //! `valid_triangles`, `threads`, `control`: the input of builds, their threads and their control. `store`:
 //! trees in files.
@@ -33,7 +33,7 @@ pub mod collect;
 pub mod control;
 pub mod direction_class;
 pub mod exact;
-pub mod faces;
+pub mod edge_planes;
 pub mod filter_region;
 pub mod float;
 pub mod geometry;

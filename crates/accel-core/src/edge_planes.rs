@@ -48,7 +48,7 @@ pub struct Viewpoint {
 
 /// A block of triangles as the rays see it.
 #[repr(C, align(64))]
-pub struct Faces {
+pub struct EdgePlanes {
     /// Corners relative to the viewpoint, by corner and axis.
     corners: [[[f32; WIDTH]; 3]; 3],
     /// Normals of the planes through the viewpoint and each edge.
@@ -108,7 +108,7 @@ impl Viewpoint {
     }
 }
 
-impl Faces {
+impl EdgePlanes {
     pub const EMPTY: Self = Self {
         corners: [[[0.0; WIDTH]; 3]; 3],
         normals: [[[0.0; WIDTH]; 3]; 3],
@@ -240,7 +240,7 @@ mod tests {
         slopes.prepare(simd, rays, TILE, direction_class);
         let ranges = slopes.all_ranges(simd, rays, TILE);
         let view = Viewpoint::new(&ranges, rays.one_origin(TILE)?, direction_class, 1e17)?;
-        let mut faces = Faces::EMPTY;
+        let mut faces = EdgePlanes::EMPTY;
         let mut left = [faces.lanes_to_test(simd, &view, block, f32::INFINITY), 0, 0, 0, 0];
         for which in 0..TILE / LANES {
             for lane in 0..WIDTH {
