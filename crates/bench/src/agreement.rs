@@ -239,10 +239,10 @@ pub(crate) fn compare(
         Difference { what, ray: worst.map_or(0, |(_, ray)| ray) }
     };
     let strict = [tolerance, 10.0 * tolerance];
-    let of_rival = if names.first == names.second { strict } else { REFERENCES };
+    let of_reference = if names.first == names.second { strict } else { REFERENCES };
     let too_much = of_first.is_above(count, strict)
         || somebodys.is_above(count, strict)
-        || of_second.is_above(count, of_rival)
+        || of_second.is_above(count, of_reference)
         || nobodys.is_above(count, REFERENCES);
     if too_much { Err(report()) } else { Ok(Some(report())) }
 }
@@ -253,7 +253,7 @@ mod tests {
     use gnurt::accel::RayBatch;
 
     const OURS: Names = Names { first: "gnurt", second: "gnurt" };
-    const RIVAL: Names = Names { first: "gnurt", second: "rival" };
+    const REFERENCE: Names = Names { first: "gnurt", second: "reference" };
 
     /// Rays down to the triangles 0, 1 and 2: 1 lies on 0, and 2 is elsewhere.
     const POSITIONS: [[f32; 3]; 4] = [[0., 0., 0.], [9., 0., 0.], [0., 9., 0.], [0., 0., 9.]];
@@ -322,7 +322,7 @@ mod tests {
         let rays = rays(1000, false);
         let with = |a: f32, b: f32, n: usize| {
             let side = |t: f32| answered((0..1000).map(|i| if i < n { t } else { 5.0 }).collect());
-            compare(&side(a), &side(b), RIVAL, &rays, 1e-5)
+            compare(&side(a), &side(b), REFERENCE, &rays, 1e-5)
         };
         let reported = |a, b, n| with(a, b, n).expect("it goes on").expect("it is told").what;
         let theirs = reported(5.0, 5.01, 90);
@@ -330,15 +330,15 @@ mod tests {
             theirs.contains("90 of 1000 answers differ") && theirs.contains("by up to 2.0e-3 of t"),
             "{theirs}"
         );
-        assert!(theirs.contains("90 of rival are wrong, 0 of gnurt"), "{theirs}");
+        assert!(theirs.contains("90 of reference are wrong, 0 of gnurt"), "{theirs}");
         let ours = with(5.01, 5.0, 90).expect_err("our own faults end it").what;
-        assert!(ours.contains("0 of rival are wrong, 90 of gnurt"), "{ours}");
+        assert!(ours.contains("0 of reference are wrong, 90 of gnurt"), "{ours}");
         assert!(with(5.0, 5.01, 501).is_err(), "who is wrong about a half is asked in a wrong way");
         let lost = reported(5.0, f32::INFINITY, 1);
-        assert!(lost.contains("1 rays hit for one only") && lost.contains("1 of rival are wrong"), "{lost}");
+        assert!(lost.contains("1 rays hit for one only") && lost.contains("1 of reference are wrong"), "{lost}");
         assert!(with(f32::INFINITY, 5.0, 2).is_err(), "what we miss is there");
         let both = reported(5.01, 5.02, 1);
-        assert!(both.contains("1 of rival are wrong, 1 of gnurt"), "{both}");
+        assert!(both.contains("1 of reference are wrong, 1 of gnurt"), "{both}");
     }
 
     #[test]
@@ -351,20 +351,20 @@ mod tests {
         let all = |t: f32, prim_id: u32| Answered { t: vec![t; count], prim_id: vec![prim_id; count] };
         // Triangle 2 stands on the edge between corners 0 and 1: seen from above, edge on.
         let at_edge = of([1.0, 0.0, 5.0]);
-        let what = compare(&all(5.0, 0), &all(f32::INFINITY, INVALID_ID), RIVAL, &at_edge, 1e-5);
+        let what = compare(&all(5.0, 0), &all(f32::INFINITY, INVALID_ID), REFERENCE, &at_edge, 1e-5);
         let what = what.map_or_else(
             |too_much| too_much.what,
             |reported| reported.map_or(String::new(), |reported| reported.what),
         );
-        assert!(what.contains("100 pass an edge") && what.contains("0 of rival"), "{what}");
+        assert!(what.contains("100 pass an edge") && what.contains("0 of reference"), "{what}");
         // From below its slope triangle 0 is met behind triangle 1, which lies on it: both are there.
         let inside = of([1.0, 1.0, 5.0]);
-        assert_eq!(compare(&all(5.0, 0), &all(5.0, 1), RIVAL, &inside, 1e-5), Ok(None), "both are right");
+        assert_eq!(compare(&all(5.0, 0), &all(5.0, 1), REFERENCE, &inside, 1e-5), Ok(None), "both are right");
         let any = Rays { any: true, ..of([1.0, 1.0, 5.0]) };
-        let missed = compare(&all(1.0, INVALID_ID), &all(f32::INFINITY, INVALID_ID), RIVAL, &any, 1e-5);
+        let missed = compare(&all(1.0, INVALID_ID), &all(f32::INFINITY, INVALID_ID), REFERENCE, &any, 1e-5);
         let missed = missed.expect_err("a hundred of a hundred").what;
         assert!(
-            missed.contains("100 of rival are wrong, 0 of gnurt"),
+            missed.contains("100 of reference are wrong, 0 of gnurt"),
             "all triangles are looked at: {missed}"
         );
     }
