@@ -53,14 +53,14 @@ pub fn load(name: &str, file: &str) -> Result<PluginClass, LoadError> {
 ///
 /// The copy is in the folder of temporary files, or beside the library if no code may be loaded from there.
 /// If neither is possible, the library itself is loaded; then a rebuilt library is not noticed.
-pub(crate) fn load_anew(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
+pub(crate) fn load_copy(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
     let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folders = [&std::env::temp_dir(), beside];
-    load_by(name, &path.display().to_string(), || open_anew(path, &folders))
+    load_by(name, &path.display().to_string(), || open_copy(path, &folders))
 }
 
 /// Opens a copy of a library in the first of these folders that allows that, or else the library itself.
-fn open_anew(path: &Path, folders: &[&Path]) -> Result<Library, String> {
+fn open_copy(path: &Path, folders: &[&Path]) -> Result<Library, String> {
     let copy_in = |folder: &&Path| -> Option<Library> {
         let new = tempfile::Builder::new().prefix(".gnurt-").suffix(".so").tempfile_in(folder);
         let copy = new.ok()?.into_temp_path();
@@ -298,7 +298,7 @@ mod tests {
     fn folders_that_take_no_copy_are_passed_over() {
         let (folder, file) = built();
         for folders in [&[Path::new("/no/such/folder"), Path::new("/proc"), folder.path()][..], &[]] {
-            assert!(open_anew(&file, folders).is_ok(), "with {folders:?}");
+            assert!(open_copy(&file, folders).is_ok(), "with {folders:?}");
         }
         let left: Vec<_> = std::fs::read_dir(folder.path()).expect("it is there").collect();
         assert_eq!(left.len(), 1, "no copy is left: {left:?}");
@@ -322,6 +322,6 @@ mod tests {
         let copy = tempfile::Builder::new().suffix(".so").tempfile_in(candidate).expect("it is writable");
         std::fs::copy(&file, copy.path()).expect("there is room");
         assert!(Library::open(copy.path()).is_err(), "{candidate} runs no code");
-        assert!(open_anew(&file, &[Path::new(candidate)]).is_ok(), "the library is loaded all the same");
+        assert!(open_copy(&file, &[Path::new(candidate)]).is_ok(), "the library is loaded all the same");
     }
 }

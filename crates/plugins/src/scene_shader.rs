@@ -21,7 +21,7 @@ use crate::description::{Kind, Parameter};
 use crate::ffi_block::PluginBlock;
 use crate::frame::PluginFrame;
 use crate::frame_state::FrameState;
-use crate::load::{load_anew, suggestion};
+use crate::load::{load_copy, suggestion};
 
 /// A surface shader with its parameters.
 pub struct SceneShader {
@@ -126,7 +126,7 @@ impl SceneShader {
     }
 
     fn of_plugin(name: &str, file: &Path, parameters: &[(String, String)]) -> Result<Self, String> {
-        let class = Arc::new(load_anew(name, file).map_err(|why| why.to_string())?);
+        let class = Arc::new(load_copy(name, file).map_err(|why| why.to_string())?);
         if class.kind != Kind::Surface {
             return Err(format!("{} is of no surfaces", class.title()));
         }
