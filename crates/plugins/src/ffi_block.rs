@@ -150,7 +150,7 @@ impl PluginBlock {
     }
 
     /// Remembers how it went.
-    pub fn set_verdict(&self, version: u64, outcome: Result<(), String>) {
+    pub fn set_result(&self, version: u64, outcome: Result<(), String>) {
         *self.tried.lock().unwrap_or_else(PoisonError::into_inner) = Some((version, outcome));
     }
 }

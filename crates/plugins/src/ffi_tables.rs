@@ -206,7 +206,7 @@ fn use_class(class: Arc<PluginClass>) {
     }
     let snapshot = block.snapshot();
     // Children for trials take longer than all the rest.
-    block.set_verdict(snapshot.version, Ok(()));
+    block.set_result(snapshot.version, Ok(()));
     let frame = PluginFrame::new([(1, &block)].into_iter(), FrameState::default);
     assert!(frame.made(1).is_some(), "it takes part: {:?}", frame.problems());
 }

@@ -127,7 +127,7 @@ fn try_prepare(candidates: &mut [Candidate]) {
             Trial::Returned => Ok(()),
             Trial::Crashed(how) => Err(format!("its prepare crashed in a trial: {how}")),
         };
-        candidate.snapshot.block.set_verdict(candidate.snapshot.version, outcome);
+        candidate.snapshot.block.set_result(candidate.snapshot.version, outcome);
     }
 }
 
