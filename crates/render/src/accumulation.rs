@@ -413,7 +413,7 @@ fn add_interleaved(
     pool: &rayon::ThreadPool,
 ) -> Option<Vec<RenderStats>> {
     let take = |tracer: &mut BatchTracer, tile: &TileFilm| {
-        (!sampler.job.should_stop()).then(|| sampler.sample_apart(tile, tracer, sample))
+        (!sampler.job.should_stop()).then(|| sampler.split_sample(tile, tracer, sample))
     };
     let taken: Option<Vec<SplitLight>> =
         pool.install(|| tiles.par_iter().map_init(|| sampler.tracer(), take).collect());
@@ -422,7 +422,7 @@ fn add_interleaved(
     let visible = rects.iter().zip(taken.iter().map(|split| split.texels.as_slice()));
     let visible = PatternTexels::new(visible, region, film::tile_size(sampler.job.options), n);
     let add = |tracer: &mut BatchTracer, (tile, split): (&mut TileFilm, &SplitLight)| {
-        sampler.add_apart(tile, tracer, sample, split, &visible)
+        sampler.add_split(tile, tracer, sample, split, &visible)
     };
     Some(pool.install(|| tiles.par_iter_mut().zip(&taken).map_init(|| sampler.tracer(), add).collect()))
 }

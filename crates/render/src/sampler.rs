@@ -81,7 +81,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// A sample of each pixel of a part of the film, light and surfaces apart; nothing is added to the film.
-    pub(crate) fn sample_apart(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> SplitLight {
+    pub(crate) fn split_sample(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> SplitLight {
         let mut batch = CameraBatch::default();
         self.job.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
         tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, self.job.options.width));
@@ -91,7 +91,7 @@ impl<'a> Sampler<'a> {
         let camera = batch.met();
         let mut lanes = vec![Texel::default(); camera.keys.len()];
         if let Some(pass) = self.pass {
-            many_lights::radiance_apart(tracer, pass, camera, &mut radiance, &mut lanes);
+            many_lights::split_radiance(tracer, pass, camera, &mut radiance, &mut lanes);
         }
         tracer.stats.camera_rays += camera.keys.len() as u64;
         tracer.stats.samples += camera.keys.len() as u64;
@@ -106,7 +106,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// Adds a sample that was taken apart to the film; `filter` brings its parts together.
-    pub(crate) fn add_apart(
+    pub(crate) fn add_split(
         &self,
         tile: &mut TileFilm,
         tracer: &mut BatchTracer,

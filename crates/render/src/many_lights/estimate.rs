@@ -109,7 +109,7 @@ fn all_radiance(
 }
 
 /// The same, light and surfaces apart, each pixel with its share of the virtual lights.
-pub(crate) fn radiance_apart(
+pub(crate) fn split_radiance(
     tracer: &mut BatchTracer,
     pass: &PassLights,
     camera: HitLanes,
@@ -146,11 +146,11 @@ fn go_on(
 ) {
     for depth in depth.. {
         if let Some(texels) = &mut texels {
-            take_finals_apart(tracer, &walks.carried, &vertices, texels);
+            split_radiance_only(tracer, &walks.carried, &vertices, texels);
         }
         let stops = arrive(tracer, pass, &walks, vertices, radiance);
         if let Some(texels) = &mut texels {
-            take_apart(tracer, &stops, radiance, texels);
+            split_texels(tracer, &stops, radiance, texels);
         }
         light_samples(tracer, pass, &stops, radiance);
         let radiance_there: Vec<&EyePoint> =
@@ -177,7 +177,7 @@ fn go_on(
 }
 
 /// From the first smoothly scattering surface on, the light of a pixel counts as light on that surface.
-fn take_apart(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels: &mut [Texel]) {
+fn split_texels(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels: &mut [Texel]) {
     for stop in stops.iter().filter(|stop| stop.walk.is_directly_visible && stop.eye.bsdf.is_smooth()) {
         let lane = stop.walk.lane as usize;
         if texels[lane].instance != INVALID_ID {
@@ -199,7 +199,7 @@ fn take_apart(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels
 }
 
 /// The same for radiance-only shaders: their radiance counts as light on their surface.
-fn take_finals_apart(
+fn split_radiance_only(
     tracer: &BatchTracer,
     walks: &[Walk],
     vertices: &[Option<Vertex>],

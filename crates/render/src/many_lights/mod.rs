@@ -37,7 +37,7 @@ mod vpl;
 mod walk;
 
 pub(crate) use common::Common;
-pub(crate) use estimate::{radiance, radiance_apart};
+pub(crate) use estimate::{radiance, split_radiance};
 pub(crate) use make::pass_lights;
 pub(crate) use pass::PassLights;
 pub use persistent::PersistentLights;
