@@ -11,7 +11,7 @@ use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
 use gnurt_accel_core::nearest::{AnyHit, Closest, Kind, Mode};
 use gnurt_accel_core::tile::{LANES, PerRay, RayTile};
 use gnurt_accel_core::traversal::TileTraversal;
-use gnurt_accel_core::triangle::{LoneRay, Sheared, axes_from, shear};
+use gnurt_accel_core::triangle::{SingleRay, Sheared, axes_from, shear};
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 use crate::index::BvhIndex;
@@ -65,7 +65,7 @@ impl SingleRays<'_> {
         let sheared = Sheared { org: [x[i], y[i], z[i]], shear: [a[i], b[i], c[i]] };
         let [along_x, along_y, along_z] = axes_from(longest_axis);
         let dir = [self.dir[along_x][i], self.dir[along_y][i], self.dir[along_z][i]];
-        BlockRay::sheared(simd, [along_x, along_y, along_z], LoneRay { sheared, dir }, self.t_near[i])
+        BlockRay::sheared(simd, [along_x, along_y, along_z], SingleRay { sheared, dir }, self.t_near[i])
     }
 
     /// Ray `i`.

@@ -11,7 +11,7 @@ use crate::hit::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
 use crate::triangle::{
-    LoneRay, Sheared, ShearedRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges, relative_to,
+    SingleRay, Sheared, ShearedRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges, relative_to,
     shear,
 };
 
@@ -47,13 +47,13 @@ impl<S: Simd> BlockRay<S> {
         let [x, y, z] = axes;
         let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
         let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
-        Self::sheared(simd, axes, LoneRay { sheared, dir }, ray.t_near)
+        Self::sheared(simd, axes, SingleRay { sheared, dir }, ray.t_near)
     }
 
     /// From the data of a ray in the space with these axes.
     #[inline(always)]
-    pub fn sheared(simd: S, axes: [usize; 3], single: LoneRay, t_near: f32) -> Self {
-        let LoneRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = single;
+    pub fn sheared(simd: S, axes: [usize; 3], single: SingleRay, t_near: f32) -> Self {
+        let SingleRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = single;
         let sheared = Sheared {
             org: [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)],
             shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
@@ -63,10 +63,10 @@ impl<S: Simd> BlockRay<S> {
 
     /// The input of [`sheared`](Self::sheared), extracted from the lanes, because it is rarely needed.
     #[inline(always)]
-    fn single(&self) -> LoneRay {
+    fn single(&self) -> SingleRay {
         let ([x, y, z], [sx, sy, sz]) = (self.sheared.org, self.sheared.shear);
         let sheared = Sheared { org: [x[0], y[0], z[0]], shear: [sx[0], sy[0], sz[0]] };
-        LoneRay { sheared, dir: self.dir }
+        SingleRay { sheared, dir: self.dir }
     }
 }
 
@@ -170,7 +170,7 @@ impl TriangleBlock {
         &self,
         [bits, mut inside, mut uncertain]: [u64; 3],
         hits: &[[f32; WIDTH]; 3],
-        (axes, ray, t_near): ([usize; 3], LoneRay, f32),
+        (axes, ray, t_near): ([usize; 3], SingleRay, f32),
         slot: u32,
         collect: &mut C,
     ) {

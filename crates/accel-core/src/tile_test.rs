@@ -13,7 +13,7 @@ use crate::direction_class::DirectionClass;
 use crate::nearest::{AnyHit, Closest, Kind, closer};
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 use crate::triangle::{
-    LoneRay, Sheared, TriangleHits, axes_from, meet_inside, meet_inside_in_lanes, meet_single, pass_edges,
+    SingleRay, Sheared, TriangleHits, axes_from, meet_inside, meet_inside_in_lanes, meet_single, pass_edges,
 };
 
 /// A tile of one heading, to be tested.
@@ -140,12 +140,12 @@ impl<S: Simd> TileTest<'_, S> {
 
     /// One ray, along the axes of the sheared space.
     #[inline(always)]
-    fn single(&self, slopes: &Slopes, axes: [usize; 3], i: usize) -> LoneRay {
+    fn single(&self, slopes: &Slopes, axes: [usize; 3], i: usize) -> SingleRay {
         let sheared = Sheared {
             org: axes.map(|k| self.rays.org[k][i]),
             shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
         };
-        LoneRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) }
+        SingleRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) }
     }
 
     /// Lanes that floats cannot decide.

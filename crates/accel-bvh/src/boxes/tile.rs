@@ -195,7 +195,7 @@ impl Shot<'_> {
     /// Each ray in `bits` by itself: `search` gets the ray, its time, its far end, and a callback for the
     /// indices of hit boxes, and returns the number of visited nodes.
     #[inline(always)]
-    fn go_alone<S: Simd>(
+    fn go_singly<S: Simd>(
         &mut self,
         simd: S,
         bits: u64,
@@ -294,7 +294,7 @@ fn tile_treelet<S: Simd>(
                 #[inline(always)]
                 |shot, stop, bits, traversal| match stop {
                     Stop::Block(at) => enter_block(simd, treelet, at, bits, shot, traversal, enter),
-                    Stop::SingleRays(child) => shot.go_alone(
+                    Stop::SingleRays(child) => shot.go_singly(
                         simd,
                         bits,
                         traversal,
@@ -403,7 +403,7 @@ fn tile_upper<S: Simd>(
                             tile_treelet(simd, &treelets[number], rays, shot, traversal, enter);
                         }
                     }
-                    Stop::SingleRays(child) => shot.go_alone(
+                    Stop::SingleRays(child) => shot.go_singly(
                         simd,
                         bits,
                         traversal,

@@ -8,7 +8,7 @@ use gnurt_simd::{Simd, SimdFloat, f32x16, prelude::*};
 
 use super::precise::in_double_lanes;
 use super::triangle_hit::TriangleHit;
-use super::watertight::{DOUBTFUL, HUGE, LoneRay, SURELY, TINY};
+use super::watertight::{DOUBTFUL, HUGE, SingleRay, SURELY, TINY};
 
 /// Floats in lanes.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
@@ -136,7 +136,7 @@ impl<S: Simd, V: Lanes<S>> Reached<S, V> {
 #[inline(never)]
 pub fn meet_single(
     corners: &[[f32; 3]; 3],
-    ray: &LoneRay,
+    ray: &SingleRay,
     needs_position: bool,
     t_near: f32,
     t_far: f32,
@@ -147,7 +147,7 @@ pub fn meet_single(
 /// One lane of those that are doubtful (`Reached::doubtful`): it passes inside.
 #[cold]
 #[inline(never)]
-pub fn meet_inside(corners: &[[f32; 3]; 3], ray: &LoneRay, t_near: f32, t_far: f32) -> Option<TriangleHit> {
+pub fn meet_inside(corners: &[[f32; 3]; 3], ray: &SingleRay, t_near: f32, t_far: f32) -> Option<TriangleHit> {
     ray.meet_inside(corners, t_near, t_far)
 }
 

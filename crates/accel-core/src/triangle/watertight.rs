@@ -46,7 +46,7 @@ pub struct Sheared<V> {
 
 /// One ray along the axes of the sheared space: prepared, and its direction, which is not rounded.
 #[derive(Clone, Copy, Debug)]
-pub struct LoneRay {
+pub struct SingleRay {
     pub sheared: Sheared<f32>,
     pub dir: [f32; 3],
 }
@@ -55,7 +55,7 @@ pub struct LoneRay {
 #[derive(Clone, Copy, Debug)]
 pub struct ShearedRay {
     axes: [usize; 3],
-    alone: LoneRay,
+    single: SingleRay,
 }
 
 /// The shear that maps a ray's direction, along the axes of the sheared space, to its z axis.
@@ -78,7 +78,7 @@ impl ShearedRay {
         let [x, y, z] = axes;
         let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
         let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
-        Self { axes, alone: LoneRay { sheared, dir } }
+        Self { axes, single: SingleRay { sheared, dir } }
     }
 
     /// Where the ray meets a triangle in `[t_near, t_far]`; or, unless one `needs_position`, whether it does by floats.
@@ -92,11 +92,11 @@ impl ShearedRay {
     ) -> Option<TriangleHit> {
         let [x, y, z] = self.axes;
         let corners = [[a[x], a[y], a[z]], [b[x], b[y], b[z]], [c[x], c[y], c[z]]];
-        self.alone.meet(&corners, needs_position, t_near, t_far)
+        self.single.meet(&corners, needs_position, t_near, t_far)
     }
 }
 
-impl LoneRay {
+impl SingleRay {
     /// As [`ShearedRay::meet`], of corners along the axes of the sheared space.
     #[inline(always)]
     pub(super) fn meet(
@@ -158,7 +158,7 @@ impl LoneRay {
     }
 }
 
-impl LoneRay {
+impl SingleRay {
     /// As [`meet`](Self::meet) of a ray of which floats have decided that it passes inside.
     #[inline(always)]
     pub(super) fn meet_inside(
