@@ -214,15 +214,15 @@ fn blocks<'a>(points: &[&'a EyePoint], seed: Option<u32>) -> impl Iterator<Item 
     let in_order = |kind: Vec<&'a EyePoint>| {
         let positions: Vec<Vec3> = kind.iter().map(|eye| eye.point.p).collect();
         let order = neighbours::in_order(&positions, BLOCK);
-        let mut turns: Vec<usize> = (0..order.len()).collect();
+        let mut positions_in_order: Vec<usize> = (0..order.len()).collect();
         if let Some(seed) = seed {
-            for near in turns.chunks_mut(MIXED * BLOCK) {
+            for near in positions_in_order.chunks_mut(MIXED * BLOCK) {
                 mix(near, hash_combine(seed, near[0] as u32));
                 // Lanes side by side stay near each other.
                 near.chunks_mut(BLOCK).for_each(<[_]>::sort_unstable);
             }
         }
-        turns.into_iter().map(move |angle_change| kind[order[angle_change] as usize])
+        positions_in_order.into_iter().map(move |i| kind[order[i] as usize])
     };
     let all: Vec<&EyePoint> = kinds.into_iter().flat_map(in_order).collect();
     (0..all.len()).step_by(BLOCK).map(move |first| all[first..all.len().min(first + BLOCK)].to_vec())
