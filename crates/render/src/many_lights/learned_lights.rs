@@ -35,7 +35,7 @@ pub(super) fn light_choice<'j>(job: &'j Job, stats: &mut RenderStats) -> Option<
 
 /// Learned by particles; `None` where all paths may start by power.
 pub(super) fn learned(job: &Job, stats: &mut RenderStats) -> Option<LightChoice> {
-    if !is_due(job.world) {
+    if !has_many_lights(job.world) {
         return None;
     }
     let mut tracer = BatchTracer::new(job.world, job.options, false);
@@ -62,6 +62,6 @@ pub(super) fn learned(job: &Job, stats: &mut RenderStats) -> Option<LightChoice>
 }
 
 /// Whether there are so many lamps that some of them may matter more.
-pub(super) fn is_due(world: &World) -> bool {
+pub(super) fn has_many_lights(world: &World) -> bool {
     world.light_set().len() + world.plugin_emitters().len() > FEW
 }

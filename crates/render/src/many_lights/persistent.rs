@@ -116,7 +116,7 @@ impl PersistentLights {
         let view = View::of(job);
         let extent = job.world.bounds().map_or(0.0, |(low, high)| Vec3::from(low).distance(Vec3::from(high)));
         let is_of_paths = options.integrator == Integrator::InstantRadiosity;
-        let hangs_on_view = !is_of_paths || learned_lights::is_due(job.world);
+        let hangs_on_view = !is_of_paths || learned_lights::has_many_lights(job.world);
         let are_small = size == SMALL_PARTS;
         if edited && are_small {
             self.parts.truncate(FIRST_PARTS);
