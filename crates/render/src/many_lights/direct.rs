@@ -80,7 +80,7 @@ pub(super) fn light_samples(
         let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving * left;
         if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
             let offer = scattered * (light_gain * there[i].rest(dir));
-            offers.push_of_lamp(ray, walk, offer, absorption == Vec3::ZERO);
+            offers.push_of_light(ray, walk, offer, absorption == Vec3::ZERO);
         }
     });
     offers.settle(tracer, radiance);
@@ -174,6 +174,6 @@ fn offer<R: Real>(
     let left = left_after(dist, [absorption, Vec3::ZERO]);
     let offer = offer * left * (light_gain * stop.rest(dir));
     if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
-        offers.push_of_lamp(ray, walk, offer, is_delta && absorption == Vec3::ZERO);
+        offers.push_of_light(ray, walk, offer, is_delta && absorption == Vec3::ZERO);
     }
 }

@@ -266,7 +266,7 @@ impl Block {
                 let (value, pdf) = sender.eval_pdf_all(away);
                 let sent = value * Vector::all(zero, *power) * (vpl_g / bent_light.dot(away));
                 let pdf_vpl = R::pick(vpl_b.above(zero), pdf, zero);
-                let (got, pdf_eye) = self.kept_at(first, to);
+                let (got, pdf_eye) = self.reflected_at(first, to);
                 // Both ways to choose the edge, as densities per area.
                 let largest = (pdf_eye * vpl_g).or_more(pdf_vpl * eye_g.size()) * near;
                 let bound = zero.all(source.bound);
@@ -290,7 +290,7 @@ impl Block {
     /// Reflectance of the points from `first` on for light from the unit vector `to`, and the density with
     /// which they choose it.
     #[inline(always)]
-    fn kept_at<R: Real>(&self, first: usize, to: Vector<R>) -> (Vector<R>, R) {
+    fn reflected_at<R: Real>(&self, first: usize, to: Vector<R>) -> (Vector<R>, R) {
         match self.persistent.get(first / LANES) {
             Some(persistent) => persistent.eval_pdf(first % LANES, to),
             None => (Vector::grey(to.x.all(0.0)), to.x.all(0.0)),
@@ -304,7 +304,7 @@ impl Block {
 
     /// Shadow rays from a point to the lanes that see its front; those of `other` count as others do, by their normals.
     #[inline(always)]
-    pub(super) fn ways_from<R: Real>(&self, like: R, point: &SurfacePoint, rays: &mut Pencil) {
+    pub(super) fn directions_from<R: Real>(&self, like: R, point: &SurfacePoint, rays: &mut Pencil) {
         let zero = like.all(0.0);
         let start = vpl::end(point, point.ng);
         let (p, n, from) =
@@ -334,7 +334,7 @@ impl Block {
             let near = zero.all(1.0) / offset.length_squared();
             let to = offset * near.root();
             let front = -n.dot(to);
-            let (_, chosen) = self.kept_at(first, to);
+            let (_, chosen) = self.reflected_at(first, to);
             let density = chosen * front * near;
             let good =
                 at(zero, &self.bent, first).dot(to).above(zero) & front.above(zero) & density.is_number();
@@ -499,7 +499,7 @@ mod tests {
             for n in 1000..1020 {
                 let point = point(n);
                 block.densities(0.0_f32, &point, &mut densities.0);
-                block.ways_from(0.0_f32, &point, &mut rays);
+                block.directions_from(0.0_f32, &point, &mut rays);
                 for (i, eye) in eyes.iter().enumerate() {
                     let offset = point.p - eye.point.p;
                     let to = offset.normalize();

@@ -21,7 +21,7 @@ pub(super) struct Offers {
 
 impl Offers {
     /// Light of a lamp, which is sought through glass if it says so.
-    pub(super) fn push_of_lamp(&mut self, ray: Ray, walk: &Walk, offer: Vec3, is_delta: bool) {
+    pub(super) fn push_of_light(&mut self, ray: Ray, walk: &Walk, offer: Vec3, is_delta: bool) {
         let before = self.offers.len();
         self.push(ray, walk, offer);
         if is_delta && self.offers.len() > before {

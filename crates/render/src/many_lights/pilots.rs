@@ -158,8 +158,8 @@ impl Pilots {
                     let rays = &mut scratch.light.rays;
                     dispatch_wide!(
                         self.level,
-                        simd => group.block.ways_from(f32x16::splat(simd, 0.0), point, rays),
-                        else group.block.ways_from(0.0_f32, point, rays)
+                        simd => group.block.directions_from(f32x16::splat(simd, 0.0), point, rays),
+                        else group.block.directions_from(0.0_f32, point, rays)
                     );
                     let queried =
                         (0..BLOCK).filter(|&i| rays.t_far()[i] > 0.0).fold(0, |mask, i| mask | 1_u64 << i);

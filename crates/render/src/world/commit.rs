@@ -75,7 +75,7 @@ impl World {
         world.update(is_first, &dirty, (scene, exposure), shaders, options, pool, &mut report);
         world.shutter = Shutter::Closed;
         world.pixel.clone_from(&shaders.pixel);
-        open.lamps_move = world.lights.emitters.move_in(&world.instances);
+        open.lights_move = world.lights.emitters.move_in(&world.instances);
         world.open = (!exposure.is_still()).then(|| Arc::new(open));
         world.follows =
             Some(Followed { identity: scene.identity().clone(), cursor: scene.cursor(), options: *options });

@@ -54,7 +54,7 @@ impl Emitters {
             let placed = instances.get(instance_index).and_then(InstanceSlot::placed);
             // Geometry hidden from light rays emits none.
             placed.is_some_and(|placed| {
-                placed.mask.meets(RayMask::OTHER) && shows_lamps(&placed.object, materials)
+                placed.mask.meets(RayMask::OTHER) && shows_emitters(&placed.object, materials)
             })
         };
         let now: Vec<u32> = if emission_changed {
@@ -180,7 +180,7 @@ impl Found {
     }
 }
 
-fn shows_lamps(object: &WorldObject, materials: &MaterialTable) -> bool {
+fn shows_emitters(object: &WorldObject, materials: &MaterialTable) -> bool {
     object.has_material(|material| materials.is_emissive(material))
 }
 
@@ -191,7 +191,7 @@ fn each_lamp(
     materials: &MaterialTable,
     visit: &mut dyn FnMut(&WorldObject, u32, &Transform),
 ) {
-    if !shows_lamps(object, materials) {
+    if !shows_emitters(object, materials) {
         return;
     }
     let Some(members) = &object.members else { return visit(object, first, instance_index) };

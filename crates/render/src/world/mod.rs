@@ -265,7 +265,7 @@ impl World {
     pub fn at(&self, time: f32, pool: &rayon::ThreadPool) -> Self {
         let mut world = Self { shutter: Shutter::All(time), ..self.clone() };
         if let Some(open) = self.open.as_ref().filter(|open| open.lights_move()) {
-            let emitters = open.lamps_move.then(|| self.lights.emitters.at(time, self.shown(pool)));
+            let emitters = open.lights_move.then(|| self.lights.emitters.at(time, self.shown(pool)));
             world.lights = Arc::new(self.lights.at(open.lights_at(time), emitters));
         }
         world

@@ -59,7 +59,7 @@ pub(super) struct Open {
     /// Places of these, and the lights at each key.
     moving: Vec<(usize, Vec<Light>)>,
     /// Whether triangles that shine move.
-    pub(super) lamps_move: bool,
+    pub(super) lights_move: bool,
 }
 
 impl Open {
@@ -85,12 +85,12 @@ impl Open {
             .map(|(id, keys)| (id.index(), keys.clone()))
             .collect();
         let lights = if moving.is_empty() { Vec::new() } else { scene.lights().to_vec() };
-        Self { objects, instances, lights, moving, lamps_move: false }
+        Self { objects, instances, lights, moving, lights_move: false }
     }
 
     /// Whether light comes from elsewhere at each moment.
     pub(super) fn lights_move(&self) -> bool {
-        self.lamps_move || !self.moving.is_empty()
+        self.lights_move || !self.moving.is_empty()
     }
 
     /// The scene's lights at a moment; `None` where none of them moves.
