@@ -49,7 +49,10 @@ pub(crate) fn look<T>(blind: T, at: impl FnOnce(Option<&Context>) -> T) -> T {
 /// A call from within a call of the same thread: it would wait for itself, and nothing can be noted meanwhile.
 #[cold]
 fn reject<T>(shown: impl FnOnce() -> String, on_error: T) -> T {
-    print_line(format_args!("{} was called by a shader while the library waits for that shader: ignored", shown()));
+    print_line(format_args!(
+        "{} was called by a shader while the library waits for that shader: ignored",
+        shown()
+    ));
     on_error
 }
 

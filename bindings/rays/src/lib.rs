@@ -18,8 +18,6 @@ mod ffi_abi;
 mod ffi_absent;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_arrays;
-#[expect(unsafe_code, reason = "C calls in, with pointers")]
-mod ffi_query;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_callbacks;
 #[expect(unsafe_code, reason = "a frame that catches, and what it catches")]
@@ -46,6 +44,8 @@ mod ffi_memory;
 mod ffi_point;
 #[expect(unsafe_code, reason = "a pointer to what never changes")]
 mod ffi_present;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_query;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_rays;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]

@@ -11,7 +11,7 @@ use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
 use gnurt_accel_core::nearest::{AnyHit, Closest, Kind, Mode};
 use gnurt_accel_core::tile::{LANES, PerRay, RayTile};
 use gnurt_accel_core::traversal::TileTraversal;
-use gnurt_accel_core::triangle::{SingleRay, Sheared, axes_from, shear};
+use gnurt_accel_core::triangle::{Sheared, SingleRay, axes_from, shear};
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 use crate::index::BvhIndex;

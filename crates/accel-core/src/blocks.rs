@@ -11,8 +11,8 @@ use crate::hit::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
 use crate::triangle::{
-    SingleRay, Sheared, ShearedRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges, relative_to,
-    shear,
+    Sheared, ShearedRay, SingleRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges,
+    relative_to, shear,
 };
 
 /// Triangles of a block, and children of a wide BVH's node.
@@ -211,9 +211,12 @@ impl TriangleBlock {
                 let [x, y, z] = &self.corners[k];
                 [x[lane], y[lane], z[lane]]
             };
-            if let Some(triangle_hit) =
-                ray.meet(&[corner(0), corner(1), corner(2)], collect.needs_position(), t_near, collect.reach())
-            {
+            if let Some(triangle_hit) = ray.meet(
+                &[corner(0), corner(1), corner(2)],
+                collect.needs_position(),
+                t_near,
+                collect.reach(),
+            ) {
                 collect.offer(triangle_hit, number, slot);
             }
         }

@@ -13,7 +13,7 @@ use crate::direction_class::DirectionClass;
 use crate::nearest::{AnyHit, Closest, Kind, closer};
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 use crate::triangle::{
-    SingleRay, Sheared, TriangleHits, axes_from, meet_inside, meet_inside_in_lanes, meet_single, pass_edges,
+    Sheared, SingleRay, TriangleHits, axes_from, meet_inside, meet_inside_in_lanes, meet_single, pass_edges,
 };
 
 /// A tile of one heading, to be tested.

@@ -335,7 +335,10 @@ mod tests {
         assert!(ours.contains("0 of reference are wrong, 90 of gnurt"), "{ours}");
         assert!(with(5.0, 5.01, 501).is_err(), "who is wrong about a half is asked in a wrong way");
         let lost = reported(5.0, f32::INFINITY, 1);
-        assert!(lost.contains("1 rays hit for one only") && lost.contains("1 of reference are wrong"), "{lost}");
+        assert!(
+            lost.contains("1 rays hit for one only") && lost.contains("1 of reference are wrong"),
+            "{lost}"
+        );
         assert!(with(f32::INFINITY, 5.0, 2).is_err(), "what we miss is there");
         let both = reported(5.01, 5.02, 1);
         assert!(both.contains("1 of reference are wrong, 1 of gnurt"), "{both}");

@@ -4,12 +4,12 @@
 
 mod ball;
 mod dyadic;
-mod line;
 mod exact_hit;
+mod line;
 mod number;
 mod path;
 
 pub use ball::side_of_sphere;
-pub use line::Line;
 pub(crate) use exact_hit::ExactHit;
+pub use line::Line;
 pub use path::{InstancePath, Triangle};

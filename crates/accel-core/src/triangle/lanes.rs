@@ -8,7 +8,7 @@ use gnurt_simd::{Simd, SimdFloat, f32x16, prelude::*};
 
 use super::precise::in_double_lanes;
 use super::triangle_hit::TriangleHit;
-use super::watertight::{DOUBTFUL, HUGE, SingleRay, SURELY, TINY};
+use super::watertight::{DOUBTFUL, HUGE, SURELY, SingleRay, TINY};
 
 /// Floats in lanes.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}

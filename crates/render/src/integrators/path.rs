@@ -22,7 +22,7 @@ use crate::transport::absorption::absorb;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
-    LightQuery, Known, Offer, Wavefront, add, query_plugin_lights, panes, power_heuristic, shadow_ray,
+    Known, LightQuery, Offer, Wavefront, add, panes, power_heuristic, query_plugin_lights, shadow_ray,
 };
 use crate::world::HitLanes;
 

@@ -457,7 +457,13 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
 }
 
 /// The same for neighbours that ask some of the virtual lights, `BLOCK` at most.
-fn query_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&Stop], offers: &mut Offers) {
+fn query_few(
+    tracer: &BatchTracer,
+    pass: &PassLights,
+    share: &[Source],
+    stops: &[&Stop],
+    offers: &mut Offers,
+) {
     let (seed, level, max_edges) = (tracer.options.seed, tracer.options.level, tracer.options.max_depth);
     let eyes: Vec<&EyePoint> = stops.iter().map(|stop| &stop.eye).collect();
     let [u, _] = sample_pair(seed, stops[0].walk.key, stops[0].walk.edges, purpose::CUT);

@@ -161,8 +161,13 @@ impl PictureHistory {
             self.noise = Some([0, 1].map(|k| before[k] + (noise[k] - before[k]) * NEW_NOISE));
             self.write(tiles, size[0] as usize);
         });
-        let next =
-            Before { camera: camera.clone(), eye: job.eye, size, surface_keys: frame.surface_keys, lights: frame.lights };
+        let next = Before {
+            camera: camera.clone(),
+            eye: job.eye,
+            size,
+            surface_keys: frame.surface_keys,
+            lights: frame.lights,
+        };
         if let Some(old) = self.before.replace(next) {
             (self.spare_surface_keys, self.spare) = (old.surface_keys, old.lights);
         }

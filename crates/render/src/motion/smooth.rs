@@ -165,7 +165,8 @@ impl Smooth {
             };
             (0..width).filter(unknown).map(|x| (x, query(x))).filter(|(_, light)| light.count > 0.0).collect()
         };
-        let found: Vec<Vec<(usize, Light)>> = surface_keys.par_chunks(width).enumerate().map(of_row).collect();
+        let found: Vec<Vec<(usize, Light)>> =
+            surface_keys.par_chunks(width).enumerate().map(of_row).collect();
         for (y, found) in found.iter().enumerate() {
             for (x, light) in found {
                 for (k, number) in light.mean.to_array().into_iter().chain([light.count]).enumerate() {
@@ -233,7 +234,9 @@ impl Near {
         let row = y * width..(y + 1) * width;
         let [x, y_, z, u, v, w, wide, id, enough] =
             planes_of(row_mut(shape, y, stride * shape::COUNT), stride, width);
-        for (i, (surface_key, tint)) in given.surface_keys[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate() {
+        for (i, (surface_key, tint)) in
+            given.surface_keys[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate()
+        {
             [x[i], y_[i], z[i]] = surface_key.p.to_array();
             [u[i], v[i], w[i]] = surface_key.ns.to_array();
             (wide[i], id[i]) = (surface_key.width, number_of(surface_key.id));
