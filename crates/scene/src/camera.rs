@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Cameras: where they stand, how they project, and their lens.
-//! The frame is that of references/README point 5. Space: world; right-handed.
+//! Cameras: position, projection and lens. The frame is that of references/README point 5. Space: world;
+//! right-handed.
 
 use std::fmt;
 
@@ -17,14 +17,14 @@ pub struct Camera {
     pub up: [f32; 3],
     /// Vertical angle of view in degrees: in (0, 180) of perspectives, in (0, 360] of fisheyes; others do not read it.
     pub fov_y: f32,
-    /// How directions become places in the picture.
+    /// The map from directions to positions in the picture.
     pub projection: Projection,
     /// The lens.
     pub lens: Lens,
 }
 
 impl Default for Camera {
-    /// A pinhole at the origin that looks along -z.
+    /// A pinhole at the origin that faces -z.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -38,7 +38,7 @@ impl Default for Camera {
     }
 }
 
-/// How directions become places in the picture.
+/// The map from directions to positions in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Projection {
     /// Straight lines stay straight; distant objects are smaller.
@@ -148,7 +148,7 @@ impl Camera {
         let eye = self.eye.map(f64::from);
         let forward = unit([0, 1, 2].map(|k| f64::from(self.target[k]) - eye[k]))?;
         let given = unit(self.up.map(f64::from)).map(|up| cross(forward, up));
-        // Closer than a hundred-thousandth of a radian to the view, `up` says nothing.
+        // Closer than a hundred-thousandth of a radian to the view, `up` is undefined.
         let usable = given.filter(|r| r.iter().map(|x| x * x).sum::<f64>().sqrt() > 1e-5);
         let right = match usable {
             Some(right) => unit(right)?,

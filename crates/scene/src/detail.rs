@@ -12,7 +12,7 @@ pub struct Interior {
     pub attenuation_color: [f32; 3],
     /// World units, > 0; infinite = nothing is absorbed.
     pub attenuation_distance: f32,
-    /// 20 over Abbe's number: how far colours are bent apart; 0 = not at all.
+    /// 20 over Abbe's number: the dispersion; 0 = none.
     pub dispersion: f32,
 }
 
@@ -24,7 +24,8 @@ impl Default for Interior {
 }
 
 impl Interior {
-    /// Share of light absorbed per way, 1 over world units, by colour: Beer's law has the exponential of minus it times the way.
+    /// Absorption coefficient, 1 over world units, by colour: Beer's law has the exponential of minus it
+    /// times the distance.
     #[must_use]
     pub fn absorption(&self) -> [f32; 3] {
         // A colour of nothing would be infinitely much of it.
@@ -45,14 +46,14 @@ impl Interior {
     }
 }
 
-/// Facets that are brushed: rougher along one direction.
+/// Anisotropic microfacets: rougher along one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Anisotropy {
     /// In `[0, 1]`; the facets' width along the direction goes from that of the roughness to 1 with its square.
     pub strength: f32,
     /// From the direction in which the texture's u grows, counter-clockwise, radians.
     pub rotation: f32,
-    /// Red and green: the direction, `2 texel - 1`, before it is turned; blue: multiplied to the strength.
+    /// Red and green: the direction, `2 texel - 1`, before its rotation; blue: multiplied to the strength.
     pub texture: Option<TextureRef>,
 }
 

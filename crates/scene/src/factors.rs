@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The numbers and textures of a metallic-roughness material, and the material that they make.
-//! Source: glTF 2.0 section 3.9 and its extensions. Kept apart from [`Material`] because which of our surfaces comes of the numbers
-//! depends on them, and because they may change with time.
-//! Materials without extensions become metallic-roughness or, where they neither mirror nor conduct, Lambertian; those with specular,
-//! clear coat, sheen, transmission and the like become principled. Glass is solid where there is a thickness, else a pane that bends nothing,
-//! at every roughness; solid glass that is smooth and lets through all light that it does not mirror is perfectly smooth, tinted by
-//! the base colour. glTF's v runs downwards, ours upwards: `uv_from_mesh`.
+//! Source: glTF 2.0 section 3.9 and its extensions. Separate from [`Material`], because the numbers determine
+//! which of our surfaces represents them, and because they may change with time. Materials without extensions
+//! become metallic-roughness or, where they neither mirror nor conduct, Lambertian; those with specular,
+//! clear coat, sheen, transmission and the like become principled. Glass is solid where there is a thickness,
+//! else a pane that bends nothing, at every roughness; solid glass that is smooth and lets through all light
+//! that it does not mirror is perfectly smooth, tinted by the base colour. glTF's v runs downwards, ours
+//! upwards: `uv_from_mesh`.
 //! Tests: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
 
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
@@ -109,7 +110,7 @@ pub enum AlphaMode {
 pub struct MappedTexture {
     /// The texture.
     pub texture: TextureId,
-    /// How it lies; `None` = as the mesh says.
+    /// Its transform; `None` = the mesh's coordinates.
     pub transform: Option<TextureTransform>,
 }
 
@@ -118,7 +119,7 @@ pub struct MappedTexture {
 pub struct TextureTransform {
     /// Moved by this, last.
     pub offset: [f32; 2],
-    /// Turned by this, radians.
+    /// Rotation, radians.
     pub rotation: f32,
     /// Scaled by this, first.
     pub scale: [f32; 2],
@@ -250,7 +251,7 @@ impl Factors {
         }
     }
 
-    /// `has_normals`: whether a normal map is to be looked at.
+    /// `has_normals`: whether a normal map is used.
     fn kind(&self, has_normals: bool) -> Kind {
         let layers = self.layers();
         let plain = Principled {
@@ -277,7 +278,7 @@ impl Factors {
         self.roughness.clamp(0.0, 1.0)
     }
 
-    /// Whether textures of roughness and normals are looked at, if there were one of normals.
+    /// Whether textures of roughness and normals are used, if there were one of normals.
     #[must_use]
     pub fn reads_roughness_textures(&self, has_normals: bool) -> bool {
         !self.unlit && matches!(self.kind(has_normals), Kind::Rough(_))

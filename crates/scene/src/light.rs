@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lights that have no surface; surfaces shine through their material's emission.
+//! Lights without a surface; surfaces emit through their material's emission.
 //! Source: glTF KHR_lights_punctual for point, spot and directional; units are radiometric, or photometric
 //! ones all over the scene: no efficacy is applied (docs/decisions/0019).
 //! Space: world. Colours are linear.

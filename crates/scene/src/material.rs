@@ -23,7 +23,7 @@ pub struct Material {
     pub emission_texture: Option<TextureRef>,
     /// Where it lets light straight through.
     pub alpha: Alpha,
-    /// Heights that turn its normals.
+    /// Heights that bend its normals.
     pub bump: Option<BumpMap>,
 }
 
@@ -130,7 +130,7 @@ pub enum Surface {
         /// Radiance, W·sr⁻¹·m⁻², times the mesh's colours.
         color: Color,
     },
-    /// Whatever a shader of the renderer's shader table does; the number is its place there.
+    /// A shader of the renderer's shader table; the number is its index there.
     Shader(u32),
 }
 
@@ -241,13 +241,13 @@ pub struct NormalMap {
     pub scale: f32,
 }
 
-/// A bump map: heights that turn normals, not the surface.
+/// A bump map: heights that bend normals and leave the surface unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BumpMap {
     /// Heights, by their luminance; bytes are linear.
     pub texture: TextureRef,
-    /// How far white lies above black, in widths of a texel: 1 makes a step from black to white within one texel a slope of 45 degrees,
-    /// however large the texture lies on the surface. Below zero: white is a hollow.
+    /// Height of white above black, in widths of a texel: 1 makes a step from black to white within one texel
+    /// a slope of 45 degrees, at any size of the texture on the surface. Below zero: white is a hollow.
     pub height: f32,
 }
 
@@ -264,7 +264,7 @@ pub enum Alpha {
         /// Opacity.
         opacity: Opacity,
     },
-    /// There for the share of light that the opacity says.
+    /// Opaque for the fraction of light given by the opacity.
     Blend {
         /// Opacity.
         opacity: Opacity,

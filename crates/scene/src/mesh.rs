@@ -19,7 +19,8 @@ pub struct Mesh {
     /// Texture coordinates per vertex, v upwards (row 0 of a picture is at v = 1); empty = all (0, 0).
     pub texcoords: Vec<[f32; 2]>,
     /// Tangents per vertex, for normal maps: the first three numbers, of any length, point to where u grows; the fourth is 1 or -1,
-    /// the side of `normal x tangent` to which v grows. Empty, or zero at a vertex = as the texture coordinates say.
+    /// the side of `normal x tangent` to which v grows. Empty, or zero at a vertex = derived from the texture
+    /// coordinates.
     pub tangents: Vec<[f32; 4]>,
     /// Colours per vertex, linear red, green, blue and opacity, multiplied to the base colour; empty = white.
     pub colors: Vec<[f32; 4]>,
@@ -27,7 +28,7 @@ pub struct Mesh {
     pub indices: Vec<[u32; 3]>,
     /// Its material.
     pub material: MaterialId,
-    /// Further values for shaders that ask for them by name.
+    /// Further values that shaders request by name.
     pub attributes: Vec<Attribute>,
 }
 
@@ -40,7 +41,7 @@ pub const TEXCOORD_RQ: &str = "texcoord_rq";
 /// A named value per triangle or per vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
-    /// The name that a shader asks for.
+    /// The name that a shader requests.
     pub name: String,
     /// How often the value changes over the surface.
     pub rate: Rate,

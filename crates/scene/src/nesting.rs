@@ -9,7 +9,8 @@ use crate::id::{InstanceId, ObjectId};
 use crate::ray_mask::RayMask;
 use crate::scene::{Object, Scene};
 
-/// Most transforms on the way from the world to a mesh: that of an instance, and those of the members within.
+/// Most transforms on the path from the world to a mesh: that of an instance, and those of the members
+/// within.
 pub const DEEPEST: u32 = 16;
 
 /// Objects whose nesting is invalid.
@@ -20,7 +21,7 @@ pub enum NestingError {
     Missing {
         /// The object that holds it.
         object: u32,
-        /// Its place among the members.
+        /// Its index among the members.
         member: usize,
         /// The missing object.
         missing: u32,
@@ -44,7 +45,7 @@ pub enum NestingError {
 pub struct Occurrence<'a> {
     /// The instance of the scene.
     pub instance: InstanceId,
-    /// Objects that hold it, on the way from the instance.
+    /// Objects that hold it, along the path from the instance.
     pub depth: usize,
     /// Of the instance, or of an object within another its own.
     pub name: &'a str,
@@ -52,9 +53,9 @@ pub struct Occurrence<'a> {
     pub object_id: ObjectId,
     /// The object itself.
     pub object: &'a Object,
-    /// The last transform on the way to it.
+    /// The last transform of the path.
     pub parent_from_object: Affine,
-    /// All transforms on the way to it.
+    /// All transforms of the path.
     pub world_from_object: Affine,
     /// The intersection of all masks along the path.
     pub mask: RayMask,
@@ -126,9 +127,9 @@ impl Scene {
         Some(counts)
     }
 
-    /// All objects that visible instances show, those within others too, each as often as it occurs: those that hold others
-    /// come first. There may be very many. If [`levels`](Self::levels) is an error, only the objects that
-    /// instances show directly; invalid ids are skipped.
+    /// All objects that visible instances show, nested ones too, each as often as it occurs: holders of
+    /// others come first. There may be very many. If [`levels`](Self::levels) is an error, only the objects
+    /// that instances show directly; invalid ids are skipped.
     #[must_use]
     pub fn occurrences(&self) -> Occurrences<'_> {
         let is_flat = self.objects().iter().all(|object| object.members.is_empty());
@@ -144,7 +145,7 @@ pub struct Occurrences<'a> {
     /// The next instance.
     next: u32,
     unfolds: bool,
-    /// Objects on the way to the last one, and the next member of each.
+    /// Objects along the path to the last one, and the next member of each.
     stack: Vec<(Occurrence<'a>, usize)>,
 }
 
@@ -211,7 +212,7 @@ mod tests {
         Affine::translation([x, 0.0, 0.0])
     }
 
-    /// Objects each of which holds the one before, twice.
+    /// Objects each of which holds its predecessor twice.
     fn tower(levels: u32) -> Scene {
         let mut scene = Scene::new();
         scene.add_object(Object::default());

@@ -42,12 +42,12 @@ pub struct Member {
     pub object: ObjectId,
     /// Where, in the space of the object that holds it; must have an inverse, else the member is dropped and counted at commit.
     pub object_from_member: Affine,
-    /// Which rays meet it, of those that meet the object that holds it.
+    /// The rays that hit it, among those that hit the object that holds it.
     pub mask: RayMask,
 }
 
 impl Member {
-    /// One that all rays meet.
+    /// A member that all rays hit.
     #[must_use]
     pub fn new(object: ObjectId, object_from_member: Affine) -> Self {
         Self { object, object_from_member, mask: RayMask::ALL }
@@ -76,7 +76,7 @@ pub struct Scene {
     objects: Vec<Object>,
     instances: Vec<Instance>,
     materials: Vec<Material>,
-    /// Those that its file names, by materials.
+    /// Shaders that its file names, by materials.
     shader_files: BTreeMap<MaterialId, ShaderFile>,
     /// The same for cameras.
     camera_files: BTreeMap<CameraId, ShaderFile>,
@@ -187,7 +187,7 @@ impl Scene {
         Arc::make_mut(&mut self.meshes[id.index()])
     }
 
-    /// Puts another mesh in the place of one, without copying either. Panics on an id of another scene.
+    /// Replaces a mesh, without copying either. Panics on an id of another scene.
     pub fn replace_mesh(&mut self, id: MeshId, value: impl Into<Arc<Mesh>>) {
         self.log.note(Edit::Mesh(id));
         self.meshes[id.index()] = value.into();
@@ -220,7 +220,7 @@ impl Scene {
         self.animation.clone()
     }
 
-    /// Puts an animation that was checked in the place of the one there was.
+    /// Replaces the animation by a checked one.
     pub(crate) fn set_animation(&mut self, animation: Animation) {
         self.animation = Some(Arc::new(animation));
         self.playback = Playback::default();
@@ -231,7 +231,7 @@ impl Scene {
         &mut self.playback
     }
 
-    /// The present moment of the edit log.
+    /// The current position of the edit log.
     #[must_use]
     pub fn cursor(&self) -> Cursor {
         self.log.cursor()
@@ -243,7 +243,7 @@ impl Scene {
         self.log.identity()
     }
 
-    /// The edits after `cursor`, each thing once.
+    /// The edits after `cursor`, each element once.
     pub fn edits_since(&self, cursor: Cursor) -> impl Iterator<Item = Edit> + '_ {
         self.log.since(cursor)
     }

@@ -25,10 +25,10 @@ pub struct Texture {
 /// Behaviour of a texture outside `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// The picture goes on from its other edge.
+    /// The picture repeats.
     #[default]
     Repeat,
-    /// The picture goes on mirrored.
+    /// The picture repeats mirrored.
     MirroredRepeat,
     /// The edge's texels go on.
     ClampToEdge,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether an animation that a program made goes with its scene: every number a place, every array as long as it must be.
-//! Files are checked by their readers, and by this once more. Cost: one pass. Tests: `tests/animation.rs`.
+//! Checks that an animation made by a program fits its scene: indices are in range, arrays have the right
+//! lengths. Files are checked by their readers, and by this once more. Cost: one pass. Tests:
+//! `tests/animation.rs`.
 
 use super::clip::{Channel, Target};
 use super::model::{Animation, Attachment};

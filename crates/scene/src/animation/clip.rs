@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Clips: named sets of channels, each of which drives one value of the animation.
-//! Source: glTF 2.0 section 3.11, KHR_animation_pointer. Numbers of targets are places in the lists of `Animation`.
+//! Source: glTF 2.0 section 3.11, KHR_animation_pointer. Numbers of targets are indices of the lists of
+//! `Animation`.
 
 use std::sync::Arc;
 
@@ -16,7 +17,8 @@ pub struct Clip {
 }
 
 impl Clip {
-    /// The moments of its first and of its last key, in seconds; outside of these nothing moves. `[0, 0]` without channels.
+    /// The times of its first and of its last key, in seconds; the pose is constant outside of these. `[0,
+    /// 0]` without channels.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         let ranges = self.channels.iter().map(|channel| channel.sampler.range());
@@ -38,7 +40,7 @@ pub struct Channel {
 pub enum Target {
     /// Where a node is: 3 numbers.
     Translation(u32),
-    /// How a node is turned: 4 numbers.
+    /// The rotation of a node: 4 numbers.
     Rotation(u32),
     /// How large a node is: 3 numbers.
     Scale(u32),

@@ -20,18 +20,18 @@ use crate::scene::Scene;
 /// included. The scene shows the first sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exposure {
-    /// Meshes that bend; their vertices go straight from one moment to the next, up to [`Exposure::BEND`].
+    /// Deforming meshes; their vertices move in straight lines between samples, up to [`Exposure::BEND`].
     pub meshes: Vec<(MeshId, Vec<Arc<Mesh>>)>,
     /// Instances that are seen and moved.
     pub instances: Vec<(InstanceId, Vec<Affine>)>,
-    /// Members of objects, by object and place among its members, that are moved.
+    /// Moving members of objects, by object and index among its members.
     pub members: Vec<((ObjectId, u32), Vec<Affine>)>,
     /// Cameras.
     pub cameras: Vec<(CameraId, Vec<Camera>)>,
     /// Lights without extent.
     pub lights: Vec<(LightId, Vec<Light>)>,
-    /// Things whose change is not in here, and which stay as they are when the shutter opens: materials that are driven, and
-    /// instances that come or go.
+    /// Things that change without samples here, and stay as they are at the opening: driven materials, and
+    /// instances that appear or disappear.
     pub held: usize,
 }
 
@@ -65,10 +65,10 @@ struct Instant {
     lights: Vec<Light>,
 }
 
-/// A mesh at the ends of equal pieces of the time, as few as say where it is between them.
+/// A mesh at the ends of equal pieces of the time, the fewest that determine it between them.
 struct Bends {
     ends: Vec<Arc<Mesh>>,
-    /// Ends of pieces half as long, on their way in between the others.
+    /// Ends of pieces of half the length, computed between the others.
     fresh: Vec<Arc<Mesh>>,
     /// How far a vertex may be from where it is.
     tolerance: f32,
@@ -103,7 +103,7 @@ impl Bends {
         self.moves |= self.ends.iter().any(differs);
     }
 
-    /// Looks at moment `i` where pieces have `step` moments.
+    /// Compares sample `i`, if pieces have `step` samples.
     fn compare(&mut self, mesh: &Mesh, i: usize, step: usize) {
         let (piece, share) = (i / step, (i % step) as f32 / step as f32);
         let ends = self.ends[piece].positions.iter().zip(&self.ends[piece + 1].positions);
@@ -118,7 +118,7 @@ impl Bends {
     }
 }
 
-/// The scene and the moments of a clip that are looked at.
+/// The scene and the sampled times of a clip.
 struct Shutter<'a> {
     scene: &'a mut Scene,
     animation: &'a Animation,
@@ -128,7 +128,7 @@ struct Shutter<'a> {
     pieces: usize,
     /// The samples so far.
     moments: Vec<Option<Instant>>,
-    /// Materials that one moment changes, at most.
+    /// The largest number of materials that change at one time.
     materials: usize,
 }
 
@@ -161,8 +161,8 @@ impl Shutter<'_> {
         &self.scene.meshes()[self.animation.bodies[body].mesh.index()]
     }
 
-    /// The meshes that bend, each at as few moments as say where it is at the others. Those others are made again for each length of
-    /// pieces that is tried, so that no more meshes are held at once than are kept.
+    /// The deforming meshes, each at the fewest samples that determine the others. Those others are computed
+    /// again for each tested length of pieces, so that no more meshes are held at once than are kept.
     fn bends(&mut self) -> Vec<Bends> {
         self.show(0);
         let mut all: Vec<Bends> =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A moment: the values that channels drive, and where nodes are then.
+//! The state of an animation at one time: the values of channels, and the transforms of nodes.
 //! Source: glTF 2.0 section 3.11. It is computed from the rest pose each time, so it does not depend on
 //! earlier poses.
 //! Space: world. Tests: `tests/animation.rs`.
@@ -12,7 +12,7 @@ use super::sampler::Sampler;
 use crate::affine::Affine;
 use crate::factors::{Factors, MappedTexture};
 
-/// Values at a moment.
+/// Values at one time.
 pub(super) struct Instant {
     locals: Vec<Local>,
     visible: Vec<bool>,

@@ -8,9 +8,9 @@
 //!     -- rig: nodes, skins, bodies --> edits of the Scene: instances, meshes, cameras, lights, materials
 //! ```
 //!
-//! A scene holds one [`Animation`] at most; [`Scene::pose`](crate::Scene::pose) edits the scene so that it shows a moment of a clip.
-//! Unchanged parts are not edited, so they cost a commit nothing. An open shutter is an [`Exposure`]: the
-//! moving parts at several times.
+//! A scene holds one [`Animation`] at most; [`Scene::pose`](crate::Scene::pose) edits the scene to show a
+//! time of a clip. Unchanged parts are not edited, so they cost a commit nothing. An open shutter is an
+//! [`Exposure`]: the moving parts at several times.
 //! Space: nodes relative to their parents, cameras and lights in world space. Times are seconds, as files write them.
 //! Tests: `tests/animation.rs`, `tests/animated_scenes.rs`.
 

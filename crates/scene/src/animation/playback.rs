@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 /// The values set last; empty before the first pose.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Playback {
-    /// Whether a moment was shown.
+    /// Whether a pose was shown.
     pub(super) is_begun: bool,
     /// By body.
     pub(super) bodies: Vec<Shown>,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Poses: a scene at a moment.
-//! Only differences are edited, so that the log lists exactly the work of the next commit. Two poses at the
-//! same time are equal, whatever was shown between them. Tests: `tests/animation.rs`.
+//! Poses: a scene at one time. Only differences are edited, so that the log lists exactly the work of the
+//! next commit. Two poses at the same time are equal, whatever was shown between them. Tests:
+//! `tests/animation.rs`.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::playback::{Playback, Shown};
 use crate::check::CheckError;
 use crate::scene::Scene;
 
-/// How much of a scene a moment changed.
+/// The changes of a scene by a pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Posed {
     /// Meshes that were bent.
@@ -186,7 +186,7 @@ fn show_cameras(
     for (moving, rest) in animation.cameras.iter().zip(&playback.cameras) {
         let angle = instant.fields_of_view[moving.field_of_view as usize];
         let node = at(&moving.attachment, node_poses);
-        // One that has no view just then is where it is at rest.
+        // A camera without a valid view stays at rest.
         let camera = camera_at(rest, &node.world_from_node, angle).unwrap_or_else(|| rest.clone());
         if *scene.camera(moving.camera) != camera {
             *scene.edit_camera(moving.camera) = camera;

@@ -15,7 +15,7 @@ use super::local::{slerp, unit};
 pub enum Interpolation {
     /// They stay until the next key.
     Step,
-    /// Straight; turns with constant speed on the shorter way.
+    /// Linear; rotations with constant speed on the shorter arc.
     Linear,
     /// By Hermite's cubic: a tangent, a value, a tangent for each key.
     CubicSpline,
@@ -41,7 +41,7 @@ pub enum SamplerError {
     /// A value, or a tangent, of a key is NaN or infinite.
     #[error("a value of key {0} is no finite number")]
     NotFiniteValue(usize),
-    /// A time is below the one before it.
+    /// A time is less than its predecessor.
     #[error("the time of key {0} is before that of the key before it")]
     Unordered(usize),
     /// The number of values does not go with that of the keys.
@@ -155,12 +155,12 @@ impl Sampler {
         (key, (seconds - from) / (to - from))
     }
 
-    /// The value that stood at the last key, whatever the interpolation is.
+    /// The value of the last key, for any interpolation.
     pub fn step(&self, seconds: f64) -> &[f32] {
         self.key(self.find(seconds).0)
     }
 
-    /// Writes the value at a moment to `to`, which has room for `width` numbers.
+    /// Writes the value at a time to `to`, which has space for `width` numbers.
     pub fn sample(&self, seconds: f64, to: &mut [f64]) {
         let (key, t) = self.find(seconds);
         if t == 0.0 || self.interpolation == Interpolation::Step {
@@ -186,7 +186,7 @@ impl Sampler {
         }
     }
 
-    /// The quaternion at a moment; `width` is 4.
+    /// The quaternion at a time; `width` is 4.
     #[must_use]
     pub fn rotation(&self, seconds: f64) -> [f64; 4] {
         let (key, t) = self.find(seconds);

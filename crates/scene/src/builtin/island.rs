@@ -111,7 +111,7 @@ fn add_sea(scene: &mut Scene) {
     show(scene, "sea", quad([-SEA, 0.0, SEA], [2.0 * SEA, 0.0, 0.0], [0.0, 0.0, -2.0 * SEA]), water);
 }
 
-/// Puts trees where there is grass and rocks where there is sand or scree, at hashed places of a fine grid. Returns the trees.
+/// Puts trees on grass and rocks on sand or scree, at hashed positions of a fine grid. Returns the trees.
 fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) -> Vec<wind::Tree> {
     let mut trees = Vec::new();
     const CELLS: i32 = 230;
@@ -141,8 +141,8 @@ fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) -> Ve
     trees
 }
 
-/// An instance on the ground: `size` high, turned by a share of the full circle, stretched upwards by a little. Returns how it
-/// stands in three parts, too.
+/// An instance on the ground: `size` high, rotated by a fraction of the full circle, stretched upwards by a
+/// little. Also returns its transform in three parts.
 fn put(
     scene: &mut Scene,
     object: ObjectId,

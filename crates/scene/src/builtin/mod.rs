@@ -17,7 +17,7 @@ mod textures;
 use crate::scene::Scene;
 pub use sky::{BuiltinSky, SKIES};
 
-/// A scene that can be asked for by name.
+/// A built-in scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Builtin {
     /// The name after `builtin:`.
@@ -77,7 +77,7 @@ pub fn load(name: &str) -> Option<Scene> {
     ALL.iter().find(|builtin| builtin.name == name).map(|builtin| (builtin.make)())
 }
 
-/// All names and the one that is most like `name`, for messages.
+/// All names and the most similar one to `name`, for messages.
 pub(crate) fn suggestion(name: &str) -> String {
     let names: Vec<_> = ALL.iter().map(|b| b.name).collect();
     let nearest = names.iter().min_by_key(|candidate| edit_distance(candidate, name));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Skies with a sun's glow, painted into an environment texture; some that any scene can be put under.
-//! A gradient after the look, not the physics, of clear skies. Space: that of
-//! [`Light::Environment`]: the middle of the picture lies along -z, its upper edge at +y. Radiance is linear.
+//! A gradient after the appearance, not the physics, of clear skies. Space: that of [`Light::Environment`]:
+//! the middle of the picture lies along -z, its upper edge at +y. Radiance is linear.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::light::Light;
 use crate::scene::Scene;
 use crate::texture::{Filter, TexelData, Texels, Texture, Wrap};
 
-/// A sky that can be asked for by name.
+/// A built-in sky.
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltinSky {
     /// The name after `builtin:`.

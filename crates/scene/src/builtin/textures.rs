@@ -51,7 +51,8 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// An arrow that points up and to the right, with a red lower and a blue left edge: no way to hold it wrongly.
+/// An arrow that points up and to the right, with a red lower and a blue left edge: every orientation is
+/// distinguishable.
 fn arrow() -> Texels {
     let texel = |x: u32, y: u32| {
         let up = SIZE - 1 - y;

@@ -21,7 +21,7 @@ pub fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
     warnings.note_many(Oddity::BadAttribute, replaced, path, None, in_mesh(mesh));
 }
 
-/// Replaces normals, texture coordinates, tangents and colours that are no numbers; says how many.
+/// Replaces normals, texture coordinates, tangents and colours that are not finite; returns their number.
 pub(crate) fn clean_attributes(mesh: &mut Mesh) -> u64 {
     replace_bad(&mut mesh.normals, [0.0; 3])
         + replace_bad(&mut mesh.texcoords, [0.0; 2])
@@ -51,7 +51,7 @@ fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool
     mesh.indices.len() != before
 }
 
-/// Replaces values with a component that is not finite; says how many.
+/// Replaces values with a component that is not finite; returns their number.
 fn replace_bad<const N: usize>(values: &mut [[f32; N]], by: [f32; N]) -> u64 {
     let mut replaced = 0;
     for value in values.iter_mut().filter(|v| !v.iter().all(|x| x.is_finite())) {

@@ -26,7 +26,7 @@ pub struct Error {
     pub kind: ErrorKind,
     /// The file (or the `builtin:` name).
     pub path: PathBuf,
-    /// Its line, where the format has lines and the mistake has a place.
+    /// Its line, if the format has lines and the fault has a position.
     pub line: Option<u64>,
     /// The fault.
     pub problem: String,

@@ -202,7 +202,8 @@ impl Formats {
         Ok(warnings)
     }
 
-    /// The files that [`save`](Self::save) writes for this scene and path: the file itself first, then those that it refers to.
+    /// The files that [`save`](Self::save) writes for this scene and path: the file itself first, then its
+    /// companions.
     ///
     /// # Errors
     /// If the format is unknown or not written.

@@ -11,6 +11,6 @@ pub struct LoadOptions {
     /// The folder below which the files that the scene names (libraries, textures, buffers) must lie, links followed;
     /// `None` = anywhere. The scene's own file is the caller's choice.
     pub confine: Option<PathBuf>,
-    /// Where textures of files are kept, most of each on the disk; `None` = all in memory.
+    /// The cache of files' textures, mostly on the disk; `None` = all in memory.
     pub tiles: Option<TileCache>,
 }

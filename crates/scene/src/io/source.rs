@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Opening files: regular ones only, never more bytes than the file has, and only below a folder if there is one.
-//! A pipe or a device could block or never end, so both are refused before they are opened.
+//! A pipe or a device could block or never end, so both are rejected before they are opened.
 //! Tests: `tests::{refuses_what_is_no_file, finds_names_as_exporters_write_them}`, `tests/confine.rs`.
 
 use std::fs::File;
@@ -17,14 +17,14 @@ use super::options::LoadOptions;
 pub struct Access {
     /// The folder, its true name, that files must lie below.
     confine: Option<PathBuf>,
-    /// Where textures are kept.
+    /// The cache of textures.
     pub tiles: Option<TileCache>,
     /// Memory and work spent so far.
     pub budget: Budget,
 }
 
 impl Access {
-    /// As `options` say; an error if the folder is none.
+    /// From `options`; an error if the folder is not one.
     pub fn new(options: &LoadOptions) -> Result<Self, Error> {
         let Some(folder) = &options.confine else {
             return Ok(Self { tiles: options.tiles.clone(), ..Self::default() });
@@ -69,7 +69,7 @@ impl Access {
         };
         self.check(path).map_err(|(problem, remedy)| Error::io(path, problem, remedy))?;
         match locate(path, folder) {
-            // By its true name, so that a link that is changed meanwhile leads nowhere else.
+            // By its resolved name, so that a link changed meanwhile has no effect.
             Ok(found) => open(&found),
             Err(Refusal::System(error)) => Err(Error::system(path, &error)),
             Err(Refusal::Outside) => Err(Error::io(path, "lies outside", "")),
@@ -93,7 +93,7 @@ enum Refusal {
     System(std::io::Error),
 }
 
-/// The true name of a file below `folder`. Whether there are files elsewhere is not told.
+/// The true name of a file below `folder`. The existence of files elsewhere is not revealed.
 fn locate(path: &Path, folder: &Path) -> Result<PathBuf, Refusal> {
     match std::fs::canonicalize(path) {
         Ok(found) if found.starts_with(folder) => Ok(found),
@@ -104,7 +104,7 @@ fn locate(path: &Path, folder: &Path) -> Result<PathBuf, Refusal> {
                 false => above,
             });
             let nearest = above.find_map(|above| std::fs::canonicalize(above).ok());
-            // A link that leads nowhere may have a target outside.
+            // A dangling link may have a target outside.
             let is_link = std::fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink());
             match nearest {
                 Some(above) if above.starts_with(folder) && !is_link => Err(Refusal::System(error)),
@@ -137,7 +137,7 @@ fn read_open(file: File, length: u64, path: &Path) -> Result<Vec<u8>, Error> {
     Ok(bytes)
 }
 
-/// The file that `name`, found in the file `from`, means: relative to the folder of `from`, as it stands; else with
+/// The file of `name`, found in the file `from`: relative to the folder of `from`, unchanged; else with
 /// backslashes as slashes; else with percent signs decoded. The first one that exists, or else the first one.
 pub fn resolve(from: &Path, name: &str) -> PathBuf {
     let folder = from.parent().unwrap_or(Path::new(""));

@@ -31,7 +31,7 @@ impl<'a> Pictures<'a> {
         Self { access, files: HashMap::new() }
     }
 
-    /// The picture in a file; the error names the file and says why there is none.
+    /// The picture in a file; the error names the file and the reason.
     pub fn file(&mut self, path: &Path, meaning: Meaning) -> Result<Arc<Texels>, String> {
         let key = (path.to_owned(), meaning);
         if let Some(known) = self.files.get(&key) {
@@ -49,7 +49,7 @@ impl<'a> Pictures<'a> {
         decoded
     }
 
-    /// The files that were asked for, those that could not be read included.
+    /// The requested files, unreadable ones included.
     pub fn paths(&self) -> Vec<PathBuf> {
         let mut paths: Vec<PathBuf> = self.files.keys().map(|(path, _)| path.clone()).collect();
         paths.sort_unstable();

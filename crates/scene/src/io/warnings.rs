@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Oddities that a file may have and still be shown: one line per kind and cause, with a count and the first place.
-//! See docs/reference/cli.md.
-//! Invariant: at most [`MOST_LINES`] lines of a kind, and one for the others, whatever a file holds.
+//! Oddities of files that can still be shown: one line per kind and cause, with a count and the first
+//! location. See docs/reference/cli.md.
+//! Invariant: at most [`MOST_LINES`] lines of a kind, and one for the others, for any file.
 //! Tests: `tests::{counts_by_cause_and_keeps_the_first_place, lines_of_a_kind_have_a_limit}`.
 
 use std::fmt;
@@ -27,9 +27,9 @@ pub enum Oddity {
     ShortFace,
     /// Points and lines, which have no surface.
     PointsOrLines,
-    /// Texture coordinate indices that point nowhere.
+    /// Texture coordinate indices out of range.
     TexcoordOutOfRange,
-    /// Normal indices that point nowhere.
+    /// Normal indices out of range.
     NormalOutOfRange,
     /// Texture coordinates, normals or colours that are no numbers.
     BadAttribute,
@@ -43,13 +43,13 @@ pub enum Oddity {
     BadMaterialLine,
     /// Names of materials that no library defines.
     UnknownMaterial,
-    /// Extensions that the file requires and this program does not know.
+    /// Required extensions that are unsupported.
     UnknownExtension,
-    /// Things of the format that are not shown.
+    /// Features of the format that are not shown.
     NotShown,
     /// Pictures named as heights that hold normals.
     NormalsForHeights,
-    /// Lines of a header that say nothing.
+    /// Lines of a header without a meaning.
     BadHeaderLine,
     /// A line of numbers is shorter than the header declares.
     ShortLine,
@@ -68,7 +68,8 @@ pub enum Oddity {
 }
 
 impl Oddity {
-    /// Whether there may be thousands in one mesh, of which the first one stands for all. Of the others each cause is told.
+    /// Whether there may be thousands in one mesh, of which only the first is reported. Each cause of the
+    /// others is reported.
     fn is_of_geometry(self) -> bool {
         matches!(
             self,
@@ -176,7 +177,7 @@ impl Warnings {
         self.note_many(oddity, 1, path, line, detail);
     }
 
-    /// Notes `count` oddities of one kind and cause, which `detail` says; the place is that of the first one.
+    /// Notes `count` oddities of one kind and cause, in `detail`; the location is that of the first one.
     pub fn note_many(
         &mut self,
         oddity: Oddity,

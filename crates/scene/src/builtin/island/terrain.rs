@@ -35,7 +35,7 @@ impl Terrain {
         Self { heights }
     }
 
-    /// The ground at a place, straight from the noise.
+    /// Properties of the ground at a position, directly from the noise.
     pub(super) fn spot(&self, x: f32, z: f32) -> Spot {
         let h = height(x, z);
         let steep = steepness(x, z);

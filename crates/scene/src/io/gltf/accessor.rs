@@ -7,7 +7,7 @@ use super::document::Document;
 use super::json::{Accessor, Index};
 use crate::io::Error;
 
-/// Bytes that an element of at most four components takes in whatever is made of it.
+/// Least bytes of an element of at most four components in memory.
 const LEAST_HELD: usize = 16;
 
 /// Types of components, by glTF's numbers.

@@ -26,7 +26,7 @@ pub(super) struct Draft {
 pub(super) struct DraftChannel {
     pub(super) aim: Aim,
     pub(super) sampler: Arc<Sampler>,
-    /// Its place in the file.
+    /// Its index in the file.
     pub(super) number: u32,
 }
 
@@ -80,7 +80,7 @@ impl Drafts {
     }
 }
 
-/// Bytes that a channel takes with its places in the sets.
+/// Bytes of a channel with its entries in the sets.
 const CHANNEL_BYTES: usize = size_of::<DraftChannel>() + size_of::<crate::animation::Channel>() + 64;
 /// Bytes that an animation takes.
 const CLIP_BYTES: usize = size_of::<Draft>() + size_of::<crate::animation::Clip>();
@@ -118,7 +118,7 @@ struct Reader<'a, 'd> {
     location: String,
     /// Times of keys, by their accessors.
     times: &'a mut HashMap<Index, Arc<[f32]>>,
-    /// Keys that were read, by sampler and width; `None` = those that cannot be played.
+    /// Keys already read, by sampler and width; `None` = unplayable ones.
     samplers: HashMap<(Index, Option<usize>), Option<Arc<Sampler>>>,
 }
 
@@ -203,7 +203,7 @@ impl<'d> Reader<'_, 'd> {
         Ok(sampler)
     }
 
-    /// The keys; the inner error says why they cannot be played.
+    /// The keys; the inner error gives the reason that they cannot be played.
     fn keys(
         &mut self,
         curve: &json::Curve<'_>,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A glTF document with its buffers in memory.
-//! Source: glTF 2.0 sections 3.6 and 3.12. Buffers: data URI, file beside the document, binary chunk.
+//! Source: glTF 2.0 sections 3.6 and 3.12. Buffers: data URI, file in the document's folder, binary chunk.
 //! Invariant: a buffer has the length that it declares. Tests: `tests/gltf.rs`, `tests/broken_files.rs`.
 
 use std::collections::{HashMap, HashSet};
@@ -45,7 +45,7 @@ const KNOWN_EXTENSIONS: &[&str] = &[
 const COMPRESSIONS: &[&str] =
     &["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
 
-/// Extensions whose textures are told where a material reads one.
+/// Extensions whose textures get a warning where a material reads one.
 const TOLD_WHERE_USED: &[&str] = &["EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
 
 /// First letters of extensions that have no visible effect.
@@ -64,7 +64,7 @@ const UNSEEN: &[&str] = &[
 /// The remedy for a compressed mesh.
 const DECOMPRESS: &str = "this program does not unpack it; write the file without compression";
 
-/// Files named by a document that are told.
+/// The limit of files in the list of a document's files.
 const MOST_FILES: usize = 1 << 16;
 
 /// The first `length` of these bytes; buffers that name the same file share them.
@@ -167,7 +167,7 @@ impl<'a> Document<'a> {
 
     /// Warns about extensions that are used but not supported.
     fn warn_unknown(&self, warnings: &mut Warnings) {
-        // Those beyond are told twice; the set stays small whatever the file holds.
+        // Those beyond get a second warning; the set stays small for any file.
         const MOST_REQUIRED: usize = 1024;
         let required = self.root.extensions_required.iter().take(MOST_REQUIRED);
         let required: HashSet<&str> = required.map(|name| &**name).collect();
@@ -181,7 +181,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Refuses files outside of the folder that files must be in.
+    /// Rejects files outside of the folder that confines the document.
     fn check_files(&self) -> Result<(), Error> {
         for (array, pieces) in [("buffers", &self.root.buffers), ("images", &self.root.images)] {
             for (i, piece) in pieces.iter().enumerate() {
@@ -203,7 +203,7 @@ impl<'a> Document<'a> {
         1 + self.json.as_bytes()[..byte].iter().filter(|&&b| b == b'\n').count() as u64
     }
 
-    /// A mistake at a place such as `meshes[3]`.
+    /// A fault at a location such as `meshes[3]`.
     pub(super) fn error(&self, location: &str, problem: impl std::fmt::Display, remedy: &str) -> Error {
         Error::data(&self.path, None, format!("{location}: {problem}"), remedy)
     }
@@ -254,7 +254,7 @@ impl<'a> Document<'a> {
         self.budget().hold(bytes).map_err(|excess| self.error(location, excess, Excess::REMEDY))
     }
 
-    /// Allows `bytes` more to be looked at.
+    /// Charges `bytes` of work.
     pub(super) fn work(&self, bytes: usize, location: &str) -> Result<(), Error> {
         self.budget().work(bytes).map_err(|excess| self.error(location, excess, Excess::REMEDY))
     }
@@ -280,7 +280,7 @@ impl<'a> Document<'a> {
             .map(|i| self.get(&self.root.buffers, Index(i), "buffers", "buffer"))
             .collect();
         let declared = declared?;
-        // No file beside the document is read further than the longest buffer that it may be.
+        // No companion file is read further than its longest possible buffer.
         let longest = declared.iter().map(|buffer| buffer.byte_length).max().unwrap_or(0);
         let mut files = HashMap::new();
         let buffers = declared.iter().enumerate();
@@ -318,7 +318,7 @@ impl<'a> Document<'a> {
         Ok(Buffer { bytes, length })
     }
 
-    /// The document's own file and those that it names.
+    /// The document's own file and its companions.
     pub(super) fn files(&self) -> Vec<PathBuf> {
         let uri = |piece: &&'a RawValue| serde_json::from_str::<json::Named<'a>>(piece.get()).ok()?.uri;
         let named = self.root.buffers.iter().chain(&self.root.images).filter_map(uri);
@@ -327,7 +327,7 @@ impl<'a> Document<'a> {
         std::iter::once(self.path.clone()).chain(companion_files).collect()
     }
 
-    /// The bytes of a file beside the document, each file once, by whatever names it goes.
+    /// The bytes of a companion file, each file once, under any name.
     fn read_file(
         &self,
         uri: &str,

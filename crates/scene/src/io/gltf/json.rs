@@ -4,7 +4,7 @@
 //!
 //! The root holds its arrays as pieces of text, 16 bytes for each element; an element is parsed when it is
 //! used. So a document takes a few times its length at most, and unused elements cost next to nothing.
-//! Integers may be written as `1.0` or `1e0`; one that does not fit is an error, never another number.
+//! Integers may be written as `1.0` or `1e0`; one out of range is an error, never another number.
 //! Tests: `tests/{gltf,broken_files,growth}.rs`.
 
 use std::borrow::Cow;
@@ -657,7 +657,7 @@ pub(super) struct NodeInstances {
     pub(super) attributes: InstanceAttributes,
 }
 
-/// Of each instance. Others, which shaders of the file's maker know, are passed over.
+/// Of each instance. Other attributes, for the shaders of the file's maker, are ignored.
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "UPPERCASE", default)]
 pub(super) struct InstanceAttributes {
@@ -698,7 +698,7 @@ pub(super) struct Skin {
     pub(super) joints: Vec<Index>,
 }
 
-/// A place in one of the root's arrays.
+/// An index of one of the root's arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Index(pub(super) u32);
 
@@ -779,7 +779,7 @@ pub(super) struct Curve<'a> {
     pub(super) interpolation: Option<Text<'a>>,
 }
 
-/// A whole number, however it is written.
+/// A whole number, in any notation.
 fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
     struct WholeVisitor;
     impl Visitor<'_> for WholeVisitor {

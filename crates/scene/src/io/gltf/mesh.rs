@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF primitives as meshes.
 //! Source: glTF 2.0 section 3.7. Triangles, strips and fans; points and lines are left out with a warning.
-//! Space: that of the mesh; v is turned upwards. Tests: `tests/gltf.rs`.
+//! Space: that of the mesh; v is flipped upwards. Tests: `tests/gltf.rs`.
 
 use super::accessor::{floats, integers};
 use super::document::Document;
@@ -15,7 +15,7 @@ use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 use crate::tangents;
 
-/// Bytes that a mesh of the scene takes beside its arrays and its name.
+/// Bytes of a mesh of the scene, without its arrays and its name.
 const MESH_BYTES: usize = 512;
 
 /// Bytes that a corner takes as an index and in triangles.
@@ -173,8 +173,8 @@ impl PrimitiveReader<'_> {
         Ok(values)
     }
 
-    /// Tangents, where a normal map is to be read by them. Like the map's green, their fourth number speaks of v upwards. Without
-    /// normals they mean nothing.
+    /// Tangents, where a normal map is to be read by them. Like the map's green, their fourth number refers
+    /// to v upwards. Without normals they mean nothing.
     fn tangents(
         &self,
         material: AddedMaterial,

@@ -2,7 +2,8 @@
 //! Nodes: where meshes, cameras and lights are.
 //! Source: glTF 2.0 sections 3.5 and 3.10, KHR_lights_punctual, KHR_node_visibility. Transforms are multiplied in double precision.
 //! The tree is walked with a list, not by recursion, and each node once: neither depth nor cycles do harm; a cycle is an error.
-//! Cost: O(nodes); memory: that of the way from the root, and a bit for each node. Tests: `tests/gltf.rs::{deep_and_cyclic_trees, cameras_and_lights}`.
+//! Cost: O(nodes); memory: that of the path from the root, and a bit for each node. Tests:
+//! `tests/gltf.rs::{deep_and_cyclic_trees, cameras_and_lights}`.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -27,7 +28,7 @@ use crate::ray_mask::RayMask;
 use crate::scene::{Instance, Member, Object, Scene};
 use crate::shader_file::ShaderFile;
 
-/// Bytes that an instance, a camera or a light of the scene takes beside its name.
+/// Bytes of an instance, a camera or a light of the scene, without its name.
 const PLACED_BYTES: usize = 224;
 
 /// Adds the contents of the default scene, or of all scenes, and the animation of its moving parts.
@@ -62,7 +63,7 @@ struct NodeAttachment {
     attachment: Attachment,
 }
 
-/// A node on the way from the root to where the walk is: its children that are still to be seen.
+/// A node on the path from the root to the current node: its unvisited children.
 struct Ancestor {
     /// `None` = the file itself.
     index: Option<Index>,
@@ -290,7 +291,7 @@ impl Adder<'_> {
         Ok(())
     }
 
-    /// The object that shows `object` wherever a node has it: one made of others, if it has it at several places.
+    /// The object that shows `object` in all instances of a node: one made of others, if there are several.
     fn repeated(
         &mut self,
         name: &str,

@@ -5,7 +5,7 @@
 use super::document::Document;
 use super::json::Primitive;
 
-/// One primitive and where it stands.
+/// One primitive and its location.
 pub(super) struct PrimitiveReader<'a> {
     pub(super) document: &'a Document<'a>,
     pub(super) primitive: &'a Primitive,

@@ -18,10 +18,10 @@ use crate::animation::{
 use crate::io::{Error, Oddity, Warnings};
 use crate::scene::Scene;
 
-/// Bytes that a node of the animation takes beside its name.
+/// Bytes of a node of the animation, without its name.
 const NODE_BYTES: usize = size_of::<Node>() + 2 * size_of::<(Index, u32)>();
 
-/// The animation in the making, and where the file's things are in it.
+/// The unfinished animation, and the indices of the file's elements in it.
 pub(super) struct Rig<'a> {
     document: &'a Document<'a>,
     pub(super) drafts: Drafts,
@@ -34,12 +34,12 @@ pub(super) struct Rig<'a> {
     angles: HashMap<Index, u32>,
     lights: HashMap<Index, u32>,
     materials: HashMap<Index, u32>,
-    /// Where joints stand, and where that is at rest.
+    /// The attachments of joints, and their rest transforms.
     joints: HashMap<Index, (Attachment, Affine)>,
 }
 
 impl<'a> Rig<'a> {
-    /// The document's skins ask for their joints; `materials` are those that are driven.
+    /// The joints of the document's skins, and `materials`, the driven ones.
     pub(super) fn new(
         document: &'a Document<'a>,
         drafts: Drafts,
@@ -62,7 +62,7 @@ impl<'a> Rig<'a> {
         })
     }
 
-    /// Whether nothing has to be known before things are shown.
+    /// Whether no traversal for joints and channels is needed.
     pub(super) fn is_still(&self) -> bool {
         self.joints.is_empty() && self.drafts.list.is_empty()
     }
@@ -272,7 +272,7 @@ pub(super) fn local(node: &json::Node) -> Local {
     })
 }
 
-/// Where the joints of all skins stand is asked for once, before anything is bent.
+/// The attachments of all joints are found once, before any deformation.
 fn joints_of_all_skins(document: &Document<'_>) -> Result<HashMap<Index, (Attachment, Affine)>, Error> {
     let mut joints = HashMap::new();
     for k in 0..document.root.skins.len() {

@@ -20,7 +20,7 @@ use crate::mesh::Mesh;
 pub(super) struct Bending {
     rest: Bend,
     is_skinned: bool,
-    /// Whether it bends in another way later.
+    /// Whether the deformation changes later.
     moves: bool,
 }
 
@@ -99,7 +99,8 @@ impl Bending {
 }
 
 impl Parts {
-    /// For triangles of these corners: those that can ever have an area, and their vertices alone. `None` if there are none.
+    /// For triangles of these corners: only those that can ever have an area, and their vertices. `None` if
+    /// there are none.
     pub(super) fn with_triangles(mut self, mut triangles: Vec<[u32; 3]>) -> Option<Self> {
         let count = self.base.positions.len();
         let is_finite: Vec<bool> =

@@ -16,10 +16,10 @@ use crate::io::source::{self, Access};
 use crate::io::{Error, Oddity, Warnings};
 use gnurt_image::Excess;
 
-/// Bytes that a material takes beside its name and its texture statements.
+/// Bytes of a material, without its name and its texture statements.
 const ENTRY_BYTES: usize = size_of::<Entry>() + 2 * size_of::<(Rc<str>, usize)>() + 64;
 
-/// A texture statement, and the line that it stands in.
+/// A texture statement, and its line.
 pub(super) struct Map {
     pub(super) text: String,
     pub(super) line: u64,
@@ -65,7 +65,7 @@ pub(super) struct Library {
     /// Material `k` of the file is `entries[k - 1]`.
     pub(super) entries: Vec<Entry>,
     by_name: HashMap<Rc<str>, usize>,
-    /// The libraries' files, those that could not be read included.
+    /// The libraries' files, unreadable ones included.
     pub(super) read: HashSet<PathBuf>,
 }
 
@@ -122,7 +122,7 @@ impl Library {
         Ok(())
     }
 
-    /// Reads a library; tells the line at which the budget was at its end, if it was.
+    /// Reads a library; returns the line at which the budget was exhausted, if it was.
     fn read_lines<R: std::io::BufRead>(
         &mut self,
         mut lines: LogicalLines<R>,
@@ -254,7 +254,8 @@ fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<State
     }
 }
 
-/// Textures that change how a surface looks, and are not read. `map_Ka` is not among them: there is no ambient light.
+/// Textures that change the appearance of a surface, and are not read. `map_Ka` is not among them: there is
+/// no ambient light.
 fn is_lost(keyword: &str) -> bool {
     matches!(
         keyword,
@@ -275,7 +276,7 @@ fn finite(token: &str) -> Option<f32> {
     token.parse::<f32>().ok().filter(|x| x.is_finite())
 }
 
-/// Three numbers, or one that counts for all.
+/// Three numbers, or one for all.
 fn color(rest: &str) -> Option<[f32; 3]> {
     let mut tokens = rest.split_whitespace().take_while(|t| !t.starts_with('#'));
     let first = finite(tokens.next()?)?;

@@ -16,7 +16,7 @@ use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 use gnurt_image::{Budget, Excess};
 
-/// Elements after which the budget is asked again.
+/// Elements between charges of the budget.
 const ELEMENTS_BETWEEN: u64 = 1 << 12;
 
 /// Reads the body that `header` describes.
@@ -79,7 +79,7 @@ fn is_corners(property: &Property) -> bool {
         && matches!(&property.name[..], "vertex_indices" | "vertex_index")
 }
 
-/// A body on its way into a mesh.
+/// A body during its conversion to a mesh.
 struct Body<'a, R> {
     numbers: Numbers<'a, R>,
     path: &'a Path,
@@ -91,7 +91,7 @@ struct Body<'a, R> {
     /// Of one face.
     corners: Vec<i64>,
     cutter: Cutter,
-    /// Bytes of triangles and corners that the budget was asked for.
+    /// Bytes of triangles and corners charged to the budget.
     held: usize,
 }
 
@@ -222,7 +222,7 @@ impl<R: BufRead> Body<'_, R> {
         Ok(())
     }
 
-    /// Triangle strips, -1 between them; every other triangle of a strip is turned round.
+    /// Triangle strips, -1 between them; every other triangle of a strip is reversed.
     fn add_strips(&mut self, index: u64) -> Result<(), Error> {
         if let Some(&bad) = self.corners.iter().find(|&&i| i != -1 && !self.exists(i)) {
             return Err(self.out_of_range(bad, index));

@@ -12,7 +12,7 @@ pub(super) enum Slot {
     Normal(usize),
     Texcoord(usize),
     Color(usize),
-    /// Nowhere.
+    /// Unused.
     None,
 }
 

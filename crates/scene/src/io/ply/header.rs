@@ -141,7 +141,7 @@ pub(super) fn read(
 }
 
 impl Header {
-    /// Refuses counts that the file is too short for, before anyone takes memory for them.
+    /// Rejects counts that exceed the file, before memory is taken for them.
     pub(super) fn check_length(&self, path: &Path) -> Result<(), Error> {
         let mut left = self.body_bytes;
         for element in &self.elements {
@@ -234,8 +234,8 @@ struct Declared {
 }
 
 impl Declared {
-    /// Whether a line without a keyword stands where it cannot be about the layout of the body: before the first element. Old
-    /// exporters put their name there.
+    /// Whether a line without a keyword cannot be about the layout of the body: it precedes the first
+    /// element. Old exporters put their name there.
     fn is_remark(&self, line: &str) -> bool {
         let keyword = line.split(' ').next().unwrap_or_default();
         let known = ["", "comment", "obj_info", "format", "element", "property"];

@@ -39,12 +39,12 @@ pub(super) struct Numbers<'a, R> {
     /// Lines read so far, of a text.
     line: u64,
     text: Vec<u8>,
-    /// Where the next word of `text` is looked for.
+    /// Start of the next word of `text`.
     at: usize,
 }
 
 impl<'a, R: BufRead> Numbers<'a, R> {
-    /// Of a body that begins after so many lines.
+    /// Of a body that begins after this number of lines.
     pub(super) fn new(input: &'a mut R, encoding: Encoding, lines: u64) -> Self {
         Self { input, encoding, line: lines, text: Vec::new(), at: 0 }
     }

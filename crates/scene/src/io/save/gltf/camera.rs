@@ -31,7 +31,7 @@ pub(super) fn camera(camera: &Camera) -> Value {
     out["name"] = json!(camera.name);
     if camera.lens.aperture > 0.0 {
         extras.insert("aperture".into(), json!(camera.lens.aperture));
-        // The target is not kept, and with it where focus would be.
+        // The format has no target, and therefore no default focus.
         extras.insert("focus".into(), json!(camera.focus_distance()));
     }
     if !extras.is_empty() {

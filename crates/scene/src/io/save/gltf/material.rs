@@ -8,7 +8,7 @@ use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::material::{Alpha, Color, Material, Principled, Surface, TextureRef};
 use crate::texture::{Filter, Texture, Wrap};
 
-/// Whether its base colour is more than glTF can say.
+/// Whether its base colour is outside of glTF's range.
 pub(super) fn is_too_bright(material: &Material) -> bool {
     color(material).0.factor.iter().any(|&x| x > 1.0)
 }
@@ -33,7 +33,7 @@ fn color(material: &Material) -> (Color, f32, f32) {
     }
 }
 
-/// A material; `base_texture` says which texture its base colour gets, given that of its surface.
+/// A material; `base_texture` returns the texture for its base colour, given that of its surface.
 pub(super) fn material(
     material: &Material,
     base_texture: impl FnOnce(Option<TextureRef>) -> Option<TextureRef>,
@@ -158,7 +158,7 @@ fn layers(p: &Principled, extensions: &mut Value) {
 /// The interior of solid glass; glTF marks solid glass by a thickness.
 fn inside(interior: &Interior, extensions: &mut Value) {
     let mut volume = json!({ "thicknessFactor": 1.0 });
-    // JSON has no infinity: nothing said is that.
+    // JSON has no infinity, which is the default.
     if interior.attenuation_distance.is_finite() {
         volume["attenuationColor"] = json!(interior.attenuation_color);
         volume["attenuationDistance"] = json!(interior.attenuation_distance);
