@@ -2,7 +2,7 @@
 //! A progressive picture: passes add samples until the caller stops. A stopped pass leaves tiles with
 //! different numbers of samples; the next pass first evens them out. Memory: sums of all pixels, independent
 //! of the number of samples.
-//! Invariant: sample `s` of a pixel is the same whichever pass takes it, and sums are added in the order of the samples:
+//! Invariant: sample `s` of a pixel is the same in any pass, and sums are added in the order of the samples:
 //! after `n` samples the picture equals that of `render` with `spp = n`, bit for bit.
 //! Tests: crates/render/tests/accumulation.rs.
 
@@ -30,7 +30,7 @@ use crate::tile::render_tile;
 use crate::tracer::BatchTracer;
 use crate::world::World;
 
-/// Told how far the picture is, and asked whether to go on. Called from many threads at once.
+/// Receives the progress of a picture, and may stop it. Called from many threads at once.
 pub trait Progress: Sync {
     /// `done` in [0, 1] of all work, `samples` of the whole picture so far. Called after each tile.
     fn update(&self, done: f64, samples: u64) {
@@ -42,7 +42,8 @@ pub trait Progress: Sync {
         let _ = picture;
     }
 
-    /// Whether to finish now and keep the picture so far. Asked between tiles and within them, many times a second.
+    /// Whether to finish now and keep the picture so far. Called between tiles and within them, many times a
+    /// second.
     fn should_stop(&self) -> bool {
         false
     }
@@ -100,7 +101,7 @@ pub struct Accumulation {
 }
 
 impl Accumulation {
-    /// A picture without samples. `options.spp` is how many samples complete it; `options.time_limit` is not looked at.
+    /// A picture without samples. `options.spp` samples complete it; `options.time_limit` is ignored.
     ///
     /// # Errors
     /// [`RenderError`] if the options leave nothing to render.
@@ -110,8 +111,8 @@ impl Accumulation {
         Ok(Self { options, region, tiles, stats: RenderStats::default(), common: Arc::default() })
     }
 
-    /// Forgets all samples: for another world, another camera or other options. Memory is used again where the size
-    /// stays, so that this may happen for every frame of an animation.
+    /// Drops all samples: for another world, another camera or other options. Memory is used again where the
+    /// size stays, so that this may happen for every frame of an animation.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing has changed then.
@@ -131,8 +132,8 @@ impl Accumulation {
         Ok(())
     }
 
-    /// Brings every pixel to `samples` more than the one with the fewest has, at most to `options.spp`; fewer if
-    /// `progress` says stop. Says whether it came that far.
+    /// Brings every pixel to `samples` more than the one with the fewest has, at most to `options.spp`; fewer
+    /// if `progress` stops it. Returns whether it reached that.
     pub fn pass(
         &mut self,
         world: &World,
@@ -197,7 +198,7 @@ impl Accumulation {
         self.stats.seconds += begin.elapsed().as_secs_f64();
     }
 
-    /// As [`pass`](Self::pass), but with virtual lights that are kept, and it ends at a moment, too.
+    /// As [`pass`](Self::pass), but with persistent virtual lights, and with a time limit.
     #[expect(clippy::too_many_arguments, reason = "what all passes have in common")]
     pub(crate) fn pass_with(
         &mut self,
@@ -219,7 +220,7 @@ impl Accumulation {
         }
         let has_virtual_lights = self.options.integrator.has_virtual_lights();
         let seed = self.options.seed;
-        // Rays have moments of their own, or where lights are a sample's all of it has one.
+        // Each ray has its own time, or with moving lights each sample has one.
         let opened = world.needs_times().then(|| world.with_times(seed));
         let is_of_pass = world.needs_times() && (has_virtual_lights || world.lights_move());
         let world = opened.as_ref().unwrap_or(world);
@@ -274,7 +275,7 @@ impl Accumulation {
         lacking.map(|tile| tile.samples).min().unwrap_or(spp)
     }
 
-    /// Whether every pixel has all samples that the options ask for.
+    /// Whether every pixel has all requested samples.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.tiles.iter().all(|tile| tile.samples >= tile.requested(self.options.spp))
@@ -353,7 +354,7 @@ impl Accumulation {
         FilmBand::all_of(&self.tiles).collect()
     }
 
-    /// The cost of each pixel per sample in false colours, if the options ask for it.
+    /// The cost of each pixel per sample in false colours, if requested.
     #[must_use]
     pub fn heatmap(&self) -> Option<Picture> {
         self.options.heatmap.then(|| {
@@ -391,7 +392,7 @@ struct PassSetup<'a> {
 }
 
 impl<'a> PassSetup<'a> {
-    /// The job in a world, after so many samples.
+    /// The job in a world, after this number of samples.
     fn job<'j>(self, world: &'j World, samples_done: u64) -> Job<'j>
     where
         'a: 'j,

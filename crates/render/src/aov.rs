@@ -6,7 +6,7 @@
 //! integrator provides it (`path`). `background` is the radiance of rays that hit nothing, and the light that
 //! shadow catchers let through. A shadow catcher has the opacity that gives its darkness, with black as its
 //! colour; coloured light from other objects is added [PD84]. Space: world. Depth is the distance from the
-//! eye, Z the one along the view.
+//! eye, Z the distance along the view.
 
 use std::ops::Range;
 

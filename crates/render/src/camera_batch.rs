@@ -9,7 +9,7 @@ use crate::world::HitLanes;
 /// Camera rays of some samples, and memory for their results.
 #[derive(Default)]
 pub(crate) struct CameraBatch {
-    /// Those that the rays of each sample go through.
+    /// The pixels of the rays of each sample.
     pub(crate) pixels: Vec<[u32; 2]>,
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,

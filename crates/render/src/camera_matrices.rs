@@ -33,7 +33,7 @@ impl CameraMatrices {
     }
 }
 
-/// Rows of the matrix to the picture, of those that lead to the camera.
+/// The rows of the matrix to the picture, from those of the matrix to the camera.
 fn ndc([x, y, z]: [[f64; 4]; 3], camera: &Camera, aspect: f64) -> Option<[[f64; 4]; 4]> {
     const ONE: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
     let (half_height, last) = match camera.projection {

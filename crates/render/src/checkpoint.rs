@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture in the making as bytes, so that a rendering goes on where it was, with the same bits.
-//! Layout, little-endian 64-bit words: magic, version, fingerprint, rectangle, flags, counters, then per
-//! tile its samples and sums; last a checksum of all words before it. One function walks over all words for both ways.
-//! Invariants: whatever the bytes are, reading returns or fails, it never panics; nothing is read into other sizes.
+//! Checkpoints: an unfinished picture as bytes, so that a rendering continues later, with the same bits.
+//! Layout, little-endian 64-bit words: magic, version, fingerprint, rectangle, flags, counters, then per tile
+//! its samples and sums; last a checksum of all words before it. One function visits all words for reading
+//! and writing. Invariants: for any bytes, reading returns or fails without a panic; sizes must match.
 //! Tests: crates/render/tests/checkpoint.rs; a killed program: crates/cli/tests/program/checkpoint.rs.
 
 use crate::accumulation::Accumulation;

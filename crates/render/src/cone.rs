@@ -68,7 +68,7 @@ pub(crate) struct ConeHit<R> {
 }
 
 impl<R: Real> ConeHit<R> {
-    /// How fast the cone widens that goes on in a direction of this density; `fineness` is that of its sample.
+    /// The spread of the cone after scattering with this density; `fineness` is that of its sample.
     #[inline(always)]
     pub(crate) fn spread_after(&self, pdf: R, delta: R::Mask, transmitted: R::Mask, fineness: R) -> R {
         let zero = self.width.all(0.0);
@@ -91,7 +91,7 @@ impl ConeHit<f32> {
         Self { width, spread, curvature: bulge, cos: cos.abs(), kind: points.ray_kind(i) }
     }
 
-    /// The cone of the ray that goes on.
+    /// The cone of the scattered ray.
     pub(crate) fn after(&self, sample: &BsdfSample, fineness: f32) -> Cone {
         let spread = self.spread_after(sample.pdf, sample.delta, sample.transmitted, fineness);
         Cone { width: self.width, spread, kind: sample.ray_kind() }
@@ -155,8 +155,8 @@ impl Cone {
         Self { width: self.width * share, spread: self.spread * share, ..self }
     }
 
-    /// Writes the widths, spreads and kinds at points that the rays of `lanes` met. `cones` are those of all rays, if anybody knows
-    /// them; rays of depth 0 have the camera's, which is this.
+    /// Writes the widths, spreads and kinds at points that the rays of `lanes` met. `cones` are those of all
+    /// rays, if known; rays of depth 0 have the camera's, which is this.
     pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], cones: Option<&Cones>) {
         let SurfaceBatch { footprint, cone_spread, kinds, t, key, depth, .. } = points;
         [&mut *footprint, &mut *cone_spread].into_iter().for_each(|array| array.resize(lanes.len(), 0.0));
@@ -170,7 +170,7 @@ impl Cone {
             };
             let width = cone.width_at(t);
             *footprint = width.abs();
-            // Beyond its narrowest place it widens again.
+            // Beyond its narrowest point it widens again.
             *cone_spread = if width < 0.0 { -cone.spread } else { cone.spread };
             kinds.push(cone.kind);
         }
@@ -249,14 +249,14 @@ mod tests {
         let flat = ConeHit { width: 0.1_f32, spread: 0.01, cos: 1.0, ..ConeHit::default() };
         let after = |at: &ConeHit<f32>, pdf: f32, delta| at.spread_after(pdf, delta, false, 1.0);
         assert_eq!(after(&flat, f32::INFINITY, true), 0.01, "a plane mirror");
-        // A ball of radius 2 turns its normal by 0.05 over 0.1, and its image by twice that.
+        // A ball of radius 2 rotates its normal by 0.05 over 0.1, and its image by twice that.
         let ball = ConeHit { curvature: 0.5, ..flat };
         assert!((after(&ball, f32::INFINITY, true) - 0.11).abs() < 1e-6, "a ball spreads");
         let bowl = ConeHit { curvature: -0.5, ..flat };
         assert!((after(&bowl, f32::INFINITY, true) + 0.09).abs() < 1e-6, "a bowl focuses");
         let rough = |pdf| after(&flat, pdf, false);
         assert!(rough(1e6) < 0.011 && rough(10.0) > 0.1, "by the width of its lobe: {}", rough(10.0));
-        // A quarter of the solid angle pi that a sample of a diffuse lobe stands for, as a disc.
+        // A quarter of the solid angle pi of a sample of a diffuse lobe, as a disc.
         let diffuse = rough(std::f32::consts::FRAC_1_PI);
         assert!((diffuse - 1.0).abs() < 1e-3, "diffuse: {diffuse}");
         assert_eq!(after(&flat, 0.0, false), (1.0_f32 + 0.0001).sqrt(), "never wider");

@@ -11,11 +11,11 @@ pub enum CommitError {
     /// An id names nothing in the scene.
     #[error("{what} {index} uses {used} {id}, which the scene does not have")]
     DanglingId {
-        /// Kind of the thing that holds the id.
+        /// Kind of the element with the id.
         what: &'static str,
         /// Its own position.
         index: usize,
-        /// Kind of the thing that is missing.
+        /// Kind of the missing element.
         used: &'static str,
         /// The id that names nothing.
         id: u32,
@@ -50,7 +50,7 @@ pub enum CheckpointError {
     /// It was cut off or changed.
     #[error("it is damaged")]
     Damaged,
-    /// Scene, camera or options are not those that it was made with.
+    /// Scene, camera or options differ from those of the checkpoint.
     #[error("it is of another picture: scene, camera or options differ")]
     OtherPicture,
     /// The picture already has more samples than it shall get.
@@ -58,7 +58,7 @@ pub enum CheckpointError {
     MoreSamples {
         /// How many it holds.
         has: u32,
-        /// How many are wanted.
+        /// The requested number.
         requested: u32,
     },
 }
@@ -96,7 +96,7 @@ pub enum RenderError {
         /// As it was given.
         piece: Piece,
     },
-    /// Pixels that look at their neighbours, which other pieces have.
+    /// Pixels that read their neighbours, which other pieces have.
     #[error(
         "interleaved pixels look at their neighbours, which other pieces have; render without one of the two"
     )]

@@ -27,18 +27,19 @@ pub(crate) struct TileFilm {
     pub(crate) sums: Vec<[f64; 4]>,
     /// Samples of each pixel so far.
     pub(crate) samples: u32,
-    /// Other layers, if they were asked for.
+    /// Other layers, if requested.
     pub(crate) aovs: Option<TileAovs>,
-    /// Cost per pixel so far, if it was asked for.
+    /// Cost per pixel so far, if requested.
     pub(crate) costs: Vec<u64>,
     /// Squares of red, green and blue, summed over samples; empty if the variance is not requested.
     pub(crate) squares: Vec<[f64; 3]>,
-    /// Samples that it shall get; 0 = not decided, all that the options say.
+    /// The number of its samples; 0 = undecided, as in the options.
     pub(crate) target: u32,
 }
 
-/// Tiles are square, so many pixels wide, and lie on a grid from the picture's upper left corner. Where pixels with the
-/// same virtual lights lie apart, there are a block of them in each tile; where blocks learn from those before, there are several.
+/// Tiles are square, of this width in pixels, on a grid from the picture's upper left corner. In patterns,
+/// where pixels with the same virtual lights are not adjacent, each tile has a block of them; if blocks learn
+/// from earlier ones, it has several.
 pub(crate) fn tile_size(options: &RenderOptions) -> u32 {
     match options.pattern() {
         Some(n) => n * BLOCK,
@@ -87,7 +88,7 @@ impl TileFilm {
         Self { rect, first, sums: Vec::new(), samples: 0, aovs, costs: Vec::new(), squares, target: 0 }
     }
 
-    /// Forgets all samples; keeps the memory. The first sample will overwrite the old one.
+    /// Drops all samples; keeps the memory. The first sample will overwrite the old one.
     pub(crate) fn clear(&mut self) {
         self.sums.clear();
         (self.samples, self.target) = (0, 0);
@@ -153,7 +154,7 @@ impl TileFilm {
         (self.first, self.samples) = (first, 1);
     }
 
-    /// Samples that it shall get, where the options say `spp`.
+    /// The number of its samples, if the options request `spp`.
     pub(crate) fn requested(&self, spp: u32) -> u32 {
         if self.target > 0 { self.target.min(spp) } else { spp }
     }

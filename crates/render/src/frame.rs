@@ -8,9 +8,9 @@ use crate::stats::RenderStats;
 /// A finished picture and its cost.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Linear colours with opacity, row 0 on top, and the layers that were asked for.
+    /// Linear colours with opacity, row 0 on top, and the requested layers.
     pub picture: Picture,
-    /// Cost per pixel in false colours, if it was asked for.
+    /// Cost per pixel in false colours, if requested.
     pub heatmap: Option<Picture>,
     /// Counters.
     pub stats: RenderStats,

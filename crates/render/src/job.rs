@@ -107,7 +107,7 @@ impl<'a> Job<'a> {
             }
         }
         lens.clear();
-        // One sample in the middle of each pixel is a sharp look.
+        // One sample in the middle of each pixel ignores the lens.
         if self.camera.has_lens() && !(self.options.pixel_centres && self.options.spp == 1) {
             self.draw(keys, purpose::LENS, lens);
         }

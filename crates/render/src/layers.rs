@@ -8,7 +8,7 @@ use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
 use crate::aov::{FirstHit, TileAovs};
 use crate::film::TileFilm;
 
-/// One plane of a picture so wide, of so many pixels, gathered from the tiles.
+/// One plane of a picture of this width and number of pixels, gathered from the tiles.
 fn gathered<T: Copy>(
     tiles: &[TileFilm],
     (width, pixels): (usize, usize),

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture in pieces, each rendered by itself, and the picture put together again.
-//! A piece is every so many-th tile: neighbours cost alike, so pieces do. Its pixels travel tile by tile in a small
-//! picture of their own, for most of the frame is others'. Samples of a pixel stay in one piece: their sum depends on their order.
+//! A piece is every n-th tile: neighbours cost about the same, and so do pieces. Its pixels travel tile by
+//! tile in a small picture of their own, for most of the frame is others'. Samples of a pixel stay in one
+//! piece: their sum depends on their order.
 //! Invariant: pixels are copied, so that the whole has the bits of a picture rendered at once. Tests: `tests` here;
 //! crates/cli/tests/program/pieces.rs.
 
@@ -33,7 +34,7 @@ pub fn empty_picture(options: &RenderOptions) -> Result<Picture, RenderError> {
     Ok(Accumulation::new(options)?.picture())
 }
 
-/// The pixels of a piece's rectangles, one beside the other in rows; `picture` is that of the whole frame.
+/// The pixels of a piece's rectangles, side by side in rows; `picture` is that of the whole frame.
 #[must_use]
 pub fn pack_piece(picture: &Picture, rects: &[[u32; 4]]) -> Picture {
     let slots = Slots::of(rects);
@@ -52,8 +53,8 @@ pub fn pack_piece(picture: &Picture, rects: &[[u32; 4]]) -> Picture {
     packed
 }
 
-/// Puts the pixels of a piece in their places in a picture that was [empty](empty_picture). False, and nothing is done, if `packed`
-/// is not of so many rectangles, or has not the layers of the picture.
+/// Puts the pixels of a piece in their positions in a picture that was [empty](empty_picture). Returns false
+/// and does nothing if `packed` has another number of rectangles, or lacks layers of the picture.
 #[must_use]
 pub fn unpack_piece(picture: &mut Picture, packed: &Picture, rects: &[[u32; 4]]) -> bool {
     let slots = Slots::of(rects);

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-/// One of the parts that a picture is cut into: every so many-th tile. See [`pack_piece`](crate::pack_piece).
+/// One of the parts of a divided picture: every n-th tile. See [`pack_piece`](crate::pack_piece).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Piece {
     /// From 0 on.

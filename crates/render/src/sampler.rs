@@ -33,7 +33,7 @@ pub(crate) struct Sampler<'a> {
     pub(crate) pass: Option<&'a PassLights>,
 }
 
-/// A sample of each pixel of a tile, light and surfaces apart.
+/// A sample of each pixel of a tile, with light and surfaces separate.
 pub(crate) struct SplitLight {
     /// Row by row.
     pub(crate) texels: Vec<Texel>,
@@ -80,7 +80,8 @@ impl<'a> Sampler<'a> {
         tracer.camera = batch;
     }
 
-    /// A sample of each pixel of a part of the film, light and surfaces apart; nothing is added to the film.
+    /// A sample of each pixel of a part of the film, with light and surfaces separate; nothing is added to
+    /// the film.
     pub(crate) fn split_sample(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> SplitLight {
         let mut batch = CameraBatch::default();
         self.job.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
@@ -105,7 +106,7 @@ impl<'a> Sampler<'a> {
         SplitLight { texels, batch, costs, stats: tracer.take_stats() }
     }
 
-    /// Adds a sample that was taken apart to the film; `filter` brings its parts together.
+    /// Adds a split sample to the film; `filter` combines its parts.
     pub(crate) fn add_split(
         &self,
         tile: &mut TileFilm,

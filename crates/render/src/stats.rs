@@ -18,7 +18,7 @@ pub struct RenderStats {
     pub secondary_rays: u64,
     /// Of the shadow rays, those towards virtual lights that all seen points gather from.
     pub gather_rays: u64,
-    /// Seconds that threads spent on gathering, all of them together; not kept in checkpoints.
+    /// Total seconds of all threads in gathering; not stored in checkpoints.
     pub gather_seconds: f64,
     /// Tree nodes visited by all rays.
     pub nodes_visited: u64,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The renderer's side of shading: batches of rays in, batches of radiance out, by recursion.
 //! Source: [Whi80] (recursion); batches by shader after the paper's section 8. Space: world.
-//! Flow: rays -> hits -> lanes sorted by shader -> surface points -> shader, which may ask for lights and more rays.
+//! Flow: rays -> hits -> lanes sorted by shader -> surface points -> shader, which may query lights and more
+//! rays.
 //! Invariant: the result of a lane depends on its ray and key only.
 //! Tests: crates/render/tests/{lights,mirrors,appearance,determinism}.rs.
 
@@ -27,7 +28,7 @@ use crate::stats::RenderStats;
 use crate::transport::{Wavefront, opacity};
 use crate::world::{HitLanes, World};
 
-/// Albedo of surfaces that do not tell theirs.
+/// Albedo of surfaces that do not return theirs.
 pub(crate) const MID_GREY: Vec3 = Vec3::splat(0.5);
 
 /// Lights that shaders which loop over lights meet behind those of the world: virtual ones.
@@ -48,9 +49,9 @@ pub(crate) trait FurtherLights: Sync {
 /// How pixels share virtual lights out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sharing {
-    /// Not at all: each asks all of them.
+    /// No sharing: each uses all of them.
     All,
-    /// Each by its place in a pattern, which is in its key's sample.
+    /// Each by its position in a pattern, which is in its key's sample.
     Pattern,
     /// Each sample by chance: its key's pixel.
     Chance,
@@ -65,7 +66,7 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) costs: Option<TileCosts>,
     /// Events along the paths, if a log is requested.
     pub(crate) log: Option<Log>,
-    /// Lights that shaders meet beside those of the world.
+    /// Lights for shaders in addition to those of the world.
     pub(crate) lights: Option<&'w dyn FurtherLights>,
     /// Whether radiance-only shaders are probed for their scattering, in place of their radiance.
     pub(crate) probes: bool,
@@ -87,11 +88,11 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) closures: ClosureBatch,
     /// Radiance without light at the points of the last probed shader.
     pub(crate) dark: Vec3s,
-    /// How shadow rays lie beside each other.
+    /// Coherence of adjacent shadow rays.
     pub(crate) shadows: Coherence,
     /// And of the hits of shadow rays.
     blocked: Vec<bool>,
-    /// Rays with their moments, where the shutter is open.
+    /// Rays with their times, if the shutter is open.
     timed: RayBatch,
 }
 
@@ -100,7 +101,7 @@ pub(crate) struct BatchTracer<'w> {
 pub(crate) enum AttributeRequests {
     /// All that shaders can do.
     Light,
-    /// Base colours, places and normals.
+    /// Base colours, positions and normals.
     Sides,
 }
 
@@ -286,7 +287,7 @@ impl<'w> BatchTracer<'w> {
             let of_camera = lanes.iter().enumerate().filter(|(_, lane)| is_of_camera(**lane));
             of_camera.for_each(|(k, _)| direct.set(k, shown.get(k)));
         }
-        // Places of a picture where a camera sees nothing have rays without direction.
+        // Pixels of a picture where a camera sees nothing have rays without direction.
         let nowhere = (0..dirs.len()).filter(|&i| dirs.get(i) == Vec3::ZERO);
         nowhere.for_each(|i| direct.set(i, Vec3::ZERO));
         direct
@@ -300,7 +301,7 @@ impl<'w> BatchTracer<'w> {
         out.extend((0..request.rays.len()).map(|i| hits.get(i).map_or(f32::INFINITY, |hit| hit.t)));
     }
 
-    /// The cones of rays that a shader asks for: as wide as it says, and as a pixel's spread.
+    /// The cones of rays that a shader requests: with its width, and a pixel's spread.
     fn cones_of(&self, request: &RayRequest) -> Cones {
         let mut cones = Cones::default();
         for (i, &key) in request.key.iter().enumerate() {
@@ -382,7 +383,7 @@ impl<'w> BatchTracer<'w> {
         let mut serves: Vec<u32> = (0..rays.len() as u32).collect();
         for layer in 0.. {
             let hits = self.intersect(RayMask::SHADOW, &rays, &keys, Coherence::Coherent);
-            // Holes are read as they are.
+            // Opacity textures are read without filtering.
             let cones = Some(&no_width);
             let from = HitLanes { rays: &rays, keys: &keys, hits: &hits, cones, depth: 0 };
             let (mut next_rays, mut next_keys, mut next_serves) =
@@ -428,7 +429,7 @@ impl<'w> BatchTracer<'w> {
     }
 }
 
-/// The rays, or copies with the moments of their keys where something moves.
+/// The rays, or copies with the times of their keys if something moves.
 fn with_times<'a>(
     world: &World,
     rays: &'a RayBatch,

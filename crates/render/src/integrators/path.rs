@@ -95,7 +95,8 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         let is_final = tracer.closures_of(shader, points, closures) == Known::Shown;
         absorb(options, (&mut *paths, from), numbers, points, closures);
         let backdrop = shader.backdrop();
-        // The backdrop of a shadow catcher stands for scattered light, and light is taken from it.
+        // The backdrop of a shadow catcher represents scattered light, and occluded light is subtracted from
+        // it.
         if is_final || backdrop.is_some() {
             radiance_only.extend(numbers.iter().map(|&number| paths.lane[number as usize]));
         }
@@ -112,7 +113,7 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
     });
 }
 
-/// Light of lights that only know `illuminate`.
+/// Light of lights that only have `illuminate`.
 fn query_plugins(met: &Met, onward: &mut Onward) {
     let paths: Vec<_> = (0..met.numbers.len()).map(|k| met.path(k)).collect();
     let there = |&k: &usize| paths[k].edges < met.options.max_depth && met.is_there(k, &paths[k]);

@@ -24,13 +24,13 @@ use crate::job::Job;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
 
-/// Paths per virtual light that was asked for, each with several candidates, and how many there are to be at most for more
+/// Paths per requested virtual light, each with several candidates, and the largest number of paths for more
 /// than one per light.
 const PATHS_PER_LIGHT: u32 = 4;
 const ENOUGH: u32 = 8192;
 /// Paths whose sides are joined each to each.
 const CROWD: u32 = 4;
-/// Says that a number is for resampling.
+/// Marks numbers for resampling.
 pub(super) const RESAMPLING: u32 = 0x4e5a_3b00;
 
 /// The virtual lights of a pass.
@@ -66,7 +66,7 @@ pub(super) struct Candidates {
     pub(super) paths: u32,
     pub(super) light: Vec<LightSide>,
     pub(super) eye: Vec<EyeSide>,
-    /// By the number of the path from the lamp, and of that from the eye.
+    /// By the number of the path from the light, and of that from the eye.
     pub(super) joined: Vec<([u32; 2], Candidate)>,
 }
 

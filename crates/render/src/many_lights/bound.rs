@@ -35,7 +35,7 @@ impl Bound {
         Self { density: if area > 0.0 { vpls as f32 / (CROWD * area) } else { f32::INFINITY } }
     }
 
-    /// A bound so many times as large.
+    /// A bound larger by this factor.
     pub(crate) fn times(self, factor: f32) -> Self {
         Self { density: self.density * factor }
     }
@@ -52,7 +52,7 @@ impl Bound {
     }
 }
 
-/// The bound that options ask for, or one that fits the scene.
+/// The bound of the options, or one that suits the scene.
 pub(crate) fn bound_of(world: &World, options: &RenderOptions) -> Bound {
     match (options.clamp, world.bounds()) {
         (Some(g), _) => Bound::on_geometry_term(g),

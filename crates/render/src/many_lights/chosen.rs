@@ -15,7 +15,8 @@ use super::lanes::{BLOCK, Lanes};
 
 /// Lights whose luck is thought alike, neighbours in their list.
 const CLUSTER: usize = 8;
-/// As if so many rays of a cluster had met nothing before any was asked for, and so many of a light had fared as its cluster's.
+/// Prior counts: unoccluded rays of a cluster before any query, and rays of a light with the cluster's
+/// result.
 const OF_CLUSTER: f32 = 16.0;
 const OF_LIGHT: f32 = 32.0;
 /// The least fraction of its unoccluded contribution that a light is assumed to bring.
@@ -24,13 +25,13 @@ const HOPE: f32 = 0.05;
 /// The unoccluded fraction of the contribution, light by light, in the order of a list that keeps neighbours
 /// adjacent.
 pub(super) struct Learned {
-    /// Rays that were asked for, and those of them that met nothing.
+    /// Traced rays, and the unoccluded ones.
     lights: Vec<[f32; 2]>,
     clusters: Vec<[f32; 2]>,
 }
 
 impl Learned {
-    /// Nothing, of so many lights.
+    /// Zero counts for this number of lights.
     pub(super) fn new(lights: usize) -> Self {
         Self { lights: vec![[0.0; 2]; lights], clusters: vec![[0.0; 2]; lights.div_ceil(CLUSTER)] }
     }
@@ -54,7 +55,7 @@ impl Learned {
 /// Unoccluded contributions of lights to the points of a block.
 #[derive(Default)]
 pub(super) struct Rows {
-    /// Lights that promise something, by their places in the list, and how much to each point.
+    /// Lights with a contribution, by their indices in the list, and the contribution to each point.
     rows: Vec<(usize, Lanes)>,
 }
 
@@ -128,7 +129,7 @@ mod tests {
         each_contribution(Level::default(), requests, &sources, (&bound, 6), &mut scratch, |i, row, _| {
             rows.push(i, row)
         });
-        // Lights in one half of the room are hidden.
+        // Lights in one half of the space are hidden.
         let is_hidden = |i: usize| sources[i].vpl.point.p.x > 0.5;
         let brings = |i: usize| -> f32 {
             let brought = eyes.iter().filter_map(|eye| sources[i].vpl.brings(eye, &bound, 6));

@@ -11,8 +11,8 @@ use super::light_choice::LightChoice;
 /// Learned once for a world, a camera and options.
 #[derive(Debug, Default)]
 pub(crate) struct Common {
-    /// Lamps that matter, where it is worth queries.
+    /// The important lights, if the choice is learned.
     pub(super) light_choices: OnceLock<Option<LightChoice>>,
-    /// How many light paths bring the lights that are wanted.
+    /// The number of light paths for the requested number of virtual lights.
     pub(super) paths: OnceLock<u32>,
 }

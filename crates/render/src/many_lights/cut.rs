@@ -15,10 +15,10 @@ use super::lanes::Source;
 
 /// Virtual lights that neighbouring points gather from, at most.
 pub(super) const MOST: usize = 2048;
-/// Points that stand for all.
+/// The number of points that represent all.
 const WITNESSES: usize = 4;
 
-/// The lights for `points`, weighted; `None` if they may ask all of them. `u` in [0, 1).
+/// The lights for `points`, weighted; `None` if they may use all of them. `u` in [0, 1).
 pub(super) fn cut(points: &[&EyePoint], sources: &[Source], most: usize, u: f32) -> Option<Vec<Source>> {
     if sources.len() <= most || points.is_empty() {
         return None;
@@ -45,8 +45,8 @@ pub(super) fn cut_of(points: &[&EyePoint], sources: &[Source], most: usize, u: f
     resample(sources.iter().map(contribution), most, u)
 }
 
-/// Chooses `count` times among weights, evenly spaced along their sum: places and one over how often each is chosen on
-/// average, times how often it was.
+/// Chooses `count` times among weights, evenly spaced along their sum: returns positions, and the number of
+/// choices of each over its expected number.
 pub(super) fn resample(weights: impl Iterator<Item = f64>, count: usize, u: f32) -> Vec<(usize, f32)> {
     let weights: Vec<f64> = weights.map(|w| if w > 0.0 && w.is_finite() { w } else { 0.0 }).collect();
     let total: f64 = weights.iter().sum();

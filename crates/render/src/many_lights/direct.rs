@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light that comes straight from lamps: light samples where walks stop, side by side those of one point or of many, and lights that only know
-//! `illuminate`.
+//! Direct light: light samples where walks stop, for one point or for many at a time, and lights that only
+//! have `illuminate`.
 //! Source: [VG95] (weighed against the rays that leave the point). Space: world.
-//! Invariant: the light samples of a point are the same however many are looked at at once.
+//! Invariant: the light samples of a point are the same for any number of points at a time.
 //! Tests: crates/render/tests/{determinism,many_lights,agreement}.rs.
 
 use glam::Vec3;
@@ -24,7 +24,7 @@ use crate::transport::{LightQuery, Offer, query_plugin_lights, sampling_normal, 
 /// Light samples of a point from which on they are taken side by side.
 const MANY: u32 = 4;
 
-/// Light that comes straight from lamps.
+/// Direct light.
 pub(super) fn light_samples(
     tracer: &mut BatchTracer,
     pass: &PassLights,

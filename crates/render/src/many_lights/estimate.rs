@@ -2,7 +2,7 @@
 //! Radiance along camera rays, given the virtual lights of a pass: the common part of all integrators with
 //! virtual lights.
 //! Source: [Kel97]; rays return the energy that the bound removes from virtual lights [KK06]; direct light by
-//! light samples and scattered rays, weighted [VG95]. Space: world. A path ends at a lamp. The last segment
+//! light samples and scattered rays, weighted [VG95]. Space: world. A path ends at a light. The last segment
 //! but one, seen from the eye, is the first whose ends both scatter smoothly. Virtual lights bring their
 //! share of that segment; a few rays that the eye's BSDF chooses bring the rest. From their hits the same is
 //! repeated, with one ray and few randomly chosen virtual lights. Mirrors and smooth glass are followed,
@@ -108,7 +108,7 @@ fn all_radiance(
     tracer.sharing = Sharing::All;
 }
 
-/// The same, light and surfaces apart, each pixel with its share of the virtual lights.
+/// The same, with light and surfaces separate, each pixel with its subset of the virtual lights.
 pub(crate) fn split_radiance(
     tracer: &mut BatchTracer,
     pass: &PassLights,
@@ -273,8 +273,8 @@ pub(super) struct Rest {
     pub(super) radiance: Vec3,
 }
 
-/// One ray from each point of a shader that loops over lights itself, and the light against it that neither lamps nor
-/// virtual lights bring there.
+/// One ray from each point of a shader that loops over lights itself, and the light along it that neither
+/// lights nor virtual lights bring there.
 pub(super) fn rest_at(
     tracer: &mut BatchTracer,
     pass: &PassLights,
@@ -309,7 +309,7 @@ pub(super) fn rest_at(
                 edges: edges + 1,
                 last: Some(last),
                 is_directly_visible: false,
-                // The shader asks lamps itself.
+                // The shader samples lights itself.
                 light_gain: 0.0,
                 siblings: 1.0,
             },
@@ -456,7 +456,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
     offers.settle(tracer, radiance);
 }
 
-/// The same for neighbours that ask some of the virtual lights, `BLOCK` at most.
+/// The same for neighbours that use some of the virtual lights, `BLOCK` at most.
 fn query_few(
     tracer: &BatchTracer,
     pass: &PassLights,

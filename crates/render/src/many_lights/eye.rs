@@ -30,7 +30,7 @@ impl EyePoint {
         Self { point, wo, bsdf: scattering.bsdf, throughput, edges, lane }
     }
 
-    /// Where a walk goes on from it.
+    /// The next ray of a walk from it.
     pub(super) fn scatter(&self, u: [f32; 3]) -> Option<(Ray, BsdfSample)> {
         walks::scatter(&self.point, &self.bsdf, (self.wo, self.throughput), u)
     }

@@ -93,11 +93,11 @@ fn gather_all(
     }
 }
 
-/// Virtual lights that shine on one block, then on the next.
+/// Number of virtual lights that serve one block, then the next.
 const NEAR: usize = 8;
 
-/// How many of so many virtual lights a block asks, at most: a part, for that takes a ray from each of its points, and to know which promise
-/// most takes none.
+/// The limit of virtual lights for a block, of this number of lights: a part, because each takes a ray from
+/// each of its points, and their contributions take none.
 fn lights_of(lights: usize) -> usize {
     (lights / 4).clamp(256, MOST)
 }
@@ -116,7 +116,7 @@ struct Part<'a> {
     block: Block,
     sums: Color,
     single: Single,
-    /// Whether its rays may go by pencils, which know neither holes nor costs.
+    /// Whether its rays may go by pencils, which support neither transparency nor costs.
     by_pencils: bool,
 }
 
@@ -232,7 +232,7 @@ fn blocks<'a>(points: &[&'a EyePoint], seed: Option<u32>) -> impl Iterator<Item 
 /// do not show as blocks.
 const MIXED: usize = 4;
 
-/// Lambertian, another, or one that light goes through, which lanes do not know.
+/// Lambertian, another, or a transmitting one, which lanes do not support.
 fn kind_of(eye: &EyePoint) -> usize {
     if eye.bsdf.lambertian().is_some() {
         0

@@ -28,8 +28,8 @@ pub(super) struct Block {
     p: Lanes3,
     /// Where rays end on the side of the normals.
     end: Lanes3,
-    /// Shading normals of the BSDFs, those of the mesh, geometric ones; where a point is lifted to the curved surface that
-    /// the mesh stands for, the latter do not count.
+    /// Shading normals of the BSDFs, those of the mesh, geometric ones; a point lifted to the curved surface
+    /// that the mesh approximates ignores the latter.
     bent: Lanes3,
     ns: Lanes3,
     ng: Lanes3,
@@ -41,7 +41,7 @@ pub(super) struct Block {
     persistent: Vec<CachedLobes>,
     /// Lanes that light may go through.
     pub(super) other: Vec<usize>,
-    /// Least and greatest places and shading normals.
+    /// Least and greatest positions and shading normals.
     positions: Extent,
     normals: Extent,
 }
@@ -267,7 +267,7 @@ impl Block {
                 let sent = value * Vector::all(zero, *power) * (vpl_g / bent_light.dot(away));
                 let pdf_vpl = R::pick(vpl_b.above(zero), pdf, zero);
                 let (got, pdf_eye) = self.reflected_at(first, to);
-                // Both ways to choose the edge, as densities per area.
+                // Both densities of the edge, per area.
                 let largest = (pdf_eye * vpl_g).or_more(pdf_vpl * eye_g.size()) * near;
                 let bound = zero.all(source.bound);
                 let share = R::pick(largest.above(bound), bound / largest, zero.all(1.0));
@@ -551,7 +551,7 @@ mod tests {
             let other = Vpl::new(point, rough(1, point.ns), point.ns, Vec3::ONE, 1);
             let none = by_lanes(&block, &Source::new(&other, &bound), &mut light);
             assert!(none.is_none(), "lanes cannot know");
-            // It shines through, too: on points behind it.
+            // It also transmits light to points behind it.
             let brings =
                 |eye: &EyePoint| other.brings(eye, &bound, 6).is_some_and(|light| light != Vec3::ZERO);
             assert!(block.may_get(&Source::new(&other, &bound)) || !eyes.iter().any(brings), "light {n}");

@@ -15,14 +15,14 @@ use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
 use crate::world::World;
 
-/// Parts of the range of numbers that choose a lamp.
+/// Parts of the range of numbers that choose a light.
 const BINS: usize = 256;
 /// Particles that the importance is learned from.
 const PARTICLES: u32 = 2048;
-/// Lamps below which nothing is to be learned.
+/// The number of lights below which nothing is learned.
 const FEW: usize = 4;
 
-/// Which lamps light paths are to start at, if that is worth queries; learned once for a job.
+/// The choice of lights for light paths, if it is worth learning; learned once for a job.
 pub(super) fn light_choice<'j>(job: &'j Job, stats: &mut RenderStats) -> Option<&'j LightChoice> {
     let light_choices = &job.common.light_choices;
     if light_choices.get().is_none() {
@@ -61,7 +61,7 @@ pub(super) fn learned(job: &Job, stats: &mut RenderStats) -> Option<LightChoice>
     LightChoice::from_sums(&sums)
 }
 
-/// Whether there are so many lamps that some of them may matter more.
+/// Whether there are so many lights that their importance may differ.
 pub(super) fn has_many_lights(world: &World) -> bool {
     world.light_set().len() + world.plugin_emitters().len() > FEW
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Paths that start at lights, many at a time: every surface that they meet is a virtual light.
 //! Source: [Kel97] (quasi-random walks); particles under shading normals [Vea97] section 5.3. Space: world.
-//! Invariant: a path is a function of its numbers, not of the paths beside it.
+//! Invariant: a path is a function of its numbers, independent of other paths.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
@@ -19,10 +19,10 @@ use crate::transport::walks::{Walks, scatter_light};
 use crate::transport::{Vertex, roulette};
 use crate::world::World;
 
-/// Where a path's random numbers come from: path, edge (0 = the lamp), and which pair of that edge.
+/// Source of a path's random numbers: path, edge (0 = the light), and the pair of that edge.
 pub(crate) type Numbers<'a> = dyn Fn(u32, u32, u32) -> [f32; 2] + 'a;
 
-/// Says that a number is for light paths.
+/// Marks numbers for light paths.
 const LIGHT_PATHS: u32 = 0x1166_7700;
 
 /// Random numbers of the light paths of a set: a (0, 2)-sequence over the paths for each pair.
@@ -42,11 +42,12 @@ pub(crate) struct LightVertex {
     /// Density per area with which the path's last vertex chose this one; infinite behind mirrors and smooth glass.
     /// For the first vertex that of start and direction.
     pub(crate) pdf: f32,
-    /// Whether other ways of making the same path can: its lamp has an extent, no mirror sent it here.
+    /// Whether the other strategies can make the same path: its light has an extent, and no mirror precedes
+    /// this vertex.
     pub(crate) connectable: bool,
     /// Density with which a lamp's sampling would have chosen the path's start, seen from here; 1 after the first edge.
     pub(crate) reverse: f32,
-    /// Probability that the path goes on from here.
+    /// Probability that the path continues from here.
     pub(crate) survival: f32,
 }
 
@@ -54,13 +55,14 @@ pub(crate) struct LightVertex {
 pub(crate) mod pair {
     /// The direction.
     pub(crate) const DIRECTION: u32 = 0;
-    /// The lobe, and whether the path ends; on edge 0 the lamp, and which surfaces that are there in part the edge meets.
+    /// The lobe, and the end of the path; on edge 0 the light, and the partly transparent surfaces that the
+    /// edge hits.
     pub(crate) const LOBE: u32 = 1;
-    /// The place on a lamp; on other edges which surfaces they meet.
+    /// The position on a light; on other edges the surfaces that they hit.
     pub(crate) const POSITION: u32 = 2;
 }
 
-/// The number that decides which of the surfaces that are there in part an edge meets, after so many others.
+/// The number that decides whether an edge hits a partly transparent surface, after this number of others.
 fn probability(path: u32, before: u32, numbers: &Numbers) -> f32 {
     if before == 0 { numbers(path, 0, pair::LOBE)[1] } else { numbers(path, before, pair::POSITION)[0] }
 }
@@ -82,7 +84,7 @@ struct Walk {
     /// On the first edge from a light of a shader plugin: its source; `power` then is the factor of its
     /// light.
     plugin: Option<Source>,
-    /// Whether it comes straight from a lamp, by nothing but mirrors and smooth glass.
+    /// Whether it comes directly from a light, by mirrors and smooth glass only.
     is_direct_light: bool,
 }
 
@@ -225,7 +227,7 @@ pub(crate) fn trace(
                 continue;
             }
             let per_area = if walk.is_far {
-                // A point light's density of place is a probability, a directional one's of direction.
+                // A point light's density of position is a probability, a directional one's of direction.
                 f32::INFINITY
             } else {
                 walk.pdf * point.ng.dot(from).abs() / (point.p - walk.origin).length_squared()
@@ -288,7 +290,7 @@ pub(crate) fn trace(
 /// Probability that a path continues, from its albedo, so that joined paths can compute it, too. The edge to
 /// the eye has probability 1.
 fn survival(albedo: Vec3, edges: u32) -> f32 {
-    // No albedo is told too low by more than this, where it is only about right.
+    // No approximate albedo is too low by more than this.
     const LEAST: f32 = 0.05;
     if roulette::decides(edges + 1) { roulette::survival(albedo.max_element().max(LEAST)) } else { 1.0 }
 }
@@ -308,7 +310,8 @@ mod tests {
     use crate::options::RenderOptions;
     use crate::world::{CommitOptions, ShaderTable};
 
-    /// Lamps at z = 2 over veils at z = 1 and less over a floor at z = 0, all much wider than high; the veils stop half of the light each.
+    /// Lights at z = 2 over veils at z = 1 and less over a floor at z = 0, all much wider than high; the
+    /// veils stop half of the light each.
     fn veiled(veils: u32) -> World {
         let mut scene = Scene::new();
         let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Alpha };

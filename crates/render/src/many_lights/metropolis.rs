@@ -39,7 +39,7 @@ const EDGES: u32 = 24;
 const PAIRS: u32 = light_path::pair::POSITION + 1;
 /// Pairs of the camera's side.
 const OF_EYE: usize = (EYE_PAIRS.end - EYE_PAIRS.start) as usize;
-/// Says that a number is for chains.
+/// Marks numbers for chains.
 const CHAINS: u32 = 0x3e70_5c00;
 
 /// Virtual lights of a chain's step: few, so that there are many chains and their starts spread.
@@ -148,7 +148,7 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     chosen.into_iter().map(|(i, weight)| all[i].0.vpl.scaled(weight)).collect()
 }
 
-/// Purposes of the numbers of a chain's step; those of tries lie apart from each other.
+/// Purposes of the numbers of a chain's step; those of tries are separate.
 mod purpose {
     pub(super) const NEXT: u32 = 0;
     pub(super) const KINDS: u32 = 1;
@@ -179,7 +179,7 @@ fn sides(chains: &[Chain], step: u32, dice: &Dice) -> (Vec<[OfLight; SIDES]>, Ve
     let of_chain = |chain: &Chain| {
         let kinds = dice.pair(chain.number, step, purpose::KINDS);
         let [large_light, large_eye] = [0, 1].map(|k| kinds[k] < LARGE[k]);
-        // Around a point that is not asked itself, so that the state and its tries are alike.
+        // Around a point that is not evaluated, so that the state and its tries are exchangeable.
         let around = |purpose: u32, is_large: bool, from: &[[f32; 2]], attempt: usize| {
             let middle = changed(dice, chain.number, step, purpose, is_large, from);
             let purpose = purpose + attempt as u32 * purpose::OF_TRY;
@@ -209,7 +209,7 @@ struct Pass<'a, F> {
     pilots: &'a Pilots,
     dice: &'a Dice,
     fresh: &'a F,
-    /// Light that a step stands for.
+    /// Light that a step represents.
     share: f32,
 }
 
@@ -251,7 +251,7 @@ fn advance<F: Fn(u32, u32, u32) -> [f32; 2] + Sync>(
     let mut joined = joined(tracer, pilots, pairs).into_iter().peekable();
     for (n, chain) in chains.iter_mut().enumerate() {
         let (lights, eyes) = (&lights[n], &eyes[n]);
-        // Those of one side alone are on all its pairs.
+        // Those of one side by itself are on all its pairs.
         let own = lights
             .iter()
             .flat_map(|light| &light.side.own)

@@ -15,12 +15,12 @@ use crate::transport::panes;
 pub(super) struct Offers {
     request: RayRequest,
     offers: Vec<(u32, Vec3)>,
-    /// Rays whose lamps no scattered ray meets, and which begin where nothing is absorbed; and edges up to these lamps.
+    /// Rays to delta lights that begin outside of absorbing media, and edges up to these lights.
     delta_requests: Vec<(usize, u32)>,
 }
 
 impl Offers {
-    /// Light of a lamp, which is sought through glass if it says so.
+    /// Light of a light, which is searched for through glass if `is_delta`.
     pub(super) fn push_of_light(&mut self, ray: Ray, walk: &Walk, offer: Vec3, is_delta: bool) {
         let before = self.offers.len();
         self.push(ray, walk, offer);

@@ -30,17 +30,17 @@ use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
 use crate::world::WorldMark;
 
-/// Parts that shine together.
+/// Parts in use together.
 const PARTS: u32 = 8;
-/// The same where pixels ask few lights: small ones, made now and then, so that no picture waits for many.
+/// The same if pixels use few lights: small ones, made occasionally, so that no picture waits for many.
 const SMALL_PARTS: u32 = 32;
-/// Of these so many are made at once for a first picture, and kept where the world changes.
+/// The number made at once for a first picture, and kept when the world changes.
 const FIRST_PARTS: usize = 4;
 /// Pictures between two of them, where nothing calls for more.
 const SELDOM: u32 = 4;
 /// Cosine between directions of view that are one view still, at least.
 const SAME_VIEW: f32 = 0.8;
-/// Way of the eye, as share of the scene's extent, after which it is elsewhere.
+/// Motion of the eye, relative to the scene's extent, after which it counts as elsewhere.
 const SAME_PLACE: f32 = 0.1;
 
 /// Virtual lights of the pictures before, for the next one; see [`Accumulation::pass_in_motion`].
@@ -53,7 +53,7 @@ pub struct PersistentLights {
     parts: VecDeque<Part>,
     /// Parts made so far.
     made: u32,
-    /// Parts that shine together once all are there; 0 = nothing was made yet. Pictures since then.
+    /// Parts in use once all exist; 0 = none yet. Pictures since then.
     size: u32,
     pictures: u32,
     /// The learned choice of lights, after its first use, and the number of light paths that gives the
@@ -94,7 +94,7 @@ impl PersistentLights {
         Some(PassLights::of(job.world, job.options, vpls, stats))
     }
 
-    /// The same for pixels that ask few of them, each its own.
+    /// The same for pixels that use few of them, each its own.
     pub(crate) fn next_few(&mut self, job: &Job) -> Option<PassLights> {
         let mut stats = RenderStats::default();
         let vpls = self.next_vpls(job, SMALL_PARTS, &mut stats)?;
@@ -246,7 +246,7 @@ mod tests {
     use crate::progress::Unwatched;
     use crate::world::{CommitOptions, ShaderTable, World};
 
-    /// Places of the lights of the next picture.
+    /// Positions of the lights of the next picture.
     fn light_positions(
         persistent: &mut PersistentLights,
         world: &World,
@@ -258,7 +258,7 @@ mod tests {
         pass.vpls.iter().map(|vpl| vpl.point.p.to_array().map(f32::to_bits)).collect()
     }
 
-    /// A thing goes and comes back: lights whose paths never met it stay where they are.
+    /// An object goes and comes back: lights whose paths never hit it stay in place.
     #[test]
     fn paths_that_meet_nothing_new_bring_the_same_lights() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");

@@ -35,11 +35,11 @@ const SEEN: u32 = 64;
 const BLOCKS: usize = 2;
 /// Share of light that rays must bring from there.
 const LEAST_REST: f32 = 0.05;
-/// Says that a number is for pilots.
+/// Marks numbers for pilot points.
 const PURPOSE: u32 = 0x9107_0000;
 /// Mirrors that a pilot's path may meet.
 const MOST_MIRRORS: u32 = 8;
-/// Share of a virtual light's importance that does not ask whether any pilot sees it.
+/// Fraction of a virtual light's importance that is independent of its visibility to pilot points.
 const DEFENSIVE: f32 = 0.005;
 
 /// Which pilots see a point.
@@ -60,7 +60,7 @@ pub(super) struct Pilots {
 /// Some pilots as lanes.
 struct Group {
     block: Block,
-    /// Which are none that lanes know.
+    /// Points without lanes.
     other: u64,
 }
 
@@ -121,7 +121,7 @@ impl Pilots {
             walks = next;
         }
         points.extend(ends_of_rays(job, tracer, pixel, &points, &bound));
-        // Lanes side by side look the same way.
+        // Adjacent lanes face the same way.
         let positions: Vec<Vec3> = points.iter().map(|eye| eye.point.p).collect();
         let points: Vec<EyePoint> =
             neighbours::in_order(&positions, BLOCK).into_iter().map(|i| points[i as usize].clone()).collect();
@@ -298,7 +298,7 @@ fn ends_of_rays(
     out
 }
 
-/// Places of the bits that are set.
+/// Positions of the set bits.
 fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let position = mask.trailing_zeros() as usize;

@@ -3,7 +3,8 @@
 //! Queries at some points classify them: a light with a constant position or direction is a point light or a
 //! directional light. Its radiance is queried where a path arrives.
 //! Space: world. Units: as `LightBatch`.
-//! Invariant: unbiased for lights of these two kinds; others, and those that light none of the points, start no paths.
+//! Invariant: unbiased for lights of these two kinds; others, and those that light none of the points, start
+//! no paths.
 //! Tests: `tests`, crates/render/tests/shader_lights.rs.
 
 use std::f32::consts::PI;
@@ -14,11 +15,11 @@ use gnurt_image::srgb::luminance;
 use gnurt_shading::sampling::{Basis, Distribution, concentric_disk, sample_pair, uniform_sphere};
 use gnurt_shading::{EnvironmentShader, LightBatch, LightShader, SampleKey, Vec3s};
 
-/// Points that lights are asked about.
+/// Points at which lights are queried.
 const ASKED: u32 = 64;
 /// Share of the scene's extent, and of a unit direction, that answers may differ by.
 const SLACK: f32 = 1e-3;
-/// Says that a number is for those points.
+/// Marks numbers for those points.
 const PURPOSE: u32 = 0x1a3b_0000;
 
 /// Where a light is.
@@ -61,7 +62,7 @@ pub(super) struct Start {
     /// Unit.
     pub(super) dir: Vec3,
     pub(super) source: Source,
-    /// One over the density of place and direction.
+    /// One over the density of position and direction.
     pub(super) weight: f32,
 }
 
@@ -98,7 +99,7 @@ impl PluginEmitters {
         self.plugin_lights.len()
     }
 
-    /// Starts a path, if there are lamps: `choice` chooses one, all numbers are in [0, 1).
+    /// Starts a path, if there are lights: `choice` chooses one, all numbers are in [0, 1).
     pub(super) fn start(&self, choice: f32, start_kind: [f32; 2], direction: [f32; 2]) -> Option<Start> {
         let chosen = self.choice.as_ref()?.sample(choice);
         let emitter_choice = &self.plugin_lights[chosen.index];
@@ -141,7 +142,7 @@ fn mean(environment: &dyn EnvironmentShader) -> f32 {
     let mut visible = Vec3s::splat(dirs.len(), Vec3::ZERO);
     environment.miss(&dirs, &mut visible);
     let sum: f32 = (0..dirs.len()).map(|i| luminance(visible.get(i).into())).sum();
-    // One that shows itself to none of these may to others.
+    // One that is dark in all of these directions may be bright in others.
     if sum.is_finite() { (sum / ASKED as f32).max(f32::MIN_POSITIVE) } else { 0.0 }
 }
 
@@ -162,7 +163,7 @@ fn locate(light: &dyn LightShader, low: Vec3, high: Vec3) -> Option<(StartKind, 
         light.illuminate(&p, &Vec3s::splat(p.len(), normal), &random, &mut out);
         out
     });
-    // A light may give nothing to normals that look away from it.
+    // A light may be dark for normals that face away from it.
     for i in 0..p.len() {
         if out.radiance.get(i) != Vec3::ZERO {
             continue;
@@ -216,7 +217,7 @@ mod tests {
         }
     }
 
-    /// An environment that says no number.
+    /// An environment without a finite radiance.
     struct Boundless;
 
     impl EnvironmentShader for Boundless {

@@ -33,7 +33,7 @@ impl FurtherLights for PassLights {
         vpl_count(tracer, self) + 1
     }
 
-    /// Where pixels share virtual lights out, light `number` is another one for each place.
+    /// If pixels share virtual lights, light `number` differs from position to position.
     fn illuminate(
         &self,
         tracer: &mut BatchTracer,

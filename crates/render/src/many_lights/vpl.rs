@@ -25,7 +25,7 @@ pub(crate) struct Vpl {
     pub(crate) from: Vec3,
     /// Light that arrives, over the density of its path.
     pub(crate) power: Vec3,
-    /// Edges of its path, from the lamp to it.
+    /// Edges of its path, from the light to it.
     pub(crate) edges: u32,
     /// For Lambertian surfaces, the factor of the geometric cosine and the distance.
     pub(crate) diffuse: Option<Vec3>,
@@ -104,8 +104,8 @@ impl Vpl {
     }
 }
 
-/// Density per solid angle with which a light path from `from` would have gone on to `to`, where both are on one side
-/// of the surface; 0 elsewhere, so that it can be asked from either side.
+/// Density per solid angle with which a light path from `from` would continue to `to`, if both are on one
+/// side of the surface; 0 elsewhere, so that it can be evaluated from either side.
 pub(crate) fn pdf_of_other_end(point: &SurfacePoint, bsdf: &Bsdf, from: Vec3, to: Vec3) -> f32 {
     if point.ng.dot(from) * point.ng.dot(to) <= 0.0 {
         0.0
@@ -116,8 +116,8 @@ pub(crate) fn pdf_of_other_end(point: &SurfacePoint, bsdf: &Bsdf, from: Vec3, to
     }
 }
 
-/// Whether light from `dir` (any length) may count at a point that is met, whatever its BSDF: above the horizon, or through the
-/// surface.
+/// Whether light from `dir` (any length) may count at a hit point, with any BSDF: above the horizon, or
+/// through the surface.
 pub(crate) fn is_open(point: &SurfacePoint, dir: Vec3) -> bool {
     let (above_ns, above_ng) = (point.ns.dot(dir), point.ng.dot(dir));
     if above_ns > 0.0 { above_ng > 0.0 || point.lift != Vec3::ZERO } else { above_ns < 0.0 && above_ng < 0.0 }

@@ -38,18 +38,18 @@ pub(super) struct Last {
     pub(super) bound: Bound,
 }
 
-/// A path from the eye that is under way.
+/// An active path from the eye.
 #[derive(Clone, Copy)]
 pub(super) struct Walk {
     pub(super) lane: u32,
     pub(super) key: SampleKey,
     pub(super) throughput: Vec3,
-    /// Where the edge under way begins, and how much is absorbed along it there.
+    /// Start of the current edge, and the absorption there.
     pub(super) start: Vec3,
     pub(super) absorption: Vec3,
-    /// Edges, that under way included.
+    /// Edges, the current one included.
     pub(super) edges: u32,
-    /// `None` if the edge under way comes from the eye, a mirror or smooth glass.
+    /// `None` if the current edge comes from the eye, a mirror or smooth glass.
     pub(super) last: Option<Last>,
     /// Whether all edges so far do.
     pub(super) is_directly_visible: bool,
@@ -70,7 +70,7 @@ impl Walk {
     }
 }
 
-/// Where a walk arrived and goes on from.
+/// The end of a walk's edge, where it continues.
 pub(super) struct Stop {
     pub(super) walk: Walk,
     pub(super) eye: EyePoint,
@@ -87,7 +87,7 @@ pub(super) struct Stop {
 }
 
 impl Stop {
-    /// Share of light from `to` that is left for rays that come this way; 1 where virtual lights bring none of it.
+    /// Fraction of light from `to` that is left for rays on this path; 1 if virtual lights bring none of it.
     pub(super) fn rest(&self, to: Vec3) -> f32 {
         let Some(last) = &self.walk.last else { return 1.0 };
         let point = &self.eye.point;
@@ -106,7 +106,7 @@ impl Stop {
 
     /// Whether virtual lights bring all that it could.
     pub(super) fn is_spent(&self) -> bool {
-        // Lambertian ends choose alike whatever the light's direction: one answer for all.
+        // Lambertian ends have the same density for any direction of the light: one answer for all.
         self.eye.bsdf.lambertian().is_some() && self.rest(self.eye.wo) <= 0.0
     }
 }

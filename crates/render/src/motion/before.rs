@@ -17,7 +17,8 @@ use gnurt_shading::CameraShader;
 use super::surface_key::{Light, SurfaceKey};
 use super::surface_sample::SurfaceSample;
 
-/// How much faster light of narrow lobes is forgotten than the view turns by their width.
+/// Rate at which light of narrow lobes is forgotten, relative to the rotation of the view in units of their
+/// width.
 const TURN: f32 = 4.0;
 /// Lobes as wide as this scatter to all sides.
 const WIDE: f32 = 0.99;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which pixels of a picture in motion get a fresh sample: those that know least first, the others in turns.
-//! Places by the R2 sequence [Rob18], turns by the golden section: each part of the picture and each span of frames gets its share. Invariant: a function of the counts and the number of the frame. Tests: `tests`.
+//! The pixels of a picture in motion that get a fresh sample: those with the least samples first, the others
+//! in rotation. Positions by the R2 sequence [Rob18], frames by the golden section: each part of the picture
+//! and each span of frames gets its share. Invariant: a function of the counts and the number of the frame.
+//! Tests: `tests`.
 
 use super::surface_key::{Light, SurfaceKey};
 
@@ -8,7 +10,7 @@ use super::surface_key::{Light, SurfaceKey};
 const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 const TURN: f64 = 0.618_033_988_749_894_9;
 
-/// How much more a pixel needs a sample than one that knows its light.
+/// The need of a pixel for a sample, relative to a pixel with known light.
 pub(super) fn need(surface_key: &SurfaceKey, light: &Light) -> f32 {
     if !surface_key.is_surface() {
         return 0.0;
@@ -20,7 +22,7 @@ pub(super) fn need(surface_key: &SurfaceKey, light: &Light) -> f32 {
     }
 }
 
-/// A pixel's place in the turns of a frame, from 0 to 1.
+/// A pixel's rank in the rotation of a frame, from 0 to 1.
 pub(super) fn turn_of(x: u32, y: u32, frame: u32) -> f32 {
     let at = f64::from(x) * STEPS[0] + f64::from(y) * STEPS[1] + f64::from(frame) * TURN;
     at.fract() as f32

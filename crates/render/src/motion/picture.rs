@@ -33,16 +33,17 @@ use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
 use crate::world::{World, WorldMark};
 
-/// Samples of a pixel that are remembered at most.
+/// The largest number of remembered samples of a pixel.
 const MOST: f32 = 64.0;
-/// Share of them that is left with each frame while the world changes, and frames that this goes on after a change.
+/// Fraction of them that is kept per frame while the world changes, and the number of frames of this after a
+/// change.
 const CHANGING: f32 = 0.7;
 const UNREST: u32 = 8;
-/// Share of the mean light below which samples err as if there were so much.
+/// Fraction of the mean light below which the error of samples counts as constant.
 const DIM: f32 = 0.25;
 /// Weight of a new picture in the noise estimate.
 const NEW_NOISE: f32 = 0.2;
-/// How many more fresh samples a first picture has than those that remember one.
+/// Fresh samples of a first picture, relative to later ones.
 const FIRST: f32 = 4.0;
 /// Fresh samples that go together.
 const TOGETHER: usize = 1024;
@@ -54,7 +55,7 @@ pub struct PictureHistory {
     pub(crate) lights: PersistentLights,
     of: Option<(WorldMark, RenderOptions)>,
     before: Option<Before>,
-    /// Pictures so far: each has random numbers of its own.
+    /// Pictures so far: each has its own random numbers.
     frame: u32,
     /// Frames during which the history fades.
     unrest: u32,
@@ -83,8 +84,8 @@ pub struct MotionCost {
 }
 
 impl PictureHistory {
-    /// Whether pictures in motion by this integrator and this camera are made of earlier ones: where light is found by chance, and the
-    /// camera tells where points show. Other ones take one sample of each pixel.
+    /// Whether pictures in motion by this integrator and this camera reuse earlier ones: the integrator
+    /// samples light at random, and the camera can project points. Other ones take one sample of each pixel.
     #[must_use]
     pub fn suits(world: &World, camera: &dyn CameraShader, options: &RenderOptions) -> bool {
         let by_chance = options.integrator == Integrator::Path || options.integrator.has_virtual_lights();
@@ -129,7 +130,7 @@ impl PictureHistory {
         if let Some(pass) = &pass {
             stats.add(&pass.stats);
         }
-        // The first one has nothing to remember.
+        // The first one has no history.
         let fresh = if self.before.is_some() { fresh } else { FIRST * fresh };
         let requested = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(size[0]) * f64::from(size[1]);
         let scale = scale(counts, requested);
@@ -139,7 +140,7 @@ impl PictureHistory {
             frame.sample(job, pass.as_ref(), (&chosen, self.frame), &self.tints, cut, stats)
         });
         let Some(brightness) = sampled else {
-            // The picture before stays the one before.
+            // The previous picture stays the previous one.
             (self.spare_surface_keys, self.spare) = (frame.surface_keys, frame.lights);
             return false;
         };
@@ -264,7 +265,8 @@ impl Frame {
         Self { size, surface_keys, lights }
     }
 
-    /// Looks at all pixels, and remembers light; how many pixels have each of the needs 1, 2 and 4.
+    /// Finds the surfaces of all pixels, and their remembered light; returns the number of pixels with each
+    /// of the needs 1, 2 and 4.
     fn sample_surfaces(
         &mut self,
         job: &Job,
@@ -376,7 +378,7 @@ impl Frame {
     }
 }
 
-/// The mean luminance of those that are numbers.
+/// The mean luminance of the finite ones.
 fn mean_brightness(samples: &[Vec3]) -> f32 {
     let finite = samples.iter().filter(|sample| sample.is_finite());
     let (sum, count) = finite

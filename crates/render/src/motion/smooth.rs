@@ -16,21 +16,22 @@ use super::surface_key::{Light, Same, SurfaceKey, Tint};
 
 /// Sufficient samples of a pixel, at a mean square error of one.
 const ENOUGH: f32 = 100.0;
-/// So many times as many are wanted at most where they err more.
+/// Largest factor of the number of samples for greater errors.
 const MOST_TIMES: f32 = 64.0;
-/// Samples count no more than so many times the light that is known where 100 are enough; where more are wanted as many times more, up
-/// to this factor: farther than steps go they do not come together.
+/// Samples count at most this many times the known light if 100 samples are enough. If more are needed, the
+/// limit rises by the same factor, up to this one: samples farther away than the steps reach never
+/// contribute.
 const SPARK: f32 = 16.0;
 const MOST_SPARKS: f32 = 8.0;
-/// A step in pixels, and the weights of neighbours beside a pixel and of those at its corners.
+/// A step in pixels, and the weights of the direct and of the diagonal neighbours.
 type Step = (usize, [f32; 2]);
-/// Steps of pictures by how many times as many samples they want: the more, the farther they ask.
+/// Steps of pictures by the factor of their number of samples: the greater it is, the farther they reach.
 const STEPS: [(f32, &[usize]); 3] =
     [(1.5, &[1, 2, 4]), (4.0, &[1, 2, 4, 8]), (f32::INFINITY, &[1, 2, 4, 8, 16])];
 /// Weights of a half and a quarter in all but the last step: so they fall evenly from pixel to pixel, and no pattern shows.
 const EVEN: [f32; 2] = [0.5, 0.25];
 const LAST: [f32; 2] = [0.75, 0.4];
-/// Steps for pixels alone that know nothing then.
+/// Further steps for pixels without samples.
 const FAR: [Step; 2] = [(8, LAST), (16, LAST)];
 /// Mean squares of relative errors that count as little noise.
 const LITTLE: f32 = 1.0;
@@ -42,12 +43,12 @@ const AROUND: [[usize; 2]; 8] = [[0, 0], [0, 1], [0, 2], [1, 0], [1, 2], [2, 0],
 
 /// Columns on each side of a row that show nothing, so that all neighbours of a pixel are there.
 const MARGIN: usize = 16;
-/// Rows are as long as so many lanes, or as a multiple.
+/// Rows have this number of lanes, or a multiple.
 const LANES: usize = 16;
 /// Rows of a band, at least: those around it are averaged by its neighbours as well.
 const LEAST_ROWS: usize = 32;
 
-/// Numbers of a row of pixels that are beside each other, one after the other.
+/// Numbers of adjacent pixels of a row, one after the other.
 mod shape {
     pub(super) const P: usize = 0;
     pub(super) const NS: usize = 3;
@@ -108,7 +109,7 @@ pub(super) struct Given<'a> {
     pub(super) lights: &'a [Light],
 }
 
-/// Averaged light as rows of numbers of each kind, so that pixels beside each other are lanes.
+/// Averaged light as rows of numbers of each kind, so that adjacent pixels are lanes.
 #[derive(Default)]
 pub(super) struct Smooth {
     /// Numbers of one kind in a row.
@@ -132,7 +133,7 @@ impl Smooth {
         FAR.into_iter().for_each(|step| self.average_far(given, step));
     }
 
-    /// Light on a pixel, of so many samples.
+    /// Light on a pixel, with its number of samples.
     #[inline(always)]
     pub(super) fn light(&self, x: usize, y: usize) -> Light {
         let at = |k: usize| self.light[(y * light::COUNT + k) * self.stride + MARGIN + x];
@@ -183,9 +184,9 @@ struct Near {
     strength: Strength,
     stride: usize,
     height: usize,
-    /// Rows before and behind a band that its steps ask.
+    /// Rows before and behind a band that its steps read.
     ahead: usize,
-    /// From the first row that is asked to the last that was made.
+    /// From the first row in use to the last finished one.
     shape: Vec<f32>,
     /// Light before each step.
     light: Vec<Vec<f32>>,
@@ -205,8 +206,8 @@ impl Near {
         }
     }
 
-    /// Averages the rows of `out`, the first of which is row `top` of all: one row after the other goes through all steps, each as soon
-    /// as the rows are there that it asks.
+    /// Averages the rows of `out`, the first of which is row `top` of all: one row after the other goes
+    /// through all steps, each as soon as its input rows exist.
     fn band(&mut self, given: &Given, top: usize, out: &mut [f32], level: Level) {
         let bottom = top + out.len() / (self.stride * light::COUNT);
         let all = self.ahead;
@@ -217,7 +218,7 @@ impl Near {
             let mut ahead = 0;
             for (k, step) in self.strength.steps().enumerate() {
                 ahead += step.0;
-                // Rows around the band that later steps ask for.
+                // Rows around the band that later steps read.
                 let around = all - ahead;
                 let Some(y) = last.checked_sub(ahead) else { break };
                 if y + around >= top && y < (bottom + around).min(self.height) {
@@ -268,7 +269,7 @@ impl Near {
     }
 }
 
-/// Row `y` of all, where some of so many numbers each are kept in turn.
+/// Row `y` of all, in a ring buffer of rows of this many numbers.
 fn row_of(some: &[f32], y: usize, numbers: usize) -> &[f32] {
     &some[y % (some.len() / numbers) * numbers..][..numbers]
 }
@@ -278,7 +279,7 @@ fn row_mut(some: &mut [f32], y: usize, numbers: usize) -> &mut [f32] {
     &mut some[first..][..numbers]
 }
 
-/// A number for a thing, for comparing: never NaN, and that of nothing is nothing's alone.
+/// A number for an id, for comparisons: never NaN, and that of no id is unique.
 fn number_of(id: u32) -> f32 {
     let fraction = (id ^ id >> 9) & 0x7f_ffff;
     if id == 0 { 0.0 } else { f32::from_bits(fraction | 1.0_f32.to_bits()) }
@@ -290,7 +291,7 @@ fn planes_of<const N: usize>(row: &mut [f32], stride: usize, width: usize) -> [&
     std::array::from_fn(|_| &mut planes.next().expect("as many as there are")[MARGIN..MARGIN + width])
 }
 
-/// Rows that a step asks.
+/// Rows that a step reads.
 struct From<'a> {
     stride: usize,
     /// Of all rows.
@@ -300,7 +301,8 @@ struct From<'a> {
 }
 
 impl From<'_> {
-    /// A row after a step; after the first one pixels stay as they are that have enough. `like` only tells how many go at a time.
+    /// A row after a step; after the first one pixels stay as they are that have enough. `like` only selects
+    /// the number of lanes.
     #[inline(always)]
     fn row<R: Real>(
         &self,
@@ -373,7 +375,7 @@ fn light_at<R: Real>(like: R, row: &[f32], stride: usize, at: usize) -> (Vector<
 mod tests {
     use super::*;
 
-    /// A floor, and from column 20 on another thing; each sixteenth pixel has a sample.
+    /// A floor, and from column 20 on another object; each sixteenth pixel has a sample.
     fn smoothed(strength: Strength, noise: impl Fn(usize) -> f32) -> Vec<Light> {
         let width = 40;
         let at = |i: usize| ((i % width) as f32, (i / width) as f32);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The surface and light of a pixel of a picture in motion, and the light known there.
 //! Source: light and surface apart: as [WKB*02]; when two pixels show one surface: `many_lights/interleave.rs`. Space: world.
-//! Layout: the data that compares pixels is apart from the data of their colour, because filters read only
+//! Layout: the data that compares pixels is separate from the data of their colour, because filters read only
 //! the former many times.
 
 use glam::Vec3;
@@ -9,11 +9,11 @@ use gnurt_shading::real::Real;
 
 /// Cosine between normals of one surface, at least.
 const SAME_NORMAL: f32 = 0.9;
-/// Sine of the angle between a surface and the way to another of its points, at most.
+/// Greatest sine of the angle between a surface and the direction to another of its points.
 const SAME_PLANE: f32 = 0.15;
-/// Ways shorter than this, in widths of pixels, say nothing about planes.
+/// Distances below this, in widths of pixels, are too short to compare planes.
 const TOUCHING: f32 = 0.1;
-/// How far a surface is foreshortened, at most, that pixels beside each other may show: in widths of pixels.
+/// Greatest foreshortening of a surface that adjacent pixels may show: in widths of pixels.
 const NEAR: f32 = 8.0;
 
 /// The visible point on a surface, behind mirrors and smooth glass if present.
@@ -33,7 +33,7 @@ impl SurfaceKey {
         self.id != 0
     }
 
-    /// Whether light on the one is about that on the other, which shows `pixels` away.
+    /// Whether the light on the two is about the same, for pixels at distance `pixels`.
     #[inline(always)]
     pub(super) fn agrees(&self, other: &Self, pixels: f32) -> bool {
         let offset = other.p - self.p;
@@ -59,8 +59,8 @@ impl<R: Real> Same<R> {
         Self { far2: near * near, touching: width * TOUCHING }
     }
 
-    /// Whether points may lie on one surface: by the square of their distance, how far the one lies off the other's plane, and the cosine
-    /// between normals.
+    /// Whether points may be on one surface: by the square of their distance, the distance of the one from
+    /// the other's plane, and the cosine between normals.
     #[inline(always)]
     pub(super) fn holds(&self, far2: R, off: R, cos: R) -> R::Mask {
         let off = (off.size() - self.touching).or_more(off.all(0.0));
@@ -83,7 +83,8 @@ pub(super) struct Tint {
     pub(super) opacity: f32,
 }
 
-/// Light on a surface, averaged over directions as the surface scatters them: a mean of so many samples.
+/// Light on a surface, averaged over directions as the surface scatters them: a mean of this number of
+/// samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Light {
     pub(super) mean: Vec3,

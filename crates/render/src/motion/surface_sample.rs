@@ -29,9 +29,9 @@ const HALF_WIDE: f32 = 0.3;
 const NARROWEST: f32 = 0.02;
 /// Mirrors behind mirrors that are followed.
 const MOST_MIRRORS: u32 = 8;
-/// Columns that are looked at together.
+/// Columns that are processed together.
 const COLUMNS: u32 = 64;
-/// Kinds that look alike from all sides.
+/// Kinds with the same appearance from all sides.
 const WIDE: u32 =
     Kind::None.bit() | Kind::Diffuse.bit() | Kind::Sheen.bit() | Kind::Fibres.bit() | Kind::Translucent.bit();
 const DELTAS: u32 = Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit();
@@ -262,7 +262,7 @@ fn see_beyond(
         };
         sample.tint.share = throughput * manner.share + LEAST_SHARE;
         sample.tint.roughness = sample.tint.roughness.min(manner.roughness).max(NARROWEST);
-        // Straight ahead, as far as the way is.
+        // Straight ahead, by the length of the path.
         sample.image -= sample.toward * vertex.t;
     }
     beyond

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a vertex asks lights: for which side, by which shadow ray; and lights that only know `illuminate`.
+//! A vertex's queries of lights: the side, the shadow ray; and lights that only have `illuminate`.
 //! Source: [PJH23] sections 12.6 (a point that light may reach from both sides asks without a normal) and 13.2. Space: world.
 //! Invariant: a direction counts for light samples exactly where a scattered ray may take it: the side is that of the BSDF's
 //! normal, as for `BsdfSample::transmitted`, and the horizon is that of `SurfacePoint::scatter_ray`.
@@ -13,7 +13,7 @@ use gnurt_shading::{LightBatch, SampleKey, SurfacePoint, Vec3s};
 
 use crate::world::World;
 
-/// The normal that lights are sampled for: zero, which asks for all sides, where light may come through the surface.
+/// The normal for light samples: zero, for all sides, if the surface may transmit light.
 pub(crate) fn sampling_normal(point: &SurfacePoint, bsdf: &Bsdf) -> Vec3 {
     if bsdf.is_translucent() { Vec3::ZERO } else { point.ns }
 }
@@ -24,7 +24,7 @@ pub(crate) fn shadow_ray(point: &SurfacePoint, bsdf: &Bsdf, dir: Vec3, dist: f32
     point.shadow_ray(dir, dist, bsdf.is_transmitted(dir))
 }
 
-/// A vertex that asks lights of shader plugins.
+/// A vertex that queries lights of shader plugins.
 pub(crate) struct LightQuery<'a> {
     pub(crate) point: &'a SurfacePoint,
     pub(crate) bsdf: &'a Bsdf,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Weights of light that two ways of sampling find. Source: [VG95]: the power heuristic (exponent 2) for paths, which choose between
-//! one light sample and one ray; the balance heuristic where either way takes several samples, or virtual lights are made both ways.
+//! Weights of light that two strategies sample. Source: [VG95]: the power heuristic (exponent 2) for paths,
+//! which choose between one light sample and one ray; the balance heuristic where either way takes several
+//! samples, or virtual lights are made both ways.
 //! Invariant: `w(a, b) + w(b, a)` is 1 for either where a density is above zero and both are finite.
 //! Tests: `tests::weights_add_up`.
 

@@ -25,12 +25,12 @@ const UNBENT: f32 = 1e-10;
 /// The same of light from one direction after all glass: a sixteenth of a degree.
 const SAME: f32 = 1e-6;
 
-/// A way that is being followed.
+/// A path that is followed.
 #[derive(Clone, Copy)]
 struct StraightPath {
     /// Which ray of the request it is of.
     ray: usize,
-    /// Edges up to the lamp so far.
+    /// Edges up to the light so far.
     edges: u32,
     /// Where the light comes from, if that is a direction.
     towards: Option<Vec3>,
@@ -39,12 +39,12 @@ struct StraightPath {
     /// Start of its last segment, and the absorption there.
     start: Vec3,
     absorption: Vec3,
-    /// Whether it went through glass yet; and how many holes.
+    /// Whether it has passed glass yet; and the number of transparent parts.
     is_through: bool,
     layers: u32,
 }
 
-/// Ways that take a step together.
+/// Paths that take a step together.
 #[derive(Default)]
 struct Ways {
     rays: RayBatch,
@@ -127,7 +127,7 @@ pub(crate) fn trace_through(
     tracer.closures = closures;
 }
 
-/// Whether a way through glass meets nothing more; one through none is known to the shadow ray.
+/// Whether a path through glass has no further hit; a path without glass is covered by the shadow ray.
 fn is_free(prim_id: u32, straight_path: &StraightPath) -> bool {
     prim_id == INVALID_ID && straight_path.is_through
 }
@@ -140,7 +140,7 @@ fn beyond(straight_path: &StraightPath, ray: &Ray) -> Vec3 {
     straight_path.left * left_after(ray.t_far, [straight_path.absorption, Vec3::ZERO])
 }
 
-/// Where a way leads from point `k`, if anywhere.
+/// The continuation from point `k`, if there is one.
 fn ahead(
     tracer: &BatchTracer,
     (straight_path, ray, key): (&StraightPath, &Ray, SampleKey),

@@ -12,10 +12,11 @@ use gnurt_shading::bsdf::{ClosureBatch, Lobe};
 use gnurt_shading::sampling::Basis;
 use gnurt_shading::{LightBatch, RadianceShader, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s};
 
-/// Cosines and azimuths (in turns) of the lights: middles of parts of the hemisphere that have equal weight.
+/// Cosines and azimuths (in full rotations) of the lights: centres of parts of the hemisphere of equal
+/// weight.
 const LIGHTS: [[f32; 2]; 4] = [[0.935, 0.0], [0.79, 0.25], [0.61, 0.5], [0.35, 0.75]];
 
-/// A renderer of nothing but a few lights; rays see black.
+/// A renderer with only a few lights; rays see black.
 struct Probe {
     lights: usize,
     /// Radiance of each, times its cosine.

@@ -30,7 +30,7 @@ pub(crate) struct Met<'a> {
     /// The hits of all paths' rays.
     pub(crate) from: HitLanes<'a>,
     pub(crate) paths: &'a Paths,
-    /// Numbers of those that met it.
+    /// Numbers of the paths that hit it.
     pub(crate) numbers: &'a [u32],
     /// The points and their closures.
     pub(crate) points: &'a SurfaceBatch,
@@ -55,12 +55,12 @@ impl Met<'_> {
         self.paths.get(number, self.from.keys[number])
     }
 
-    /// Whether the path at point `k` meets the surface; else it goes through a hole.
+    /// Whether the path at point `k` hits the surface; else it passes through.
     pub(crate) fn is_there(&self, k: usize, path: &Path) -> bool {
         opacity::is_met(self.options.seed, path.key, path.edges, self.closures.coverage(k))
     }
 
-    /// Sends the path at point `k` on if it goes through a hole, and says so.
+    /// Continues the path at point `k` if it passes through; returns whether it does.
     fn passes(&self, k: usize, onward: &mut Onward) -> bool {
         let mut path = self.path(k);
         if self.is_there(k, &path) {

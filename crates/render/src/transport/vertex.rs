@@ -15,7 +15,7 @@ use crate::world::HitLanes;
 /// Knowledge about the scattering of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Known {
-    /// Its shader tells.
+    /// Its shader returns closures.
     Told,
     /// Its shader only shows: it was shown under a few lights, and under none ([`BatchTracer::dark`]).
     Probed,
@@ -48,7 +48,7 @@ pub(crate) struct Vertex {
 }
 
 impl Vertex {
-    /// Makes it black: nothing comes from there, and no path goes on.
+    /// Makes it black: no radiance leaves it, and no path continues.
     pub(crate) fn darken(&mut self) {
         (self.scattering.emission, self.shown, self.is_final) = (Vec3::ZERO, Vec3::ZERO, true);
     }

@@ -24,8 +24,8 @@ use crate::world::HitLanes;
 pub(crate) struct Walks<W> {
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,
-    /// Numbers in [0, 1) that decide about holes on the edges under way, where walks have numbers of their own; else empty, and their keys
-    /// decide.
+    /// Numbers in [0, 1) that decide about transparency on the current edges, if walks have numbers of their
+    /// own; else empty, and their keys decide.
     pub(crate) chances: Vec<f32>,
     /// `None` = those of camera rays.
     pub(crate) cones: Option<Cones>,
@@ -76,7 +76,7 @@ impl BatchTracer<'_> {
     pub(crate) fn stopped(&mut self, from: HitLanes, chances: &[f32]) -> Vec<Option<Vertex>> {
         let (depth, seed) = (from.depth, self.options.seed);
         let mut vertices = self.vertices(from);
-        // Which vertices may be holes, and the keys and chances that they were met with.
+        // Vertices that may be transparent, with their keys and random numbers.
         let chance_of = |lane: usize| chances.get(lane).copied();
         let requests = from.keys.iter().enumerate();
         let mut requests: Vec<(usize, SampleKey, Option<f32>)> =
@@ -122,7 +122,8 @@ fn counted(bsdf: &Bsdf, light: Vec3) -> Vec3 {
     if by_light { light } else { Vec3::ONE }
 }
 
-/// Where a walk from the eye goes on whose light counts so much: a direction that the BSDF chooses, and the ray that takes it.
+/// The continuation of a walk from the eye whose light has this weight: a direction that the BSDF chooses,
+/// and its ray.
 pub(crate) fn scatter(
     point: &SurfacePoint,
     bsdf: &Bsdf,
@@ -142,7 +143,7 @@ pub(crate) fn scatter_light(
     u: [f32; 3],
 ) -> Option<(Ray, BsdfSample)> {
     let carrying = Carrying::by(bsdf, from, counted(bsdf, light));
-    // Light goes on to either side, but does not cheat its facet.
+    // Light may continue to either side, but must be consistent with its face.
     let is_honest = |sample: &BsdfSample| (point.ng.dot(sample.wi) > 0.0) != sample.transmitted;
     let sample = carrying.sample(u, point.ng).filter(is_honest)?;
     Some((point.spawn(sample.wi, f32::INFINITY), sample))

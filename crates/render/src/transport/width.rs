@@ -19,8 +19,8 @@ pub(crate) trait Width: Copy {
 
     /// Zeros.
     fn zero(self) -> Self::R;
-    /// Looks at points of a batch from `first` on, from `wo`, where the light that they scatter will count `light`; `prepared` is
-    /// [`Prepared::none`].
+    /// Prepares points of a batch from `first` on, for `wo`, where the light that they scatter has the weight
+    /// `light`; `prepared` is [`Prepared::none`].
     fn prepare(
         self,
         closures: &ClosureBatch,

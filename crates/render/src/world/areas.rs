@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Areas of an object's meshes where it is put: for shaders that share a lamp's power out over its surface.
-//! Areas are summed once for each mesh and each way in which a place stretches it: turning and moving change
-//! nothing. Space: of the place. Tests: crates/render/tests/appearance.rs.
+//! Areas are summed once for each mesh and each stretch by a transform: rotation and translation change
+//! nothing. Space: that of the transform. Tests: crates/render/tests/appearance.rs.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -9,10 +9,10 @@ use std::sync::{Arc, Mutex};
 use glam::{Mat3, Vec3};
 use gnurt_scene::Mesh;
 
-/// Sums that an object remembers; others are made again whenever they are asked for.
+/// The largest number of cached sums; others are computed again.
 const MOST: usize = 4096;
 
-/// A mesh, and the squares of how a place stretches it.
+/// A mesh, and the squares of a transform's stretch.
 type Key = (u32, [u32; 6]);
 
 /// Cached areas of an object. Clones start empty, because they may have other meshes.
@@ -32,7 +32,7 @@ impl Areas {
     pub(crate) fn of(&self, meshes: &[Arc<Mesh>], geom_id: u32, linear: &Mat3) -> f32 {
         let Some(mesh) = meshes.get(geom_id as usize) else { return 0.0 };
         let Mat3 { x_axis: x, y_axis: y, z_axis: z } = *linear;
-        // Places that only turn the mesh differ in the last bits.
+        // Transforms that only rotate the mesh differ in the last bits.
         let squares = [x.dot(x), y.dot(y), z.dot(z), x.dot(y), y.dot(z), z.dot(x)];
         let scale = squares[0].max(squares[1]).max(squares[2]);
         let key = squares.map(|s| {

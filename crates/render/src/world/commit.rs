@@ -141,7 +141,7 @@ impl World {
         pool: &rayon::ThreadPool,
         report: &mut CommitReport,
     ) -> Geometry {
-        // Instances that are to be looked at: hidden ones that stay hidden are not there.
+        // Instances to process: hidden ones that stay hidden are absent.
         let slot = |id: u32| self.instances.get(id as usize);
         let object_before = |id: u32| slot(id).and_then(InstanceSlot::object);
         let is_visible = |id: &u32| scene.instances()[*id as usize].visible || object_before(*id).is_some();
@@ -193,7 +193,7 @@ impl World {
             (report.built_objects, report.refitted_objects) = (rebuilt.built, rebuilt.refitted);
             is_moved |= rebuilt.reshaped;
             if !rebuilt.ids.is_empty() {
-                // Those that show it hold it.
+                // Instances that show it hold it.
                 let shows = |slot: &InstanceSlot| {
                     slot.object().is_some_and(|object| rebuilt.ids.binary_search(&object.0).is_ok())
                 };
@@ -231,6 +231,6 @@ impl World {
 struct Geometry {
     /// Instances that were placed again, ascending.
     changed: Vec<u32>,
-    /// Whether rays may meet other things, or the same ones elsewhere.
+    /// Whether the traced geometry, or its transform, may have changed.
     is_moved: bool,
 }

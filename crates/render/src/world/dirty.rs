@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The dirty parts of a scene for a commit: its edits, and their dependents. Cost: the number of edits;
-//! meshes and textures are looked for in all objects and materials.
+//! meshes and textures are searched for in all objects and materials.
 //! Tests: crates/render/tests/{commit,edits}.rs.
 
 use gnurt_scene::edit::{Cursor, Edit};
@@ -18,7 +18,7 @@ pub(super) struct DirtyParts {
     /// Those with an edited list, or an edited mesh.
     pub(super) objects: Vec<u32>,
     pub(super) instances: Vec<u32>,
-    /// Those that were edited, have an edited texture, or show a shader that is another one.
+    /// Edited ones, those with an edited texture, and those with a replaced shader.
     pub(super) materials: Vec<u32>,
     pub(super) textures: Vec<u32>,
     pub(super) lights: Vec<u32>,

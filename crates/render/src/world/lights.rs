@@ -33,9 +33,9 @@ impl PartialEq for LightsContent {
 /// All lights of a world.
 #[derive(Default)]
 pub(crate) struct Lights {
-    /// As shaders ask them.
+    /// The form for shaders.
     pub(crate) shaders: Vec<Arc<dyn LightShader>>,
-    /// Which of `shaders` only know `illuminate`: those of the shader table.
+    /// Those of `shaders` that only have `illuminate`: the shader table's.
     pub(crate) plugins: Range<usize>,
     /// Radiance of rays that hit nothing.
     pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
@@ -50,7 +50,7 @@ pub(crate) struct Lights {
     punctual: Vec<Light>,
     /// All but `plugins`, for callers that need densities.
     parts: shading::LightParts,
-    /// Made for the first integrator that wants it.
+    /// Built for the first integrator that needs it.
     set: OnceLock<LightSet>,
     /// The starts of light paths at lights that only have `illuminate`.
     plugin_emitters: OnceLock<PluginEmitters>,
@@ -63,7 +63,7 @@ type FromTable<'a> = (&'a [Arc<dyn LightShader>], &'a Option<Arc<dyn Environment
 pub(super) struct ChangedLights {
     /// Those of the scene were edited, or a texture.
     pub(super) edited: bool,
-    /// The triangles that shine, if they are others.
+    /// The emissive triangles, if they have changed.
     pub(super) emitters: Option<Emitters>,
     /// Of all that can be lit.
     pub(super) bounds: [Vec3; 2],
@@ -148,8 +148,8 @@ impl Lights {
         Self::made(scene.lights(), others, emitters, own_environment, bounds)
     }
 
-    /// The same lights at a moment of the open shutter: those of the scene, and the triangles that shine, where they are others
-    /// then.
+    /// The same lights at a time of the open shutter: those of the scene, and the emissive triangles, if they
+    /// differ then.
     pub(super) fn at(&self, lights: Option<Vec<Light>>, emitters: Option<Emitters>) -> Self {
         let lights = lights.unwrap_or_else(|| self.punctual.clone());
         let emitters = emitters.map_or_else(|| self.emitters.clone(), Arc::new);
@@ -208,7 +208,7 @@ impl Lights {
         }
     }
 
-    /// Whether lights and environment of the shader table are those that it has.
+    /// Whether lights and environment of the shader table are unchanged.
     fn shows(&self, table: &ShaderTable) -> bool {
         let before = &self.shaders[self.plugins.clone()];
         let is_same = |(a, b): (&Arc<dyn LightShader>, &Arc<dyn LightShader>)| Arc::ptr_eq(a, b);
@@ -269,7 +269,7 @@ fn rotation_of(world_from_light: &Affine) -> Mat3 {
     Mat3::from_cols(unit(x), unit(y), unit(z))
 }
 
-/// The last backdrop of the scene, the one before where it is that.
+/// The last backdrop of the scene, or the previous one if it is unchanged.
 fn backdrop(
     scene: &Scene,
     before: Option<&Arc<shading::PictureEnvironment>>,

@@ -32,13 +32,13 @@ pub(crate) struct MaterialEntry {
 /// All materials.
 #[derive(Clone, Default)]
 pub(crate) struct MaterialTable {
-    /// By material id. `None` only while a commit is under way.
+    /// By material id. `None` only during a commit.
     entries: SharedList<Option<MaterialEntry>>,
-    /// Ids of those that show a shader of the shader table, ascending, and its number there.
+    /// Ids of materials with a shader of the shader table, ascending, and its number there.
     from_table: Vec<(u32, u32)>,
     /// How many let light straight through.
     see_through: usize,
-    /// How many have holes.
+    /// The number with transparent parts.
     holey: usize,
     /// How many absorb light on one of their sides.
     filled: usize,
@@ -70,17 +70,17 @@ impl MaterialTable {
         self.see_through == 0
     }
 
-    /// Whether no surface has holes; one that lets light through by scattering it has none.
+    /// Whether no surface has transparent parts; scattering transmission does not count.
     pub(crate) fn all_solid(&self) -> bool {
         self.holey == 0
     }
 
-    /// Whether light is absorbed beside some surface.
+    /// Whether some surface has an absorbing medium.
     pub(crate) fn has_media(&self) -> bool {
         self.filled > 0
     }
 
-    /// Whether some surface may be smooth glass, through which light samples look for lamps.
+    /// Whether some surface may be smooth glass, through which light samples search for lights.
     pub(crate) fn has_panes(&self) -> bool {
         self.clear > 0
     }

@@ -176,7 +176,7 @@ pub(super) fn coverage(from: Reading, alpha: &Alpha) -> Option<shading::Coverage
     })
 }
 
-/// The texture whose alpha says where a material is not there.
+/// The texture whose alpha is the opacity of a material.
 pub(super) fn opacity_texture(alpha: &Alpha) -> Option<TextureId> {
     match alpha {
         Alpha::Mask { opacity, .. } | Alpha::Blend { opacity }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects that hold others, brought up to date from below: first those that hold none that hold others.
+//! Objects that hold others, updated bottom-up: first those whose members hold none.
 //! Source: [WBS03a], level by level. Space: the object that holds them.
-//! The tree has an entry for each member, at its place in the description's list, and a last one for the object's own meshes.
-//! Where few of them changed it is made of the one before. Tests: crates/render/tests/{nested,edits}.rs.
+//! The tree has an entry for each member, at its index in the description's list, and a last one for the
+//! object's own meshes. If few of them changed, it is an update of the previous one. Tests:
+//! crates/render/tests/{nested,edits}.rs.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;

@@ -80,7 +80,7 @@ pub struct World {
     /// By object id.
     objects: Arc<SharedList<ObjectSlot>>,
     crowds: Crowds,
-    /// By instance id; those behind the last one that rays may meet are not there.
+    /// By instance id; trailing instances without geometry are absent.
     instances: Arc<SharedList<InstanceSlot>>,
     tree: Arc<SceneTree>,
     /// By material id.
@@ -97,7 +97,7 @@ pub struct World {
     follows: Option<Followed>,
 }
 
-/// Tells worlds apart; keeps none of them.
+/// Identifies a world; keeps none alive.
 pub(crate) struct WorldMark {
     instances: Weak<SharedList<InstanceSlot>>,
     tree: Weak<SceneTree>,
@@ -245,22 +245,23 @@ impl World {
         self.is_open() && self.shutter == Shutter::Closed
     }
 
-    /// Whether light comes from elsewhere at each moment.
+    /// Whether lights move during the open shutter.
     pub(crate) fn lights_move(&self) -> bool {
         self.open.as_ref().is_some_and(|open| open.lights_move())
     }
 
-    /// The same world, whose rays have moments of their own.
+    /// The same world, whose rays have their own times.
     pub(crate) fn with_times(&self, seed: u64) -> Self {
         Self { shutter: Shutter::Each(seed), ..self.clone() }
     }
 
-    /// The world at the moment of a pass.
+    /// The world at the time of a pass.
     pub(crate) fn of_pass(&self, seed: u64, sample: u32, pool: &rayon::ThreadPool) -> Self {
         self.at(open::time_of_pass(seed, sample), pool)
     }
 
-    /// The world at one moment of the open shutter, from 0 to 1: all rays see it then, and lights are where they are then.
+    /// The world at one time of the open shutter, from 0 to 1: all rays use it, and lights are at their
+    /// positions then.
     #[must_use]
     pub fn at(&self, time: f32, pool: &rayon::ThreadPool) -> Self {
         let mut world = Self { shutter: Shutter::All(time), ..self.clone() };
@@ -290,13 +291,13 @@ impl World {
         }
     }
 
-    /// The moment of a ray with this key.
+    /// The time of a ray with this key.
     #[inline]
     pub(crate) fn time(&self, key: SampleKey) -> f32 {
         self.shutter.time(key)
     }
 
-    /// The moment of all rays, where they have one.
+    /// The common time of all rays, if they have one.
     pub(crate) fn time_of_all(&self) -> f32 {
         match self.shutter {
             Shutter::All(time) => time,

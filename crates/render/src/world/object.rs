@@ -20,7 +20,7 @@ use super::transform::Transform;
 pub(crate) struct WorldObject {
     /// By geometry id: the scene's meshes at commit. Shared with the scene until it edits them.
     pub(crate) meshes: Vec<Arc<Mesh>>,
-    /// The same at moments while the shutter is open, by geometry id; empty for those that stay.
+    /// The same at times during the open shutter, by geometry id; empty for static ones.
     pub(crate) keys: Vec<Vec<Arc<Mesh>>>,
     pub(crate) tree: Arc<ObjectTree>,
     /// The same tree, with the data to follow moving meshes.
@@ -41,7 +41,7 @@ pub(crate) struct WorldObject {
 }
 
 impl WorldObject {
-    /// Tells topologies apart.
+    /// Identifies a topology.
     pub(super) fn kind_ptr(&self) -> *const () {
         self.kind.as_ref().map_or(std::ptr::null(), |kind| Arc::as_ptr(kind).cast())
     }
@@ -117,7 +117,7 @@ pub(super) struct ObjectSlot {
 pub(crate) struct Members {
     /// Over them, and over the object's own meshes.
     pub(super) tree: Arc<SceneTree>,
-    /// By place in the description's list.
+    /// By index in the description's list.
     pub(super) list: SharedList<MemberSlot>,
     /// Triangles that rays may meet, each as often as it occurs.
     pub(super) triangles: u64,
@@ -140,12 +140,12 @@ pub(crate) struct PlacedMember {
     transform: Transform,
     /// The greatest coordinates that its points have in the object that holds it.
     reach: Vec3,
-    /// Its way while the shutter is open; `transform` is where it is at first.
+    /// Its path during the open shutter; `transform` is its start.
     pub(super) motion: Option<Arc<MotionPath>>,
 }
 
 impl PlacedMember {
-    /// A member as the scene has it, and its places while the shutter is open.
+    /// A member of the scene, with its transforms during the open shutter.
     pub(super) fn new(
         member: &Member,
         objects: &SharedList<ObjectSlot>,
@@ -158,7 +158,7 @@ impl PlacedMember {
         Some(Self { object, object_id: member.object, transform, reach, motion })
     }
 
-    /// Where it is at a moment, in the world where the object that holds it is at `outer`.
+    /// Its transform at a time, in the world where the object that holds it is at `outer`.
     pub(super) fn at(&self, outer: &Transform, time: f32) -> Transform {
         // Where it is flat then, it stays.
         let moved =

@@ -41,7 +41,7 @@ pub(super) fn update(
 ) -> ChangedObjects {
     let needed = |&&id: &&u32| objects[id as usize].users > 0;
     let ids: Vec<u32> = dirty.iter().filter(needed).copied().collect();
-    // All are known by their kinds before the first is built: those of many are told by that.
+    // The kinds of all are known before the first is built, because these identify the crowds.
     let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
     prepare_crowds(&found, memory, pool);
     let build = |found: &Found| {
@@ -96,7 +96,7 @@ impl Found {
         let keys: Vec<Vec<Arc<Mesh>>> = object.meshes.iter().map(keys).collect();
         let before = objects[id as usize].object.clone().filter(|before| !bends(&before.keys));
         let before = before.filter(|before| same_topology(&before.meshes, &meshes));
-        // One that bends while the shutter is open has a tree of its own.
+        // An object that deforms during the open shutter has a tree of its own.
         let moves = !bends(&keys)
             && !matches!(object.motion, gnurt_scene::Motion::Static | gnurt_scene::Motion::Rigid);
         let known = before.as_ref().and_then(|before| before.kind.clone());
@@ -118,7 +118,7 @@ impl Found {
 }
 
 /// Builds the structures that objects of a kind will share, over the first of them: once, by all threads.
-/// Those that are built side by side would not wait for each other, but each build it for itself.
+/// Parallel builds of the same crowd would not wait for each other, but each build the structure.
 fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
     let mut visible: HashSet<*const Kind> = HashSet::new();
     let firsts: Vec<(&Found, &Arc<Kind>)> = found
@@ -233,7 +233,7 @@ fn motion(motion: gnurt_scene::Motion) -> Motion {
     }
 }
 
-/// Whether nothing but vertices can have moved.
+/// Whether at most vertices have moved.
 fn same_topology(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
     let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
         Arc::ptr_eq(a, b) || (a.positions.len() == b.positions.len() && a.indices == b.indices)

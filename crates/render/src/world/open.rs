@@ -21,14 +21,14 @@ pub(crate) enum Shutter {
     /// Nothing moves.
     #[default]
     Closed,
-    /// Each at a moment of its own, drawn by this seed.
+    /// Each at its own time, drawn by this seed.
     Each(u64),
-    /// All at this moment.
+    /// All at this time.
     All(f32),
 }
 
 impl Shutter {
-    /// The moment of a ray with this key.
+    /// The time of a ray with this key.
     #[inline]
     pub(crate) fn time(self, key: SampleKey) -> f32 {
         match self {
@@ -39,15 +39,15 @@ impl Shutter {
     }
 }
 
-/// The moment of a pass.
+/// The time of a pass.
 pub(super) fn time_of_pass(seed: u64, sample: u32) -> f32 {
     let shift = hash_combine(seed as u32, (seed >> 32) as u32 ^ purpose::TIME);
-    // The sum wraps around, as the moments do.
+    // The sum wraps around, as the times do.
     let bits = sample.reverse_bits().wrapping_add(shift);
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Moving parts beside the paths of instances and the keys of objects.
+/// Moving parts in addition to the paths of instances and the keys of objects.
 #[derive(Default)]
 pub(super) struct Open {
     /// Objects with meshes that bend or members that move, ascending.
@@ -56,9 +56,9 @@ pub(super) struct Open {
     pub(super) instances: Vec<u32>,
     /// All lights of the scene, if some of them move.
     lights: Vec<Light>,
-    /// Places of these, and the lights at each key.
+    /// Indices of these, and the lights at each key.
     moving: Vec<(usize, Vec<Light>)>,
-    /// Whether triangles that shine move.
+    /// Whether emissive triangles move.
     pub(super) lights_move: bool,
 }
 
@@ -88,12 +88,12 @@ impl Open {
         Self { objects, instances, lights, moving, lights_move: false }
     }
 
-    /// Whether light comes from elsewhere at each moment.
+    /// Whether lights move during the open shutter.
     pub(super) fn lights_move(&self) -> bool {
         self.lights_move || !self.moving.is_empty()
     }
 
-    /// The scene's lights at a moment; `None` where none of them moves.
+    /// The scene's lights at a time; `None` if none of them moves.
     pub(super) fn lights_at(&self, time: f32) -> Option<Vec<Light>> {
         let mut lights = self.lights.clone();
         for (instance_index, keys) in &self.moving {
@@ -142,14 +142,14 @@ fn mixed(from: &Light, to: &Light, interval: &KeyInterval) -> Light {
 /// How far a corner of an object may be from where it is, in parts of its size.
 const OFF: f64 = 1.0 / 4096.0;
 
-/// Places of those members of an object that move, by their places in its list.
+/// Transforms of the moving members of an object, by their indices in its list.
 pub(super) fn ways_in(exposure: &Exposure, object: u32) -> HashMap<u32, &[Affine]> {
     let of = exposure.members.iter().filter(|((holder, _), _)| holder.0 == object);
     of.map(|((_, member), transforms)| (*member, &transforms[..])).collect()
 }
 
-/// A path through as few of the places, evenly spaced, as say where an object with these bounds is at the others; `None` where a
-/// place is flat, or there is nothing to see.
+/// A path through the fewest of the evenly spaced transforms that determine the others for an object with
+/// these bounds; `None` if a transform is flat, or if there is nothing visible.
 pub(super) fn path(transforms: &[Affine], bounds: &Aabb) -> Option<Arc<MotionPath>> {
     if bounds.is_empty() {
         return None;
@@ -173,7 +173,7 @@ pub(super) fn path(transforms: &[Affine], bounds: &Aabb) -> Option<Arc<MotionPat
     MotionPath::new(&columns).map(Arc::new)
 }
 
-/// Whether all corners of a box are nearly at the same places.
+/// Whether all corners of a box are nearly at the same positions.
 fn is_near(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4], bounds: &Aabb) -> bool {
     let apply = |m: &[[f64; 3]; 4], p: [f64; 3]| -> [f64; 3] {
         std::array::from_fn(|row| m[3][row] + (0..3).map(|k| m[k][row] * p[k]).sum::<f64>())

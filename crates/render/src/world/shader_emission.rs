@@ -26,12 +26,13 @@ use super::instance::InstanceSlot;
 use super::open::Shutter;
 use super::surface::{HitLanes, Leaves, SurfacePoints};
 
-/// Places that are looked at on each side of all triangles of one surface together; on one triangle not more nor fewer than these.
+/// Number of queried points on each side of all triangles of one surface together; and the limits for one
+/// triangle.
 const PROBES: usize = 1 << 13;
 const MOST_PROBES: usize = 64;
 const FEWEST_PROBES: usize = 4;
 
-/// A triangle that may shine.
+/// A triangle that may emit.
 #[derive(Clone, Copy)]
 pub(super) struct EmissionTriangle {
     /// Instance, object in the instance, mesh, triangle; the instance by its index in
@@ -52,7 +53,7 @@ pub(super) struct ShaderEmission {
     /// Instances that have some of them.
     pub(super) instances: SharedList<InstanceSlot>,
     pub(super) emitters: Vec<Arc<Emitter>>,
-    /// At which moment of the open shutter, if something moves.
+    /// The time of the open shutter, if something moves.
     pub(super) time: Option<f32>,
     pub(super) face_normals: bool,
 }
@@ -89,7 +90,7 @@ impl EmitterShaders for ShaderEmission {
 }
 
 impl ShaderEmission {
-    /// Calls `with(k, radiance)` for each of the places, which show one shader.
+    /// Calls `with(k, radiance)` for each of the points, which have one shader.
     fn query(
         &self,
         emitter: u32,
@@ -137,8 +138,8 @@ impl ShaderEmission {
         SCRATCH.set(Some(scratch));
     }
 
-    /// Gives the triangles that show shaders the brightness that is found, and says which of all triangles shine: not those of a side
-    /// that was dark wherever it was looked at.
+    /// Sets the brightness of the triangles with shaders, and returns which of all triangles emit: sides that
+    /// were dark at all queried points do not.
     pub(super) fn probe(&self, triangles: &mut [EmissiveTriangle]) -> Vec<bool> {
         // For each emitter, both sides: how many triangles, area, brightness by area.
         let mut sides = vec![[(0_usize, 0.0_f64, 0.0_f64); 2]; self.emitters.len()];
@@ -173,13 +174,13 @@ impl ShaderEmission {
             .collect()
     }
 
-    /// Whether triangle `i` is the back of the one before.
+    /// Whether triangle `i` is the back of its predecessor.
     fn is_back(&self, i: usize) -> bool {
         let met = |i: usize| self.triangles[i].map(|shader_emission| shader_emission.met);
         i > 0 && met(i) == met(i - 1)
     }
 
-    /// Brightness on average over all places and, by their cosines, all directions.
+    /// Mean brightness over all positions and, by their cosines, all directions.
     fn mean_of(&self, number: usize, triangle: &EmissiveTriangle, probes: usize) -> f32 {
         let Some(shader_emission) = self.triangles[number] else { return 0.0 };
         let normal = (triangle.p[1] - triangle.p[0]).cross(triangle.p[2] - triangle.p[0]).normalize_or_zero();

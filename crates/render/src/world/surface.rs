@@ -83,10 +83,10 @@ struct Gathered<'w> {
     normals: [Row; 9],
     /// Their texture coordinates.
     uv: [Row; 6],
-    /// Linear part, matrix of normals, origin, greatest coordinate on the way.
+    /// Linear part, matrix of normals, origin, greatest intermediate coordinate.
     transform: [Row; 22],
     has: Has,
-    /// Whether curvatures are wanted, and all that `Detail::Full` has.
+    /// Whether curvatures are needed, and all of `Detail::Full`.
     curved: bool,
     full: bool,
 }
@@ -175,7 +175,7 @@ impl<'w> Gathered<'w> {
         self.has.tangents |= !mesh.tangents.is_empty();
     }
 
-    /// Corners and normals of lane `i` as they are at its moment.
+    /// Corners and normals of lane `i` at its time.
     #[cold]
     fn bend(&mut self, i: usize) {
         let (interval, keys) = (KeyInterval::of(self.times[i], self.keys[i].len()), self.keys[i]);
@@ -184,7 +184,7 @@ impl<'w> Gathered<'w> {
             if let (Some(&a), Some(&b)) = (from.positions.get(vertex), to.positions.get(vertex)) {
                 put_vector(&mut self.corners, 3 * c, i, interval.mix3(a, b));
             }
-            // Without any where they are not wanted.
+            // Without any if they are not needed.
             let has_one = (0..3).any(|k| self.normals[3 * c + k][i] != 0.0);
             if let (true, Some(&a), Some(&b)) = (has_one, from.normals.get(vertex), to.normals.get(vertex)) {
                 put_vector(&mut self.normals, 3 * c, i, interval.mix3(a, b));
@@ -247,7 +247,7 @@ fn mix<R: Real>(values: &[Vector<R>; 3], [a, b, c]: [R; 3]) -> Vector<R> {
     values[0] * a + values[1] * b + values[2] * c
 }
 
-/// Writes `count` lanes of a batch's array from place `at` on, which is in it or its end.
+/// Writes `count` lanes of a batch's array from position `at` on, which is in it or its end.
 #[inline(always)]
 fn put<R: Real>(out: &mut Vec<f32>, (at, count): (usize, usize), value: R) {
     let mut row = [0.0; LANES];
@@ -385,7 +385,7 @@ impl<'w> SurfacePoints<'w> {
 }
 
 impl Gathered<'_> {
-    /// Writes points from place `at` of the batch on, `count` of the lanes from `first` on.
+    /// Writes points from position `at` of the batch on, `count` of the lanes from `first` on.
     #[inline(always)]
     fn points<R: Precise>(
         &self,
@@ -559,7 +559,7 @@ impl Gathered<'_> {
         Some([tangent, normal.cross(tangent).try_normalize()? * 1.0_f32.copysign(side)])
     }
 
-    /// The tangent of a vertex of lane `i` at its moment, if the mesh bends.
+    /// The tangent of a vertex of lane `i` at its time, if the mesh deforms.
     fn bent_tangent(&self, i: usize, vertex: usize) -> Option<[f32; 3]> {
         let keys = self.keys[i];
         let interval = KeyInterval::of(self.times[i], keys.len());
@@ -568,7 +568,8 @@ impl Gathered<'_> {
     }
 }
 
-/// Mean curvature over a triangle by how its normals turn along its edges: the mean of the edges' \[AM21\].
+/// Mean curvature over a triangle by the rotation of its normals along its edges: the mean of the edges'
+/// \[AM21\].
 #[inline(always)]
 fn curvature<R: Real>(corners: &[Vector<R>; 3], normals: &[Vector<R>; 3]) -> R {
     let zero = corners[0].x.all(0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Further input of a commit beside the scene, and its report.
+//! Further input of a commit in addition to the scene, and its report.
 
 use std::sync::Arc;
 
@@ -7,12 +7,12 @@ use gnurt_accel::Memory;
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader};
 use gnurt_simd::Level;
 
-/// Shaders that the description only names by number, or does not know at all.
+/// Shaders that the description only names by number, or not at all.
 #[derive(Clone, Default)]
 pub struct ShaderTable {
     /// The shaders of `Surface::Shader(n)`.
     pub surfaces: Vec<Arc<dyn SurfaceShader>>,
-    /// Lights beside those of the scene.
+    /// Lights in addition to those of the scene.
     pub lights: Vec<Arc<dyn LightShader>>,
     /// The environment, in place of the scene's own.
     pub environment: Option<Arc<dyn EnvironmentShader>>,
@@ -44,13 +44,13 @@ pub struct CommitReport {
     pub built_objects: usize,
     /// Objects whose trees were only fitted to vertices that have moved.
     pub refitted_objects: usize,
-    /// Instances that were placed: those that were edited, and those of objects that were.
+    /// Instances that were placed: edited ones, and those of edited objects.
     pub placed_instances: usize,
     /// Whether the tree over all instances was brought up to date.
     pub built_top_tree: bool,
     /// Surface shaders that were made.
     pub made_shaders: usize,
-    /// Whether the triangles that shine were looked for.
+    /// Whether the emissive triangles were searched for.
     pub found_emitters: bool,
     /// Whether the list of lights was made. Its costly parts are shared with the list before while they are
     /// valid.

@@ -29,7 +29,7 @@ pub(crate) struct Textures {
 pub(super) struct Reading<'a> {
     pub(super) scene: &'a Scene,
     pub(super) textures: &'a Textures,
-    /// Whose opacity says where the material is not there: its colours count by that.
+    /// The texture of the material's opacity: its colours are weighted by it.
     pub(super) opacity_texture: Option<TextureId>,
 }
 
@@ -64,7 +64,7 @@ pub(super) fn sharp(scene: &Scene, reference: &TextureRef) -> TextureSampler {
 }
 
 impl Textures {
-    /// Smaller copies of a picture; they are made when a ray first wants one.
+    /// Mip maps of a picture; made when a ray first needs one.
     fn mips(&self, texels: &Arc<Texels>, weigh: Weigh) -> Arc<MipMap> {
         let made = || Arc::new(MipMap::weighed(texels.clone(), weigh));
         // Where a thread has died, nothing is shared.
