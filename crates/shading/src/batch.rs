@@ -125,7 +125,7 @@ pub enum RayKind {
     /// A diffuse surface, here or beyond; or unknown.
     #[default]
     Diffuse,
-    /// Facets that mirror, or fibres.
+    /// Microfacets with reflection, or fibres.
     Glossy,
     /// A mirror.
     Reflection,
@@ -155,7 +155,7 @@ const VAGUE: f32 = 0.1;
 pub enum Detail {
     /// All of it.
     Full,
-    /// Places and normals: all but `error`, `lift` and `curvature`, which are empty.
+    /// Positions and normals: all but `error`, `lift` and `curvature`, which are empty.
     Sides,
 }
 
@@ -172,8 +172,9 @@ pub struct SurfaceBatch {
     pub ns: Vec3s,
     /// The same as bump maps bend them; empty = nothing does.
     pub bent: Vec3s,
-    /// From the points to the curved surface that the vertex normals suggest, world units: where shadow rays start, so
-    /// that facets do not shade their own mesh. Zero where the mesh is flat, or hollow on the side of the ray.
+    /// From the points to the curved surface that the vertex normals suggest, world units: the start of
+    /// shadow rays, so that flat faces do not shadow their own mesh. Zero where the mesh is flat, or hollow
+    /// on the side of the ray.
     pub lift: Vec3s,
     /// Unit directions of the rays that came here.
     pub ray_dir: Vec3s,
@@ -187,12 +188,13 @@ pub struct SurfaceBatch {
     pub texcoord: [Vec<f32>; 2],
     /// Change of the position per texture u, world units, not unit; zero where the mesh has no texture coordinates.
     pub dp_du: Vec3s,
-    /// The same for v. Where the mesh has tangents of its own, both point as these say.
+    /// The same for v. If the mesh has tangents of its own, both point along these.
     pub dp_dv: Vec3s,
     /// Widths of the rays' cones at the points, across the rays, world units: the pixel's footprint. Empty or
     /// 0 where unknown.
     pub footprint: Vec<f32>,
-    /// How much wider the cones grow per world unit of way, where they meet the points; as long as `footprint`. Negative: narrower.
+    /// Spread of the cones per world unit of distance, where they hit the points; as long as `footprint`.
+    /// Negative: narrower.
     pub cone_spread: Vec<f32>,
     /// Mean curvature of the surface that the vertex normals suggest, one over world units: positive where it bulges to where the
     /// geometric normal points. Empty or 0 where the mesh is flat.
@@ -218,7 +220,8 @@ pub struct SurfaceBatch {
     pub depth: u32,
     /// Keys of the lanes' random numbers.
     pub key: Vec<SampleKey>,
-    /// Values of the attributes that the shader asked for, in its order: component k of lane i is `[k * len + i]`.
+    /// Values of the attributes that the shader requested, in its order: component k of lane i is `[k * len +
+    /// i]`.
     pub attributes: Vec<Vec<f32>>,
 }
 
@@ -292,7 +295,7 @@ impl SurfaceBatch {
         self.t.is_empty()
     }
 
-    /// Geometric normal of lane `i`, turned towards where the ray came from.
+    /// Geometric normal of lane `i`, flipped to the side of the ray.
     #[inline(always)]
     #[must_use]
     pub fn facing_ng(&self, i: usize) -> Vec3 {
@@ -307,12 +310,12 @@ impl SurfaceBatch {
         if self.bent.is_empty() { self.ns.get(i) } else { self.bent.get(i) }
     }
 
-    /// The same, turned to the side of [`facing_ng`](Self::facing_ng).
+    /// The same, flipped to the side of [`facing_ng`](Self::facing_ng).
     #[inline(always)]
     #[must_use]
     pub fn facing_ns(&self, i: usize) -> Vec3 {
         let ns = self.scattering_ns(i);
-        // Bumps lean, but do not turn it over.
+        // Bumps tilt it, but do not flip it.
         if self.ns.get(i).dot(self.facing_ng(i)) < 0.0 { -ns } else { ns }
     }
 

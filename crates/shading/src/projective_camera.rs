@@ -15,7 +15,7 @@ use gnurt_accel::{Ray, RayBatch};
 use crate::sampling::{Basis, concentric_disk};
 use crate::shader::{CameraSamples, CameraShader};
 
-/// How directions become places in the picture.
+/// The map from directions to positions in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraProjection {
     /// A perspective.
@@ -37,7 +37,7 @@ pub enum CameraProjection {
     Panorama,
 }
 
-/// A camera that stands somewhere and looks along a frame.
+/// A camera with a position and a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProjectiveCamera {
     /// The middle of the lens.
@@ -90,7 +90,7 @@ impl ProjectiveCamera {
         }
     }
 
-    /// The same ray through another place of the lens.
+    /// The same ray through another point of the lens.
     fn through_lens(&self, ray: Ray, focus: f32, lens: [f32; 2]) -> Ray {
         let (origin, dir) = (Vec3::from(ray.org), Vec3::from(ray.dir));
         let [u, v] = (concentric_disk(lens) * self.radius).to_array();
@@ -241,7 +241,7 @@ mod tests {
         assert_eq!(behind, None, "perspectives show nothing that lies behind");
     }
 
-    /// All rays of a place meet where the pinhole's ray is in focus, begin within the lens, and fill it.
+    /// All rays of a position meet where the pinhole's ray is in focus, begin within the lens, and fill it.
     #[test]
     fn rays_of_a_place_meet_in_focus() {
         let lens: Vec<[f32; 2]> =

@@ -11,7 +11,7 @@ use gnurt_accel::{Ray, RayBatch};
 use crate::batch::{RayKind, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
 
-/// A value that a shader wants for each hit from its mesh.
+/// A value that a shader requests for each hit from its mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AttributeRequest {
     /// Name of the mesh's attribute.
@@ -27,11 +27,11 @@ impl AttributeRequest {
     /// the x, y and z axes, then of the origin.
     pub const WORLD_FROM_OBJECT: &'static str = "gnurt:world_from_object";
 
-    /// The name under which meshes have their area where they stand, world units squared: one float. As they are when the shutter opens.
+    /// The name of the meshes' area with their transform, world units squared: one float. As they are when
+    /// the shutter opens.
     pub const SURFACE_AREA: &'static str = "gnurt:surface_area";
 
-    /// The name under which points have the moment at which their ray sees them, from 0 to 1 while the shutter is open: one float. 0 where
-    /// nothing moves.
+    /// The name of the time of the ray, from 0 to 1 during an open shutter: one float. 0 where nothing moves.
     pub const TIME: &'static str = "gnurt:time";
 }
 
@@ -50,13 +50,14 @@ pub trait SurfaceShader: Send + Sync {
         None
     }
 
-    /// Whether [`evaluate`](Self::evaluate) may tell of light that it gives off: such surfaces are lights, sampled by asking it.
+    /// Whether [`evaluate`](Self::evaluate) may return emission: such surfaces are lights, sampled by
+    /// evaluating it.
     fn emits(&self) -> bool {
         false
     }
 
     /// Writes the share of light that goes straight through; `out` has `hits.len()` lanes, all zero.
-    /// Called only if [`is_opaque`](Self::is_opaque) says no.
+    /// Called only if [`is_opaque`](Self::is_opaque) is false.
     fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let _ = (tracer, hits, out);
     }
@@ -74,18 +75,19 @@ pub trait SurfaceShader: Send + Sync {
         self.transmit(tracer, hits, out);
     }
 
-    /// Whether it has no holes anywhere; smooth glass has none.
+    /// Whether it has no transparent parts; smooth glass counts as none.
     fn is_solid(&self) -> bool {
         self.is_opaque()
     }
 
-    /// Whether some point says that light is absorbed on one of its sides ([`ClosureBatch::fill`]). Where no surface does, paths do not
-    /// look.
+    /// Whether some point may have absorption on one of its sides ([`ClosureBatch::fill`]). If no surface
+    /// does, paths skip absorption.
     fn has_medium(&self) -> bool {
         false
     }
 
-    /// Whether smooth glass or a tinted hole may be at some point: light samples look for lamps through such surfaces, and through no others.
+    /// Whether some point may be smooth glass or tinted transparency: light samples search for lights only
+    /// through such surfaces.
     fn is_clear(&self) -> bool {
         !self.is_opaque() && self.radiance().is_none()
     }
@@ -126,7 +128,7 @@ pub trait RadianceShader: Send + Sync {
 pub struct LightBatch {
     /// Unit directions towards the light.
     pub dir: Vec3s,
-    /// Distances to it, world units; infinite for lights without a place.
+    /// Distances to it, world units; infinite for lights without a position.
     pub dist: Vec<f32>,
     /// Unoccluded irradiance at a surface that faces `dir`, divided by the probability of choosing `dir`.
     /// Zero = this light does not reach the point.
@@ -225,7 +227,7 @@ pub struct PixelSamples<'a> {
     pub rays: &'a RayBatch,
     /// The same a pixel to the right, and a pixel below.
     pub neighbours: [&'a RayBatch; 2],
-    /// Where, through which place of the lens and when they go.
+    /// Position in the picture and on the lens, and time.
     pub camera: CameraSamples<'a>,
     /// Columns and rows of the picture.
     pub size: [u32; 2],
@@ -251,7 +253,7 @@ pub trait EnvironmentShader: Send + Sync {
     fn miss(&self, dir: &Vec3s, out: &mut Vec3s);
 }
 
-/// Rays that a shader asks for.
+/// Rays that a shader requests.
 #[derive(Clone, Debug, Default)]
 pub struct RayRequest {
     /// The rays; directions are unit, near ends already away from the surface.
@@ -268,14 +270,14 @@ pub struct RayRequest {
 }
 
 impl RayRequest {
-    /// Asks for one ray more, for a lane of the shader's batch.
+    /// Adds a ray, for a lane of the shader's batch.
     pub fn push(&mut self, ray: Ray, parent: usize, key: SampleKey) {
         self.rays.push(ray);
         self.parent.push(parent as u32);
         self.key.push(key);
     }
 
-    /// Asks for no ray.
+    /// Removes all rays.
     pub fn clear(&mut self) {
         let Self { rays, parent, key, width, kinds } = self;
         rays.clear();
@@ -316,7 +318,8 @@ pub trait Tracer {
         false
     }
 
-    /// Asks light `light` about all points of `hits` (facing shading normals are used); `out` is reset first.
+    /// Queries light `light` for all points of `hits` (facing shading normals are used); `out` is reset
+    /// first.
     fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch);
 
     /// Writes for each ray the transmittance between its near and far end: 1 = unoccluded.

@@ -8,10 +8,10 @@ use gnurt_image::Texels;
 /// Wrapping outside of [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The picture goes on from its other edge.
+    /// The picture repeats.
     #[default]
     Repeat,
-    /// The picture goes on mirrored.
+    /// The picture repeats mirrored.
     Mirror,
     /// The edge's texels go on.
     Clamp,

@@ -2,7 +2,8 @@
 //! Reading textures: transform, wrap, decode, interpolate.
 //! Source: references/README point 3 (decode first, then bilinear; texel centres at (i + 0.5) / N; v upwards), glTF 2.0
 //! section 3.8 (wrap modes). Units: linear light. A coordinate that is not finite reads as 0.
-//! Where a point stands for more than a texel, smaller copies are read (`mipmap`). Tests: `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
+//! For footprints of more than a texel, smaller copies are read (`mipmap`). Tests:
+//! `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
 
 use std::sync::Arc;
 
@@ -13,7 +14,7 @@ use crate::mipmap::{Minify, MipMap};
 pub use crate::texels::Wrap;
 use crate::texels::{bilinear, nearest};
 
-/// A picture that can be asked for its value anywhere.
+/// A picture that can be evaluated at any coordinates.
 #[derive(Clone, Debug)]
 pub struct TextureSampler {
     /// The texels; row 0 lies at v = 1.
@@ -28,7 +29,7 @@ pub struct TextureSampler {
     pub uv_from_mesh: [f32; 6],
 }
 
-/// Samplers are equal if they read the same texels, not others that look the same, in the same way.
+/// Samplers are equal if they read the same texels, in memory, in the same way.
 impl PartialEq for TextureSampler {
     fn eq(&self, other: &Self) -> bool {
         let Self { texels, wrap, linear, minify, uv_from_mesh } = self;
@@ -59,15 +60,15 @@ impl TextureSampler {
         self.read(self.own([u, v]), self.linear)
     }
 
-    /// The same for a point that stands for `width` of the mesh's coordinates in every direction: read as
-    /// [`minify`](Self::minify) says where that is more than a texel.
+    /// The same for a footprint of `width` of the mesh's coordinates in every direction: filtered by
+    /// [`minify`](Self::minify) if that is more than a texel.
     #[must_use]
     pub fn sample_wide(&self, uv: [f32; 2], width: f32) -> [f32; 4] {
         let Some((minify, mips)) = &self.minify else { return self.sample(uv) };
         let [a, b, c, d, ..] = self.uv_from_mesh;
         let texels = self.texels.width as f32 * self.texels.height as f32;
         let level = (width * ((a * d - b * c).abs() * texels).sqrt()).log2();
-        // A width of 0 is far below, one that is no number is not looked at.
+        // A width of 0 gives -infinity, and NaN counts as no filter.
         if level.is_nan() || level <= 0.0 {
             return self.sample(uv);
         }

@@ -24,7 +24,7 @@ use crate::real::Vector;
 #[repr(C, align(64))]
 pub(super) struct Row<T>(pub(super) [T; LANES]);
 
-/// One place of sixteen points' lists: see [`Lobe`].
+/// One position of sixteen points' lists: see [`Lobe`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LobeRows {
     /// [`Kind`] as a number.
@@ -47,7 +47,7 @@ pub(super) struct Block {
     pub(super) normal: [Row<f32>; 3],
     emission: [Row<f32>; 3],
     coverage: Row<f32>,
-    /// Places that are in use.
+    /// Positions in use.
     pub(super) count: u32,
     pub(super) lobes: [LobeRows; MOST],
 }
@@ -206,8 +206,8 @@ impl ClosureBatch {
         self.len == 0
     }
 
-    /// Says how point `i` scatters: by these lobes around the unit shading normal `ns`, which is on the side that the first
-    /// ray came from. Once for each point.
+    /// Sets the scattering of point `i`: these lobes around the unit shading normal `ns`, which is on the
+    /// side of the first ray. Once for each point.
     #[inline]
     pub fn set(&mut self, i: usize, ns: Vec3, lobes: &[Lobe]) {
         let (block, i) = (&mut self.blocks[i / LANES], i % LANES);
@@ -255,7 +255,7 @@ impl ClosureBatch {
         self.emits
     }
 
-    /// Whether some point may let light through holes.
+    /// Whether some point may have transparency.
     #[must_use]
     pub fn is_partly_transparent(&self) -> bool {
         self.is_partly_transparent
@@ -287,7 +287,7 @@ impl ClosureBatch {
         self.media[i] = medium;
     }
 
-    /// Whether something may lie beside some point.
+    /// Whether some point may have a medium.
     #[must_use]
     pub fn has_media(&self) -> bool {
         !self.media.is_empty()
@@ -300,7 +300,7 @@ impl ClosureBatch {
         self.media.get(i).copied().unwrap_or_default()
     }
 
-    /// Point `i` alone.
+    /// Point `i` as a single value.
     #[must_use]
     pub fn point(&self, i: usize) -> Scattering {
         let (block, lane) = (&self.blocks[i / LANES], i % LANES);

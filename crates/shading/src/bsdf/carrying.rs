@@ -20,7 +20,8 @@ use super::sample::BsdfSample;
 use crate::real::{Real, Vector};
 use crate::sampling::{Basis, cosine_hemisphere};
 
-/// Share of paths that a point with tilted lobes sends to all sides of the facet: from below a lobe's horizon it is seen, too.
+/// Fraction of paths that a point with tilted lobes sends to all sides of the face: it is visible from below
+/// a lobe's horizon, too.
 const TO_ALL_SIDES: f32 = 0.25;
 
 /// Lobes seen from where light came from.
@@ -108,7 +109,8 @@ impl Carrying {
         eta * eta * (so * gi / (go * si)).abs()
     }
 
-    /// Chooses where the light goes on; as [`Bsdf::sample`], but for the weight, which is corrected. `ng` as for [`eval_pdf`](Self::eval_pdf).
+    /// Chooses the next direction of the light; as [`Bsdf::sample`], except for the weight, which is
+    /// corrected. `ng` as for [`eval_pdf`](Self::eval_pdf).
     #[must_use]
     pub fn sample(&self, mut u: [f32; 3], ng: Vec3) -> Option<BsdfSample> {
         let mut share = 1.0;
@@ -139,7 +141,7 @@ impl Carrying {
         Some(sample)
     }
 
-    /// A direction that has been chosen, by whatever way.
+    /// A chosen direction, by any strategy.
     fn chosen(&self, wi: Vec3, ng: Vec3, wide: bool) -> Option<BsdfSample> {
         let (value, pdf) = self.eval_pdf(wi, ng);
         let weight = value / pdf * self.correction(wi, ng);
@@ -148,7 +150,7 @@ impl Carrying {
         (pdf > 0.0 && weight.is_finite()).then_some(sample)
     }
 
-    /// The density of all ways to choose `wi`, given that of the lobes.
+    /// The density of all strategies for `wi`, given that of the lobes.
     fn mixed(&self, by_lobes: f32, wi: Vec3, ng: Vec3) -> f32 {
         if !self.is_tilted {
             return by_lobes;

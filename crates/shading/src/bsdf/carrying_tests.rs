@@ -9,8 +9,8 @@ use super::*;
 use crate::batch::SampleKey;
 use crate::sampling::{sample_pair, uniform_sphere};
 
-/// A path carried from the light has the value that the path from the eye has, whatever normals the lobes lie around, and is chosen by
-/// the density that it says.
+/// A path carried from the light has the value of the path from the eye, for any normals of the lobes, and
+/// its stated density.
 #[test]
 fn light_paths_are_corrected() {
     let ng = Vec3::Z;

@@ -36,7 +36,7 @@ mod tests {
         let wo = Vec3::new(-0.6, 0.0, 0.8);
         let inside = through(wo, 1.0 / 1.5).expect("light enters");
         assert!((inside.x - 0.6 / 1.5).abs() < 1e-6 && inside.z < 0.0, "sines are as the indices: {inside}");
-        // Seen from inside, the frame is turned over.
+        // From inside, the frame is flipped.
         let over = Vec3::new(1.0, 1.0, -1.0);
         let back = through(inside * over, 1.5).expect("light leaves") * over;
         assert!((back - wo).length() < 1e-6, "and back as it came: {back}");

@@ -34,7 +34,7 @@ impl Film {
 /// The material below.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Base {
-    /// Something that mirrors so much head on, by colour.
+    /// A material with this reflectance at normal incidence, by colour.
     Normal(Vec3),
     /// A metal, by its indices and extinction coefficients.
     Metal(Vec3, Vec3),

@@ -23,11 +23,11 @@ pub type Ends = [u8; LANES];
 pub struct Lists<'a> {
     block: &'a mut Block,
     ends: Ends,
-    /// By place, points that have a lobe there.
+    /// By position, points that have a lobe there.
     taken: [u32; MOST],
     /// Points of which a lobe was left out.
     full: u32,
-    /// Points of which a lobe has a normal of its own.
+    /// Points with a lobe that has its own normal.
     bent: u32,
 }
 
@@ -51,8 +51,8 @@ fn bits(holds: impl Fn(usize) -> bool) -> u32 {
 }
 
 impl<'a> Lists<'a> {
-    /// Of the points from `first` on, a multiple of sixteen, of a batch that has been reset: once for them, in place of
-    /// [`ClosureBatch::set`].
+    /// Of the points from `first` on, a multiple of sixteen, of a batch that has been reset: once for them,
+    /// instead of [`ClosureBatch::set`].
     #[must_use]
     pub fn of(batch: &'a mut ClosureBatch, first: usize) -> Self {
         let block = &mut batch.blocks[first / LANES];
@@ -72,7 +72,7 @@ impl<'a> Lists<'a> {
         self.full
     }
 
-    /// Points of which a lobe lies around a normal of its own.
+    /// Points with a lobe around its own normal.
     #[must_use]
     pub fn bent(&self) -> u32 {
         self.bent
@@ -84,8 +84,8 @@ impl<'a> Lists<'a> {
         bits(|i| self.ends[i] > 0)
     }
 
-    /// Calls `write(rows, points, whether other points' numbers may be overwritten)` for each place where lists of these points end, and
-    /// makes these one longer.
+    /// Calls `write(rows, points, whether other points' numbers may be overwritten)` for each position where
+    /// lists of these points end, and makes these one longer.
     fn each_end(&mut self, lanes: u32, mut write: impl FnMut(&mut LobeRows, u32, bool)) {
         let mut left = lanes;
         while left != 0 {
@@ -107,7 +107,7 @@ impl<'a> Lists<'a> {
         }
     }
 
-    /// Appends the same lobe to the lists of some points. One that lies below others must be where it was among them.
+    /// Appends the same lobe to the lists of some points. A lobe below others must keep its cover among them.
     pub fn push(&mut self, lanes: u32, lobe: &Lobe) {
         let numbers = numbers(lobe);
         self.each_end(lanes, |rows, same, free| {
@@ -164,7 +164,7 @@ impl<'a> Lists<'a> {
         });
     }
 
-    /// Calls `with(rows, points)` for each place that lies behind `from` in the lists of some points.
+    /// Calls `with(rows, points)` for each position behind `from` in the lists of some points.
     fn each_since(&mut self, lanes: u32, from: &Ends, mut with: impl FnMut(&mut LobeRows, u32)) {
         for entry in 0..self.block.count as usize {
             let same =
@@ -229,15 +229,16 @@ impl<'a> Lists<'a> {
         heaviest.map_or(Vec3::ZERO, |lobe| lobe.normal)
     }
 
-    /// Says which unit shading normals the points have, as [`face`](Self::face) does; normals that lobes have of their own stay.
+    /// Sets the unit shading normals of the points, as [`face`](Self::face) does; the lobes' own normals
+    /// stay.
     pub fn face_all(&mut self, normals: &[Row; 3]) {
         for (row, x) in self.block.normal.iter_mut().zip(normals) {
             row.0 = *x;
         }
     }
 
-    /// Says which unit shading normal a point has, on the side that the first ray came from, and replaces those of its lobes, if some are its
-    /// own.
+    /// Sets the unit shading normal of a point, on the side of the first ray, and replaces those of its
+    /// lobes, if some have their own.
     pub fn face(&mut self, i: usize, ns: Vec3, of: impl Fn(Vec3) -> Vec3) {
         for (row, x) in self.block.normal.iter_mut().zip(ns.to_array()) {
             row.0[i] = x;
@@ -253,5 +254,5 @@ impl<'a> Lists<'a> {
     }
 }
 
-/// The place of a lobe's cover among its numbers.
+/// The index of a lobe's cover among its numbers.
 const COVER: usize = 17;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One lobe of a BSDF as numbers: its kind, weight, normal and parameters.
-//! Source: see the file of each kind. Space: world. Colours are in [0, 1] but for the indices of metals.
+//! Source: see the file of each kind. Space: world. Colours are in [0, 1] except for the indices of metals.
 //! Numbers that do not depend on directions are computed when a lobe is made, so that they can be stored.
 //! Tests: `tests`.
 
@@ -19,15 +19,15 @@ pub enum Kind {
     None,
     /// Scatters to all sides; rough surfaces send more back to where light came from.
     Diffuse,
-    /// GGX facets under Schlick's reflectances.
+    /// GGX microfacets under Schlick's reflectances.
     Microfacets,
-    /// GGX facets of a metal by its complex index.
+    /// GGX microfacets of a metal by its complex index.
     Metal,
-    /// GGX facets that mirror and refract.
+    /// GGX microfacets with reflection and refraction.
     Glass,
     /// The same of a pane so thin that light goes through unbent.
     Pane,
-    /// Fibres that stand up.
+    /// Upright fibres.
     Sheen,
     /// Mirrors in one direction.
     Mirror,
@@ -43,7 +43,7 @@ pub enum Kind {
     Ward,
     /// Beckmann's microfacets with reflection and refraction, single scattering only.
     Beckmann,
-    /// GGX facets that mirror and refract under Schlick's reflectances.
+    /// GGX microfacets with reflection and refraction under Schlick's reflectances.
     SchlickGlass,
     /// A layer of fibres that scatter light among them.
     Fibres,
@@ -70,7 +70,7 @@ impl Kind {
         Self::Fibres,
     ];
 
-    /// Its place in a set of kinds.
+    /// Its bit in a set of kinds.
     #[inline(always)]
     #[must_use]
     pub const fn bit(self) -> u32 {
@@ -83,7 +83,7 @@ impl Kind {
         matches!(self, Self::Mirror | Self::SmoothGlass | Self::SmoothPane)
     }
 
-    /// Whether it has facets, or is as wide as slopes are.
+    /// Whether it has microfacets, or a width of slopes.
     fn has_slopes(self) -> bool {
         let is_common = matches!(self, Self::Microfacets | Self::Metal | Self::Glass | Self::Pane);
         is_common || matches!(self, Self::Ward | Self::Beckmann | Self::SchlickGlass)
@@ -99,7 +99,7 @@ impl Kind {
 
 /// Rare features of lobes, as bits: lobes without them pay nothing.
 pub(super) mod rare {
-    /// Facets that are wider along one direction than across it.
+    /// Microfacets that are wider along one direction than across it.
     pub(crate) const ANISOTROPY: u32 = 1;
     /// A thin film.
     pub(crate) const FILM: u32 = 2;
@@ -144,7 +144,7 @@ pub struct Lobe {
     pub tangent: Vec3,
     /// Width of the slopes across `tangent`; 0 = slopes are alike in all directions.
     pub across: f32,
-    /// A film that lies on the facets.
+    /// A film on the microfacets.
     pub film: Film,
     /// Dispersion of glass: its index for blue-green light (486.1 nm) minus that for red (656.3 nm); 0 =
     /// none. Glass under Schlick's reflectances: the exponent of their rise, for reflection; less than 0 for
@@ -199,7 +199,8 @@ impl Lobe {
         Self { a: albedo, ..Self::of(Kind::Translucent) }
     }
 
-    /// Facets of width `alpha`, in (0, 1], that mirror `f0` head on and `f90` at grazing incidence.
+    /// Microfacets of width `alpha`, in (0, 1], with reflectance `f0` at normal and `f90` at grazing
+    /// incidence.
     #[must_use]
     pub fn microfacets(alpha: f32, f0: Vec3, f90: Vec3) -> Self {
         Self { a: f0, b: f90, alpha, ..Self::of(Kind::Microfacets) }
@@ -225,7 +226,7 @@ impl Lobe {
         Self { a: reflectance, b: transmittance, eta, ..Self::of(kind) }
     }
 
-    /// The same with facets of width `alpha`, in (0, 1].
+    /// The same with microfacets of width `alpha`, in (0, 1].
     #[must_use]
     pub fn rough_glass(alpha: f32, eta: f32, reflectance: Vec3, transmittance: Vec3, thin: bool) -> Self {
         let (eta, c) = rough_dielectric::losses([alpha; 2], eta, thin);
@@ -269,7 +270,7 @@ impl Lobe {
         Self { weight: color, alpha: roughness, ..Self::of(Kind::Fibres) }
     }
 
-    /// Fibres of a colour that stand up; `roughness` is glTF's, in [0, 1].
+    /// Upright fibres of a colour; `roughness` is glTF's, in [0, 1].
     #[must_use]
     pub fn sheen(color: Vec3, roughness: f32) -> Self {
         Self { weight: color, alpha: roughness, ..Self::of(Kind::Sheen) }
@@ -347,7 +348,7 @@ impl Lobe {
         }
     }
 
-    /// Which rare things it has.
+    /// Its rare features, as bits.
     #[inline]
     pub(super) fn rare(&self) -> u32 {
         let bit = |has: bool, bit: u32| if has { bit } else { 0 };
@@ -382,13 +383,13 @@ impl Lobe {
         matches!(self.kind, Kind::SmoothGlass | Kind::SmoothPane) && !self.is_black()
     }
 
-    /// A clear coat: facets of an index of 1.5.
+    /// A clear coat: microfacets of an index of 1.5.
     #[must_use]
     pub fn coat(alpha: f32) -> Self {
         Self::microfacets(alpha, Vec3::splat(fresnel::normal_reflectance(1.5)), Vec3::ONE)
     }
 
-    /// Whether facets narrower than `alpha`, or none, send its light.
+    /// Whether it is a mirror or has microfacets narrower than `alpha`.
     #[must_use]
     pub fn is_narrow(&self, alpha: f32) -> bool {
         match self.kind {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A weighted sum of lobes, some of them below others: all that a surface says of how it scatters.
-//! Sums and layers as shading languages have them (MaterialX's `layer`).
+//! A weighted sum of lobes, some of them below others: the complete scattering of a point. Sums and layers as
+//! shading languages have them (MaterialX's `layer`).
 //! Invariant: lobes above others come first; no lobe lies below itself. Layout: most surfaces have one lobe or two, and points are passed
 //! on often: more lie elsewhere. Tests: `tests`.
 
@@ -156,7 +156,7 @@ impl Lobes {
         self
     }
 
-    /// The albedo, where it is nothing but Lambert's reflector around the point's normal.
+    /// The albedo, if it is only Lambert's reflector around the point's normal.
     #[must_use]
     pub fn lambertian(&self) -> Option<Vec3> {
         match self.as_slice() {

@@ -12,7 +12,7 @@ use glam::Vec3;
 /// The media on the two sides of a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Medium {
-    /// Share of light absorbed per way, by colour, 1 over world units.
+    /// Absorption coefficient, by colour, 1 over world units.
     pub absorption: Vec3,
     /// Whether it lies on the side that the first ray came from, or beyond.
     pub is_here: bool,
@@ -32,7 +32,7 @@ impl Medium {
     }
 }
 
-/// Share of light that is left after a way of this length between two ends at which so much is absorbed.
+/// Transmittance over this distance between two ends with these absorptions.
 #[must_use]
 pub fn left_after(distance: f32, ends: [Vec3; 2]) -> Vec3 {
     let absorption = match ends {

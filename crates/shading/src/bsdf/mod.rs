@@ -5,12 +5,12 @@
 //! one lobe, one file; docs/reference/materials.md describes the models.
 //! Space: world outside, the shading frame inside (z = the shading normal on the side that the first ray came from).
 //! `wo` points back along the path, `wi` forward; both are unit vectors away from the surface. Invariants:
-//! values are BSDF times |cos| to the shading normal. Reflection is the same with `wo` and `wi` exchanged but
-//! for that cosine. Refraction does not scale radiance by the square of the index, because light that enters
-//! glass leaves it again; so with `wo` and `wi` exchanged it changes by that square. [`Carrying`] handles
-//! this for paths that carry light; it also handles lobes with their own normals, and fibres, whose values
-//! are not reciprocal. Rule for shading normals: a path always sees the front of a surface, so a `wo` below
-//! the shading normal counts as grazing. A `wi` counts by its side of the shading normal;
+//! values are BSDF times |cos| to the shading normal. Reflection is reciprocal except for that cosine.
+//! Refraction does not scale radiance by the square of the index, because light that enters glass leaves it
+//! again; so with `wo` and `wi` exchanged it changes by that square. [`Carrying`] handles this for paths that
+//! carry light; it also handles lobes with their own normals, and fibres, whose values are not reciprocal.
+//! Rule for shading normals: a path always sees the front of a surface, so a `wo` below the shading normal
+//! counts as grazing. A `wi` counts by its side of the shading normal;
 //! [`SurfacePoint::scatter_ray`](crate::SurfacePoint::scatter_ray) decides whether it may leave, with the
 //! same horizon as for light samples.
 //! Tests: `tests`.
@@ -153,20 +153,20 @@ impl Bsdf {
         (value.into(), pdf)
     }
 
-    /// The value alone.
+    /// The value only.
     #[must_use]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         self.eval_pdf(wo, wi).0
     }
 
-    /// The density alone.
+    /// The density only.
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.eval_pdf(wo, wi).1
     }
 
-    /// Chooses where a path goes on; `u` holds three numbers in [0, 1), the first chooses between lobes. `None` = it
-    /// ends here.
+    /// Chooses the next direction of a path; `u` holds three numbers in [0, 1), the first chooses between
+    /// lobes. `None` = it ends here.
     #[must_use]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         self.sample_by(wo, Vec3::ONE, u)
@@ -264,7 +264,7 @@ impl Bsdf {
     }
 }
 
-/// All that light transport needs to know of a point.
+/// The complete scattering and emission of a point.
 #[derive(Clone, Debug)]
 pub struct Scattering {
     /// Its scattering.

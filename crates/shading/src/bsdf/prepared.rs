@@ -54,7 +54,7 @@ impl Sampled<f32> {
 #[derive(Clone, Copy, Debug)]
 pub struct Prepared<R> {
     pub(super) normal: Vector<R>,
-    /// One after the other; the rest of the places, which is most of them, is not even cleared.
+    /// One after the other; the rest of the positions, which is most of them, is not even cleared.
     pub(super) lobes: [Option<PreparedLobe<R>>; MOST],
     /// Share of light that is scattered.
     pub(super) albedo: Vector<R>,
@@ -136,7 +136,7 @@ impl<R: Real> Prepared<R> {
         }
     }
 
-    /// The lobes, in the order of their places.
+    /// The lobes, in the order of their positions.
     #[inline(always)]
     pub(super) fn lobes(&self) -> impl Iterator<Item = &PreparedLobe<R>> {
         self.lobes.iter().map_while(Option::as_ref)
@@ -180,7 +180,7 @@ impl<R: Real> Prepared<R> {
             for next in self.lobes().skip(1) {
                 let past = before + mixed.probability;
                 let on = !past.above(u[0]) & next.probability.above(zero);
-                // Lobes without a chance stand between others and take none of the numbers.
+                // Lobes of probability zero are between others and take none of the numbers.
                 before = R::pick(on, past, before);
                 mixed.mix(on, next);
             }
@@ -261,7 +261,7 @@ impl<R: Real> Prepared<R> {
         Sampled { wi, weight, pdf, delta, transmitted, wide, found }
     }
 
-    /// Points of which some lobe has kinds for which `what` says so.
+    /// Points with a lobe of a kind for which `what` is true.
     #[inline(always)]
     fn any(&self, what: impl Fn(Kind) -> bool) -> R::Mask {
         let zero = self.normal.x.all(0.0);
@@ -326,7 +326,7 @@ fn left_by<R: Real>(
     left
 }
 
-/// The same, averaged over a cosine-weighted hemisphere: by the tables where one layer of facets is above.
+/// The same, averaged over a cosine-weighted hemisphere: by the tables if one layer of microfacets is above.
 #[inline(always)]
 fn left_on_average<R: Real>(above: &[Option<PreparedLobe<R>>], lobe: &PreparedLobe<R>) -> Vector<R> {
     let one = lobe.cos.all(1.0);
@@ -360,7 +360,7 @@ fn left_on_average<R: Real>(above: &[Option<PreparedLobe<R>>], lobe: &PreparedLo
     average
 }
 
-/// `tangent` made perpendicular to the unit `normal`, unit; any direction along the surface where it says nothing.
+/// `tangent` made perpendicular to the unit `normal`, unit; any direction along the surface if it is zero.
 #[inline(always)]
 fn along<R: Real>(normal: Vector<R>, tangent: Vector<R>) -> Vector<R> {
     let flat = tangent - normal * normal.dot(tangent);
@@ -378,7 +378,7 @@ impl Prepared<f32> {
         prepared
     }
 
-    /// The place of the lobe that [`sample`](Self::sample) draws from by this number.
+    /// The position of the lobe that [`sample`](Self::sample) draws from by this number.
     pub(super) fn place_of(&self, u: f32) -> usize {
         let (mut before, mut entry, mut probability) = (0.0, 0, 0.0);
         for (k, next) in self.lobes().enumerate() {

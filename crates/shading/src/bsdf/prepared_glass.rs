@@ -32,7 +32,7 @@ impl<R: Real> PreparedLobe<R> {
         (glass, PreparedGlass { hidden: self.hidden, lost: self.lost })
     }
 
-    /// How its colours go apart.
+    /// The dispersion of its colours.
     #[inline(always)]
     pub(super) fn colours(&self) -> Colours<R> {
         Colours { spread: self.rarities.spread, chances: self.rarities.channels }
@@ -45,7 +45,7 @@ impl<R: Real> PreparedLobe<R> {
             #[inline(always)]
             || {
                 let (glass, _) = self.glass(thin);
-                // About: facets mirror as the plane does, blurred.
+                // Approximate: microfacets reflect as the plane does, blurred.
                 let blurred = self.cos + (self.cos.all(0.7) - self.cos) * (self.alpha * 0.5);
                 (glass.prepared(self.wo, self.cos), glass.mirrored(blurred))
             },

@@ -11,7 +11,7 @@ use super::lobes::MOST;
 use super::lobes_at::Rarities;
 use crate::real::{Real, Vector};
 
-/// Points' lobes in one place of their lists, seen from one direction each.
+/// Points' lobes in one position of their lists, prepared for one direction each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PreparedLobe<R> {
     pub(super) kind: R,
@@ -27,7 +27,7 @@ pub(super) struct PreparedLobe<R> {
     pub(super) a: Vector<R>,
     pub(super) b: Vector<R>,
     pub(super) c: Vector<R>,
-    /// Colour of further bounces between facets.
+    /// Colour of multiple scattering between microfacets.
     pub(super) more: Vector<R>,
     pub(super) alpha: R,
     pub(super) eta: R,
@@ -121,7 +121,7 @@ impl<R: Real> PreparedLobe<R> {
         self.cos.points(u64::from(self.layers_above[j]))
     }
 
-    /// Its facets.
+    /// Its microfacets.
     #[inline(always)]
     pub(super) fn slopes(&self) -> Slopes<R> {
         let ggx = Ggx::from_alpha(self.alpha);
@@ -138,7 +138,7 @@ impl<R: Real> PreparedLobe<R> {
         }
     }
 
-    /// Becomes `next` where the mask says so, as far as choosing directions asks.
+    /// Becomes `next` for the points of the mask, in all fields for choosing directions.
     #[inline(always)]
     pub(super) fn mix(&mut self, mask: R::Mask, next: &Self) {
         self.kinds |= next.kinds;

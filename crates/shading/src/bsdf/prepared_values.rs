@@ -83,7 +83,7 @@ impl<R: Real> PreparedLobe<R> {
         Vector::pick(self.is_risen(), self.a * rise.rest() + self.b * rise, schlick)
     }
 
-    /// Facets whose reflectances rise by another power than Schlick's.
+    /// Microfacets whose reflectances rise by another power than Schlick's.
     #[inline(always)]
     fn is_risen(&self) -> R::Mask {
         self.eta.all(0.0).above(self.eta) & self.is(Kind::Microfacets)
@@ -231,7 +231,8 @@ impl<R: Real> PreparedLobe<R> {
         )
     }
 
-    /// Share of light that a lobe which covers others sends back, towards the cosine `cos`; `split` is that of its facets there.
+    /// Fraction of light that a covering lobe reflects, towards the cosine `cos`; `split` is that of its
+    /// microfacets there.
     #[inline(always)]
     pub(super) fn sent_back(&self, cos: R, split: [R; 2]) -> Vector<R> {
         let microfacets = self.once(cos, split) + self.more * lost(split);
@@ -260,7 +261,7 @@ impl<R: Real> PreparedLobe<R> {
     fn sent_back_by_glass(&self, cos: R) -> (R::Mask, Vector<R>) {
         let smooth = self.is(Kind::SmoothGlass) | self.is(Kind::SmoothPane);
         let pane = self.is(Kind::Pane) | self.is(Kind::SmoothPane);
-        // Facets mirror as the plane does, blurred.
+        // Microfacets reflect as the plane does, blurred.
         let blurred = R::pick(smooth, cos, cos + (cos.all(0.7) - cos) * (self.alpha * 0.5));
         let glass = smooth | pane | self.is(Kind::Glass);
         let mut back = self.a * self.mirrored_at(blurred, pane);
@@ -303,8 +304,8 @@ impl<R: Real> PreparedLobe<R> {
         self.left = Vector::pick(wide, Vector::grey(self.cos.all(f32::MAX)), left);
     }
 
-    /// Value times the cosine, without weight, and density for `wi` at the cosine `i`, on the side `above` of the point;
-    /// `split` is that of facets at `i`.
+    /// Value times the cosine, without weight, and density for `wi` at the cosine `i`, on the side `above` of
+    /// the point; `split` is that of microfacets at `i`.
     #[inline(always)]
     pub(super) fn eval_pdf(&self, wi: Vector<R>, i: R, above: R::Mask, split: [R; 2]) -> (Vector<R>, R) {
         let zero = i.all(0.0);
@@ -379,7 +380,7 @@ impl<R: Real> PreparedLobe<R> {
         for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
             if self.has(kind) {
                 let (light, density) = self.eval_pdf_of_glass(thin, wi, i);
-                // Both normals must say the same of the side.
+                // Both normals must agree on the side.
                 let is = self.is(kind) & (front | (!above & zero.above(i)));
                 (value, pdf) = (Vector::pick(is, light, value), R::pick(is, density, pdf));
             }

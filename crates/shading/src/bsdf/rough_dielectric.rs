@@ -20,7 +20,7 @@ use super::fresnel;
 use super::ggx::Ggx;
 use crate::real::{Real, Vector};
 
-/// Nearer to 1 than this an index bends nothing that a float could tell.
+/// An index nearer to 1 than this has no refraction that a float could represent.
 const SMALLEST_STEP: f32 = 1e-3;
 
 /// The effective index; and the energy that single scattering loses, averaged over all directions, on this
@@ -51,13 +51,13 @@ pub(super) fn losses(widths: [f32; 2], eta: f32, thin: bool) -> (f32, Vec3) {
     (eta, Vec3::new(lost[0], lost[1], through.min(1.0)))
 }
 
-/// Facets that mirror and refract.
+/// Microfacets with reflection and refraction.
 pub(super) trait Microfacets<R: Real>: Copy {
-    /// Facets facing the unit `h` per solid angle and ground area, around the normal `n`.
+    /// Density of microfacets facing the unit `h` per solid angle and ground area, around the normal `n`.
     fn density(&self, n: Vector<R>, h: Vector<R>) -> R;
     /// Smith's auxiliary function of `w` at the cosine `cos`, of either sign.
     fn lambda(&self, w: Vector<R>, cos: R) -> R;
-    /// A facet that the viewer sees, in a frame with z = the normal and x along the slopes.
+    /// A visible microfacet, in a frame with z = the normal and x along the slopes.
     fn sample_visible(&self, wo: Vector<R>, u: [R; 2]) -> Vector<R>;
     /// Share of light from `w` at the cosine `cos` > 0 that one bounce loses; `eta` is the index there over that beyond.
     fn lost(&self, w: Vector<R>, cos: R, eta: R, thin: bool) -> R;
@@ -179,7 +179,7 @@ impl<R: Real> Glass<R> {
 }
 
 impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
-    /// Share of light that a facet mirrors, by colour.
+    /// Reflectance of a microfacet, by colour.
     #[inline(always)]
     pub(super) fn mirrored(&self, cos: R) -> Vector<R> {
         let bare = self.rise.share(cos, self.eta, self.thin);
@@ -227,7 +227,7 @@ impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
         let (zero, cos_i) = (o.all(0.0), i.size());
         let above = i.above(zero);
         let hidden = self.slopes.lambda(wi, cos_i);
-        // The facet that leads to `wi`, and the change of its solid angle with that of `wi`.
+        // The microfacet for `wi`, and the ratio of its solid angle to that of `wi`.
         let mirror = (wo + wi).normalize_or(n);
         let (microfacet, change) = if self.thin {
             let flipped = wi - n * (i * 2.0);
@@ -339,7 +339,7 @@ struct Row {
     average: f32,
 }
 
-/// A place between four rows.
+/// A position between four rows.
 struct Albedos {
     /// By index, then by roughness.
     rows: [[&'static Row; 2]; 2],
@@ -370,9 +370,9 @@ impl Albedos {
     }
 }
 
-/// A row of the table, made when it is first asked for: a scene has few kinds of glass.
+/// A row of the table, computed at first use: a scene has few kinds of glass.
 fn row(index: usize, roughness: usize) -> &'static Row {
-    // Boxes: room for all rows would be 400 KB of each program's and library's file.
+    // Boxes: memory for all rows would be 400 KB of each program's and library's file.
     static ROWS: [[OnceLock<Box<Row>>; ROUGHNESSES]; INDICES] =
         [const { [const { OnceLock::new() }; ROUGHNESSES] }; INDICES];
     ROWS[index][roughness].get_or_init(|| {
@@ -424,7 +424,7 @@ mod tests {
             [(0.45, 0.7, 0.9), (0.81, 1.4, 0.33), (1.0, 0.55, 0.21), (0.7, 1.25, 0.52)]
         {
             let ggx = Ggx::new(roughness);
-            // Nothing lost: one bounce alone.
+            // Nothing lost: single scattering only.
             let tints = [Vector::grey(1.0); 2];
             let slopes = Slopes { ggx, anisotropy: None };
             let losses = Vector::grey(0.0);

@@ -48,7 +48,7 @@ pub(super) struct View {
     pub(super) lost: f32,
 }
 
-/// The reflectance of a facet of such lobes.
+/// The reflectance of a microfacet of such lobes.
 #[derive(Clone, Copy)]
 enum Rise {
     All,
@@ -64,7 +64,7 @@ impl Mirrored<f32> for Rise {
             Self::All => Vector::grey(1.0),
             Self::Fresnel => Vector::grey(fresnel::dielectric(cos, eta)),
             Self::Schlick { f0, f90, power } => {
-                // By the angle on the rarer side, so that both sides say the same.
+                // By the angle on the rarer side, so that both sides agree.
                 let cos2_beyond = 1.0 - eta * eta * (1.0 - cos * cos);
                 let cos = if eta > 1.0 { cos2_beyond.max(0.0).sqrt() } else { cos };
                 let all = eta > 1.0 && cos2_beyond <= 0.0;
@@ -136,7 +136,7 @@ impl ScalarLobe {
                 View { albedo, hidden: prepared.hidden, lost: prepared.lost }
             };
         let dim = |share: f32| View { albedo: Vec3::splat(share), ..View::default() };
-        // About: facets mirror as the plane does, blurred.
+        // Approximate: microfacets reflect as the plane does, blurred.
         let blurred = wo.z + (0.7 - wo.z) * (self.widths[0] * 0.5);
         match self.kind {
             Kind::Phong => dim(phong::albedo(self.eta, wo.z)),
@@ -147,8 +147,8 @@ impl ScalarLobe {
             }
             Kind::Beckmann => {
                 let glass = self.beckmann();
-                // Of the visible facets, some reflect light to others: their number is about that of facets
-                // that hide each other.
+                // Of the visible microfacets, some reflect light to others: their number is about that of
+                // microfacets that hide each other.
                 let hidden = glass.slopes.lambda(wo.into(), wo.z);
                 of_glass(
                     glass.prepared(wo.into(), wo.z),

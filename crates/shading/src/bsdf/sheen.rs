@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sheen of cloth: fibres that stand up and shine at grazing views.
+//! Sheen of cloth: upright fibres that are bright at grazing views.
 //! Source: [EK17] (the distribution named Charlie), [NP13] (visibility); KHR_materials_sheen takes the same.
 //! Differs: where the papers' lobe makes light it is scaled down.
-//! Space: the shading frame. Albedos are tables over the cosine of the view and the roughness, made at first use, with small
-//! steps where they are steep: at the horizon and where fibres stand straight.
+//! Space: the shading frame. Albedos are tables over the cosine of the view and the roughness, made at first
+//! use, with small steps where they are steep: at the horizon and for upright fibres.
 //! Tests: `tests`, those of `bsdf` and `tests/mitsuba.rs`.
 
 use std::f32::consts::TAU;

@@ -60,7 +60,7 @@ pub(super) fn models() -> Vec<(String, Lobes)> {
     models
 }
 
-/// Those that few surfaces have, white where a colour is free.
+/// Rare ones, white where a colour is free.
 fn rare_models() -> Vec<(&'static str, Lobes)> {
     let (white, slant) = (Vec3::ONE, Vec3::new(0.8, 0.6, 0.3).normalize());
     let film = Film { share: 1.0, ior: 1.33, thickness: 350.0 };
@@ -133,7 +133,7 @@ pub(super) fn turned_over(lobes: &Lobes) -> Lobes {
         let other = if lobe.across > 0.0 { other.brushed(lobe.tangent, lobe.across) } else { other };
         (lobe.eta, lobe.c) = (other.eta, other.c);
     });
-    // The frame is turned over, too.
+    // The frame is flipped, too.
     over.as_mut_slice().iter_mut().for_each(|lobe| lobe.tangent.z = -lobe.tangent.z);
     over
 }
@@ -269,7 +269,7 @@ fn densities_and_values_integrate() {
             let lost: f64 = match name.split(' ').next() {
                 Some("coated") => 0.03,
                 Some("cloth") => 0.14,
-                // A film's share is that of the mean facet, not the mean of all facets' shares.
+                // A film's share is that of the mean microfacet, not the mean of all microfacets' shares.
                 Some("filmed") => 0.03,
                 // Models that lose light.
                 Some("dim") => 0.35,
@@ -511,7 +511,7 @@ fn narrow_and_wide_lobes_make_the_whole() {
 
 #[test]
 fn silhouettes_are_not_black() {
-    // Seen from below the shading normal, though from above the facet.
+    // From below the shading normal, though from above the face.
     let wo = Vec3::new(0.9, 0.0, -0.02).normalize();
     for (name, model) in models() {
         let bsdf = around_z(model);
@@ -615,7 +615,7 @@ fn sixteen_points_have_the_bits_of_one_at_every_level() {
     assert!(samples > 4000 || Level::available().len() < 3, "the test has something to test: {samples}");
 }
 
-/// Directions in lanes, as kept copies are asked.
+/// Directions in lanes, as cached lobes are evaluated.
 #[inline(always)]
 fn of_kept<S: Simd>(
     simd: S,
@@ -840,7 +840,7 @@ fn lists_of_many_points_are_those_of_each() {
         for (i, expected) in expected.iter().enumerate() {
             let found = batch.point(i).bsdf;
             assert_eq!(found.normal(), Vec3::Y, "turn {azimuth}, point {i}");
-            // Places that other points need stay empty.
+            // Positions that other points need stay empty.
             let found = found.lobes().as_slice();
             let count = expected.as_slice().len();
             assert_eq!(found[..count], *expected.as_slice(), "turn {azimuth}, point {i}");

@@ -16,7 +16,7 @@ use crate::texture::TextureSampler;
 /// The purpose of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The look of a surface.
+    /// The appearance of a surface.
     Surface,
     /// Radiance of rays that hit nothing.
     Environment,
@@ -108,7 +108,7 @@ pub enum Value {
     Int(i32),
 }
 
-/// The values of all parameters of a shader; those of other rates than per shader are not looked at.
+/// The values of all parameters of a shader; those of other rates than per shader are ignored.
 #[derive(Clone, Debug, Default)]
 pub struct Values(pub Vec<Value>);
 
@@ -149,7 +149,7 @@ impl Values {
 /// A shader of any kind.
 #[derive(Clone)]
 pub enum Shader {
-    /// The look of a surface.
+    /// The appearance of a surface.
     Surface(Arc<dyn SurfaceShader>),
     /// Radiance of rays that hit nothing.
     Environment(Arc<dyn EnvironmentShader>),

@@ -28,7 +28,7 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
 
 struct InfiniteLight {
     radiance: Vec3,
-    /// Unit, towards the light; none if the direction given was zero: then it does not shine.
+    /// Unit, towards the light; `None` if the given direction was zero: then the light is dark.
     dir: Option<Vec3>,
 }
 

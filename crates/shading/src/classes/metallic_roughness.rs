@@ -16,7 +16,7 @@
 //! | attenuationColor | 1 1 1 | transmittance of white light over the distance |
 //! | attenuationDistance | 0 | world units; 0 = nothing is absorbed |
 //! | dispersion | 0 | 20 over Abbe's number; 0 = all colours are bent alike |
-//! | anisotropy | 0 | how much rougher facets are along one direction, 0 to 1 |
+//! | anisotropy | 0 | how much rougher microfacets are along one direction, 0 to 1 |
 //! | anisotropyRotation | 0 | that direction, counter-clockwise from where u grows, radians |
 //! | anisotropyTexture | texture 0 | red and green the direction, blue times anisotropy |
 //! | iridescence | 0 | share of the surface that a thin film is on |

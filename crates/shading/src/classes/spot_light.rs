@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `SpotLightShader`: a light at a point, shining to all sides.
+//! `SpotLightShader`: a light at a point, which emits to all sides.
 //!
 //! | parameter | rate | default | meaning |
 //! |---|---|---|---|

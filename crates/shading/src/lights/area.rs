@@ -25,13 +25,13 @@ use crate::texture::TextureSampler;
 /// Least share of its emitter's mean that a triangle counts as: its sampled points may be dark where the rest
 /// is bright.
 pub const LEAST_SHARE: f32 = 1.0 / 64.0;
-/// Places that are looked at on one triangle.
+/// Sampled points on one triangle.
 const SAMPLE_COUNTS: [f32; 2] = [4.0, 256.0];
 
 /// The emission of a group of triangles.
 #[derive(Clone)]
 pub struct Emitter {
-    /// Nothing where only `shader` knows.
+    /// Empty if only `shader` defines it.
     emission: Emission,
     coverage: Option<Coverage>,
     /// The shader that gives the exit radiance.
@@ -41,7 +41,7 @@ pub struct Emitter {
 }
 
 impl Emitter {
-    /// Gives off `emission`, but not where `coverage` says that the surface is not there.
+    /// Emits `emission`, weighted by `coverage`.
     #[must_use]
     pub fn new(emission: Emission, coverage: Option<Coverage>) -> Self {
         let brightness = emission.mean_luminance();
@@ -67,8 +67,9 @@ impl Emitter {
         self.shader.as_ref()
     }
 
-    /// Mean brightness of a triangle whose corners have these texture coordinates and opacities: of as many places as it has texels.
-    /// No triangle is quite dark, because its brightest texel may lie between them. Without meaning where a shader is asked.
+    /// Mean brightness of a triangle whose corners have these texture coordinates and opacities, from a point
+    /// for each of its texels. No triangle is quite dark, because its brightest texel may lie between them.
+    /// Undefined if a shader defines the emission.
     #[must_use]
     pub fn mean_over(&self, uv: &[[f32; 2]; 3], opacity: [f32; 3]) -> f32 {
         let textures = [
@@ -106,14 +107,14 @@ impl Emitter {
     }
 }
 
-/// Place `i` of those that are looked at to find a mean, spread evenly over the unit square: Roberts's sequence.
+/// Sample `i` for a mean, spread evenly over the unit square: Roberts's sequence.
 #[must_use]
 pub fn looking_at(i: u32) -> [f32; 2] {
     const STEPS: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
     STEPS.map(|step| ((0.5 + f64::from(i) * step).fract() as f32).min(ALMOST_ONE))
 }
 
-/// A place on a triangle that shines, and the ray that looks at it.
+/// A point on an emissive triangle, and the ray towards it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EmitterPoint {
     /// Number of the triangle.
@@ -126,16 +127,16 @@ pub struct EmitterPoint {
 
 /// Emission of triangles whose emitters have a shader.
 pub trait EmitterShaders: Send + Sync {
-    /// Writes the radiance that leaves each place against its ray, as much of it as the surface's coverage lets be there.
+    /// Writes the radiance that leaves each point against its ray, weighted by the surface's coverage.
     fn radiance(&self, requests: &[EmitterPoint], out: &mut [Vec3]);
 }
 
-/// A triangle that shines, world space.
+/// An emissive triangle, world space.
 #[derive(Clone, Debug)]
 pub struct EmissiveTriangle {
-    /// Vertices, counter-clockwise seen from the side that shines.
+    /// Vertices, counter-clockwise seen from the emitting side.
     pub p: [Vec3; 3],
-    /// Whether its second corner is the mesh's third, and the other way round.
+    /// Whether its second corner is the mesh's third, and vice versa.
     pub is_turned: bool,
     /// Texture coordinates.
     pub uv: [[f32; 2]; 3],
@@ -165,7 +166,7 @@ const CANDIDATES: usize = 8;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     pub(super) p: [Vec3; 3],
-    /// Unit, on the side that shines.
+    /// Unit, on the emitting side.
     pub(super) normal: Vec3,
     pub(super) area: f32,
     /// Area times brightness.
@@ -189,7 +190,7 @@ impl Shape {
         let above =
             |offset: &Vec3| if normal == Vec3::ZERO { offset.length() } else { normal.dot(*offset).max(0.0) };
         let above = offsets.iter().map(above).sum::<f32>() / 3.0;
-        // Close to the triangle its nearest parts count most; its own size keeps the promise finite there.
+        // Close to the triangle its nearest parts count most; its own size keeps the estimate finite there.
         let centre = (offsets[0] + offsets[1] + offsets[2]) / 3.0;
         let nearest =
             offsets.iter().fold(centre.length_squared(), |least, offset| least.min(offset.length_squared()));
@@ -230,7 +231,7 @@ struct Chosen {
 }
 
 impl TriangleLights {
-    /// `None` if no triangle shines. Panics if a triangle names an emitter that is not there.
+    /// `None` if no triangle emits. Panics if a triangle names an emitter that is not there.
     #[must_use]
     pub fn new(
         triangles: Vec<EmissiveTriangle>,
@@ -321,7 +322,7 @@ impl TriangleLights {
         out[0]
     }
 
-    /// The same of many places.
+    /// The same for many points.
     pub(super) fn radiances(&self, requests: &[EmitterPoint], out: &mut [Vec3]) {
         let triangle = |at: &EmitterPoint| &self.triangles[at.triangle as usize];
         let emitter = |at: &EmitterPoint| &self.emitters[triangle(at).emitter as usize];
@@ -382,7 +383,7 @@ mod tests {
     use crate::batch::SampleKey;
     use crate::sampling::sample_pair;
 
-    /// A 2 x 2 square at height 1 that shines down, as two triangles of which one is cut in two.
+    /// A 2 x 2 square at height 1 that emits downwards, as two triangles of which one is cut in two.
     fn square() -> TriangleLights {
         let corner = |x, y| Vec3::new(x, y, 1.0);
         let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
@@ -426,7 +427,7 @@ mod tests {
         assert_eq!(above, Vec3::ZERO, "light leaves one side only");
     }
 
-    /// Fifty small lamps of different brightness, half of them turned away, some below the horizon.
+    /// Fifty small lights of different brightness, half of them facing away, some below the horizon.
     fn emissive_triangles() -> Vec<[Vec3; 3]> {
         let triangle_light = |i: usize| {
             let middle = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, [1.0, 3.0, -0.5][i % 3]);
@@ -468,7 +469,8 @@ mod tests {
 
     #[test]
     fn nothing_is_wasted() {
-        // Half of the power is turned away or below the horizon: alone, it would take half of the samples.
+        // Half of the power faces away or is below the horizon: chosen by power only, it would take half of
+        // the samples.
         let light = light_of(&emissive_triangles()).expect("they shine");
         let dark = |shape: &Shape| shape.contribution(Vec3::ZERO, Vec3::Z) == 0.0;
         let wasted: f32 = light.shapes.iter().filter(|s| dark(s)).map(|s| s.power).sum();

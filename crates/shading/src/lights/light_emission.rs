@@ -47,8 +47,8 @@ fn free_point(p: Vec3, dir: Vec3) -> SurfacePoint {
 }
 
 impl LightSet {
-    /// Starts a path at a light: `u_choice` chooses it by power, `u_pos` the place, `u_dir` the direction, all in [0, 1).
-    /// `None` if nothing shines there.
+    /// Starts a path at a light: `u_choice` chooses it by power, `u_pos` the position, `u_dir` the direction,
+    /// all in [0, 1). `None` if there is no emission there.
     #[must_use]
     pub fn emit(&self, u_choice: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
         let choice = self.power()?.sample(u_choice);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Choosing lights for sixteen points at once: the walks of `light_tree` side by side, the triangles of a leaf side by side.
 //! Source: as `light_tree` and `area`; the layout is original. Space: world.
-//! A node, and a triangle, is a row of sixteen floats: sixteen points that are at different ones read sixteen rows and turn
-//! them to columns, so that each costs a load and some shuffles. Two leaves with one parent are a block of sixteen triangles.
+//! A node, and a triangle, is a row of sixteen floats: sixteen points at different ones read sixteen rows and
+//! transpose them to columns, so that each costs a load and some shuffles. Two leaves with one parent are a
+//! block of sixteen triangles.
 //! Invariant: the samples of [`LightSet::sample`](super::LightSet::sample), bit for bit.
 //! Tests: `light_set_tests::lanes_choose_as_points_do`.
 
@@ -22,7 +23,7 @@ use crate::sampling::triangle;
 pub struct LightSamples<R: Real> {
     /// Unit, towards the light.
     pub dir: Vector<R>,
-    /// How far it is; infinite for lights without a place.
+    /// Its distance; infinite for lights without a position.
     pub dist: R,
     /// Radiance against `dir`; irradiance for `delta` lights.
     pub radiance: Vector<R>,
@@ -88,7 +89,7 @@ pub(super) struct LightLanes {
     blocks: Vec<Block>,
     /// By triangle: three corners, normal, area, radiance.
     triangles: Vec<Row>,
-    /// By triangle: whether its radiance depends on the place. Empty if none does.
+    /// By triangle: whether its radiance depends on the position. Empty if none does.
     uneven: Vec<bool>,
 }
 
@@ -209,7 +210,7 @@ impl LightLanes {
                 (end.block, end.kind) = (block, kind);
                 return end;
             }
-            // Those that do not walk look at the root.
+            // Lanes without a traversal read the root.
             let children = [walking.select(at + 1, nothing), walking.select(second, nothing)];
             let one_row = columns(simd, &self.nodes, &children[0].into());
             let other_row = columns(simd, &self.nodes, &children[1].into());
@@ -456,7 +457,7 @@ impl<S: Simd> LightSampleX16<S> {
         self.found.set(i, true);
     }
 
-    /// Its own lanes where `mask` says so, else the other's.
+    /// Its own lanes in `mask`, else the other's.
     #[inline(always)]
     pub(super) fn or(self, mask: Mask<S>, other: Self) -> Self {
         Self {

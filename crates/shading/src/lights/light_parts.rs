@@ -21,7 +21,7 @@ pub struct LightId(pub u32);
 /// The kind of a light, and its index among those of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightKind {
-    /// A triangle that shines to one side.
+    /// A triangle that emits to one side.
     Triangle(u32),
     /// From a point to all sides.
     Point(u32),
@@ -67,7 +67,7 @@ pub struct LightParts {
 pub struct LightSample {
     /// Unit, towards the light.
     pub dir: Vec3,
-    /// How far it is; infinite for lights without a place.
+    /// Its distance; infinite for lights without a position.
     pub dist: f32,
     /// Radiance against `dir`; for `delta` lights the irradiance of a surface that faces them.
     pub radiance: Vec3,
@@ -146,7 +146,7 @@ impl EnvironmentLight {
 }
 
 impl LightParts {
-    /// Whether the lights that have a place are the very same.
+    /// Whether the lights with a position are identical.
     pub(super) fn same_near(&self, other: &Self) -> bool {
         let same_triangles = match (&self.triangles, &other.triangles) {
             (Some(one), Some(other)) => Arc::ptr_eq(one, other),
@@ -160,7 +160,7 @@ impl LightParts {
         self.triangles.as_ref().map_or(0, |triangles| triangles.len())
     }
 
-    /// Lights that have a place.
+    /// Lights with a position.
     pub(super) fn finite_count(&self) -> usize {
         self.triangle_count() + self.points.len() + self.spots.len()
     }

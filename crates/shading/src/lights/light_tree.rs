@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::sampling::distribution::ALMOST_ONE;
 
-/// Where a group of lights is, where it shines and how much.
+/// Bounds, directions and power of a group of lights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
     pub(super) min: Vec3,
@@ -25,7 +25,7 @@ pub(super) struct LightBounds {
     pub(super) axis: Vec3,
     /// Cosine of the half angle of that cone; -1 = all directions.
     pub(super) cos_normals: f32,
-    /// Cosine of how far from its normal a light shines: 0 for surfaces.
+    /// Cosine of the greatest angle of emission from its normal: 0 for surfaces.
     pub(super) cos_emission: f32,
     /// Largest intensity: area times radiance for surfaces, summed.
     pub(super) power: f32,
@@ -116,7 +116,7 @@ fn cone_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub(super) bounds: LightBounds,
-    /// The first light's place in `order`, or the second child.
+    /// The first light's index in `order`, or the second child.
     pub(super) index: u32,
     /// How many lights; 0 = inner node.
     pub(super) lights: u32,
@@ -128,13 +128,13 @@ pub(super) struct LightTree {
     pub(super) nodes: Vec<Node>,
     /// Lights by leaf.
     pub(super) order: Vec<u32>,
-    /// For each light which way leads to it: bit k = second child at depth k. `None` = it is not in the tree.
+    /// The path to each light: bit k = second child at depth k. `None` = it is not in the tree.
     branches: Vec<Option<u64>>,
 }
 
-/// Deeper than this halves are cut evenly, so that ways fit in 64 bits.
+/// Deeper than this halves are cut evenly, so that paths fit in 64 bits.
 const UNEVEN_DEPTH: u32 = 30;
-/// Places along each feature where cuts are tried, plus one.
+/// Tested cuts along each feature, plus one.
 const BUCKETS: usize = 12;
 /// Lights from which on threads share the work.
 const MANY: usize = 2048;
@@ -262,13 +262,13 @@ impl LightTree {
     }
 }
 
-/// A part of a tree in the making; places count from its own beginning.
+/// A part of an unfinished tree; indices count from its own beginning.
 #[derive(Default)]
 struct Subtree {
     nodes: Vec<Node>,
     /// Lights by leaf.
     order: Vec<u32>,
-    /// The way to each of them.
+    /// The path to each of them.
     branches: Vec<u64>,
 }
 
@@ -403,7 +403,8 @@ fn costs(lights: &[(u32, LightBounds)], along: &Cut) -> Vec<(usize, f32)> {
         .collect()
 }
 
-/// The surface area orientation heuristic: power times how large the group is and into how much of the sphere it shines.
+/// The surface area orientation heuristic: power times the size of the group and the emitted part of the
+/// sphere.
 fn weight(bounds: &LightBounds) -> f32 {
     use std::f32::consts::{FRAC_PI_2, PI};
     let normals = bounds.cos_normals.clamp(-1.0, 1.0).acos();
@@ -491,7 +492,7 @@ mod tests {
         }
     }
 
-    /// More lights than one thread takes at a time, at places and in directions without order.
+    /// More lights than one thread takes at a time, at random positions and directions.
     #[test]
     fn threads_do_not_show() {
         let number = |k: u32, m: u32| (k.wrapping_mul(m) >> 8) as f32 / (1 << 24) as f32;

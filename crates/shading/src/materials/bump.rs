@@ -46,7 +46,7 @@ impl BumpMap {
         (facing + wo * (LEAST_COS - cos)).try_normalize().map_or(ns, |facing_normal| facing_normal * side)
     }
 
-    /// `None` where texture coordinates change nowhere, or heights do not.
+    /// `None` if texture coordinates or heights are constant.
     fn bent_at(&self, hits: &SurfaceBatch, i: usize) -> Option<Vec3> {
         if hits.dp_du.is_empty() {
             return None;

@@ -91,7 +91,8 @@ pub struct Coverage {
     pub texture: Option<TextureSampler>,
     /// Where the texture keeps it.
     pub channel: OpacityChannel,
-    /// All or nothing: there where the opacity reaches this. `None` = there for the share that the opacity says.
+    /// All or nothing: there where the opacity reaches this. `None` = the opacity is the fraction of the
+    /// surface.
     pub cutoff: Option<f32>,
 }
 

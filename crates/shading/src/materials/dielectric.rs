@@ -20,7 +20,7 @@ pub struct Dielectric {
     pub reflectance: Vec3,
     /// Tint of transmission.
     pub transmittance: Vec3,
-    /// Share of light that is absorbed within per way, 1 over world units, >= 0.
+    /// Absorption coefficient within, 1 over world units, >= 0.
     pub absorption: Vec3,
     /// How much greater the index is for blue-green light (486.1 nm) than for red (656.3 nm), >= 0.
     pub spread: f32,

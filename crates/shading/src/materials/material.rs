@@ -14,7 +14,7 @@ use crate::materials::bump::BumpMap;
 use crate::materials::color::{Coverage, Emission};
 use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
 
-/// A surface with emission and holes.
+/// A surface with emission and opacity.
 #[derive(Clone)]
 pub struct Material {
     /// How it scatters.

@@ -34,22 +34,23 @@ pub struct MetallicRoughness {
     pub model: Principled,
     /// The direction of brushing.
     pub anisotropy: Anisotropy,
-    /// Share of light that the inside of glass which is no pane absorbs per way, 1 over world units, >= 0.
+    /// Absorption coefficient within solid glass, 1 over world units, >= 0.
     pub absorption: Vec3,
 }
 
-/// How facets are rougher along one direction than across it.
+/// Anisotropy of microfacets: rougher along one direction than across it.
 #[derive(Clone, Debug, Default)]
 pub struct Anisotropy {
     /// How much rougher, in [0, 1]; 0 = not at all.
     pub strength: f32,
     /// That direction, from where the texture's u grows, counter-clockwise, radians.
     pub rotation: f32,
-    /// Red and green: the direction before it is turned; blue: multiplied to how much rougher they are.
+    /// Red and green: the direction before its rotation; blue: multiplied to the strength.
     pub texture: Option<TextureSampler>,
 }
 
-/// Where a texture's own coordinates grow, from where the mesh's do: its transform undone. `None` where they grow nowhere.
+/// Where a texture's own coordinates grow, from where the mesh's do: its transform undone. `None` if they are
+/// constant.
 fn axes(texture: &TextureSampler, dp_du: Vec3, dp_dv: Vec3) -> Option<[Vec3; 2]> {
     let [a, b, c, d, ..] = texture.uv_from_mesh;
     let side = (a * d - b * c).signum();
@@ -78,7 +79,7 @@ impl NormalMap {
         (self.bent(hits, i, [x, y, z]).unwrap_or(ns), slopes)
     }
 
-    /// The normal that a texel says, where it is one.
+    /// The normal of a texel, if it is valid.
     fn bent(&self, hits: &SurfaceBatch, i: usize, [x, y, z]: [f32; 3]) -> Option<Vec3> {
         let ns = hits.scattering_ns(i);
         let local = Vec3::new((2.0 * x - 1.0) * self.scale, (2.0 * y - 1.0) * self.scale, 2.0 * z - 1.0);
@@ -98,7 +99,7 @@ const ROUNDED: f32 = 0.004;
 /// The most that fine slopes add to the square of facets' slopes \[TK19\].
 const MOST_ROUGHER: f32 = 0.18;
 
-/// Roughness of facets on fine slopes: the squares add up.
+/// Roughness of microfacets on fine slopes: the squares add up.
 fn rougher(roughness: f32, slopes: f32) -> f32 {
     if slopes == 0.0 {
         return roughness;
@@ -117,7 +118,8 @@ impl MetallicRoughness {
 }
 
 impl MetallicRoughness {
-    /// Makes facets rougher along the direction in which they are brushed: glTF's alpha along it goes to 1 with the square of the strength.
+    /// Makes microfacets rougher along the direction of anisotropy: glTF's alpha along it goes to 1 with the
+    /// square of the strength.
     fn brush(&self, hits: &SurfaceBatch, i: usize, ns: Vec3, model: &mut Principled) {
         let Anisotropy { strength, rotation, texture } = &self.anisotropy;
         let (mut strength, mut axis) = (*strength, Vec2::X);

@@ -29,7 +29,7 @@ pub use shadow_catcher::ShadowCatcher;
 pub use unlit::Unlit;
 pub use whitted::{recursive_radiance, scattered_radiance};
 
-/// Perceptual roughness below which Whitted's renderer traces reflections, and sees straight through glass. Just above 0.5, which
-/// many glTF files have: there, at grazing views, rays drawn from the facets leave a tenth to a quarter of the error that light
-/// samples leave.
+/// Perceptual roughness below which Whitted's renderer traces reflections, and sees straight through glass.
+/// Just above 0.5, which many glTF files have: there, at grazing views, rays drawn from the microfacets leave
+/// a tenth to a quarter of the error of light samples.
 pub const SMOOTH: f32 = 0.55;

@@ -9,7 +9,7 @@ use crate::bsdf::{Bsdf, ClosureBatch, Kind, Lobe, Medium};
 use crate::materials::color::TexturedColor;
 use crate::shader::SurfaceShader;
 
-/// A surface whose points scatter as the function says for a lane of a batch.
+/// A surface whose points scatter by the function, for a lane of a batch.
 #[derive(Clone)]
 pub struct FromPoints<F>(pub F);
 
@@ -59,8 +59,8 @@ impl RoughGlass {
         Self { front: side(1.0 / ior), back: side(ior), absorption: Vec3::ZERO }
     }
 
-    /// The same with an inside, if it is no pane: it absorbs so much per way (1 over world units), and its index is greater by `spread` for
-    /// blue-green light than for red.
+    /// The same with an inside, if it is no pane: with this absorption coefficient (1 over world units), and
+    /// an index that is greater by `spread` for blue-green light than for red.
     #[must_use]
     pub fn with_inside(self, absorption: Vec3, spread: f32) -> Self {
         let absorption = if self.front.kind == Kind::Pane { Vec3::ZERO } else { absorption };

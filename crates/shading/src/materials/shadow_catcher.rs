@@ -2,8 +2,8 @@
 //! A shadow catcher: Lambert's reflector that shows the background where all light of the environment reaches
 //! it.
 //! Source: [Deb98] section 6 (differences between a known background with and without objects); [Lam60].
-//! Integrators that know `backdrop` may take the light that is missing from it in place of the light that
-//! arrives: no noise where nothing is missing. Others see a Lambertian reflector, and the same on average.
+//! Integrators that use `backdrop` may subtract the missing light from it instead of adding the arriving
+//! light: no noise where nothing is missing. Others see a Lambertian reflector, and the same on average.
 //! Tests: crates/render/tests/shadow_catcher.rs.
 
 use glam::Vec3;

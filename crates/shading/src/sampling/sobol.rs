@@ -11,23 +11,23 @@ use crate::batch::SampleKey;
 
 /// Purposes of pairs of random numbers: two users of one key and depth must have different ones.
 pub mod purpose {
-    /// Place within the pixel.
+    /// Position within the pixel.
     pub const PIXEL: u32 = 0;
     /// Direction of a scattered ray.
     pub const DIRECTION: u32 = 1;
     /// Choice between mirrored and refracted.
     pub const CHOICE: u32 = 2;
-    /// Place on the light that was chosen.
+    /// Position on the chosen light.
     pub const LIGHT_POSITION: u32 = 3;
     /// Choice between lights.
     pub const LIGHT_CHOICE: u32 = 4;
     /// Whether a surface that is there in part is met.
     pub const COVERAGE: u32 = 5;
-    /// Place on the camera's lens.
+    /// Position on the camera's lens.
     pub const LENS: u32 = 6;
     /// Time within which the shutter is open.
     pub const TIME: u32 = 7;
-    /// First of those that shaders outside this crate may use.
+    /// First of those for shaders outside of this crate.
     pub const SHADER: u32 = 0x100;
     /// Point on light 0; light i has `LIGHT + i`.
     pub const LIGHT: u32 = 0x1000_0000;
