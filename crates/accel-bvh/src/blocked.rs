@@ -43,7 +43,7 @@ impl<B> Blocked<B> {
         Self { greatest: tree.greatest(), tree, blocks, stats: TreeStats::default() }
     }
 
-    /// Measures a sound tree, whose blocks hold so many references.
+    /// Measures a valid tree, whose blocks hold this number of references.
     pub(crate) fn measure_again(&mut self, references: u64) {
         self.stats = TreeStats { references, ..self.tree.measure() };
     }

@@ -21,17 +21,17 @@ use crate::treelet::{NodesAtKeys, Treelet};
 
 pub use update::BoxEdit;
 
-/// Tree over boxes by their places in a list. A clone shares all of it.
+/// Tree over boxes by their indices in a list. A clone shares all of it.
 #[derive(Clone, Debug)]
 pub struct BoxIndex {
     treelets: Vec<Treelet>,
     /// Over the boxes of treelets, its members their numbers; empty where there is one treelet, or none.
     upper: Treelet,
-    /// By place: the number of the treelet and 1; 0 without a box.
+    /// By index: the number of the treelet plus 1; 0 without a box.
     owners: SharedList<u32>,
     /// Boxes are relative to it.
     origin: [f32; 3],
-    /// Around everything, at every moment.
+    /// Around everything, at all times.
     bounds: Aabb,
     /// The greatest coordinate of any plane.
     greatest: f32,
@@ -62,7 +62,7 @@ impl BoxIndex {
         self.count
     }
 
-    /// The place of the only box, where there is one only.
+    /// The index of the only box, if there is just one.
     #[must_use]
     pub fn only(&self) -> Option<usize> {
         let mut members = self.treelets.iter().flat_map(Treelet::members);
@@ -96,7 +96,7 @@ impl BoxIndex {
         }
     }
 
-    /// Looks how large it is.
+    /// Computes its size.
     fn measure(&mut self) {
         let root = self.root();
         let (bounds, at_keys) = (root.bounds(), root.at_keys().map(NodesAtKeys::bounds));

@@ -160,7 +160,7 @@ mod tests {
     use gnurt_simd::{Level, dispatch};
     use gnurt_testkit::Random;
 
-    /// Boxes of very different sizes at very different places, some of them points, in some of the places.
+    /// Boxes of very different sizes and positions, some of them points, in some of the slots.
     fn nodes() -> Vec<Node8> {
         let mut random = Random::new(3);
         let node = |i: usize| {

@@ -13,7 +13,7 @@ use crate::interleaved::Interleaved;
 use crate::node::Child;
 use crate::single_rays::PreparedTile;
 
-/// Improves the hits of a tile's active rays, which go these ways and need not have anything in common.
+/// Improves the hits of a tile's active rays, which have these direction classes and may be incoherent.
 #[inline(always)]
 pub(crate) fn walk_incoherent<S: Simd>(
     simd: S,

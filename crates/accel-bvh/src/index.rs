@@ -103,8 +103,8 @@ impl BvhIndex {
     }
 }
 
-/// Where rays are expected to miss the cache more often than this, they take turns: the least that pays of six scenes has
-/// 8.9, the most that does not 7.6.
+/// Rays with more expected cache misses than this are interleaved: the least of six scenes for which it pays
+/// has 8.9, the most for which it does not 7.6.
 const WORTH_INTERLEAVING: f32 = 8.0;
 
 /// The part of a tree that a core's own cache holds, in bytes.

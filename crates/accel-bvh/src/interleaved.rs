@@ -22,7 +22,7 @@ use crate::node_ray::NodeRay;
 use crate::single_rays::SingleRays;
 use crate::walk::{entry, last_first, nearest_first, next};
 
-/// Rays on their way at the same time, a power of two.
+/// Rays in flight, a power of two.
 const AT_ONCE: usize = 16;
 
 /// The largest stack of one of them. The deepest trees need eight times as much, but sixteen such stacks
@@ -57,7 +57,7 @@ impl Stops {
     }
 }
 
-/// A tile's rays on their way through one object's tree.
+/// A tile's rays during the traversal of one object's tree.
 pub(super) struct Interleaved<'a, S: Simd> {
     pub(super) simd: S,
     pub(super) index: &'a BvhIndex,
@@ -69,7 +69,7 @@ pub(super) struct Interleaved<'a, S: Simd> {
 struct InFlight {
     /// Rays of the tile that have not started.
     left: u64,
-    /// Each one's place in the tile.
+    /// The index of each in the tile.
     ray: [u32; AT_ONCE],
     rows: [[usize; 3]; AT_ONCE],
     waiting: [StackBuffer<u64, MOST_WAIT>; AT_ONCE],
@@ -185,7 +185,7 @@ impl<S: Simd> Interleaved<'_, S> {
         self.note(in_flight, Stop { who, child: Child::node(0) });
     }
 
-    /// Where to next: a stop of the next round, or the rest of the way alone.
+    /// The next step: a stop of the next round, or the rest of the traversal as a single ray.
     #[inline(always)]
     fn visit(&self, in_flight: &mut InFlight, stop: Stop, traversal: &mut TileTraversal) {
         // A node may leave seven children waiting.

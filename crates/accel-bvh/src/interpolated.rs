@@ -19,7 +19,7 @@ pub(crate) fn hide_nothing(nodes: &mut [Node8]) {
     put_nothing(nodes, &NOWHERE);
 }
 
-/// Gives them the box back that nothing has in a tree that stands still.
+/// Restores the box of absent children of a static tree.
 pub(crate) fn empty_nothing(nodes: &mut [Node8]) {
     put_nothing(nodes, &Aabb::EMPTY);
 }

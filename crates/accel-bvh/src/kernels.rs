@@ -25,7 +25,7 @@ use crate::spheres::SphereIndex;
 use crate::tiles::walk_tile;
 use crate::user::UserIndex;
 
-/// The kernels of one level. Rays are sound and regular, trees not empty.
+/// The kernels of one level. Rays are valid and regular, trees not empty.
 #[derive(Clone, Copy)]
 pub struct Kernels {
     token: Token,
@@ -129,7 +129,7 @@ fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, traversal: &mut RayT
     simd.vectorize(
         #[inline(always)]
         || {
-            // The trip as a whole: its fields would be copied, in other sizes than they were written in.
+            // The state as a whole: its fields would be copied, in other sizes than they were written in.
             let traversal = &mut *traversal;
             let mut best = Best::<M>::new(traversal.nearest);
             index.search(simd, traversal.ray, traversal.slot, &mut best, traversal.counters);
@@ -137,7 +137,7 @@ fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, traversal: &mut RayT
     );
 }
 
-/// A compact tree, whatever is looked for. Cold, so that the kernels above keep their registers.
+/// A compact tree, for all kinds of queries. Cold, so that the kernels above keep their registers.
 #[cold]
 #[inline(never)]
 fn search_compact<S: Simd>(simd: S, index: &BvhIndex, traversal: &mut RayTraversal) {
@@ -252,7 +252,7 @@ impl Kernels {
         kernel(self.token, index, traversal);
     }
 
-    /// One ray through triangles that move, at its moment.
+    /// One ray through moving triangles, at its time.
     #[inline]
     pub fn moving(&self, index: &MotionIndex, traversal: &mut RayTraversal) {
         let [closest, any, each] = self.table.moving;
@@ -264,8 +264,9 @@ impl Kernels {
         kernel(self.token, index, traversal);
     }
 
-    /// A tile's first rays, all of them active and of one heading, through triangles. Lanes beyond them up to the next
-    /// multiple of 16 hold copies of rays that look for nothing (`t` is -inf). Whether there is a kernel for it.
+    /// A tile's first rays, all of them active and of one direction class, through triangles. Lanes beyond
+    /// them up to the next multiple of 16 hold copies of rays without an extent (`t` is -inf). Whether there
+    /// is a kernel for it.
     #[inline]
     pub fn tile(
         &self,
@@ -276,7 +277,8 @@ impl Kernels {
         self.table.tile.inspect(|kernel| kernel(self.token, index, direction_class, traversal)).is_some()
     }
 
-    /// A tile's active rays, which go these ways and have nothing in common, through triangles. Whether there is a kernel.
+    /// A tile's active rays, of these direction classes and incoherent, through triangles. Whether there is a
+    /// kernel.
     #[inline]
     pub fn incoherent(
         &self,
@@ -321,8 +323,8 @@ impl Kernels {
         (self.table.user_point)(self.token, index, probe, slot, nearest);
     }
 
-    /// Calls `enter` with the places of boxes that `ray`, which is relative to their origin, meets before `reach`; it
-    /// answers with the new reach. Returns the number of nodes visited.
+    /// Calls `enter` with the indices of boxes that `ray`, which is relative to their origin, hits before
+    /// `reach`; it returns the new reach. Returns the number of nodes visited.
     #[inline]
     pub fn boxes(&self, index: &BoxIndex, ray: &Ray, reach: f32, enter: &mut dyn FnMut(usize) -> f32) -> u32 {
         (self.table.boxes)(self.token, index, ray, reach, enter)
@@ -342,8 +344,8 @@ impl Kernels {
             .is_some()
     }
 
-    /// Calls `enter` with the places of boxes within `radius` of `point`, which is relative to their origin; it answers with
-    /// the new radius.
+    /// Calls `enter` with the indices of boxes within `radius` of `point`, which is relative to their origin;
+    /// it returns the new radius.
     pub fn boxes_point(
         &self,
         index: &BoxIndex,

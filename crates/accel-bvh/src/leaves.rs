@@ -18,7 +18,7 @@ use crate::pose::PosedLeaves;
 use crate::screen::Screen;
 use crate::tree::Tree;
 
-/// Blocks between two questions whether to go on, and how far ahead a block's triangles are asked for.
+/// Blocks between two checks for a stop, and the distance of prefetches of a block's triangles.
 const STEP: usize = 1 << 10;
 const AHEAD: usize = 4;
 
@@ -114,7 +114,8 @@ impl Leaves {
 
     /// Block `index`: where it lies in memory as tests take it, or expanded into `buffer`.
     ///
-    /// Compact leaves have no such blocks, and are told apart behind the check of the index, which is there anyway.
+    /// Compact leaves have no such blocks, and are detected by the check of the index, which is needed
+    /// anyway.
     #[inline(always)]
     pub(super) fn block<'a, S: Simd>(
         &'a self,
@@ -147,7 +148,7 @@ impl Leaves {
     }
 }
 
-/// The first number in the place of those that are `INVALID_ID`; the first is not.
+/// The first number in place of those that are `INVALID_ID`; the first is not.
 fn without_gaps(numbers: &[u32; WIDTH]) -> [u32; WIDTH] {
     numbers.map(|number| if number == INVALID_ID { numbers[0] } else { number })
 }

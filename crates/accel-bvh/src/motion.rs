@@ -41,7 +41,7 @@ pub struct MotionIndex {
 
 impl MotionIndex {
     /// Builds over the triangles that can be traced at every key, given all of them at each; `None` where there are none.
-    /// The others are counted, and so are those with two corners in one place at every key.
+    /// The others are counted, and so are those with two coincident corners at every key.
     ///
     /// # Errors
     /// That `watch` stopped it, or that there are more blocks than leaves can number.
@@ -85,7 +85,7 @@ impl MotionIndex {
         Ok(Some(Self { keys: made, bounds, greatest: bounds.greatest() }))
     }
 
-    /// Box around all triangles at all moments.
+    /// Box around all triangles at all times.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds
@@ -111,13 +111,13 @@ impl MotionIndex {
         self.keys.len() as u32
     }
 
-    /// The tree at moment 0.
+    /// The tree at time 0.
     #[must_use]
     pub fn first(&self) -> &BvhIndex {
         &self.keys[0]
     }
 
-    /// The corners of one triangle at a moment.
+    /// The corners of one triangle at a time.
     #[must_use]
     pub fn corners_at(&self, block: usize, lane: usize, time: f32) -> [[f32; 3]; 3] {
         let interval = KeyInterval::of(time, self.keys.len());

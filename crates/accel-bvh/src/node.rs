@@ -31,7 +31,7 @@ pub(crate) struct Node8 {
     pub(crate) rows: [[f32; WIDTH]; 8],
 }
 
-/// Eight boxes side by side, however they are stored.
+/// Eight boxes side by side, in any storage.
 pub(crate) trait Boxes {
     /// One face of all boxes along axis `k`: `row` is `2 * k` for the lower ones and `2 * k + 1` for the upper ones.
     fn row<S: Simd>(&self, simd: S, k: usize, row: usize) -> f32x8<S>;
@@ -130,7 +130,8 @@ impl Node8 {
         self.rows[6][lane] = f32::from_bits(child.0);
     }
 
-    /// Its children were counted from the first of some nodes and blocks, which got these places.
+    /// Renumbers children that were counted from the first of some nodes and blocks, which now begin at these
+    /// indices.
     pub(crate) fn move_children(&mut self, first_node: usize, first_block: usize) {
         for child in &mut self.rows[6] {
             let old = Child(child.to_bits());

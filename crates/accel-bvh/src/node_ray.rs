@@ -24,7 +24,7 @@ pub(crate) struct NodeRay<S: Simd> {
 }
 
 impl<S: Simd> NodeRay<S> {
-    /// For a tree, not empty, whose greatest coordinate is `greatest`; `ray` is sound and regular.
+    /// For a tree, not empty, whose greatest coordinate is `greatest`; `ray` is valid and regular.
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &Ray, greatest: f32) -> Self {
         let slabs = Slabs::new(ray.org, ray.dir, greatest, |x| x);

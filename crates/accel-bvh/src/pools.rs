@@ -17,16 +17,16 @@ use gnurt_simd::{Simd, f32x4, prefer_huge_pages, prelude::*};
 
 use gnurt_accel_core::blocks::{TriangleBlock, WIDTH};
 
-/// Floats that are looked at from the start of a pool on, whatever bytes say: four from the last corner on.
+/// Floats that may be read from the start of a pool on, for any bytes: four from the last corner on.
 const WINDOW: usize = u8::MAX as usize + 4;
-/// Corners of a pool: so many that the last one's place is a byte.
+/// Corners of a pool: the last one's offset must fit in a byte.
 const MOST: usize = u8::MAX as usize / 3;
 
 /// Eight triangles, whose corners are in a pool.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct PooledBlock {
-    /// By corner, then by place of the block.
+    /// By corner, then by slot of the block.
     pub(super) offsets: [[u8; WIDTH]; 3],
     /// First float of the pool.
     pub(super) pool: u64,
@@ -119,7 +119,7 @@ pub(super) struct Filling {
 }
 
 impl Filling {
-    /// With room for so many blocks.
+    /// With memory for this many blocks.
     pub(super) fn new(blocks: usize) -> Self {
         let mut pools = Pools { blocks: Vec::with_capacity(blocks), corners: Vec::new() };
         prefer_huge_pages(&pools.blocks);
@@ -176,7 +176,7 @@ impl Filling {
             + size_of::<f32>() * self.pools.corners.capacity()
     }
 
-    /// The pools, without room for more.
+    /// The pools, without excess memory.
     pub(super) fn finish(mut self) -> Pools {
         self.pools.corners.shrink_to_fit();
         self.pools

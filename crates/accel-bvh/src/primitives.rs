@@ -9,8 +9,8 @@ pub(crate) trait Primitives: Sync {
     fn count(&self) -> usize;
     /// The box of one.
     fn bounds(&self, number: usize) -> Aabb;
-    /// Boxes of the parts of `number` within `cell` on both sides of a plane; `None` where it has no part. Those that
-    /// cannot be split answer with `None` for the whole, as they do unless they say otherwise.
+    /// Boxes of the parts of `number` within `cell` on both sides of a plane; `None` where it has no part.
+    /// The default, `None` for the whole, is for primitives that cannot be split.
     fn split(&self, _number: usize, _cell: &Aabb, _axis: usize, _at: f32) -> Option<[Option<Aabb>; 2]> {
         None
     }

@@ -17,7 +17,7 @@ use crate::gather::{Eight, are_certain};
 use crate::node::WIDTH;
 use crate::primitives::Primitives;
 
-/// Numbers that one thread looks at: eights, and so whole quads. Tests have small scenes.
+/// Numbers that one thread processes: eights, and so whole quads. Tests have small scenes.
 const PIECE: u32 = if cfg!(test) { 1 << 4 } else { 1 << 14 };
 
 /// Triangles that can be traced.
@@ -25,7 +25,7 @@ pub struct Screen<'a> {
     pub(crate) surfaces: Surfaces<'a>,
     /// Their numbers, ascending; not for a fast build.
     pub(crate) good: Vec<u32>,
-    /// Their boxes, each with its place in `good`.
+    /// Their boxes, each with its index in `good`.
     references: Vec<Reference>,
     /// The middles of their boxes, for a fast build.
     middles: Vec<Middle>,
@@ -44,7 +44,7 @@ struct Piece {
 }
 
 impl Piece {
-    /// Room for so many.
+    /// Reserves memory for this many.
     fn reserve(&mut self, count: usize, is_fast: bool) {
         if is_fast {
             self.middles.reserve_exact(count);
@@ -62,7 +62,7 @@ impl Piece {
 }
 
 impl<'a> Screen<'a> {
-    /// Looks at all triangles once, for a build of this quality.
+    /// Visits all triangles once, for a build of this quality.
     #[must_use]
     pub fn over(surfaces: Surfaces<'a>, quality: Quality, threads: Threads) -> Self {
         let is_fast = quality == Quality::Fast;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays of a tile that go alone but are prepared together, sixteen at a time: all of them where they have nothing in
-//! common, the last few of a subtree where they had.
+//! Rays of a tile that are traced singly but prepared together, sixteen at a time: all of them if they are
+//! incoherent, the last few of a subtree otherwise.
 //! Source: the arithmetic of [`NodeRay::new`] and [`BlockRay::new`] in lanes, with the same bits.
 //! Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
@@ -20,12 +20,12 @@ use crate::node_ray::NodeRay;
 use crate::planes::TilePlanes;
 use crate::triangles::Prepared;
 
-/// Where rays are heading.
+/// Direction classes of rays.
 #[derive(Clone, Copy)]
 pub(super) enum ClassesOf {
     /// All of them.
     One(DirectionClass),
-    /// Each its own way.
+    /// Each with its own.
     Each(DirectionClasses),
 }
 
@@ -78,8 +78,8 @@ impl SingleRays<'_> {
         }
     }
 
-    /// Each active ray of a trip from `start` on, one after the other; returns the chunks in which an end came nearer. A
-    /// function of its own, so that walks are compiled once for all tiles.
+    /// Each active ray of a traversal from `start` on, one after the other; returns the chunks in which an
+    /// end came nearer. A separate function, so that traversals are compiled once for all tiles.
     #[inline(always)]
     pub(super) fn walk<S: Simd>(
         &self,
@@ -157,7 +157,7 @@ impl SingleRays<'_> {
         )
     }
 
-    /// Each active ray of a trip that still looks for something against the triangles of a block; returns as
+    /// Each active and unfinished ray of a traversal against the triangles of a block; returns as
     /// [`walk`](Self::walk) does.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, block: &TriangleBlock, traversal: &mut TileTraversal) -> u32 {
@@ -215,7 +215,7 @@ impl PreparedTile {
         }
     }
 
-    /// The rays, which go these ways, one by one.
+    /// The rays, of these direction classes, one by one.
     #[inline(always)]
     pub(super) fn single_rays<'a>(
         &'a self,

@@ -184,9 +184,9 @@ impl SphereIndex {
     }
 }
 
-/// Both parameters where a ray that passes through a sphere meets it, ascending: roots of `a t^2 + 2 b t + c`, the one
-/// farther from zero first. In double precision: a float loses the distance from the surface of a huge sphere, and few
-/// spheres come here.
+/// Both parameters of the hits of a ray with a sphere, ascending: roots of `a t^2 + 2 b t + c`, the one
+/// farther from zero first. In double precision: a float loses the distance from the surface of a huge
+/// sphere, and few spheres come here.
 #[inline(always)]
 fn roots(ray: &Ray, center: [f32; 3], radius: f32) -> [f32; 2] {
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];

@@ -30,15 +30,15 @@ use crate::walk::{MOST_WAIT, farthest_first};
 
 /// Where intervals leave this many children of a node, rays are tested one by one.
 const MANY: u32 = 2;
-/// So many rays or fewer go on alone. Where a register holds sixteen lanes five take up to 5 % less time than three
-/// (bench/record/rays-few-2026-11-22.md).
+/// This number of rays or fewer go on singly. Where a register holds sixteen lanes five take up to 5 % less
+/// time than three (bench/record/rays-few-2026-11-22.md).
 const fn few<S: Simd>() -> u32 {
     if S::LANES >= LANES { 5 } else { 3 }
 }
 
-/// So many rays of a chunk or fewer are tested one by one against the eight triangles of a block. Tests of sixteen rays, of
-/// which there is one for each triangle that may be met, take twice as long where a register holds eight; with sixteen, six
-/// are up to 4 % better than four (bench/record/kernels-tried.md).
+/// This number of rays of a chunk or fewer are tested one by one against the eight triangles of a block.
+/// Tests of sixteen rays, of which there is one for each triangle that may be met, take twice as long where a
+/// register holds eight; with sixteen, six are up to 4 % better than four (bench/record/kernels-tried.md).
 const fn few_in_leaf<S: Simd>() -> u32 {
     if S::LANES >= LANES { 6 } else { 7 }
 }
@@ -51,8 +51,8 @@ struct Entry {
     rays: u64,
 }
 
-/// Improves the hits of a tile's first rays, all of them active and of one heading. Lanes beyond them up to the next
-/// multiple of 16 hold copies of rays that look for nothing (`t` is -inf).
+/// Improves the hits of a tile's first rays, all of them active and of one direction class. Lanes beyond them
+/// up to the next multiple of 16 hold copies of rays without an extent (`t` is -inf).
 #[inline(always)]
 pub(crate) fn walk_tile<S: Simd>(
     simd: S,
@@ -72,7 +72,7 @@ pub(crate) fn walk_tile<S: Simd>(
     };
     let mut planes = TilePlanes::EMPTY;
     let mut planes_ready = false;
-    // Those that still look for something, which only any hits change.
+    // The unfinished rays; only any-hit rays finish early.
     let looking = |nearest: &NearestTile| if kind == Kind::Any { nearest.looking(simd) } else { u64::MAX };
     let mut still = looking(traversal.nearest);
 
@@ -189,7 +189,7 @@ pub(crate) fn walk_tile<S: Simd>(
     }
 }
 
-/// The rays, all of one heading, as far as they have been prepared.
+/// The rays, all of one direction class, as far as they have been prepared.
 #[inline(always)]
 fn one_by_one<'a>(
     rays: &'a RayTile,

@@ -45,7 +45,7 @@ impl Tree {
         size_of_val(&self.nodes[..]) + size_of_val(&self.compact[..]) + size_of_val(&self.children[..])
     }
 
-    /// Brings the nodes into the form that is wanted.
+    /// Converts the nodes to the requested form.
     pub(crate) fn settle(&mut self, memory: Memory) {
         if memory == Memory::Compact {
             let nodes = std::mem::take(&mut self.nodes);

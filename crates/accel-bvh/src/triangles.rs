@@ -21,7 +21,7 @@ pub(crate) struct Prepared<S: Simd> {
 }
 
 impl<S: Simd> Prepared<S> {
-    /// `ray` is sound and regular.
+    /// `ray` is valid and regular.
     #[inline(always)]
     fn new(simd: S, ray: &Ray, greatest: f32) -> Self {
         Self { for_nodes: NodeRay::new(simd, ray, greatest), for_blocks: BlockRay::new(simd, ray) }

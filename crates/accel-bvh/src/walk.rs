@@ -239,7 +239,7 @@ pub(crate) fn walk_with<S: Simd, const WAIT: usize>(
     }
 }
 
-/// [`walk`] for any hit: children need no order, and `leaf` says whether to go on.
+/// [`walk`] for any hit: children need no order, and `leaf` returns whether to continue.
 #[inline(always)]
 pub(crate) fn walk_any<S: Simd>(
     nodes: &(impl Nodes + ?Sized),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays carried into the space of an instance.
-//! Source: two levels after [WBS03a]. Invariant: a tile's rays get the bits that each would get alone.
+//! Source: two levels after [WBS03a]. Invariant: a tile's rays get the same bits as single rays.
 //! Tests: `scene::instance::tests::carries_rays` and `tests/instances.rs` of `gnurt-accel`.
 
 use crate::ray::Ray;

@@ -39,11 +39,11 @@ pub struct BlockRay<S: Simd> {
 }
 
 impl<S: Simd> BlockRay<S> {
-    /// `ray` must be sound and of regular length.
+    /// `ray` must be valid and of regular length.
     #[inline(always)]
     pub fn new(simd: S, ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
-        // Not by `map`, which is a call of its own.
+        // Not by `map`, which would be a separate call.
         let [x, y, z] = axes;
         let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
         let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
@@ -162,8 +162,8 @@ impl TriangleBlock {
         }
     }
 
-    /// Where floats cannot decide for some lanes: by bits those that hit, those that pass inside, and those of which even that is
-    /// not known. The ray by value: one whose address is taken lives in memory.
+    /// For lanes that floats cannot decide: by bits those that hit, those that pass inside, and those that
+    /// are fully undecided. The ray by value: one whose address is taken lives in memory.
     #[cold]
     #[inline(never)]
     fn meet_in_doubt<C: Collect>(

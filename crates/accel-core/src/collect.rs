@@ -19,10 +19,10 @@ pub trait Collect {
     /// Takes a meeting at `t <= reach()`, in `[t_near, t_far]` of the ray.
     fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32);
 
-    /// Whether it matters where the ray meets things, not only that it does.
+    /// Whether the position of the hit matters, not only its existence.
     fn needs_position(&self) -> bool;
 
-    /// Whether nothing more is wanted.
+    /// Whether the query is finished.
     #[inline(always)]
     fn is_done(&self) -> bool {
         Self::CAN_END && self.reach() == f32::NEG_INFINITY

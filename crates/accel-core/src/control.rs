@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 /// Callbacks of a build. All are optional: `()` lets it run without reports. Called from any thread of the
 /// build, every few thousand triangles.
 pub trait BuildControl: Sync {
-    /// Whether the build is still wanted.
+    /// Whether the build should continue.
     fn keep_going(&self) -> bool {
         true
     }
@@ -27,7 +27,7 @@ pub trait BuildControl: Sync {
         let _ = bytes;
     }
 
-    /// Most bytes that it may hold; asked once. The triangles that are built over do not count.
+    /// Most bytes that it may hold; read once. The triangles that are built over do not count.
     fn memory_budget(&self) -> u64 {
         u64::MAX
     }
@@ -39,7 +39,7 @@ impl BuildControl for () {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// [`BuildControl::keep_going`] said no.
+    /// [`BuildControl::keep_going`] returned false.
     Cancelled,
     /// The next step would have needed more bytes than the budget allows.
     OutOfMemory {
@@ -48,7 +48,7 @@ pub enum BuildError {
         /// The value of [`BuildControl::memory_budget`].
         budget: u64,
     },
-    /// Leaves cannot number so many blocks of eight primitives: several objects can hold them.
+    /// Leaves cannot number this many blocks of eight primitives: several objects can hold them.
     TooManyBlocks {
         /// That the tree would have.
         blocks: u64,
@@ -106,7 +106,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Whether to go on. Once it says no, whatever comes out will be thrown away.
+    /// Whether to go on. After it returned false, the result will be discarded.
     pub fn go_on(&self) -> bool {
         if self.stopped.load(Relaxed) {
             return false;
@@ -165,12 +165,12 @@ impl<'a> Watch<'a> {
         self.whole.fetch_add(whole as u64, Relaxed);
     }
 
-    /// So much more is done.
+    /// Advances by this many steps.
     pub fn advance(&self, steps: usize) {
         self.report_steps(self.done.fetch_add(steps as u64, Relaxed) + steps as u64);
     }
 
-    /// So much is done of the whole, or more: a stage that found less to do than was thought is over.
+    /// Advances to this part of the total or further: a stage with less work than expected is over.
     pub fn advance_to(&self, done: usize) {
         self.report_steps(self.done.fetch_max(done as u64, Relaxed).max(done as u64));
     }
@@ -186,7 +186,7 @@ impl<'a> Watch<'a> {
         self.report(1.0);
     }
 
-    /// Another thread that is telling has told enough, and may be called from within its own call.
+    /// Another reporting thread suffices, and may be called from within its own call.
     fn report(&self, done: f32) {
         if let Ok(mut reported) = self.reported.try_lock()
             && done > *reported

@@ -29,7 +29,7 @@ const ROUNDING: f32 = 128.0 / (1 << 24) as f32;
 const UNDERFLOW: f32 = 1e-36;
 /// Coordinates whose products do not overflow.
 const FARTHEST: f32 = 1e18;
-/// Triangles larger than this part of the rays' width are worth planes; others are told apart by their boxes.
+/// Triangles larger than this part of the rays' width are worth planes; for others their boxes suffice.
 const LARGE: f32 = 0.6;
 /// Depths of corners are taken to be this much smaller, for the roundings of `t`.
 const NEARER: f32 = 1.0 - 8.0 / (1 << 24) as f32;
@@ -88,8 +88,8 @@ impl Viewpoint {
 }
 
 impl Viewpoint {
-    /// Whether most of those triangles of a block that are in `among` are large beside the tile's rays, so that planes tell
-    /// more than boxes. `extents` are the block's.
+    /// Whether most of the triangles of a block that are in `among` are large relative to the tile's rays, so
+    /// that planes exclude more than boxes. `extents` are the block's.
     #[inline(always)]
     pub fn is_worth_it<S: Simd>(
         &self,
@@ -116,7 +116,7 @@ impl EdgePlanes {
         nearest: [0.0; WIDTH],
     };
 
-    /// Looks at a block; returns the triangles that some ray of the tile may meet before `reach` steps.
+    /// Tests a block; returns the triangles that some ray of the tile may hit before `reach` steps.
     #[inline(always)]
     pub fn lanes_to_test<S: Simd>(
         &mut self,
@@ -285,7 +285,7 @@ mod tests {
                             dir[k] += weight * (corner[k][lane] - org[k]);
                         }
                     }
-                    // One heading for all.
+                    // One direction class for all.
                     let bits = |x: f32| f32::from_bits(x.abs().max(1e-9).to_bits() + (i as u32 & 3));
                     let dir = [bits(dir[0]), bits(dir[1]), bits(dir[2])];
                     let longest = dir[0].max(dir[1]);

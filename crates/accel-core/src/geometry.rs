@@ -19,12 +19,12 @@ pub const FARTHEST_PLANE: f32 = 4e18;
 /// and primitives of user geometries once.
 pub const MOST_TRIANGLES: usize = (1 << 30) - 1;
 
-/// One mesh: borrowed arrays. Its `geom_id` is its place in the list that is built over.
+/// One mesh: borrowed arrays. Its `geom_id` is its index in the list of the build.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Triangles<'a> {
     /// Vertex positions, object space.
     pub positions: &'a [[f32; 3]],
-    /// Vertices of each triangle; its place is its `prim_id`.
+    /// Vertices of each triangle; its index is its `prim_id`.
     pub indices: &'a [[u32; 3]],
 }
 
@@ -36,7 +36,7 @@ pub struct Triangles<'a> {
 pub struct Quads<'a> {
     /// Vertex positions, object space.
     pub positions: &'a [[f32; 3]],
-    /// Vertices of each quad, around it; its place is its `prim_id`.
+    /// Vertices of each quad, around it; its index is its `prim_id`.
     pub indices: &'a [[u32; 4]],
 }
 
@@ -59,9 +59,10 @@ pub struct Spheres<'a> {
 /// key, those of 1 the last one. A triangle with a bad coordinate at some key is dropped.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MovingTriangles<'a> {
-    /// Vertex positions, object space, at moments evenly spaced from 0 to 1: a list for each. One list stands still.
+    /// Vertex positions, object space, at times evenly spaced from 0 to 1: a list for each. One list is
+    /// static.
     pub keys: &'a [&'a [[f32; 3]]],
-    /// Vertices of each triangle; its place is its `prim_id`.
+    /// Vertices of each triangle; its index is its `prim_id`.
     pub indices: &'a [[u32; 3]],
 }
 
@@ -84,11 +85,11 @@ pub enum GeometryKind<'a> {
     Spheres(Spheres<'a>),
     /// A triangle mesh that moves while the shutter is open.
     Moving(MovingTriangles<'a>),
-    /// Primitives of the caller's own making; kept by the tree.
+    /// Primitives defined by the caller; stored in the tree.
     User(Arc<dyn UserGeometry>),
 }
 
-/// One geometry of an object. Its `geom_id` is its place in the list that is built over.
+/// One geometry of an object. Its `geom_id` is its index in the list of the build.
 #[derive(Clone, Debug)]
 pub struct Geometry<'a> {
     /// Its kind and data.
@@ -216,7 +217,7 @@ pub struct Numbering {
     pub too_many: u64,
 }
 
-/// A number taken apart.
+/// A number split into its parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Located {
     pub geom_id: u32,

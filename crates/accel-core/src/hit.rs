@@ -28,11 +28,11 @@ pub struct Hit {
     pub prim_id: u32,
     /// Geometry within its object, counted from 0.
     pub geom_id: u32,
-    /// Instance within the scene that was asked, counted from 0; 0 where an object's tree is asked directly.
+    /// Instance within the queried scene, counted from 0; 0 for a direct query of an object's tree.
     pub inst_id: u32,
-    /// The object's place among all objects of the scene, those of nested scenes too;
-    /// [`SceneTree::instance_path`](crate::SceneTree::instance_path) tells the instances on the way to it. 0 where an
-    /// object's tree is asked directly.
+    /// The object's index among all objects of the scene, those of nested scenes too;
+    /// [`SceneTree::instance_path`](crate::SceneTree::instance_path) returns the instances on the path to it.
+    /// 0 for a direct query of an object's tree.
     pub leaf_id: u32,
 }
 
@@ -71,7 +71,7 @@ pub struct HitBatch {
     pub geom_id: Vec<u32>,
     /// Instances.
     pub inst_id: Vec<u32>,
-    /// Places among all objects.
+    /// Indices among all objects.
     pub leaf_id: Vec<u32>,
 }
 

@@ -6,7 +6,7 @@
 //! interpolation of everything that the boxes at its keys enclose.
 //! Tests: `tests`, `tests/surfaces/motion.rs` of `gnurt-accel`.
 
-/// Between which keys a moment lies.
+/// The keys around a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeyInterval {
     /// The key before it.
@@ -33,7 +33,7 @@ impl KeyInterval {
         Self { key, next: key + 1, weights: [1.0 - behind, behind] }
     }
 
-    /// A number that is `from` at the key before and `to` at the one behind.
+    /// The interpolated number, `from` at the key before and `to` at the one behind.
     #[must_use]
     #[inline(always)]
     pub fn mix(&self, from: f32, to: f32) -> f32 {

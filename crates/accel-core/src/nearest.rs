@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The best hit so far, for closest-hit and any-hit queries, and which of two is the better one.
 //! Invariant: of hits at the same `t` the one with the lowest instance, then the lowest primitive wins, so that the
-//! answer does not depend on the order of visits. [`Nearest::offer`] and [`closer`] are the only places that say so.
+//! answer does not depend on the order of visits. Only [`Nearest::offer`] and [`closer`] implement that.
 //! Tests: `tests::{ties_go_to_the_lowest, lanes_choose_alike}`.
 
 use gnurt_simd::{Simd, SimdFloat, prelude::*};
@@ -46,7 +46,7 @@ pub struct Nearest {
     pub v: f32,
     /// Primitive in its object, [`INVALID_ID`] for none.
     pub number: u32,
-    /// The object's place among all objects of the scene.
+    /// The object's index among all objects of the scene.
     pub slot: u32,
 }
 

@@ -6,17 +6,18 @@ use gnurt_simd::Level;
 /// The caller's knowledge about the rays of a batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coherence {
-    /// Neighbours in the batch go much the same way (camera rays, shadow rays to one point): traced in packets.
+    /// Neighbours in the batch have similar directions (camera rays, shadow rays to one point): traced in
+    /// packets.
     Coherent,
-    /// Neighbours in the batch start near each other but go different ways, and not far (ambient occlusion): sorted by
-    /// direction within the batch, then traced in packets.
+    /// Neighbours in the batch have near origins but different directions and short extents (ambient
+    /// occlusion): sorted by direction within the batch, then traced in packets.
     Fanned,
-    /// Nothing is known: traced one by one; those that start all over a large scene take turns.
+    /// Unknown: traced one by one; those with origins all over a large scene are interleaved.
     #[default]
     Incoherent,
 }
 
-/// How to trace: a ray, or a batch of them. Level and coherence change nothing but the speed.
+/// How to trace: a ray, or a batch of them. Level and coherence change only the speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Query {
     /// Instruction set; the default is the CPU's best.
@@ -43,7 +44,7 @@ impl Default for Query {
 /// Tests: `tests/counters.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Rays asked for.
+    /// Rays of queries.
     pub rays: u64,
     /// Nodes visited, leaves too: of the top tree and of objects.
     pub nodes: u64,
@@ -64,13 +65,13 @@ impl std::ops::AddAssign for Counters {
 pub struct Record {
     /// Sums.
     pub counters: Counters,
-    /// `Some`: asks for nodes plus triangles of each ray of the last batch, for heat maps. Such batches are traced
-    /// ray by ray.
+    /// `Some`: requests nodes plus triangles of each ray of the last batch, for heat maps. Such batches are
+    /// traced ray by ray.
     pub costs: Option<Vec<u32>>,
 }
 
 impl Record {
-    /// One that asks for costs per ray.
+    /// A record that requests costs per ray.
     #[must_use]
     pub fn with_costs() -> Self {
         Self { counters: Counters::default(), costs: Some(Vec::new()) }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays. Space: that of the structure that is asked (world for a scene, object for an object's tree).
+//! Rays. Space: that of the queried structure (world for a scene, object for an object's tree).
 //! Tests: `tests::directions_of_any_length_are_made_regular`.
 
 use std::borrow::Cow;
@@ -12,8 +12,8 @@ use std::borrow::Cow;
 pub struct Ray {
     /// Origin.
     pub org: [f32; 3],
-    /// Smallest parameter that counts as a hit, inclusive. Made for `>= 0`: below zero hits behind the origin are right, too,
-    /// but nearer boxes are no longer looked at first.
+    /// Smallest parameter that counts as a hit, inclusive. Designed for `>= 0`: below zero hits behind the
+    /// origin are right, too, but nearer boxes are no longer visited first.
     pub t_near: f32,
     /// Direction, any length but zero. Of very short ones `t` may be beyond the greatest float, and then infinite.
     pub dir: [f32; 3],
@@ -26,7 +26,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything at moment 0.
+    /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything at time 0.
     #[must_use]
     #[inline]
     pub fn new(org: [f32; 3], dir: [f32; 3]) -> Self {
@@ -40,7 +40,7 @@ impl Ray {
         Self { mask, ..self }
     }
 
-    /// The same ray at another moment.
+    /// The same ray at another time.
     #[must_use]
     #[inline]
     pub fn with_time(self, time: f32) -> Self {

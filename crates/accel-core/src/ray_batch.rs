@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Many rays, one array per component.
 //! Source: [SSM*05]; fields as structure of arrays after the paper's Figure 4.
-//! Space: that of the structure that is asked.
-//! Invariant: all vectors of a batch have the same length, but for masks and moments, which may be missing altogether.
+//! Space: that of the queried structure.
+//! Invariant: all vectors of a batch have the same length, except for masks and times, which may be empty.
 //! Tests: `tests::push_and_get`.
 
 use crate::ray::Ray;
@@ -20,12 +20,12 @@ pub struct RayBatch {
     pub t_far: Vec<f32>,
     /// Masks; empty as long as all rays see everything.
     pub mask: Vec<u32>,
-    /// Moments; empty as long as all rays are of moment 0.
+    /// Times; empty if all rays are of time 0.
     pub time: Vec<f32>,
 }
 
 impl RayBatch {
-    /// An empty batch with room for `n` rays.
+    /// An empty batch with memory for `n` rays.
     #[must_use]
     pub fn with_capacity(n: usize) -> Self {
         let array = || Vec::with_capacity(n);
@@ -53,10 +53,10 @@ impl RayBatch {
         self.t_near.is_empty()
     }
 
-    /// Makes sure that the arrays, which anybody may change, go together.
+    /// Checks that the public arrays have the same length.
     ///
     /// # Panics
-    /// If they do not; the message says which one is of another length.
+    /// If they have not; the message names the one of another length.
     pub fn check(&self) {
         let n = self.t_near.len();
         let arrays = [

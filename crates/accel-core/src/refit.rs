@@ -6,7 +6,7 @@
 pub enum RefitError {
     /// There are more or fewer geometries or primitives than the tree was built over, or they are of other kinds or masks.
     OtherGeometry,
-    /// A primitive that could not be traced now can be; or so many no longer can that a leaf is empty.
+    /// An untraceable primitive has become traceable; or all primitives of a leaf have become untraceable.
     OtherPrimitives,
     /// A kd-tree or a grid: it divides space, and triangles that move are elsewhere in it. Or a tree with several keys.
     Structure,

@@ -63,12 +63,12 @@ fn length(v: [f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// An affine map out of a space and one back into it, which is the other's inverse as well as doubles know it.
+/// An affine map out of a space and one back into it, its inverse up to the rounding of doubles.
 #[derive(Clone, Copy, Debug)]
 pub struct Map<'a> {
-    /// Images of the axes, then of the origin, on the way out.
+    /// Images of the axes, then of the origin, of the outward map.
     pub columns: &'a [[f64; 3]; 4],
-    /// Rows of the linear part on the way in.
+    /// Rows of the linear part of the inward map.
     pub rows: &'a [[f64; 3]; 3],
 }
 
@@ -88,7 +88,7 @@ impl Map<'_> {
                 x[k].abs() * inside[0].abs() + y[k].abs() * inside[1].abs() + z[k].abs() * inside[2].abs(),
             );
         }
-        // The rows are good enough to say how much longer vectors become.
+        // The rows are precise enough for the growth of vectors.
         let growth = self.rows.map(length).map(|x| x * x).iter().sum::<f64>().sqrt();
         (inside, 2.0 * growth * (off + 2.0 * missing + ROUNDING * size))
     }

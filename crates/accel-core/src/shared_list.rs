@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-/// Values of a leaf, and leaves of a branch: powers of two, so that places are split by shifts.
+/// Values of a leaf, and leaves of a branch: powers of two, so that indices are split by shifts.
 const LEAF: usize = 16;
 const BRANCH: usize = 32;
 const SPAN: usize = LEAF * BRANCH;
@@ -67,7 +67,7 @@ impl<T> SharedList<T> {
         leaves.flat_map(|leaf| leaf.iter()).take(self.len)
     }
 
-    /// Bytes of the values and of the way to them.
+    /// Bytes of the values and of the path to them.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.len.div_ceil(LEAF) * (size_of::<[T; LEAF]>() + size_of::<Leaf<T>>())
@@ -76,7 +76,7 @@ impl<T> SharedList<T> {
 }
 
 impl<T: Send + Sync> SharedList<T> {
-    /// Its values in pieces, with the place of the first one of each.
+    /// Its values in pieces, with the index of the first one of each.
     pub fn par_pieces(&self) -> impl IndexedParallelIterator<Item = (usize, &[T])> {
         (0..self.len.div_ceil(LEAF)).into_par_iter().with_min_len(BRANCH).map(|leaf| {
             let first = leaf * LEAF;

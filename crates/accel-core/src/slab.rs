@@ -34,7 +34,7 @@ pub struct Slabs<V> {
 }
 
 impl<V: Number> Slabs<V> {
-    /// For a tree, not empty, whose greatest coordinate is `greatest`; rays are sound and regular.
+    /// For a tree, not empty, whose greatest coordinate is `greatest`; rays are valid and regular.
     #[inline(always)]
     pub fn new(org: [V; 3], dir: [V; 3], greatest: f32, at: impl Fn(f32) -> V) -> Self {
         let inv = inverse(dir, &at);

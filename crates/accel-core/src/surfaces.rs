@@ -92,7 +92,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// The corners of triangle `number`, whose indices must be sound.
+    /// The corners of triangle `number`, whose indices must be valid.
     #[inline]
     pub fn corners(&self, number: u32) -> [[f32; 3]; 3] {
         let (positions, corners) = self.indices(number);

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 /// Threads of a build. The tree is the same, bit for bit, for any choice.
 #[derive(Clone, Copy, Default)]
 pub enum Threads<'a> {
-    /// The calling thread alone.
+    /// The calling thread only.
     #[default]
     Single,
     /// The threads of this pool; may be called from inside it.
@@ -14,7 +14,7 @@ pub enum Threads<'a> {
 }
 
 impl Threads<'_> {
-    /// Runs a job, told whether several threads may work on it, among them.
+    /// Runs a job on these threads; its argument tells whether there are several.
     pub fn run<R: Send>(self, job: impl FnOnce(bool) -> R + Send) -> R {
         match self {
             Self::Single => job(false),

@@ -104,14 +104,15 @@ impl TileKernels {
         (self.table.sound)(self.token, rays, nearest)
     }
 
-    /// Which ways the rays go.
+    /// The direction classes of the rays.
     #[inline]
     #[must_use]
     pub fn direction_classes(&self, rays: &RayTile) -> DirectionClasses {
         (self.table.direction_classes)(self.token, rays)
     }
 
-    /// The heading of each ray as a number below [`DirectionClasses::CODES`]; that for those that are not `sound`.
+    /// The direction class of each ray as a number below [`DirectionClasses::CODES`]; a special one for rays
+    /// that are not in `sound`.
     #[inline]
     #[must_use]
     pub fn codes(&self, direction_classes: &DirectionClasses, sound: u64) -> [u32; TILE] {
@@ -125,8 +126,9 @@ impl TileKernels {
         (self.table.hit)(self.token, nearest)
     }
 
-    /// Makes a tile of rays from one point whose directions are there, and whose far ends are in `nearest`, which is empty
-    /// else; bits of those that are sound. Lanes of others get the direction of the first and look for nothing.
+    /// Completes a tile of rays from one point with existing directions, and far ends in `nearest`, which is
+    /// empty otherwise; returns bits of the valid ones. Other lanes get the direction of the first and no
+    /// extent.
     #[inline]
     pub fn fill(&self, rays: &mut RayTile, org: [f32; 3], nearest: &mut NearestTile) -> u64 {
         (self.table.fill)(self.token, rays, org, nearest)
@@ -187,7 +189,7 @@ fn lanes<S: Simd>(simd: S, code: usize) -> u32x16<S> {
     u32x16::splat(simd, code as u32)
 }
 
-/// `code` where the lowest sixteen bits say so.
+/// `code` for the lanes of the lowest sixteen bits.
 #[inline(always)]
 fn choose<S: Simd>(simd: S, bits: u64, code: usize, other: u32x16<S>) -> u32x16<S> {
     mask32x16::from_bitmask(simd, bits & 0xffff).select(lanes(simd, code), other)

@@ -16,7 +16,7 @@ use crate::triangle::{
     Sheared, SingleRay, TriangleHits, axes_from, meet_inside, meet_inside_in_lanes, meet_single, pass_edges,
 };
 
-/// A tile of one heading, to be tested.
+/// A tile of one direction class, for tests of triangles.
 pub struct TileTest<'a, S: Simd> {
     pub simd: S,
     pub rays: &'a RayTile,
@@ -92,7 +92,8 @@ impl<S: Simd> TileTest<'_, S> {
         better.select(slot, old_slot).store_slice(&mut nearest.slot[at..at + LANES]);
     }
 
-    /// Lanes that pass inside, but whose `t` floats cannot tell: in doubles, and those that are still in doubt one by one.
+    /// Lanes that pass inside, but whose `t` floats cannot determine: in doubles, and those that are still
+    /// undecided one by one.
     #[cold]
     #[inline(never)]
     fn meet_inside(

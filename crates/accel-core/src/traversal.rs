@@ -22,32 +22,33 @@ pub enum RayKind<'a> {
     Closest,
     /// Whether there is one.
     Any,
-    /// All hits, shown in any order; the answer says how far the ray is still of interest, negative infinity ends it.
+    /// All hits, in any order; the callback returns the remaining extent of the ray, and negative infinity
+    /// ends it.
     Each(&'a mut dyn FnMut(&Nearest) -> f32),
 }
 
-/// One ray under way.
+/// The state of one ray.
 pub struct RayTraversal<'a> {
     /// The ray, in the space of the tree that is entered.
     pub ray: &'a Ray,
     /// Its origin in double precision, where that is known.
     pub origin: Option<&'a [f64; 3]>,
     pub kind: RayKind<'a>,
-    /// Where the tree's object stands among all objects of the scene.
+    /// The index of the tree's object among all objects of the scene.
     pub slot: u32,
     /// The best hit so far; hits beyond its `t` do not count.
     pub nearest: &'a mut Nearest,
     pub counters: &'a mut Counters,
 }
 
-/// Up to 64 rays under way.
+/// The state of up to 64 rays.
 pub struct TileTraversal<'a> {
     /// The rays, in the space of the tree that is entered.
     pub rays: &'a RayTile,
-    /// Those that look for something there, as bits.
+    /// The unfinished ones, as bits.
     pub active: u64,
     pub kind: Kind,
-    /// Where the tree's object, or the first object of the scene, stands among all objects.
+    /// The index of the tree's object, or of the first object of the scene, among all objects.
     pub slot: u32,
     /// Their best hits so far.
     pub nearest: &'a mut NearestTile,
@@ -55,7 +56,7 @@ pub struct TileTraversal<'a> {
 }
 
 impl RayKind<'_> {
-    /// The same, for a part of the trip.
+    /// The same, for a part of the traversal.
     #[inline(always)]
     pub fn again(&mut self) -> RayKind<'_> {
         match self {
@@ -77,7 +78,7 @@ impl From<Kind> for RayKind<'_> {
 }
 
 impl RayTraversal<'_> {
-    /// The trip through something inside, where the ray is `ray`.
+    /// The state inside of an instance, where the ray is `ray`.
     #[inline(always)]
     pub fn inside<'b>(
         &'b mut self,
@@ -95,7 +96,7 @@ impl RayTraversal<'_> {
         self.nearest.t
     }
 
-    /// Whether nothing more is wanted.
+    /// Whether the query is finished.
     #[inline(always)]
     pub fn is_over(&self) -> bool {
         !matches!(self.kind, RayKind::Closest) && self.nearest.t == f32::NEG_INFINITY
@@ -157,21 +158,21 @@ impl Collect for RayTraversal<'_> {
 }
 
 impl TileTraversal<'_> {
-    /// The trip of those rays that are in `active`.
+    /// The state of those rays that are in `active`.
     #[inline(always)]
     pub fn only(&mut self, active: u64) -> TileTraversal<'_> {
         let Self { rays, kind, slot, .. } = *self;
         TileTraversal { rays, active, kind, slot, nearest: &mut *self.nearest, counters: &mut *self.counters }
     }
 
-    /// The trip through something inside, where the rays are `rays`.
+    /// The state inside of an instance, where the rays are `rays`.
     #[inline(always)]
     pub fn inside<'b>(&'b mut self, rays: &'b RayTile, active: u64, slot: u32) -> TileTraversal<'b> {
         let kind = self.kind;
         TileTraversal { rays, active, kind, slot, nearest: &mut *self.nearest, counters: &mut *self.counters }
     }
 
-    /// The trip of rays that were copied out of it, with hits of their own.
+    /// The state of copied rays, with hits of their own.
     #[inline(always)]
     pub fn of_copies<'b>(
         &'b mut self,
@@ -183,8 +184,8 @@ impl TileTraversal<'_> {
         TileTraversal { rays, active, kind, slot, nearest, counters: &mut *self.counters }
     }
 
-    /// [`one_by_one`](Self::one_by_one) for rays that have too little in common. A function of its own, so that the search is compiled
-    /// once more beside the tile's walk and not into it.
+    /// [`one_by_one`](Self::one_by_one) for rays that have too little in common. A separate function, so that
+    /// the search is compiled once more outside of the tile's traversal instead of into it.
     #[cold]
     #[inline(never)]
     pub fn one_by_one_outlined<S: Simd>(&mut self, simd: S, search: impl FnMut(&mut RayTraversal)) {
@@ -194,7 +195,7 @@ impl TileTraversal<'_> {
         );
     }
 
-    /// Each active ray that still looks for something, one after the other.
+    /// Each active and unfinished ray, one after the other.
     #[inline(always)]
     pub fn one_by_one(&mut self, mut search: impl FnMut(&mut RayTraversal)) {
         each(

@@ -34,11 +34,11 @@ impl Default for Filtered {
     }
 }
 
-/// Numbers that one thread looks at. Both halves of a quad are in the same piece.
+/// Numbers that one thread processes. Both halves of a quad are in the same piece.
 const PIECE: u32 = if cfg!(test) { 1 << 3 } else { 1 << 14 };
 
 impl<'a> ValidTriangles<'a> {
-    /// Looks at every triangle and quad of those geometries that are `accept` once.
+    /// Visits every triangle and quad of the accepted geometries once.
     pub fn over(
         geometries: &[Geometry<'a>],
         numbering: &Numbering,
@@ -78,7 +78,7 @@ impl<'a> ValidTriangles<'a> {
         valid
     }
 
-    /// Those of triangle meshes alone.
+    /// Those of triangle meshes only.
     #[must_use]
     pub fn new(meshes: &[Triangles<'a>]) -> Self {
         let geometries: Vec<Geometry> = meshes.iter().map(|&mesh| mesh.into()).collect();

@@ -12,7 +12,7 @@ use crate::sah::{Costs, Plane};
 
 /// Nodes of fewer triangles are not worth another thread.
 pub(super) const WORTH_A_THREAD: usize = 2048;
-/// A node still to be built, but for its triangles.
+/// A node still to be built, without its triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Cell {
     pub(super) bounds: Aabb,
@@ -75,7 +75,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The same for a tree apart, which is counted.
+    /// The same for a separate tree, which is counted.
     pub(super) fn grown(&self, cell: &Cell, child: &Cell, tree: &Subtree) {
         if child.small && !cell.small {
             self.watch.grow(tree.memory_bytes());
@@ -94,7 +94,7 @@ impl Subtree {
         size_of::<Node>() * self.nodes.capacity() + size_of::<u32>() * self.items.capacity()
     }
 
-    /// Two children for `slot`; the place of the first.
+    /// Two children for `slot`; returns the index of the first.
     pub(super) fn set_inner(&mut self, slot: usize, plane: &Plane) -> usize {
         let first = self.nodes.len();
         self.nodes[slot] = Node::inner(first as u32, plane.axis, plane.at);

@@ -18,10 +18,10 @@ use gnurt_accel_core::Aabb;
 use gnurt_accel_core::clip::split_boxes;
 use gnurt_accel_core::valid_triangles::ValidTriangles;
 
-/// Triangles in a row of nodes, each behind the other; the last is the one that is being built.
+/// Triangles in a row of nodes, each behind the other; the last is the current one.
 #[derive(Default)]
 pub(crate) struct Overlap {
-    /// Sorted, per axis; triangles by their place among the node's `prims`.
+    /// Sorted, per axis; triangles by their index among the node's `prims`.
     pub(crate) events: [Vec<Event>; 3],
     /// Numbers of the triangles in the object.
     pub(crate) prims: Vec<u32>,
@@ -62,7 +62,7 @@ struct Piece {
 const LEFT: u8 = 1;
 const RIGHT: u8 = 2;
 
-/// A triangle's number in its child; bits 31 and 30 say right and left, none of them where it was cut.
+/// A triangle's number in its child; bits 31 and 30 mean right and left, and neither means cut.
 #[derive(Clone, Copy)]
 struct Code(u32);
 
@@ -149,7 +149,7 @@ impl Overlap {
     }
 
     /// Divides the elements behind `start` by the result of [`classify`](Self::classify): the right child's
-    /// part stays, the left one's goes to `scratch.left`. `wide`: each axis by a thread of its own.
+    /// part stays, the left one's goes to `scratch.left`. `wide`: each axis by a separate thread.
     pub(crate) fn divide(&mut self, start: Start, scratch: &mut Scratch, wide: bool) {
         let Scratch { left, left_end, sides, codes, pieces, fresh } = scratch;
         left_end.prims = divide_prims(&mut self.prims, start.prims, &mut left.prims, sides);
@@ -195,11 +195,11 @@ fn mark_sides(events: &[Event], plane: &Plane, sides: &mut [u8]) {
         Side::Right => Event::new(plane.at, Kind::Flat, 0),
     };
     let (before, behind) = events.split_at(events.partition_point(|&event| event < first_right));
-    // Forwards to the plane: a box that starts may lie across, unless it ends later on the way.
+    // Forwards to the plane: a starting box may lie across, unless its end follows.
     for event in before {
         sides[event.prim()] = if event.kind() == Kind::Start { LEFT | RIGHT } else { LEFT };
     }
-    // Backwards to the plane: a box that ends may lie across, unless it starts later on the way.
+    // Backwards to the plane: an ending box may lie across, unless its start follows.
     for event in behind.iter().rev() {
         sides[event.prim()] = if event.kind() == Kind::End { LEFT | RIGHT } else { RIGHT };
     }

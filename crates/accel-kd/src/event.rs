@@ -31,7 +31,7 @@ impl Event {
     /// Equal for equal positions, ordered like them.
     #[inline(always)]
     pub(crate) fn position_of(at: f32) -> u32 {
-        // Adding zero turns -0.0 into 0.0, so that equal positions have equal bits.
+        // The addition of zero converts -0.0 to 0.0, so that equal positions have equal bits.
         let bits = (at + 0.0).to_bits();
         if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
     }

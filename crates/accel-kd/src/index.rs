@@ -164,7 +164,7 @@ impl KdIndex {
         });
     }
 
-    /// The same for a tile's first rays, all of them active and of one heading.
+    /// The same for a tile's first rays, all of them active and of one direction class.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,

@@ -15,7 +15,7 @@ use crate::grid::GridIndex;
 use crate::index::KdIndex;
 use crate::interval::IntervalIndex;
 
-/// The kernels of one level. Rays are sound and regular.
+/// The kernels of one level. Rays are valid and regular.
 #[derive(Clone, Copy)]
 pub struct Kernels {
     token: Token,
@@ -121,8 +121,8 @@ impl Kernels {
         (self.table.ray)(self.token, index, traversal);
     }
 
-    /// A tile's first rays, all of them active and of one heading. Lanes beyond them up to the next multiple of 16 hold
-    /// copies of rays that look for nothing (`t` is -inf). Whether there is a kernel for it.
+    /// A tile's first rays, all of them active and of one direction class. Lanes beyond them up to the next
+    /// multiple of 16 hold copies of rays without an extent (`t` is -inf). Whether there is a kernel for it.
     #[inline]
     pub fn tile(
         &self,

@@ -6,7 +6,7 @@
 
 use gnurt_accel_core::INVALID_ID;
 
-/// The last triangles, each in the place that its number says; `N` is a power of two.
+/// The last triangles, each in the slot of its number; `N` is a power of two.
 pub(crate) struct Mailbox<const N: usize> {
     numbers: [u32; N],
 }

@@ -28,7 +28,7 @@ struct Projected {
     third: [f32; 2],
 }
 
-/// Projected triangles by number; those of dropped ones are never looked at.
+/// Projected triangles by number; those of dropped ones are never read.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ProjectedTriangles {
     triangles: Vec<Projected>,

@@ -233,7 +233,7 @@ impl<S: Simd> Sweep<S> {
         }
         let at = |value: i32| f32x8::splat(simd, value as f32);
         let here = f32x8::from_slice(simd, &ended);
-        // Sums of all up to each place.
+        // Prefix sums of all.
         let mut ended = here + here.shift_elements_right::<1>(0.0);
         ended += ended.shift_elements_right::<2>(0.0);
         ended += ended.shift_elements_right::<4>(0.0);

@@ -16,7 +16,7 @@ use crate::sah::{Costs, Plane, Shares, Side};
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::float::{least, most};
 
-/// Nodes of at most so many triangles try every plane.
+/// Nodes of at most this many triangles try every plane.
 const FEW: usize = 16;
 /// Samples of one pass.
 const SAMPLES: usize = 8;

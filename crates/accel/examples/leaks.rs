@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sends a hundred million rays at the vertices and edges of closed meshes from inside, near the origin and a million
-//! units away, in every way to ask, and counts those that get out.
-//! Run: `cargo run --release -p gnurt-accel --example leaks [RAYS]`
+//! Sends a hundred million rays at the vertices and edges of closed meshes from inside, near the origin and a
+//! million units away, in every kind of query, and counts those that leave. Run: `cargo run --release -p
+//! gnurt-accel --example leaks [RAYS]`
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::sync::Arc;

@@ -77,7 +77,7 @@ fn camera_rays([eye, target, up]: [[f32; 3]; 3], fov: f32, size: u32) -> RayBatc
     rays
 }
 
-/// Processor seconds of this thread and peak memory of the process, where the system tells.
+/// Processor seconds of this thread and peak memory of the process, if known.
 fn cpu_and_peak() -> (f64, f64) {
     let stat = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds = stat.split(' ').next().and_then(|n| n.parse::<f64>().ok()).unwrap_or(0.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A batch on its way: its rays in tiles of neighbours, or one by one.
+//! The run of a batch: its rays in tiles of neighbours, or one by one.
 //! Space: that of the target. Tests: `tests/brute_force.rs` (`query`), `tests/masks.rs`.
 
 use gnurt_accel_core::bits::{TILE, all, each};
@@ -12,7 +12,7 @@ use crate::engine::Engine;
 use crate::target::Target;
 use crate::{Counters, Ray, RayBatch};
 
-/// A batch on its way.
+/// The run of a batch.
 pub(crate) struct BatchRun<'a> {
     pub(crate) target: Target<'a>,
     pub(crate) engine: &'a Engine,
@@ -111,7 +111,7 @@ pub(crate) fn by_mask(
             });
         }
         if same != left {
-            // The others, which see something else, look for something, too.
+            // The others, of other masks, have an extent, too.
             tile.direction_class = None;
         }
         go(tile, same);

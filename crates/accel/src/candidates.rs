@@ -24,7 +24,7 @@ impl<'a> Sorted<'a> {
         Self { hits, most, t_far }
     }
 
-    /// Takes a hit and says how far the ray is still of interest.
+    /// Takes a hit and returns the remaining extent of the ray.
     pub(crate) fn take(&mut self, hit: Hit) -> f32 {
         // Without a bound a plain list is sorted in the end: far cheaper where there are thousands.
         if self.most == usize::MAX {
@@ -67,7 +67,7 @@ impl<'a> Sorted<'a> {
     }
 }
 
-/// How far apart two parameters may be that rounding alone makes different.
+/// The greatest difference of two parameters that rounding may cause.
 fn nearness(t: f32) -> f32 {
     t.abs() * (4.0 * f32::EPSILON)
 }

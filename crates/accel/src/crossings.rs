@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How often a ray crosses surfaces. Triangles are decided by `exact/line.rs`.
-//! Space: world, or that of an object that is asked directly. Invariant: of a closed mesh it is an even number for rays that
-//! begin and end outside, wherever they go through it. Tests: `tests/surfaces/crossings.rs`.
+//! Space: world, or that of a directly queried object. Invariant: of a closed mesh it is an even number for
+//! rays that begin and end outside, wherever they go through it. Tests: `tests/surfaces/crossings.rs`.
 
 use crate::surfaces::SurfaceInRegion;
 use crate::target::Target;
@@ -92,7 +92,8 @@ pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut V
             }),
         }
     });
-    // Triangles may be shown twice; spheres and user geometry are not, and may be crossed twice at one place.
+    // Triangles may be visited twice; spheres and user geometry are not, and may be crossed twice at one
+    // position.
     met.sort_unstable_by_key(|hit| (hit.slot, hit.number));
     met.dedup_by_key(|hit| (hit.slot, hit.number));
     met.append(&mut others);
@@ -151,7 +152,7 @@ fn through_sphere(line: &LineRegion, center: [f32; 3], radius: f32) -> impl Iter
     let large = middle + half.copysign(middle);
     let small = product / large;
     let (near, far) = (line.near, line.far);
-    // NaN: it passes beside.
+    // NaN: it misses.
     let is_crossed = half > 0.0;
     [large, small].into_iter().filter(move |&t| is_crossed && t >= near && t <= far)
 }

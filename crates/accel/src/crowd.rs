@@ -11,7 +11,7 @@ use gnurt_accel_core::geometry::GeometryKind;
 
 use crate::{BuildOptions, Geometry, ObjectTree, Threads};
 
-/// The poses of one object. Threads may ask for several at a time.
+/// The poses of one object. Threads may request several at a time.
 #[derive(Debug, Default)]
 pub struct Crowd {
     /// Built over the first pose; all others share its structure.
@@ -75,7 +75,8 @@ impl Crowd {
         same.into_iter().find(|tree| tree.is_pose_of(geometries))
     }
 
-    /// Remembers a pose, and forgets some that are gone. Where another thread was faster with the same one, that is it.
+    /// Stores a pose, and drops some unused ones. If another thread has stored the same one, that is
+    /// returned.
     fn keep(&self, key: u64, geometries: &[Geometry], tree: Arc<ObjectTree>) -> Arc<ObjectTree> {
         if let Some(known) = self.known(key, geometries) {
             return known;

@@ -19,7 +19,7 @@ impl Engine {
     #[inline]
     pub(crate) fn at(level: Level) -> &'static Self {
         static ENGINES: OnceLock<[Engine; Level::ALL.len()]> = OnceLock::new();
-        // A single ray asks for it, too: after the first time it is a load.
+        // A single ray needs it, too: after the first time it is a load.
         &ENGINES.get_or_init(|| Level::ALL.map(Self::new))[level as usize]
     }
 

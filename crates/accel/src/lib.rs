@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Ray queries: rays, hits, trees over objects and scenes of instances. Knows nothing of shading, materials, files or
-//! pixels.
+//! Ray queries: rays, hits, trees over objects and scenes of instances. Independent of shading, materials,
+//! files or pixels.
 //! Source: see each file; the outline is [SIP06], sections 4 (kd-tree) and 6 (two levels).
 //!
 //! Build an [`ObjectTree`] over geometry, place it in a [`SceneTree`] any number of times, and query it.
@@ -161,8 +161,8 @@
 //!
 //! # Crowds
 //!
-//! Many characters of one kind, each in its own pose, share the structure of one tree: [`ObjectTree::posed`], or [`Crowd`], which
-//! also knows equal poses. docs/explanation/moving.md gives the savings.
+//! Many characters of one kind, each in its own pose, share the structure of one tree: [`ObjectTree::posed`],
+//! or [`Crowd`], which also detects equal poses. docs/explanation/moving.md gives the savings.
 //!
 //! ```
 //! # use gnurt_accel::*;

@@ -24,7 +24,7 @@ pub(crate) fn answer_each<Q: Sync, A: Send, T>(
     answer_shares(threads, SHARE, questions, answers, scratch, answer);
 }
 
-/// The same, at least so many at a time.
+/// The same, in shares of at least this size.
 fn answer_shares<Q: Sync, A: Send, T>(
     threads: Threads,
     least: usize,

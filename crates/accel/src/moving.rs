@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::crowd::MOST_GROWTH;
 use crate::{BuildOptions, Geometry, ObjectTree, Quality, Structure, Threads};
 
-/// How an object's primitives move within it, as far as the program says. Instances move as they like with each of them.
+/// A hint about the motion of an object's primitives. Instances move as they like with each of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Motion {
     /// No hint: motion is detected.
@@ -30,7 +30,7 @@ pub enum Motion {
 /// The kind of an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Update {
-    /// Boxes were fitted; the tree is the one that it was.
+    /// Boxes were fitted; the topology is unchanged.
     Refitted,
     /// All was built again.
     Rebuilt,
@@ -81,9 +81,9 @@ impl MovingTree {
         &self.tree
     }
 
-    /// Follows the geometry: afterwards [`tree`](Self::tree) is over it. Trees that were handed out stay as they are. Where the
-    /// geometry is another one than before, or has other good triangles, or the structure knows no refit, or
-    /// nothing is to move, the tree is built with `options`.
+    /// Follows the geometry: afterwards [`tree`](Self::tree) is over it. Trees that were handed out stay as they are.
+    /// The tree is built with `options` if the geometry differs, or has other good triangles, or the
+    /// structure has no refit, or nothing may move.
     pub fn update(&mut self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Update {
         let is_fixed = matches!(self.motion, Motion::Static | Motion::Rigid) || !self.tree.knows_refits();
         let refitted = (!is_fixed).then(|| self.space().refit_from(geometries, threads).ok()).flatten();
@@ -109,7 +109,7 @@ impl MovingTree {
     }
 
     /// A pose that others share their structure with stays one unless it fits badly: one of a crowd gets few of the rays, and a
-    /// tree by itself would take many times the memory. For the same reason none is kept to be written over.
+    /// tree by itself would take many times the memory. For the same reason none is kept for reuse.
     fn follow_pose(
         &mut self,
         tree: ObjectTree,

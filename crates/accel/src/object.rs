@@ -167,7 +167,7 @@ impl ObjectTree {
         traversal.only(single).one_by_one(|traversal| self.ray(engine, traversal));
     }
 
-    /// For a tile's first rays, all of them active and of one heading.
+    /// For a tile's first rays, all of them active and of one direction class.
     fn coherent(&self, engine: &Engine, direction_class: DirectionClass, traversal: &mut TileTraversal) {
         for part in self.parts.iter().filter(|part| part.mask & traversal.rays.mask != 0) {
             let has_kernel = match &part.index {

@@ -95,7 +95,7 @@ impl Target<'_> {
         sound & engine.tiles.hit(nearest)
     }
 
-    /// Tells the closest hit of each ray of a packet that has one.
+    /// Reports the closest hit of each ray of a packet that has one.
     pub(crate) fn closest_of_packet(
         self,
         query: &Query,

@@ -32,7 +32,7 @@ impl Pencil {
         (&mut self.rays.dir, &mut self.t_far)
     }
 
-    /// Sets the moment of all rays; see [`Ray::time`](crate::Ray::time). It is 0 at first.
+    /// Sets the time of all rays; see [`Ray::time`](crate::Ray::time). It is 0 at first.
     pub fn set_time(&mut self, time: f32) {
         if self.rays.is_timed || time != 0.0 {
             (self.rays.time, self.rays.is_timed) = ([time; TILE], true);

@@ -12,7 +12,7 @@ use crate::engine::Engine;
 use crate::target::Target;
 use crate::{AnyRay, Counters, Hit, PointHit, Query, Ray};
 
-/// A single ray as it is asked for.
+/// A single ray of a query.
 #[derive(Clone, Copy)]
 pub(crate) struct One<'a> {
     query: &'a Query,
@@ -51,7 +51,8 @@ impl Target<'_> {
         }
     }
 
-    /// The tree that a ray can go straight into, which most single rays do: nothing is to be looked at but one mesh of triangles.
+    /// The tree that a ray can enter directly, as most single rays do: the target is just one mesh of
+    /// triangles.
     #[inline(always)]
     fn only_tree(&self, One { query, ray, .. }: One) -> Option<&BvhIndex> {
         match self {
@@ -163,7 +164,7 @@ impl Target<'_> {
         nearest.hit(point, |nearest| self.hit(nearest))
     }
 
-    /// Offers points of primitives near `point`, of each the one that is nearest; of nothing near NaN.
+    /// Offers points of primitives near `point`, the nearest of each; none near NaN.
     pub(crate) fn near(self, query: &Query, point: [f64; 3], nearest: &mut dyn NearestPoint) {
         if point.iter().all(|x| x.is_finite()) && !nearest.distance().is_nan() {
             self.point(Engine::at(query.level), &Probe::new(point, query.mask), nearest);

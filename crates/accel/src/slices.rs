@@ -184,8 +184,8 @@ impl<'a> From<&'a [[f64; 3]]> for Vectors<'a> {
     }
 }
 
-/// Rays in borrowed arrays. Numbers of double precision are rounded to floats, but for origins, which scenes use as they are,
-/// as those of a [`Ray64`](crate::Ray64).
+/// Rays in borrowed arrays. Numbers of double precision are rounded to floats, except for origins, which
+/// scenes use unrounded, as those of a [`Ray64`](crate::Ray64).
 #[derive(Clone, Copy, Debug)]
 pub struct RaySlices<'a> {
     org: Vectors<'a>,
@@ -303,7 +303,7 @@ impl<'a> RaySlices<'a> {
     }
 }
 
-/// Where hits go: borrowed arrays of those fields that are wanted, one value for each ray.
+/// The output of hits: borrowed arrays of the requested fields, one value for each ray.
 #[derive(Debug, Default)]
 pub struct HitSlices<'a> {
     /// Ray parameters; infinite where a ray missed.
@@ -342,7 +342,7 @@ impl HitSlices<'_> {
         self.normal.as_ref().map_or(Ok(()), |array| fits("normals", array.len(), rays))
     }
 
-    /// In parts for so many rays each.
+    /// In parts for this many rays each.
     pub(crate) fn parts(&mut self, size: usize) -> Vec<(Range<usize>, HitSlices<'_>)> {
         fn split<'b, T>(array: &mut Option<&'b mut [T]>, at: usize) -> Option<&'b mut [T]> {
             let (first, rest) = array.take()?.split_at_mut(at);
@@ -386,7 +386,7 @@ impl HitSlices<'_> {
         floats.chain(ids).chain(self.normal.iter().map(|array| array.len())).next()
     }
 
-    /// Writes all hits of as many rays as there are places, but no normals.
+    /// Writes all hits of these rays, but no normals.
     pub(crate) fn copy(&mut self, hits: &HitBatch) {
         fn put<T: Copy>(array: &mut Option<&mut [T]>, values: &[T]) {
             if let Some(array) = array {

@@ -13,11 +13,11 @@ use crate::batch_run::BatchRun;
 /// Rays that are sorted at a time.
 const WINDOW: usize = 4096;
 
-/// Headings that they are sorted by, and those that cannot be traced: a power of two above their number.
+/// Direction classes for sorting, and one for untraceable rays: a power of two above their number.
 const BUCKETS: usize = 32;
 const _: () = assert!(DirectionClasses::CODES < BUCKETS, "each heading has its place");
 
-/// Sorts rays by where they are heading, then traces them in tiles.
+/// Sorts rays by direction class, then traces them in tiles.
 pub(crate) fn trace(batch: &BatchRun, answers: &mut Answers, counters: &mut Counters) {
     let (rays, kernels) = (batch.rays, &batch.engine.tiles);
     let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);

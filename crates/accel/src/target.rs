@@ -30,7 +30,7 @@ impl SceneTree {
 }
 
 impl Target<'_> {
-    /// Sends a ray, which is sound.
+    /// Traces a ray, which is valid.
     #[inline(always)]
     pub(crate) fn ray(self, engine: &Engine, traversal: &mut RayTraversal) {
         match self {

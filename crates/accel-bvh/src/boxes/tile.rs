@@ -30,27 +30,28 @@ struct Entry {
     rays: u64,
 }
 
-/// So many may wait, also in tests where that is too few. The deepest treelets need four times as much, but scenes in one
-/// another hold some of these each: where there is no room, rays go on alone.
+/// The size of the stack, which tests exceed. The deepest treelets need four times as much, but nested scenes
+/// hold some of these each: without space, rays go on singly.
 const MOST_WAIT: usize = if cfg!(test) { 12 } else { 64 };
 
 /// Where a walk has come to.
 enum Stop {
     /// A block, with many rays.
     Block(usize),
-    /// A child, with rays that go on alone.
+    /// A child, with rays that go on singly.
     SingleRays(Child),
 }
 
 /// Where intervals leave this many boxes of a node, rays are tested one by one.
 const MANY: u32 = 2;
 
-/// So many rays or fewer go on alone.
+/// This number of rays or fewer go on singly.
 const FEW: u32 = 5;
 
 impl BoxIndex {
-    /// Calls `enter` with the places of boxes that a tile's first rays, all of them active and of one heading, may meet, and
-    /// with the trip of those rays that may meet it and still look for something. There are boxes.
+    /// Calls `enter` with the indices of boxes that a tile's first rays, all of them active and of one
+    /// direction class, may hit, and with the traversal state of those rays that may hit it and are not
+    /// finished. There are boxes.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,
@@ -83,7 +84,7 @@ impl BoxIndex {
     }
 }
 
-/// A tile's rays on their way through the boxes.
+/// A tile's rays during the traversal of boxes.
 struct Shot<'a> {
     index: &'a BoxIndex,
     beam: Beam,
@@ -91,7 +92,7 @@ struct Shot<'a> {
     /// How many rays there are.
     count: usize,
     direction_class: DirectionClass,
-    /// How many steps any ray still looks ahead.
+    /// The greatest remaining extent of any ray, in steps.
     farthest: f32,
     /// Planes for each single ray, computed at first use. On the heap, because nested scenes share the stack.
     planes: Option<Box<TilePlanes>>,
@@ -157,7 +158,7 @@ impl Shot<'_> {
         }
     }
 
-    /// Which of the rays, each at its moment, may meet the member at a place of a block that moves.
+    /// The rays, each at its time, that may hit a moving member of a block.
     #[inline(never)]
     fn at_ray_times<S: Simd>(&mut self, simd: S, member: MovingMember, traversal: &TileTraversal) -> u64 {
         let (count, direction_class) = (self.count, self.direction_class);
@@ -180,7 +181,7 @@ impl Shot<'_> {
         )
     }
 
-    /// Those that still look for something, which only any hits change.
+    /// The unfinished rays; only any-hit rays finish early.
     #[inline(always)]
     fn looking<S: Simd>(&self, simd: S, traversal: &TileTraversal) -> u64 {
         if traversal.kind == Kind::Any { traversal.nearest.looking(simd) } else { u64::MAX }
@@ -224,8 +225,8 @@ impl Shot<'_> {
     }
 }
 
-/// Goes through `nodes` with the rays in `bits`, and calls `stop` with those that come to a block, and with those that go on
-/// alone.
+/// Traverses `nodes` with the rays in `bits`, and calls `stop` with those that reach a block, and with those
+/// that go on singly.
 #[inline(always)]
 fn walk_masks<'a, S: Simd>(
     simd: S,
@@ -310,7 +311,8 @@ fn tile_treelet<S: Simd>(
     );
 }
 
-/// A member of a block: its place there, after how many steps the first ray may meet it, and which rays may.
+/// A member of a block: its slot, the number of steps to the first possible hit, and the rays that may hit
+/// it.
 type Met = (usize, f32, u64);
 
 /// The sort key of members, coarse enough that their order is independent of the level, which rounds

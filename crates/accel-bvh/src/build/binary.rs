@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A binary tree, built with care: by the cheaper of dividing references and dividing space, node by node.
 //! Source: [SFD09] section 4.3 for when space is tried; binned as in [Wald07].
-//! In: references with room for second parts behind them. Out: [`BinaryNode`]s, children before their parents.
-//! Invariant: subtrees get room by their numbers of references, so that threads do not matter.
+//! In: references with space for second parts behind them. Out: [`BinaryNode`]s, children before their
+//! parents.
+//! Invariant: subtrees get space by their numbers of references, so that threads do not matter.
 //! Tests: `super::tests`.
 
 use super::binary_node::{BinaryNode, Cluster};
@@ -37,7 +38,7 @@ pub(super) struct Careful<'a, P> {
     pub(super) tasks: TaskPool<'a>,
     /// Overlaps of children below this are good enough.
     least_overlap: f32,
-    /// From this depth on references are divided by number alone.
+    /// From this depth on references are divided by number only.
     by_number: usize,
     /// The clusters that references point to; empty if they point to primitives.
     clusters: &'a [Cluster],
@@ -135,7 +136,7 @@ impl<'a, P: Primitives> Careful<'a, P> {
         (left_size + right_size + 1, costs)
     }
 
-    /// Cuts `part`, the first of `references`, in two; the second starts where its room does.
+    /// Cuts `part`, the first of `references`, in two; the second starts at its own space.
     pub(super) fn divide(
         &self,
         references: &mut [Reference],

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where to divide references: the surface area heuristic at the borders of bins of their middles.
-//! Source: [Wald07]; the heuristic of [MB90]. Differs: counts blocks of eight, which cost the same however full.
+//! Source: [Wald07]; the heuristic of [MB90]. Differs: counts blocks of eight, which cost the same whether
+//! full or not.
 //! Space: that of the primitives; areas are scaled so that the root's sides are at most 1: a float would overflow.
 //! Invariant: both sides of a split get something; their boxes are exact. Tests: `super::tests`.
 
@@ -62,7 +63,7 @@ impl Bins {
     pub(super) fn add<S: Simd>(&mut self, simd: S, references: &[Reference], mapping: &Mapping) {
         let origin = f32x4::load_array(simd, mapping.origin);
         let scale = f32x4::load_array(simd, mapping.scale);
-        // Neighbours often share a bin, and one would have to wait for the other: both halves take turns.
+        // Neighbours often share a bin, and one would have to wait for the other: the two halves alternate.
         let (front, back) = references.split_at(references.len() / 2);
         for (a, b) in front.iter().zip(back) {
             self.put(simd, a, origin, scale);

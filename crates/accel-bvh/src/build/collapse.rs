@@ -15,7 +15,7 @@ use crate::tree::{DEEPEST, Tree};
 /// Nodes of this depth and their subtrees are made by one thread.
 const SINGLE_DEPTH: usize = 3;
 
-/// A node to be made of `node`, to hang at `lane` of node `parent`.
+/// A pending node, made of `from`, at `lane` of node `parent`.
 #[derive(Clone, Copy)]
 struct Pending {
     from: usize,
@@ -30,7 +30,7 @@ struct Source<'a> {
     made: &'a [Node8],
 }
 
-/// Some nodes and the blocks below them, with places of their own.
+/// Some nodes and the blocks below them, with indices of their own.
 #[derive(Default)]
 struct Piece {
     nodes: Vec<Node8>,

@@ -12,8 +12,8 @@ const NODE: f32 = 1.0;
 /// not used.
 pub(super) type Costs = [f32; WIDTH];
 
-/// Of so many places, those for the left child; 0 where one place less does as well. With 8 it is the node made of the node
-/// itself that has them.
+/// For each number of slots, the left child's; 0 if one slot less has the same cost. With 8 it is the node
+/// made of the node itself that has them.
 pub(super) type Shares = [u8; WIDTH + 1];
 
 /// Costs of a leaf of one block, given half its surface.
@@ -26,7 +26,7 @@ pub(super) fn made_costs(area: f32, below: f32) -> Costs {
     [NODE * area + below; WIDTH]
 }
 
-/// Costs of a node with two children, given half its surface, and how they share its places.
+/// Costs of a node with two children, given half its surface, and the division of its slots.
 pub(super) fn inner_costs(area: f32, left: &Costs, right: &Costs) -> (Costs, Shares) {
     let (mut costs, mut shares) = ([f32::INFINITY; WIDTH], [0; WIDTH + 1]);
     for slots in (2..=WIDTH).rev() {

@@ -42,13 +42,13 @@ use reinsert::{QUICK, THOROUGH, reinsert};
 use stages::Stages;
 use task_pool::TaskPool;
 
-/// From this depth on a binary tree is divided by number alone.
+/// From this depth on a binary tree is divided by number only.
 const BY_NUMBER: usize = 64;
 
 /// As above, where the wide tree became too deep: with 2^30 primitives halves of halves reach blocks after 28 more levels.
 const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
 
-/// A tree with parts of primitives has to be so much cheaper, since it is larger.
+/// A tree with spatial splits must be cheaper by this factor, because it is larger.
 const WORTH_PARTS: f32 = 0.99;
 
 /// Builds over all primitives, uncontrolled.
@@ -179,7 +179,7 @@ fn build_fast(primitives: &impl Primitives, parallel: bool, watch: &Watch) -> Re
     Ok(build_along_curve(middles, make, parallel, watch)?.0)
 }
 
-/// The fast way; `make` makes something of all leaf blocks, and their boxes.
+/// The fast builder; `make` converts all leaf blocks, and returns their boxes.
 ///
 /// # Errors
 /// That `watch` stopped it, or that there are too many blocks.
@@ -214,7 +214,7 @@ pub(crate) fn build_along_curve<T>(
     Ok((tree, made))
 }
 
-/// Whether leaves can number so many blocks.
+/// Whether leaves can number this many blocks.
 fn within_numbers(blocks: usize) -> Result<(), BuildError> {
     if blocks > Child::MOST_NUMBERS {
         let (blocks, most) = (blocks as u64, Child::MOST_NUMBERS as u64);

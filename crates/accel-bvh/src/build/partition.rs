@@ -3,7 +3,8 @@
 //! Every reference is written to both ends of the free range, and one end advances. A buffer holds some
 //! references of both ends, so that there is always space, and the next to be moved come from the side with
 //! less space.
-//! Invariant: the order depends on the references alone. Tests: `tests::each_side_gets_its_own`, `super::tests`.
+//! Invariant: the order depends only on the references. Tests: `tests::each_side_gets_its_own`,
+//! `super::tests`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 

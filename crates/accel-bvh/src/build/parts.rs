@@ -26,7 +26,8 @@ pub(crate) struct PartOptions {
     pub(crate) quality: Quality,
 }
 
-/// The trees of all parts, made into something by `make`; empty boxes are in none. Numbers are places in `boxes`.
+/// The trees of all parts, made into something by `make`; empty boxes are in none. Numbers are indices of
+/// `boxes`.
 ///
 /// # Errors
 /// That `watch` stopped it.

@@ -46,7 +46,7 @@ impl Lanes {
         Self([x, y, z, f32::from_bits(number + NORMAL), xx, yy, zz, 0.0])
     }
 
-    /// The same box under a number so much greater.
+    /// The same box with a number increased by this.
     #[inline(always)]
     pub(crate) fn moved(&self, by: u32) -> Self {
         let mut moved = *self;

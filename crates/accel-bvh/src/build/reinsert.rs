@@ -36,7 +36,7 @@ pub(super) const QUICK: &[f32] = &[0.05];
 /// and for those of high quality behind it.
 pub(super) const THOROUGH: &[f32] = &[0.5, 0.25, 0.12];
 
-/// In place of a node that there is not.
+/// Represents an absent node.
 const NONE: u32 = u32::MAX;
 
 /// Searches that are done by one thread. Tests have small scenes.
@@ -46,7 +46,7 @@ const PIECE: usize = if cfg!(test) { 1 << 4 } else { 1 << 10 };
 /// step for the setup. A step is the time to build over one primitive; measured with conference and dragon.
 const STEPS: usize = 2;
 
-/// One of so many areas is looked at to learn how large the largest are.
+/// One of this many areas is sampled to find the largest ones.
 const SAMPLE: usize = 16;
 
 /// The state of a node that may move: a cache line.
@@ -58,7 +58,7 @@ struct MovableNode {
     children: [u32; 2],
     /// None of the root.
     parent: u32,
-    /// Nodes on the longest way down; 0 of a leaf.
+    /// Nodes on the longest path down; 0 for a leaf.
     height: u32,
 }
 
@@ -129,7 +129,7 @@ impl<'a> MovableTree<'a> {
             let children = movables[at].children.into_iter().filter(|&child| child != NONE);
             children.for_each(|child| movables[child as usize].parent = at as u32);
         }
-        // From each leaf upwards, as long as that is the longest way.
+        // From each leaf upwards, while that is the longest path.
         for leaf in 0..movables.len() {
             let (mut at, mut height) = (movables[leaf].parent, 1);
             while movables[leaf].is_leaf() && at != NONE && movables[at as usize].height < height {
@@ -254,7 +254,7 @@ impl<'a> MovableTree<'a> {
             piece.iter().for_each(|&Move { node, target, .. }| self.try_move(node, target));
             self.tasks.watch.advance(piece.len());
         }
-        // Those that had no good place.
+        // Nodes without a better position.
         self.tasks.watch.advance(searched - moves.len());
     }
 
@@ -286,15 +286,15 @@ impl<'a> MovableTree<'a> {
         }
     }
 
-    /// `child` takes the place of its parent. Returns how much larger areas above are for it.
+    /// `child` replaces its parent. Returns how much larger areas above are for it.
     fn take_out(&mut self, parent: u32, child: u32) -> f64 {
         let above = self.movable(parent).parent;
         self.replace(above, parent, child);
         self.fit(above)
     }
 
-    /// `parent` takes the place of `target`, which hangs below it from now on, as `node` does. Returns how much larger areas
-    /// are for it, that of `parent` included.
+    /// `parent` replaces `target`, which becomes its child, as does `node`. Returns how much larger areas are
+    /// for it, that of `parent` included.
     fn put_in(&mut self, parent: u32, node: u32, target: u32) -> f64 {
         let above = self.movable(target).parent;
         self.replace(above, target, parent);

@@ -141,7 +141,7 @@ impl Slabs {
 }
 
 impl Plane {
-    /// On which sides a reference is: as it was counted, so that there is room for all parts.
+    /// The sides of a reference, as counted, so that there is space for all parts.
     #[inline]
     fn sides(&self, reference: &Reference) -> [bool; 2] {
         let slab = |x: f32| ((x - self.origin) * self.per_unit) as i32;

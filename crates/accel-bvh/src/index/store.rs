@@ -212,7 +212,7 @@ impl Tree {
 }
 
 impl Tree {
-    /// Whether all that a walk relies on is so, where leaves are of so many blocks.
+    /// Checks all properties that a traversal relies on, for leaves of this many blocks.
     pub(crate) fn check(&self, blocks: usize) -> Result<(), LoadError> {
         let damaged = |what| Err(LoadError::Damaged(what));
         let count = self.count();

@@ -28,7 +28,7 @@ const PIECE: usize = if cfg!(test) { 1 << 2 } else { 1 << 9 };
 
 impl BvhIndex {
     /// A tree that shares its structure with this one, and holds nothing until it is [refitted](Self::refit) to a pose.
-    /// `surfaces` says which vertices triangles have; it is asked for once.
+    /// `surfaces` gives the vertices of triangles; it is read once.
     ///
     /// # Errors
     /// That triangles have other vertices than when it was built.

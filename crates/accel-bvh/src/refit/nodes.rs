@@ -10,14 +10,14 @@ use crate::compact::Children;
 use crate::node::{Child, Node8, WIDTH};
 use crate::tree::Tree;
 
-/// Subtrees of at most so many nodes are fitted by one thread. Tests have small scenes.
+/// Subtrees of at most this many nodes are fitted by one thread. Tests have small scenes.
 const PIECE: usize = if cfg!(test) { 1 << 3 } else { 1 << 8 };
 
 /// Some subtrees side by side.
 struct Subtree<'a> {
     nodes: &'a mut [Node8],
     costs: &'a mut [f32],
-    /// The first node's place in the tree.
+    /// The first node's index in the tree.
     base: usize,
     bounds: Aabb,
 }
@@ -124,7 +124,8 @@ fn side_by_side<T: Send>(all: &mut [T], each: &(impl Fn(&mut T) + Sync)) {
     }
 }
 
-/// The boxes of a node's children, the nodes among which are asked for in order; returns the box around all and the cost.
+/// The boxes of a node's children, the nodes among which are requested in order; returns the box around all
+/// and the cost.
 #[inline(always)]
 fn fit_node(node: &mut Node8, boxes: &[Aabb], mut below: impl FnMut(usize) -> (Aabb, f32)) -> (Aabb, f32) {
     let mut sum = Sum::NONE;

@@ -10,9 +10,9 @@ pub(crate) struct Moving {
     pub(crate) count: u64,
     /// Triangles that could not be traced when the tree was built, ascending.
     pub(crate) strays: Vec<u32>,
-    /// Blocks, and a triangle in each that cannot for the time being. One that lies in several blocks is here for each.
+    /// Blocks, and a triangle in each that cannot for the time being. One in several blocks occurs for each.
     pub(crate) absent: Vec<(u32, u32)>,
-    /// Boxes of leaf blocks: room.
+    /// Memory for boxes of leaf blocks.
     pub(crate) boxes: Vec<Aabb>,
     /// The cost of each subtree at the build, and now; see [`Tree::refit`](crate::tree::Tree::refit).
     pub(crate) built: Vec<f32>,

@@ -169,7 +169,7 @@ impl BvhIndex {
     }
 }
 
-/// How far ahead indices are asked for, in blocks.
+/// Distance of prefetches of indices, in blocks.
 const AHEAD: usize = 6;
 
 /// Corners and boxes of some blocks; notes those of which some triangle may be bad, counted from `first`.

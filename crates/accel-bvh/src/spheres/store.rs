@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Spheres and their tree on their way into a file and back.
-//! The format is that of `crate::store`. Tests: `tests/saved.rs`.
+//! Saving and loading of spheres and their tree. The format is that of `crate::store`. Tests:
+//! `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 

@@ -29,7 +29,7 @@ pub(crate) struct NodesAtKeys {
 }
 
 impl NodesAtKeys {
-    /// Of nodes whose boxes are around all ways; `None` where no member moves.
+    /// Of nodes whose boxes enclose all paths; `None` if no member moves.
     pub(super) fn new(
         nodes: &[Node8],
         first_block: usize,
@@ -78,14 +78,14 @@ impl NodesAtKeys {
         &self.nodes[key * count..][..count]
     }
 
-    /// The nodes at a moment.
+    /// The nodes at a time.
     #[inline(always)]
     pub(crate) fn interpolated(&self, time: f32) -> InterpolatedNodes<'_> {
         let KeyInterval { key, next, weights } = KeyInterval::of(time, self.keys);
         InterpolatedNodes { from: self.nodes(key), to: self.nodes(next), weights }
     }
 
-    /// Whether a member moves: that at a place of a block, which is counted with the nodes.
+    /// Whether a member of a block moves; the block is counted with the nodes.
     #[inline(always)]
     pub(crate) fn moves(&self, block: usize, child_lane: usize) -> bool {
         self.moving[block - self.first_block] >> child_lane & 1 != 0

@@ -4,8 +4,8 @@
 
 use super::dyadic::Dyadic;
 
-/// The line's parameter, and weights of the second and the third corner; for a line that passes beside the triangle those of
-/// a point on its edge: negative weights are none.
+/// The line's parameter, and weights of the second and the third corner; for a line that misses the triangle
+/// those of a point on its edge: negative weights become zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ExactHit {
     pub(crate) t: f64,

@@ -55,8 +55,8 @@ impl Line {
         Self { org, dir, near, far, axes: [(last + 1) % 3, (last + 2) % 3, last], size: x + y + z }
     }
 
-    /// Whether the line, moved as the head says, crosses the triangle between its ends; and if so, whether it goes the way
-    /// of the normal `(b - a) x (c - a)`.
+    /// Whether the line, moved as described in the head, crosses the triangle between its ends; and if so,
+    /// whether it goes along the normal `(b - a) x (c - a)`.
     pub fn crosses(&self, triangle: &Triangle) -> Option<bool> {
         let edges = [(1, 2), (2, 0), (0, 1)];
         let mut signs = edges.map(|(i, j)| self.edge(triangle, i, j));
@@ -92,7 +92,7 @@ impl Line {
         [t.clamp(self.near, self.far), u, weight(cross_of(to_b, from)).min(1.0 - u)]
     }
 
-    /// The sign of an edge if doubles tell.
+    /// The sign of an edge, if doubles decide it.
     fn edge(&self, triangle: &Triangle, i: usize, j: usize) -> i8 {
         let (p, q) = (triangle.near[i], triangle.near[j]);
         let (r, w) = (away(p, self.org), away(q, p));
@@ -104,7 +104,7 @@ impl Line {
         certain(value, self.size * off * 1.01 + f64::MIN_POSITIVE)
     }
 
-    /// The same by exact numbers, never 0 but for an edge along the line.
+    /// The same by exact numbers, never 0 except for an edge along the line.
     #[cold]
     fn edge_exactly(&self, triangle: &Triangle, i: usize, j: usize) -> i8 {
         let moved = |along: usize| sign(&Tilt { line: self, triangle, i, j, along });
@@ -229,7 +229,7 @@ impl Formula for Height<'_> {
     }
 }
 
-/// Which way one turns from edge `i`-`j` to a point, or to the third corner, as seen along axis `k`.
+/// The orientation of edge `i`-`j` and a point, or the third corner, seen along axis `k`.
 struct Orientation<'a> {
     triangle: &'a Triangle<'a>,
     k: usize,

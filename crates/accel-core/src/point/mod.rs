@@ -21,7 +21,7 @@ use crate::nearest::Nearest;
 pub struct PointHit {
     /// How far away it is.
     pub distance: f64,
-    /// Where it is, in the space of the tree that was asked.
+    /// Its position, in the space of the queried tree.
     pub point: [f64; 3],
     /// First parameter on the primitive; see [`Hit`].
     pub u: f32,
@@ -31,7 +31,7 @@ pub struct PointHit {
     pub prim_id: u32,
     /// Geometry within its object, counted from 0.
     pub geom_id: u32,
-    /// Instance within the scene that was asked; 0 where an object's tree is asked directly.
+    /// Instance within the queried scene; 0 for a direct query of an object's tree.
     pub inst_id: u32,
     /// See [`Hit::leaf_id`].
     pub leaf_id: u32,
@@ -42,8 +42,8 @@ pub struct PointHit {
 pub trait NearestPoint {
     /// Nothing farther counts.
     fn distance(&self) -> f64;
-    /// Takes a point of a primitive: the way to it from the given one, in the space of the tree that was asked, and its
-    /// parameters. The same primitive may come several times.
+    /// Takes a point of a primitive: the offset to it from the given one, in the space of the queried tree,
+    /// and its parameters. The same primitive may come several times.
     fn offer(&mut self, offset: [f64; 3], uv: [f64; 2], number: u32, slot: u32);
 }
 

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A point that looks for the nearest surface, carried into the space of an object.
-//! Eigenvalues by the method of Jacobi [GL13]. Tests: `tests::eigenvectors_span_the_map`,
-//! `tests/closest_point.rs`.
+//! The point of a nearest-point query, transformed into the space of an object. Eigenvalues by the method of
+//! Jacobi [GL13]. Tests: `tests::eigenvectors_span_the_map`, `tests/closest_point.rs`.
 
-/// A point and the way back to the space in which distances count.
+/// A point and the map back to the space in which distances count.
 #[derive(Clone, Copy, Debug)]
 pub struct Probe {
     /// In the space of the tree that is searched.
     pub point: [f64; 3],
     /// Images of that space's axes where distances count.
     pub axes: [[f64; 3]; 3],
-    /// Lengths grow by at least this factor on the way back.
+    /// Lengths grow by at least this factor in the map back.
     pub least_growth: f64,
     /// Which masks it sees.
     pub mask: u32,
@@ -38,7 +37,7 @@ impl Probe {
         [0, 1, 2].map(|k| x[k] * v[0] + y[k] * v[1] + z[k] * v[2])
     }
 
-    /// The way from the probe to a point of the searched space, where distances count.
+    /// The offset from the probe to a point of the searched space, where distances count.
     pub fn offset(&self, to: [f64; 3]) -> [f64; 3] {
         self.vector([0, 1, 2].map(|k| to[k] - self.point[k]))
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Blocks of triangles on their way into a file and back. The format is that of [`super`].
+//! Saving and loading of blocks of triangles. The format is that of [`super`].
 //! Tests: `tests/saved.rs` of `gnurt-accel`.
 
 use super::data::{StoredRecord, get_floats, put_floats};

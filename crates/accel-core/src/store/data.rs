@@ -17,7 +17,7 @@ pub trait StoredRecord: Sized {
     const LENGTH: usize;
     /// Writes all of them.
     fn put(&self, data: &mut [u32]);
-    /// From so many words, whatever they are.
+    /// From this many words, of any contents.
     fn get(data: &[u32]) -> Self;
 }
 

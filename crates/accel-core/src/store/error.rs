@@ -12,7 +12,7 @@ pub enum LoadError {
     Io(io::Error),
     /// It does not start as a tree does.
     NotATree,
-    /// It is of a version that this crate does not know: the tree is to be built again.
+    /// A version that this crate does not support: the tree must be built again.
     Version(u32),
     /// It ends too early.
     Truncated,

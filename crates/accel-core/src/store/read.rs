@@ -49,7 +49,7 @@ impl<'a, R: Read> Reader<'a, R> {
         Ok(u64::from(data[0]) | u64::from(data[1]) << 32)
     }
 
-    /// A box that is empty, or has finite sides the right way round.
+    /// A box that is empty, or has finite ordered sides.
     pub fn bounds(&mut self) -> Result<Aabb, LoadError> {
         let mut sides = [0.0; 6];
         get_floats(&mut sides, self.data(6)?);
@@ -61,7 +61,7 @@ impl<'a, R: Read> Reader<'a, R> {
         Err(LoadError::Damaged("its bounds are no box"))
     }
 
-    /// A list of at most so many records.
+    /// A list of at most this many records.
     pub fn list<T: StoredRecord>(&mut self, most: usize) -> Result<Vec<T>, LoadError> {
         let count = self.number()?;
         if count > most as u64 {
@@ -74,7 +74,7 @@ impl<'a, R: Read> Reader<'a, R> {
             let now = at_once.min(count - records.len());
             let data = self.data(now * T::LENGTH)?;
             if records.capacity() < records.len() + now {
-                // Twice as much as there is, but for the last time.
+                // Twice the existing number, except for the last time.
                 let additional = (2 * records.len()).max(now).min(count) - records.len();
                 records.reserve_exact(additional);
                 prefer_huge_pages(&records);

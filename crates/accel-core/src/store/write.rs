@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Words on their way out. Tests: `tests/saved.rs`.
+//! Words written to a file. Tests: `tests/saved.rs`.
 
 use std::io::{self, Write};
 

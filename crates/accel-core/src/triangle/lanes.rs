@@ -59,8 +59,9 @@ pub fn relative_to<S: Simd, V: Lanes<S>>([a, b, c]: [[V; 3]; 3], org: &[V; 3]) -
     ]
 }
 
-/// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers look at `inside`
-/// before they go on to `Edges::reach`: a test that returned all at once would be merged from two ways by copies.
+/// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers test
+/// `inside` before they continue with `Edges::reach`: a test that returned all at once would merge two paths
+/// by copies.
 ///
 /// `corners` have their coordinates along the axes of the sheared space, [relative](relative_to) to the origins.
 #[inline(always)]
@@ -71,8 +72,8 @@ pub fn pass_edges<S: Simd, V: Lanes<S>>(simd: S, [a, b, c]: [[V; 3]; 3], shear: 
     let w0 = px[2] * py[1] - py[2] * px[1];
     let w1 = px[0] * py[2] - py[0] * px[2];
     let w2 = px[1] * py[0] - py[1] * px[0];
-    // Least and greatest of the three: two operations each where signs would take five. A NaN on the way may be lost
-    // or kept; lanes with one are not certain below.
+    // Least and greatest of the three: two operations each where signs would take five. A NaN may be lost or
+    // kept; lanes with one are not certain below.
     let least = w0.min(w1).min(w2);
     let most = w0.max(w1).max(w2);
     let zero = V::splat(simd, 0.0);
@@ -144,7 +145,7 @@ pub fn meet_single(
     ray.meet(corners, needs_position, t_near, t_far)
 }
 
-/// One lane of those that are doubtful (`Reached::doubtful`): it passes inside.
+/// One lane of the doubtful ones (`Reached::doubtful`): it passes inside.
 #[cold]
 #[inline(never)]
 pub fn meet_inside(corners: &[[f32; 3]; 3], ray: &SingleRay, t_near: f32, t_far: f32) -> Option<TriangleHit> {

@@ -26,7 +26,7 @@ pub(super) struct Weighed {
     pub(super) v: f64,
 }
 
-/// As `DOUBTFUL` of `watertight.rs`, for doubles and 2^-21, with twice the room.
+/// As `DOUBTFUL` of `watertight.rs`, for doubles and 2^-21, with twice the margin.
 const DOUBTFUL: f64 = (1u64 << 29) as f64;
 
 /// `None` where the ray is in the triangle's plane.
@@ -159,7 +159,7 @@ mod tests {
         let (mut sure_ones, mut unsure) = (0, 0);
         for round in 0..900 {
             let triangle = sliver(&mut random, round);
-            // The same triangle from sixteen places on the way to it.
+            // The same triangle from sixteen origins along the ray.
             let org: [[f32; 16]; 3] = std::array::from_fn(|k| {
                 std::array::from_fn(|i| triangle.org[k] + triangle.dir[k] * i as f32 / 17.0)
             });

@@ -6,10 +6,10 @@
 //! the corners' own. If `t` in floats may have a relative error above 1e-5, as in slivers, at grazing rays
 //! and close to large triangles, it is computed again from unrounded input (`precise.rs`).
 //!
-//! Why it holds: a corner's sheared position depends on ray and corner alone, so both triangles at an edge see the
-//! same two points. Rounding is monotonic, so `fl(a*b) - fl(c*d)` never has the wrong sign, it can only be zero; then
-//! products in double precision are exact and their difference has the right sign. NaN (from infinities that cancel)
-//! is on neither side and goes to double precision too.
+//! Correctness: a corner's sheared position depends only on ray and corner, so both triangles at an edge have
+//! the same two points. Rounding is monotonic, so `fl(a*b) - fl(c*d)` never has the wrong sign, it can only
+//! be zero; then products in double precision are exact and their difference has the right sign. NaN (from
+//! infinities that cancel) is on neither side and goes to double precision too.
 //!
 //! Error of `t`: a corner's sheared position has the rounding error of itself (at most `wide`) and of its
 //! depth (at most `away + long`, times the direction). An edge function has that times `wide`; a weight that
@@ -17,7 +17,7 @@
 //! * wide * (wide + (|t| + long) * |dir|) / |sum|`, `k` being 2.7 in the worst of 4 million hits of all
 //! kinds. [`DOUBTFUL`] accepts an error below 1e-5 of `t` for a `k` of 3.5. Hits out of reach by [`SURELY`],
 //! a `k` of 16, are not computed again; the triangle at a ray's origin is an example. Any-hit queries return
-//! no `t`, and use the decision of floats. The decision of floats depends on ray and triangle alone, so the
+//! no `t`, and use the decision of floats. The decision of floats depends only on ray and triangle, so the
 //! nearer of two hits never depends on the order of visits.
 //! Tests: `tests::agrees_with_double_precision`, `tests/watertight.rs`, `tests/parameters.rs` of `gnurt-accel`.
 
@@ -71,7 +71,7 @@ pub fn axes_from(z: usize) -> [usize; 3] {
 }
 
 impl ShearedRay {
-    /// `ray` must be sound and of regular length.
+    /// `ray` must be valid and of regular length.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
@@ -181,7 +181,7 @@ impl Weighed {
     #[inline(always)]
     fn within(self, ts: [f32; 3], t_near: f32, t_far: f32) -> Option<TriangleHit> {
         let (first, last) = (least(least(ts[0], ts[1]), ts[2]), most(most(ts[0], ts[1]), ts[2]));
-        // Adding zero turns -0.0 into 0.0.
+        // The addition of zero converts -0.0 to 0.0.
         let t = least(most(self.t as f32, first), last) + 0.0;
         let (u, v) = ((self.u + 0.0) as f32, (self.v + 0.0) as f32);
         (t >= t_near && t <= t_far).then_some(TriangleHit { t, u, v })

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How a box is divided into cells of one size. Source: [WIK*06] section 4.4: the cube root rule. Space: object.
-//! Invariant: [`Cells::of`] never falls where coordinates rise. So a point of a triangle is in one of the cells from that of its box's least
-//! corner to that of its greatest; nothing is said of planes between cells, which are rounded. Tests: `tests`.
+//! Invariant: [`Cells::of`] never falls where coordinates rise. So a point of a triangle is in one of the
+//! cells from that of its box's least corner to that of its greatest; the rounded planes between cells are
+//! not used. Tests: `tests`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::float::{least, most};
@@ -10,7 +11,7 @@ use gnurt_accel_core::float::{least, most};
 const MOST_ALONG: f64 = 65535.0;
 /// Most cells in all.
 const MOST: f64 = (1u64 << 30) as f64;
-/// Boxes are not divided along axes on which they are no longer than this: floats could not tell cells apart.
+/// Boxes are not divided along axes shorter than this: floats could not separate cells.
 const FLAT: f64 = 1e-30;
 
 /// A number of cells along each axis.

@@ -118,7 +118,7 @@ impl GridIndex {
         self.stats
     }
 
-    /// Places of a cell's triangles.
+    /// Indices of a cell's triangles.
     #[inline(always)]
     pub(super) fn items(&self, cell: [u32; 3]) -> &[u32] {
         let [x, y] = [(self.along + 1) % 3, (self.along + 2) % 3];

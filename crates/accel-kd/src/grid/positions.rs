@@ -30,8 +30,8 @@ impl GridIndex {
         }
     }
 
-    /// Calls `leaf` with triangles of cells whose region, and that of all boxes of cells around it, is `expected`, eight at most at a time;
-    /// of two halves the one with the lesser `rank` first.
+    /// Calls `leaf` with triangles of cells whose region, and that of all boxes of cells around it, is
+    /// `expected`, eight at most at a time; of two halves first the one with the lesser `rank`.
     fn descend(
         &self,
         expected: &mut dyn FnMut(&Aabb) -> bool,

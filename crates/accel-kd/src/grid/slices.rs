@@ -26,7 +26,7 @@ use crate::mailbox::Mailbox;
 /// Tiles may be this wide at the grid's other end, as a part of its size; rays of wider ones go one by one.
 const FARTHEST_SPREAD: f32 = 1.0 / 16.0;
 
-/// Rays of one heading as intervals.
+/// Rays of one direction class as intervals.
 struct Frustum {
     org: [[f32; 2]; 3],
     /// Change along x and y of the sheared space per step along z.
@@ -45,7 +45,7 @@ struct Window {
 
 /// The relation of a frustum to a slice.
 enum Passage {
-    /// It has not come there yet, or is beside the grid.
+    /// It has not reached the grid yet, or is outside of it.
     Nothing,
     /// It ends before.
     Over,
@@ -105,7 +105,7 @@ impl Frustum {
 }
 
 impl GridIndex {
-    /// Improves the hits of a tile's first rays, all of them active and of one heading.
+    /// Improves the hits of a tile's first rays, all of them active and of one direction class.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,

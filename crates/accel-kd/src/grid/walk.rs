@@ -38,7 +38,7 @@ struct Run {
 }
 
 impl<'a> CellRay<'a> {
-    /// The ray is sound and regular.
+    /// The ray is valid and regular.
     #[inline(always)]
     fn new(grid: &'a GridIndex, ray: &Ray) -> Self {
         let [x, y, z] = ray.org.map(f32::abs);
@@ -161,7 +161,8 @@ impl Iterator for Steps {
     }
 }
 
-/// So many triangles of a cell are tested one after the other: putting them side by side takes longer.
+/// This number of triangles of a cell are tested one after the other: collecting them into a block takes
+/// longer.
 const FEW: usize = 2;
 
 impl GridIndex {

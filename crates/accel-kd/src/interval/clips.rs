@@ -30,7 +30,7 @@ pub(super) struct Laid<N> {
 }
 
 impl<N: Layout> Laid<N> {
-    /// Puts a tree into nodes; rays know its box.
+    /// Puts a tree into nodes; rays start with its box.
     pub(super) fn new(tree: Binary, clips: bool) -> Self {
         let mut laid = Self { nodes: Vec::new(), blocks: Vec::new(), clips };
         let region = *tree.bounds();
@@ -76,7 +76,8 @@ fn worth_a_clip(tree: &Binary, region: &Aabb) -> Option<usize> {
     if area <= 0.0 {
         return None;
     }
-    // Rays that come into the region are as many more than those that meet the box as it is larger; these have less to do below.
+    // The number of rays that enter the region, relative to those that hit the box, is the ratio of the
+    // sizes; these have less work below.
     let below = f64::from(tree.cost().max(BLOCK));
     let saved = |axis: usize| (1.0 - clipped(region, axis, tree.bounds()).half_area() / area) * below;
     let axis = (0..3).max_by(|&a, &b| saved(a).total_cmp(&saved(b)))?;

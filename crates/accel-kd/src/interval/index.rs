@@ -41,7 +41,7 @@ pub(super) enum Nodes {
     Bkd(Vec<BkdNode>),
 }
 
-/// Runs `$body` on the nodes, whatever their layout.
+/// Runs `$body` on the nodes, in any layout.
 macro_rules! with_nodes {
     ($nodes:expr, $list:ident => $body:expr) => {
         match $nodes {
@@ -53,7 +53,8 @@ macro_rules! with_nodes {
 pub(super) use with_nodes;
 
 impl IntervalIndex {
-    /// Builds over the good triangles, one or more. `structure` says which nodes, and whether with clips.
+    /// Builds over the good triangles, one or more. `structure` selects the nodes, and whether there are
+    /// clips.
     ///
     /// # Errors
     /// That `watch` stopped it, or that there are too many nodes.
@@ -164,7 +165,7 @@ impl IntervalIndex {
         traversal.counters.triangles += tested;
     }
 
-    /// The same for a tile's first rays, all of them active and of one heading.
+    /// The same for a tile's first rays, all of them active and of one direction class.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,

@@ -14,8 +14,8 @@ use gnurt_accel_core::region::{RegionFilter, Rows};
 use super::index::{IntervalIndex, Nodes, with_nodes};
 use super::node::{Kind, Layout};
 
-/// Calls `leaf` with blocks of those leaves whose region, and whose parents', is `expected`; of two children the one with the lesser
-/// `rank` first.
+/// Calls `leaf` with blocks of those leaves whose region, and whose parents', is `expected`; of two children
+/// first the one with the lesser `rank`.
 fn descend<N: Layout>(
     nodes: &[N],
     bounds: Aabb,

@@ -17,7 +17,7 @@ use gnurt_simd::StackBuffer;
 
 use super::node::{Kind, Layout, OverlapTest};
 
-/// No node has so many splits above it.
+/// No node has this many splits above it.
 pub(super) const DEEPEST: usize = 88;
 
 /// A child that is still to be visited.
@@ -39,7 +39,7 @@ pub(super) struct PlaneRay {
 }
 
 impl PlaneRay {
-    /// For a tree, not empty, whose greatest coordinate is `greatest`; the ray is sound and regular.
+    /// For a tree, not empty, whose greatest coordinate is `greatest`; the ray is valid and regular.
     #[inline(always)]
     pub(super) fn new(ray: &Ray, greatest: f32) -> Self {
         let Slabs { inv, near, far } = Slabs::new(ray.org, ray.dir, greatest, |x| x);

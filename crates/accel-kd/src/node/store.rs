@@ -21,8 +21,8 @@ impl StoredRecord for Node {
 }
 
 impl KdTree {
-    /// Whether all that a walk relies on is so, but for the leaves that are not empty: `leaf` looks at those, in the order
-    /// of their nodes.
+    /// Checks all properties that a traversal relies on, except for non-empty leaves: `leaf` checks those, in
+    /// the order of their nodes.
     pub(crate) fn check(&self, mut leaf: impl FnMut(Node) -> Result<(), LoadError>) -> Result<(), LoadError> {
         let damaged = |what| Err(LoadError::Damaged(what));
         let Self { nodes, bounds, .. } = self;

@@ -64,7 +64,7 @@ impl ObjectTree {
         })
     }
 
-    /// A triangle, half of a quad or sphere, at a moment; `None` of user geometry, and where there is none that can be traced.
+    /// A triangle, half of a quad or sphere, at a time; `None` for user geometry, and for untraceable ones.
     fn primitive(&self, number: u32, time: f32) -> Option<Primitive<'_>> {
         let locations = self.locations();
         let location = *locations.of_number.get(number as usize)?;

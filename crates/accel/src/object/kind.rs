@@ -9,7 +9,7 @@ use crate::Geometry;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Surfaces,
-    /// Meshes that move, with so many keys.
+    /// Moving meshes, with this many keys.
     Moving(u32),
     Spheres,
     User,

@@ -24,7 +24,7 @@ macro_rules! queries {
                 self.target().normal(hit, None, 0.0)
             }
 
-            /// The same for a hit at a point, which tells a sphere's normal.
+            /// The same for a hit at a point, which determines a sphere's normal.
             #[must_use]
             pub fn normal_at(&self, hit: &Hit, point: [f64; 3]) -> Option<[f32; 3]> {
                 self.target().normal(hit, Some(point), 0.0)

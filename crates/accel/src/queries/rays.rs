@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays, one by one and in batches. See docs/reference/queries.md names Embree's calls beside these. Bodies are in `query.rs`
-//! and `batch.rs`. Space: the tree's.
+//! Rays, one by one and in batches. docs/reference/queries.md compares these with Embree's calls. Bodies are
+//! in `query.rs` and `batch.rs`. Space: the tree's.
 //! Tests: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/instances.rs`, `tests/nested.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
 use crate::{
@@ -146,8 +146,8 @@ macro_rules! queries {
                 batch::occluded(self.target(), query, rays, occluded, record);
             }
 
-            /// The closest hits of a packet's rays: `report` gets the place of each ray that has one, counted from 0 as they were pushed, and
-            /// its hit. `query.coherence` says whether the rays have something in common.
+            /// The closest hits of a packet's rays: `report` gets the index of each ray that has one, in the
+            /// order of `push`, and its hit. `query.coherence` tells whether the rays are coherent.
             pub fn intersect_packet(&self, query: &Query, packet: Packet, report: impl FnMut(usize, Hit)) {
                 self.target().closest_of_packet(query, packet, report);
             }

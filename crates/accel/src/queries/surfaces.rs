@@ -10,7 +10,7 @@ use crate::{AnyRay, Hit, ObjectTree, PointHit, PrimitiveId, Query, SceneTree, Th
 
 macro_rules! queries {
     ($Tree:ident) => {
-        /// Questions about surfaces. Answers to many at once are those to each, whatever threads there are.
+        /// Questions about surfaces. Results of many queries at once equal those of each, on any threads.
         impl $Tree {
             /// Number of crossings of a ray with surfaces: even for every closed mesh if the ray begins and
             /// ends outside of it.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Places instances and builds the top tree over them. Source: [WBS03a]. Space: world; where the scene is far away for its
-//! size, the top tree is relative to a point near it, so that its boxes stay as precise as near the origin.
+//! Transforms instances and builds the top tree over them. Source: [WBS03a]. Space: world; where the scene is
+//! far away for its size, the top tree is relative to a point near it, so that its boxes stay as precise as
+//! near the origin.
 //! Invariant: threads do not matter. Tests: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`, `tests/control.rs`.
 
 use gnurt_accel_bvh::BoxIndex;
@@ -15,8 +16,8 @@ use super::types::{DEEPEST_SCENE, Instance, PlacedInstance, SceneTree, Slot};
 use crate::{Aabb, BuildOptions, INVALID_ID, SharedList, Threads};
 
 impl SceneTree {
-    /// Builds over `instances`; their places in the list are the `inst_id`s of hits. Those that
-    /// [`try_build`](Self::try_build) would refuse are left out and counted; no instance at all is fine.
+    /// Builds over `instances`; their indices in the list are the `inst_id`s of hits. Those that
+    /// [`try_build`](Self::try_build) would reject are dropped and counted; an empty list is valid.
     ///
     /// Of the options it is `quality` that counts, for this and for all that is [`updated`](Self::updated) from it.
     ///
@@ -64,7 +65,7 @@ pub(super) struct InstanceProperties {
     pub(super) depth: u32,
     /// Whether it moves during an open shutter, or shows something that does.
     pub(super) moves: bool,
-    /// Why it is refused.
+    /// The reason of its rejection.
     pub(super) error: Option<SceneError>,
 }
 

@@ -2,8 +2,9 @@
 //! An object or a scene placed in the world, and rays carried into its space.
 //! Source: two levels after [WBS03a].
 //! Spaces: rays come in world space and leave in object space; `t` is the same in both, directions keep their scale.
-//! The origin is carried relative to the object's place, split in two floats, so that objects far from the world's
-//! origin lose no precision near themselves. Rays with origins in double precision are carried in double precision.
+//! The origin is transformed relative to the object's position, split in two floats, so that objects far from
+//! the world's origin lose no precision near themselves. Rays with origins in double precision are carried in
+//! double precision.
 //! Tests: `tests::carries_rays`, `tests/watertight.rs`, `tests/far_away.rs`.
 
 use std::sync::Arc;
@@ -17,7 +18,7 @@ use super::types::{At, Instance, PlacedInstance, SceneTree, Shape, Slot};
 use crate::{Aabb, ObjectTree};
 
 impl Instance {
-    /// An object or a scene at a place, seen by all rays.
+    /// An object or a scene with a transform, visible to all rays.
     #[must_use]
     pub fn new(shape: impl Into<Shape>, world_from_object: [[f64; 3]; 4]) -> Self {
         Self { shape: shape.into(), world_from_object, motion: None, mask: u32::MAX }
@@ -29,7 +30,7 @@ impl Instance {
         Self { motion: Some(motion.clone()), ..Self::new(shape, motion.at(0.0)) }
     }
 
-    /// One that lies in the world as it is, seen by all rays.
+    /// A shape with the identity transform, visible to all rays.
     #[must_use]
     pub fn identity(shape: impl Into<Shape>) -> Self {
         Self::new(shape, IDENTITY)
@@ -142,12 +143,12 @@ impl PlacedInstance {
         }
     }
 
-    /// Whether world and object space are the same at every moment.
+    /// Whether world and object space are the same at all times.
     pub(super) fn is_identity(&self) -> bool {
         matches!(&self.at, At::Still { object_from_world: None, .. })
     }
 
-    /// Where it is at a moment.
+    /// Its transform at a time.
     pub(super) fn columns(&self, time: f32) -> [[f64; 3]; 4] {
         match &self.at {
             At::Still { exact, .. } => exact.columns,
@@ -155,7 +156,7 @@ impl PlacedInstance {
         }
     }
 
-    /// The same with the inverse; `None` at a moment at which the object is flat.
+    /// The same with the inverse; `None` at a time at which the object is flat.
     pub(super) fn exact(&self, time: f32) -> Option<Exact> {
         match &self.at {
             At::Still { exact, .. } => Some(*exact),
@@ -311,7 +312,7 @@ mod tests {
 
     #[test]
     fn carries_rays() {
-        // Scaled by 2 along x, turned a quarter around z, then moved far away.
+        // Scaled by 2 along x, rotated by a quarter around z, then moved far away.
         let columns = [[0.0, 2.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1e6 + 0.125, 0.3, -7.0]];
         let exact = Exact::new(&columns).expect("invertible");
         let map = rounded(&exact.stand()).expect("in the range of floats");
@@ -352,7 +353,7 @@ mod tests {
                 let mixed =
                     Aabb { min: interval.mix3(from.min, to.min), max: interval.mix3(from.max, to.max) };
                 let there = carry_box(&path.at(time), &object, [0.5; 3]).expect("near");
-                // As much as the slabs of rays allow for.
+                // The slack of the slabs of rays.
                 let slack = 1e-6 * f64::from(mixed.greatest());
                 for k in 0..3 {
                     let holds = f64::from(mixed.min[k]) - slack <= there.min[k]

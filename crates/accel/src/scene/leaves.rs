@@ -16,7 +16,7 @@ pub(super) struct Leaves {
 }
 
 impl Leaves {
-    /// Of instances with so many objects, less than 2^32 in all.
+    /// Of instances with these numbers of objects, less than 2^32 in all.
     pub(super) fn new(counts: impl ExactSizeIterator<Item = u32> + Clone) -> Self {
         if counts.clone().all(|count| count == 1) {
             return Self { firsts: Arc::default(), count: counts.len() as u32 };
@@ -29,7 +29,7 @@ impl Leaves {
         Self { firsts: Arc::new(counts.map(first).collect()), count: next }
     }
 
-    /// With other numbers of objects at some places, which ascend, of `len` in all.
+    /// With other numbers of objects at some indices, which ascend, of `len` in all.
     pub(super) fn updated(&self, before: usize, len: usize, changed: &[(u32, u32)]) -> Self {
         let end = before.min(len);
         let is_as_before = |&(index, count): &(u32, u32)| match (index as usize) < end {

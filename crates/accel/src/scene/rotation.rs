@@ -21,22 +21,22 @@ type Parts = (Quaternion, Stretch);
 /// How the linear part of a matrix becomes another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rotation {
-    /// The first turn, and the unit quaternion a quarter of a circle on along the arc.
+    /// The first rotation, and the unit quaternion a quarter of a circle further along the arc.
     from: Quaternion,
     beyond: Quaternion,
-    /// How long the arc is: half the angle by which the object turns.
+    /// The length of the arc: half the angle of the rotation.
     arc: f64,
     /// The stretch before the rotation, at both ends.
     stretch: [Stretch; 2],
-    /// Whether these two are the same but for rounding: then the first counts.
+    /// Whether these two are equal except for rounding: then the first counts.
     is_rigid: bool,
 }
 
-/// The object turns by so much at most, in radians, between two boxes of which one around its way is made.
+/// The greatest rotation, in radians, between two of the boxes that bound an object's path.
 const STEP: f64 = 0.05;
 
 impl Rotation {
-    /// The shorter way; `None` where one of the places is flat or not finite.
+    /// The shorter arc; `None` if one of the transforms is flat or not finite.
     pub(super) fn new(from: &Columns, to: &Columns) -> Option<Self> {
         let ((from, stretch), (to, stretch_to)) = (decompose(from)?, decompose(to)?);
         let dot: f64 = (0..4).map(|k| from[k] * to[k]).sum();
@@ -49,14 +49,14 @@ impl Rotation {
         Some(Self { from, beyond, arc, stretch: [stretch, stretch_to], is_rigid })
     }
 
-    /// By how much the object turns, in radians.
+    /// The angle of the rotation, in radians.
     pub(super) fn angle(&self) -> f64 {
         2.0 * self.arc
     }
 
-    /// The linear part at a share of the way, as columns.
+    /// The linear part at a fraction of the piece, as columns.
     pub(super) fn linear(&self, share: f64) -> [[f64; 3]; 3] {
-        // Written out: rays come here, each at its moment.
+        // Written out for speed: rays come here, each at its time.
         let (sine, cosine) = (share * self.arc).sin_cos();
         let (from, beyond) = (&self.from, &self.beyond);
         let along = |k: usize| cosine * from[k] + sine * beyond[k];
@@ -91,7 +91,8 @@ impl Rotation {
         (count, acceleration / (8.0 * count * count))
     }
 
-    /// How far corners of a box are from the origin that they turn around, and how much they move by stretching.
+    /// The greatest distance of a box's corners from the centre of rotation, and their greatest motion by
+    /// stretching.
     fn reach(&self, object: &Box64) -> [f64; 2] {
         let mut most = [0.0_f64; 2];
         for corner in 0..8 {
@@ -142,7 +143,8 @@ fn decompose(columns: &Columns) -> Option<Parts> {
     finite.then_some((rotation, stretch))
 }
 
-/// The unit quaternion, the real part last, of a turn whose columns these are. Source: Shepperd, 1978: by the greatest part.
+/// The unit quaternion, the real part last, of a rotation with these columns. Source: Shepperd, 1978: by the
+/// greatest part.
 fn quaternion([x, y, z]: [[f64; 3]; 3]) -> Quaternion {
     let trace = x[0] + y[1] + z[2];
     let greatest = trace.max(x[0]).max(y[1]).max(z[2]);
@@ -159,7 +161,7 @@ fn quaternion([x, y, z]: [[f64; 3]; 3]) -> Quaternion {
     q.map(|x| x / length)
 }
 
-/// The columns of a turn.
+/// The columns of a rotation.
 #[inline(always)]
 fn axes(&[x, y, z, w]: &Quaternion) -> [[f64; 3]; 3] {
     [

@@ -16,8 +16,8 @@ impl SceneTree {
         self.moving > 0
     }
 
-    /// The scene as it is at a moment, which every question is of then. Costs a build of its top tree, and of that of each scene
-    /// in it that moves, and a pass over each object that does.
+    /// The scene at one time; all its queries refer to that time. Costs a build of its top tree, and of that
+    /// of each scene in it that moves, and a pass over each object that does.
     #[must_use]
     pub fn at(&self, time: f32, threads: Threads) -> Self {
         Stopped::new(time, threads).scene(self)

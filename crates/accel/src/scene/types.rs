@@ -23,9 +23,9 @@ pub const DEEPEST_SCENE: u32 = 16;
 pub struct SceneTree {
     /// Over the world boxes of instances, relative to a point near them where the scene is far away for its size.
     pub(super) top: BoxIndex,
-    /// The place of the only one that can be hit, where there is one only.
+    /// The index of the only instance that can be hit, if there is just one.
     pub(super) only: Option<usize>,
-    /// By place in the list that the scene was built from.
+    /// By index in the list of the build.
     pub(super) slots: SharedList<Slot>,
     /// The numbers of objects.
     pub(super) leaves: Leaves,
@@ -41,7 +41,7 @@ pub struct SceneTree {
 pub enum Shape {
     /// An object.
     Object(Arc<ObjectTree>),
-    /// A scene with instances of its own.
+    /// A scene with its own instances.
     Scene(Arc<SceneTree>),
 }
 
@@ -51,9 +51,9 @@ pub struct Instance {
     /// Shared by all instances of it.
     pub shape: Shape,
     /// Columns of the affine map to the space of the scene that the instance is in: images of the x, y and z axes, then
-    /// of the origin. Of one that moves, at moment 0.
+    /// of the origin. For a moving one, at time 0.
     pub world_from_object: [[f64; 3]; 4],
-    /// How it moves while the shutter is open; `None` = it stands still. Counts for rays in the place of `world_from_object`.
+    /// Its motion during an open shutter; `None` = static. Replaces `world_from_object` for rays.
     pub motion: Option<Arc<MotionPath>>,
     /// Which rays see it: those whose mask has a bit in common with this one.
     pub mask: u32,
@@ -82,7 +82,7 @@ pub(crate) struct PlacedInstance {
 /// The transform of an instance, adjacent to its shape: a ray that enters one of many waits for memory once.
 #[derive(Clone, Debug)]
 pub(super) enum At {
-    /// It stands still.
+    /// Static.
     Still {
         /// `None` where world and object space are the same.
         object_from_world: Option<ObjectFromWorld>,

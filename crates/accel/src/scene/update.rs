@@ -32,7 +32,7 @@ impl SceneTree {
     pub fn updated(&self, len: usize, changed: &[(u32, Option<Instance>)], threads: Threads) -> Self {
         let mut last: Vec<usize> = (0..changed.len()).collect();
         last.sort_by_key(|&i| changed[i].0);
-        // Stable: of equal places the last one is the last.
+        // Stable: of equal indices the last one is the last.
         let last: Vec<usize> =
             last.chunk_by(|&a, &b| changed[a].0 == changed[b].0).map(|same| same[same.len() - 1]).collect();
         if let Some(&i) = last.last() {
@@ -64,7 +64,7 @@ impl SceneTree {
         scene.slots.grow(len);
         scene.depths[0] += len.saturating_sub(before) as u32;
         for (index, ..) in &changes {
-            // Places that are new are absent, and so known as one object's.
+            // New indices are absent, and so count as one object's.
             scene.forget(self.slots.get(*index as usize).unwrap_or(&Slot::Absent));
         }
         scene.number(before, len, &mut changes);

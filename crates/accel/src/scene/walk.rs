@@ -85,7 +85,7 @@ impl SceneTree {
         }
     }
 
-    /// Into one that moves: to where it is at the ray's moment, as if it stood there.
+    /// Into a moving one: at its transform at the ray's time.
     #[inline(never)]
     fn enter_moving(engine: &Engine, placed: &PlacedInstance, slot: u32, traversal: &mut RayTraversal) {
         let (ray, origin) = (traversal.ray, traversal.origin);
@@ -112,7 +112,7 @@ impl SceneTree {
         self.tile_at(engine, traversal, incoherent, 1);
     }
 
-    /// The same where this is scene number `depth` on the way down.
+    /// The same for a scene at nesting level `depth`.
     fn tile_at(&self, engine: &Engine, traversal: &mut TileTraversal, incoherent: bool, depth: u32) {
         if self.top.count() == 0 || traversal.active == 0 {
             return;
@@ -131,7 +131,7 @@ impl SceneTree {
         traversal.only(single).one_by_one(|traversal| self.ray(engine, traversal));
     }
 
-    /// For a tile's first rays, all of them active and of one heading.
+    /// For a tile's first rays, all of them active and of one direction class.
     fn coherent(
         &self,
         engine: &Engine,
@@ -163,7 +163,7 @@ impl SceneTree {
         let stopped;
         let object_from_world = match &placed.at {
             At::Still { object_from_world, .. } => object_from_world,
-            // Where all rays are of one moment it stands still for them.
+            // If all rays have one time, the instance is static for them.
             At::Piece(..) | At::Path(_) => match only_interval(traversal) {
                 None => {
                     return traversal
@@ -193,7 +193,7 @@ impl SceneTree {
     }
 }
 
-/// The moment of all active rays of a tile, if they have the same one and are worth a tile.
+/// The common time of all active rays of a tile, if they have one and are worth a tile.
 fn only_interval(traversal: &TileTraversal) -> Option<f32> {
     let time = &traversal.rays.time;
     if traversal.active.count_ones() < WORTH_A_TILE {
