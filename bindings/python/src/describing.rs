@@ -167,7 +167,7 @@ pub(crate) fn light(kind: &str, given: &mut Given, pictures: &dyn Pictures) -> P
     let direction = |given: &mut Given| {
         let direction: [f32; 3] = given.numbers("direction")?.ok_or_else(|| missing("direction"))?;
         match direction {
-            [0.0, 0.0, 0.0] => Err(PyValueError::new_err("direction: zero points nowhere")),
+            [0.0, 0.0, 0.0] => Err(PyValueError::new_err("direction: the zero vector has no direction")),
             _ => Ok(direction),
         }
     };
@@ -243,7 +243,7 @@ pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
         ..Camera::default()
     };
     if camera.frame().is_none() {
-        return Err(PyValueError::new_err("target: is where eye is; the camera must look somewhere"));
+        return Err(PyValueError::new_err("target: equal to eye; they must be different points"));
     }
     let word = given.text("projection")?;
     let height = given.number("view_height", f64::from(f32::MIN_POSITIVE), MOST)?;

@@ -44,9 +44,7 @@ impl<'a, 'py> Given<'a, 'py> {
             let name: String = name.extract()?;
             if !self.query.iter().any(|known| *known == name) {
                 let known = self.query.join(", ");
-                return Err(PyTypeError::new_err(format!(
-                    "{name}: there is no such argument; valid are: {known}"
-                )));
+                return Err(PyTypeError::new_err(format!("{name}: unknown argument; valid are: {known}")));
             }
         }
         Ok(())

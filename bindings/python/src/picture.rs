@@ -119,7 +119,7 @@ impl Picture {
         let Some(layer) = self.picture.layer(request) else {
             let all = self.layers().join(", ");
             return Err(PyKeyError::new_err(format!(
-                "there is no layer '{name}'; the picture has {}",
+                "unknown layer '{name}'; the picture has {}",
                 if all.is_empty() { "none: render with layers=True" } else { &all }
             )));
         };

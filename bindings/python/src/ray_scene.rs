@@ -250,11 +250,11 @@ impl RayScene {
     }
 
     fn too_deep() -> PyErr {
-        PyValueError::new_err(format!("more than {DEEPEST_SCENE} scenes lie in one another"))
+        PyValueError::new_err(format!("scenes are nested more than {DEEPEST_SCENE} levels deep"))
     }
 
     fn no_geometry(id: usize) -> PyErr {
-        PyIndexError::new_err(format!("there is no geometry {id}"))
+        PyIndexError::new_err(format!("geometry {id} does not exist"))
     }
 }
 
@@ -292,18 +292,23 @@ impl RayScene {
         let placement = self::transform("transform", transform)?;
         let shown = Self::shown(shown)?;
         let scenes = shown.scene(py).into_iter().collect::<Vec<_>>();
-        this.unless_held(py, &scenes, "shown: this scene lies in it; a scene cannot show itself", || {
-            this.with(py, |state| {
-                if let Shown::Mesh(id) = shown
-                    && !matches!(state.meshes.get(id as usize), Some(Some(_)))
-                {
-                    return Err(Self::no_geometry(id as usize));
-                }
-                state.edit();
-                state.instances.push(Some((shown, placement)));
-                Ok(state.instances.len() - 1)
-            })
-        })
+        this.unless_held(
+            py,
+            &scenes,
+            "shown: this scene is nested in it; a scene cannot contain itself",
+            || {
+                this.with(py, |state| {
+                    if let Shown::Mesh(id) = shown
+                        && !matches!(state.meshes.get(id as usize), Some(Some(_)))
+                    {
+                        return Err(Self::no_geometry(id as usize));
+                    }
+                    state.edit();
+                    state.instances.push(Some((shown, placement)));
+                    Ok(state.instances.len() - 1)
+                })
+            },
+        )
     }
 
     /// Gives a geometry other vertices (the same number) or another transform, or an instance another
@@ -343,8 +348,8 @@ impl RayScene {
             }
             (None, Some(id)) if vertices.is_none() => {
                 let placed_list = state.instances.get_mut(id).and_then(Option::as_mut);
-                let placed_list =
-                    placed_list.ok_or_else(|| PyIndexError::new_err(format!("there is no instance {id}")))?;
+                let placed_list = placed_list
+                    .ok_or_else(|| PyIndexError::new_err(format!("instance {id} does not exist")))?;
                 placed_list.1 = placement.unwrap_or(placed_list.1);
                 state.edit();
                 Ok(None)
@@ -384,7 +389,7 @@ impl RayScene {
             (None, None, Some(id)) => Err(Self::no_geometry(id)),
             (None, None, None) => {
                 let id = inst_id.unwrap_or_default();
-                Err(PyIndexError::new_err(format!("there is no instance {id}")))
+                Err(PyIndexError::new_err(format!("instance {id} does not exist")))
             }
             _ => Ok(()),
         }

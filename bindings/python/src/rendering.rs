@@ -68,7 +68,7 @@ impl BuildRequest {
         options.region().map_err(|error| PyValueError::new_err(error.to_string()))?;
         if options.noise.is_some() && options.integrator.has_virtual_lights() {
             return Err(PyValueError::new_err(format!(
-                "noise: does not go with integrator '{}', whose pixels share their noise; give spp",
+                "noise: unsupported with integrator '{}', whose pixels share their noise; give spp",
                 options.integrator
             )));
         }
@@ -86,10 +86,10 @@ impl BuildRequest {
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
         };
         if view.at.is_some() && view.ways.is_some() {
-            return Err(PyValueError::new_err("motion: does not go with at=, which moves the scene's clip"));
+            return Err(PyValueError::new_err("motion: conflicts with at=, which plays the scene's clip"));
         }
         if view.shutter > 0.0 && view.at.is_none() {
-            return Err(PyValueError::new_err("shutter: when it opens is not said; give at=SECONDS, too"));
+            return Err(PyValueError::new_err("shutter: its opening time is missing; give at=SECONDS, too"));
         }
         let threads = given.whole("threads", 0, 1024)?.unwrap_or(0) as usize;
         given.end()?;
@@ -219,9 +219,7 @@ fn moment(given: &mut Given) -> PyResult<Option<(Clip, f64)>> {
     let clip = given.text("animation")?;
     match (at, clip) {
         (None, None) => Ok(None),
-        (None, Some(_)) => {
-            Err(PyValueError::new_err("animation: which moment is not said; give at=SECONDS, too"))
-        }
+        (None, Some(_)) => Err(PyValueError::new_err("animation: the time is missing; give at=SECONDS, too")),
         (Some(at), None) => Ok(Some((Clip::First, at))),
         (Some(at), Some(name)) => Ok(Some((Clip::Named(name), at))),
     }

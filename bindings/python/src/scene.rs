@@ -117,9 +117,9 @@ fn material_id(scene: &Description, material: usize) -> PyResult<MaterialId> {
     let count = scene.materials().len();
     match u32::try_from(material) {
         Ok(id) if material < count => Ok(MaterialId(id)),
-        _ => Err(PyIndexError::new_err(format!(
-            "material: there is no material {material}; there are {count}"
-        ))),
+        _ => {
+            Err(PyIndexError::new_err(format!("material: {material} is out of range; the scene has {count}")))
+        }
     }
 }
 
@@ -127,9 +127,9 @@ fn instance_id(scene: &Description, instance: usize) -> PyResult<InstanceId> {
     let count = scene.instances().len();
     match u32::try_from(instance) {
         Ok(id) if instance < count => Ok(InstanceId(id)),
-        _ => Err(PyIndexError::new_err(format!(
-            "instance: there is no instance {instance}; there are {count}"
-        ))),
+        _ => {
+            Err(PyIndexError::new_err(format!("instance: {instance} is out of range; the scene has {count}")))
+        }
     }
 }
 

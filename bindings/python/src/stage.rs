@@ -133,7 +133,7 @@ impl Stage {
             None if number == count => self.shaders.lights.push(light),
             None => {
                 return Err(PyIndexError::new_err(format!(
-                    "light: there is no light shader {number}; there are {count}"
+                    "light: {number} is out of range; the scene has {count} light shaders"
                 )));
             }
         }
@@ -264,7 +264,7 @@ impl Stage {
             (Some(found), _) => Ok(Some((found, *seconds))),
             (None, Clip::First) => Err(PyValueError::new_err("at: the scene has no animation")),
             (None, Clip::Named(name)) => Err(PyValueError::new_err(format!(
-                "animation: there is no '{name}'; the scene has {}",
+                "animation: unknown clip '{name}'; the scene has {}",
                 listed(&names)
             ))),
         }
@@ -276,7 +276,7 @@ impl Stage {
         match &view.camera {
             Aim::Number(number) if *number < cameras.len() => Ok(Some(*number)),
             Aim::Number(number) => Err(PyIndexError::new_err(format!(
-                "camera: there is no camera {number}; the scene has {}",
+                "camera: {number} is out of range; the scene has {}",
                 cameras.len()
             ))),
             Aim::Named(name) => {
@@ -284,7 +284,7 @@ impl Stage {
                 found.map(Some).ok_or_else(|| {
                     let names: Vec<&str> = cameras.iter().map(|camera| &camera.name[..]).collect();
                     PyValueError::new_err(format!(
-                        "camera: there is no '{name}'; the scene has {}",
+                        "camera: unknown name '{name}'; the scene has {}",
                         listed(&names)
                     ))
                 })
@@ -312,7 +312,7 @@ impl Shown {
         for (number, keys) in &ways.instances {
             if *number >= count {
                 return Err(PyIndexError::new_err(format!(
-                    "motion: there is no instance {number}; there are {count}"
+                    "motion: instance {number} is out of range; the scene has {count}"
                 )));
             }
             let id = InstanceId(*number as u32);

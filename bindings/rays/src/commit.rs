@@ -192,7 +192,7 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
             Err(SceneError::TooDeep { inst_id }) => {
                 let geom_id = shown_instances[inst_id as usize].geom_id;
                 return Err(Problem::operation(format!(
-                    "geometry {geom_id}: more than {} scenes lie in one another",
+                    "geometry {geom_id}: scenes are nested more than {} levels deep",
                     gnurt_accel::DEEPEST_SCENE
                 )));
             }
@@ -231,7 +231,7 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
     match allowed {
         Ok(true) => Ok(committed),
         Ok(false) => {
-            let message = format!("the memory monitor has refused {bytes} bytes");
+            let message = format!("the memory monitor has rejected {bytes} bytes");
             Err(Problem { code: Code::OutOfMemory, message })
         }
         Err(thrown) => Err(thrown.into()),

@@ -14,11 +14,11 @@ use crate::objects::{Array, Buffer, Geometry, Kind};
 use crate::transform;
 
 pub(crate) fn no_array(of: u32, slot: u32) -> Problem {
-    Problem::argument(format!("there is no buffer of type {of} in slot {slot}"))
+    Problem::argument(format!("buffer of type {of} missing in slot {slot}"))
 }
 
 fn out_of_memory(bytes: usize) -> Problem {
-    Problem { code: Code::OutOfMemory, message: format!("there is no room for {bytes} bytes") }
+    Problem { code: Code::OutOfMemory, message: format!("out of memory for {bytes} bytes") }
 }
 
 /// A buffer of ours. See Embree's manual, here and below.
@@ -164,7 +164,7 @@ impl Given {
         let Self { of, slot, format, stride, .. } = *self;
         let width = width(geometry.kind, of, format).ok_or_else(|| {
             Problem::operation(format!(
-                "a buffer of type {of} and format {format:#x} is nothing that {:?} have",
+                "invalid buffer of type {of} and format {format:#x} for {:?}",
                 geometry.kind
             ))
         })?;

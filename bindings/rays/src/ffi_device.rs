@@ -71,7 +71,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceProperty(device: Handle, prop
             141 => 0,
             // Properties that Embree's own tests may read.
             1_000_000.. => 0,
-            _ => return Err(Problem::argument(format!("there is no property {property}"))),
+            _ => return Err(Problem::argument(format!("unknown property {property}"))),
         })
     };
     // SAFETY: passed on.
@@ -180,7 +180,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceMemoryMonitorFunction(
 
 /// Reports an unsupported call: sets the error of a device, or that of calls without one.
 pub(crate) fn absent(name: &str, device: Option<&Device>) {
-    let message = format!("{name}: libgnurt has no such thing; docs/reference/c-rays.md says what it has");
+    let message = format!("{name}: unsupported by libgnurt; see docs/reference/c-rays.md");
     let problem = Problem { code: Code::InvalidOperation, message };
     match device {
         Some(device) => device.report(&problem),

@@ -28,7 +28,7 @@ unsafe fn interpolate(geometry: &Geometry, arguments: &InterpolateArguments) -> 
     let settings = geometry.settings();
     let array = |of, slot| settings.arrays.get(&(of, slot)).ok_or_else(|| no_array(of, slot));
     let (rows, indices) = (&array(buffer_type, slot)?.view, &array(buffer::INDEX, 0)?.view);
-    let none = || Problem::argument(format!("there is no primitive {prim_id}"));
+    let none = || Problem::argument(format!("primitive {prim_id} is out of range"));
     let prim_id = prim_id as usize;
     let corners = match geometry.kind {
         Kind::Triangles => Corners { of: indices.get::<u32, 3>(prim_id).ok_or_else(none)?, u, v, sign: 1.0 },
@@ -40,7 +40,7 @@ unsafe fn interpolate(geometry: &Geometry, arguments: &InterpolateArguments) -> 
                 Corners { of: [c, d, b], u: 1.0 - u, v: 1.0 - v, sign: -1.0 }
             }
         }
-        kind => return Err(Problem::operation(format!("{kind:?} have nothing between vertices"))),
+        kind => return Err(Problem::operation(format!("interpolation is unsupported for {kind:?}"))),
     };
     let Corners { of, u, v, sign } = corners;
     let at = |corner: u32, k: usize| {

@@ -445,7 +445,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_place(
         let to = unsafe { matrix_at(to)? };
         match &mut scene.part(id)?.what {
             What::Instance { instance_matrix, .. } => *instance_matrix = to,
-            _ => return Err(format!("id: {id} is no instance")),
+            _ => return Err(format!("id: {id} is not an instance")),
         }
         Ok(())
     };
@@ -470,7 +470,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_shown(
         let new = new.map_err(|error| error.replacen("scene", "shown", 1))?;
         match &mut scene.part(id)?.what {
             What::Instance { shown, .. } => *shown = new,
-            _ => return Err(format!("id: {id} is no instance")),
+            _ => return Err(format!("id: {id} is not an instance")),
         }
         Ok(())
     };

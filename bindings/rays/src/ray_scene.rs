@@ -173,7 +173,7 @@ impl RayScene {
     /// A part that is there, to be edited.
     pub(crate) fn part(&mut self, id: u32) -> Result<&mut Part, String> {
         let part = self.parts.get_mut(id as usize).and_then(Option::as_mut);
-        let part = part.ok_or_else(|| format!("id: there is no geometry or instance {id}"))?;
+        let part = part.ok_or_else(|| format!("id: geometry or instance {id} does not exist"))?;
         self.is_edited |= !matches!(part.what, What::Instance { .. });
         Ok(part)
     }

@@ -73,7 +73,7 @@ impl RayBatch {
         }
         let (masks, times) = (self.mask.len(), self.time.len());
         assert!(masks == 0 || masks == n, "a batch of {n} rays has {masks} masks: none, or one each");
-        assert!(times == 0 || times == n, "a batch of {n} rays has {times} moments: none, or one each");
+        assert!(times == 0 || times == n, "a batch of {n} rays has {times} times: none, or one each");
     }
 
     /// Appends a ray.

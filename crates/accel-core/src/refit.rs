@@ -20,7 +20,7 @@ impl std::fmt::Display for RefitError {
             }
             Self::OtherPrimitives => "other primitives than before can be traced: the tree has to be built again",
             Self::Structure => {
-                "a kd-tree or grid, or a tree over meshes with several keys, cannot be refitted: use Structure::Bvh and meshes of one moment"
+                "a kd-tree or grid, or a tree over meshes with several keys, cannot be refitted: use Structure::Bvh and meshes with one key"
             }
         })
     }

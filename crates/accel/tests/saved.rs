@@ -277,7 +277,7 @@ fn errors_say_what_is_wrong() {
         change(&mut file);
         ObjectTree::load(&mut &file[..]).expect_err("changed").to_string()
     };
-    assert_eq!(load(&|file| file[0] = b'g'), "this is no saved tree", "the first word");
+    assert_eq!(load(&|file| file[0] = b'g'), "not a saved tree", "the first word");
     assert!(load(&|file| file[8] = 9).contains("version 9"), "of a later version");
     assert!(load(&|file| file[700] ^= 64).contains("checksum"), "a bit flips");
     let mut failing = std::io::Read::chain(&file[..100], Failing);

@@ -234,7 +234,7 @@ pub(crate) fn compare(
             what += &format!(", {} pass an edge", nobodys.all);
         }
         if somebodys.all > 0 {
-            what += &format!(", {} are not told apart", somebodys.all);
+            what += &format!(", {} are undecided", somebodys.all);
         }
         Difference { what, ray: worst.map_or(0, |(_, ray)| ray) }
     };

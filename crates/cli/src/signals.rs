@@ -59,9 +59,9 @@ pub(crate) fn listen(first: FirstSignal, messages: Messages) -> Outcome {
         }
         messages.note(match first {
             FirstSignal::Stops => {
-                "stopping; the frame that is not done is not written. Once more leaves at once"
+                "stopping; the frame that is not done is not written. Press Ctrl-C again to exit at once"
             }
-            _ => "stopping; the picture so far is saved. Once more leaves at once and saves nothing",
+            _ => "stopping; the picture so far is saved. Press Ctrl-C again to exit without saving",
         });
         // The handler's thread must stay free for the second signal.
         let waiter = std::thread::Builder::new().spawn(move || leave_if_nothing_is_begun(messages));

@@ -36,7 +36,7 @@ impl Source {
         let options = files.options()?;
         if let Some(folder) = options.confine.as_deref().filter(|folder| !folder.is_dir()) {
             return Err(Failure::usage(format_args!(
-                "--confine {}: there is no such folder; give the one that files may be read from",
+                "--confine {}: the folder does not exist; give the one that files may be read from",
                 folder.display()
             )));
         }

@@ -39,7 +39,7 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
         ];
         if let Some((option, _)) = of_lenses.iter().find(|(_, is_given)| *is_given) {
             return Err(Failure::usage(format_args!(
-                "{option} does not go with --camera {}, which makes all rays; give its parameters as {}:NAME=VALUE",
+                "{option} conflicts with --camera {}, which makes all rays; give its parameters as {}:NAME=VALUE",
                 choice.class, choice.class
             )));
         }
@@ -209,7 +209,7 @@ fn find_named(scene: &Scene, view: &ViewArguments) -> Result<Option<usize>, Fail
 }
 
 fn same_place() -> Failure {
-    Failure::usage("--eye and --target are the same point; the camera must look somewhere")
+    Failure::usage("--eye and --target are the same point; they must differ")
 }
 
 /// `camera` with the parts that were given in place of its own.

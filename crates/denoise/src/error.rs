@@ -18,7 +18,7 @@ pub enum Error {
     )]
     NoChannel(String),
     /// The region is empty or not within the picture.
-    #[error("the region {region:?} is no part of a picture of {width} x {height} pixels")]
+    #[error("the region {region:?} is outside of a picture of {width} x {height} pixels")]
     Region {
         /// As it was given.
         region: [u32; 4],

@@ -25,7 +25,7 @@ pub enum Error {
     Surroundings(String),
     /// The picture needs more memory than the machine has free.
     #[error(
-        "the picture takes {} of memory and {} are free; ask for a smaller one than {}x{}",
+        "the picture takes {} of memory and {} are free; use a smaller one than {}x{}",
         format_bytes(*needed), format_bytes(*free), size[0], size[1]
     )]
     Memory {

@@ -77,7 +77,7 @@ impl FileHeap {
     pub fn page_to(&self, folder: &Path) -> io::Result<()> {
         let mut area = self.area.lock().unwrap_or_else(PoisonError::into_inner);
         if area.is_some() {
-            return Err(io::Error::other("large arrays lie in a file already"));
+            return Err(io::Error::other("large arrays are in a file already"));
         }
         let (file, base, length) = mapped(folder)?;
         let mut new = Area { file, free: BTreeMap::new(), by_length: BTreeSet::new() };

@@ -91,7 +91,7 @@ mod tests {
         }
         assert!(
             reported.len() == 2
-                && reported[0].contains("no parameter 'j'")
+                && reported[0].contains("unknown parameter 'j'")
                 && reported[1].contains("none.osl"),
             "{reported:?}"
         );

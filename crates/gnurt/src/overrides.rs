@@ -73,7 +73,7 @@ impl Override {
     pub fn parse(text: &str) -> Result<Self, String> {
         let form = || {
             format!(
-                "'{text}' is no change of a scene; give LIST.NAME.FIELD=VALUE like materials.gold.roughness=0.3"
+                "'{text}' is not a change of a scene; give LIST.NAME.FIELD=VALUE like materials.gold.roughness=0.3"
             )
         };
         let (path, value) = text.split_once('=').ok_or_else(form)?;
@@ -85,7 +85,7 @@ impl Override {
         let known = LISTS.iter().find(|(known, _)| *known == list);
         let Some(&(_, list)) = known else {
             let lists = LISTS.map(|(list, _)| list).join(", ");
-            return Err(format!("'{list}' is no list of a scene that can be changed; valid are: {lists}"));
+            return Err(format!("unknown list '{list}' of a scene; valid are: {lists}"));
         };
         Ok(Self { list, name: name.into(), field: field.into(), value: value.trim().into() })
     }
@@ -164,7 +164,7 @@ impl Override {
             list += &format!(" and {more} more");
         }
         let list = if list.is_empty() { "none: the list is empty or nameless".into() } else { list };
-        Err(format!("nothing in {} is called '{}'; valid are: {list}", self.list_name(), self.name))
+        Err(format!("unknown name in {}: '{}'; valid are: {list}", self.list_name(), self.name))
     }
 
     /// Sets the field; the names of the fields, if it is none of them.

@@ -137,7 +137,7 @@ mod tests {
         let TexelData::Float(plain) = &sky.data else { panic!("floats") };
         assert_eq!(plain[7][..3], [0.25, 0.5, 2.0], "the value that was given");
         let why = texels(&path, &given("tnt")).expect_err("there is none of that name");
-        assert!(why.contains("sky.osl: no parameter 'tnt'"), "{why}");
+        assert!(why.contains("sky.osl: unknown parameter 'tnt'"), "{why}");
         let text = "environment sky () { Ci = raytype (\"camera\") * background (); }";
         std::fs::write(&path, text).expect("a file");
         let (sky, backdrop) = texels(&path, &[]).expect("a sky");

@@ -57,14 +57,11 @@ impl fmt::Display for Excess {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Memory(limit) => {
-                write!(f, "more memory is asked for than a file of this length may take, {} MiB", limit >> 20)
+                write!(f, "more memory is needed than a file of this length may take, {} MiB", limit >> 20)
             }
             Self::Work(limit) => {
                 let limit = limit >> 20;
-                write!(
-                    f,
-                    "the same data is used too often: {limit} MiB of it may be looked at in a file of this length"
-                )
+                write!(f, "the same data is used too often: a file of this length may read {limit} MiB of it")
             }
             Self::Files => write!(f, "more than {MOST_FILES} files are named"),
         }

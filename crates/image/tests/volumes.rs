@@ -175,7 +175,7 @@ fn bad_files_are_told() {
     let kind = lines.windows(14).position(|token| token == b"TranslationMap").unwrap();
     lines[kind + 3..kind + 5].copy_from_slice(b"\n\x1b");
     let why = fault(&lines, ENOUGH);
-    assert!(why.contains("a map of the kind") && !why.contains(char::is_control), "{why:?}");
+    assert!(why.contains("unsupported map") && !why.contains(char::is_control), "{why:?}");
     let error = Volume::read(std::path::Path::new("no/such.vdb"), ENOUGH).unwrap_err().to_string();
     assert!(error.contains("no/such.vdb"), "{error}");
 }
@@ -213,7 +213,7 @@ fn grids_lie_one_behind_the_other() {
     back[61..65].copy_from_slice(&u32::MAX.to_le_bytes());
     number(&mut back, PLACES + 16, 65);
     let begin = std::time::Instant::now();
-    assert!(fault(&back, ENOUGH).contains("a part lies from byte"), "{}", fault(&back, ENOUGH));
+    assert!(fault(&back, ENOUGH).contains("a part from byte"), "{}", fault(&back, ENOUGH));
     assert!(begin.elapsed().as_secs() < 5, "at once");
     let mut short = good.clone();
     let start = i64::from_le_bytes(good[PLACES..PLACES + 8].try_into().unwrap());

@@ -167,7 +167,8 @@ impl Program for Job {
                     // A reason common to all groups is reported for one.
                     && !(matches!(why, NoCode::Here(_)) && IS_TOLD.swap(true, Ordering::Relaxed))
                 {
-                    let text = format!("it is interpreted, which is slow, for it has no machine code: {why}");
+                    let text =
+                        format!("it is interpreted, which is slow, because it has no machine code: {why}");
                     out.events.push((0, Event::Warning(text)));
                 }
             }

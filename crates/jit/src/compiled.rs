@@ -78,7 +78,7 @@ impl Compiled {
 
     fn with_lanes(plan: Arc<Plan>, level: Level, lanes: usize) -> Result<Self, NoCode> {
         if !Self::can(level) {
-            let why = format!("there is no machine code for {level} here; avx2 and avx512 have it");
+            let why = format!("machine code is unsupported for {level}; valid are avx2 and avx512");
             return Err(NoCode::Here(why));
         }
         let program = lower::program(&plan, lanes).map_err(NoCode::OfGroup)?;

@@ -290,8 +290,8 @@ fn descriptor(_: libc::pid_t) -> Option<libc::c_int> {
 fn how_it_ended(end: End) -> String {
     match end {
         End::Exit | End::Unknown => "it left the process".to_owned(),
-        End::Signal(libc::SIGSEGV) => "it read or wrote memory that is not there (SIGSEGV)".to_owned(),
-        End::Signal(libc::SIGBUS) => "it read or wrote memory that is not there (SIGBUS)".to_owned(),
+        End::Signal(libc::SIGSEGV) => "it read or wrote invalid memory (SIGSEGV)".to_owned(),
+        End::Signal(libc::SIGBUS) => "it read or wrote invalid memory (SIGBUS)".to_owned(),
         End::Signal(libc::SIGABRT) => "it aborted (SIGABRT)".to_owned(),
         End::Signal(libc::SIGFPE) => "it divided by zero (SIGFPE)".to_owned(),
         End::Signal(libc::SIGILL) => "it met an illegal instruction (SIGILL)".to_owned(),

@@ -76,7 +76,7 @@ impl Faults {
             &self.exceptions,
             "exception",
             "exceptions",
-            "left its callbacks in this frame; what they had not written is shown black",
+            "left its callbacks in this frame; points that they had not written are black",
         );
         let untraced = line(
             &self.untraced,

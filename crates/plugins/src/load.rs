@@ -225,7 +225,7 @@ fn checked_header(class: &Class) -> Result<Kind, String> {
         return Err("only surface classes have blocks per triangle and per vertex".to_owned());
     }
     if class.param_count > MAX_PARAMETERS || (class.param_count > 0 && class.params.is_null()) {
-        return Err(format!("it says that it has {} parameters, which are not there", class.param_count));
+        return Err(format!("it declares {} parameters, but their table is missing", class.param_count));
     }
     Ok(kind)
 }

@@ -99,7 +99,7 @@ impl SceneShader {
         let class = classes::find(name).filter(is_surface).ok_or_else(|| {
             let meant = suggestion(name, &names);
             format!(
-                "no built-in surface class \"{name}\"; there are {}{meant}; one of a plugin is CLASS@FILE, one in the shading language FILE.osl",
+                "unknown built-in surface class \"{name}\"; valid are: {}{meant}; one of a plugin is CLASS@FILE, one in the shading language FILE.osl",
                 names.join(", ")
             )
         })?;
@@ -179,7 +179,7 @@ fn index_of(name: &str, described: &[Parameter]) -> Result<usize, String> {
         } else {
             format!("there are {}", names.join(", "))
         };
-        return Err(format!("no parameter '{name}'; {list}{}", suggestion(name, &names)));
+        return Err(format!("unknown parameter '{name}'; {list}{}", suggestion(name, &names)));
     };
     match described[i].rate {
         ParameterRate::Shader => Ok(i),
@@ -215,7 +215,7 @@ fn numbers<T: Clone, E>(
 /// The texture of `@FILE`.
 fn texture(value: &str) -> Result<Arc<TextureSampler>, String> {
     let file = value.strip_prefix('@').filter(|file| !file.is_empty());
-    let file = file.ok_or_else(|| format!("'{value}' is no texture; give @ and the name of a picture"))?;
+    let file = file.ok_or_else(|| format!("'{value}' is not a texture; give @ and the name of a picture"))?;
     let texels = read_texture(Path::new(file)).map_err(|error| error.to_string())?;
     Ok(Arc::new(TextureSampler::new(Arc::new(texels))))
 }
@@ -234,8 +234,8 @@ mod tests {
     fn what_is_wrong_is_said() {
         for (class, parameters, message) in [
             ("MateShader", &[][..], "did you mean \"MatteShader\"?"),
-            ("PinholeCamera", &[], "no built-in surface class \"PinholeCamera\""),
-            ("MatteShader", &[("colour", "1")], "no parameter 'colour'; there are"),
+            ("PinholeCamera", &[], "unknown built-in surface class \"PinholeCamera\""),
+            ("MatteShader", &[("colour", "1")], "unknown parameter 'colour'; there are"),
             ("MatteShader", &[("color", "1,2")], "'1,2' is not 3 numbers between commas"),
             ("MatteShader", &[("color", "red")], "'red' is not 3 numbers"),
             ("MatteShader", &[("texture", "wood.png")], "give @ and the name of a picture"),

@@ -42,7 +42,7 @@ pub enum CommitError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CheckpointError {
     /// The bytes are something else.
-    #[error("it is no checkpoint of a rendering")]
+    #[error("it is not a checkpoint of a rendering")]
     NoCheckpoint,
     /// Another version of this program wrote it.
     #[error("another version of the program wrote it")]
@@ -54,7 +54,7 @@ pub enum CheckpointError {
     #[error("it is of another picture: scene, camera or options differ")]
     OtherPicture,
     /// The picture already has more samples than it shall get.
-    #[error("it holds {has} samples per pixel already, {requested} are asked for")]
+    #[error("it holds {has} samples per pixel already, {requested} are requested")]
     MoreSamples {
         /// How many it holds.
         has: u32,
@@ -91,18 +91,18 @@ pub enum RenderError {
         crop: [u32; 4],
     },
     /// A piece that the picture is not cut into.
-    #[error("there is no piece {piece}: pieces count from 1 to their number")]
+    #[error("piece {piece} is out of range: pieces count from 1 to their number")]
     NoSuchPiece {
         /// As it was given.
         piece: Piece,
     },
     /// Pixels that read their neighbours, which other pieces have.
     #[error(
-        "interleaved pixels look at their neighbours, which other pieces have; render without one of the two"
+        "interleaved pixels read their neighbours, which are in other pieces; render without one of the two"
     )]
     InterleavedPiece,
     /// A pixel that the picture does not have.
-    #[error("pixel {x},{y} lies outside of the picture of {width}x{height} pixels")]
+    #[error("pixel {x},{y} is outside of the picture of {width}x{height} pixels")]
     NoSuchPixel {
         /// Column.
         x: u32,

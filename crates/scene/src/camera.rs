@@ -130,7 +130,7 @@ impl Camera {
                 "its angle of view is {angle} degrees: that of a fisheye is above 0 and at most 360"
             )),
             Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
-                Some(format!("the height of what it shows is {height}: it must be above 0"))
+                Some(format!("the height of its view is {height}: it must be above 0"))
             }
             _ if !(self.lens.aperture >= 0.0 && self.lens.aperture.is_finite()) => {
                 Some(format!("its aperture is {}: it must be 0 or above", self.lens.aperture))

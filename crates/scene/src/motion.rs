@@ -44,7 +44,7 @@ pub struct UnknownMotion(String);
 
 impl fmt::Display for UnknownMotion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} is no motion: auto, static, rigid, deforming and known are", self.0)
+        write!(f, "unknown motion {:?}; valid are: auto, static, rigid, deforming, known", self.0)
     }
 }
 

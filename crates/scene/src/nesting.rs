@@ -33,7 +33,7 @@ pub enum NestingError {
         object: u32,
     },
     /// More than [`DEEPEST`] levels.
-    #[error("below object {object} more than {DEEPEST} objects lie in one another")]
+    #[error("below object {object} objects are nested more than {DEEPEST} levels deep")]
     TooDeep {
         /// The outermost of them.
         object: u32,

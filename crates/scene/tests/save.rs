@@ -473,7 +473,7 @@ fn what_is_lost_is_told() {
     let both = [
         "index and extinction of metal",
         "roughness of a matte surface",
-        "tint of what glass mirrors",
+        "tint of the reflection of glass",
         "shadow catcher",
         "shader of a material",
         "texture values outside of 0 to 1",

@@ -94,9 +94,9 @@ fn syntax_means_what_it_should() {
 fn what_is_no_pattern_says_why() {
     let wrong = [
         ("(a", 0, "not closed"),
-        ("a)", 1, "closes nothing"),
-        ("*a", 0, "repeated"),
-        ("a**", 2, "repeated"),
+        ("a)", 1, "unmatched closing parenthesis"),
+        ("*a", 0, "repeat"),
+        ("a**", 2, "repeat"),
         ("[a", 0, "not closed"),
         ("a{2", 3, "brace"),
         ("a{3,1}", 2, "below"),
@@ -108,7 +108,7 @@ fn what_is_no_pattern_says_why() {
         ("\\2(a)", 5, "group"),
         ("[[:none:]]", 0, "name"),
         ("\\xZ", 2, "hexadecimal"),
-        ("^*", 1, "repeated"),
+        ("^*", 1, "repeat"),
         ("((a{999}){999}){999}", 0, "too large"),
     ];
     for (pattern, at, reason) in wrong {

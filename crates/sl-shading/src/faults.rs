@@ -33,7 +33,7 @@ impl Faults {
             return;
         }
         if lines.len() == MOST {
-            lines.push("and more, which is not told".to_owned());
+            lines.push("and more, which is not printed".to_owned());
             self.is_full.store(true, Ordering::Relaxed);
             return;
         }
@@ -46,11 +46,11 @@ impl Faults {
             return;
         }
         match event {
-            Event::Print(text) => self.note(&format!("{name} says: {text}")),
+            Event::Print(text) => self.note(&format!("{name} prints: {text}")),
             Event::Error(text) => self.note(&format!("{name}: {text}")),
             Event::Warning(text) => self.note(&format!("{name}: warning: {text}")),
             // Shaders write no files.
-            Event::File(file, text) => self.note(&format!("{name} says to \"{file}\": {text}")),
+            Event::File(file, text) => self.note(&format!("{name} prints to \"{file}\": {text}")),
         }
     }
 

@@ -45,7 +45,10 @@ pub(crate) fn unknown(path: &Path) -> Option<String> {
     let is_named = path.parent().is_some_and(|folder| folder == Path::new(FOLDER));
     let shaders: Vec<&str> = FILES.iter().filter_map(|(name, _)| name.strip_suffix(".osl")).collect();
     is_named.then(|| {
-        format!("there is no such file, and the program has none of that name; it has {}", shaders.join(", "))
+        format!(
+            "the file does not exist, and no built-in shader has that name; valid are: {}",
+            shaders.join(", ")
+        )
     })
 }
 

@@ -175,6 +175,6 @@ pub(crate) fn read(ty: Type, text: &str) -> Result<ParameterValue, String> {
             let fits = ty.array < 0 || list.len() == 1 && !ty.is_array() || list.len() == ty.size();
             if fits { Ok(ParameterValue::Floats(list)) } else { Err(wrong("numbers")) }
         }
-        _ => Err(format!("no text stands for a {ty}")),
+        _ => Err(format!("a {ty} cannot be given as text")),
     }
 }

@@ -140,10 +140,7 @@ impl Script {
             let hint = closures.next().map_or_else(String::new, |(_, symbol)| {
                 format!("; in a group, connect its output {} to a layer that does", symbol.name)
             });
-            reader
-                .warnings
-                .borrow_mut()
-                .push(format!("{name}: it does not write Ci, and shows nothing{hint}"));
+            reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black{hint}"));
         }
         Ok(Self {
             name,
@@ -317,7 +314,7 @@ impl Script {
             .max_by(|a, b| strsim::jaro_winkler(name, a).total_cmp(&strsim::jaro_winkler(name, b)));
         let near = near.filter(|near| strsim::jaro_winkler(name, near) > 0.8);
         let meant = near.map_or_else(String::new, |near| format!("; did you mean '{near}'?"));
-        Err(format!("no parameter '{name}'; {list}{meant}"))
+        Err(format!("unknown parameter '{name}'; {list}{meant}"))
     }
 
     /// As a surface.
@@ -353,7 +350,7 @@ impl Script {
     /// It is none, or too large.
     pub fn camera(&self, frame: CameraFrame) -> Result<Arc<dyn CameraShader>, String> {
         let camera = self.camera_anywhere()?.at(&[frame]);
-        camera.ok_or_else(|| format!("{}: it stands nowhere", self.name))
+        camera.ok_or_else(|| format!("{}: it has no position", self.name))
     }
 
     /// The same before anybody knows where it stands.
@@ -433,7 +430,7 @@ impl Script {
             return Ok(());
         }
         let (is, expected) = (self.kind.kind_name(), expected.kind_name());
-        Err(format!("{}: its shader is of type {is}; one of type {expected} is wanted here", self.name))
+        Err(format!("{}: its shader is of type {is}; one of type {expected} is expected here", self.name))
     }
 
     /// As it is run, with values that are kept of each point.
@@ -579,7 +576,7 @@ impl Reader<'_> {
         };
         match unknown_operation(&shader) {
             None => Ok(shader),
-            Some(op) => Err(format!("{shown}: the operation {op} is not known")),
+            Some(op) => Err(format!("{shown}: unknown operation {op}")),
         }
     }
 
@@ -616,7 +613,7 @@ impl Reader<'_> {
                 .map(|name| folder.join(name))
                 .find(|file| file.is_file());
             let made = match file {
-                None => Err(format!("no shader {name}, {name}.osl or {name}.oso is beside it")),
+                None => Err(format!("shader {name} missing: the folder has no {name}.osl or {name}.oso")),
                 Some(file) => self.access.text(&file).and_then(|text| {
                     self.files.borrow_mut().push(file.clone());
                     self.shader(&file, &text)

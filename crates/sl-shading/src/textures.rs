@@ -105,7 +105,7 @@ impl Textures {
         if self.access.allows(&path) {
             return Ok(path.into());
         }
-        let why = "not there, or outside of the folder that files may come from";
+        let why = "missing, or outside of the folder that files may come from";
         Err(format!("texture {}: {why}", path.display()))
     }
 
@@ -175,7 +175,7 @@ fn is_raw(color_space: &str) -> Result<bool, Arc<str>> {
         "" | "auto" | "srgb" | "srgb_texture" | "srgb_rec709_scene" => Ok(false),
         "raw" | "data" | "linear" | "scene_linear" | "lin_rec709" | "lin_srgb" | "lin_rec709_scene" => Ok(true),
         _ => Err(format!(
-            "texture: the colour space \"{color_space}\" is not known: \"srgb\" (what is usual), \"linear\" and \"raw\" are"
+            "texture: unknown colour space \"{color_space}\"; valid are \"srgb\" (the default), \"linear\" and \"raw\""
         )
         .into()),
     }

@@ -35,7 +35,7 @@ impl Recorder {
     /// Begins a take.
     pub(crate) fn begin(folder: &Path) -> Result<Self, String> {
         let is_free = |&take: &u32| !file(folder, take, 1).exists();
-        let take = (1..u32::MAX).find(is_free).ok_or("no name is left")?;
+        let take = (1..u32::MAX).find(is_free).ok_or("all file names are in use")?;
         let (sender, shots) = sync_channel(WAITING);
         let to = folder.to_owned();
         let thread = std::thread::Builder::new().name("gnurt-recorder".into());

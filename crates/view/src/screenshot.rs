@@ -21,7 +21,7 @@ pub(crate) fn write(
     let options = WriteOptions { tone: exposure.tone, exposure: exposure.stops, ..WriteOptions::default() };
     let bytes = encode(&picture, PictureFormat::PNG, &options).map_err(|error| error.to_string())?;
     let name = |number: u32| folder.join(format!("view-{number:04}.png"));
-    let free = (1..u32::MAX).map(name).find(|path| !path.exists()).ok_or("no name is left")?;
+    let free = (1..u32::MAX).map(name).find(|path| !path.exists()).ok_or("all file names are in use")?;
     replace_file(&free, &bytes).map_err(|error| error.to_string())?;
     Ok(free)
 }

@@ -109,7 +109,7 @@ impl Scripts {
     /// The value does not fit, or there is no such parameter.
     pub(crate) fn tune(&mut self, script: usize, name: &str, value: &ParameterValue) -> Result<bool, String> {
         let Self { list, table, camera } = self;
-        let shader = list.get_mut(script).ok_or("there is no such shader any more")?;
+        let shader = list.get_mut(script).ok_or("the shader does not exist any more")?;
         if shader.script.is_tunable(name) {
             shader.script.tune(name, value)?;
             // A commit processes emissive surfaces.

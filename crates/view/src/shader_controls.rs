@@ -199,7 +199,7 @@ impl ShaderControls {
             return Vec::new();
         }
         if self.all.is_empty() {
-            return vec!["no shader has numbers to turn".into()];
+            return vec!["no shader has adjustable parameters".into()];
         }
         let begin = self.at.saturating_sub(LINES / 2).min(self.all.len().saturating_sub(LINES));
         let near = self.all.iter().enumerate().skip(begin).take(LINES);

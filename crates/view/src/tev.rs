@@ -77,7 +77,7 @@ impl TevImage {
     /// [`ViewError::Tev`] if no program listens at the address.
     pub fn create(address: &TevAddress, name: &str, [width, height]: [u32; 2]) -> Result<Self, ViewError> {
         let failed = |why: std::io::Error| error(address, &why);
-        let mut last = std::io::Error::other("the name of the host is not known");
+        let mut last = std::io::Error::other("unknown host");
         let mut stream = None;
         let tile_pixels = (&address.host[..], address.port).to_socket_addrs().map_err(failed)?;
         for index in tile_pixels {

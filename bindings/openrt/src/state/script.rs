@@ -31,7 +31,9 @@ impl ScriptClass {
         let script = Script::open(Path::new(file), &Access::default()).map_err(LoadError::Unfit)?;
         if script.shader_name() != name {
             let found = script.shader_name();
-            return Err(LoadError::Missing(format!("no shader \"{name}\" in {file}; it holds \"{found}\"")));
+            return Err(LoadError::Missing(format!(
+                "unknown shader \"{name}\" in {file}; it holds \"{found}\""
+            )));
         }
         let kind = match script.kind() {
             ScriptKind::Surface => Kind::Surface,

@@ -120,7 +120,9 @@ impl Classes {
             ClassCode::built_in(name).ok_or_else(|| {
                 let names = ClassCode::built_in_names();
                 let (list, hint) = (names.join(", "), suggestion(name, &names));
-                LoadError::Missing(format!("no built-in shader class \"{name}\"; there are {list}{hint}"))
+                LoadError::Missing(format!(
+                    "unknown built-in shader class \"{name}\"; valid are: {list}{hint}"
+                ))
             })?
         } else if is_script(file) {
             ClassCode::Script(Arc::new(ScriptClass::load(name, file)?))

@@ -26,13 +26,9 @@ impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Io(error) => write!(f, "a saved tree cannot be read: {error}"),
-            Self::NotATree => f.write_str("this is no saved tree"),
+            Self::NotATree => f.write_str("not a saved tree"),
             Self::Version(version) => {
-                write!(
-                    f,
-                    "a saved tree of version {version}, but only version {} is known",
-                    super::data::VERSION
-                )
+                write!(f, "unsupported version {version} of a saved tree; valid is {}", super::data::VERSION)
             }
             Self::Truncated => f.write_str("a saved tree ends too early"),
             Self::Checksum => f.write_str("a saved tree does not have the checksum that it should have"),

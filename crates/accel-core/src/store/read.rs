@@ -58,7 +58,7 @@ impl<'a, R: Read> Reader<'a, R> {
         if bounds == Aabb::EMPTY || is_sound(&bounds) {
             return Ok(bounds);
         }
-        Err(LoadError::Damaged("its bounds are no box"))
+        Err(LoadError::Damaged("its bounds are invalid"))
     }
 
     /// A list of at most this many records.

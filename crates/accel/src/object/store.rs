@@ -71,7 +71,7 @@ impl ObjectTree {
                 Index::Grid(_) => {
                     return Err(io::Error::new(
                         io::ErrorKind::Unsupported,
-                        "grids cannot be saved: they are there to be built anew",
+                        "grids cannot be saved; build them again instead",
                     ));
                 }
                 Index::Moving(_) => {
@@ -162,7 +162,7 @@ impl ObjectTree {
         let (mut bounds, mut measured) = (Aabb::EMPTY, TreeStats::default());
         for Part { index, .. } in &mut parts {
             if index.bounds().is_empty() {
-                return Err(LoadError::Damaged("a tree is over nothing"));
+                return Err(LoadError::Damaged("a tree has no geometry"));
             }
             match index {
                 Index::Kd(index) => index.check(count)?,

@@ -42,7 +42,7 @@ impl fmt::Display for SceneError {
                 write!(f, "the transform of instance {inst_id} cannot be inverted")
             }
             Self::TooDeep { inst_id } => {
-                write!(f, "with instance {inst_id} more than {DEEPEST_SCENE} scenes lie in one another")
+                write!(f, "instance {inst_id}: scenes are nested more than {DEEPEST_SCENE} levels deep")
             }
             Self::TooManyObjects { inst_id } => {
                 write!(f, "with instance {inst_id} the scene shows more than 2^32 - 2 objects")

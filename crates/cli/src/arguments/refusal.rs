@@ -44,12 +44,12 @@ fn mistake(error: &clap::Error) -> String {
         }
         ErrorKind::MissingSubcommand | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             let root = Arguments::command();
-            format!("no command given; give one of: {}", commands(used_command(&root)).join(", "))
+            format!("command missing; valid are: {}", commands(used_command(&root)).join(", "))
         }
         ErrorKind::MissingRequiredArgument => {
             format!("{} is missing; see --help", argument.replace('\n', ", "))
         }
-        ErrorKind::InvalidUtf8 => "an argument is no UTF-8 text; only file names may be anything else".into(),
+        ErrorKind::InvalidUtf8 => "an argument is invalid UTF-8; only file names may be other bytes".into(),
         _ => first_line(error),
     }
 }
@@ -75,9 +75,7 @@ fn unknown_argument(argument: &str) -> String {
     let is_short = |option: &clap::Arg| option.get_short().is_some() && option.get_short() == short;
     // It is known, but not where it stands.
     if options.contains(&written) || used_command(&root).get_arguments().any(is_short) {
-        return format!(
-            "{written}: options stand behind the command, as in 'gnurt render SCENE {written} ...'"
-        );
+        return format!("{written}: options follow the command, as in 'gnurt render SCENE {written} ...'");
     }
     unknown("option", written, &options)
 }
@@ -144,7 +142,7 @@ mod tests {
             message(&["info", "a.obj", "b.obj"]).contains("'b.obj' is one argument too many"),
             "a file too many"
         );
-        assert!(message(&[]).starts_with("no command given"), "{}", message(&[]));
+        assert!(message(&[]).starts_with("command missing"), "{}", message(&[]));
     }
 
     #[test]

@@ -71,7 +71,10 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
     let name = source.stem();
     write(arguments.csv.as_deref(), || light::csv(&name, &points))?;
     write(arguments.svg.as_deref(), || light_plot::svg(&name, &points))?;
-    messages.detail(format_args!("the means of both truths are {:.3} % apart", 100.0 * truth.doubt()));
+    messages.detail(format_args!(
+        "the means of both reference pictures differ by {:.3} %",
+        100.0 * truth.doubt()
+    ));
     print(light::table(&light::summaries(&points, seconds)).trim_end())
 }
 
@@ -92,7 +95,7 @@ fn truth(
         let no_truth = || {
             let (file, size) = (first.display(), arguments.resolution);
             Failure::data(format_args!(
-                "{file}: both pictures of the truth must be {size}, as --resolution says"
+                "{file}: both reference pictures must be {size}, the size of --resolution"
             ))
         };
         return Truth::new(pictures).filter(|_| fits).ok_or_else(no_truth);

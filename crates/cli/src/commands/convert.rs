@@ -47,7 +47,7 @@ pub(crate) fn run(arguments: &ConvertArguments, environment: &Environment, messa
             output.display()
         ))),
         (Kind::Picture, Kind::Scene) => Err(Failure::usage(format_args!(
-            "{} is a picture and {} a scene; there is no way from pictures to scenes",
+            "{} is a picture and {} a scene; pictures cannot be converted to scenes",
             input.display(),
             output.display()
         ))),

@@ -242,7 +242,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
         for (option, output) in [("--output", Some(&picture)), ("--heatmap", heatmap.as_ref())] {
             if let Some(output) = output.filter(|output| output.numbered().is_none()) {
                 return Err(Failure::usage(format_args!(
-                    "{option} {}: --frames makes more than one; give a place for the number, as in frame.####.png",
+                    "{option} {}: --frames makes more than one; mark the number by #, as in frame.####.png",
                     output.path().display()
                 )));
             }
@@ -263,7 +263,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
     }
     if arguments.frame.noise.is_some() && arguments.frame.integrator.has_virtual_lights() {
         return Err(Failure::usage(format_args!(
-            "--noise does not go with --integrator {}: its pixels share their noise; give --spp or --time",
+            "--noise is unsupported with --integrator {}: its pixels share their noise; give --spp or --time",
             arguments.frame.integrator
         )));
     }
@@ -365,7 +365,7 @@ pub(super) fn commit_into(
     // A scene without any triangle was warned about when it was read.
     let has_triangles = scene.meshes().iter().any(|mesh| !mesh.indices.is_empty());
     if world.bounds().is_none() && has_triangles {
-        messages.warning("no triangle is left to be seen: only the background is");
+        messages.warning("no visible triangle is left: the picture shows only the background");
     }
     let stats = world.stats();
     messages.detail(format_args!(

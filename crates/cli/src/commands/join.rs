@@ -66,7 +66,7 @@ impl Whole {
             let packed = image::read(file).map_err(Failure::data)?;
             let header = Header::of(&packed).ok_or_else(|| {
                 Failure::data(format_args!(
-                    "{}: is no piece of a picture; `gnurt render --piece I/N` writes them",
+                    "{}: not a piece of a picture; `gnurt render --piece I/N` writes them",
                     file.display()
                 ))
             })?;
@@ -76,7 +76,7 @@ impl Whole {
             };
             whole.add(file, &header, packed)?;
         }
-        whole.ok_or_else(|| Failure::usage("no pieces are given"))
+        whole.ok_or_else(|| Failure::usage("pieces missing"))
     }
 
     fn begin(file: &Path, header: Header, packed: &Picture) -> Result<Self, Failure> {

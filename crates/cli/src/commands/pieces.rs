@@ -50,7 +50,7 @@ pub(super) fn check(arguments: &RenderArguments) -> Outcome {
     let frame = &arguments.frame;
     if frame.integrator.has_virtual_lights() && frame.interleave > 1 {
         return refuse(
-            "interleaved pixels look at their neighbours, which other pieces have; leave out --interleave"
+            "interleaved pixels read their neighbours, which are in other pieces; leave out --interleave"
                 .into(),
         );
     }

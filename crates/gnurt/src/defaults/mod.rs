@@ -67,13 +67,13 @@ impl fmt::Display for Note {
         match self {
             Self::Camera => f.write_str("the scene has no camera; one that shows all of it is used"),
             Self::Studio { .. } => {
-                write!(f, "{own}; it stands in a studio: soft light from a plain sky, a floor that only catches shadow")
+                write!(f, "{own}; a default studio is used: soft light from a plain sky, and a shadow-catcher floor")
             }
             Self::Lights => {
                 write!(f, "{own}; a light over the camera's left shoulder and a grey background are used")
             }
             Self::Lamp { .. } => {
-                write!(f, "{own}; a lamp beside the camera, which is inside, and a grey background are used")
+                write!(f, "{own}; a light near the camera, which is inside, and a grey background are used")
             }
             Self::DisplaysOnly => f.write_str(
                 "the scene has no light but displays (emissive textures of radiance up to 1), and a file of floats gets no other; --environment builtin:day adds a sky",

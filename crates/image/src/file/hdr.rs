@@ -153,7 +153,7 @@ fn read_header(source: &mut dyn Source) -> Result<Header, Error> {
         }
     }
     let line = read_line(source, &mut rest)?;
-    let bad_size = || Error::corrupt("HDR", format!("'{line}' is no size like '-Y height +X width'"));
+    let bad_size = || Error::corrupt("HDR", format!("'{line}' is not a size like '-Y height +X width'"));
     let parts: Vec<&str> = line.split_whitespace().collect();
     let ["-Y", height, "+X", width] = parts[..] else { return Err(bad_size()) };
     let number = |token: &str| token.parse::<u32>().map_err(|_| bad_size());

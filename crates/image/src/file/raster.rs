@@ -156,7 +156,7 @@ fn stored(
         DynamicImage::ImageLumaA16(image) => StoredValues::U16(image.into_raw()),
         DynamicImage::ImageRgb16(image) => StoredValues::U16(image.into_raw()),
         DynamicImage::ImageRgba16(image) => StoredValues::U16(image.into_raw()),
-        _ => return Err(Error::corrupt(format.name(), "its pixels have a form that is not known")),
+        _ => return Err(Error::corrupt(format.name(), "its pixel format is unsupported")),
     };
     Ok(Stored::plain(size, channels, values))
 }
@@ -273,7 +273,7 @@ fn check_tga(source: &mut dyn Source, length: u64) -> Result<(), Error> {
     match image_type {
         1..=3 => check_bytes("TGA", size, 18 + size[0] * size[1] * u64::from(depth).div_ceil(8), length),
         9..=11 => check_density("TGA", size, length, RUN_PIXELS_PER_BYTE),
-        _ => Err(Error::corrupt("TGA", format!("there is no image type {image_type}"))),
+        _ => Err(Error::corrupt("TGA", format!("unknown image type {image_type}"))),
     }
 }
 

@@ -75,7 +75,7 @@ fn check_target(path: &Path, target: &Path) -> Result<(), Error> {
     }
     let folder = folder_of(target);
     if !folder.is_dir() {
-        let state = if folder.exists() { "is no folder" } else { "does not exist" };
+        let state = if folder.exists() { "is not a folder" } else { "does not exist" };
         return refuse(format!("cannot be written: {} {state}", folder.display()));
     }
     match std::fs::metadata(target) {

@@ -67,7 +67,7 @@ fn stream_of(format: u8, packed: &[u8], out: &mut [u8]) -> Result<(), Error> {
             if filled == Some(out.len()) { Ok(()) } else { Err(corrupt("broken LZ4 data")) }
         }
         3 => inflate(packed, out),
-        _ => Err(corrupt(format!("packed in Blosc's way number {format}; LZ4 and zlib are read"))),
+        _ => Err(corrupt(format!("unsupported Blosc format {format}; LZ4 and zlib are supported"))),
     }
 }
 

@@ -33,7 +33,7 @@ impl<'a> Bytes<'a> {
     /// Goes on at another place.
     pub(super) fn seek(&mut self, at: i64) -> Result<(), Error> {
         let inside = usize::try_from(at).ok().filter(|&at| at <= self.all.len());
-        self.at = inside.ok_or_else(|| corrupt(format!("a part lies at byte {at}, behind the end")))?;
+        self.at = inside.ok_or_else(|| corrupt(format!("a part at byte {at} is behind the end")))?;
         Ok(())
     }
 
@@ -44,7 +44,7 @@ impl<'a> Bytes<'a> {
         self.seek(end.min(self.all.len() as i64))?;
         match usize::try_from(start).ok().filter(|&start| before <= start && start <= self.at) {
             Some(at) => Ok(Self { all: &self.all[..self.at], at }),
-            None => Err(corrupt(format!("a part lies from byte {start} to {end}, behind byte {before}"))),
+            None => Err(corrupt(format!("a part from byte {start} to {end} is not behind byte {before}"))),
         }
     }
 

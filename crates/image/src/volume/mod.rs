@@ -85,7 +85,7 @@ impl Volume {
         for _ in 0..bytes.u32()? {
             let [name, kind, parent] = [bytes.text()?, bytes.text()?, bytes.text()?];
             if !has_offsets {
-                return Err(corrupt("it does not say where its grids are"));
+                return Err(corrupt("the positions of its grids are missing"));
             }
             let [start, _, end] = [bytes.i64()?, bytes.i64()?, bytes.i64()?];
             // Each grid lies behind the one before, so that no byte is read for more than one of them.
@@ -120,14 +120,14 @@ impl Volume {
         let world_from_index = map(bytes)?;
         let index_from_world = world_from_index.inverse();
         if !index_from_world.is_finite() {
-            return Err(corrupt(format!("the map of the grid \"{name}\" cannot be turned around")));
+            return Err(corrupt(format!("the map of the grid \"{name}\" has no inverse")));
         }
         let tree = if parent.is_empty() {
             Arc::new(Tree::read(&mut Reader { bytes, budget, format })?)
         } else {
             let known = self.grids.iter().find(|grid| grid.name == parent);
-            let known =
-                known.ok_or_else(|| corrupt(format!("no grid \"{parent}\" for \"{name}\" to show")))?;
+            let known = known
+                .ok_or_else(|| corrupt(format!("grid \"{parent}\" missing, which \"{name}\" shares")))?;
             known.tree.clone()
         };
         Ok(Grid { name, channels: format.channels, index_from_world, tree })
@@ -261,6 +261,10 @@ fn map(bytes: &mut Bytes<'_>) -> Result<DAffine3, Error> {
             let [x, y, z, offset] = [row()?, row()?, row()?, row()?];
             DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: offset }
         }
-        _ => return Err(corrupt(format!("a map of the kind {kind}; scales, ways and affine ones are read"))),
+        _ => {
+            return Err(corrupt(format!(
+                "unsupported map {kind}; scales, translations and affine maps are supported"
+            )));
+        }
     })
 }

@@ -165,7 +165,7 @@ impl Values {
             1 | 3 => inactive[0] = background.map(|x| -x),
             2 | 4 => inactive[0] = format.value(bytes)?,
             5 => inactive = [format.value(bytes)?, format.value(bytes)?],
-            _ => return Err(corrupt(format!("values are stored in a way numbered {how}; 0 to 6 are known"))),
+            _ => return Err(corrupt(format!("unknown storage {how} of values; 0 to 6 are valid"))),
         }
         let second = if matches!(how, 3..=5) { Some(Mask::read(bytes, cells)?) } else { None };
         let sparse = format.compression & 2 != 0 && how != ALL;

@@ -57,7 +57,7 @@ impl Known for Constants<'_> {
 /// Why the interpreter must run it.
 pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
     if plan.debug_layers {
-        return Err("layers that say when they start are run by the interpreter".into());
+        return Err("layers that print their start need the interpreter".into());
     }
     if plan.layers.len() > LAYERS {
         return Err(format!("the group has more than {LAYERS} layers"));
@@ -423,7 +423,7 @@ impl Lowerer<'_> {
 
     fn step(&mut self, step: &Step) -> Result<(), String> {
         if !is_honest(step) {
-            return Err(format!("'{}' does not say what it writes", step.name));
+            return Err(format!("'{}' has undeclared writes", step.name));
         }
         self.fetch(&step.pulls);
         let native = is_native(step, self.known);

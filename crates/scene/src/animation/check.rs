@@ -68,7 +68,7 @@ fn exists(what: &str, number: usize, count: usize) -> Result<(), String> {
 fn on_node(location: &Attachment, count: usize) -> Result<(), String> {
     match location {
         Attachment::On(node) if *node as usize >= count => {
-            Err(format!("stands on node {node}, which is not before it"))
+            Err(format!("its parent node {node} does not precede it"))
         }
         _ => Ok(()),
     }

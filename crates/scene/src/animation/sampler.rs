@@ -33,13 +33,13 @@ impl Interpolation {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SamplerError {
     /// There are no keys.
-    #[error("there are no keys")]
+    #[error("keys missing")]
     Empty,
     /// A time is NaN or infinite.
-    #[error("the time of key {0} is no finite number")]
+    #[error("the time of key {0} is not a finite number")]
     NotFinite(usize),
     /// A value, or a tangent, of a key is NaN or infinite.
-    #[error("a value of key {0} is no finite number")]
+    #[error("a value of key {0} is not a finite number")]
     NotFiniteValue(usize),
     /// A time is less than its predecessor.
     #[error("the time of key {0} is before that of the key before it")]
@@ -258,9 +258,9 @@ mod tests {
         let error = |times: &[f32], values: &[f32]| {
             sampler(times, values, Interpolation::Linear).expect_err("no curve").to_string()
         };
-        assert_eq!(error(&[], &[]), "there are no keys");
-        assert_eq!(error(&[0.0, f32::NAN], &[0.0; 2]), "the time of key 1 is no finite number");
-        assert_eq!(error(&[0.0, 1.0], &[0.0, f32::NAN]), "a value of key 1 is no finite number");
+        assert_eq!(error(&[], &[]), "keys missing");
+        assert_eq!(error(&[0.0, f32::NAN], &[0.0; 2]), "the time of key 1 is not a finite number");
+        assert_eq!(error(&[0.0, 1.0], &[0.0, f32::NAN]), "a value of key 1 is not a finite number");
         let ends = [f32::NAN, 1.0, 2.0, 3.0, 4.0, f32::INFINITY];
         sampler(&[0.0, 1.0], &ends, Interpolation::CubicSpline).expect("nobody looks at the outer tangents");
         let inner = [0.0, 1.0, 2.0, f32::NAN, 4.0, 0.0];

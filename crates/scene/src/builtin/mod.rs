@@ -46,7 +46,7 @@ pub const ALL: &[Builtin] = &[
     },
     Builtin {
         name: "materials",
-        description: "balls from smooth to rough and from plastic to metal under three lamps",
+        description: "balls from smooth to rough and from plastic to metal under three lights",
         make: materials::scene,
     },
     Builtin {
@@ -56,12 +56,12 @@ pub const ALL: &[Builtin] = &[
     },
     Builtin {
         name: "slit",
-        description: "two rooms with a slit between them: the camera is in the one without the lamp",
+        description: "two rooms with a slit between them: the camera is in the one without the light",
         make: slit::scene,
     },
     Builtin {
         name: "rooms",
-        description: "three rooms joined by narrow openings: the lamp is in the last one, the camera in the first",
+        description: "three rooms joined by narrow openings: the light is in the last one, the camera in the first",
         make: rooms::scene,
     },
     Builtin {

@@ -26,7 +26,7 @@ pub struct BuiltinSky {
 pub const SKIES: &[BuiltinSky] = &[
     BuiltinSky {
         name: "day",
-        description: "a clear day, the sun high on the left behind who looks along -z",
+        description: "a clear day, the sun high on the left, behind a camera that faces -z",
         sky: Sky {
             zenith: [0.17, 0.33, 0.75],
             horizon: [0.75, 0.86, 1.0],

@@ -112,7 +112,7 @@ impl Formats {
                     let extension = extension.to_string_lossy().to_lowercase();
                     format!("unknown scene format {}", quoted(&format!(".{extension}")))
                 }
-                None => "no extension says which scene format it has".to_owned(),
+                None => "the scene format is unknown without an extension".to_owned(),
             };
             let allowed = match allowed.rsplit_once(", ") {
                 Some((others, last)) => format!("valid are {others} and {last}"),
@@ -161,7 +161,7 @@ impl Formats {
             return self.load(source, options);
         };
         let scene = crate::builtin::load(name).ok_or_else(|| {
-            let problem = "no built-in scene has this name";
+            let problem = "unknown built-in scene";
             let remedy = crate::builtin::suggestion(name);
             Error { kind: ErrorKind::UnknownName, ..Error::data(Path::new(source), None, problem, remedy) }
         })?;

@@ -31,7 +31,7 @@ impl Access {
         };
         let folder = std::fs::canonicalize(folder).map_err(|e| Error::system(folder, &e))?;
         if !folder.is_dir() {
-            return Err(Error::io(&folder, "is no folder", "name the folder that files may be read from"));
+            return Err(Error::io(&folder, "is not a folder", "name the folder that files may be read from"));
         }
         Ok(Self { confine: Some(folder), tiles: options.tiles.clone(), budget: Budget::default() })
     }
@@ -54,7 +54,7 @@ impl Access {
         };
         match locate(path, folder) {
             Err(Refusal::Outside) => Err((
-                format!("{} lies outside of the folder that files may be in", path.display()),
+                format!("{} is outside of the folder that files may be in", path.display()),
                 format!("expected a file below {}", folder.display()),
             )),
             Ok(_) | Err(Refusal::System(_)) => Ok(()),
@@ -72,7 +72,7 @@ impl Access {
             // By its resolved name, so that a link changed meanwhile has no effect.
             Ok(found) => open(&found),
             Err(Refusal::System(error)) => Err(Error::system(path, &error)),
-            Err(Refusal::Outside) => Err(Error::io(path, "lies outside", "")),
+            Err(Refusal::Outside) => Err(Error::io(path, "is outside", "")),
         }
     }
 

@@ -87,7 +87,7 @@ impl Oddity {
     /// The oddity and the action taken.
     fn sentence(self) -> &'static str {
         match self {
-            Self::EmptyScene => "no triangles: only the background is seen",
+            Self::EmptyScene => "no triangles: the picture shows only the background",
             Self::NotFiniteTriangle => "triangle with a NaN or infinite corner left out",
             Self::ZeroAreaTriangle => "triangle without area left out",
             Self::ShortFace => "face with fewer than 3 corners left out",
@@ -97,7 +97,7 @@ impl Oddity {
             }
             Self::NormalOutOfRange => "face with a normal index out of range, shown without normals",
             Self::BadAttribute => {
-                "texture coordinate, normal, colour or weight that is no finite number, ignored"
+                "texture coordinate, normal, colour or weight that is not a finite number, ignored"
             }
             Self::NumberOutOfRange => "number out of range, the nearest one in it is used",
             Self::BadTexture => "texture cannot be read, ignored",

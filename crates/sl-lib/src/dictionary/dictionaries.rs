@@ -60,7 +60,7 @@ impl std::fmt::Display for DictionaryError {
             Self::Document { reason, at } => write!(f, "XML parsed with errors: {reason}, at offset {at}"),
             Self::Query(query) => write!(
                 f,
-                "Invalid dict_find query '{query}': a path of names is wanted, as \"//node[@name='x']/child\""
+                "Invalid dict_find query '{query}': a path of names is expected, as \"//node[@name='x']/child\""
             ),
         }
     }

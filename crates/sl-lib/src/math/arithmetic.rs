@@ -6,7 +6,7 @@
 
 use crate::number::{Number, Real, UInts};
 
-/// a / b, and 0 where that is no finite number.
+/// a / b, and 0 where that is not a finite number.
 #[inline(always)]
 pub fn div<N: Number>(a: N, b: N) -> N {
     let (u, v) = (a.value(), b.value());

@@ -54,7 +54,7 @@ impl<'a> FileTokens<'a> {
     fn expect(&mut self, token: &str) -> Result<(), String> {
         match self.next()? {
             found if found == token => Ok(()),
-            found => Err(self.wrong(format_args!("'{found}' stands where '{token}' should"))),
+            found => Err(self.wrong(format_args!("'{found}' in place of '{token}'"))),
         }
     }
 
@@ -81,7 +81,7 @@ fn head(tokens: &mut FileTokens<'_>) -> Result<Head, String> {
     let name = tokens.next()?.into();
     let width: usize = tokens.number("count")?;
     if width == 0 || width > 64 {
-        return Err(tokens.wrong(format_args!("an attribute of {width} values; 1 to 64 are known")));
+        return Err(tokens.wrong(format_args!("an attribute of {width} values; 1 to 64 are supported")));
     }
     let kind = tokens.next()?;
     let mut texts = Vec::new();
@@ -96,7 +96,7 @@ fn head(tokens: &mut FileTokens<'_>) -> Result<Head, String> {
             Values::Text(Vec::new())
         }
         _ => {
-            let known = "float, int, vector and index are known";
+            let known = "float, int, vector and index are supported";
             return Err(tokens.wrong(format_args!("an attribute of the kind '{kind}'; {known}")));
         }
     };
@@ -135,7 +135,7 @@ pub fn read_cloud(text: &str) -> Result<PointCloud, String> {
     let row: usize = 3 + heads.iter().map(|head| head.column.width).sum::<usize>();
     // A point takes at least eight bytes.
     if points > text.len() / 8 || points.saturating_mul(row) > MOST {
-        return Err(tokens.wrong(format_args!("{points} points are more than the file has room for")));
+        return Err(tokens.wrong(format_args!("{points} points exceed the length of the file")));
     }
     let mut positions = Vec::with_capacity(points);
     for _ in 0..points {
@@ -176,7 +176,7 @@ pub fn write_cloud(cloud: &PointCloud) -> Result<String, String> {
     use std::fmt::Write;
     let token = |text: &str| -> Result<(), String> {
         let fits = !text.is_empty() && !text.contains(|c: char| c.is_whitespace() || matches!(c, '(' | ')'));
-        fits.then_some(()).ok_or_else(|| format!("'{text}' is no word that a .geo file can hold"))
+        fits.then_some(()).ok_or_else(|| format!("'{text}' is not a valid word of a .geo file"))
     };
     let mut out = String::new();
     let (points, columns) = (cloud.positions().len(), cloud.columns());

@@ -128,7 +128,7 @@ impl Checker<'_> {
         self.error_help(
             loc,
             format!("Cannot assign {to} {name} = {from}"),
-            format!("a value of type '{to}' is wanted"),
+            format!("a value of type '{to}' is expected"),
         );
         false
     }

@@ -204,7 +204,7 @@ impl Checker<'_> {
             self.error_help(
                 loc,
                 message,
-                "say which result is meant, as in (float) f(...), or name the arguments' types".to_owned(),
+                "give the type of the result, as in (float) f(...), or those of the arguments".to_owned(),
             );
             return None;
         }

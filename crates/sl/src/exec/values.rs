@@ -189,7 +189,7 @@ impl Machine<'_> {
         if self.reports <= MOST_OUTPUT {
             self.events.push(event);
         } else if before <= MOST_OUTPUT {
-            let text = format!("more than {} MiB are said: the rest is left out", MOST_OUTPUT >> 20);
+            let text = format!("more than {} MiB of output: the rest is left out", MOST_OUTPUT >> 20);
             self.events.push(Event::Warning(text));
         }
     }

@@ -66,7 +66,11 @@ impl Reader {
         if first == "OpenShadingLanguage" {
             let version = plain(list, 1)?;
             let major = version.split('.').next().and_then(|m| m.parse::<u32>().ok());
-            return if major == Some(1) { Ok(()) } else { Err(format!("version {version}; 1.00 is known")) };
+            return if major == Some(1) {
+                Ok(())
+            } else {
+                Err(format!("unsupported version {version}; 1.00 is valid"))
+            };
         }
         if !matches!(
             first,

@@ -54,7 +54,7 @@ fn int(shader: &Shader, id: SymId) -> Result<(), String> {
     if symbol.ty == Type::INT {
         Ok(())
     } else {
-        Err(format!("condition {} is no int but {}", symbol.name, symbol.ty))
+        Err(format!("condition {} is not an int but {}", symbol.name, symbol.ty))
     }
 }
 

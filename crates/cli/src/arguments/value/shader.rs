@@ -80,7 +80,7 @@ pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
         Some((name, value)) if !name.is_empty() && !value.is_empty() => {
             Ok((unescaped(name), unescaped(value)))
         }
-        _ => Err(format!("'{part}' is no parameter; {RIGHT}")),
+        _ => Err(format!("'{part}' is not a parameter; {RIGHT}")),
     };
     let parameters = parts.map(pair).collect::<Result<_, _>>()?;
     let (material, class) = (unescaped(material), unescaped(class));

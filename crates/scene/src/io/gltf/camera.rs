@@ -47,7 +47,7 @@ pub(super) fn described(
             camera.projection = Projection::Panorama
         }
         Some(other) => complain(format!(
-            "{name}: extras.projection is {other}; in `extras` it may be \"fisheye\" or \"panorama\", beside what the camera's type says"
+            "{name}: unknown extras.projection {other}; valid are \"fisheye\" and \"panorama\""
         )),
     }
     sound(camera)

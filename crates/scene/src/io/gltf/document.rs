@@ -108,7 +108,7 @@ impl<'a> Document<'a> {
     ) -> Result<Self, Error> {
         let container = Container::new(bytes, is_binary, path, warnings)?;
         let json = std::str::from_utf8(container.json).map_err(|error| {
-            let problem = format!("the JSON is no UTF-8 at its byte {}", error.valid_up_to());
+            let problem = format!("the JSON is invalid UTF-8 at its byte {}", error.valid_up_to());
             Error::data(path, None, problem, "expected a glTF 2.0 document")
         })?;
         let mut document = Self {

@@ -97,7 +97,7 @@ fn walk(
             if is_above[index.value()] {
                 return Err(cycle(document, index.value()));
             }
-            let detail = format!("nodes[{}] stands in the tree twice", index.0);
+            let detail = format!("nodes[{}] occurs in the tree twice", index.0);
             warnings.note(Oddity::BadNode, &document.path, None, detail);
             continue;
         }
@@ -396,7 +396,7 @@ impl Adder<'_> {
         let light =
             factors.and_then(|factors| Some((factors, factors.light(&attached.world_from_node, visible)?)));
         let Some((factors, light)) = light else {
-            let detail = "light of an unknown kind or without a place";
+            let detail = "light of an unknown kind or without a position";
             return warnings.note(Oddity::NotShown, &self.document.path, None, detail);
         };
         let moves = self.rig.drafts.drives_light(index) || matches!(attached.attachment, Attachment::On(_));

@@ -183,7 +183,7 @@ impl PrimitiveReader<'_> {
                 continue;
             }
             if let Some(i) = weights.iter().position(|of| of.iter().any(|w| !w.is_finite())) {
-                let detail = format!("{}: vertex {i} hangs on a joint by no finite weight", self.location);
+                let detail = format!("{}: vertex {i} has a joint weight that is not finite", self.location);
                 warnings.note(Oddity::BadAttribute, &document.path, None, detail);
             }
             sets.push((joints, weights));
@@ -198,7 +198,7 @@ impl PrimitiveReader<'_> {
             };
             influences.push(sets.iter().flat_map(of));
             if let Some(&(joint, _)) = influences.of(i).iter().find(|(joint, _)| *joint as usize >= count) {
-                let problem = format!("vertex {i} hangs on joint {joint}, but the skin has {count} joints");
+                let problem = format!("vertex {i} uses joint {joint}, but the skin has {count} joints");
                 return Err(document.error(self.location, problem, ""));
             }
         }

@@ -36,7 +36,7 @@ pub(in crate::io) fn of_materials(scene: &Scene, path: &Path, warnings: &mut War
         }
         _ => false,
     };
-    leave_out(count(is_tinted), "tint of what glass mirrors", path, warnings);
+    leave_out(count(is_tinted), "tint of the reflection of glass", path, warnings);
     let bright = scene.textures().iter().filter(|texture| is_beyond_one(&texture.texels)).count();
     leave_out(bright, "texture values outside of 0 to 1, cut off", path, warnings);
 }

@@ -82,7 +82,7 @@ fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     });
     leave_out(interiors.count(), "absorption and dispersion of glass", path, warnings);
     let unlit = scene.materials().iter().filter(|material| matches!(material.surface, Surface::Unlit { .. }));
-    leave_out(unlit.count(), "unlit colour, written as a lamp", path, warnings);
+    leave_out(unlit.count(), "unlit colour, written as emission", path, warnings);
     let panes = scene
         .materials()
         .iter()
