@@ -61,14 +61,14 @@ pub trait UInts:
     fn below(self, x: u32) -> Self::Mask;
     /// `a` where the mask is set, else `b`.
     fn pick(mask: Self::Mask, a: Self, b: Self) -> Self;
-    /// Bit `self` of `bits`: 0 or 1. The places are below 32.
+    /// Bit `self` of `bits`: 0 or 1. The bit numbers are below 32.
     fn bit_of(self, bits: u32) -> Self;
     /// The remainder in `[0, period)` of signed division; periods are at least 1.
     fn wrapped(self, period: Self) -> Self;
     /// The larger of each pair, with signs.
     fn signed_max(self, other: Self) -> Self;
 
-    /// The bits turned to the left.
+    /// The bits rotated to the left.
     #[inline(always)]
     fn rotated(self, by: u32) -> Self {
         (self << by) | (self >> (32 - by))
@@ -174,7 +174,7 @@ pub trait Number: Arithmetic {
     ) -> Self;
     /// `a` where the mask is set, else `b`.
     fn pick(mask: Self::Mask, a: Self, b: Self) -> Self;
-    /// With the sign turned where the lowest bit of a word is set.
+    /// With the sign flipped where the lowest bit of a word is set.
     fn negated_where(self, bit: <Self::Real as Real>::UInts) -> Self;
     /// This value with another value and the same derivatives, as after the subtraction of a whole number.
     fn with_value(self, value: Self::Real) -> Self;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The closures that the renderer knows: all of OSL's, MaterialX's among them, and `radiance`.
+//! The closures that the renderer supports: all of OSL's, MaterialX's among them, and `radiance`.
 //! Source: the OSL specification, chapter 7.10, and its MaterialX closures; `parts` converts each of them.
 //! Tests: `tests/scripts/closures.rs`.
 
@@ -38,8 +38,8 @@ pub(crate) enum Known {
 }
 
 /// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure. Keyword arguments: `~`
-/// a thin film's thickness (nanometres) and index, `+` whether multiple scattering between facets is added,
-/// `?` the name of the model.
+/// a thin film's thickness (nanometres) and index, `+` whether multiple scattering between microfacets is
+/// added, `?` the name of the model.
 const TABLE: [(Known, &str, &str); 29] = [
     (Known::Emission, "emission", ""),
     (Known::Emission, "background", ""),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Emission and transparency of points: how closures that emit light or transmit it straight change the
-//! scattering beside them.
+//! scattering of the others.
 //! Tests: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
@@ -46,7 +46,7 @@ impl EmissionAndOpacity {
         Self { emission, there }
     }
 
-    /// Says so of point `i`.
+    /// Writes it for point `i`.
     pub(crate) fn write(self, i: usize, out: &mut ClosureBatch) {
         if self.there < 1.0 {
             out.cover(i, self.there);

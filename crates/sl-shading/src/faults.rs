@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use gnurt_sl::exec::Event;
 
-/// Lines that are kept.
+/// Limit of stored lines.
 const MOST: usize = 16;
 
 /// Lines of all threads.
@@ -18,7 +18,7 @@ pub(crate) struct Faults {
 }
 
 impl Faults {
-    /// Notes a line, if there is room and it is new.
+    /// Records a line, if the limit is not reached and it is new.
     pub(crate) fn note(&self, line: &str) {
         if self.is_full.load(Ordering::Relaxed) {
             return;

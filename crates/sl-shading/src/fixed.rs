@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces with constant scattering: lobes, emission and transparency are computed once, for the front and
 //! for the back. A forward data-flow analysis over cells, after all known values are inserted. Lobes may lie
-//! around the points' own normals; the direction of anisotropy is irrelevant for isotropic facets. All other
-//! arguments of closures must be known, and so must every condition; and the shader may neither query nor
-//! print.
+//! around the points' own normals; the direction of anisotropy is irrelevant for isotropic microfacets. All
+//! other arguments of closures must be known, and so must every condition; and the shader may neither query
+//! nor print.
 //! Invariant: lobes and normals equal the result of running the group at the points. Tests:
 //! `tests/scripts/lanes.rs`.
 
@@ -36,7 +36,7 @@ pub(crate) struct Fixed {
 /// Seen from one side.
 #[derive(Debug)]
 struct Side {
-    /// As closures say it.
+    /// In the form of closures.
     lobes: Lobes,
     /// Light that goes straight through.
     through: Vec3,
@@ -194,7 +194,7 @@ const PURE: [&str; 60] = [
     "spline",
     "arraylength",
 ];
-/// The same, but they say so where an index is wrong: it must be known.
+/// The same, but operations that report a wrong index: it must be constant.
 const INDEXED: [&str; 6] = ["aref", "aassign", "compref", "compassign", "mxcompref", "mxcompassign"];
 
 /// Goes through a group until nothing is added.

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-/// The folder that names say.
+/// The folder of carried texts.
 const FOLDER: &str = "builtin";
 
 macro_rules! carried {
@@ -24,7 +24,7 @@ const FILES: &[(&str, &str)] = carried! {
     "pixels": "distances.osl" "ink.osl" "plain.osl";
 };
 
-/// The text of a file that the program carries, if its name says one: `builtin/NAME`, and no file is there.
+/// The text of a file that the program carries, if its name is `builtin/NAME` and there is no such file.
 pub(crate) fn text(path: &Path) -> Option<&'static str> {
     let is_named = path.parent().and_then(Path::file_name).is_some_and(|folder| folder == FOLDER);
     if !is_named || path.exists() {

@@ -41,7 +41,7 @@ impl Live {
         Some(self.slot(name)?.numbers.iter().map(read).collect())
     }
 
-    /// Writes the numbers of a parameter that is one of them; says whether it is.
+    /// Writes the numbers of a parameter that is one of them; returns whether it is.
     pub(crate) fn set(&self, name: &str, numbers: &[f32]) -> bool {
         let Some(slot) = self.slot(name).filter(|slot| slot.numbers.len() == numbers.len()) else {
             return false;

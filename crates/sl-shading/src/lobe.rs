@@ -12,10 +12,10 @@ use gnurt_sl::exec::{Cells, Part, WELL_KNOWN};
 
 use crate::closures::{Known, Shape};
 
-/// Widths of facets below this are mirrors.
+/// Microfacets of less roughness are mirrors.
 pub(crate) const SMOOTH: f32 = 1e-3;
 
-/// The parameters of a component at a point, by their places.
+/// The parameters of a component at a point, by index.
 pub(crate) struct Params<'a> {
     shape: &'a Shape,
     part: &'a Part<'a>,
@@ -23,7 +23,7 @@ pub(crate) struct Params<'a> {
 }
 
 impl Shape {
-    /// The place of the normal among the parameters.
+    /// The index of the normal among the parameters.
     pub(crate) fn normal(&self) -> Option<usize> {
         match self.known {
             Known::Subsurface => None,
@@ -86,13 +86,13 @@ impl<'a> Params<'a> {
         self.bits_of(i, 0) as i32
     }
 
-    /// Whether a distribution of facets is Beckmann's, which is that of `default`, too.
+    /// Whether a microfacet distribution is Beckmann's, which is that of `default`, too.
     fn is_beckmann(&self, i: usize) -> bool {
         let number = self.bits_of(i, 0) as usize;
         number.checked_sub(1).is_some_and(|slot| slot < WELL_KNOWN.len())
     }
 
-    /// Widths of facets.
+    /// Roughness of microfacets.
     fn slopes(&self) -> Slopes {
         let Some([tangent, x, y]) = self.shape.anisotropy_slots() else { return Slopes::even(0.0) };
         let (along, across) = (self.float(x).clamp(0.0, 1.0), self.float(y).clamp(0.0, 1.0));
@@ -200,7 +200,7 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
     [Some(one), None]
 }
 
-/// Facets that mirror, refract or both, by the number of the last parameter.
+/// Microfacets that reflect, refract or both, by the number of the last parameter.
 fn microfacet(p: &Params) -> Lobe {
     let (slopes, eta) = (p.slopes(), p.float(5));
     let [mirrored, through] = match p.int(6) {

@@ -38,7 +38,7 @@ pub struct Parameter {
     pub name: String,
     /// Its type as it is written: `float`, `color`, `int[2]`.
     pub ty: String,
-    /// Its default, as far as the text says it without being run.
+    /// Its default, as far as the text states it as a constant.
     pub default: ParameterValue,
     /// The label in user interfaces; empty if there is none.
     pub label: String,
@@ -55,7 +55,7 @@ pub struct Parameter {
     pub options: String,
     /// Whether it can be changed without compiling: numbers whose value is known before the shader runs.
     pub is_tunable: bool,
-    /// How often the mesh has one, as the text says: `vertex`, `triangle`, or nothing.
+    /// How often the mesh has one, in the text's words: `vertex`, `triangle`, or empty.
     pub rate: String,
     /// Whether the mesh may give it: by vertex or triangle, under its name.
     pub is_of_mesh: bool,

@@ -12,7 +12,7 @@ use crate::lobe::{Params, lobes};
 
 /// Layers may lie on each other this deep.
 const DEEPEST: u32 = 16;
-/// Nodes that are looked at for a batch; the rest of a closure that has more is left out.
+/// Limit of visited nodes of a batch; the rest of a closure that has more is left out.
 const MOST_NODES: u32 = 1 << 14;
 
 /// A number of each point.
@@ -52,7 +52,7 @@ impl Light {
     }
 }
 
-/// Emission and transparency of points, beside scattering.
+/// Emission and transparency of points, separate from scattering.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lights {
     /// Light that they give off.
@@ -74,7 +74,7 @@ pub(crate) fn column(rows: &Rows, i: usize) -> Vec3 {
     Vec3::new(rows[0][i], rows[1][i], rows[2][i])
 }
 
-/// A node that is still to be looked at, for some points, with its weight.
+/// A node still to be visited, for some points, with its weight.
 #[derive(Debug)]
 pub(crate) struct Open {
     number: u32,
@@ -82,7 +82,7 @@ pub(crate) struct Open {
     weight: Rows,
 }
 
-/// Looks at the closures of a batch.
+/// Visits the closures of a batch.
 pub(crate) struct Flattened<'a> {
     nodes: &'a Closures,
     pub(crate) points: &'a Points,
@@ -126,7 +126,7 @@ impl<'a> Flattened<'a> {
         self.left == 0 || self.lists.full() != 0
     }
 
-    /// Notes closures to look at, each for the points that share it.
+    /// Records closures to visit, each for the points that share it.
     fn spread(&mut self, numbers: Cells, lanes: u32, weight: &Rows) {
         let mut left = lanes;
         while left != 0 {

@@ -39,13 +39,13 @@ use crate::surface_state::{CAMERA, DIFFUSE, Needs};
 use crate::textures::Textures;
 use crate::world::Common;
 
-/// Turns of loops that a point may take.
+/// Iterations of loops that a point may take.
 const ITERATIONS: u64 = 1 << 20;
 
 /// The kind of a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The look of a surface: `surface` and `shader`.
+    /// The appearance of a surface: `surface` and `shader`.
     Surface,
     /// A light.
     Light,
@@ -104,7 +104,7 @@ impl Script {
         Self::from_text(path, &text, access)
     }
 
-    /// Compiles a text as if it stood in a file of this name.
+    /// Compiles a text as if a file of this name held it.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -353,7 +353,7 @@ impl Script {
         camera.ok_or_else(|| format!("{}: it has no position", self.name))
     }
 
-    /// The same before anybody knows where it stands.
+    /// The same, but without a frame.
     ///
     /// # Errors
     /// As [`camera`](Self::camera).
@@ -383,7 +383,7 @@ impl Script {
         Ok(Arc::new(ScriptSky { common: self.common(&self.group, &[])?, ray_kinds }))
     }
 
-    /// The same as rays of the camera see it, if it asks for kinds of rays.
+    /// The same as rays of the camera see it, if it queries kinds of rays.
     ///
     /// # Errors
     /// As [`environment`](Self::environment).
@@ -433,7 +433,7 @@ impl Script {
         Err(format!("{}: its shader is of type {is}; one of type {expected} is expected here", self.name))
     }
 
-    /// As it is run, with values that are kept of each point.
+    /// Ready to run, with the values to store of each point.
     fn common(&self, group: &Group, outputs: &[&str]) -> Result<Common, String> {
         self.compiled(group, &self.plan(group, outputs)?)
     }
@@ -546,7 +546,7 @@ fn each_op(shader: &Shader, with: &mut dyn FnMut(&Op)) {
     ops(&shader.code, &mut with);
 }
 
-/// Reads files, and remembers which.
+/// Reads files, and records which.
 struct Reader<'a> {
     access: &'a Access,
     files: RefCell<Vec<PathBuf>>,

@@ -12,13 +12,13 @@ use gnurt_sl::ir::SymbolKind;
 /// Costly inputs of a shader; those that it does not need are undefined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Needs {
-    /// How places change from pixel to pixel.
+    /// The derivatives of positions from pixel to pixel.
     pub(crate) derivatives: bool,
-    /// How places change with texture coordinates.
+    /// The derivatives of positions by texture coordinates.
     pub(crate) frame: bool,
     /// Areas of meshes, which are this attribute.
     pub(crate) area: Option<usize>,
-    /// Moments, which are this one.
+    /// Times, which are this one.
     pub(crate) time: Option<usize>,
 }
 
@@ -46,7 +46,7 @@ impl Needs {
 pub(crate) enum Caller {
     /// The rays that met it.
     Rays,
-    /// Rays that ask for shadow.
+    /// Shadow rays.
     Shadow,
 }
 
@@ -192,7 +192,7 @@ fn changes<R: Real>(
         // Across the ray, carried along it to the surface.
         let width = like.load(&hits.footprint, at);
         let is_wide = width.above(zero) & width.is_number();
-        // Grazing rays would see all the way to the horizon.
+        // Grazing rays would see as far as the horizon.
         let cos = dir.dot(ng).or_less(like.all(-1e-2));
         let [right, down] = around(dir).map(
             #[inline(always)]
@@ -206,7 +206,7 @@ fn changes<R: Real>(
         store(&mut out.u.dy, lane, uy);
         store(&mut out.v.dx, lane, vx);
         store(&mut out.v.dy, lane, vy);
-        // Pixels may go around the other way.
+        // Pixels may have the other orientation.
         out.flipped |= (R::bits(zero.above(right.cross(down).dot(n))) << lane) as u16;
     }
     if needs.frame {

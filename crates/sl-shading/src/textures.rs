@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures that shaders read, each file once.
-//! Wrap modes and options are OSL's. Colours of pictures of whole numbers are decoded to linear light, as everywhere in
-//! GNU RT, but where a shader says that they are linear, or no colours (`"colorspace"`). Where a
-//! point stands for more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as materials of files do.
+//! Wrap modes and options are OSL's. Colours of pictures of integers are decoded to linear light, as
+//! everywhere in GNU RT, except where a shader declares them linear, or no colours (`"colorspace"`). Where a
+//! point covers more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as
+//! materials of files do.
 //! Tests: `tests/scripts/{kinds,relief}.rs`.
 
 use std::borrow::Cow;
@@ -20,7 +21,7 @@ use gnurt_sl_lib::points::{PointCloud, read_cloud};
 use crate::access::Access;
 use crate::volumes::{Volumes, color_at_place};
 
-/// Different names that are kept, those that are no pictures among them.
+/// Limit of stored names, those that are no pictures among them.
 const MOST: usize = 4096;
 
 type Found = Result<Arc<TextureSampler>, Arc<str>>;
@@ -30,7 +31,7 @@ type FoundCloud = Result<Arc<PointCloud>, Arc<str>>;
 #[derive(Debug, Default)]
 pub(crate) struct Textures {
     access: Access,
-    /// Where names are looked for after the current folder.
+    /// The folder to search after the current folder.
     folder: PathBuf,
     /// Those whose values are decoded; those whose values are as they are stored.
     known: [RwLock<HashMap<String, Found>>; 2],
@@ -117,7 +118,7 @@ impl Textures {
         }
     }
 
-    /// Four channels of a volume at a place.
+    /// Four channels of a volume at a position.
     pub(crate) fn sample3d(
         &self,
         file: &str,
@@ -128,7 +129,7 @@ impl Textures {
         color_at_place(&volume, file, at, options)
     }
 
-    /// Four channels at `s` and `t`, t downwards, and how they change if that is asked for.
+    /// Four channels at `s` and `t`, t downwards, with derivatives if those are requested.
     pub(crate) fn sample(
         &self,
         file: &str,
@@ -248,7 +249,7 @@ impl<'a> WrapOptions<'a> {
         [by_s, by_t]
     }
 
-    /// The channels that are asked for, over an ellipse.
+    /// The requested channels, over an ellipse.
     fn channels(&self, uv: [f32; 2], axes: [[f32; 2]; 2]) -> [f32; 4] {
         let Self { sampler, options, .. } = self;
         let texel = sampler.sample_over(uv, axes);

@@ -16,7 +16,7 @@ use gnurt_sl_lib::Dual;
 
 use crate::wrap::Wrap;
 
-/// Different names that are kept.
+/// Limit of stored names.
 const MOST: usize = 4096;
 /// Bytes that a file's voxels may take.
 const MOST_BYTES: usize = 1 << 31;
@@ -44,7 +44,8 @@ impl Volumes {
     }
 }
 
-/// Four channels of a volume at a place, and how they change from pixel to pixel; how many of them the grid has. The others are filled.
+/// Four channels of a volume at a position, with derivatives from pixel to pixel; how many of them the grid
+/// has. The others are filled.
 ///
 /// # Errors
 /// A line for people: the file has no such grid.
@@ -104,7 +105,7 @@ struct Read {
     values: DVec3,
     /// How they change with the coordinates of voxels: a row for each value.
     gradients: DMat3,
-    /// How much of the place lies within the grid, and how that changes.
+    /// How much of the footprint lies within the grid, and how that changes.
     inside: f64,
     inside_gradient: DVec3,
 }

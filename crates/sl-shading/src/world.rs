@@ -33,7 +33,7 @@ use crate::properties::Properties;
 use crate::surface_state::{Needs, RAYS};
 use crate::textures::Textures;
 
-/// Branches of a point's key from here on are rays that a shader asks for.
+/// Branches of a point's key from here on are rays that a shader traces.
 const BRANCH: u32 = 64;
 
 /// State shared by all points of a shader.
@@ -64,7 +64,7 @@ pub(crate) struct Scratch {
 }
 
 impl Common {
-    /// The first row of a value that is kept, in [`Results::rows`]; the others of a triple follow.
+    /// The first row of a stored value, in [`Results::rows`]; the others of a triple follow.
     pub(crate) fn row(&self, name: &str) -> Option<usize> {
         self.program.retained().iter().find(|retained| retained.name == name).map(|retained| retained.row)
     }
@@ -99,7 +99,7 @@ pub(crate) struct World<'a> {
     hits: Option<&'a SurfaceBatch>,
     pixels: Option<&'a PixelSamples<'a>>,
     queries: Option<RefCell<Queries<'a>>>,
-    /// From a camera's space, at a moment.
+    /// From a camera's space, at a time.
     pub(crate) world_from_camera: Option<&'a dyn Fn(f32) -> [[f32; 4]; 4]>,
     /// Width over height of the picture.
     pub(crate) aspect: f32,
@@ -110,7 +110,7 @@ struct Queries<'a> {
     tracer: &'a mut (dyn Tracer + 'a),
     /// Light and transmittance, by lights.
     lights: HashMap<i32, (LightBatch, Option<Vec3s>)>,
-    /// Rays that each point has asked for.
+    /// The number of rays that each point has traced.
     rays: Vec<u32>,
     /// The last ray of each point.
     last: Vec<Option<Last>>,
@@ -158,7 +158,7 @@ impl<'a> World<'a> {
         Self { pixels: Some(pixels), queries, ..Self::empty(common) }
     }
 
-    /// The batch and the point's place in it.
+    /// The batch and the point's index in it.
     fn lane(&self, point: &Point) -> Option<(&'a SurfaceBatch, usize)> {
         let hits = self.hits?;
         Some((hits, usize::try_from(point.index).ok().filter(|&i| i < hits.len())?))
@@ -193,7 +193,7 @@ impl<'a> World<'a> {
         Some(ray.within(near, ray.t_far))
     }
 
-    /// The number of the point among those that are asked about, its key, and how wide its rays begin.
+    /// The index of the point in its batch, its key, and how wide its rays begin.
     fn asker(&self, point: &Point) -> Option<(usize, SampleKey, f32)> {
         let lane = usize::try_from(point.index).ok()?;
         let key = match (self.hits, self.pixels) {

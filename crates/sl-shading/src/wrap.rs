@@ -2,7 +2,7 @@
 //! How pictures and volumes go on beyond their borders: OSL's wrap modes.
 //! Source: the OSL specification, "Texture"; original. Tests: `tests/scripts/stored.rs`.
 
-/// How a picture goes on beyond its border.
+/// How a picture continues beyond its border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wrap {
     Black,
@@ -29,7 +29,7 @@ impl Wrap {
         [s, t].map(|wrap_name| Self::named(wrap_name.trim()).unwrap_or(Self::Black))
     }
 
-    /// The texel that stands at place `i` of `n`, of which there is at least one; none where all is black.
+    /// The texel of index `i` of `n`, of which there is at least one; none where all is black.
     pub(crate) fn texel(self, i: i64, n: usize) -> Option<usize> {
         let n = n as i64;
         let inside = match self {

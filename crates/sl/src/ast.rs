@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The syntax tree: names are not looked up yet, types not checked. The grammar is OSL's.
+//! The syntax tree: names are not resolved yet, types not checked. The grammar is OSL's.
 
 use crate::source::Loc;
 use crate::types::Base;
@@ -136,7 +136,7 @@ pub enum TypeName {
     Named(Arc<str>),
 }
 
-/// A type and its place.
+/// A type and its position.
 #[derive(Clone, Debug)]
 pub struct TypeRef {
     /// The type.
@@ -183,7 +183,7 @@ pub enum ExprKind {
     Before(bool, Box<Expr>),
     /// `a++`, or `a--` if false.
     After(bool, Box<Expr>),
-    /// `a, b`, and whether it stands in parentheses.
+    /// `a, b`, and whether it is in parentheses.
     Comma(Vec<Expr>, bool),
     /// `f(a, b)`
     Call(Arc<str>, Vec<Expr>),

@@ -44,9 +44,9 @@ fn library(strict: bool) -> &'static Library {
 pub struct Options {
     /// `NAME=TEXT` of macros to define.
     pub defines: Vec<String>,
-    /// Macros to forget again.
+    /// Macros to undefine.
     pub undefines: Vec<String>,
-    /// Folders that `#include` looks through.
+    /// Folders that `#include` searches.
     pub includes: Vec<String>,
     /// Warnings count as errors.
     pub warnings_are_errors: bool,

@@ -39,7 +39,7 @@ pub enum Style {
     Json,
 }
 
-/// The place (file, line) of a message is kept this often at most: a broken file must not fill the disk.
+/// A message of one position (file, line) is stored this often at most: a broken file must not fill the disk.
 pub const LIMIT: usize = 200;
 
 impl Diagnostic {
@@ -170,7 +170,7 @@ impl Diagnostics {
         }
     }
 
-    /// Adds messages that were collected apart.
+    /// Adds messages that were collected separately.
     pub fn append(&mut self, other: Self) {
         let dropped = other.errors - other.list.iter().filter(|d| d.severity == Severity::Error).count();
         for diagnostic in other.list {

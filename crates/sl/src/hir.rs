@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The checked program as a tree: every name looked up, every expression with its type, every call with its function.
+//! The checked program as a tree: every name resolved, every expression with its type, every call with its
+//! function.
 
 use crate::ast::{Binary, Unary};
 use crate::source::Loc;
@@ -208,14 +209,14 @@ pub enum StmtKind {
         init: Vec<Stmt>,
         /// Whether to go on.
         condition: Expr,
-        /// Done after each turn.
+        /// Run after each iteration.
         step: Option<Expr>,
-        /// Done each turn.
+        /// The body of each iteration.
         body: Vec<Stmt>,
     },
     /// Leaves the loop.
     Break,
-    /// Goes to the loop's next turn.
+    /// Goes to the loop's next iteration.
     Continue,
     /// Leaves the function.
     Return(Option<Expr>),

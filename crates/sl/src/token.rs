@@ -26,7 +26,7 @@ pub enum Tok {
     End,
 }
 
-/// A token and its place.
+/// A token and its position.
 #[derive(Clone, Debug)]
 pub struct Token {
     /// Its kind.

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Types of the language and the rules by which one value may stand for another.
-//! The rules are OSL's.
+//! Types of the language and the rules by which one value may replace another. The rules are OSL's.
 //!
 //! A type is a base and an array length; structs are named by their number in a [`Structs`] table.
 
@@ -25,7 +24,7 @@ pub enum Base {
     Vector,
     /// Surface normal.
     Normal,
-    /// 4x4 matrix, rows first; points are rows that stand left of it.
+    /// 4x4 matrix, rows first; points are rows on its left.
     Matrix,
     /// Text.
     String,

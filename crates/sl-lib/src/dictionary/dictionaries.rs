@@ -9,15 +9,15 @@ use std::collections::HashMap;
 use super::path::Query;
 use super::xml::{Content, Document};
 
-/// Documents and nodes that are kept; further ones are not found.
+/// Limits of stored documents and nodes; further ones are not found.
 const DOCUMENTS: usize = 1 << 10;
 const NODES: usize = 1 << 20;
 
-/// All documents that were asked, and the nodes that were found.
+/// All documents that were queried, and the nodes that were found.
 #[derive(Debug, Default)]
 pub struct Dictionaries {
     documents: Vec<Document>,
-    /// By name or text; `None` where it could not be read, which is told once.
+    /// By name or text; `None` where it could not be read, which is reported once.
     by_name: HashMap<String, Option<usize>>,
     found: Vec<Found>,
     /// The first node of each query: document, node of the document, text.

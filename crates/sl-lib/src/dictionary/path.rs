@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Queries of documents: the part of `XPath` 1.0 that dictionaries are asked with.
+//! Queries of documents: the part of `XPath` 1.0 that dictionaries support.
 //! Source: `XPath` 1.0, abbreviated syntax: `/`, `//`, `|`, names, `*`, `.`, `..`, `text()`, `node()`, and in brackets a number, `last()`,
 //! `@name`, a child's name or `text()`, alone or with `=` or `!=` and a string, joined by `and` and `or`. No other functions and axes.
 //! Tests: `tests/dictionary.rs`.
@@ -43,7 +43,7 @@ struct Comparison {
 
 #[derive(Debug)]
 struct Step {
-    /// Whether it looks at all that is below, too.
+    /// Whether it searches all descendants, too.
     deep: bool,
     test: Test,
     conditions: Vec<Condition>,

@@ -113,7 +113,8 @@ fn decoded(text: &str) -> String {
     while let Some(at) = rest.find('&') {
         out.push_str(&rest[..at]);
         rest = &rest[at..];
-        // Further away there is no end of a name: a text of such signs alone would be looked through for each.
+        // The search for the end of a name is limited: a text of only such signs would be searched to its end
+        // for each.
         let end = rest.bytes().take(LONGEST_ENTITY).position(|byte| byte == b';');
         let known = end.and_then(|end| Some((entity(&rest[1..end])?, end)));
         if let Some((c, end)) = known {
@@ -194,7 +195,7 @@ impl Document {
                 let length = reader.rest().find('<').unwrap_or(reader.rest().len());
                 let text = &reader.rest()[..length];
                 reader.at += length;
-                // Outside of all elements text says nothing.
+                // Text outside of all elements has no meaning.
                 if around != 0 && !text.trim().is_empty() {
                     document.add(around, Content::Text(decoded(text)));
                 }

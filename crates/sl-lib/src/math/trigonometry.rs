@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sine, cosine and their relatives, in radians.
 //! Source: the polynomials that OSL evaluates (of SLEEF, and fits published by their authors as comments in OpenImageIO's
-//! `fmath.h`), so that shaders print the same digits. Differs: rounds to whole turns away from ties.
-//! Invariants: never NaN for numbers; arguments of `asin` and `acos` are clamped to [-1, 1]. Errors, as absolute differences:
-//! sine and cosine 5e-7 up to 1000 radians, `asin` and `acos` 5e-5, `atan` and `atan2` 1e-5.
+//! `fmath.h`), so that shaders print the same digits. Differs: rounds to full rotations away from ties.
+//! Invariants: never NaN for numbers; arguments of `asin` and `acos` are clamped to [-1, 1]. Errors, as
+//! absolute differences: sine and cosine 5e-7 up to 1000 radians, `asin` and `acos` 5e-5, `atan` and `atan2`
+//! 1e-5.
 //! Tests: `tests/mathematics.rs`, against `f64`.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};

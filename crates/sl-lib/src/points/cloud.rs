@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Points with values.
-//! Source: the OSL specification, "Point clouds"; original. A column's values stand point after point.
+//! Source: the OSL specification, "Point clouds"; original. A column stores the values of all points in
+//! order.
 //! Tests: `tests/points.rs`.
 
 use std::sync::{Arc, OnceLock};
@@ -55,7 +56,7 @@ pub struct Column {
     pub name: Arc<str>,
     /// How many values a point has.
     pub width: usize,
-    /// Whether three floats are a direction, a place or a colour.
+    /// Whether three floats are a direction, a position or a colour.
     pub is_vector: bool,
     /// Its values, `width` for each point.
     pub values: Values,

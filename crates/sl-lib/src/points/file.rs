@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Point clouds as files: Houdini's classic geometry as text, `.geo`, of which points and their attributes are read.
 //! Source: the subset that OSL's own tests read and write by Partio; original. Primitives and groups are
-//! skipped. A file looks like
+//! skipped. A file is of the form
 //!
 //! ```text
 //! PGEOMETRY V5
@@ -26,7 +26,7 @@ use super::cloud::{Column, PointCloud, Values};
 /// Values of a file.
 const MOST: usize = 1 << 28;
 
-/// Words and parentheses of the text, with the line that each stands on.
+/// Words and parentheses of the text, with the line of each.
 struct FileTokens<'a> {
     rest: &'a str,
     line: usize,
@@ -171,7 +171,7 @@ pub fn read_cloud(text: &str) -> Result<PointCloud, String> {
 /// The text of a cloud's file.
 ///
 /// # Errors
-/// A name or a text that has no place in such a file: it is empty, or has spaces or parentheses.
+/// A name or a text that such a file cannot hold: it is empty, or has spaces or parentheses.
 pub fn write_cloud(cloud: &PointCloud) -> Result<String, String> {
     use std::fmt::Write;
     let token = |text: &str| -> Result<(), String> {

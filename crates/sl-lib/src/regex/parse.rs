@@ -5,9 +5,9 @@
 
 use super::program::{Set, Step, is_word_byte};
 
-/// Longer programs are refused: nested counts multiply.
+/// Longer programs are an error: nested counts multiply.
 const LONGEST: usize = 50_000;
-/// Deeper groups are refused.
+/// Deeper groups are an error.
 const DEEPEST: usize = 100;
 
 pub(super) struct Parsed {
@@ -72,7 +72,7 @@ impl Parser<'_> {
         let mut ends = Vec::new();
         self.sequence()?;
         while self.eat("|") {
-            // All before goes one step on, to make room for the choice.
+            // All earlier steps move by one, for the choice before them.
             self.insert(start, 1);
             self.push(Step::Jump(0))?;
             ends.push(self.steps.len() - 1);
@@ -87,7 +87,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// Room for steps at a place; places behind it move.
+    /// Inserts steps at an index; those behind it move.
     fn insert(&mut self, at: usize, count: usize) {
         for step in &mut self.steps[at..] {
             shift(step, at, count as isize);
@@ -187,7 +187,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// A copy of steps that stood at `from`.
+    /// A copy of steps that began at `from`.
     fn copy(&mut self, body: &[Step], from: usize) -> Result<(), Fault> {
         let by = self.steps.len() as isize - from as isize;
         for step in body {
@@ -395,7 +395,7 @@ impl Parser<'_> {
     }
 }
 
-/// Moves the places of a step that are at `from` or behind.
+/// Moves the targets of a step that are at `from` or behind.
 fn shift(step: &mut Step, from: usize, by: isize) {
     let moved = |step_index: &mut usize| {
         if *step_index >= from {

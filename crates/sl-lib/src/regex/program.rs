@@ -36,14 +36,14 @@ pub(super) fn is_word_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// One step. Places are numbers of steps.
+/// One step. Targets are indices of steps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Step {
     /// One byte of a set.
     One(Set),
-    /// The first place, and the second one if that leads nowhere.
+    /// The first target, and the second one if that fails.
     Either(usize, usize),
-    /// Another place.
+    /// Another target.
     Jump(usize),
     /// Where a group begins or ends.
     Save(usize),
@@ -58,11 +58,11 @@ pub(super) enum Step {
     /// Tests whether the steps up to the next `Captured` of this level match, or do not; then continues at
     /// `then`.
     Lookahead { expected: bool, then: usize },
-    /// The end of a look.
+    /// The end of a lookaround.
     Captured,
-    /// Notes where a turn of a loop begins.
+    /// Records where an iteration of a loop begins.
     Loop(usize),
-    /// Leads nowhere if that turn took nothing.
+    /// Fails if that iteration matched nothing.
     Moved(usize),
     /// All is found.
     Found,

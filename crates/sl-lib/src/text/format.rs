@@ -48,10 +48,10 @@ struct Spec {
     letter: u8,
 }
 
-/// There are more places than arguments.
+/// There are more placeholders than arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooFewArguments {
-    /// How many places.
+    /// The number of placeholders.
     pub placeholders: usize,
     /// How many arguments.
     pub arguments: usize,
@@ -105,10 +105,10 @@ impl Format {
         self.pieces.iter().filter(|piece| matches!(piece, Piece::Placeholder(_))).count()
     }
 
-    /// The text with its places filled. Arguments without a place are not written.
+    /// The text with its placeholders filled. Arguments without a placeholder are not written.
     ///
     /// # Errors
-    /// If there are fewer arguments than places.
+    /// If there are fewer arguments than placeholders.
     pub fn fill(&self, arguments: &[Argument]) -> Result<String, TooFewArguments> {
         if arguments.len() < self.placeholders() {
             return Err(TooFewArguments { placeholders: self.placeholders(), arguments: arguments.len() });

@@ -7,7 +7,7 @@ const K0: u64 = 0xc3a5_c85c_97cb_3127;
 const K1: u64 = 0xb492_b66f_be98_f273;
 const K2: u64 = 0x9ae1_6a3b_2f90_404f;
 
-/// Eight bytes from place `at` on.
+/// Eight bytes from offset `at` on.
 fn load(s: &[u8], at: usize) -> u64 {
     u64::from(half(s, at)) | u64::from(half(s, at + 4)) << 32
 }
@@ -94,7 +94,7 @@ fn up_to_96(s: &[u8]) -> u64 {
     times(add(add(times(h2, 9), h0 >> 17), h1 >> 21), mul1)
 }
 
-/// 32 bytes from place `at` on, with two seeds.
+/// 32 bytes from offset `at` on, with two seeds.
 fn weak(s: &[u8], at: usize, a: u64, b: u64) -> (u64, u64) {
     let [w, x, y, z] = [0, 8, 16, 24].map(|i| load(s, at + i));
     let a = add(a, w);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Functions of strings. Places and lengths count bytes, as with OSL; where a cut would leave part of a letter, that letter
-//! becomes U+FFFD.
+//! Functions of strings. Indices and lengths count bytes, as with OSL; where a cut would leave part of a
+//! letter, that letter becomes U+FFFD.
 //! Source: the OSL 1.14 language reference, "String functions", and OpenImageIO's `Strutil` for unspecified
 //! cases.
 //! Invariant: no string makes any of them panic. Tests: `tests/strings.rs`.
@@ -29,7 +29,7 @@ pub fn endswith(s: &str, suffix: &str) -> i32 {
     s.ends_with(suffix).into()
 }
 
-/// At most `length` bytes from place `start` on, which counts from the end if it is negative.
+/// At most `length` bytes from index `start` on, which counts from the end if it is negative.
 #[must_use]
 pub fn substr(s: &str, start: i32, length: i32) -> String {
     let size = s.len() as i64;

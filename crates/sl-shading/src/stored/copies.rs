@@ -5,7 +5,7 @@
 
 use gnurt_image::{Stored, StoredLevel, StoredValues};
 
-/// Sides of the tiles that copies stand for.
+/// Sides of the tiles of the copies.
 const TILE: usize = 64;
 
 /// The picture shown whole, with copies down to one texel.
@@ -23,7 +23,7 @@ pub(super) fn with_copies(file: Stored) -> Stored {
 
 fn halved(finer: &StoredLevel, channels: usize) -> StoredLevel {
     let [width, height] = [finer.width, finer.height].map(|n| (n / 2).max(1));
-    // The texels on both sides of each place, and the share of the second.
+    // The texels on both sides of each position, and the weight of the second.
     let samples = |n: usize, of: usize| -> Vec<(usize, usize, f32)> {
         let sample = |i: usize| {
             let x = (i as f32 + 0.5) / n as f32 * of as f32 - 0.5;

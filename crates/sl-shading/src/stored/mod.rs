@@ -24,10 +24,10 @@ use crate::volumes::{Volumes, at_place};
 use crate::wrap::Wrap;
 use sample::Read;
 
-/// Different names that are kept.
+/// Limit of stored names.
 const MOST: usize = 4096;
 
-/// A name that stands for the tiles of a picture, by 1001 + u + 10 v.
+/// Patterns for the tiles of a picture, by 1001 + u + 10 v.
 const TILES: [&str; 2] = ["<UDIM>", "<udim>"];
 
 type Found = Result<Arc<Stored>, Arc<str>>;
@@ -41,7 +41,7 @@ pub struct StoredTextures {
     reported: Mutex<HashSet<String>>,
 }
 
-/// The file that a name stands for at a place, and the place in it.
+/// The file that a name with a pattern means at a position, and the position in it.
 fn tile(name: &str, [s, t]: [f32; 2]) -> Option<(String, [f32; 2])> {
     let tag = TILES.into_iter().find(|tag| name.contains(tag))?;
     let [column, row] = [s, t].map(|x| x.floor().clamp(0.0, 1000.0));
@@ -163,7 +163,7 @@ impl Textures for StoredTextures {
         }
         let file = match found {
             Ok(file) => file,
-            // A tile that is not there is a hole.
+            // A missing tile is empty.
             Err(_) if tiled => return Ok(None),
             Err(_) => {
                 return Err(format!(
@@ -181,7 +181,7 @@ fn answer(file: &Stored, what: &str, ty: Type) -> Option<Data> {
         fits.then(|| Data::Int(list.to_vec()))
     };
     let text = |text: &str| (ty == Type::STRING).then(|| Data::Str(vec![text.into()]));
-    // Colours are those that the maker of the file has noted, or the one that the smallest level has.
+    // Colours are those that the file states, or the one that the smallest level has.
     let color = |noted: Option<&str>, from: usize| {
         if ty.base != Base::Float && !ty.base.is_triple() {
             return None;

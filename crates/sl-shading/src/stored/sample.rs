@@ -24,7 +24,7 @@ pub(super) enum Interpolation {
 pub(super) struct ReadOptions {
     pub(super) wrap: [Wrap; 2],
     pub(super) first: usize,
-    /// Channels that are asked for.
+    /// The number of requested channels.
     pub(super) channels: usize,
     /// The value of missing channels.
     pub(super) fill: f32,

@@ -23,9 +23,9 @@ pub struct Options {
     pub strict: bool,
 }
 
-/// Wrong names for which the nearest known one is looked for.
+/// Wrong names for which the nearest known one is searched.
 const GUESSES: usize = 20;
-/// Initialiser lists are tried against every overload; this many tries are enough for everyone.
+/// Initialiser lists are tried against every overload; this many tries are enough for any program.
 const TRIES: usize = 100_000;
 
 #[derive(Debug, Default)]
@@ -186,7 +186,7 @@ impl<'a> Checker<'a> {
         number
     }
 
-    /// The functions a name stands for, the one to try first first.
+    /// The functions of a name, in the order to try.
     pub(super) fn overloads(&self, name: &str) -> Vec<u32> {
         match self.scopes.find(name) {
             Some(Named::Funcs(list)) => list.iter().rev().copied().collect(),
@@ -267,7 +267,7 @@ impl<'a> Checker<'a> {
         self.tries <= TRIES
     }
 
-    /// The name, of those that hold here, that a wrong one is most like.
+    /// The name in scope that is most similar to a wrong one.
     pub(super) fn nearest(&mut self, wrong: &str, functions: bool) -> Option<String> {
         let distance = |a: &str, b: &str| {
             let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());

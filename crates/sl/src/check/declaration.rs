@@ -71,7 +71,7 @@ pub fn check(
     }
     let syntax = parsed.broken || checker.done.errors > 0;
     if syntax {
-        // Nothing that could only be said of a whole file.
+        // Except messages about a whole file.
     } else if shader.is_none() {
         checker.error_help(
             Loc::NONE,
@@ -211,7 +211,7 @@ impl Checker<'_> {
             self.early_error(d.loc, format!("\"{}\" has more than 2^24 values", d.name));
             ty = ty.element();
         }
-        // The first value is looked at before the name holds.
+        // The first value is checked before the name holds.
         let early = list && d.init.is_some();
         self.all_early += usize::from(early);
         let init = d.init.as_ref().map(|e| self.expr(e, ty));
@@ -366,7 +366,7 @@ impl Checker<'_> {
             texture: flag("texture_args"),
             returned: frame.returned,
         };
-        // OSL checks a body at the function's end, so after all that is said above.
+        // OSL checks a body at the function's end, so after all messages above.
         match self.frames.last_mut() {
             Some(outer) => outer.early.append(late),
             None => self.done.append(late),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Names and the blocks in which they hold.
-//! That a shader's own variables stand beside the library's functions is OSL's rule.
+//! That a shader's own variables share a scope with the library's functions is OSL's rule.
 
 use crate::hir::VarId;
 use std::collections::HashMap;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 pub(super) enum Named {
     /// A variable.
     Var(VarId),
-    /// Functions, by the numbers of their signatures, the one to try first last.
+    /// Functions, by the numbers of their signatures, in reverse order of trying.
     Funcs(Vec<u32>),
     /// A struct.
     Struct(u16),

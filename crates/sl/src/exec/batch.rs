@@ -51,7 +51,7 @@ pub struct Points {
     pub index: [i32; LANES],
     /// Pairs of random numbers, in lights and cameras.
     pub xi: [Row; 2],
-    /// Places on the picture in pixels, in cameras and pixels.
+    /// Raster position in pixels, in cameras and pixels.
     pub raster: [Row; 2],
 }
 
@@ -126,7 +126,7 @@ impl Points {
 /// The results. Memory that can be reused.
 #[derive(Debug, Default)]
 pub struct Results {
-    /// The values that are kept, by [`RetainedOutput::row`]; ints as floats.
+    /// The stored values, by [`RetainedOutput::row`]; ints as floats.
     pub rows: Vec<Row>,
     /// Nodes of the closures of all points.
     pub closures: Closures,
@@ -144,6 +144,6 @@ pub trait Program: Send + Sync {
     /// The retained outputs.
     fn retained(&self) -> &[RetainedOutput];
 
-    /// Runs it for one point and tells its parameters and variables, a line each.
+    /// Runs it for one point and describes its parameters and variables, a line each.
     fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String>;
 }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// Bytes of a closure as a text; one more component may follow.
 const LONGEST: usize = 1 << 20;
-/// Closures within closures that are told.
+/// Closures within closures that are printed.
 const DEEPEST: usize = 64;
 /// The mark of omitted text.
 const CUT: &str = "...";
@@ -27,7 +27,7 @@ pub fn makes_closures(step: &Step) -> bool {
     out == Type::CLOSURE && matches!(&*step.name, "closure" | "add" | "mul")
 }
 
-/// Does it for one point. A component is none, and there is a message, if the program does not know it.
+/// Does it for one point. A component is none, and there is a message, if the program does not support it.
 pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
     let Some(out) = s.args.first() else { return };
     let Machine { closures, host, strings, memory, .. } = m;
@@ -103,7 +103,8 @@ enum Change {
     Made,
 }
 
-/// Where number `i` of a slot is, and how it becomes one of a kind; none if it has none. Single numbers stand for all components.
+/// Where number `i` of a slot is, and how it becomes one of a kind; none if it has none. Single numbers serve
+/// for all components.
 fn source(slot: &Slot, i: usize, expected: Kind) -> Option<(u32, Change)> {
     let i = if slot.size == 1 { 0 } else { i };
     let found = kind(slot.ty).filter(|_| i < slot.size as usize)?;
@@ -154,7 +155,8 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Of a name and its arguments; none if the program does not know it, or if names are not the same for all points.
+    /// Of a name and its arguments; none if the program does not support it, or if names are not the same for
+    /// all points.
     fn of<'c>(
         (host, strings): (&dyn Host, &Strings),
         (name, rest): (&Slot, &[Slot]),
@@ -224,7 +226,7 @@ impl Machine<'_> {
         made(&mut self.closures, (self.host, &self.strings), step, lanes, read)
     }
 
-    /// Looks up the component of an operation with constant names; `read` returns the contents of cells.
+    /// Resolves the component of an operation with constant names; `read` returns the contents of cells.
     /// `None` if it is unknown, or if the operation makes none.
     pub fn bind_component<'c>(&self, step: &Step, read: impl Fn(u32) -> Cells<'c>) -> Option<Bound> {
         let [_, name, rest @ ..] = &*step.args else { return None };
@@ -232,7 +234,7 @@ impl Machine<'_> {
         (&*step.name == "closure").then(|| Bound::of(known, (name, rest), &read)).flatten()
     }
 
-    /// Makes a component that was looked up, for all points; none if that was for another program.
+    /// Makes a resolved component, for all points; none if it was resolved for another program.
     pub fn make_component<'c>(&mut self, bound: &Bound, read: impl Fn(u32) -> Cells<'c>) -> Option<u32> {
         let decl = self.host.closures().get(bound.kind as usize)?;
         Arc::ptr_eq(&decl.name, &bound.name).then(|| bound.make(&mut self.closures, &read))

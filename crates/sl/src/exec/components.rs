@@ -39,7 +39,8 @@ pub struct Component {
 /// A component as it was made.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
-    /// Its place in the list of closures that the program knows: see [`Host::closures`](super::Host::closures).
+    /// Its index in the list of closures that the program supports: see
+    /// [`Host::closures`](super::Host::closures).
     pub kind: u32,
     nodes: &'a Closures,
     first: u32,
@@ -83,20 +84,20 @@ struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct Closures {
     nodes: Vec<Node>,
-    /// By number, where it is: twice its place among the words, and one more if there is one for each point.
+    /// By number, where it is: twice its index among the words, and one more if there is one for each point.
     component_indices: Vec<u32>,
     cells_bits: Vec<u32>,
 }
 
 /// Words of a batch's nodes; closures beyond are dropped.
 const MOST: usize = 1 << 22;
-/// Components of one point that are told apart: sums of sums may have any number.
+/// Limit of separate components of one point: sums of sums may have any number.
 const MOST_PARTS: usize = 1 << 16;
-/// Nodes that are looked at for them.
+/// Limit of nodes visited for them.
 const MOST_VISITS: usize = 1 << 22;
 
 impl Closures {
-    /// Forgets all nodes.
+    /// Removes all nodes.
     pub fn clear(&mut self) {
         self.nodes.clear();
         self.component_indices.clear();
@@ -156,7 +157,7 @@ impl Closures {
 
     fn add(&mut self, what: What, first: u32) -> u32 {
         if self.cells_bits.len() > MOST {
-            // Nor are its numbers kept.
+            // Nor are its numbers stored.
             let start = self
                 .component_indices
                 .get(first as usize)
@@ -230,7 +231,8 @@ impl Closures {
         out
     }
 
-    /// The components of a point's closure with their weights, in order: of node `number`; of so many the first 65,536.
+    /// The components of a point's closure with their weights, in order: of node `number`; at most the first
+    /// 65,536.
     #[must_use]
     pub fn parts(&self, number: u32, lane: usize) -> Vec<([f32; 3], Part<'_>)> {
         let mut out = Vec::new();
@@ -241,7 +243,7 @@ impl Closures {
         out
     }
 
-    /// The same one after the other, as long as `with` wants more.
+    /// The same one after the other, until `with` ends it.
     pub(super) fn each_part<'a>(
         &'a self,
         number: u32,

@@ -49,7 +49,7 @@ pub struct Point {
     pub index: i32,
     /// Two random numbers in [0, 1), in lights and cameras.
     pub xi: [f32; 2],
-    /// Place on the picture in pixels from the upper left corner, in cameras and pixels.
+    /// Raster position in pixels from the upper left corner, in cameras and pixels.
     pub raster: [f32; 2],
 }
 
@@ -65,7 +65,7 @@ pub struct TraceOptions {
 }
 
 impl Default for TraceOptions {
-    /// All of the way, all objects.
+    /// The whole ray, all objects.
     fn default() -> Self {
         Self { mindist: 0.0, maxdist: 1e30, traceset: "".into() }
     }
@@ -87,7 +87,7 @@ pub struct Arriving {
 /// How a texture is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureOptions {
-    /// How many channels are asked for, at most four.
+    /// How many channels are requested, at most four.
     pub channels: usize,
     /// Channel that is read first.
     pub first_channel: i32,
@@ -166,7 +166,7 @@ pub fn longitude_latitude([x, y, z]: [Dual<f32>; 3]) -> [Dual<f32>; 2] {
     let here = uv_of(x.value, y.value, z.value);
     let step = |dx: f32, dy: f32, dz: f32| {
         let there = uv_of(x.value + dx, y.value + dy, z.value + dz);
-        // The shorter way around.
+        // The shorter direction around.
         let change = there[0] - here[0];
         [change - change.round(), there[1] - here[1]]
     };
@@ -251,7 +251,7 @@ pub trait Host {
     /// Four channels of a picture at `s` and `t`, t downwards, and how they change from pixel to pixel; or why there are none.
     ///
     /// # Errors
-    /// A line for people; an empty one if they have been told before.
+    /// A message for users; an empty one if it has been reported before.
     fn texture(
         &self,
         file: &str,
@@ -292,10 +292,10 @@ pub trait Host {
         self.texture(file, longitude_latitude(direction), options, point)
     }
 
-    /// Four channels of a volume at a place, and how they change from pixel to pixel.
+    /// Four channels of a volume at a position, with derivatives from pixel to pixel.
     ///
     /// # Errors
-    /// A line for people; an empty one if they have been told before.
+    /// A message for users; an empty one if it has been reported before.
     fn texture3d(
         &self,
         file: &str,
@@ -326,7 +326,7 @@ pub trait Host {
     /// A cloud of points by its file's name.
     ///
     /// # Errors
-    /// A line for people; an empty one if they have been told before.
+    /// A message for users; an empty one if it has been reported before.
     fn point_cloud(&self, file: &str) -> Result<Arc<PointCloud>, String> {
         Err(format!("no point cloud \"{file}\": there are none here"))
     }
@@ -359,7 +359,7 @@ pub trait Host {
         (false, None)
     }
 
-    /// The closures that the program knows, always in the same order.
+    /// The closures that the program supports, always in the same order.
     fn closures(&self) -> &[ClosureDecl] {
         &[]
     }

@@ -18,9 +18,9 @@ use std::sync::{Arc, Mutex};
 /// How groups are run.
 #[derive(Clone, Debug)]
 pub struct PlanOptions {
-    /// Outputs that are wanted: `name` or `layer.name`; their layers run in any case.
+    /// Requested outputs: `name` or `layer.name`; their layers run in any case.
     pub outputs: Vec<String>,
-    /// Layers that write globals wait until they are asked for.
+    /// Layers that write globals wait until they are needed.
     pub lazy_globals: bool,
     /// Layers that trace rays wait.
     pub lazy_trace: bool,
@@ -32,11 +32,11 @@ pub struct PlanOptions {
     pub lazy_unconnected: bool,
     /// Parameters that come from the geometry count as connected.
     pub userdata_isconnected: bool,
-    /// Says when a layer starts and ends.
+    /// Prints when a layer starts and ends.
     pub debug_layers: bool,
     /// Layers that may be started by themselves.
     pub entries: Vec<usize>,
-    /// Turns of loops that a point may take before it is stopped.
+    /// Iterations of loops that a point may take before it is stopped.
     pub iterations: u64,
 }
 
@@ -93,7 +93,7 @@ impl Plan {
     /// Lays out a group.
     ///
     /// # Errors
-    /// An operation that is not known, with its place; a group that is too large.
+    /// An unknown operation, with its position; a group that is too large.
     pub fn new(group: &Group, options: &PlanOptions) -> Result<Self, String> {
         let mut plan = Self {
             name: group.name.clone(),
@@ -129,7 +129,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The place of `layer.name`, of `name` in the last layer that has it, or of a global.
+    /// The slot of `layer.name`, of `name` in the last layer that has it, or of a global.
     pub(super) fn slot_of(&self, name: &str) -> Option<Slot> {
         let of = |layer: &LayerPlan, name: &str| {
             let id = layer.shader.find(name).filter(|&id| layer.shader.symbol(id).kind.is_param())?;
@@ -160,7 +160,7 @@ impl Plan {
         Ok(slot)
     }
 
-    /// Where a global is; those of lights, cameras and pixels get a place when they are first named.
+    /// The slot of a global; those of lights, cameras and pixels get one when they are first named.
     fn global(&mut self, name: &str) -> Result<Option<Slot>, String> {
         if let Some(slot) = self.globals.get(name) {
             return Ok(Some(*slot));

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays and lights that a shader asks for.
-//! `trace` that gives an int is OSL's.
+//! Rays and lights that a shader queries. `trace` that gives an int is OSL's.
 
 use super::host::TraceOptions;
 use super::machine::{Machine, Step};
@@ -42,7 +41,8 @@ pub(super) fn count(m: &mut Machine<'_>, s: &Step) {
     m.set_int(&s.args[0], count);
 }
 
-/// One light of `illuminance`: number, place, then maybe an axis and an angle, then L, Cl, lightdist and lightpdf to be written.
+/// One light of `illuminance`: number, position, then maybe an axis and an angle, then L, Cl, lightdist and
+/// lightpdf to be written.
 pub(super) fn illuminate(m: &mut Machine<'_>, s: &Step) {
     let [out, light, p, rest @ ..] = &*s.args else { return };
     let (cone, rest) = match rest {

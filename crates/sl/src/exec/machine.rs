@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The machine, the plan that it runs and the steps that plans are made of.
-//! These types name each other, so they stand together.
+//! These types name each other, so they share a file.
 
 use super::components::Closures;
 use super::host::{Host, Point};
@@ -41,7 +41,7 @@ pub struct Step {
     pub args: Box<[Slot]>,
     /// The arguments' symbols.
     pub symbols: Box<[SymId]>,
-    /// Where it stands in the text.
+    /// Its position in the text.
     pub at: SourcePosition,
     /// Connected parameters that it reads.
     pub pulls: Box<[u32]>,
@@ -86,11 +86,11 @@ pub struct Loop {
     pub condition: Slot,
     /// Connected parameters that this reads.
     pub pulls: Box<[u32]>,
-    /// Done in each turn.
+    /// The body of each iteration.
     pub body: Vec<Instruction>,
-    /// Done after each turn.
+    /// Run after each iteration.
     pub step: Vec<Instruction>,
-    /// Where it stands in the text.
+    /// Its position in the text.
     pub at: SourcePosition,
 }
 
@@ -162,7 +162,7 @@ pub struct LayerPlan {
     pub copies: Vec<Copy>,
     /// Its code.
     pub code: Vec<Instruction>,
-    /// Whether it waits until it is asked for.
+    /// Whether it waits until it is needed.
     pub lazy: bool,
     /// How deep its blocks nest, itself counted.
     pub depth: usize,
@@ -184,11 +184,11 @@ pub struct Plan {
     pub memory: Vec<u32>,
     /// The texts that it names.
     pub strings: Strings,
-    /// Whether layers say when they start and end.
+    /// Whether layers print when they start and end.
     pub debug_layers: bool,
     /// Layers that may be started by themselves.
     pub entries: Vec<usize>,
-    /// Turns of loops that a point may take.
+    /// Iterations of loops that a point may take.
     pub iterations: u64,
     /// The outputs that [`Program`](super::Program) returns for each point.
     pub(super) retained: Vec<RetainedOutput>,
@@ -230,7 +230,7 @@ pub struct Machine<'a> {
     pub(super) closures: Closures,
     pub(super) messages: Vec<Message>,
     pub(super) point: Point,
-    /// The point's place in its batch.
+    /// The point's index in its batch.
     pub(super) lane: usize,
     /// The layer that runs.
     pub(super) layer: usize,
@@ -241,15 +241,15 @@ pub struct Machine<'a> {
     pub(super) fuel: u64,
     /// Output since the last call.
     pub events: Vec<Event>,
-    /// Bytes that were said by this point, or by this batch.
+    /// Bytes that this point, or this batch, has reported.
     pub(super) reports: usize,
     /// Nesting depth of the blocks around running layers.
     pub(super) nested: usize,
     /// Regular expressions that were read; none where one is wrong.
     pub(super) regexes: HashMap<Arc<str>, Option<Regex>>,
-    /// Dictionaries that were asked.
+    /// Dictionaries that were queried.
     pub(super) dictionaries: Dictionaries,
-    /// Whether results that are no numbers are told.
+    /// Whether results that are not finite are reported.
     pub(super) checks: bool,
 }
 
@@ -311,7 +311,7 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Has results told from now on that are no numbers or infinite.
+    /// From now on, reports results that are NaN or infinite.
     pub fn check_numbers(&mut self) {
         self.checks = true;
     }

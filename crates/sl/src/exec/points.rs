@@ -12,7 +12,7 @@ use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::points::{Column, PointCloud, Values};
 use std::sync::Arc;
 
-/// The cloud of a name; none with a message, which is empty where the reason has been told.
+/// The cloud of a name; none with a message, which is empty where the reason has been reported.
 fn cloud(m: &mut Machine<'_>, s: &Step, file: &str) -> Option<Arc<PointCloud>> {
     if file.is_empty() {
         return None;
@@ -68,7 +68,7 @@ pub(super) fn search(m: &mut Machine<'_>, s: &Step) {
     m.set_int(out, found.len() as i32);
 }
 
-/// The distance with the change that it has where the searched place changes.
+/// The distance with its derivative by the searched position.
 fn away(center: [D; 3], point: [f32; 3], distance: f32) -> D {
     if distance <= 0.0 {
         return distance.into();

@@ -6,7 +6,7 @@ use super::cells::{Batch, Cells, DualRow, LANES, Row};
 use super::slot::Slot;
 use crate::types::Base;
 
-/// Number `i` of a slot. Single numbers stand for all components.
+/// Number `i` of a slot. Single numbers serve for all components.
 pub(super) fn dual(batch: &dyn Batch, slot: &Slot, i: u32) -> DualRow {
     let mut out = DualRow::default();
     let i = if slot.size == 1 { 0 } else { i };

@@ -45,7 +45,7 @@ impl Machine<'_> {
         self.fuel == 0
     }
 
-    /// Forgets the point before.
+    /// Resets the state of the point before.
     pub fn begin(&mut self, point: &Point) {
         self.closures.clear();
         self.begin_neighbours(point);
@@ -273,7 +273,7 @@ impl Machine<'_> {
         }
     }
 
-    /// Tells results of a step that are no numbers or infinite.
+    /// Reports results of a step that are NaN or infinite.
     fn check_results(&mut self, step: &Step) {
         for (k, slot) in step.args.iter().enumerate().filter(|(k, _)| *k < 64 && step.writes & (1 << k) != 0)
         {

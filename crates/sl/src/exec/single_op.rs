@@ -21,7 +21,8 @@ impl Machine<'_> {
         self.reports = 0;
     }
 
-    /// The next point, its place in the batch, and the messages of its layers so far; gives back those of the one before.
+    /// The next point, its index in the batch, and the messages of its layers so far; returns those of the
+    /// one before.
     pub fn change_point(&mut self, point: &Point, lane: usize, messages: Vec<Message>) -> Vec<Message> {
         self.point.clone_from(point);
         self.lane = lane;
@@ -71,7 +72,7 @@ impl Machine<'_> {
         given.is_some()
     }
 
-    /// Says that a loop of a layer was stopped.
+    /// Reports that a loop of a layer was stopped.
     pub fn report_stopped(&mut self, layer: usize, at: SourcePosition, iterations: u64) {
         self.layer = layer;
         let source_position = self.source_position(at);
@@ -99,8 +100,9 @@ impl Machine<'_> {
 const STRIKES: u32 = 32;
 
 impl Plan {
-    /// Memory for a [`Machine`] of this plan, of those that were [taken back](Self::take_back) if there is one. It may know answers of the
-    /// host that the plan is run for: programs that mean the same do not share it.
+    /// Memory for a [`Machine`] of this plan, from those that were [taken back](Self::take_back) if there is
+    /// one. It may hold answers of the host that the plan is run for: programs that mean the same do not
+    /// share it.
     #[must_use]
     pub fn lend(&self) -> Memory {
         let pooled = self.memories.lock().ok().and_then(|mut list| list.pop());
@@ -114,7 +116,7 @@ impl Plan {
         }
     }
 
-    /// Whether so many points of the group were stopped that it is not run any more.
+    /// Whether the group is not run any more, because so many points of it were stopped.
     #[must_use]
     pub fn is_left_out(&self) -> bool {
         self.strikes.load(Ordering::Relaxed) >= STRIKES
@@ -128,7 +130,7 @@ impl Plan {
         last.then(|| Event::Error(text()))
     }
 
-    /// Where a value that is kept is.
+    /// The slot of a stored value.
     #[must_use]
     pub fn place_of(&self, name: &str) -> Option<Slot> {
         self.slot_of(name)

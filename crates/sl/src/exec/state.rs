@@ -25,7 +25,7 @@ pub(super) fn get_attribute(m: &mut Machine<'_>, s: &Step) {
     m.set_int(&out, i32::from(given.is_some()));
 }
 
-/// The shader's own names, if they are asked for by a name in the text.
+/// The shader's own names, if the text requests them by name.
 fn own(m: &Machine<'_>, s: &Step, object: &str, name: &str, ty: Type) -> Option<Given> {
     let layer = &m.plan.layers[m.layer];
     let known = s.symbols.get(1).is_some_and(|&id| layer.shader.symbol(id).kind == SymbolKind::Const);

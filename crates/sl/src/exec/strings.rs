@@ -57,7 +57,7 @@ impl Strings {
         self.list.len()
     }
 
-    /// Forgets all but the first `count`.
+    /// Removes all but the first `count`.
     pub fn truncate(&mut self, count: usize) {
         while self.list.len() > count.max(1 + WELL_KNOWN.len()) {
             if let Some(text) = self.list.pop() {

@@ -169,7 +169,7 @@ fn whole(name: &str, out: Type) -> Option<Action> {
     }))
 }
 
-/// The first operation of a shader that the interpreter does not know.
+/// The first operation of a shader that the interpreter does not support.
 #[must_use]
 pub fn unknown_operation(shader: &Shader) -> Option<Arc<str>> {
     let mut found = None;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures that a shader reads: by two coordinates, or by a direction; volumes, by a place.
-//! The options are OSL's. Directions are those of pictures over longitude and latitude with y up.
+//! Pictures that a shader reads: by two coordinates, or by a direction; volumes, by a position. The options
+//! are OSL's. Directions are those of pictures over longitude and latitude with y up.
 
 use super::cells::{Batch, Cells, DualRow};
 use super::host::{Given, Subimage, TextureOptions};
@@ -133,7 +133,7 @@ impl TextureReport {
     }
 }
 
-/// `texture` for many points at once. None if they must be asked one by one.
+/// `texture` for many points at once. None if they must be requested one by one.
 pub(super) fn textures(m: &Machine<'_>, step: &Step, lanes: u32, batch: &mut dyn Batch) -> Option<()> {
     let [out, file, at_s, at_t, rest @ ..] = &*step.args else { return None };
     let one = |cell: u32| match batch.get(cell) {

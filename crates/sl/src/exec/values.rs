@@ -10,7 +10,7 @@ use crate::types::Base;
 use gnurt_sl_lib::Dual;
 use std::sync::Arc;
 
-/// Bytes that a point may say, the rest of its words counted.
+/// Bytes of output that a point may report, the rest of its line counted.
 const MOST_OUTPUT: usize = 16 << 20;
 
 impl Machine<'_> {
@@ -58,7 +58,7 @@ impl Machine<'_> {
         self.set_bits(slot, i, number);
     }
 
-    /// Number `i` of a slot as a float. Single numbers stand for all components.
+    /// Number `i` of a slot as a float. Single numbers serve for all components.
     pub(super) fn float(&self, slot: &Slot, i: usize) -> f32 {
         let i = if slot.size == 1 { 0 } else { i };
         let cell_bits = self.cell_bits(slot, i);
@@ -138,7 +138,7 @@ impl Machine<'_> {
         }
     }
 
-    /// Puts a value from outside, as much of it as there is room for.
+    /// Stores a value from outside, as much of it as fits.
     pub(super) fn give(&mut self, slot: &Slot, given: &Given) {
         let size = slot.size as usize;
         match &given.value {

@@ -89,7 +89,7 @@ impl Group {
         Ok(())
     }
 
-    /// Later connections to the same place win.
+    /// Later connections to the same parameter win.
     fn join(&mut self, made: Connection) {
         self.connections.retain(|c| !(c.to_layer == made.to_layer && c.to == made.to));
         self.connections.push(made);

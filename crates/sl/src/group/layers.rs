@@ -8,7 +8,7 @@ use crate::types::{Base, Type};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Whether a parameter's value changes otherwise than its text says.
+/// Whether a parameter's value may differ from the one in its text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hint {
     /// May be given by the geometry.
@@ -61,7 +61,7 @@ pub struct Connection {
 pub struct Group {
     /// Its name.
     pub name: String,
-    /// Layers; the last is the one that is asked for.
+    /// Layers; the last is the group's result.
     pub layers: Vec<Layer>,
     /// Connections.
     pub connections: Vec<Connection>,

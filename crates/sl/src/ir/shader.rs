@@ -56,8 +56,8 @@ impl SymbolKind {
     }
 }
 
-/// A typed place for a value. Structs have one symbol for each member, named `struct.member`, and one without a value for
-/// the whole.
+/// A typed symbol for a value. Structs have one symbol for each member, named `struct.member`, and one
+/// without a value for the whole.
 #[derive(Clone, Debug)]
 pub struct Symbol {
     /// Its name, unique in the shader.
@@ -156,9 +156,9 @@ pub enum Node {
         test: Block,
         /// The condition.
         condition: SymId,
-        /// Done each turn.
+        /// The body of each iteration.
         body: Block,
-        /// Done after each turn.
+        /// Run after each iteration.
         step: Block,
         /// Where.
         at: SourcePosition,

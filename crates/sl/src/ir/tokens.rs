@@ -87,7 +87,7 @@ fn braces(text: &str) -> usize {
     text.len()
 }
 
-/// Parts between commas that stand outside quotes.
+/// Parts between commas outside of quotes.
 pub(super) fn parts(text: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let (mut escaped, mut in_text) = (false, false);

@@ -13,7 +13,7 @@ const SIZE: usize = 1 << 24;
 /// Checks a shader.
 ///
 /// # Errors
-/// The first thing that is wrong.
+/// The first fault.
 pub fn verify(shader: &Shader) -> Result<(), String> {
     for symbol in &shader.symbols {
         let name = &symbol.name;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Calls: functions of the text are put in place, those of the library become an operation.
-//! Outputs are passed by reference, as in OSL.
+//! Calls: functions of the text are inlined, those of the library become an operation. Outputs are passed by
+//! reference, as in OSL.
 
 use super::lowerer::{Inline, Lowerer, Value};
 use super::position::Target;

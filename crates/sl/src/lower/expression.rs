@@ -8,7 +8,7 @@ use crate::source::Loc;
 use crate::types::{Base, Type};
 
 impl Lowerer<'_> {
-    /// Symbols to leave a result in: the wanted ones if they fit.
+    /// Symbols to leave a result in: the expected ones if they fit.
     pub(super) fn result(&mut self, ty: Type, expected: Option<&Value>) -> Value {
         match expected {
             Some(value)
@@ -84,7 +84,7 @@ impl Lowerer<'_> {
     fn unary(&mut self, op: Unary, a: &Expr, ty: Type, expected: Option<&Value>, loc: Loc) -> Value {
         let value = self.expr(a, None);
         if op == Unary::Not {
-            // Not is a comparison with zero, whatever the type.
+            // Not is a comparison with zero, for every type.
             let zero = match value.ty.base {
                 Base::String => self.text(""),
                 Base::Int | Base::Closure => self.int(0),
@@ -168,7 +168,7 @@ impl Lowerer<'_> {
             None => self.target(target),
         };
         if target.ty == Type::CLOSURE && given.ty != Type::CLOSURE {
-            // The number 0 stands for the empty closure.
+            // The number 0 means the empty closure.
             self.store(&target_value, &given, loc);
             return given;
         }

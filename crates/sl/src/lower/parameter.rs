@@ -52,7 +52,7 @@ impl Lowerer<'_> {
                 }
                 return;
             }
-            // A whole struct: worked out again for each member, because members may be given apart.
+            // A whole struct: computed again for each member, because members may be given separately.
             for part in 0..self.count(ty) {
                 let leaf = value.leaves[*done];
                 self.zero(leaf);

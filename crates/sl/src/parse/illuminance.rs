@@ -6,7 +6,7 @@
 //!     if (illuminate(k, P [, axis, angle], L, Cl, lightdist, lightpdf [, names and values])) statement
 //! }
 //! ```
-//! The word is one that OSL reserves.
+//! `illuminance` is a word that OSL reserves.
 
 use super::reader::{Parse, Parser};
 use crate::ast::{Binary, Declarator, Expr, ExprKind, Stmt, StmtKind, TypeName, TypeRef};
@@ -42,7 +42,7 @@ impl Parser {
         }
         self.expect(")")?;
         let body = self.boxed()?;
-        // Names and values follow the place, or the place and its cone.
+        // Names and values follow the position, or the position and its cone.
         let is_text = |e: Option<&Expr>| matches!(e.map(|e| &e.kind), Some(ExprKind::Str(_)) | None);
         let location_count = if is_text(given.get(1)) { 1 } else { 3.min(given.len()) };
         let options = given.split_off(location_count);

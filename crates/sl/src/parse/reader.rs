@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Looks at tokens one after the other, and obeys pragmas on the way.
-//! The pragmas are OSL's.
+//! Reads tokens one after the other, and obeys pragmas. The pragmas are OSL's.
 
 use super::unescape::unescape;
 use crate::ast::{Expr, ExprKind, Item};
@@ -24,7 +23,7 @@ pub(super) type Parse<T> = Result<T, Stop>;
 pub struct Parsed {
     /// Its items, up to a syntax error if there is one.
     pub items: Vec<Item>,
-    /// Lines whose warnings are not wanted: number of the file and line.
+    /// Lines whose warnings are suppressed: number of the file and line.
     pub quiet: HashSet<(u16, u32)>,
     /// The messages.
     pub diagnostics: Diagnostics,

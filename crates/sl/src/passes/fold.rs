@@ -233,7 +233,7 @@ fn two(name: &str, a: Number, b: Number) -> Option<Number> {
     })
 }
 
-/// Whether an operation does nothing but make its result, and says nothing about wrong indices or names.
+/// Whether an operation only makes its result, and reports no wrong indices or names.
 fn is_pure(name: &str) -> bool {
     matches!(
         name,
@@ -337,7 +337,7 @@ fn remove_dead(shader: &mut Shader) -> bool {
     removed
 }
 
-/// Operations are asked for in the order of the text.
+/// Calls `dead` for operations in the order of the text.
 fn sweep(block: &Block, dead: &mut dyn FnMut(&Op) -> bool, removed: &mut bool) -> Block {
     let mut out = Vec::with_capacity(block.len());
     for node in block {

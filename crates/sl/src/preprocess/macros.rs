@@ -94,7 +94,7 @@ impl Macro {
         self.parameters.as_ref()?.iter().position(|p| p == name)
     }
 
-    /// The tokens a use becomes, all at the place of the use.
+    /// The tokens that a use becomes, all at the position of the use.
     #[must_use]
     pub fn substitute(&self, arguments: &[Argument], at: &Token) -> Vec<Marked> {
         let empty = Argument::default();

@@ -9,11 +9,11 @@ use std::io::Write;
 pub struct Console<'a> {
     out: &'a mut dyn Write,
     err: &'a mut dyn Write,
-    /// Whether the tool was called by its own name, by a link, and so stands for OSL's.
+    /// Whether the tool was called by its own name, by a link, and so replaces OSL's.
     pub link: bool,
     /// Another engine for running shaders.
     pub engine: Option<Engine>,
-    /// The pictures that shaders read, if it has some way to.
+    /// The pictures that shaders read, if it can read any.
     pub textures: Option<&'a dyn Textures>,
 }
 

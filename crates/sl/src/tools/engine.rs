@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Another engine for `testshade` beside the interpreter: code that takes points in batches, made elsewhere.
+//! Another engine for `testshade` than the interpreter: code that takes points in batches, made elsewhere.
 
 use crate::exec::{Event, Host, Plan, Points};
 use crate::hir::Data;
@@ -30,5 +30,6 @@ pub trait Batch {
 /// Makes the code of a group by the engine of a name, and calls the function with it.
 ///
 /// # Errors
-/// Why there is none: the name is not known, the CPU lacks something, or the group is one that the interpreter must run.
+/// Why there is none: the name is unknown, the CPU lacks a feature, or only the interpreter supports the
+/// group.
 pub type Engine = fn(&str, &Arc<Plan>, &dyn Host, &mut dyn FnMut(&mut dyn Batch)) -> Result<(), String>;

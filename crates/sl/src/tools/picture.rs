@@ -22,7 +22,7 @@ enum Sample {
 }
 
 impl Picture {
-    /// Writes a file; the name's end says the kind.
+    /// Writes a file; the name's end selects the format.
     pub(super) fn save(&self, file: &str, format: &str) -> Result<(), String> {
         let sample = match format {
             "uint8" => Sample::Byte,

@@ -6,7 +6,7 @@ use crate::hir::Data;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 
-/// Pictures by their files' names. Values are those that are stored.
+/// Pictures by their files' names. Values are the stored ones.
 pub trait Textures {
     /// Four channels at `s` and `t`, t downwards, and how they change from pixel to pixel.
     ///
@@ -30,7 +30,7 @@ pub trait Textures {
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String>;
 
-    /// The same of a volume, at a place.
+    /// The same of a volume, at a position.
     ///
     /// # Errors
     /// Why there are none, in OSL's words.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Point clouds that `testshade` reads, and those that it writes when all points are done.
+//! Point clouds that `testshade` reads, and those that it writes after all points.
 
 use gnurt_sl_lib::points::{Column, PointCloud, read_cloud, write_cloud};
 use std::cell::RefCell;
@@ -14,7 +14,7 @@ pub(super) struct Clouds {
 }
 
 impl Clouds {
-    /// A file's cloud, read when it is asked for first.
+    /// A file's cloud, read on the first request.
     pub(super) fn find(&self, file: &str) -> Result<Arc<PointCloud>, String> {
         let mut known = self.read.borrow_mut();
         known.entry(file.to_owned()).or_insert_with(|| open(file).map(Arc::new)).clone()

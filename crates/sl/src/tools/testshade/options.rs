@@ -189,7 +189,7 @@ fn modifiers(text: &str) -> (Option<Type>, Hint) {
     (ty, hint)
 }
 
-/// Reads it; an error without a message asks for help.
+/// Reads it; an error without a message requests help.
 pub(super) fn read(args: &[String]) -> Result<Options, Option<String>> {
     let mut o = Options::default();
     let mut rest = args.iter();
