@@ -6,6 +6,7 @@ mod arrows;
 mod attributes;
 mod circles;
 mod citations;
+mod comments;
 mod files;
 mod heads;
 mod imports;
@@ -62,8 +63,9 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     complaints.extend(circles::check(&files));
     complaints.extend(proofs::check(&files));
     complaints.extend(test_files::check(&files));
-    let pages = files::pages(&root)?;
+    let mut pages = files::pages(&root)?;
     complaints.extend(pages::check(&root, &pages));
+    pages.extend(files.iter().filter(|file| file.is_rust()).map(comments::page));
     complaints.extend(prose::check(&pages));
     for file in &files {
         let found = RULES.iter().flat_map(|rule| rule(file)).chain(citations::check(file, &keys));
