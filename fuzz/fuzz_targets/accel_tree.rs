@@ -37,7 +37,7 @@ fn trace(tree: &ObjectTree) {
         let _ = (tree.closest_point(point, f64::INFINITY), tree.crossings(&ray), tree.signed_distance(point));
         let (mut ids, mut near) = (Vec::new(), Vec::new());
         tree.touching_box(&query, point, point.map(|x| x + 1.0), &mut ids);
-        tree.touching_ball(&query, point, 1.0, &mut ids);
+        tree.touching_sphere(&query, point, 1.0, &mut ids);
         tree.nearest_primitives(&query, point, f64::INFINITY, 3, &mut near);
     }
     let (mut hits, mut occluded, mut record) = (HitBatch::default(), Vec::new(), Record::default());
@@ -58,7 +58,7 @@ fn trace(tree: &ObjectTree) {
     let _ = (tree.stats(), tree.bad_primitives().total(), tree.bounds());
 }
 
-/// What was loaded can be saved and loaded again, bit for bit.
+/// A loaded tree can be saved and loaded again, bit for bit.
 fn come_back(tree: &ObjectTree) {
     let save = |tree: &ObjectTree| {
         let mut file = Vec::new();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Any bytes as a checkpoint, with the checksum that they should have: an error of one line, or a picture in the making
-//! that can be shown, saved, loaded again and gone on with.
-//! The first byte chooses what is rendered; the second, whether the rest is the file, or what a sound file is changed by.
+//! Any bytes as a checkpoint, with the right checksum: an error of one line, or an unfinished picture that
+//! can be shown, saved, loaded again and continued. The first byte chooses the scene; the second, whether the
+//! rest is the file, or the changes of a valid file.
 #![no_main]
 
 use std::sync::OnceLock;
@@ -28,7 +28,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// A world, what sees it and who renders it.
+/// A world, a camera and options.
 struct Studio {
     world: World,
     camera: SceneCamera,

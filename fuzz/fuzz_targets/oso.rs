@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Any bytes as a compiled shader, `.oso`: what is read is run at a point, by the interpreter and by machine code.
+//! Any bytes as a compiled shader, `.oso`: a valid one runs at a point, by the interpreter and by machine
+//! code.
 #![no_main]
 
 use gnurt_fuzz::shaders;

@@ -2,7 +2,7 @@
 //! Any bytes as a file of OpenVDB: grids that can be asked everywhere, or one error of one line.
 #![no_main]
 
-/// What the voxels of a file may take.
+/// The memory limit of a file's voxels.
 const MOST_BYTES: usize = 256 << 20;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {

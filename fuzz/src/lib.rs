@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the fuzz targets share: bytes become a file of some kind, and the loader is asked for it.
-//! The promise under test: a scene, or one error of one line; never a panic, a hang or a great deal of memory.
+//! Common parts of the fuzz targets: bytes become a file of some kind, which the loader reads. The tested
+//! guarantee: a scene, or one error of one line; never a panic, a hang or excessive memory.
 
 pub mod shaders;
 
@@ -46,7 +46,7 @@ pub fn load_scene(name: &str, bytes: &[u8], companions: &[(&str, &[u8])]) {
     });
 }
 
-/// What comes out of a loader may be used without further care.
+/// The output of a loader can be used without further checks.
 fn check(scene: &gnurt_scene::Scene) {
     for mesh in scene.meshes() {
         let vertices = mesh.positions.len();

@@ -76,7 +76,7 @@ fn told(data: &Data) -> String {
     }
 }
 
-/// What a shader gives and says at a point, by the interpreter.
+/// The output of a shader at a point, by the interpreter.
 pub fn messages(shader: Shader) -> Vec<String> {
     messages_of(&alone(shader))
 }
@@ -95,7 +95,7 @@ pub fn messages_of(group: &Group) -> Vec<String> {
     list
 }
 
-/// What it gives by machine code; `None` where there is none.
+/// Its output by machine code; `None` if there is none.
 pub fn coded(shader: Shader) -> Option<Vec<String>> {
     let group = alone(shader);
     let plan = plan(&group)?;

@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the libraries must compile for, beside the machine that this runs on.
+/// Further targets that the libraries must compile for.
 const OTHER_MACHINES: [&str; 2] = ["aarch64-unknown-linux-gnu", "wasm32-unknown-unknown"];
 
 /// Checks the libraries for other machines, those whose standard libraries are installed.
@@ -52,8 +52,8 @@ fn check_for_other_machines() -> Result<(), Failure> {
     command::run(&mut check)
 }
 
-/// Renders what the README's first command renders, by the program that the tests have built: a second build of everything, for
-/// release, would take a quarter of the time of all checks.
+/// Renders the picture of the README's first command, by the program that the tests have built: a second
+/// build of everything, for release, would take a quarter of the time of all checks.
 fn first_picture(readme_commands: &readme::ReadmeCommands) -> Result<(), Failure> {
     let picture = command::root().join(&readme_commands.picture);
     // One left by an earlier run would prove nothing.

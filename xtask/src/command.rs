@@ -32,7 +32,7 @@ pub(crate) fn run(command: &mut Command) -> Result<(), Failure> {
     }
 }
 
-/// What a tool prints.
+/// The output of a tool.
 pub(crate) fn output_of(tool: &str, arguments: &[&str]) -> Result<String, Failure> {
     let output = Command::new(tool).current_dir(root()).args(arguments).output();
     let output = output.map_err(|error| format!("{tool} cannot be run: {error}"))?;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How chores fail.
 
-/// What went wrong, in one line.
+/// A failure, in one line.
 pub(crate) type Failure = String;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A part of `cargo xtask ci`: installs what the tests have built, and uses it as a stranger would.
+//! A part of `cargo xtask ci`: installs the files that the tests have built, and uses them as a new user
+//! would.
 //!
 //! The tests' build has all but the copies under their last names; they and the static library take seconds.
 
@@ -19,7 +20,7 @@ const MOST_INSTALLED: u64 = 96 << 20;
 /// Below the prefix, as systems of several machines have it.
 const LIB: &str = "lib/multiarch";
 
-/// Installs into `target/installed`, and checks what is there.
+/// Installs into `target/installed`, and checks the files there.
 pub(crate) fn check(arguments: &[String]) -> Result<(), Failure> {
     if let Some(argument) = arguments.first() {
         return Err(format!("installed takes no arguments, not '{argument}'"));
@@ -60,7 +61,7 @@ fn size(installed: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Somebody who has nothing but what was installed, and the examples.
+/// A user with only the installed files, and the examples.
 struct User<'a> {
     installed: &'a Path,
     work: PathBuf,

@@ -9,14 +9,15 @@ use crate::command;
 use crate::failure::Failure;
 use crate::workspace::Workspace;
 
-/// What the tests need.
+/// Packages for the tests.
 const PACKAGES: [&str; 2] = ["numpy", "pytest"];
-/// What the notebooks need; without them they are not run.
+/// Packages for the notebooks; without them these are not run.
 const NOTEBOOKS: [&str; 3] = ["matplotlib", "nbclient", "ipykernel"];
-/// Packages that ask us for rays; without them what is for them is not tested. Not embreex: `gnurt.trimesh` must do without it.
+/// Packages that call our rays; without them their tests are skipped. Not embreex: `gnurt.trimesh` must do
+/// without it.
 const ASKING: [&str; 1] = ["trimesh"];
 
-/// What checks the licences of files; versions before 4 do not know REUSE.toml.
+/// The checker of licences; versions before 4 lack REUSE.toml.
 const REUSE: &str = "reuse>=5";
 const INSTALL: [&str; 5] = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
 
@@ -63,7 +64,7 @@ pub(crate) fn lint_licences() -> Result<(), Failure> {
     command::run(Command::new(&python).args(["-m", "reuse", "lint", "--lines"]).current_dir(command::root()))
 }
 
-/// The interpreter of an environment that has what the tests need.
+/// The interpreter of an environment with the packages for the tests.
 fn environment_with_packages(folder: &Path) -> Option<std::path::PathBuf> {
     let is_new = "import sys, ensurepip; sys.exit(sys.version_info < (3, 11))";
     if !succeeds(Command::new("python3").args(["-c", is_new])) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The commands that the README promises, read from it, so that `ci` runs what newcomers run.
+//! The commands of the README, read from it, so that `ci` runs the commands of newcomers.
 
 use crate::command;
 use crate::failure::Failure;
@@ -12,7 +12,7 @@ pub(crate) struct ReadmeCommands {
     pub(crate) picture: String,
     /// Runs all tests.
     pub(crate) test: Vec<String>,
-    /// Compiles and runs a program in C with what is installed, for a shell.
+    /// Compiles and runs a program in C with the installed files, for a shell.
     pub(crate) compile: String,
 }
 

@@ -9,7 +9,7 @@ use crate::command;
 use crate::failure::Failure;
 use crate::workspace::Workspace;
 
-/// What Miri can run: no machine code, no other programs, no threads of a pool that outlive the test.
+/// The crates for Miri: no machine code, no other programs, no threads of a pool that outlive the test.
 const INTERPRETED: [&[&str]; 3] = [
     &["-p", "gnurt-simd"],
     &["-p", "gnurt-rays", "--lib"],
@@ -45,7 +45,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let [sanitizer] = arguments else {
         return Err("which sanitizer? 'address' or 'thread'".into());
     };
-    // Races are found only where the standard library is watched, too; and the lock of the C API relies on what is not known there.
+    // Races are found only if the standard library is instrumented, too; and the lock of the C API relies on
+    // operations unknown there.
     let (library, flags): (&[&str], &str) = match &sanitizer[..] {
         "address" => (&[], "-Zsanitizer=address"),
         "thread" => (&["-Zbuild-std"], "-Zsanitizer=thread --cfg gnurt_plain_lock"),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `cargo metadata` says of the workspace.
+//! The workspace, by `cargo metadata`.
 
 use std::path::PathBuf;
 
@@ -30,7 +30,7 @@ impl Workspace {
         Self::from_metadata(&Self::metadata()?)
     }
 
-    /// What cargo says.
+    /// The output of cargo.
     pub(crate) fn metadata() -> Result<Value, Failure> {
         let output = command::cargo().args(["metadata", "--format-version", "1", "--no-deps"]).output();
         let output = output.map_err(|error| format!("cargo metadata cannot be run: {error}"))?;

@@ -31,7 +31,7 @@ impl<T: Tracer> Engine for OneByOne<T> {
     }
 }
 
-/// What this program is compiled for.
+/// The instruction set that this program is compiled for.
 pub(crate) const ISA: &str = if cfg!(target_feature = "avx512f") {
     "avx512"
 } else if cfg!(target_feature = "avx2") {

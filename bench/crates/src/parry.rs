@@ -37,7 +37,7 @@ impl Tracer for Mesh {
 pub(crate) fn contestant(subject: &Subject) -> Contestant<'static> {
     let triangles = subject.triangles();
     let positions = triangles.positions.iter().copied().map(vector).collect();
-    // A scene without triangles is refused by the ray maker, whoever is asked.
+    // The maker of rays rejects a scene without triangles, for every engine.
     let mesh = TriMesh::new(positions, triangles.indices.to_vec()).expect("a mesh has triangles");
     Contestant { engine: "parry3d", mode: "trimesh".into(), isa: ISA, tracer: Box::new(OneByOne(Mesh(mesh))) }
 }

@@ -2,8 +2,9 @@
 //! tinybvh-rs: Jacco Bikker's tinybvh, C++ behind a Rust interface. Source: its documentation.
 //! The interface has no query for any hit and no near end; rays here begin at 0, as its own do. Its trees may not be
 //! shared by threads, so each thread builds its own at its first ray: before anything is timed, with one thread.
-//! Two faults of version 0.1.0-beta.3 are worked round. Its rays are aligned to 16 bytes where the C++ side counts on 64,
-//! so ours lie in a frame of their own. Its trees copy pointers that two owners free, so none is ever dropped.
+//! Two faults of version 0.1.0-beta.3 are worked round. Its rays are aligned to 16 bytes where the C++ side
+//! requires 64, so ours are in a frame of their own. Its trees copy pointers that two owners free, so none is
+//! ever dropped.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -20,7 +21,7 @@ thread_local! {
     static TREES: RefCell<HashMap<String, ManuallyDrop<bvh8_cpu::BVH>>> = RefCell::default();
 }
 
-/// A ray where C++ expects it, with room for what its own type holds beyond.
+/// A ray with C++'s alignment, and space for the further fields of its type.
 #[repr(C, align(64))]
 struct Framed {
     ray: Ray,

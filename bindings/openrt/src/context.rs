@@ -30,7 +30,7 @@ use crate::state::usage::Usage;
 pub(crate) struct Context {
     /// The first error since the program last asked.
     error: Option<Error>,
-    /// Who wants to hear of every error.
+    /// The listener for errors.
     pub(crate) listener: Option<Arc<Listener>>,
     /// Threads to render with; 0 = one per core.
     pub(crate) threads: usize,
@@ -53,7 +53,7 @@ pub(crate) struct Context {
     pub(crate) scene_mode: SceneMode,
     pub(crate) limits: Limits,
     pub(crate) sampling: Sampling,
-    /// What the last progressive frame showed.
+    /// The contents of the last progressive frame.
     pub(crate) recorded: Option<Recorded>,
     pub(crate) frame_buffer: Option<FrameBuffer>,
     /// Scene and world while no frame is in flight.
@@ -123,7 +123,7 @@ impl Context {
         Ok(())
     }
 
-    /// Waits for the frame in flight; there is nobody left to tell about its failure.
+    /// Waits for the frame in flight; its failure can no longer be reported.
     fn end_frame(&mut self) {
         if let Some(frame) = self.frame.take() {
             let _ = frame.finish();

@@ -10,7 +10,7 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, LazyLock};
 
-use gnurt_plugins::host::say;
+use gnurt_plugins::host::print_line;
 
 use crate::context::Context;
 use crate::ffi_lock::{Biased, Guard};
@@ -49,12 +49,16 @@ pub(crate) fn look<T>(blind: T, at: impl FnOnce(Option<&Context>) -> T) -> T {
 /// A call from within a call of the same thread: it would wait for itself, and nothing can be noted meanwhile.
 #[cold]
 fn reject<T>(shown: impl FnOnce() -> String, on_error: T) -> T {
-    say(format_args!("{} was called by a shader while the library waits for that shader: ignored", shown()));
+    print_line(format_args!(
+        "{} was called by a shader while the library waits for that shader: ignored",
+        shown()
+    ));
     on_error
 }
 
-/// Notes an error and reports it once the lock is free: who listens may call back. An exception that leaves the listener
-/// goes on to the program: nothing here catches it, and all that stands in its way is released.
+/// Records an error and reports it after the lock is released, because the listener may call back. An
+/// exception that leaves the listener goes on to the program: nothing here catches it, and all locks on its
+/// path are released.
 #[cold]
 fn fail<T>(
     mut guard: Guard<'static, Option<Context>>,
@@ -64,13 +68,13 @@ fn fail<T>(
 ) -> T {
     let context = guard.get_or_insert_with(Context::default);
     context.record(error);
-    // Under the lock: from now on whoever replaces the listener waits for it.
+    // Under the lock: from now on a replacement of the listener waits for it.
     let hearing = if LISTENING.get() { None } else { context.hearing() };
     drop(guard);
     if *PRINTS || hearing.is_some() {
         let call = shown();
         if *PRINTS {
-            say(report::line(error, &call));
+            print_line(report::line(error, &call));
         }
         if let Some(hearing) = hearing {
             let _listening = Listening::begin();
@@ -105,18 +109,18 @@ impl Drop for Listening {
     }
 }
 
-/// Waits until a listener that was replaced has returned on all threads. A listener that replaces itself, or another
-/// one, does not wait: it may be what the others wait for.
+/// Waits until a replaced listener has returned on all threads. A listener that replaces itself, or another
+/// one, does not wait: the others may be waiting for it.
 fn wait_for(replaced: Option<Arc<Listener>>) {
     if let Some(replaced) = replaced.filter(|_| !LISTENING.get()) {
         replaced.wait();
     }
 }
 
-/// What a panic becomes; its message has been printed by the panic itself.
+/// The error for a panic, whose message has already been printed.
 #[cold]
 fn internal_error() -> Error {
-    say("this is a bug in libOpenRT; the call failed");
+    print_line("this is a bug in libOpenRT; the call failed");
     Error::InvalidOperation
 }
 
@@ -211,7 +215,7 @@ extern "C-unwind" fn rtExit() {
         let listener = context.as_mut().and_then(|context| context.listener.take());
         // Dropping frees everything; a panic in it must not cross to C, and there is no context left to note it.
         let dropped = catch_unwind(AssertUnwindSafe(|| drop(context)));
-        dropped.unwrap_or_else(|_| say("this is a bug in libOpenRT; rtExit did not finish"));
+        dropped.unwrap_or_else(|_| print_line("this is a bug in libOpenRT; rtExit did not finish"));
         wait_for(listener);
     }
 }
@@ -221,7 +225,7 @@ extern "C-unwind" fn rtGetError() -> u32 {
     call!(rtGetError(), Error::NONE_CODE, |context| context.take_error())
 }
 
-/// What rtDebugCallback takes. Exceptions may leave it.
+/// The parameter of rtDebugCallback. Exceptions may leave it.
 type DebugFunction = unsafe extern "C-unwind" fn(u32, *const c_char, *mut c_void);
 
 /// A program's pointer, handed back to it.
@@ -241,7 +245,8 @@ unsafe extern "C-unwind" fn rtDebugCallback(function: Option<DebugFunction>, use
     let listener = function.map(|function| {
         Listener::new(move |error: Error, call: &CStr| {
             let User(user) = &user;
-            // SAFETY: the caller vouches for the function and what it takes; the text lives until it returns.
+            // SAFETY: the caller guarantees that the function accepts these arguments; the text lives until
+            // it returns.
             unsafe { function(error.code(), call.as_ptr(), *user) }
         })
     });

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A mutex that costs next to nothing while one thread uses it: the first thread that takes it owns it.
 //! Source: biased locking after \[KKO02\], with the revocation by a barrier on all CPUs (membarrier(2)) that user-space RCU
-//! has \[DMS*12\]. Why: a program gives its vertices by millions of calls from one thread, and two locked instructions
-//! per call took a third of their time (docs/decisions/0013-the-lock-of-the-c-api.md).
-//! How: the owner says that it is inside by a plain store; nobody else is let in, so nothing has to be locked. The first
-//! other thread ends that for good: it takes the ownership away, lets all CPUs pass a barrier, waits until the owner is
-//! outside, and from then on all threads go through an ordinary mutex.
-//! Invariant: at most one [`Guard`] lives. A thread that is inside and comes again is told so: it would wait for itself.
+//! has \[DMS*12\]. A program submits its vertices by millions of calls from one thread, and two locked
+//! instructions per call took a third of their time (docs/decisions/0013-the-lock-of-the-c-api.md). The owner
+//! marks that it is inside by a plain store; no other thread is admitted, so no lock is needed. The first
+//! other thread ends the ownership for good: it removes the owner, makes all CPUs pass a barrier, waits until
+//! the owner is outside, and from then on all threads use an ordinary mutex.
+//! Invariant: at most one [`Guard`] lives. A thread that enters twice gets `None`: it would wait for itself.
 //! Tests: `tests`, with every mixture of threads.
 
 use std::cell::{Cell, UnsafeCell};
@@ -17,11 +17,11 @@ use std::time::Duration;
 
 /// A value that one thread at a time may use.
 pub(crate) struct Biased<T> {
-    /// Who needs no mutex: the number of a thread, [`NOBODY`] yet, or [`NO_MORE`].
+    /// The owner, which needs no mutex: the number of a thread, [`NOBODY`] yet, or [`NO_MORE`].
     owner: AtomicU64,
     /// The owner while it uses the value, else [`NOBODY`]; only it writes here. It may have lost the ownership meanwhile.
     inside: AtomicU64,
-    /// For all others, and for those who change the owner.
+    /// For all others, and for changes of the owner.
     mutex: Mutex<()>,
     /// The thread that holds the mutex to use the value.
     holder: AtomicU64,
@@ -61,8 +61,8 @@ impl<T> Biased<T> {
                 return None;
             }
             self.inside.store(me, Ordering::Relaxed);
-            // The CPU must not look at the owner before others can see that we are inside either; whoever takes the
-            // ownership away makes all CPUs pass a barrier, so that here the compiler's order is enough.
+            // The CPU must not read the owner before the store is visible; the thread that removes the owner
+            // makes all CPUs pass a barrier, so that only the compiler's order matters here.
             compiler_fence(Ordering::SeqCst);
             if self.owner.load(Ordering::Relaxed) == me {
                 return Some(Guard { lock: self, held: None });
@@ -93,7 +93,7 @@ impl<T> Biased<T> {
             _ => {
                 self.owner.store(NO_MORE, Ordering::SeqCst);
                 barrier::on_all_threads();
-                // Once for the whole process: what the owner does may be a whole frame.
+                // Once for the whole process: the owner's work may be a whole frame.
                 while self.inside.load(Ordering::Acquire) != NOBODY {
                     std::thread::sleep(Duration::from_micros(50));
                 }
@@ -110,9 +110,10 @@ impl<T> Deref for Guard<'_, T> {
 
     #[inline]
     fn deref(&self) -> &T {
-        // SAFETY: this is the only guard. Either it holds the mutex, and there is no owner who is inside any more: who
-        // took the ownership away has waited for that, after a barrier that orders the owner's two accesses in `enter`.
-        // Or it is the owner's, who came in while it was the owner; whoever wants to change that waits until it is out.
+        // SAFETY: this is the only guard. If it holds the mutex, no owner is inside: the thread that removed
+        // the owner has waited for that, after a barrier that orders the owner's two accesses in `enter`.
+        // Otherwise it is the owner's, which entered as the owner; a thread that removes the owner waits
+        // until it is out.
         unsafe { &*self.lock.value.get() }
     }
 }
@@ -150,8 +151,8 @@ fn thread_number() -> u64 {
     THREAD.get()
 }
 
-/// A barrier that all threads of the process pass while one asks for it: what each did before is seen by the one, and
-/// what the one did before is seen by each after.
+/// A barrier that all threads of the process pass when one requests it: earlier accesses of each are visible
+/// to the one, and earlier accesses of the one to each.
 #[cfg(all(target_os = "linux", not(gnurt_plain_lock)))]
 mod barrier {
     const REGISTER: libc::c_int = libc::MEMBARRIER_CMD_REGISTER_PRIVATE_EXPEDITED;
@@ -170,8 +171,8 @@ mod barrier {
     pub(super) fn on_all_threads() {
         // A child of fork has to register again.
         if !call(EXPEDITED) && !is_there() {
-            // Nothing else orders another CPU's stores; the system took back what it gave.
-            gnurt_plugins::host::say("the system's membarrier does not work any more");
+            // No other instruction orders another CPU's stores; the system has withdrawn the service.
+            gnurt_plugins::host::print_line("the system's membarrier does not work any more");
             std::process::abort();
         }
     }
@@ -260,8 +261,8 @@ mod tests {
         }
     }
 
-    /// Threads that add 1 in two steps lose nothing, and never see each other inside: one that came first and goes on until
-    /// all are done, and others that come in the middle of what it does.
+    /// Threads that add 1 in two steps lose nothing, and are never inside together: one that is first and
+    /// runs to the end, and others that start in between.
     #[test]
     fn one_thread_at_a_time() {
         const OTHERS: usize = 3;

@@ -23,10 +23,10 @@ pub(crate) unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 
-/// What copies values to `pointer`, or `None` if it is null.
+/// A function that copies values to `pointer`, or `None` if it is null.
 ///
 /// # Safety
-/// A pointer that is not null points to room for all values that will be written; it need not be aligned.
+/// A pointer that is not null has space for all values that will be written; it need not be aligned.
 pub(crate) unsafe fn writer<T: Copy>(pointer: *mut T) -> Option<impl FnMut(&[T])> {
     let write = move |values: &[T]| {
         let bytes = size_of_val(values);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exported calls: vertices and what goes with them, in all their forms.
-//! One line per pair of functions: by value, by pointer, the numbers' type, the names given, all numbers.
-//! Cost: one uncontended lock per call, no allocation beyond the growth of arrays.
+//! Exported calls: vertices and their attributes, in all their forms. One line per pair of functions: by
+//! value, by pointer, the numbers' type, the names given, all numbers. Cost: one uncontended lock per call,
+//! no allocation beyond the growth of arrays.
 //! Tests: tests/c/scene.c; tests/c/many_vertices.c (time).
 
 use crate::context::Context;

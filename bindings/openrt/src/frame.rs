@@ -14,7 +14,7 @@ use gnurt::render::{
     Accumulation, CommitError, CommitOptions, Integrator, RenderError, RenderOptions, ShaderTable, World,
 };
 use gnurt::shading::CameraShader;
-use gnurt_plugins::host::{PluginFrame, say};
+use gnurt_plugins::host::{PluginFrame, print_line};
 
 use crate::stage::Stage;
 use crate::state::error::{Error, Result};
@@ -104,9 +104,9 @@ impl Job {
     }
 }
 
-/// Says to people what went wrong, and gives the program its code.
+/// Prints an error, and returns its code for the program.
 pub(crate) fn reported(error: &dyn std::fmt::Display, code: Error) -> Error {
-    say(error);
+    print_line(error);
     code
 }
 
@@ -179,12 +179,12 @@ impl Frame {
         self.target
     }
 
-    /// What program and frame tell each other.
+    /// The state that program and frame share.
     pub(crate) fn flight(&self) -> &Arc<Flight> {
         &self.flight
     }
 
-    /// Waits for the picture. Also returns what was wrong with plugins.
+    /// Waits for the picture. Also returns the faults of plugins.
     pub(crate) fn finish(self) -> (Stage, Result<()>, Vec<String>) {
         // The thread catches all panics; losing it anyway loses the stage.
         let joined = self.thread.join();

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! libOpenRT: the OpenRT C API on GNU RT. All that it shows are the functions of `openrt/rt.h`.
+//! libOpenRT: the OpenRT C API on GNU RT. It exports only the functions of `openrt/rt.h`.
 //!
 //! `ffi*.rs` hold the exported functions and all of the `unsafe` code: they turn pointers into values and call the
-//! safe state machine, `context::Context`, whose calls are in `calls`, one file per noun. Each file imports only from
-//! the right of this row: `ffi_*`, `calls`, `context`, `frame` and `stage`, `state`. No panic crosses to C.
+//! safe state machine, `context::Context`, whose calls are in `calls`, one file per noun. Each file imports
+//! only from the right in this order: `ffi_*`, `calls`, `context`, `frame` and `stage`, `state`. No panic
+//! crosses to C.
 //!
-//! Limits today: an updated object's tree is built anew.
+//! Limits today: an updated object's tree is rebuilt.
 #![deny(unsafe_code)]
 #![allow(non_snake_case, reason = "the library is called libOpenRT")]
 

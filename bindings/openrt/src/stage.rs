@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The scene and the world that frames render, brought up to date with the program's objects when a frame starts.
 //! The stage belongs to the frame in flight; the program edits its own description meanwhile.
-//! Only what the program has changed is looked at, so that a commit finds nothing else edited.
-//! Invariants: an instance stays at its place in the scene while it is shown. A mesh, object or instance of the scene that
-//! nothing needs is empty or invisible and waits to be used again, the first place first, so a program that redefines objects
-//! for ever takes no more memory than its largest frame, and one that shows the same things again finds them there.
+//! Only the program's changes are processed, so that a commit finds no other edits. Invariants: an instance
+//! keeps its index in the scene while it is shown. An unused mesh, object or instance of the scene is empty
+//! or invisible and is reused, the first index first. So a program that redefines objects for ever takes no
+//! more memory than its largest frame, and repeated contents keep their indices.
 //! Tests: `tests`, `calls::tests`; tests/c/scene.c.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,18 +27,18 @@ use crate::state::texture::Textures;
 /// The id under which geometry outside of objects is staged; no object has it.
 pub(crate) const UNNAMED: u32 = 0;
 
-/// Scene, world and what of them is in use.
+/// Scene and world, and the indices in use.
 #[derive(Default)]
 pub(crate) struct Stage {
-    /// What the renderer reads.
+    /// The scene that the renderer reads.
     pub(crate) scene: Scene,
-    /// What rays meet.
+    /// The world that rays traverse.
     pub(crate) world: World,
     /// The samples of the last frame.
     pub(crate) accumulation: Option<Accumulation>,
     /// Their means, from the top row on: room that frames use again.
     pub(crate) colors: Vec<[f32; 4]>,
-    /// What the last frame had to do to bring the world up to date.
+    /// Work of the last frame's commit.
     pub(crate) report: CommitReport,
     objects: BTreeMap<u32, ObjectId>,
     /// By id, those that are visible; `RT_INVALID` for geometry outside of objects.
@@ -53,7 +53,7 @@ pub(crate) struct Stage {
     /// Number of each shader in the shader table, which is also that of its material.
     shader_slots: BTreeMap<u32, u32>,
     free_slots: Vec<u32>,
-    /// What numbers without a shader show.
+    /// The surface of triangles without a shader.
     no_shader: Option<Arc<dyn SurfaceShader>>,
 }
 
@@ -77,7 +77,7 @@ impl Stage {
             self.place_mesh(Mesh { material, ..mesh })
         });
         let meshes = meshes.collect();
-        // What is not defined yet, or not any more, is there and empty.
+        // An undefined object exists and is empty.
         let member = |shown: Shown| Member {
             object: self.object(shown.object),
             object_from_member: shown.world_from_object,
@@ -98,9 +98,9 @@ impl Stage {
         }
     }
 
-    /// Brings the instances of `changed` up to date: what they show, `None` for one that is gone. Those of
-    /// objects without a definition show nothing. `all` are looked at if this stage has not seen them yet, or if others than
-    /// before have a definition.
+    /// Updates the instances of `changed`: their contents, `None` for a removed one. Those of objects without
+    /// a definition show nothing. `all` are processed if this stage is new, or if the set of defined objects
+    /// has changed.
     pub(crate) fn show(
         &mut self,
         changed: impl Iterator<Item = (u32, Option<Shown>)>,

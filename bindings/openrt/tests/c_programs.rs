@@ -37,7 +37,7 @@ programs! {
     threads
 }
 
-/// What is too large is told in the words of the library that renders.
+/// A value above a limit is reported with the limits of the renderer's library.
 #[test]
 fn limits() {
     let workshop = Workshop::new();
@@ -52,7 +52,7 @@ fn limits() {
     );
     let expected = "the picture takes 128.0 GiB of memory and ";
     assert!(
-        reported.contains(expected) && reported.contains("ask for a smaller one than 65536x32768"),
+        reported.contains(expected) && reported.contains("use a smaller one than 65536x32768"),
         "{reported}"
     );
 }

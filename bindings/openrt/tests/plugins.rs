@@ -57,7 +57,8 @@ fn in_workshop(workshop: &Workshop, binary: &Path) -> Command {
     command
 }
 
-/// Figure 1 finds shader.so in the working directory and draws what the built-in class draws, bit for bit.
+/// Figure 1 of [SIP06] loads shader.so from the working directory and draws the same as the built-in class,
+/// bit for bit.
 #[test]
 fn figure1_loads_its_shader() {
     let workshop = Workshop::new();
@@ -76,7 +77,7 @@ fn figure1_loads_its_shader() {
     assert!(a == b, "the plugin's picture is the built-in class's");
 }
 
-/// Where files are looked for, and what is said where there are none.
+/// The search path of files, and the messages for missing ones.
 #[test]
 fn search() {
     let workshop = Workshop::new();
@@ -174,7 +175,7 @@ fn faults() {
     assert!(lines > 0, "what is wrong is printed:\n{message}");
 }
 
-/// Nobody reads the standard error output any more, and the signal for that is ignored: no call ends the program.
+/// The standard error output is closed and its signal is ignored: no call ends the program.
 #[test]
 fn a_closed_error_output_ends_nothing() {
     let workshop = Workshop::new();
@@ -228,7 +229,7 @@ fn probe() {
     must(&mut in_workshop(&workshop, &program(&workshop, "plugin_probe.c")));
 }
 
-/// Which threads run a plugin's functions, and what its services refuse.
+/// The threads that run a plugin's functions, and the services' rejections.
 #[test]
 fn calls() {
     let workshop = Workshop::new();
@@ -250,8 +251,8 @@ fn languages() {
     must(&mut in_workshop(&workshop, &binary));
 }
 
-/// A program with plugins in three languages, and one that makes every error, leave no memory behind. What a pool's thread
-/// holds that has not quite ended when the program has is "possibly lost" to valgrind and does not count.
+/// A program with plugins in three languages, and one that makes every error, leave no memory behind. Memory
+/// of a pool's thread that ends shortly after the program is "possibly lost" to valgrind and does not count.
 #[test]
 #[ignore = "wants valgrind and a minute"]
 fn nothing_leaks() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What immediate calls cost beside arrays given to the Rust API: the same triangles, each vertex for itself.
-//! The times are printed; `cargo test --release -p openrt --test submission -- --ignored --nocapture`
-//! compares those of a million triangles: less than 1.3 times is the aim.
+//! Cost of immediate calls relative to arrays in the Rust API: the same triangles, each vertex by itself. The
+//! times are printed; `cargo test --release -p openrt --test submission -- --ignored --nocapture` compares
+//! those of a million triangles: less than 1.3 times is the aim.
 
 mod common;
 
@@ -56,8 +56,8 @@ fn both_ways_work() {
     assert!(seconds_of_arrays(20_000)[0] > 0.0, "a time");
 }
 
-/// What [`seconds_of_arrays`] says in a process of its own: allocators keep what earlier runs gave back, and the C program's
-/// memory is new each time.
+/// The result of [`seconds_of_arrays`] in a process of its own: allocators keep memory of earlier runs, but
+/// the C program's memory is new each time.
 fn seconds_of_new_arrays() -> [f64; 2] {
     let this = std::env::current_exe().expect("the test itself");
     let child =

@@ -36,7 +36,7 @@ fn run_time_name() {
     assert!(dynamic.contains("libOpenRT.so.0"), "the soname is libOpenRT.so.0:\n{dynamic}");
 }
 
-/// Functions that a text declares: what stands before a parenthesis and begins with rt and a capital.
+/// Functions that a text declares: names before a parenthesis that begin with rt and a capital.
 fn functions(text: &str) -> BTreeSet<String> {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let before = |part: &str| part.rsplit(|c| !is_part(c)).next().unwrap_or_default().to_owned();
@@ -67,14 +67,14 @@ fn the_reference_has_every_function() {
     assert!(extra.is_empty(), "in docs/reference/openrt-calls.md, but in no header: {extra:?}");
 }
 
-/// Words without marks and line ends: what the header and the page have in common.
+/// Words without marks and line ends, in which the header and the page agree.
 fn plain(text: &str) -> String {
     let without_marks: String = text.chars().filter(|c| !"`*\\".contains(*c)).collect();
     let without_links = without_marks.replace("[openrt.md](openrt.md)", "openrt.md");
     without_links.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// What the page says below the synopsis of a function.
+/// The page's text below the synopsis of a function.
 fn explanation(reference: &str, function: &str) -> String {
     let mut places = reference.match_indices("```c\n").map(|(at, fence)| &reference[at + fence.len()..]);
     let call = format!("{function}(");

@@ -26,7 +26,7 @@ pub(crate) enum Which {
     Crossed,
 }
 
-/// A scene that is asked, and who works.
+/// A scene for queries, and the threads.
 pub(crate) struct RayQuery {
     pub(crate) trees: Arc<Trees>,
     pub(crate) workers: Workers,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arrays that come in and go out, checked: what is wrong is told with the argument's name and what was expected.
-//! Invariant: an array is copied only where its type or its gaps cannot be read as they are.
+//! Arrays from and to Python, checked: an error names the argument and the expected form.
+//! Invariant: an array is copied only if its type or its gaps cannot be read directly.
 //! Tests: `tests/test_arrays.py`.
 
 use gnurt_accel::Floats;

@@ -16,10 +16,10 @@ use crate::textures::{Pictures, reference};
 
 const MOST: f64 = f32::MAX as f64;
 
-/// What a material becomes in a scene.
+/// The scene's form of a material.
 pub(crate) enum NewMaterial {
     Material(Material),
-    /// Its name, and what it is instead.
+    /// Its name, and the script that replaces it.
     Script(String, Script),
 }
 
@@ -135,7 +135,7 @@ pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<N
     Ok(NewMaterial::Material(material))
 }
 
-/// What is within glass that is not thin.
+/// The interior of glass that is not thin.
 fn interior(given: &mut Given) -> PyResult<Interior> {
     Ok(Interior {
         attenuation_color: given.color("attenuation_color")?.unwrap_or([1.0; 3]),
@@ -150,13 +150,13 @@ fn ior(given: &mut Given) -> PyResult<f32> {
     Ok(given.number("ior", 0.01, 100.0)?.unwrap_or(1.5) as f32)
 }
 
-/// What a light becomes in a scene.
+/// The scene's form of a light.
 pub(crate) enum NewLight {
     Light(Light),
     Around(Surroundings, [f32; 3], f64),
     /// A sky that a shader makes.
     Script(Script, [f32; 3], f64),
-    /// A latitude-longitude picture, and what multiplies it.
+    /// A latitude-longitude picture, and its factors.
     Texture(Texture, [f32; 3], [f32; 3], f64),
 }
 
@@ -167,7 +167,7 @@ pub(crate) fn light(kind: &str, given: &mut Given, pictures: &dyn Pictures) -> P
     let direction = |given: &mut Given| {
         let direction: [f32; 3] = given.numbers("direction")?.ok_or_else(|| missing("direction"))?;
         match direction {
-            [0.0, 0.0, 0.0] => Err(PyValueError::new_err("direction: zero points nowhere")),
+            [0.0, 0.0, 0.0] => Err(PyValueError::new_err("direction: the zero vector has no direction")),
             _ => Ok(direction),
         }
     };
@@ -243,7 +243,7 @@ pub(crate) fn camera(given: &mut Given) -> PyResult<Camera> {
         ..Camera::default()
     };
     if camera.frame().is_none() {
-        return Err(PyValueError::new_err("target: is where eye is; the camera must look somewhere"));
+        return Err(PyValueError::new_err("target: equal to eye; they must be different points"));
     }
     let word = given.text("projection")?;
     let height = given.number("view_height", f64::from(f32::MIN_POSITIVE), MOST)?;

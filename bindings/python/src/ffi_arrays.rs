@@ -61,7 +61,7 @@ impl<T: Element> Rows<T> {
         unsafe { slice::from_raw_parts(self.buffer.buf_ptr().cast::<T>(), len) }
     }
 
-    /// All of it, to be written. Only of an array that was just made, has no gaps, and that nobody else knows yet.
+    /// All of it, for writing. Only for a new array without gaps and without other references.
     pub(crate) fn all_mut(&mut self) -> &mut [T] {
         let len = self.len();
         if len == 0 || self.buffer.readonly() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments by name, checked: what is wrong is told with the argument's name and what was expected.
-//! Invariant: no number leaves here that is not finite. Tests: `tests/test_pictures.py::test_wrong_arguments`.
+//! Arguments by name, checked: an error names the argument and the expected form.
+//! Invariant: every number from here is finite. Tests: `tests/test_pictures.py::test_wrong_arguments`.
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -38,15 +38,13 @@ impl<'a, 'py> Given<'a, 'py> {
         })
     }
 
-    /// Refuses what nobody has asked for.
+    /// Rejects arguments that were not read.
     pub(crate) fn end(self) -> PyResult<()> {
         for name in self.all.keys() {
             let name: String = name.extract()?;
             if !self.query.iter().any(|known| *known == name) {
                 let known = self.query.join(", ");
-                return Err(PyTypeError::new_err(format!(
-                    "{name}: there is no such argument; valid are: {known}"
-                )));
+                return Err(PyTypeError::new_err(format!("{name}: unknown argument; valid are: {known}")));
             }
         }
         Ok(())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What rays hit, as arrays. See docs/reference/python.md. Tests: `tests/test_rays.py`.
+//! Hits of rays, as arrays. See docs/reference/python.md. Tests: `tests/test_rays.py`.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use crate::arrays::New;
 use crate::pool::ThreadCount;
 use crate::trees::Trees;
 
-/// What a normal is asked with, if somebody asks.
+/// The data for normals, computed on request.
 pub(crate) struct Found {
     pub(crate) trees: Arc<Trees>,
     pub(crate) threads: ThreadCount,
@@ -66,7 +66,7 @@ impl Hits {
         Ok(normals.done())
     }
 
-    /// int32 (n, levels): the instances on the way to what was hit, outermost first, where scenes lie in scenes; then -1.
+    /// int32 (n, levels): the instances along the path to the hit in nested scenes, outermost first; then -1.
     #[getter]
     fn path(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         let Found { trees, ids, .. } = &self.found;
@@ -92,7 +92,7 @@ impl Hits {
     }
 }
 
-/// All that each ray hits, in order. What ray `i` hits is `[splits[i]:splits[i + 1]]` of the other arrays.
+/// All hits of each ray, in order. The hits of ray `i` are `[splits[i]:splits[i + 1]]` of the other arrays.
 #[pyclass(module = "gnurt", frozen, get_all)]
 pub(crate) struct AllHits {
     /// int64 (n + 1,).

@@ -26,7 +26,7 @@ mod watch;
 
 use pyo3::prelude::*;
 
-/// What `import gnurt` finds.
+/// The contents of `import gnurt`.
 #[pymodule]
 fn _gnurt(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;

@@ -17,7 +17,7 @@ pub(crate) struct Made {
     textures: Vec<Texture>,
 }
 
-/// Reads and computes what a light needs: that takes its time, and no scene.
+/// Reads and computes the data of a light: slow work, without access to a scene.
 pub(crate) fn made(light: NewLight) -> PyResult<Made> {
     let mut other = Scene::new();
     let put = match light {
@@ -54,7 +54,7 @@ pub(crate) fn add(stage: &mut Stage, made: Made) -> u32 {
 pub(crate) fn set(stage: &mut Stage, number: usize, made: Made) -> PyResult<()> {
     let count = stage.scene().lights().len();
     let Some(number) = u32::try_from(number).ok().filter(|_| number < count) else {
-        return Err(PyIndexError::new_err(format!("light: there is no light {number}; there are {count}")));
+        return Err(PyIndexError::new_err(format!("light: {number} is out of range; the scene has {count}")));
     };
     let mut lights = put_textures(stage, made).into_iter();
     let (first, sun) = (lights.next(), lights.next());

@@ -38,11 +38,11 @@ impl Mesh {
     ) -> PyResult<Self> {
         let count = Numbers::new("vertices", vertices, Some(3))?.count();
         let retained = |array: &Bound<'_, PyAny>, given: &Bound<'_, PyAny>| -> PyResult<Py<PyAny>> {
-            // What was converted is ours already.
+            // A converted array is already a copy.
             let is_theirs =
                 || numpy(array.py())?.call_method1("may_share_memory", (array, given))?.is_truthy();
             let ours = if copy && is_theirs()? { array.call_method0("copy")? } else { array.clone() };
-            // Whoever gets it from us, by `__getstate__`, cannot change what was checked.
+            // Receivers of `__getstate__` cannot change checked arrays.
             let view = ours.call_method0("view")?;
             view.call_method1("setflags", (false,))?;
             Ok(view.unbind())

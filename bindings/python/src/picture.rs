@@ -19,11 +19,11 @@ pub(crate) struct Picture {
     pub(crate) picture: image::Picture,
     /// Stops, where they do not depend on the picture.
     pub(crate) exposure: Option<f32>,
-    /// What of the frame was rendered; `None` = all.
+    /// The rendered part of the frame; `None` = all.
     pub(crate) crop: Option<[u32; 4]>,
 }
 
-/// What is wrong with a picture's file.
+/// The Python error for a picture file.
 pub(crate) fn image_error(error: &image::Error) -> PyErr {
     match error {
         image::Error::File { .. } => PyOSError::new_err(error.to_string()),
@@ -31,7 +31,7 @@ pub(crate) fn image_error(error: &image::Error) -> PyErr {
     }
 }
 
-/// The same for what surrounds a scene: a picture, or a sky in the shading language.
+/// The same for the surroundings of a scene: a picture, or a sky in the shading language.
 pub(crate) fn surroundings_error(error: &gnurt::Error) -> PyErr {
     match error {
         gnurt::Error::Image(error) => image_error(error),
@@ -85,7 +85,7 @@ impl Picture {
             .collect()
     }
 
-    /// What is said of its making.
+    /// The metadata of the picture.
     #[getter]
     fn metadata<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let all = PyDict::new(py);
@@ -119,7 +119,7 @@ impl Picture {
         let Some(layer) = self.picture.layer(request) else {
             let all = self.layers().join(", ");
             return Err(PyKeyError::new_err(format!(
-                "there is no layer '{name}'; the picture has {}",
+                "unknown layer '{name}'; the picture has {}",
                 if all.is_empty() { "none: render with layers=True" } else { &all }
             )));
         };
@@ -188,7 +188,7 @@ impl Picture {
         Ok(PyBytes::new(py, &py.detach(|| self.encoded(PictureFormat::PNG, &options))?))
     }
 
-    /// What a notebook shows.
+    /// The representation in notebooks.
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         self.png(py, None, None)
     }

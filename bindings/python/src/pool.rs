@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Threads by their number. Invariant: after a fork the child makes pools of its own, for threads of its
-//! parent are not in it; what outlives a call keeps a [`ThreadCount`] and takes its [`Workers`] when it works.
+//! Thread pools, by number of threads. Invariant: after a fork the child makes pools of its own, because it
+//! lacks the parent's threads; an object that outlives a call keeps a [`ThreadCount`] and takes its
+//! [`Workers`] for each work.
 //! Tests: `tests/test_rays.py::test_after_fork`, `tests/test_pictures.py::test_growing_after_a_fork`.
 
 use std::collections::HashMap;
@@ -17,7 +18,7 @@ const MOST: usize = 1024;
 /// By process and number of threads.
 type Pools = HashMap<(u32, usize), Arc<ThreadPool>>;
 
-/// Those of a parent are never dropped: there is nobody to join.
+/// Those of a parent are never dropped, because their threads cannot be joined.
 static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
 /// How many threads work, 1 or more.
@@ -39,13 +40,13 @@ impl ThreadCount {
         Ok(Workers { count: self, pool: if self.0 == 1 { None } else { Some(self.pool()?) } })
     }
 
-    /// This process's pool, of one thread if need be: for what is never done by the calling one.
+    /// This process's pool, even for one thread: for work that the calling thread never does.
     pub(crate) fn pool(self) -> PyResult<Arc<ThreadPool>> {
         pool(self.0)
     }
 }
 
-/// Who works during one call: the calling thread, or a pool.
+/// The threads of one call: the calling thread, or a pool.
 pub(crate) struct Workers {
     count: ThreadCount,
     pool: Option<Arc<ThreadPool>>,

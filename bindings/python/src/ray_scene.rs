@@ -19,10 +19,10 @@ use crate::pool::{ThreadCount, Workers};
 use crate::rays::Rays;
 use crate::trees::{PlacedGeometry, Plan, Shows, Trees};
 
-/// What an instance shows.
+/// The contents of an instance.
 enum Shown {
     Mesh(u32),
-    /// All of another scene, as it is when somebody asks.
+    /// All of another scene, in its state at the query.
     Scene(Py<RayScene>),
 }
 
@@ -44,7 +44,7 @@ impl Shown {
     }
 }
 
-/// What is shown, and where: columns of an affine map.
+/// The contents and the transform: columns of an affine map.
 type Instance = (Shown, [[f64; 3]; 4]);
 
 #[derive(Default)]
@@ -96,7 +96,7 @@ impl State {
 /// Trees as a query finds them.
 enum Found {
     UpToDate(Arc<Trees>),
-    /// What they are to be over, and those of an earlier state.
+    /// The geometry of the new trees, and the trees of an earlier state.
     Dirty {
         meshes: Vec<Option<Mesh>>,
         placed_list: Vec<(u32, PlacedGeometry)>,
@@ -138,7 +138,7 @@ impl RayScene {
         Ok(RayQuery { trees, workers })
     }
 
-    /// The trees of what it holds now; `known` are those of scenes that were asked for already, by their addresses.
+    /// The trees of its current contents; `known` are those of scenes visited already, by their addresses.
     fn trees(
         &self,
         py: Python<'_>,
@@ -146,7 +146,7 @@ impl RayScene {
         known: &mut Vec<(*const Self, Arc<Trees>)>,
     ) -> PyResult<Arc<Trees>> {
         loop {
-            // Scenes in it come first, and not under its lock, so that nobody waits for one while another waits for it.
+            // Scenes in it come first, and outside of its lock, so that locks cannot wait for each other.
             let (edits, scenes) = self.with(py, |state| (state.edits, state.scenes(py)));
             let mut inner = Vec::with_capacity(scenes.len());
             for (id, scene) in scenes {
@@ -179,7 +179,7 @@ impl RayScene {
                 }
             });
             match found {
-                // Somebody has edited it meanwhile.
+                // The scene was edited meanwhile.
                 None => {}
                 Some(Found::UpToDate(trees)) => return Ok(trees),
                 Some(Found::Dirty { meshes, placed_list, before }) => {
@@ -187,7 +187,8 @@ impl RayScene {
                     // Two threads that come at once both build; the answers are the same.
                     let trees = Arc::new(py.detach(|| plan.build(workers.threads()))?);
                     self.with(py, |state| {
-                        // Who edits meanwhile has made these trees those of an earlier state, which others must not take for theirs.
+                        // A concurrent edit makes these trees those of an earlier state; others must not use
+                        // them as current.
                         if state.edits == edits {
                             state.trees = Some((edits, trees.clone()));
                         }
@@ -228,7 +229,7 @@ impl RayScene {
         if scenes.is_empty() {
             return change();
         }
-        // What was looked at goes after the lock.
+        // Visited scenes are dropped after the lock.
         let mut seen = Vec::new();
         let _alone = NESTING.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner);
         for scene in scenes {
@@ -239,7 +240,7 @@ impl RayScene {
         change()
     }
 
-    /// What is given to be shown: a geometry's number, or a scene.
+    /// The argument for an instance's contents: a geometry's number, or a scene.
     fn shown(given: Object) -> PyResult<Shown> {
         if let Ok(scene) = given.cast::<Self>() {
             return Ok(Shown::Scene(scene.clone().unbind()));
@@ -249,11 +250,11 @@ impl RayScene {
     }
 
     fn too_deep() -> PyErr {
-        PyValueError::new_err(format!("more than {DEEPEST_SCENE} scenes lie in one another"))
+        PyValueError::new_err(format!("scenes are nested more than {DEEPEST_SCENE} levels deep"))
     }
 
     fn no_geometry(id: usize) -> PyErr {
-        PyIndexError::new_err(format!("there is no geometry {id}"))
+        PyIndexError::new_err(format!("geometry {id} does not exist"))
     }
 }
 
@@ -291,21 +292,27 @@ impl RayScene {
         let placement = self::transform("transform", transform)?;
         let shown = Self::shown(shown)?;
         let scenes = shown.scene(py).into_iter().collect::<Vec<_>>();
-        this.unless_held(py, &scenes, "shown: this scene lies in it; a scene cannot show itself", || {
-            this.with(py, |state| {
-                if let Shown::Mesh(id) = shown
-                    && !matches!(state.meshes.get(id as usize), Some(Some(_)))
-                {
-                    return Err(Self::no_geometry(id as usize));
-                }
-                state.edit();
-                state.instances.push(Some((shown, placement)));
-                Ok(state.instances.len() - 1)
-            })
-        })
+        this.unless_held(
+            py,
+            &scenes,
+            "shown: this scene is nested in it; a scene cannot contain itself",
+            || {
+                this.with(py, |state| {
+                    if let Shown::Mesh(id) = shown
+                        && !matches!(state.meshes.get(id as usize), Some(Some(_)))
+                    {
+                        return Err(Self::no_geometry(id as usize));
+                    }
+                    state.edit();
+                    state.instances.push(Some((shown, placement)));
+                    Ok(state.instances.len() - 1)
+                })
+            },
+        )
     }
 
-    /// Gives a geometry other vertices (as many as before) or another place, or an instance another place. The next query follows.
+    /// Gives a geometry other vertices (the same number) or another transform, or an instance another
+    /// transform. The next query uses them.
     #[pyo3(signature = (geom_id=None, *, inst_id=None, vertices=None, transform=None, copy=true))]
     fn update(
         &self,
@@ -326,7 +333,7 @@ impl RayScene {
             }
             _ => None,
         };
-        // What goes is given back to Python after the lock.
+        // Removed objects are released to Python after the lock.
         let gone = self.with(py, |state| match (geom_id, inst_id) {
             (Some(id), None) => {
                 let edit = state.edit();
@@ -341,8 +348,8 @@ impl RayScene {
             }
             (None, Some(id)) if vertices.is_none() => {
                 let placed_list = state.instances.get_mut(id).and_then(Option::as_mut);
-                let placed_list =
-                    placed_list.ok_or_else(|| PyIndexError::new_err(format!("there is no instance {id}")))?;
+                let placed_list = placed_list
+                    .ok_or_else(|| PyIndexError::new_err(format!("instance {id} does not exist")))?;
                 placed_list.1 = placement.unwrap_or(placed_list.1);
                 state.edit();
                 Ok(None)
@@ -359,7 +366,7 @@ impl RayScene {
     /// Takes a geometry away, with the instances of it, or an instance. Numbers of others stay.
     #[pyo3(signature = (geom_id=None, *, inst_id=None))]
     fn remove(&self, py: Python<'_>, geom_id: Option<usize>, inst_id: Option<usize>) -> PyResult<()> {
-        // What goes is given back to Python after the lock.
+        // Removed objects are released to Python after the lock.
         let (mesh, instance) = self.with(py, |state| {
             let gone = match (geom_id, inst_id) {
                 (Some(id), None) => {
@@ -382,7 +389,7 @@ impl RayScene {
             (None, None, Some(id)) => Err(Self::no_geometry(id)),
             (None, None, None) => {
                 let id = inst_id.unwrap_or_default();
-                Err(PyIndexError::new_err(format!("there is no instance {id}")))
+                Err(PyIndexError::new_err(format!("instance {id} does not exist")))
             }
             _ => Ok(()),
         }
@@ -516,7 +523,7 @@ impl RayScene {
         self.query(py, threads)?.distance(py, &points, true)
     }
 
-    /// What pickle and `save` keep: arrays, not trees.
+    /// State for pickle and `save`: arrays without trees.
     fn __getstate__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (now_meshes, now_instances) = self.with(py, |state| {
             let shared =
@@ -590,9 +597,9 @@ impl RayScene {
         Ok(())
     }
 
-    /// What the collector of garbage looks at: scenes lie in one another, and arrays may be of any class.
+    /// For the garbage collector: scenes may be nested, and arrays may be of any class.
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
-        // Who holds the lock is using all of it.
+        // A locked scene is in use.
         let Ok(state) = self.state.try_lock() else { return Ok(()) };
         for mesh in state.meshes.iter().flatten() {
             visit.call(&mesh.vertices)?;

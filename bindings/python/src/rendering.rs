@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a picture is rendered with, and pictures that grow. Names as the program's options.
+//! Options of a picture, and progressive pictures. Names as the program's options.
 //! Tests: `tests/test_pictures.py`.
 
 use std::sync::{Arc, Mutex};
@@ -68,7 +68,7 @@ impl BuildRequest {
         options.region().map_err(|error| PyValueError::new_err(error.to_string()))?;
         if options.noise.is_some() && options.integrator.has_virtual_lights() {
             return Err(PyValueError::new_err(format!(
-                "noise: does not go with integrator '{}', whose pixels share their noise; give spp",
+                "noise: unsupported with integrator '{}', whose pixels share their noise; give spp",
                 options.integrator
             )));
         }
@@ -86,17 +86,17 @@ impl BuildRequest {
             force_diffuse: given.flag("force_diffuse")?.unwrap_or(false),
         };
         if view.at.is_some() && view.motion.is_some() {
-            return Err(PyValueError::new_err("motion: does not go with at=, which moves the scene's clip"));
+            return Err(PyValueError::new_err("motion: conflicts with at=, which plays the scene's clip"));
         }
         if view.shutter > 0.0 && view.at.is_none() {
-            return Err(PyValueError::new_err("shutter: when it opens is not said; give at=SECONDS, too"));
+            return Err(PyValueError::new_err("shutter: its opening time is missing; give at=SECONDS, too"));
         }
         let threads = given.whole("threads", 0, 1024)?.unwrap_or(0) as usize;
         given.end()?;
         Ok(Self { view, threads: ThreadCount::new(threads)?, options, layers, denoise })
     }
 
-    /// The finished picture of what `ready` makes ready.
+    /// The finished picture of the input that `ready` prepares.
     pub(crate) fn render(
         &self,
         py: Python<'_>,
@@ -164,7 +164,7 @@ fn aimed(camera: &Bound<'_, PyAny>) -> PyResult<Aim> {
     }
 }
 
-/// What makes rays in the camera's place.
+/// The shader of camera rays.
 fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> {
     let Some(script) = script_named(given, "camera_shader", "camera_parameters", &Access::default())? else {
         return Ok(None);
@@ -174,7 +174,7 @@ fn camera_shader(given: &mut Given) -> PyResult<Option<(Script, CameraScript)>> 
         .map_err(|why| PyValueError::new_err(format!("camera_shader: {why}")))
 }
 
-/// What pixels show.
+/// The pixel shader.
 fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShader>)>> {
     let Some(script) = script_named(given, "pixel_shader", "pixel_parameters", &Access::default())? else {
         return Ok(None);
@@ -184,7 +184,7 @@ fn pixel_shader(given: &mut Given) -> PyResult<Option<(Script, Arc<dyn PixelShad
         .map_err(|why| PyValueError::new_err(format!("pixel_shader: {why}")))
 }
 
-/// Motion while the shutter is open: instances by number with matrices, and cameras, at times evenly spaced.
+/// Motion during an open shutter: instances by number with matrices, and cameras, at evenly spaced times.
 fn motion_keys(given: &mut Given) -> PyResult<Option<MotionKeys>> {
     let Some(motion) = given.get("motion")? else { return Ok(None) };
     let wrong = || PyTypeError::new_err("motion: expected a dict of 'instances' and 'cameras'");
@@ -219,9 +219,7 @@ fn moment(given: &mut Given) -> PyResult<Option<(Clip, f64)>> {
     let clip = given.text("animation")?;
     match (at, clip) {
         (None, None) => Ok(None),
-        (None, Some(_)) => {
-            Err(PyValueError::new_err("animation: which moment is not said; give at=SECONDS, too"))
-        }
+        (None, Some(_)) => Err(PyValueError::new_err("animation: the time is missing; give at=SECONDS, too")),
         (Some(at), None) => Ok(Some((Clip::First, at))),
         (Some(at), Some(name)) => Ok(Some((Clip::Named(name), at))),
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt.Scene`: what pictures are made of. See docs/reference/python.md.
-//! What is put somewhere is known by the number of its instance. Tests: `tests/test_pictures.py`.
+//! `gnurt.Scene`: the description of pictures. See docs/reference/python.md. An instance is identified by its
+//! number. Tests: `tests/test_pictures.py`.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -68,7 +68,7 @@ fn scene_error(error: &io::Error) -> PyErr {
     }
 }
 
-/// Textures of a scene, for who describes materials and lights.
+/// Textures of a scene, for descriptions of materials and lights.
 struct Textures<'a, 'py>(&'a Scene, Python<'py>);
 
 impl Pictures for Textures<'_, '_> {
@@ -117,9 +117,9 @@ fn material_id(scene: &Description, material: usize) -> PyResult<MaterialId> {
     let count = scene.materials().len();
     match u32::try_from(material) {
         Ok(id) if material < count => Ok(MaterialId(id)),
-        _ => Err(PyIndexError::new_err(format!(
-            "material: there is no material {material}; there are {count}"
-        ))),
+        _ => {
+            Err(PyIndexError::new_err(format!("material: {material} is out of range; the scene has {count}")))
+        }
     }
 }
 
@@ -127,9 +127,9 @@ fn instance_id(scene: &Description, instance: usize) -> PyResult<InstanceId> {
     let count = scene.instances().len();
     match u32::try_from(instance) {
         Ok(id) if instance < count => Ok(InstanceId(id)),
-        _ => Err(PyIndexError::new_err(format!(
-            "instance: there is no instance {instance}; there are {count}"
-        ))),
+        _ => {
+            Err(PyIndexError::new_err(format!("instance: {instance} is out of range; the scene has {count}")))
+        }
     }
 }
 
@@ -140,7 +140,7 @@ impl Scene {
         Self::default()
     }
 
-    /// What `load` finds; and what was odd about the file.
+    /// The scene of `load`, and the warnings about the file.
     #[staticmethod]
     fn _load(py: Python<'_>, source: PathBuf) -> PyResult<(Self, Vec<String>)> {
         let loaded = py.detach(|| gnurt::load_scene(&source)).map_err(|error| scene_error(&error))?;
@@ -159,7 +159,8 @@ impl Scene {
         self.with(py, |stage| *stage = copy);
     }
 
-    /// Writes it in the format of the name. What the format cannot hold is told.
+    /// Writes it in the format of the file's extension. Returns warnings about features that the format
+    /// cannot hold.
     fn _save(&self, py: Python<'_>, path: PathBuf) -> PyResult<Vec<String>> {
         let scene = self.with(py, |stage| stage.scene().clone());
         let reported = py.detach(|| FORMATS.save(&scene, &path)).map_err(|error| scene_error(&error))?;
@@ -226,7 +227,7 @@ impl Scene {
         })
     }
 
-    /// Puts other meshes in the place of what an instance shows, for all instances of it.
+    /// Replaces the meshes of an instance's object, for all instances of it.
     fn _set_mesh(&self, py: Python<'_>, instance: usize, arguments: &Bound<'_, PyDict>) -> PyResult<()> {
         let mut given = Given::new(arguments);
         let described = DescribedMesh::new(py, &mut given)?;
@@ -350,7 +351,7 @@ impl Scene {
         self.with(py, |stage| lights::set(stage, number, made))
     }
 
-    /// The number of a light that a shader makes, or the same light anew.
+    /// The number of a new light with a shader, or replaces such a light.
     fn _put_light_shader(
         &self,
         py: Python<'_>,
@@ -393,7 +394,7 @@ impl Scene {
         })
     }
 
-    /// What is to be told of shaders and has not been.
+    /// Unreported messages of shaders.
     fn _progress(&self, py: Python<'_>) -> Vec<String> {
         self.with(py, Stage::progress)
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A scene, and what of it is ready for rays. What an edit makes again: ARCHITECTURE.md, Edits.
-//! What is shown is a copy with lights where there are none, at a moment. Edits of the scene go to both, so that a commit does what
-//! is due; where the copy differs from the scene, it is made anew. Tests: `tests/test_pictures.py::test_edits_show`.
+//! A scene, and its world, updated by edits. For the rebuilt parts see ARCHITECTURE.md, Edits. The world
+//! shows a copy of the scene at one time, with default lights if it has none. Edits apply to both, so that a
+//! commit does only the necessary work; where the copy differs from the scene, it is made again.
+//! Tests: `tests/test_pictures.py::test_edits_show`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -28,9 +29,9 @@ pub(crate) struct View {
     pub(crate) size: [u32; 2],
     /// Rays in place of the camera's, and the script that makes them.
     pub(crate) camera_shader: Option<(Script, CameraScript)>,
-    /// What pixels show, and its script.
+    /// The pixel shader, and its script.
     pub(crate) pixel_shader: Option<(Script, Arc<dyn PixelShader>)>,
-    /// What moves while the shutter is open, beside a clip.
+    /// Motion during an open shutter, in addition to a clip.
     pub(crate) motion: Option<MotionKeys>,
     pub(crate) integrator: Integrator,
     pub(crate) force_diffuse: bool,
@@ -81,7 +82,7 @@ pub(crate) struct Stage {
     samplers: BTreeMap<u32, Arc<TextureSampler>>,
     /// Lights that are the suns of others.
     pub(crate) suns: BTreeMap<u32, u32>,
-    /// What is to be told, and what was.
+    /// Pending and reported messages.
     progress: Vec<String>,
     reported: BTreeSet<String>,
 }
@@ -104,7 +105,7 @@ impl Stage {
         Self { scene, shaders, scripts, progress, ..Self::default() }
     }
 
-    /// What it shows, for another one, but not what is ready to be rendered.
+    /// Its description, for another one, without the world.
     pub(crate) fn copy(&mut self) -> Self {
         let (shaders, scripts) = (self.shaders.clone(), self.scripts.clone());
         Self { scene: self.scene.clone(), shaders, scripts, progress: self.progress(), ..Self::default() }
@@ -118,7 +119,7 @@ impl Stage {
         (self.shaders.surfaces.len() - 1) as u32
     }
 
-    /// The number of a light that a shader makes, or the same light anew.
+    /// The number of a new light with a shader, or replaces such a light.
     pub(crate) fn put_light_script(
         &mut self,
         number: Option<usize>,
@@ -132,7 +133,7 @@ impl Stage {
             None if number == count => self.shaders.lights.push(light),
             None => {
                 return Err(PyIndexError::new_err(format!(
-                    "light: there is no light shader {number}; there are {count}"
+                    "light: {number} is out of range; the scene has {count} light shaders"
                 )));
             }
         }
@@ -156,7 +157,7 @@ impl Stage {
         Ok(self.samplers.entry(number as u32).or_insert_with(made).clone())
     }
 
-    /// Puts another texture in the place of one; shaders keep what they have.
+    /// Replaces a texture; shaders keep the old one.
     pub(crate) fn set_texture(&mut self, number: usize, texture: &Texture) -> PyResult<()> {
         self.texture(number)?;
         self.samplers.remove(&(number as u32));
@@ -164,7 +165,7 @@ impl Stage {
         Ok(())
     }
 
-    /// What is to be told of shaders and has not been.
+    /// Unreported messages of shaders.
     pub(crate) fn progress(&mut self) -> Vec<String> {
         let faults = self.scripts.iter().chain(&self.of_view).flat_map(Script::faults);
         let progress = std::mem::take(&mut self.progress).into_iter().chain(faults);
@@ -236,7 +237,7 @@ impl Stage {
         Ok(Shot { world: shown.world.clone(), camera: rays, exposure })
     }
 
-    /// What makes rays in the camera's place: what is asked for, or what the scene's file names.
+    /// The shader of camera rays: the requested one, or that of the scene's file.
     fn camera_shader(&mut self, view: &View, number: Option<usize>) -> Option<CameraScript> {
         let named = number.filter(|_| view.camera_shader.is_none()).and_then(|number| {
             let made = named_camera_shader(&self.scene, CameraId(number as u32));
@@ -267,7 +268,7 @@ impl Stage {
             (Some(found), _) => Ok(Some((found, *seconds))),
             (None, Clip::First) => Err(PyValueError::new_err("at: the scene has no animation")),
             (None, Clip::Named(name)) => Err(PyValueError::new_err(format!(
-                "animation: there is no '{name}'; the scene has {}",
+                "animation: unknown clip '{name}'; the scene has {}",
                 listed(&names)
             ))),
         }
@@ -279,7 +280,7 @@ impl Stage {
         match &view.camera {
             Aim::Number(number) if *number < cameras.len() => Ok(Some(*number)),
             Aim::Number(number) => Err(PyIndexError::new_err(format!(
-                "camera: there is no camera {number}; the scene has {}",
+                "camera: {number} is out of range; the scene has {}",
                 cameras.len()
             ))),
             Aim::Named(name) => {
@@ -287,7 +288,7 @@ impl Stage {
                 found.map(Some).ok_or_else(|| {
                     let names: Vec<&str> = cameras.iter().map(|camera| &camera.name[..]).collect();
                     PyValueError::new_err(format!(
-                        "camera: there is no '{name}'; the scene has {}",
+                        "camera: unknown name '{name}'; the scene has {}",
                         listed(&names)
                     ))
                 })
@@ -315,7 +316,7 @@ impl Shown {
         for (number, keys) in &motion.instances {
             if *number >= count {
                 return Err(PyIndexError::new_err(format!(
-                    "motion: there is no instance {number}; there are {count}"
+                    "motion: instance {number} is out of range; the scene has {count}"
                 )));
             }
             let id = InstanceId(*number as u32);

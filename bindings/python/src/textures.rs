@@ -29,7 +29,7 @@ pub(crate) trait Pictures {
 
 /// That there is no texture of a number.
 pub(crate) fn unknown(number: usize, count: usize) -> PyErr {
-    PyIndexError::new_err(format!("texture: there is no texture {number}; there are {count}"))
+    PyIndexError::new_err(format!("texture: {number} is out of range; the scene has {count}"))
 }
 
 /// Checks the textures that a material reads.

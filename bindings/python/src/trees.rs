@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Trees over what a ray scene holds.
-//! Meshes lie in one object, each a geometry of it, at their places; instances need a scene: object 0 is that of all meshes,
-//! the others follow. An instance shows a mesh, or another scene with all that is in it. Trees of an earlier state are the start of new ones: what has not changed is shared, what has only moved is
-//! refitted (`docs/explanation/moving.md`). Invariant: ids that come out are those that were given. Tests: `tests/test_scene.py`.
+//! Trees over the contents of a ray scene. Meshes form one object, each a geometry of it, with their
+//! transforms applied; instances need a scene: object 0 is that of all meshes, the others follow. An instance
+//! shows a mesh, or all of another scene. Trees of an earlier state are the start of new ones: unchanged
+//! parts are shared, moved ones are refitted (`docs/explanation/moving.md`).
+//! Invariant: returned ids are the caller's. Tests: `tests/test_scene.py`.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use pyo3::prelude::*;
 
 use crate::meshes::{Mesh, carried};
 
-/// What is asked.
+/// The trees for queries.
 #[derive(Debug)]
 pub(crate) struct Trees {
     /// Of all meshes, at their places.
@@ -29,7 +30,7 @@ pub(crate) struct Trees {
     placed_list: Vec<(u32, PlacedGeometry)>,
 }
 
-/// What an instance shows.
+/// The contents of an instance.
 #[derive(Clone, Debug)]
 pub(crate) enum Shows {
     /// A mesh once more.
@@ -38,7 +39,7 @@ pub(crate) enum Shows {
     Scene(Arc<Trees>),
 }
 
-/// What an instance shows, and where.
+/// The contents and the transform of an instance.
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedGeometry {
     pub(crate) shows: Shows,
@@ -98,7 +99,7 @@ impl BuildRequest {
 }
 
 impl Plan {
-    /// What is to be done for these meshes and instances, where there may be trees of an earlier state.
+    /// Trees for these meshes and instances, from those of an earlier state if there are any.
     pub(crate) fn new(
         py: Python<'_>,
         meshes: &[Option<Mesh>],
@@ -106,7 +107,7 @@ impl Plan {
         before: Option<Arc<Trees>>,
     ) -> PyResult<Self> {
         let at_place = |mesh: &Option<Mesh>| -> PyResult<Soup> {
-            // What was removed keeps its number.
+            // A removed mesh keeps its number.
             let Some(mesh) = mesh else { return Ok(Soup::default()) };
             let (mut positions, indices) = soup(py, mesh)?;
             if let Some(placement) = &mesh.placement {
@@ -178,7 +179,8 @@ impl Part {
 }
 
 impl Trees {
-    /// The tree over all instances: that of an earlier state with what has changed, if as many are shown.
+    /// The tree over all instances: that of an earlier state with the changes, if the number of instances is
+    /// the same.
     fn top(&self, before: Option<&Self>, threads: Threads) -> PyResult<SceneTree> {
         let before = before.filter(|before| before.placed_list.len() == self.placed_list.len());
         if let Some((before, scene)) = before.and_then(|before| Some((before, before.scene.as_ref()?))) {
@@ -198,7 +200,7 @@ impl Trees {
             .map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
-    /// What the scene's instance `i` shows: the first shows all meshes.
+    /// The contents of the scene's instance `i`: the first shows all meshes.
     fn shape(&self, i: usize) -> Shape {
         let mesh = |part: &Part| part.tree.tree().clone().into();
         match i.checked_sub(1).map(|i| &self.placed_list[i].1.shows) {
@@ -269,7 +271,7 @@ impl Trees {
         (geom_id, outermost)
     }
 
-    /// Instances on the way to what was hit, outermost first, then -1.
+    /// Instances along the path to the hit, outermost first, then -1.
     pub(crate) fn path(&self, ids: [u32; 3], path: &mut [u32]) {
         path.fill(u32::MAX);
         let mut rest = path.iter_mut();

@@ -29,7 +29,7 @@ impl Progress for Watch {
     }
 }
 
-/// Does the job. `progress` is called with a number from 0 to 1; what it raises stops the job, as Ctrl-C does.
+/// Runs the job. `progress` is called with a number from 0 to 1; its exceptions stop the job, as Ctrl-C does.
 pub(crate) fn watched<R: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,

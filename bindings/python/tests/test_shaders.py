@@ -65,7 +65,7 @@ def test_cameras_and_pixels(tmp_path):
         ({"camera_shader": GLOW}, "camera_shader: .*of type surface"),
         ({"pixel_shader": CAMERA}, "pixel_shader: .*of type camera"),
         ({"pixel_parameters": {"k": 1}}, "pixel_parameters: .*give pixel_shader="),
-        ({"pixel_shader": PIXEL, "pixel_parameters": {"j": 1}}, "pixel_parameters: no parameter 'j'"),
+        ({"pixel_shader": PIXEL, "pixel_parameters": {"j": 1}}, "pixel_parameters: unknown parameter 'j'"),
     ):
         with pytest.raises(ValueError, match=message):
             scene.render(16, 12, spp=1, **options)
@@ -77,7 +77,7 @@ def test_what_is_wrong_is_said():
         ({"shader": "surface a() { Ci = 1 * ; }"}, ValueError, "shader.osl"),
         ({"shader": 3}, TypeError, "shader: expected a file, or source text"),
         ({"shader": "pixel a() { }"}, ValueError, "shader: .*of type pixel"),
-        ({"shader": GLOW, "parameters": {"tnt": 1}}, ValueError, "no parameter 'tnt'.*did you mean 'tint'"),
+        ({"shader": GLOW, "parameters": {"tnt": 1}}, ValueError, "unknown parameter 'tnt'.*did you mean 'tint'"),
         ({"shader": GLOW, "parameters": {"tint": (1, 2)}}, ValueError, "parameters: parameter 'tint'"),
         ({"shader": GLOW, "parameters": {"tint": {}}}, ValueError, "parameter 'tint'"),
         ({"shader": GLOW, "parameters": {"tint": object()}}, TypeError, "parameters: 'tint'"),

@@ -45,7 +45,7 @@ def test_shaders_read_arrays():
     photo = scene.add_texture(QUARTERS.astype(np.float32) / 255)
     scene.add_mesh(SQUARE, FACES, texcoords=UV, material=scene.add_material(shader=SHOW, textures={"photo": photo}))
     assert np.allclose(seen(scene)[1, 1], (1, 0, 0), atol=1e-3)
-    with pytest.raises(IndexError, match="there is no texture 7"):
+    with pytest.raises(IndexError, match="7 is out of range"):
         scene.add_material(shader=SHOW, textures={"photo": 7})
 
 
@@ -57,7 +57,7 @@ def test_wrong_textures():
         scene.add_texture(QUARTERS, wrap="tile")
     with pytest.raises(OSError):
         scene.add_texture("/nowhere/photo.png")
-    with pytest.raises(IndexError, match="there is no texture 0"):
+    with pytest.raises(IndexError, match="0 is out of range"):
         scene.add_material(color_texture=0)
 
 
@@ -112,5 +112,5 @@ def test_motion():
     # The bar is half a unit wide and goes one unit: the middle sees it half of the time.
     assert abs(row[3:5].mean() - 0.5) < 0.06, row
     assert row[0] < 0.2 and row[7] < 0.2, row
-    with pytest.raises(IndexError, match="there is no instance 9"):
+    with pytest.raises(IndexError, match="instance.* 9"):
         scene.render(8, 8, spp=1, motion={"instances": {9: places}})

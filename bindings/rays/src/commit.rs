@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From the draft of a scene to what can be asked: trees over all enabled geometries. Source: Embree's manual.
-//! Space: that of the scene. Invariant: ids are those under which geometries were attached; bad primitives are left out, as
-//! by Embree. Where a scene is dynamic, or all that was edited is to be refitted, trees follow their geometry.
+//! Commit: from the draft of a scene to trees over all enabled geometries. Source: Embree's manual.
+//! Space: that of the scene. Invariant: ids are those under which geometries were attached; bad primitives
+//! are dropped, as by Embree. In a dynamic scene, or if all edits allow a refit, trees follow their geometry.
 //! Tests: `tests/c/embree.c`.
 
 use std::borrow::Cow;
@@ -27,7 +27,7 @@ use crate::objects::{
 };
 use crate::transform::{self, Columns, IDENTITY};
 
-/// What a surface is built from, and its mask.
+/// The source of a surface, and its mask.
 struct Prepared<'a> {
     surface: &'a Surface,
     arrays: Arrays<'a>,
@@ -92,11 +92,11 @@ impl Drop for Inside {
     }
 }
 
-/// Builds what the draft says, and lets the scene be asked for it; nothing where that is what the last commit has built. Of several
-/// threads one builds, and the others return when it is done.
+/// Builds the draft, and publishes it for queries; does nothing if the last commit has built the same. Of
+/// several threads one builds, and the others return after it.
 ///
 /// # Errors
-/// A geometry that was not committed or lacks an array, and what stopped the build.
+/// An uncommitted geometry, a missing array, or the reason that stopped the build.
 pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
     if Inside::is(scene) {
         return Err(Problem::operation("the scene is being committed: its commit has called this function"));
@@ -107,7 +107,7 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
     if !plan.is_modified() {
         return Ok(());
     }
-    // What a build that panics leaves is not used again.
+    // The state left by a panicking build is not used again.
     let mut moving = building.take();
     let committed = build(scene, plan, &mut moving);
     *building = moving;
@@ -187,12 +187,12 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
         let control = Control::new(scene, plan.settings.progress);
         let built = SceneTree::try_build(&instances, &options, workers.threads(), &control);
         let built = match built {
-            // What cannot be placed is not seen, as by Embree.
+            // An instance that cannot be placed is invisible, as by Embree.
             Err(SceneError::Build(error)) => return Err(control.problem(&error)),
             Err(SceneError::TooDeep { inst_id }) => {
                 let geom_id = shown_instances[inst_id as usize].geom_id;
                 return Err(Problem::operation(format!(
-                    "geometry {geom_id}: more than {} scenes lie in one another",
+                    "geometry {geom_id}: scenes are nested more than {} levels deep",
                     gnurt_accel::DEEPEST_SCENE
                 )));
             }
@@ -231,7 +231,7 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
     match allowed {
         Ok(true) => Ok(committed),
         Ok(false) => {
-            let message = format!("the memory monitor has refused {bytes} bytes");
+            let message = format!("the memory monitor has rejected {bytes} bytes");
             Err(Problem { code: Code::OutOfMemory, message })
         }
         Err(thrown) => Err(thrown.into()),
@@ -374,7 +374,7 @@ fn build_object(
     Ok(tree)
 }
 
-/// What the program says while a tree is built.
+/// The program's callbacks during the build of a tree.
 struct Control<'a> {
     scene: &'a Scene,
     progress: Option<Callback<ProgressFunction>>,
@@ -409,7 +409,7 @@ impl<'a> Control<'a> {
 
 impl Drop for Control<'_> {
     fn drop(&mut self) {
-        // What the program's function answers, or throws, changes nothing any longer.
+        // The return value and exceptions of the program's function are ignored here.
         let _ = self.scene.device.report_memory(-self.reported.load(Ordering::Relaxed));
     }
 }

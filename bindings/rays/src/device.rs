@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A device: settings, threads that build, and errors. Embree's manual for what is remembered.
-//! Invariant: of a thread's errors the first one is remembered until it is asked for, for each device; without a device, too.
+//! A device: settings, threads that build, and errors. The rules for remembered errors are those of Embree's
+//! manual.
+//! Invariant: the first error of a thread is remembered until it is queried, for each device, and for calls
+//! without a device.
 //! Tests: `tests/c/embree.c`.
 
 use std::cell::RefCell;
@@ -17,7 +19,7 @@ use crate::ffi_callbacks::{Callback, ErrorFunction, MemoryFunction};
 use crate::ffi_catch::Thrown;
 use crate::pools::Workers;
 
-/// What went wrong, and a line that says so.
+/// An error, and its message.
 #[derive(Clone, Debug)]
 pub(crate) struct Problem {
     pub(crate) code: Code,
@@ -40,11 +42,11 @@ impl From<Thrown> for Problem {
     }
 }
 
-/// What `RTCDevice` points to.
+/// The target of `RTCDevice`.
 #[derive(Debug)]
 pub(crate) struct Device {
     number: u64,
-    /// 0 for as many as there are processors.
+    /// 0 = one per processor.
     threads: usize,
     pub(crate) level: Level,
     pub(crate) is_verbose: bool,
@@ -87,10 +89,10 @@ fn text(message: &str) -> CString {
 }
 
 impl Device {
-    /// From settings such as `threads=4,isa=avx2`; what is not for us is passed over.
+    /// From settings such as `threads=4,isa=avx2`; unknown ones are ignored.
     ///
     /// # Errors
-    /// A number of threads that is none.
+    /// An invalid number of threads.
     pub(crate) fn new(settings: &str) -> Result<Self, Problem> {
         static NEXT: AtomicU64 = AtomicU64::new(NO_DEVICE + 1);
         let mut device = Self {
@@ -135,7 +137,7 @@ impl Device {
         let on_error = *self.on_error.lock().unwrap_or_else(PoisonError::into_inner);
         match on_error {
             Some(on_error) => on_error.call(problem.code as u32, &message),
-            // Who cannot be told is not told.
+            // Without standard error there is no message.
             None if self.is_verbose => {
                 let _ = writeln!(std::io::stderr(), "gnurt: {}", problem.message);
             }
@@ -167,7 +169,7 @@ impl Drop for Device {
     }
 }
 
-/// The first error of this thread since it was last asked for; `None` for what happened without a device.
+/// The first error of this thread since the last query; for `None` that of calls without a device.
 pub(crate) fn take_error(device: Option<&Device>) -> Code {
     let number = device.map_or(NO_DEVICE, |device| device.number);
     let taken =

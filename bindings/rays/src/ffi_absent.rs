@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Calls of Embree's for what is not here: subdivision surfaces, its builder of BVHs, collisions. They exist, so that programs can be linked and loaded; each says so and does nothing.
+//! Embree's calls without an implementation here: subdivision surfaces, its builder of BVHs, collisions. They
+//! exist, so that programs can be linked and loaded; each reports an error and does nothing else.
 //! Source: the names of Embree 4.4's headers. Tests: `tests/c/embree.c`.
 
 use crate::device::{Device, Problem};

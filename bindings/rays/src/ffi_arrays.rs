@@ -14,11 +14,11 @@ use crate::objects::{Array, Buffer, Geometry, Kind};
 use crate::transform;
 
 pub(crate) fn no_array(of: u32, slot: u32) -> Problem {
-    Problem::argument(format!("there is no buffer of type {of} in slot {slot}"))
+    Problem::argument(format!("buffer of type {of} missing in slot {slot}"))
 }
 
 fn out_of_memory(bytes: usize) -> Problem {
-    Problem { code: Code::OutOfMemory, message: format!("there is no room for {bytes} bytes") }
+    Problem { code: Code::OutOfMemory, message: format!("out of memory for {bytes} bytes") }
 }
 
 /// A buffer of ours. See Embree's manual, here and below.
@@ -150,7 +150,7 @@ fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
     fits.then_some(4 * numbers)
 }
 
-/// What is to be an array of a geometry.
+/// A new array of a geometry.
 struct Given {
     of: c_uint,
     slot: c_uint,
@@ -164,7 +164,7 @@ impl Given {
         let Self { of, slot, format, stride, .. } = *self;
         let width = width(geometry.kind, of, format).ok_or_else(|| {
             Problem::operation(format!(
-                "a buffer of type {of} and format {format:#x} is nothing that {:?} have",
+                "invalid buffer of type {of} and format {format:#x} for {:?}",
                 geometry.kind
             ))
         })?;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Functions of the program that are told what happens, made safe to call; and exceptions of those that are asked during a query.
-//! What they throw ends here, but for that of error functions, which goes on to the program: decision 0017.
-//! Invariant: who makes one vouches that it may be called, with its pointer, until it is replaced.
+//! Callbacks of the program for notifications, made safe to call; and exceptions of callbacks during a query.
+//! Their exceptions end here, except those of error functions, which go on to the program: decision 0017.
+//! Invariant: the maker of one guarantees that it may be called, with its pointer, until it is replaced.
 
 use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_uint, c_void};
@@ -60,9 +60,9 @@ impl<F> Callback<F> {
 }
 
 impl Callback<ErrorFunction> {
-    /// What it throws goes on to the program's handler.
+    /// Its exceptions go on to the program's handler.
     pub(crate) fn call(&self, code: u32, message: &CStr) {
-        // SAFETY: vouched for by who made this; the text lives during the call.
+        // SAFETY: guaranteed by the maker of this; the text lives during the call.
         unsafe { (self.function)(self.user.0, code, message.as_ptr()) }
     }
 }
@@ -70,7 +70,7 @@ impl Callback<ErrorFunction> {
 impl Callback<MemoryFunction> {
     /// Whether so many bytes more may be held.
     pub(crate) fn call(&self, bytes: i64, after: bool) -> Result<bool, Thrown> {
-        // SAFETY: vouched for by who made this.
+        // SAFETY: guaranteed by the maker of this.
         ffi_catch::call(|| unsafe { (self.function)(self.user.0, bytes as isize, after) })
     }
 }
@@ -78,7 +78,7 @@ impl Callback<MemoryFunction> {
 impl Callback<ProgressFunction> {
     /// Whether to go on.
     pub(crate) fn call(&self, done: f64) -> Result<bool, Thrown> {
-        // SAFETY: vouched for by who made this.
+        // SAFETY: guaranteed by the maker of this.
         ffi_catch::call(|| unsafe { (self.function)(self.user.0, done) })
     }
 }

@@ -50,7 +50,7 @@ fn end(exception: *mut c_void) {
         }
         // The runtime of a Rust that is not ours ends the process if its panics are deleted by others: it stays.
         _ if class == *b"MOZ\0RUST" => {}
-        // SAFETY: it was caught, and nobody else refers to it.
+        // SAFETY: it was caught, and there is no other reference to it.
         _ => unsafe { catcher::delete(exception) },
     }
 }
@@ -58,7 +58,7 @@ fn end(exception: *mut c_void) {
 type BeginCatch = unsafe extern "C" fn(*mut c_void) -> *mut c_void;
 type EndCatch = unsafe extern "C" fn();
 
-/// Without a loader of this kind there is nobody to ask.
+/// Without a loader of this kind there is no C++ runtime.
 #[cfg(not(unix))]
 fn cpp() -> Option<(BeginCatch, EndCatch)> {
     None
@@ -159,11 +159,11 @@ mod catcher {
         personality = sym personality,
     );
 
-    /// What the unwinder asks for.
+    /// The unwinder's requests.
     const SEARCH_PHASE: c_int = 1;
     const HANDLER_FRAME: c_int = 4;
     const FORCE_UNWIND: c_int = 8;
-    /// What it is answered.
+    /// The answers.
     const HANDLER_FOUND: c_int = 6;
     const INSTALL_CONTEXT: c_int = 7;
     const CONTINUE_UNWIND: c_int = 8;
@@ -212,7 +212,7 @@ mod catcher {
     /// Calls `work`, once; null, or the exception that left it.
     pub(super) fn call<F: FnOnce()>(work: F) -> *mut c_void {
         /// # Safety
-        /// `work` points to an `Option<F>` that nobody else uses.
+        /// `work` points to an `Option<F>` without other users.
         unsafe extern "C-unwind" fn thunk<F: FnOnce()>(work: *mut c_void) {
             // SAFETY: the caller vouches for it.
             let work = unsafe { &mut *work.cast::<Option<F>>() };
@@ -221,12 +221,12 @@ mod catcher {
             }
         }
         let mut work = Some(work);
-        // SAFETY: the function takes what it is given, which lives until it returns.
+        // SAFETY: the function takes its argument, which lives until it returns.
         unsafe { gnurt_rays_call(thunk::<F>, (&raw mut work).cast()) }
     }
 
     /// # Safety
-    /// The exception was caught and nobody refers to it.
+    /// The exception was caught and has no other references.
     pub(super) unsafe fn delete(exception: *mut c_void) {
         // SAFETY: the caller vouches for it.
         unsafe { _Unwind_DeleteException(exception) }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arrays of `gnurt/rays.h`: rows that are read, and places that are written. See include/gnurt/rays.h.
-//! Invariant: who makes one vouches for the memory. Tests: `tests/c/rays.c`.
+//! Arrays of `gnurt/rays.h`: input rows, and output positions. See include/gnurt/rays.h.
+//! Invariant: the maker of one guarantees the memory. Tests: `tests/c/rays.c`.
 
 use std::ffi::c_void;
 
@@ -35,7 +35,7 @@ pub(crate) struct Rows {
     width: usize,
 }
 
-/// What rows consist of.
+/// The elements of rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Access {
     Floats,
@@ -172,7 +172,7 @@ pub(crate) struct HitArrays {
     normal: *mut f32,
 }
 
-/// What is written of a hit.
+/// The output for a hit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Written {
     pub(crate) t: f32,

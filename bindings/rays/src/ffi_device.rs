@@ -47,7 +47,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcReleaseDevice(device: Handle) {
     unsafe { release::<Device>(device) }
 }
 
-/// A property by its number; 0 for what is not here.
+/// A property by its number; 0 for unsupported features.
 ///
 /// # Safety
 /// A device.
@@ -69,9 +69,9 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceProperty(device: Handle, prop
             128 => 0,
             129 | 130 | 140 => 1,
             141 => 0,
-            // What Embree's own tests may read.
+            // Properties that Embree's own tests may read.
             1_000_000.. => 0,
-            _ => return Err(Problem::argument(format!("there is no property {property}"))),
+            _ => return Err(Problem::argument(format!("unknown property {property}"))),
         })
     };
     // SAFETY: passed on.
@@ -93,7 +93,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceProperty(device: Handle, prop
     unsafe { with_device(device, refused) }
 }
 
-/// The first error of this thread since it was last asked for; of a null device, what happened without one.
+/// The first error of this thread since the last query; for a null device that of calls without one.
 ///
 /// # Safety
 /// A device or null.
@@ -178,9 +178,9 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceMemoryMonitorFunction(
     }
 }
 
-/// What is not here says so: a device's error is set, or that of no device.
+/// Reports an unsupported call: sets the error of a device, or that of calls without one.
 pub(crate) fn absent(name: &str, device: Option<&Device>) {
-    let message = format!("{name}: libgnurt has no such thing; docs/reference/c-rays.md says what it has");
+    let message = format!("{name}: unsupported by libgnurt; see docs/reference/c-rays.md");
     let problem = Problem { code: Code::InvalidOperation, message };
     match device {
         Some(device) => device.report(&problem),

@@ -28,7 +28,7 @@ struct FilteredQuery<'a> {
     frame: &'a Frame,
     lane: Lane,
     ray: Ray,
-    /// The hit that was let pass last, what the filter made of it, and how far it is then.
+    /// The hit accepted last, its form after the filter, and the ray's extent then.
     passed: Option<(Hit, abi::Hit, f32)>,
     /// How far the ray reaches: filters may shorten it.
     reach: f32,
@@ -240,7 +240,7 @@ pub(crate) fn intersect_filtered(committed: &Committed, lane: Lane, query_ray: Q
     });
 }
 
-/// What the program's test has left, and what only we know.
+/// The result of the program's test, with the fields that only the library knows.
 fn completed(retained: abi::Hit, found: &abi::Hit) -> abi::Hit {
     let or = |retained: u32, found: u32| if retained == INVALID { found } else { retained };
     abi::Hit {

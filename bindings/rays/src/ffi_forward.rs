@@ -38,15 +38,14 @@ unsafe fn forward<const N: usize>(
         let frame = &*call.frame;
         let (n, at) = (frame.lane.n(), frame.lane.at());
         if N != 1 && N != n {
-            let message = format!(
-                "{N} rays are sent on from a test of {n}: N of its arguments says how many there are"
-            );
+            let message =
+                format!("{N} rays are forwarded from a test of {n}: N of its arguments is their number");
             return with::<Scene, ()>(scene, |_| Err(Problem::operation(message)));
         }
         if !valid.is_null() && *valid.add(at) == 0 {
             return;
         }
-        // Who has room for the number of an instance in an array says so by giving it.
+        // A program with space for an instance number in an array passes that number.
         if inst_prim_id.is_some() {
             committed.device.has_arrays.store(true, Ordering::Relaxed);
         }

@@ -172,7 +172,7 @@ setters! {
 pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryBuildQuality(geometry: Handle, quality: c_uint) {
     let change = |settings: &mut Settings| {
         if quality > 3 {
-            return Err(Problem::operation(format!("{quality} is no quality: 0 to 3 are")));
+            return Err(Problem::operation(format!("invalid quality {quality}; valid are 0 to 3")));
         }
         settings.quality = quality;
         settings.touched();
@@ -383,7 +383,7 @@ unsafe fn set_place(geometry: Handle, time_step: c_uint, of: c_uint, matrix: *co
             return Err(Problem::argument("the transform is a null pointer"));
         }
         let size = transform::size(of).ok_or_else(|| {
-            Problem::argument(format!("{of:#x} is no format of a matrix: FLOAT3X4 or FLOAT4X4 is"))
+            Problem::argument(format!("invalid format {of:#x} of a matrix; valid are FLOAT3X4 and FLOAT4X4"))
         })?;
         // SAFETY: the caller vouches for as many numbers as the format has.
         let values: Vec<f32> = (0..size).map(|i| unsafe { matrix.add(i).read_unaligned() }).collect();

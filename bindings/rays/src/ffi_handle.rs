@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Handles: pointers to counted values, lent to the program. Embree's manual for who counts.
-//! Invariant: a handle is an `Arc` that was turned into a pointer; a program that uses one after it has released it for
-//! the last time breaks Embree's rules, and ours. No panic gets past [`guarded`]. Tests: `tests/c/embree.c`.
+//! Handles: pointers to counted values, lent to the program. Reference counts follow Embree's manual.
+//! Invariant: a handle is an `Arc` converted to a pointer; a program must not use one after its last release,
+//! by Embree's rules. No panic gets past [`guarded`]. Tests: `tests/c/embree.c`.
 
 use std::ffi::c_void;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -11,10 +11,10 @@ use crate::device::{Device, Problem, report_without_device};
 use crate::ffi_abi::Code;
 use crate::objects::{Buffer, Geometry, Scene};
 
-/// What the program holds.
+/// The program's form of a handle.
 pub(crate) type Handle = *mut c_void;
 
-/// What a handle may point to.
+/// The type of a handle's target.
 pub(crate) trait Object: Sized {
     /// For messages.
     const NAME: &'static str;
@@ -85,7 +85,7 @@ pub(crate) unsafe fn shared<T>(handle: Handle) -> Option<Arc<T>> {
     }
 }
 
-/// Runs what a call does, and reports what goes wrong: the answer is then the type's default.
+/// Runs the body of a call, and reports its error: the result then is the type's default.
 ///
 /// # Safety
 /// As [`retain`], if the handle is not null.
@@ -102,7 +102,7 @@ pub(crate) unsafe fn with<T: Object, R: Default>(
     report(&device, || call(&object))
 }
 
-/// Runs what a call of a device does.
+/// Runs the body of a device's call.
 ///
 /// # Safety
 /// As [`with`].

@@ -10,7 +10,8 @@ use crate::ffi_arrays::no_array;
 use crate::ffi_handle::{Handle, with};
 use crate::objects::{Geometry, Kind};
 
-/// Corners of a triangle: the one that weighs what the others leave, those that u and v weigh; and which way these grow.
+/// Corners of a triangle: the one with the remaining weight, and those weighted by u and v; and the
+/// directions in which these grow.
 struct Corners {
     of: [u32; 3],
     u: f32,
@@ -27,7 +28,7 @@ unsafe fn interpolate(geometry: &Geometry, arguments: &InterpolateArguments) -> 
     let settings = geometry.settings();
     let array = |of, slot| settings.arrays.get(&(of, slot)).ok_or_else(|| no_array(of, slot));
     let (rows, indices) = (&array(buffer_type, slot)?.view, &array(buffer::INDEX, 0)?.view);
-    let none = || Problem::argument(format!("there is no primitive {prim_id}"));
+    let none = || Problem::argument(format!("primitive {prim_id} is out of range"));
     let prim_id = prim_id as usize;
     let corners = match geometry.kind {
         Kind::Triangles => Corners { of: indices.get::<u32, 3>(prim_id).ok_or_else(none)?, u, v, sign: 1.0 },
@@ -39,7 +40,7 @@ unsafe fn interpolate(geometry: &Geometry, arguments: &InterpolateArguments) -> 
                 Corners { of: [c, d, b], u: 1.0 - u, v: 1.0 - v, sign: -1.0 }
             }
         }
-        kind => return Err(Problem::operation(format!("{kind:?} have nothing between vertices"))),
+        kind => return Err(Problem::operation(format!("interpolation is unsupported for {kind:?}"))),
     };
     let Corners { of, u, v, sign } = corners;
     let at = |corner: u32, k: usize| {

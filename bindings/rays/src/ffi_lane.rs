@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A ray of a packet in the program's memory, its hit, and the arguments of a query. The layouts of Embree 4.4's headers.
-//! Invariant: who makes a [`Lane`] vouches for its memory. Tests: `tests/c/embree.c`, `tests/c/frames.c`.
+//! Invariant: the maker of a [`Lane`] guarantees its memory. Tests: `tests/c/embree.c`, `tests/c/frames.c`.
 
 use std::ptr::null_mut;
 use std::sync::atomic::Ordering;
@@ -56,13 +56,13 @@ impl Lane {
 
     #[inline(always)]
     pub(crate) fn get(self, row: usize) -> f32 {
-        // SAFETY: rows of rays are there, as who made this vouched.
+        // SAFETY: rows of rays exist, as the maker of this guaranteed.
         unsafe { *self.first.wrapping_add(row * self.n()) }
     }
 
     #[inline(always)]
     pub(crate) fn set(self, row: usize, value: f32) {
-        // SAFETY: as above; rows of hits are written where who made this vouched for them.
+        // SAFETY: as above; rows of hits are written where the maker of this guaranteed them.
         unsafe { *self.first.wrapping_add(row * self.n()) = value }
     }
 
@@ -88,7 +88,7 @@ impl Lane {
         }
     }
 
-    /// The ray with what only the program knows.
+    /// The ray with the fields that only the program knows.
     pub(crate) fn whole(self) -> abi::Ray {
         let Ray { org, t_near, dir, t_far, mask, time } = self.ray();
         let (id, flags) = (self.get(row::ID).to_bits(), self.get(row::FLAGS).to_bits());
@@ -167,7 +167,7 @@ pub(crate) fn hit_for_program(
 ) -> abi::Hit {
     let (inst_id, inst_prim_id) = match located.shown_instance {
         Some(shown_instance) => (shown_instance.geom_id, shown_instance.prim_id.unwrap_or(INVALID)),
-        // Who sends rays through instances of his own says so here.
+        // A program that transforms rays into its own instances passes their numbers here.
         // SAFETY: a context that is not null begins with this number.
         None if !context.is_null() => unsafe {
             // The second number is there where arrays are known.

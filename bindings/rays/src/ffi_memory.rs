@@ -13,7 +13,7 @@ use std::sync::Arc;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pointer(pub(crate) *mut c_void);
 
-// SAFETY: it is a number here; what the program does with it in its callbacks, from any thread, is its own affair.
+// SAFETY: it is a plain number here; its use in callbacks, from any thread, is the program's responsibility.
 unsafe impl Send for Pointer {}
 // SAFETY: as above.
 unsafe impl Sync for Pointer {}
@@ -84,7 +84,7 @@ pub(crate) struct View {
     _keep: Option<Arc<Block>>,
 }
 
-// SAFETY: it only reads, and who made it vouches for the memory from any thread.
+// SAFETY: it only reads, and its maker guarantees the memory for any thread.
 unsafe impl Send for View {}
 // SAFETY: as above.
 unsafe impl Sync for View {}
@@ -98,8 +98,8 @@ impl View {
     /// `count` rows of `width` bytes each, the first at `start` and each `stride` bytes behind the one before.
     ///
     /// # Safety
-    /// The rows are readable, and not written while they are read, for as long as this or a copy of it is used, or
-    /// lie in `keep`.
+    /// The rows are readable, and not written meanwhile, for as long as this or a copy of it is used, or are
+    /// in `keep`.
     pub(crate) unsafe fn new(
         start: *const c_void,
         stride: usize,

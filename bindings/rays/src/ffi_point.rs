@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `rtcPointQuery`: primitives near a point, shown to the program. Source: Embree's manual.
 //!
-//! The program is shown what is nearer than the radius by our own measure, which is exact for triangles and quads; of user geometry it
-//! is the box that counts. Spheres and lines are not shown, as by Embree. Queries that the program sends on from a user geometry, with places of its own on
-//! the stack, are made in the innermost place's space, by the longest that lengths may become there.
+//! Primitives within the radius by our own distance, which is exact for triangles and quads; for user
+//! geometry the distance to its box. Spheres and lines are not visited, as by Embree. A query that the
+//! program forwards from a user geometry, with its own transforms on the stack, uses the space of the
+//! innermost transform, with the greatest growth of lengths there.
 //! Tests: `tests/c/embree.c`.
 
 use std::cell::Cell;
@@ -30,7 +31,7 @@ fn columns(matrix: &[f32; 16]) -> Columns {
     transform::columns(crate::ffi_abi::format::FLOAT4X4_COLUMNS, matrix)
 }
 
-/// What the program wants to be asked.
+/// The program's query and callback.
 struct Visit {
     query: *mut PointQuery,
     context: *mut PointContext,
@@ -94,7 +95,7 @@ unsafe fn columns_of(context: *const PointContext) -> Columns {
     unsafe { if (*context).depth == 0 { IDENTITY } else { columns(&(*context).instance_from_world) } }
 }
 
-/// Visits what is near.
+/// Visits near primitives.
 ///
 /// # Safety
 /// As [`rtcPointQuery`].

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The calls of `gnurt/rays.h` that make and edit scenes. See include/gnurt/rays.h. Queries are in `ffi_ask.rs`.
+//! The calls of `gnurt/rays.h` that make and edit scenes. See include/gnurt/rays.h. Queries are in `ffi_query.rs`.
 //! No panic gets past [`called`]. Tests: `tests/c/rays.c`.
 
 use std::cell::RefCell;
@@ -51,7 +51,7 @@ pub(crate) extern "C-unwind" fn gnurt_rays_version() -> c_int {
     10_000 * number(major) + 100 * number(minor) + number(patch)
 }
 
-/// What went wrong last in this thread.
+/// The last error of this thread.
 #[unsafe(no_mangle)]
 pub(crate) extern "C-unwind" fn gnurt_last_error() -> *const c_char {
     LAST.with_borrow(|last| last.as_ptr())
@@ -66,7 +66,7 @@ pub(crate) extern "C-unwind" fn gnurt_scene_new() -> *mut RayScene {
 /// Frees a scene.
 ///
 /// # Safety
-/// A scene that nobody uses, or null.
+/// A scene without other users, or null.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn gnurt_scene_free(scene: *mut RayScene) {
     if !scene.is_null() {
@@ -81,7 +81,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_scene_free(scene: *mut RayScene) {
 /// Edits a scene.
 ///
 /// # Safety
-/// A scene that nobody else uses now, or null.
+/// A scene without concurrent users, or null.
 unsafe fn edit(scene: *mut RayScene, change: impl FnOnce(&mut RayScene) -> Result<(), String>) -> c_int {
     called(|| {
         // SAFETY: passed on.
@@ -89,10 +89,10 @@ unsafe fn edit(scene: *mut RayScene, change: impl FnOnce(&mut RayScene) -> Resul
     })
 }
 
-/// What a scene was committed to.
+/// The last commit of a scene.
 ///
 /// # Safety
-/// A scene that nobody edits now, or null.
+/// A scene without a concurrent edit, or null.
 pub(crate) unsafe fn built(scene: *const RayScene) -> Result<Arc<Built>, String> {
     // SAFETY: passed on.
     let scene = unsafe { scene.as_ref() }.ok_or("scene: a null pointer")?;
@@ -151,7 +151,7 @@ unsafe fn add(
     what: impl FnOnce() -> Result<What, String>,
 ) -> c_int {
     called(|| {
-        // First: what is added may be read from the scene itself, which is lent to nobody else below.
+        // First: an added array may be in the scene itself, which is not borrowed otherwise below.
         let what = what()?;
         // SAFETY: passed on.
         let scene = unsafe { scene.as_mut() }.ok_or("scene: a null pointer")?;
@@ -445,7 +445,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_place(
         let to = unsafe { matrix_at(to)? };
         match &mut scene.part(id)?.what {
             What::Instance { instance_matrix, .. } => *instance_matrix = to,
-            _ => return Err(format!("id: {id} is no instance")),
+            _ => return Err(format!("id: {id} is not an instance")),
         }
         Ok(())
     };
@@ -453,7 +453,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_place(
     unsafe { edit(scene, change) }
 }
 
-/// Another scene, or what has become of it, in an instance.
+/// Replaces the scene that an instance shows, or updates it.
 ///
 /// # Safety
 /// Two scenes.
@@ -470,7 +470,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_shown(
         let new = new.map_err(|error| error.replacen("scene", "shown", 1))?;
         match &mut scene.part(id)?.what {
             What::Instance { shown, .. } => *shown = new,
-            _ => return Err(format!("id: {id} is no instance")),
+            _ => return Err(format!("id: {id} is not an instance")),
         }
         Ok(())
     };
@@ -506,7 +506,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_remove(scene: *mut RayScene, id: u3
 /// Builds.
 ///
 /// # Safety
-/// A scene that nobody asks now, whose arrays are readable.
+/// A scene without concurrent queries, whose arrays are readable.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn gnurt_commit(scene: *mut RayScene) -> c_int {
     let change =
@@ -525,10 +525,10 @@ pub(crate) struct SceneProperties {
     bytes: u64,
 }
 
-/// What there is to know of a committed scene.
+/// Properties of a committed scene.
 ///
 /// # Safety
-/// A scene, and room for facts.
+/// A scene, and space for the facts.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn gnurt_scene_facts(
     scene: *const RayScene,

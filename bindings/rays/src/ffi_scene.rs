@@ -57,7 +57,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcReleaseScene(scene: Handle) {
     unsafe { release::<Scene>(scene) }
 }
 
-/// What rays are sent into: the scene itself.
+/// The traversable of a scene: the scene itself.
 ///
 /// # Safety
 /// A scene.
@@ -77,7 +77,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcAttachGeometry(scene: Handle, geometry
     let attach = |scene: &Arc<Scene>| {
         let geometry = geometry.ok_or_else(|| Problem::argument("the geometry is a null pointer"))?;
         let id = scene.attach(None, geometry);
-        id.map(Some).ok_or_else(|| Problem::operation("no id is free"))
+        id.map(Some).ok_or_else(|| Problem::operation("all ids are in use"))
     };
     // SAFETY: passed on.
     unsafe { with::<Scene, _>(scene, attach) }.unwrap_or(c_uint::MAX)
@@ -94,7 +94,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcAttachGeometryByID(scene: Handle, geom
     let attach = |scene: &Arc<Scene>| {
         let geometry = geometry.ok_or_else(|| Problem::argument("the geometry is a null pointer"))?;
         if id == c_uint::MAX {
-            return Err(Problem::argument("RTC_INVALID_GEOMETRY_ID is no id for a geometry"));
+            return Err(Problem::argument("RTC_INVALID_GEOMETRY_ID is not a valid id of a geometry"));
         }
         let attached = scene.attach(Some(id), geometry);
         attached
@@ -135,7 +135,8 @@ unsafe fn found_at_once<'a>(scene: Handle, id: c_uint) -> Option<&'a Geometry> {
     committed?.geometry(id).map(|geometry| &**geometry)
 }
 
-/// A geometry of a scene, which does not count it for the program. Takes no lock for what is committed: programs call it for each hit.
+/// A geometry of a scene, which does not count it for the program. Takes no lock for committed geometries:
+/// programs call it for each hit.
 ///
 /// # Safety
 /// A scene.
@@ -162,10 +163,10 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryThreadSafe(scene: Handle, i
     geometry.map_or(null_mut(), |geometry| Arc::as_ptr(&geometry).cast_mut().cast())
 }
 
-/// Builds what rays are sent into; nothing where nothing was edited since it was built.
+/// Builds the trees; does nothing without edits since the last build.
 ///
 /// # Safety
-/// A scene that nobody asks meanwhile if it was edited; arrays and callbacks of its geometries are in order.
+/// A scene without concurrent queries if it was edited; arrays and callbacks of its geometries are valid.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcCommitScene(scene: Handle) {
     // SAFETY: passed on.
@@ -212,7 +213,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetSceneBuildQuality(scene: Handle, qu
     let set = |scene: &Arc<Scene>| {
         if quality > 2 {
             return Err(Problem::operation(format!(
-                "{quality} is no quality of a scene: low, medium and high are 0, 1 and 2"
+                "invalid quality {quality} of a scene; valid are 0 (low), 1 (medium) and 2 (high)"
             )));
         }
         scene.edit(|settings| settings.quality = quality);
@@ -370,7 +371,7 @@ pub(crate) fn slot_of(
             let size = transform::size(maps.format).unwrap_or_default();
             let values: Vec<f32> = (0..size).map_while(|k| maps.view.number(prim_id as usize, k)).collect();
             if values.len() != size {
-                return Err(Problem::argument(format!("there is no instance {prim_id} in the array")));
+                return Err(Problem::argument(format!("instance {prim_id} of the array is out of range")));
             }
             transform::columns(maps.format, &values)
         }
@@ -378,6 +379,6 @@ pub(crate) fn slot_of(
     };
     let matrix = if of == format::FLOAT16 { format::FLOAT4X4_COLUMNS } else { of };
     transform::floats(matrix, &instance_matrix).ok_or_else(|| {
-        Problem::argument(format!("{of:#x} is no format of a matrix: FLOAT3X4 or FLOAT4X4 is"))
+        Problem::argument(format!("invalid format {of:#x} of a matrix; valid are FLOAT3X4 and FLOAT4X4"))
     })
 }

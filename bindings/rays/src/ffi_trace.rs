@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `rtcIntersect1/4/8/16` and `rtcOccluded1/4/8/16`, and those of traversables. Source: Embree's manual.
 //!
-//! Rays of a packet go through trees together where the program says that they are coherent, there are enough of them and nobody
-//! is asked about hits; else one by one. Tests: `tests/c/embree.c`.
+//! Rays of a packet are traced together if the program marks them as coherent, there are enough of them and
+//! no callback judges hits; else one by one. Tests: `tests/c/embree.c`.
 
 use std::ffi::c_int;
 
@@ -33,7 +33,7 @@ pub(crate) fn intersect(committed: &Committed, lane: Lane, query_ray: QueryRay) 
     }
 }
 
-/// The same where nobody is asked.
+/// The same without callbacks.
 #[inline(always)]
 fn intersect_plain(committed: &Committed, lane: Lane, query_ray: QueryRay) {
     let ray = lane.ray();
@@ -58,7 +58,7 @@ pub(crate) fn occluded(committed: &Committed, lane: Lane, query_ray: QueryRay) {
     }
 }
 
-/// The same where nobody is asked.
+/// The same without callbacks.
 #[inline(always)]
 fn occluded_plain(committed: &Committed, lane: Lane) {
     if run_query!(committed, tree => tree.occluded_with(&committed.query, &lane.ray())) {
@@ -108,7 +108,7 @@ impl<'a> PacketQuery<'a> {
     }
 }
 
-/// What is asked of each ray.
+/// The query of each ray.
 trait Trace {
     /// Coherent packets of so many rays go together: fewer are faster one by one (bench/record/embree-calls-2026-11-23.md).
     const WORTH_IT: usize;
@@ -155,7 +155,7 @@ impl Trace for Occluded {
     }
 }
 
-/// What a scene handle, which is a traversable's, too, stands for.
+/// The committed scene of a scene handle, or of a traversable's.
 ///
 /// # Safety
 /// The handle is null or a scene's.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! User geometry of Embree's kind: bounds and tests of the program's, called ray by ray, each in a packet as wide as the call's. Source: Embree's manual.
 //!
-//! A program's test writes into the ray and its hit whatever it likes: other ids, a normal, what another scene answered. A tree
-//! keeps of that `t`, `u` and `v`; the rest waits in the [`Frame`] of the query, from where the answer is completed.
+//! A program's test may write any values into the ray and its hit: other ids, a normal, the result of another
+//! scene. A tree keeps `t`, `u` and `v` of that; the rest stays in the [`Frame`] of the query, which
+//! completes the result.
 //! Invariant: a frame is on its thread's stack for as long as the thread is in its query. Tests: `tests/c/embree.c`.
 
 use std::cell::{Cell, RefCell};
@@ -21,7 +22,7 @@ use crate::ffi_catch;
 use crate::ffi_lane::Lane;
 use crate::objects::{Filters, Geometry, UserFunctions};
 
-/// What the program's test of a hit left, and which hit it was.
+/// The output of the program's test, and its hit.
 #[derive(Clone, Copy, Debug)]
 struct PendingHit {
     owner: *const Geometry,
@@ -37,7 +38,7 @@ pub(crate) struct Frame {
     pub(crate) context: *mut Context,
     /// The ray that is asked for, where it lies.
     pub(crate) lane: Lane,
-    /// Of the ray as it was asked: what does not depend on the space.
+    /// The fields of the original ray that do not depend on the space.
     time: f32,
     mask: u32,
     id: u32,
@@ -77,7 +78,7 @@ impl Frame {
         query()
     }
 
-    /// What was left by the test whose hit is the answer.
+    /// The output of the test whose hit is the result.
     pub(crate) fn pending_hits(&self, owner: &Geometry, prim_id: u32, t: f32) -> Option<Hit> {
         let pending_hits = self.pending_hits.borrow();
         let mine = || {
@@ -90,7 +91,7 @@ impl Frame {
         same.or_else(|| mine().min_by(|a, b| a.t.total_cmp(&b.t))).map(|pending_hits| pending_hits.hit)
     }
 
-    /// Keeps what was left. Of hits that are not filtered, those behind the best are of no use.
+    /// Keeps the output of a test. Of unfiltered hits, those behind the best are dropped.
     pub(crate) fn keep(&self, owner: &Geometry, prim_id: u32, t: f32, hit: Hit) {
         let mut all = self.pending_hits.borrow_mut();
         if all.iter().all(|pending_hits| t < pending_hits.t) {
@@ -100,7 +101,7 @@ impl Frame {
     }
 }
 
-/// What the program's tests are called with: its own part, and what is needed when it calls back.
+/// The arguments of the program's tests: its own part, and the data for calls back.
 #[repr(C)]
 pub(crate) struct Call {
     pub(crate) arguments: UserArguments,
@@ -173,11 +174,11 @@ impl UserPrimitives {
         call_program(&frame.stopped, || unsafe { function((&raw const call).cast()) })
     }
 
-    /// Asks the program's test about one ray; what it left of its `t_far`, and its hit.
+    /// Calls the program's test for one ray; returns its new `t_far`, and its hit.
     #[inline(always)]
     fn test_one(&self, function: UserTest, prim_id: u32, frame: &Frame, ray: &Ray) -> Option<(f32, Hit)> {
         let (mut valid, mut rays) = (-1, RayHit { ray: Self::program_ray(frame, ray), hit: Hit::NONE });
-        // SAFETY: one ray with a hit, which are read anew, for the program wrote through pointers.
+        // SAFETY: one ray with a hit, read again because the program wrote through pointers.
         unsafe {
             self.run_query(function, prim_id, frame, &raw mut valid, (&raw mut rays).cast())?;
             let rays = &raw const rays;

@@ -24,7 +24,7 @@ impl FreeIds {
         self.0.keys().next().copied()
     }
 
-    /// Takes an id that is free; what is taken stays so.
+    /// Takes a free id; a taken one stays taken.
     pub(crate) fn take(&mut self, id: u32) {
         let Some((&first, &last)) = self.0.range(..=id).next_back().filter(|(_, last)| **last >= id) else {
             return;

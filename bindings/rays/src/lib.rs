@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! libgnurt: ray queries for C programs. Two doors lead to the same trees: `gnurt/rays.h`, and the calls of Embree 4.
+//! libgnurt: ray queries for C programs. It has two APIs on the same trees: `gnurt/rays.h`, and the calls of
+//! Embree 4.
 //!
-//! `ffi*.rs` hold the exported functions and all of the `unsafe` code. Embree's calls: `ffi_device.rs`, `ffi_scene.rs`,
-//! `ffi_geometry.rs`, `ffi_arrays.rs` edit what `objects.rs` describes, `commit.rs` builds from it, `ffi_trace.rs` and
-//! `ffi_point.rs` ask, `ffi_filter.rs` and `ffi_user.rs` let trees ask the program, `ffi_forward.rs` sends on what it sends on. Those of `gnurt/rays.h`: `ffi_rays.rs` edits what `ray_scene.rs`
-//! describes and builds, `ffi_ask.rs` asks. No panic crosses to C. docs/reference/c-rays.md is the manual.
+//! `ffi*.rs` hold the exported functions and all of the `unsafe` code. Embree's calls: `ffi_device.rs`,
+//! `ffi_scene.rs`, `ffi_geometry.rs`, `ffi_arrays.rs` edit the objects of `objects.rs`, and `commit.rs`
+//! builds from them. `ffi_trace.rs` and `ffi_point.rs` trace queries, `ffi_filter.rs` and `ffi_user.rs` call
+//! the program from trees, `ffi_forward.rs` forwards rays to other scenes. Those of `gnurt/rays.h`:
+//! `ffi_rays.rs` edits the scene of `ray_scene.rs`, which also builds it; `ffi_query.rs` traces queries. No
+//! panic crosses to C. docs/reference/c-rays.md is the manual.
 #![deny(unsafe_code)]
 #![allow(non_snake_case, reason = "C calls have C names")]
 
@@ -15,8 +18,6 @@ mod ffi_abi;
 mod ffi_absent;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_arrays;
-#[expect(unsafe_code, reason = "C calls in, with pointers")]
-mod ffi_ask;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_callbacks;
 #[expect(unsafe_code, reason = "a frame that catches, and what it catches")]
@@ -43,6 +44,8 @@ mod ffi_memory;
 mod ffi_point;
 #[expect(unsafe_code, reason = "a pointer to what never changes")]
 mod ffi_present;
+#[expect(unsafe_code, reason = "C calls in, with pointers")]
+mod ffi_query;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]
 mod ffi_rays;
 #[expect(unsafe_code, reason = "C calls in, with pointers")]

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From the numbers of a tree to the program's geometry, and the normal there. Embree's manual for what a normal is. Space: normals are in the space of the geometry, as Embree has them, and of no certain length.
+//! From the numbers of a tree to the program's geometry, and the normal there. Normals are defined by
+//! Embree's manual. Space: normals are in the space of the geometry, as Embree has them, and of no certain
+//! length.
 //! Tests: `tests/c/embree.c`.
 
 use gnurt_accel::Hit;
@@ -21,7 +23,7 @@ pub(crate) struct Located<'a> {
 }
 
 impl Committed {
-    /// What was hit; ids as the tree of this scene gives them.
+    /// The hit geometry; ids as the tree of this scene returns them.
     #[inline]
     pub(crate) fn locate(&self, geom_id: u32, inst_id: u32, leaf_id: u32) -> Located<'_> {
         let own = |shown_instance| {
@@ -81,8 +83,8 @@ impl Located<'_> {
             .fold(outer, |all, shown_instance| transform::after(&all, &shown_instance.world_from_instance))
     }
 
-    /// The normal where a ray has hit, in the geometry's space; zeros of user geometry, which gives its own, and of what is no longer
-    /// there.
+    /// The normal at a ray's hit, in the geometry's space; zeros for user geometry, which returns its own,
+    /// and for removed geometry.
     #[inline]
     pub(crate) fn normal(&self, hit: &Hit, org: [f32; 3], dir: [f32; 3]) -> [f32; 3] {
         let Some(Surface { kind, vertices, indices, .. }) = self.arrays else { return [0.0; 3] };

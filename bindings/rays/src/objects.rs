@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `RTCGeometry`, `RTCScene` and `RTCBuffer` point to. In one file, since scenes hold geometries and geometries show
-//! scenes. Source: Embree's manual. Invariant: queries read [`Committed`] alone, which never changes; edits wait in the
-//! mutexes for the next commit. Tests: `tests/c/embree.c`.
+//! The targets of `RTCGeometry`, `RTCScene` and `RTCBuffer`. In one file, since scenes hold geometries and
+//! geometries show scenes. Source: Embree's manual. Invariant: queries read [`Committed`] alone, which never
+//! changes; edits stay in the mutexes until the next commit. Tests: `tests/c/embree.c`.
 
 use std::collections::BTreeMap;
 use std::ffi::c_void;
@@ -17,7 +17,7 @@ use crate::ffi_memory::{Block, Pointer, View};
 use crate::free_ids::FreeIds;
 use crate::transform::{Columns, IDENTITY};
 
-/// What a geometry consists of.
+/// The kind and data of a geometry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Triangles,
@@ -29,7 +29,7 @@ pub(crate) enum Kind {
     Instances,
 }
 
-/// What `RTCBuffer` points to.
+/// The target of `RTCBuffer`.
 #[derive(Debug)]
 pub(crate) struct Buffer {
     pub(crate) device: Arc<Device>,
@@ -69,7 +69,7 @@ pub(crate) struct UserFunctions {
     pub(crate) occluded: UserFunction,
 }
 
-/// What calls edit.
+/// The state that calls edit.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
     /// By type and slot.
@@ -102,13 +102,13 @@ impl Settings {
     }
 }
 
-/// The next of the moments by which it is known what was edited after what; never 0.
+/// The next of the numbers that order edits; never 0.
 pub(crate) fn next_edit_number() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(1);
     NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
-/// What `RTCGeometry` points to.
+/// The target of `RTCGeometry`.
 #[derive(Debug)]
 pub(crate) struct Geometry {
     pub(crate) device: Arc<Device>,
@@ -151,7 +151,7 @@ impl Geometry {
     }
 }
 
-/// What `RTCScene` points to.
+/// The target of `RTCScene`.
 ///
 /// Locks are taken in this order: `building`, a geometry's settings, a draft. Only the first is held while functions of the program run.
 #[derive(Debug)]
@@ -170,10 +170,10 @@ pub(crate) struct Scene {
 /// A surface of a tree: its id, its kind, and how many primitives it has.
 pub(crate) type Listed = (u32, Kind, u32);
 
-/// A tree that follows its geometry, and what it is over.
+/// A tree that follows its geometry, and its geometries.
 pub(crate) type Moving = (MovingTree, Vec<Listed>);
 
-/// What calls edit, and what the last commit left.
+/// The state that calls edit, and the result of the last commit.
 #[derive(Debug)]
 struct Draft {
     geometries: BTreeMap<u32, Arc<Geometry>>,
@@ -182,7 +182,7 @@ struct Draft {
     /// The moment of the last edit of the list or of the settings.
     changed_at: u64,
     committed: Option<Arc<Committed>>,
-    /// Queries that were under way when the scene was committed anew, against all rules, still read it.
+    /// Queries that run during a new commit, against the rules, still read it.
     before: Option<Arc<Committed>>,
 }
 
@@ -194,7 +194,7 @@ pub(crate) struct SceneSettings {
     pub(crate) progress: Option<Callback<ProgressFunction>>,
 }
 
-/// What a commit builds from: the draft as it was at a moment.
+/// The input of a commit: the draft at one time.
 #[derive(Debug)]
 pub(crate) struct Plan {
     pub(crate) geometries: Vec<(u32, Arc<Geometry>)>,
@@ -294,10 +294,10 @@ impl Scene {
         self.building.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is to be built.
+    /// The next commit's input.
     pub(crate) fn plan(&self) -> Plan {
         let draft = self.draft();
-        // First: what is edited while the plan is made counts as edited after it.
+        // First: edits during this function count as later.
         let edit_number = next_edit_number();
         let last = draft.committed.as_ref().map_or(0, |committed| committed.edit_number);
         let geometries = draft.geometries.iter().map(|(&id, geometry)| (id, Arc::clone(geometry))).collect();
@@ -305,7 +305,7 @@ impl Scene {
         Plan { geometries, settings: draft.settings, edit_number, last, is_edited }
     }
 
-    /// What is asked from now on. What nobody needs any longer is given back, to be dropped where no lock is held.
+    /// Publishes a commit for queries. Returns unneeded data, to be dropped outside of locks.
     pub(crate) fn publish(&self, committed: Committed) -> Option<Arc<Committed>> {
         let committed = Arc::new(committed);
         let mut draft = self.draft();
@@ -316,7 +316,7 @@ impl Scene {
         std::mem::replace(&mut draft.before, before)
     }
 
-    /// What the last commit made, to be kept.
+    /// The result of the last commit, as a counted reference.
     pub(crate) fn committed(&self) -> Option<Arc<Committed>> {
         self.draft().committed.clone()
     }
@@ -333,7 +333,7 @@ impl Scene {
         self.current.load(Ordering::Acquire)
     }
 
-    /// Whether what was committed has the geometries of the draft.
+    /// Whether the commit has the geometries of the draft.
     pub(crate) fn has_all(&self) -> bool {
         !self.list_differs.load(Ordering::Acquire)
     }
@@ -350,10 +350,10 @@ pub(crate) struct Committed {
     pub(crate) tree: Tree,
     /// By the numbers that the tree has for them.
     pub(crate) surfaces: Vec<Surface>,
-    /// Likewise; the first one is where the scene's own surfaces are.
+    /// The shown instances; the first one is that of the scene's own surfaces.
     pub(crate) shown_instances: Vec<ShownInstance>,
     pub(crate) query: Query,
-    /// Whether nobody is to be asked about hits.
+    /// Whether no callback judges hits.
     pub(crate) is_plain: bool,
     /// As the memory monitor was told.
     pub(crate) bytes: i64,
@@ -374,7 +374,7 @@ impl Committed {
 
 impl Drop for Committed {
     fn drop(&mut self) {
-        // What the program's function answers, or throws, changes nothing here.
+        // The return value and exceptions of the program's function are ignored here.
         let _ = self.device.report_memory(-self.bytes);
     }
 }

@@ -14,7 +14,7 @@ const MOST: usize = 1024;
 /// Pools that are kept. Each is some sleeping threads.
 const KEPT: usize = 4;
 
-/// What a process has. Children of a fork find their parents' in front of theirs, and leave them alone.
+/// The pools of a process. A child of a fork finds its ancestors' in the list before its own, and never uses them.
 struct Process {
     id: u32,
     /// With their numbers of threads, the one that was used last in front.
@@ -40,7 +40,7 @@ impl Process {
     }
 }
 
-/// Who works: the calling thread, or a pool.
+/// The threads: the calling thread, or a pool.
 pub(crate) struct Workers(Option<Arc<ThreadPool>>);
 
 impl Workers {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The scene of `gnurt/rays.h`: what was added, and trees over it. See include/gnurt/rays.h.
-//! Invariant: ids are places in the list of parts, and stay. What was committed needs no array of the program: parts keep copies, from
-//! which later commits build. Tests: `tests/c/rays.c`, `tests/c/edits.c`.
+//! The scene of `gnurt/rays.h`: its parts, and trees over them. See include/gnurt/rays.h.
+//! Invariant: ids are indices of the list of parts, and stay. A committed scene needs no array of the
+//! program: parts keep copies, from which later commits build. Tests: `tests/c/rays.c`, `tests/c/edits.c`.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,7 +14,7 @@ use gnurt_accel::{
 use crate::ffi_columns::{Column, Rows};
 use crate::transform::{Columns, IDENTITY};
 
-/// What was added.
+/// The kind and data of a part.
 #[derive(Clone, Debug)]
 pub(crate) enum What {
     Triangles { positions: Column<[f32; 3]>, indices: Column<[u32; 3]> },
@@ -108,7 +108,8 @@ pub(crate) struct Built {
     pub(crate) object: Arc<ObjectTree>,
     /// Ids of parts by the tree's numbers of geometries.
     geometries: Vec<u32>,
-    /// Ids of parts by the tree's numbers of instances, and what they show; the first are the scene's own surfaces.
+    /// Ids of parts by the tree's numbers of instances, and their contents; the first are the scene's own
+    /// surfaces.
     instances: Vec<(u32, Option<Arc<Built>>)>,
     /// Of all user geometry that rays may meet.
     thrown: Vec<Arc<AtomicU64>>,
@@ -133,7 +134,7 @@ impl Built {
         (scene.geometries[geom_id as usize], *id)
     }
 
-    /// The ids of the instances on the way to what was hit, outermost first, each in the scene that has it.
+    /// The ids of the instances along the path to the hit, outermost first, each in its own scene.
     pub(crate) fn path(&self, leaf_id: u32) -> Vec<u32> {
         let Tree::Scene(tree) = &self.tree else { return Vec::new() };
         let (mut scene, mut path) = (self, Vec::new());
@@ -147,7 +148,7 @@ impl Built {
     }
 }
 
-/// What `gnurt_scene` points to.
+/// The target of `gnurt_scene`.
 #[derive(Debug, Default)]
 pub(crate) struct RayScene {
     parts: Vec<Option<Part>>,
@@ -158,7 +159,7 @@ pub(crate) struct RayScene {
     pub(crate) built: Option<Arc<Built>>,
     /// Whether the scene's own surfaces, or how trees are built, were edited since.
     is_edited: bool,
-    /// And what it was over: ids, and how many primitives they have.
+    /// And its geometry: ids, and their numbers of primitives.
     moving: Option<(MovingTree, Vec<(u32, usize)>)>,
 }
 
@@ -172,7 +173,7 @@ impl RayScene {
     /// A part that is there, to be edited.
     pub(crate) fn part(&mut self, id: u32) -> Result<&mut Part, String> {
         let part = self.parts.get_mut(id as usize).and_then(Option::as_mut);
-        let part = part.ok_or_else(|| format!("id: there is no geometry or instance {id}"))?;
+        let part = part.ok_or_else(|| format!("id: geometry or instance {id} does not exist"))?;
         self.is_edited |= !matches!(part.what, What::Instance { .. });
         Ok(part)
     }

@@ -81,7 +81,7 @@ pub(crate) fn point(map: &Columns, p: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| moved[k] + map[3][k])
 }
 
-/// The map back; of one that is flat, what comes out is not finite.
+/// The inverse map; for a flat one the result is not finite.
 pub(crate) fn inverse(map: &Columns) -> Columns {
     let [a, b, c, at] = *map;
     let cross = |p: [f64; 3], q: [f64; 3]| {
@@ -100,7 +100,7 @@ pub(crate) fn inverse(map: &Columns) -> Columns {
     back
 }
 
-/// By what a map multiplies all lengths, or `None` where that depends on the direction.
+/// The factor by which a map scales all lengths, or `None` if it depends on the direction.
 pub(crate) fn similarity(map: &Columns) -> Option<f64> {
     let [axes @ .., _] = map;
     let dot = |p: &[f64; 3], q: &[f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];

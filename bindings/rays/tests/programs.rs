@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! C and C++ programs, built by the system's compilers against the library that cargo has just built, and run; each checks itself
-//! and ends with status 0. And what the library exports.
+//! and ends with status 0. Also the exported symbols of the library.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -65,7 +65,8 @@ impl Workshop {
     }
 
     fn run(&self, binary: &Path, arguments: &[&str]) -> String {
-        // `valgrind -q --error-exitcode=9`, say: the library reads memory of programs, and frees what they ask.
+        // For example `valgrind -q --error-exitcode=9`: the library reads memory of programs, and frees
+        // objects at their request.
         let under = std::env::var("GNURT_RUN_UNDER").unwrap_or_default();
         let mut wrapper = under.split_whitespace().map(PathBuf::from).chain([binary.to_owned()]);
         let mut command = Command::new(wrapper.next().expect("the program, if nothing else"));
@@ -81,7 +82,7 @@ fn calls_of_embree() {
     let workshop = Workshop::new();
     let binary = workshop.build("cc", "c11", "tests/c/embree.c");
     workshop.run(&binary, &[]);
-    // What the program expects is what Embree does.
+    // The program's expectations are Embree's results.
     match std::env::var_os("EMBREE4_LIB") {
         Some(embree) => {
             let output = Command::new(&binary)
@@ -142,7 +143,7 @@ fn exceptions() {
     workshop.run(&workshop.build("c++", "c++17", "tests/c/throws.cpp"), &[]);
 }
 
-/// Examples run, and show what they promise.
+/// Examples run, and print their expected output.
 #[test]
 fn examples() {
     let workshop = Workshop::new();
@@ -158,7 +159,7 @@ fn examples() {
     assert!(walls.contains("  0 degrees: 0.750\n") && walls.contains("180 degrees: 1.250\n"), "{walls}");
 }
 
-/// Functions that a header declares: what stands before a parenthesis and begins with `prefix`.
+/// Functions that a header declares: names before a parenthesis that begin with `prefix`.
 fn declared(header: &str, prefix: &str) -> BTreeSet<String> {
     let text = std::fs::read_to_string(source(header)).unwrap_or_else(|error| panic!("{header}: {error}"));
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';

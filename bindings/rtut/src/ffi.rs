@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The exported functions, and the functions of libOpenRT that they call.
-//! Nothing here can panic: arguments out of range give nothing. What unwinds through here are exceptions
-//! of the program's rtDebugCallback. Tests: tests/c/shapes.c.
+//! Nothing here can panic: arguments out of range give nothing. Only exceptions of the program's
+//! rtDebugCallback unwind through here. Tests: tests/c/shapes.c.
 
 use crate::sink::{Mode, Sink, Vertex};
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The exported functions of the window, and the program's functions that it calls.
-//! Source: names after GLUT. No panic leaves: what one stops has no effect. No lock is held while anything of the
-//! program's runs, or of libOpenRT's, which calls the program's rtDebugCallback; both may call back, and exceptions of C++
-//! pass to the program's own handler. Tests: tests/window.rs.
+//! Source: names after GLUT. No panic leaves: a stopped call has no effect. No lock is held while functions
+//! of the program or of libOpenRT run, which calls the program's rtDebugCallback; both may call back, and
+//! exceptions of C++ pass to the program's own handler. Tests: tests/window.rs.
 
 use std::cell::Cell;
 use std::ffi::{CStr, CString, c_char, c_int, c_uchar};
@@ -71,7 +71,7 @@ struct Callbacks {
 struct Shared {
     callbacks: Callbacks,
     stage: Stage,
-    /// What went wrong last.
+    /// The last error.
     error: CString,
     begin: Instant,
     /// As of the last main loop, or of the first question before it: reading the environment at any time would race with a program
@@ -93,7 +93,7 @@ fn shared() -> MutexGuard<'static, Shared> {
     SHARED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Runs `f` on what is shared; a panic ends it with the default answer.
+/// Runs `f` on the shared state; a panic ends it with the default result.
 fn with<T: Default>(f: impl FnOnce(&mut Shared) -> T) -> T {
     guard(|| f(&mut shared())).unwrap_or_default()
 }
@@ -102,7 +102,7 @@ fn with<T: Default>(f: impl FnOnce(&mut Shared) -> T) -> T {
 static FRAMES: Mutex<()> = Mutex::new(());
 
 thread_local! {
-    /// Whether this thread does: what it calls may call back.
+    /// Whether this thread does: called functions may call back.
     static DEALS: Cell<bool> = const { Cell::new(false) };
 }
 
@@ -140,7 +140,7 @@ impl Program for Client {
     fn display(&self) {
         let callback = shared().callbacks.display;
         if let Some(call) = callback {
-            // SAFETY: what the program gave is a function of this type, as the header asks for.
+            // SAFETY: the program passed a function of this type, as the header requires.
             unsafe { call() }
         }
     }
@@ -250,7 +250,7 @@ extern "C-unwind" fn rtutLeaveMainLoop() {
 
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutErrorString() -> *const c_char {
-    // What it points to stays until the next main loop ends.
+    // The text stays until the next main loop ends.
     guard(|| shared().error.as_ptr()).unwrap_or(c"".as_ptr())
 }
 

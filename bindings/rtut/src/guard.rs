@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Panics of our own end here: none crosses to C.
-//! What runs inside must call nothing of the program: an exception of C++ on its way to the program's own handler cannot
-//! be let through by what stops panics, and would end the process. Tests: tests/window.rs.
+//! Calls of the program must not run inside: a catcher of panics cannot pass a C++ exception on to the
+//! program's own handler, and would end the process. Tests: tests/window.rs.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 

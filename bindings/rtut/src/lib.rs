@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! librtut: shapes and a window for programs that use OpenRT.
 //!
-//! The shapes are written against [`sink::Sink`], the window against a program and a renderer; `ffi*.rs` hold the exported functions and what calls the
-//! `rt*` functions of the process's libOpenRT, which the dynamic linker finds: librtut is not linked with it.
+//! The shapes are written against [`sink::Sink`], the window against a program and a renderer. `ffi*.rs` hold
+//! the exported functions and the calls of the `rt*` functions of the process's libOpenRT, which the dynamic
+//! linker finds: librtut is not linked with it.
 #![deny(unsafe_code)]
 
 pub mod cube;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The logo without letters: a triangle, what is traced, as a ring around a ball, what pictures of it show.
+//! The logo without letters: a triangle, the traced primitive, as a ring around a ball, as in pictures of it.
 //! Space: within radius 1 of the origin, seen along -z. Tests: `tests::is_closed`.
 
 use std::f64::consts::FRAC_PI_2;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! C and C++ programs with librtut, built and run; what it exports.
+//! C and C++ programs with librtut, built and run; its exported symbols.
 
 #[path = "../../openrt/tests/common/mod.rs"]
 mod common;

@@ -75,7 +75,7 @@ fn headless(program: &Path) -> std::process::Output {
     command.env("ASAN_OPTIONS", "detect_leaks=0").output().expect("timeout of coreutils must be there")
 }
 
-/// Sizes change while frames can neither start nor end, and who is told of that calls back.
+/// Sizes change while frames can neither start nor end, and the callback for that calls back.
 #[test]
 fn failed_frames_harm_nobody() {
     let workshop = Workshop::with(LIBRARIES);
@@ -127,7 +127,7 @@ fn display() -> Option<(Stopped, String)> {
     Some((server, format!(":{}", number.trim())))
 }
 
-/// A window that rests hears of what other threads ask for.
+/// Requests on other threads wake a window at rest.
 #[test]
 fn other_threads_wake_it() {
     let Some((_server, display)) = display() else { return };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A wide BVH with leaf blocks of eight of some kind: what spheres, user geometry and instances have in common.
+//! A wide BVH with leaf blocks of eight primitives: the common part of spheres, user geometry and instances.
 //! Space: that of the primitives. Tests: `tests/mixed.rs` of `gnurt-accel`, `boxes::tests`.
 
 use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
@@ -38,12 +38,12 @@ impl<B> Blocked<B> {
         Ok(Self { blocks, greatest: tree.greatest(), tree, stats })
     }
 
-    /// Of what was saved; to be measured once it has been checked.
+    /// From saved parts; the tree is measured after it was checked.
     pub(crate) fn of_parts(tree: Tree, blocks: Vec<B>) -> Self {
         Self { greatest: tree.greatest(), tree, blocks, stats: TreeStats::default() }
     }
 
-    /// Measures a sound tree, whose blocks hold so many references.
+    /// Measures a valid tree, whose blocks hold this number of references.
     pub(crate) fn measure_again(&mut self, references: u64) {
         self.stats = TreeStats { references, ..self.tree.measure() };
     }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Boxes under a wide BVH, entered by the caller: the top tree over the instances of a scene.
-//! Source: [WBS03a] for the two levels. A kd-tree would list large instances again and again, and an object costs far
-//! more than a triangle to test twice. A leaf block is eight boxes again, with their places as children, so that a ray
-//! meets eight of them in one test.
-//! Boxes that lie near each other are in one [`Treelet`], and an upper one is over those, so that who changes a box makes one
-//! treelet and the upper one anew and shares all others with the tree before. A few boxes are one treelet, and no more.
-//! Boxes that move while the shutter is open are around all of their way; rays, which know their moment, meet them where they are
-//! (`treelet/keys.rs`).
-//! Space: that of the boxes, which are relative to an origin. Invariant: a box is in one treelet, and `owners` tells in which.
+//! Boxes under a wide BVH, supplied by the caller: the top tree over the instances of a scene.
+//! Source: [WBS03a] for the two levels. A kd-tree would list large instances many times, and an object costs
+//! far more than a triangle to test twice. A leaf block is eight boxes again, with their indices as children,
+//! so that a ray tests eight of them at once. Adjacent boxes form one [`Treelet`], and an upper treelet is
+//! over those, so that an edit of a box rebuilds one treelet and the upper one, and shares all others with
+//! the previous tree. A few boxes form one treelet only. Boxes that move during an open shutter enclose their
+//! whole path; rays, which have a time, test their position at that time (`treelet/keys.rs`).
+//! Space: that of the boxes, which are relative to an origin. Invariant: a box is in one treelet, and
+//! `owners` maps it to that.
 //! Tests: `build::tests`, `update::tests`, `tests/instances.rs` and `tests/moving_instances.rs` of `gnurt-accel`.
 
 mod build;
@@ -21,17 +21,17 @@ use crate::treelet::{NodesAtKeys, Treelet};
 
 pub use update::BoxEdit;
 
-/// Tree over boxes by their places in a list. A clone shares all of it.
+/// Tree over boxes by their indices in a list. A clone shares all of it.
 #[derive(Clone, Debug)]
 pub struct BoxIndex {
     treelets: Vec<Treelet>,
     /// Over the boxes of treelets, its members their numbers; empty where there is one treelet, or none.
     upper: Treelet,
-    /// By place: the number of the treelet and 1; 0 without a box.
+    /// By index: the number of the treelet plus 1; 0 without a box.
     owners: SharedList<u32>,
     /// Boxes are relative to it.
     origin: [f32; 3],
-    /// Around everything, at every moment.
+    /// Around everything, at all times.
     bounds: Aabb,
     /// The greatest coordinate of any plane.
     greatest: f32,
@@ -44,7 +44,7 @@ pub struct BoxIndex {
 }
 
 impl BoxIndex {
-    /// What boxes are relative to.
+    /// The origin of the boxes' coordinates.
     #[must_use]
     pub fn origin(&self) -> [f32; 3] {
         self.origin
@@ -62,7 +62,7 @@ impl BoxIndex {
         self.count
     }
 
-    /// The place of the only box, where there is one only.
+    /// The index of the only box, if there is just one.
     #[must_use]
     pub fn only(&self) -> Option<usize> {
         let mut members = self.treelets.iter().flat_map(Treelet::members);
@@ -96,7 +96,7 @@ impl BoxIndex {
         }
     }
 
-    /// Looks how large it is.
+    /// Computes its size.
     fn measure(&mut self) {
         let root = self.root();
         let (bounds, at_keys) = (root.bounds(), root.at_keys().map(NodesAtKeys::bounds));
@@ -105,8 +105,8 @@ impl BoxIndex {
         self.bounds = bounds;
     }
 
-    /// What a ray that meets the whole is expected to visit, beside the first node: by the surface area heuristic, a visit of
-    /// a node or a block costing 1.
+    /// The expected visits of a ray that hits the whole, beside the first node: by the surface area
+    /// heuristic, a visit of a node or a block costing 1.
     fn cost(&self) -> f64 {
         let areas = self.upper.areas() + self.treelets.iter().map(Treelet::areas).sum::<f64>();
         let whole = self.bounds.half_area();

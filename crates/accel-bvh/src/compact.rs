@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The node of the wide BVH in less memory: boxes in steps of a grid of the node's own.
-//! Source: eight bits to a plane as in \[YKL17\]; layout and rounding original. Space: that of what the tree is built over.
+//! Source: eight bits to a plane as in \[YKL17\]; layout and rounding original. Space: that of the
+//! primitives.
 //!
 //! ```text
 //!  byte 0              12               28               44               60                             64
 //!       | origin x y z | x lo 8, x hi 8 | y lo 8, y hi 8 | z lo 8, z hi 8 | exponents of the steps, 0    |
 //! ```
 //!
-//! One cache line. What is in the boxes lies elsewhere, since trees in several poses have that in common. A plane is `origin + count * step`: a count of 0 to 255 and a power of two, so that the product is exact.
-//! A ray meets it at `count * (step * inv) + (origin * inv - shift)`. That is one more rounding of the plane, which the
-//! builder allows for, and up to three of `origin * inv - shift`, which the slack of `slab.rs` allows for.
-//! Invariant: a box holds the one that it was made from, also when its planes are rounded to floats: the builder goes on to
-//! the next step until it is so. Steps are at most 2/255 of the node's extent, or the least that there are: see
-//! [`CompactNode::widened`]. Children that do not exist have the upper planes below the lower ones; a ray that meets them
-//! nevertheless, from very far away, finds a leaf without blocks.
+//! One cache line. The boxes' contents are stored elsewhere, because trees in several poses share them. A
+//! plane is `origin + count * step`: a count of 0 to 255 and a power of two, so that the product is exact. A
+//! ray hits it at `count * (step * inv) + (origin * inv - shift)`. That is one more rounding of the plane,
+//! which the builder allows for, and up to three of `origin * inv - shift`, which the slack of `slab.rs`
+//! allows for.
+//! Invariant: a box encloses its original, also after its planes are rounded to floats: the builder advances
+//! to the next step until that holds. Steps are at most 2/255 of the node's extent, or the smallest possible:
+//! see [`CompactNode::widened`]. Absent children have the upper planes below the lower ones; a ray that hits
+//! them nevertheless, from very far away, finds a leaf without blocks.
 //! Tests: `tests`, `tests/brute_force.rs`, `tests/watertight.rs`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
@@ -21,7 +24,7 @@ use gnurt_simd::{Simd, f32x8, prelude::*};
 use crate::node::{Boxes, Child, Node8, WIDTH};
 use gnurt_accel_core::Aabb;
 
-/// Eight boxes and what is in them.
+/// Eight boxes and their contents.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct CompactNode {
@@ -33,10 +36,10 @@ pub(crate) struct CompactNode {
     pub(crate) exponents: [u8; 4],
 }
 
-/// What hangs below a node: bits of its eight children.
+/// The children of a node: the bits of eight.
 pub(crate) type Children = [f32; WIDTH];
 
-/// Compact nodes, and what is in their boxes.
+/// Compact nodes, and the contents of their boxes.
 #[derive(Clone, Copy)]
 pub(crate) struct CompactNodes<'a> {
     pub(crate) boxes: &'a [CompactNode],
@@ -47,7 +50,8 @@ impl CompactNode {
     pub(crate) const EMPTY: Self =
         Self { origin: [0.0; 3], counts: [[[u8::MAX; WIDTH], [0; WIDTH]]; 3], exponents: [1, 1, 1, 0] };
 
-    /// No plane of a compact tree lies farther out, where `greatest` is the greatest coordinate of what it is built over.
+    /// No plane of a compact tree lies farther out, where `greatest` is the greatest coordinate of the
+    /// primitives.
     pub(crate) fn widened(greatest: f32) -> f32 {
         (1.0 + 1.0 / 16.0) * greatest + f32::MIN_POSITIVE
     }
@@ -156,7 +160,7 @@ mod tests {
     use gnurt_simd::{Level, dispatch};
     use gnurt_testkit::Random;
 
-    /// Boxes of very different sizes at very different places, some of them points, in some of the places.
+    /// Boxes of very different sizes and positions, some of them points, in some of the slots.
     fn nodes() -> Vec<Node8> {
         let mut random = Random::new(3);
         let node = |i: usize| {
@@ -194,7 +198,8 @@ mod tests {
                     "{rounded:?} lies beyond all of {all:?}"
                 );
                 for k in 0..3 {
-                    // A step, and what coordinates are rounded by; the least step of all where there is no size.
+                    // A step, plus the rounding error of coordinates; the smallest step of all for an extent
+                    // of zero.
                     let reach = f64::from(all.greatest());
                     let most = size[k] / 127.0 + 1e-6 * reach + f64::from(f32::MIN_POSITIVE) * 2.0;
                     let off = [exact.min[k] - rounded.min[k], rounded.max[k] - exact.max[k]].map(f64::from);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What leaf blocks hold, by block and place. Tests: `tests/surfaces/normals.rs`.
+//! The contents of leaf blocks, by block and slot. Tests: `tests/surfaces/normals.rs`.
 
 use crate::index::BvhIndex;
 use crate::node::WIDTH;

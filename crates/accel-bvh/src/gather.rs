@@ -18,8 +18,8 @@ pub(crate) struct Eight<S: Simd>(pub(crate) [[f32x4<S>; WIDTH]; 3]);
 pub(crate) type Rows<S> = [[f32x8<S>; 3]; 3];
 
 impl<S: Simd> Eight<S> {
-    /// Those of these numbers. `mesh` is where the last ones were found; indices of `ahead` are asked for.
-    /// Indices may lead nowhere: a corner there is no number.
+    /// Those of these numbers. `mesh` is the mesh of the last ones; indices of `ahead` are prefetched.
+    /// Indices may be out of range: such a corner is NaN.
     #[inline(always)]
     pub(crate) fn gather<'a>(
         simd: S,
@@ -112,14 +112,14 @@ fn last_vertex(positions: &[f32], at: usize) -> [f32; 4] {
     }
 }
 
-/// Whether all triangles, in this box, can surely be traced: they span an area by far more than floats are rounded by. Where
-/// one does not one has to look closely.
+/// Whether all triangles, in this box, can surely be traced: they span an area by far more than floats are rounded by.
+/// Otherwise exact tests are needed.
 #[inline(always)]
 pub(crate) fn are_certain<S: Simd>(simd: S, [a, b, c]: &Rows<S>, bounds: &Aabb) -> bool {
     let (least, share) = (f32x8::splat(simd, 1e-30), f32x8::splat(simd, 1.0 / (1 << 20) as f32));
     let u = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
     let v = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
-    // What is no number in one coordinate spoils this.
+    // A NaN in one coordinate spoils this.
     let all = u[0] + u[1] + u[2] + v[0] + v[1] + v[2];
     let products = [[u[0] * v[1], u[1] * v[0]], [u[1] * v[2], u[2] * v[1]], [u[2] * v[0], u[0] * v[2]]];
     let mut spans = mask32x8::splat(simd, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays of a tile that have nothing in common: one after the other, or, where memory is what they wait for, by turns.
+//! Incoherent rays of a tile: traced singly, or interleaved if they wait for memory.
 //! Source: decision 0016. Tests: `tests/brute_force.rs` of `gnurt-accel`, `interleaved::tests`.
 
 use gnurt_accel_core::beam::has_wide_lanes;
@@ -13,7 +13,7 @@ use crate::interleaved::Interleaved;
 use crate::node::Child;
 use crate::single_rays::PreparedTile;
 
-/// Improves the hits of a tile's active rays, which go these ways and need not have anything in common.
+/// Improves the hits of a tile's active rays, which have these direction classes and may be incoherent.
 #[inline(always)]
 pub(crate) fn walk_incoherent<S: Simd>(
     simd: S,

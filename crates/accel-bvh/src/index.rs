@@ -26,9 +26,9 @@ pub struct BvhIndex {
     pub(crate) stats: TreeStats,
     /// Once it has been refitted.
     pub(crate) moving: Option<Box<Moving>>,
-    /// What it shares with its poses, once there is one.
+    /// The part that it shares with its poses, after the first one was made.
     pub(crate) structure: OnceLock<Arc<Structure>>,
-    /// Of a pose: what a ray is expected to do below the root.
+    /// Of a pose: the expected cost of a ray below the root.
     pub(crate) cost: f32,
 }
 
@@ -93,7 +93,7 @@ impl BvhIndex {
     #[must_use]
     pub fn stats(&self) -> TreeStats {
         let moving = self.moving.as_deref().map_or(0, Moving::memory_bytes);
-        // What poses share is nobody's own.
+        // The part that poses share belongs to none of them.
         let shared = if self.is_posed() { size_of_val(&self.tree.children[..]) } else { 0 };
         TreeStats {
             tree_bytes: (self.tree.node_bytes() + moving - shared) as u64,
@@ -103,16 +103,16 @@ impl BvhIndex {
     }
 }
 
-/// Where rays are expected to miss the cache more often than this, they take turns: the least that pays of six scenes has
-/// 8.9, the most that does not 7.6.
+/// Rays with more expected cache misses than this are interleaved: the least of six scenes for which it pays
+/// has 8.9, the most for which it does not 7.6.
 const WORTH_INTERLEAVING: f32 = 8.0;
 
 /// The part of a tree that a core's own cache holds, in bytes.
 const CACHED: f32 = 2e6;
 
 impl BvhIndex {
-    /// Whether a ray that does not follow in another one's steps misses the cache often: by what it is expected to visit,
-    /// and the part of the tree that is somewhere else. Compact trees know no turns.
+    /// Whether an incoherent ray misses the cache often: from its expected visits, and the part of the tree
+    /// outside of the cache. Compact trees are never interleaved.
     pub(crate) fn waits_for_memory(&self) -> bool {
         let bytes = size_of_val(&self.tree.nodes[..]) + size_of_val(&self.leaves.blocks[..]);
         let elsewhere = 1.0 - CACHED / (bytes as f32).max(CACHED);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays that have nothing in common, many of them on their way at the same time.
-//! Group prefetching of \[CAGM04\], applied to rays.
+//! Incoherent rays, many of them in flight at the same time. Group prefetching of \[CAGM04\], applied to
+//! rays.
 //!
-//! A ray by itself waits for memory: where it goes next depends on what it has just read. Here [`AT_ONCE`] rays take turns.
-//! In each round those at nodes are tested first, one after the other without a branch between them; then each chooses its
-//! next child, whose memory is asked for at once; then those at leaves test their triangles. Where a ray is done, the next
-//! one of the tile takes its place.
-//! Invariant: each ray visits what it would visit by itself, in that order. Tests: `tests`.
+//! A single ray waits for memory: its next node depends on the data that it has just read. Here [`AT_ONCE`]
+//! rays are interleaved. In each round those at nodes are tested first, in succession without a branch
+//! between them; then each chooses its next child, whose memory is prefetched; then those at leaves test
+//! their triangles. A finished ray is replaced by the next one of the tile.
+//! Invariant: each ray visits the nodes that it would visit singly, in that order. Tests: `tests`.
 
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::collect::{BestOf, Collect};
@@ -22,14 +22,14 @@ use crate::node_ray::NodeRay;
 use crate::single_rays::SingleRays;
 use crate::walk::{entry, last_first, nearest_first, next};
 
-/// Rays on their way at the same time, a power of two.
+/// Rays in flight, a power of two.
 const AT_ONCE: usize = 16;
 
-/// What one of them may have waiting. The deepest trees need eight times as much, but sixteen such stacks would fill half of a
-/// small thread's: a ray that may need more goes on alone.
+/// The largest stack of one of them. The deepest trees need eight times as much, but sixteen such stacks
+/// would fill half of a small thread's: a ray that may need more goes on singly.
 const MOST_WAIT: usize = if cfg!(test) { 12 } else { 64 };
 
-/// A place on a way: which of the rays under way it is, and what it visits next.
+/// A pending visit: the ray, and its next child.
 #[derive(Clone, Copy)]
 struct Stop {
     who: u32,
@@ -57,7 +57,7 @@ impl Stops {
     }
 }
 
-/// A tile's rays on their way through one object's tree.
+/// A tile's rays during the traversal of one object's tree.
 pub(super) struct Interleaved<'a, S: Simd> {
     pub(super) simd: S,
     pub(super) index: &'a BvhIndex,
@@ -65,11 +65,11 @@ pub(super) struct Interleaved<'a, S: Simd> {
     pub(super) direction_classes: &'a DirectionClasses,
 }
 
-/// What is known of the rays under way.
+/// The state of the rays in flight.
 struct InFlight {
     /// Rays of the tile that have not started.
     left: u64,
-    /// Each one's place in the tile.
+    /// The index of each in the tile.
     ray: [u32; AT_ONCE],
     rows: [[usize; 3]; AT_ONCE],
     waiting: [StackBuffer<u64, MOST_WAIT>; AT_ONCE],
@@ -156,7 +156,7 @@ impl<S: Simd> Interleaved<'_, S> {
         }
     }
 
-    /// To what waits and still counts; where there is nothing, another ray starts.
+    /// Advances to the next entry of the stack that still counts; if there is none, another ray starts.
     #[inline(always)]
     fn go_on(&self, in_flight: &mut InFlight, who: u32, traversal: &mut TileTraversal) {
         let at = who as usize % AT_ONCE;
@@ -185,7 +185,7 @@ impl<S: Simd> Interleaved<'_, S> {
         self.note(in_flight, Stop { who, child: Child::node(0) });
     }
 
-    /// Where to next: a stop of the next round, or the rest of the way alone.
+    /// The next step: a stop of the next round, or the rest of the traversal as a single ray.
     #[inline(always)]
     fn visit(&self, in_flight: &mut InFlight, stop: Stop, traversal: &mut TileTraversal) {
         // A node may leave seven children waiting.
@@ -198,7 +198,7 @@ impl<S: Simd> Interleaved<'_, S> {
         }
     }
 
-    /// Notes what is to be visited in the next round, and asks for its memory.
+    /// Notes the visit of the next round, and prefetches its memory.
     #[inline(always)]
     fn note(&self, in_flight: &mut InFlight, stop: Stop) {
         prefetch_child(&self.index.tree, &self.index.leaves, stop.child);

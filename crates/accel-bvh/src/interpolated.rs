@@ -19,7 +19,7 @@ pub(crate) fn hide_nothing(nodes: &mut [Node8]) {
     put_nothing(nodes, &NOWHERE);
 }
 
-/// Gives them the box back that nothing has in a tree that stands still.
+/// Restores the box of absent children of a static tree.
 pub(crate) fn empty_nothing(nodes: &mut [Node8]) {
     put_nothing(nodes, &Aabb::EMPTY);
 }
@@ -65,8 +65,8 @@ impl Boxes for Pair<'_> {
 
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, _: usize, at: usize, inv: f32x8<S>, shift: f32x8<S>) -> f32x8<S> {
-        // The weights go into the slopes, which do not change on the ray's way: what is rounded otherwise than in a mixed box is
-        // within the slack that slabs have for compact nodes.
+        // The weights go into the slopes, which are constant for the ray: the different rounding from that of
+        // an interpolated box is within the slack of slabs for compact nodes.
         let at = at & (WIDTH * (WIDTH - 1));
         let [a, b] = self.weights;
         let from = f32x8::from_slice(simd, &self.from.rows.as_flattened()[at..at + WIDTH]);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is compiled for each level: one table of functions over wide BVHs. This is the only place where they are made, and
-//! [`Kernels`] the only door to them.
-//! See decision 0018 says why tables.
+//! Code compiled for each level: one table of functions over wide BVHs. Tables are made only here, and
+//! reached only through [`Kernels`]. Decision 0018 gives the reasons for tables.
 //! Invariant: a table's functions are called with its own token, which proves that the CPU has the level.
-//! Tests: `tests/brute_force.rs` of `gnurt-accel`, which asks at every level.
+//! Tests: `tests/brute_force.rs` of `gnurt-accel`, which runs at every level.
 //!
-//! Walks of single rays are compiled for the closest hit, for any hit and once for all that a callback judges; the others,
-//! where a ray spends its time elsewhere, once.
+//! Traversals of single rays are compiled for the closest hit, for any hit and once for all hits that a
+//! callback judges; the others, where a ray spends its time elsewhere, once.
 
 use std::marker::PhantomData;
 
@@ -26,7 +25,7 @@ use crate::spheres::SphereIndex;
 use crate::tiles::walk_tile;
 use crate::user::UserIndex;
 
-/// The kernels of one level. Rays are sound and regular, trees not empty.
+/// The kernels of one level. Rays are valid and regular, trees not empty.
 #[derive(Clone, Copy)]
 pub struct Kernels {
     token: Token,
@@ -130,7 +129,7 @@ fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, traversal: &mut RayT
     simd.vectorize(
         #[inline(always)]
         || {
-            // The trip as a whole: its fields would be copied, in other sizes than they were written in.
+            // The state as a whole: its fields would be copied, in other sizes than they were written in.
             let traversal = &mut *traversal;
             let mut best = Best::<M>::new(traversal.nearest);
             index.search(simd, traversal.ray, traversal.slot, &mut best, traversal.counters);
@@ -138,7 +137,7 @@ fn search<S: Simd, M: Mode>(token: Token, index: &BvhIndex, traversal: &mut RayT
     );
 }
 
-/// A compact tree, whatever is looked for. Cold, so that the kernels above keep their registers.
+/// A compact tree, for all kinds of queries. Cold, so that the kernels above keep their registers.
 #[cold]
 #[inline(never)]
 fn search_compact<S: Simd>(simd: S, index: &BvhIndex, traversal: &mut RayTraversal) {
@@ -253,7 +252,7 @@ impl Kernels {
         kernel(self.token, index, traversal);
     }
 
-    /// One ray through triangles that move, at its moment.
+    /// One ray through moving triangles, at its time.
     #[inline]
     pub fn moving(&self, index: &MotionIndex, traversal: &mut RayTraversal) {
         let [closest, any, each] = self.table.moving;
@@ -265,8 +264,9 @@ impl Kernels {
         kernel(self.token, index, traversal);
     }
 
-    /// A tile's first rays, all of them active and of one heading, through triangles. Lanes beyond them up to the next
-    /// multiple of 16 hold copies of rays that look for nothing (`t` is -inf). Whether there is a kernel for it.
+    /// A tile's first rays, all of them active and of one direction class, through triangles. Lanes beyond
+    /// them up to the next multiple of 16 hold copies of rays without an extent (`t` is -inf). Whether there
+    /// is a kernel for it.
     #[inline]
     pub fn tile(
         &self,
@@ -277,7 +277,8 @@ impl Kernels {
         self.table.tile.inspect(|kernel| kernel(self.token, index, direction_class, traversal)).is_some()
     }
 
-    /// A tile's active rays, which go these ways and have nothing in common, through triangles. Whether there is a kernel.
+    /// A tile's active rays, of these direction classes and incoherent, through triangles. Whether there is a
+    /// kernel.
     #[inline]
     pub fn incoherent(
         &self,
@@ -322,8 +323,8 @@ impl Kernels {
         (self.table.user_point)(self.token, index, probe, slot, nearest);
     }
 
-    /// Calls `enter` with the places of boxes that `ray`, which is relative to their origin, meets before `reach`; it
-    /// answers with the new reach. Returns the number of nodes visited.
+    /// Calls `enter` with the indices of boxes that `ray`, which is relative to their origin, hits before
+    /// `reach`; it returns the new reach. Returns the number of nodes visited.
     #[inline]
     pub fn boxes(&self, index: &BoxIndex, ray: &Ray, reach: f32, enter: &mut dyn FnMut(usize) -> f32) -> u32 {
         (self.table.boxes)(self.token, index, ray, reach, enter)
@@ -343,8 +344,8 @@ impl Kernels {
             .is_some()
     }
 
-    /// Calls `enter` with the places of boxes within `radius` of `point`, which is relative to their origin; it answers with
-    /// the new radius.
+    /// Calls `enter` with the indices of boxes within `radius` of `point`, which is relative to their origin;
+    /// it returns the new radius.
     pub fn boxes_point(
         &self,
         index: &BoxIndex,

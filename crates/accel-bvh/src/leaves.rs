@@ -18,7 +18,7 @@ use crate::pose::PosedLeaves;
 use crate::screen::Screen;
 use crate::tree::Tree;
 
-/// Blocks between two questions whether to go on, and how far ahead a block's triangles are asked for.
+/// Blocks between two checks for a stop, and the distance of prefetches of a block's triangles.
 const STEP: usize = 1 << 10;
 const AHEAD: usize = 4;
 
@@ -31,7 +31,7 @@ pub(crate) struct Leaves {
 }
 
 impl Leaves {
-    /// From numbers of triangles. What they take stays counted.
+    /// From numbers of triangles. Their memory stays counted.
     pub(super) fn build(
         screen: &Screen,
         memory: Memory,
@@ -114,7 +114,8 @@ impl Leaves {
 
     /// Block `index`: where it lies in memory as tests take it, or expanded into `buffer`.
     ///
-    /// Compact leaves have no such blocks, and are told apart behind the check of the index, which is there anyway.
+    /// Compact leaves have no such blocks, and are detected by the check of the index, which is needed
+    /// anyway.
     #[inline(always)]
     pub(super) fn block<'a, S: Simd>(
         &'a self,
@@ -147,7 +148,7 @@ impl Leaves {
     }
 }
 
-/// The first number in the place of those that are `INVALID_ID`; the first is not.
+/// The first number in place of those that are `INVALID_ID`; the first is not.
 fn without_gaps(numbers: &[u32; WIDTH]) -> [u32; WIDTH] {
     numbers.map(|number| if number == INVALID_ID { numbers[0] } else { number })
 }
@@ -167,7 +168,7 @@ fn block<S: Simd>(
     (block, Lanes::new(0, &triangles.bounds()))
 }
 
-/// Asks for the memory of what will be visited: a node, or the first block of a leaf. Not for compact trees.
+/// Prefetches the memory of the next visit: a node, or the first block of a leaf. Not for compact trees.
 #[inline(always)]
 pub(super) fn prefetch_child(tree: &Tree, leaves: &Leaves, child: Child) {
     if child.is_leaf() {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Wide bounding volume hierarchies: eight children per node, leaves of blocks of eight primitives. Triangles, spheres, user
-//! geometry, and boxes that the caller enters.
-//! Source: [WBB08]. The builder is in `build`, nodes in `node` and `compact`, what is compiled for each level in [`Kernels`].
+//! Wide bounding volume hierarchies: eight children per node, leaves of blocks of eight primitives.
+//! Triangles, spheres, user geometry, and boxes that the caller supplies.
+//! Source: [WBB08]. The builder is in `build`, nodes in `node` and `compact`, the code compiled for each
+//! level in [`Kernels`].
 //!
-//! `gnurt-accel` is the door for programs; this crate is one of its structures.
+//! `gnurt-accel` is the API for programs; this crate is one of its structures.
 #![forbid(unsafe_code)]
 #![allow(
     rustdoc::broken_intra_doc_links,

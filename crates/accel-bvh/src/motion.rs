@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Triangles that move while the shutter is open, under a wide BVH whose boxes move with them.
-//! Source: [WBS06] for one tree whose boxes follow the motion; boxes that are mixed between keys, not unions, are those of
-//! Embree's `AABBNodeMB`; one list of nodes for each key, so that there may be any number of keys, is original.
+//! Source: [WBS06] for one tree whose boxes follow the motion; boxes that are interpolated between keys,
+//! instead of unions, are those of Embree's `AABBNodeMB`; one list of nodes for each key, for any number of
+//! keys, is original.
 //!
-//! The tree is built over the triangles as they are in the middle of the time, and refitted to each key: all keys have the
-//! same nodes and blocks, with other boxes and corners. A ray walks between the two keys next to its moment.
-//! Invariant: a mixed box holds what is below it, because mixing never reverses an order (`KeyInterval`); walks mix slopes instead of
-//! planes, and stay within the slack of slabs. So hits are those of a tree over the mixed triangles, bit for bit. Children that do not exist have a box that is finite, so that mixing it is
-//! no NaN, and inside out, so that no ray meets it.
+//! The tree is built over the triangles in the middle of the shutter time, and refitted to each key: all keys
+//! have the same nodes and blocks, with other boxes and corners. A ray interpolates between the two keys next
+//! to its time.
+//! Invariant: an interpolated box encloses its subtree, because interpolation never reverses an order
+//! (`KeyInterval`); traversals interpolate slopes instead of planes, and stay within the slack of slabs. So
+//! hits are those of a tree over the interpolated triangles, bit for bit. Absent children have a box that is
+//! finite, so that its interpolation is no NaN, and inverted, so that no ray hits it.
 //! Space: object. Tests: `tests/surfaces/motion.rs` of `gnurt-accel`.
 
 mod walk;
@@ -38,7 +41,7 @@ pub struct MotionIndex {
 
 impl MotionIndex {
     /// Builds over the triangles that can be traced at every key, given all of them at each; `None` where there are none.
-    /// The others are counted, and so are those with two corners in one place at every key.
+    /// The others are counted, and so are those with two coincident corners at every key.
     ///
     /// # Errors
     /// That `watch` stopped it, or that there are more blocks than leaves can number.
@@ -82,7 +85,7 @@ impl MotionIndex {
         Ok(Some(Self { keys: made, bounds, greatest: bounds.greatest() }))
     }
 
-    /// Box around all triangles at all moments.
+    /// Box around all triangles at all times.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.bounds
@@ -108,13 +111,13 @@ impl MotionIndex {
         self.keys.len() as u32
     }
 
-    /// The tree at moment 0.
+    /// The tree at time 0.
     #[must_use]
     pub fn first(&self) -> &BvhIndex {
         &self.keys[0]
     }
 
-    /// The corners of one triangle at a moment.
+    /// The corners of one triangle at a time.
     #[must_use]
     pub fn corners_at(&self, block: usize, lane: usize, time: f32) -> [[f32; 3]; 3] {
         let interval = KeyInterval::of(time, self.keys.len());
@@ -122,7 +125,7 @@ impl MotionIndex {
         [0, 1, 2].map(|corner| interval.mix3(from[corner], to[corner]))
     }
 
-    /// The tree as it is at a moment, for who asks at that moment alone.
+    /// The tree at one time, for callers that need only that time.
     #[must_use]
     pub fn at(&self, time: f32) -> BvhIndex {
         let interval = KeyInterval::of(time, self.keys.len());

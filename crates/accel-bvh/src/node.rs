@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The node of the wide BVH: the boxes of eight children side by side, so that one ray meets all eight at once.
-//! Source: [WBB08]; layout original. Space: that of what the tree is built over.
+//! Source: [WBB08]; layout original. Space: that of the primitives.
 //!
 //! ```text
 //!  byte 0     32     64     96     128    160    192        224      256
 //!       | x lo | x hi | y lo | y hi | z lo | z hi | children | unused |     one value for each child in every row
 //! ```
 //!
-//! Four cache lines. The two rows of an axis lie next to each other: a ray's nearer row is `2 * axis + backwards`.
-//! Children are the bits of floats and there are eight rows, so that `row & 7` needs no further check.
-//! Invariant: children that do not exist have the box from +inf to -inf, which no ray meets.
+//! Four cache lines. The two rows of an axis lie next to each other: a ray's nearer row is `2 * axis +
+//! backwards`. Children are the bits of floats and there are eight rows, so that `row & 7` needs no further
+//! check.
+//! Invariant: absent children have the box from +inf to -inf, which no ray hits.
 //! Tests: `tests::children_say_what_they_are`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
@@ -18,11 +19,11 @@ use gnurt_accel_core::Aabb;
 
 pub(crate) use gnurt_accel_core::blocks::WIDTH;
 
-/// What hangs below a node at one of its eight places: a node, or a row of leaf blocks.
+/// A child in one of the eight slots of a node: a node, or a row of leaf blocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Child(pub(crate) u32);
 
-/// Eight boxes and what is in them.
+/// Eight boxes and their contents.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct Node8 {
@@ -30,7 +31,7 @@ pub(crate) struct Node8 {
     pub(crate) rows: [[f32; WIDTH]; 8],
 }
 
-/// Eight boxes side by side, however they are stored.
+/// Eight boxes side by side, in any storage.
 pub(crate) trait Boxes {
     /// One face of all boxes along axis `k`: `row` is `2 * k` for the lower ones and `2 * k + 1` for the upper ones.
     fn row<S: Simd>(&self, simd: S, k: usize, row: usize) -> f32x8<S>;
@@ -58,7 +59,7 @@ impl Child {
     const COUNT_SHIFT: u32 = 27;
     /// Most blocks of one leaf.
     pub(crate) const MOST_BLOCKS: usize = 15;
-    /// Most blocks of a tree: what the other bits can number. Tests have small scenes.
+    /// The largest number of blocks of a tree, by the remaining bits. Tests have small scenes.
     pub(crate) const MOST_NUMBERS: usize = if cfg!(test) { 1 << 14 } else { 1 << Self::COUNT_SHIFT };
     /// No child.
     pub(crate) const NONE: Self = Self(Self::LEAF);
@@ -80,7 +81,7 @@ impl Child {
         self.0 & Self::LEAF != 0
     }
 
-    /// What hangs at `lane`, which is below 8, given the bits of a node's children.
+    /// The child at `lane`, which is below 8, given the bits of a node's children.
     #[inline(always)]
     pub(crate) fn at(children: &[f32; WIDTH], lane: usize) -> Self {
         Self(children[lane & (WIDTH - 1)].to_bits())
@@ -114,7 +115,7 @@ impl Node8 {
         &self.rows[6]
     }
 
-    /// What hangs at `lane`, which is below 8.
+    /// The child at `lane`, which is below 8.
     #[inline(always)]
     pub(crate) fn child(&self, lane: usize) -> Child {
         Child::at(&self.rows[6], lane)
@@ -129,7 +130,8 @@ impl Node8 {
         self.rows[6][lane] = f32::from_bits(child.0);
     }
 
-    /// Its children were counted from the first of some nodes and blocks, which got these places.
+    /// Renumbers children that were counted from the first of some nodes and blocks, which now begin at these
+    /// indices.
     pub(crate) fn move_children(&mut self, first_node: usize, first_block: usize) {
         for child in &mut self.rows[6] {
             let old = Child(child.to_bits());

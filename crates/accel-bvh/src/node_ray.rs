@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One ray against the eight boxes of a node.
-//! Source: slabs, [KK86]; `slab.rs` of `gnurt-accel-core` prepares rays and adds up what is rounded.
-//! Invariant: what a triangle test hits is in no box that is skipped. Tests: `tests/watertight.rs` of `gnurt-accel`.
+//! Source: slabs, [KK86]; `slab.rs` of `gnurt-accel-core` prepares rays and bounds the rounding.
+//! Invariant: a primitive that the triangle test hits is in no skipped box. Tests: `tests/watertight.rs` of
+//! `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
 use gnurt_accel_core::slab::Slabs;
@@ -23,7 +24,7 @@ pub(crate) struct NodeRay<S: Simd> {
 }
 
 impl<S: Simd> NodeRay<S> {
-    /// For a tree, not empty, whose greatest coordinate is `greatest`; `ray` is sound and regular.
+    /// For a tree, not empty, whose greatest coordinate is `greatest`; `ray` is valid and regular.
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &Ray, greatest: f32) -> Self {
         let slabs = Slabs::new(ray.org, ray.dir, greatest, |x| x);

@@ -16,7 +16,7 @@ use crate::treelet::NodesAtKeys;
 /// A member of a treelet that moves: where its box is at keys.
 pub(crate) struct MovingMember<'a> {
     pub(crate) keys: &'a NodesAtKeys,
-    /// The block, counted with the nodes, and the place in it.
+    /// The block, counted with the nodes, and the slot in it.
     pub(crate) block: usize,
     pub(crate) lane: usize,
 }
@@ -78,7 +78,7 @@ impl TilePlanes {
         }
     }
 
-    /// The rays from `at` on, all of one heading.
+    /// The rays from `at` on, all of one direction class.
     #[inline(always)]
     pub(crate) fn chunk<S: Simd>(
         &self,
@@ -99,7 +99,7 @@ impl TilePlanes {
         }
     }
 
-    /// The same for a box that moves, each ray at its moment.
+    /// The same for a moving box, each ray at its time.
     #[inline(always)]
     pub(crate) fn meet_moving<S: Simd>(
         &self,
@@ -156,7 +156,7 @@ impl TilePlanes {
     }
 }
 
-/// Sixteen rays of one heading, prepared for planes.
+/// Sixteen rays of one direction class, prepared for planes.
 pub(crate) struct ChunkPlanes<S: Simd> {
     inv: [f32x16<S>; 3],
     near: [f32x16<S>; 3],

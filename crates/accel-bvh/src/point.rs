@@ -76,8 +76,8 @@ impl Tree {
     }
 }
 
-/// Calls `leaf` with the blocks of leaves within `reach`; it answers with the new reach. `squares` tells the squares of the
-/// distances to the boxes of a node, and its children; the first node is the root.
+/// Calls `leaf` with the blocks of leaves within `reach`; it answers with the new reach. `squares` returns
+/// the squares of the distances to the boxes of a node, and its children; the first node is the root.
 #[inline(always)]
 pub(crate) fn walk_near<'a, S: Simd>(
     simd: S,
@@ -146,7 +146,7 @@ impl SphereIndex {
 }
 
 impl UserIndex {
-    /// Improves `nearest` by what the primitives say.
+    /// Improves `nearest` by the primitives' answers.
     #[inline(always)]
     pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
         let point = probe.point.map(|x| x as f32);

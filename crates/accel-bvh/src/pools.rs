@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Leaf blocks in less memory: neighbours share a pool of corners, of which each is there once.
+//! Leaf blocks in less memory: neighbours share a pool of corners, each of which is stored once.
 //! Space: object.
 //!
 //! ```text
@@ -7,25 +7,26 @@
 //!       | a: 8 bytes | b: 8 bytes | c: 8 bytes | pool | numbers |  --->  | x y z | x y z | ...   up to 85 of one pool
 //! ```
 //!
-//! The bytes say by corner and place where in the pool it starts, in floats. Places that are left over repeat the
-//! first triangle. A pool is closed when one more block might not fit into it, so what a block needs lies within 259 floats.
-//! Invariant: expanded, a block has the corners and numbers that it was made from, bit for bit. Tests: `tests`,
+//! The bytes give, by corner and slot, its offset in the pool, in floats. Spare slots repeat the first
+//! triangle. A pool is closed when one more block might not fit into it, so the data of a block lies within
+//! 259 floats.
+//! Invariant: expanded, a block has its original corners and numbers, bit for bit. Tests: `tests`,
 //! `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x4, prefer_huge_pages, prelude::*};
 
 use gnurt_accel_core::blocks::{TriangleBlock, WIDTH};
 
-/// Floats that are looked at from the start of a pool on, whatever bytes say: four from the last corner on.
+/// Floats that may be read from the start of a pool on, for any bytes: four from the last corner on.
 const WINDOW: usize = u8::MAX as usize + 4;
-/// Corners of a pool: so many that the last one's place is a byte.
+/// Corners of a pool: the last one's offset must fit in a byte.
 const MOST: usize = u8::MAX as usize / 3;
 
-/// Eight triangles, whose corners lie in a pool.
+/// Eight triangles, whose corners are in a pool.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct PooledBlock {
-    /// By corner, then by place of the block.
+    /// By corner, then by slot of the block.
     pub(super) offsets: [[u8; WIDTH]; 3],
     /// First float of the pool.
     pub(super) pool: u64,
@@ -45,10 +46,11 @@ impl Pools {
         size_of_val(&self.blocks[..]) + size_of_val(&self.corners[..])
     }
 
-    /// Block `index` as tests take it.
+    /// Block `index` in the form of the tests.
     ///
-    /// A function of its own for the compiler, once for each level. What comes out goes to memory and not through
-    /// registers twice: a block is larger than all of them. Cold, so that walks of tiles through fast trees keep their registers.
+    /// A separate function for the compiler, once for each level. The result goes to memory and not through
+    /// registers twice, because a block is larger than all of them. Cold, so that traversals of tiles through
+    /// fast trees keep their registers.
     #[cold]
     #[inline(never)]
     pub(crate) fn expand<S: Simd>(&self, simd: S, index: usize, into: &mut TriangleBlock) {
@@ -117,7 +119,7 @@ pub(super) struct Filling {
 }
 
 impl Filling {
-    /// With room for so many blocks.
+    /// With memory for this many blocks.
     pub(super) fn new(blocks: usize) -> Self {
         let mut pools = Pools { blocks: Vec::with_capacity(blocks), corners: Vec::new() };
         prefer_huge_pages(&pools.blocks);
@@ -174,7 +176,7 @@ impl Filling {
             + size_of::<f32>() * self.pools.corners.capacity()
     }
 
-    /// The pools, without room for more.
+    /// The pools, without excess memory.
     pub(super) fn finish(mut self) -> Pools {
         self.pools.corners.shrink_to_fit();
         self.pools

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All primitives under a wide BVH that may meet a region.
-//! Invariant: leaves show primitives by boxes of their own, so that few are looked at closely. A primitive may come several
-//! times. Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
+//! Invariant: leaves return primitives by boxes of their own, so that few need exact tests. A primitive may
+//! come several times. Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use std::ops::Range;
 
@@ -57,7 +57,7 @@ impl Tree {
     }
 }
 
-/// Shows `visit` the places of boxes that may meet it.
+/// Calls `visit` with the slots of boxes that may meet it.
 fn overlapping(node: &Node8, region_filter: &RegionFilter, visit: impl FnMut(usize)) {
     let rows: &Rows = node.rows.first_chunk().unwrap_or(&NOTHING);
     each(u64::from(region_filter.overlap_mask(rows)), visit);
@@ -154,7 +154,7 @@ impl Treelet {
 }
 
 impl BoxIndex {
-    /// Shows `enter` the places of boxes that may meet a region, which is not relative to their origin.
+    /// Calls `enter` with the indices of boxes that may meet a region, which is not relative to their origin.
     pub fn filter_region(&self, region: &Region, enter: &mut dyn FnMut(usize)) {
         let region_filter = region.moved(self.origin()).region_filter(self.greatest());
         match self.treelets() {

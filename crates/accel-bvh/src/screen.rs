@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a wide BVH over triangles is built from: those that can be traced, as references, or as middles for a fast build, in one
-//! pass over them.
-//! Space: object. Invariant: what is taken, and what is counted, is what `accel_core::valid_triangles` takes and
-//! counts. Tests: `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
+//! The input of a wide BVH over triangles: the traceable ones, as references, or as centres for a fast build,
+//! in one pass over them.
+//! Space: object. Invariant: takes and counts the same triangles as `accel_core::valid_triangles`. Tests:
+//! `tests::both_screens_agree`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ use crate::gather::{Eight, are_certain};
 use crate::node::WIDTH;
 use crate::primitives::Primitives;
 
-/// Numbers that one thread looks at: eights, and so whole quads. Tests have small scenes.
+/// Numbers that one thread processes: eights, and so whole quads. Tests have small scenes.
 const PIECE: u32 = if cfg!(test) { 1 << 4 } else { 1 << 14 };
 
 /// Triangles that can be traced.
@@ -25,7 +25,7 @@ pub struct Screen<'a> {
     pub(crate) surfaces: Surfaces<'a>,
     /// Their numbers, ascending; not for a fast build.
     pub(crate) good: Vec<u32>,
-    /// Their boxes, each with its place in `good`.
+    /// Their boxes, each with its index in `good`.
     references: Vec<Reference>,
     /// The middles of their boxes, for a fast build.
     middles: Vec<Middle>,
@@ -44,7 +44,7 @@ struct Piece {
 }
 
 impl Piece {
-    /// Room for so many.
+    /// Reserves memory for this many.
     fn reserve(&mut self, count: usize, is_fast: bool) {
         if is_fast {
             self.middles.reserve_exact(count);
@@ -62,7 +62,7 @@ impl Piece {
 }
 
 impl<'a> Screen<'a> {
-    /// Looks at all triangles once, for a build of this quality.
+    /// Visits all triangles once, for a build of this quality.
     #[must_use]
     pub fn over(surfaces: Surfaces<'a>, quality: Quality, threads: Threads) -> Self {
         let is_fast = quality == Quality::Fast;
@@ -136,7 +136,7 @@ impl<'a> Screen<'a> {
 }
 
 impl Piece {
-    /// Takes what is good among `numbers` of one geometry.
+    /// Takes the good ones among `numbers` of one geometry.
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, surfaces: &Surfaces, numbers: Range<u32>, is_fast: bool) {
         let mut mesh = Mesh::NONE;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays of a tile that go alone but are prepared together, sixteen at a time: all of them where they have nothing in
-//! common, the last few of a subtree where they had.
+//! Rays of a tile that are traced singly but prepared together, sixteen at a time: all of them if they are
+//! incoherent, the last few of a subtree otherwise.
 //! Source: the arithmetic of [`NodeRay::new`] and [`BlockRay::new`] in lanes, with the same bits.
 //! Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
@@ -11,7 +11,7 @@ use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
 use gnurt_accel_core::nearest::{AnyHit, Closest, Kind, Mode};
 use gnurt_accel_core::tile::{LANES, PerRay, RayTile};
 use gnurt_accel_core::traversal::TileTraversal;
-use gnurt_accel_core::triangle::{LoneRay, Sheared, axes_from, shear};
+use gnurt_accel_core::triangle::{Sheared, SingleRay, axes_from, shear};
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 use crate::index::BvhIndex;
@@ -20,12 +20,12 @@ use crate::node_ray::NodeRay;
 use crate::planes::TilePlanes;
 use crate::triangles::Prepared;
 
-/// Where rays are heading.
+/// Direction classes of rays.
 #[derive(Clone, Copy)]
 pub(super) enum ClassesOf {
     /// All of them.
     One(DirectionClass),
-    /// Each its own way.
+    /// Each with its own.
     Each(DirectionClasses),
 }
 
@@ -65,7 +65,7 @@ impl SingleRays<'_> {
         let sheared = Sheared { org: [x[i], y[i], z[i]], shear: [a[i], b[i], c[i]] };
         let [along_x, along_y, along_z] = axes_from(longest_axis);
         let dir = [self.dir[along_x][i], self.dir[along_y][i], self.dir[along_z][i]];
-        BlockRay::sheared(simd, [along_x, along_y, along_z], LoneRay { sheared, dir }, self.t_near[i])
+        BlockRay::sheared(simd, [along_x, along_y, along_z], SingleRay { sheared, dir }, self.t_near[i])
     }
 
     /// Ray `i`.
@@ -78,8 +78,8 @@ impl SingleRays<'_> {
         }
     }
 
-    /// Each active ray of a trip from `start` on, one after the other; returns the chunks in which an end came nearer. A
-    /// function of its own, so that walks are compiled once for all tiles.
+    /// Each active ray of a traversal from `start` on, one after the other; returns the chunks in which an
+    /// end came nearer. A separate function, so that traversals are compiled once for all tiles.
     #[inline(always)]
     pub(super) fn walk<S: Simd>(
         &self,
@@ -157,7 +157,7 @@ impl SingleRays<'_> {
         )
     }
 
-    /// Each active ray of a trip that still looks for something against the triangles of a block; returns as
+    /// Each active and unfinished ray of a traversal against the triangles of a block; returns as
     /// [`walk`](Self::walk) does.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, block: &TriangleBlock, traversal: &mut TileTraversal) -> u32 {
@@ -181,7 +181,7 @@ impl SingleRays<'_> {
     }
 }
 
-/// What there is to know of rays that have nothing in common.
+/// Prepared data of incoherent rays.
 #[repr(C, align(64))]
 pub(super) struct PreparedTile {
     planes: TilePlanes,
@@ -215,7 +215,7 @@ impl PreparedTile {
         }
     }
 
-    /// The rays, which go these ways, one by one.
+    /// The rays, of these direction classes, one by one.
     #[inline(always)]
     pub(super) fn single_rays<'a>(
         &'a self,
@@ -235,7 +235,8 @@ impl PreparedTile {
     }
 }
 
-/// Along the axes of the sheared space: what is along axis `k + 1` in cyclic order of rays that go along x, and so on.
+/// Along the axes of the sheared space: for rays along x, the value of axis `k + 1` in cyclic order, and so
+/// on.
 #[inline(always)]
 fn turned<S: Simd>([x, y, z]: [f32x16<S>; 3], [along_x, along_y]: [mask32x16<S>; 2]) -> [f32x16<S>; 3] {
     [

@@ -53,17 +53,17 @@ impl Primitives for Gathered {
     }
 }
 
-/// The box around a sphere. One float more on either side is what rounding may have taken.
+/// The box around a sphere. One float more on either side covers the rounding.
 pub(crate) fn sphere_box(center: [f32; 3], radius: f32) -> Aabb {
     let side = |k: usize, sign: f32| center[k] + sign * radius;
     Aabb { min: [0, 1, 2].map(|k| side(k, -1.0).next_down()), max: [0, 1, 2].map(|k| side(k, 1.0).next_up()) }
 }
 
 impl SphereIndex {
-    /// Over the spheres of geometries that are `accept`; what cannot be traced is counted.
+    /// Over the spheres of the accepted geometries; untraceable ones are counted.
     ///
     /// # Errors
-    /// That there are too many.
+    /// There are too many.
     pub fn build(
         geometries: &[Geometry],
         numbering: &Numbering,
@@ -120,7 +120,7 @@ impl SphereIndex {
         self.0.stats()
     }
 
-    /// Offers what the ray meets; it is sound and regular, the tree not empty.
+    /// Offers the ray's hits; it is valid and regular, the tree not empty.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
         let RayTraversal { ray, slot, .. } = *traversal;
@@ -148,7 +148,7 @@ impl SphereIndex {
                         at(org[1]) - row(&block.center[1]),
                         at(org[2]) - row(&block.center[2]),
                     ];
-                    // Where the ray is nearest to the centre, and what is left across it.
+                    // The point of the ray nearest to the centre, and the remaining distance across it.
                     let along = from[0] * at(dir[0]) + from[1] * at(dir[1]) + from[2] * at(dir[2]);
                     let nearest = along * at(over);
                     let across = [
@@ -184,9 +184,9 @@ impl SphereIndex {
     }
 }
 
-/// Both parameters where a ray that passes through a sphere meets it, ascending: roots of `a t^2 + 2 b t + c`, the one
-/// farther from zero first. In double precision: a float loses the distance from the surface of a huge sphere, and few
-/// spheres come here.
+/// Both parameters of the hits of a ray with a sphere, ascending: roots of `a t^2 + 2 b t + c`, the one
+/// farther from zero first. In double precision: a float loses the distance from the surface of a huge
+/// sphere, and few spheres come here.
 #[inline(always)]
 fn roots(ray: &Ray, center: [f32; 3], radius: f32) -> [f32; 2] {
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];

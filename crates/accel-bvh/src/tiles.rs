@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tile of rays through the tree: multi-level ray tracing, and packets where it does not pay.
-//! Source: [RSH05]: subtrees, then triangles, are discarded for all rays at once. Differs: the interval test is made on
-//! the eight children of a node, then on the eight triangles of a block; the tree is searched front to back, so that a
-//! tile's common entry point is found on the way and what lies behind all hits is skipped. Where intervals leave
-//! [`MANY`] children or more, rays are tested against each child, sixteen to a step, and only those that meet it go on
-//! (masks, the paper's Figure 4); a few that are left go on alone ([BWW*12]), and a few that come to a leaf are tested there
-//! one by one. Rays that look for any hit visit children in the builder's order, which promises hits, not front to back.
-//! In: a tile whose first `count` rays have one heading. Each ray gets the hit that it would get alone.
+//! Source: [RSH05]: subtrees, then triangles, are discarded for all rays at once. Differs: the interval test
+//! is made on the eight children of a node, then on the eight triangles of a block. The tree is searched
+//! front to back, so that a tile's common entry point is found during the descent, and nodes behind all hits
+//! are skipped. Where intervals leave [`MANY`] children or more, rays are tested against each child, sixteen
+//! to a step, and only those that hit it go on (masks, [SIP06], Figure 4). A few remaining rays go on singly
+//! ([BWW*12]), and a few that reach a leaf are tested there one by one. Rays that need any hit visit children
+//! in the builder's order, which maximises hits, instead of front to back. In: a tile whose first `count`
+//! rays have one direction class. Each ray gets the hit that it would get as a single ray.
 //! Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::beam::Slopes;
@@ -29,19 +30,20 @@ use crate::walk::{MOST_WAIT, farthest_first};
 
 /// Where intervals leave this many children of a node, rays are tested one by one.
 const MANY: u32 = 2;
-/// So many rays or fewer go on alone. Where a register holds sixteen lanes five take up to 5 % less time than three (docs/explanation/tried.md).
+/// This number of rays or fewer go on singly. Where a register holds sixteen lanes five take up to 5 % less
+/// time than three (docs/explanation/tried.md).
 const fn few<S: Simd>() -> u32 {
     if S::LANES >= LANES { 5 } else { 3 }
 }
 
-/// So many rays of a chunk or fewer are tested one by one against the eight triangles of a block. Tests of sixteen rays, of
-/// which there is one for each triangle that may be met, take twice as long where a register holds eight; with sixteen, six
-/// are up to 4 % better than four (docs/explanation/tried.md).
+/// This number of rays of a chunk or fewer are tested one by one against the eight triangles of a block.
+/// Tests of sixteen rays, of which there is one for each triangle that may be met, take twice as long where a
+/// register holds eight; with sixteen, six are up to 4 % better than four (docs/explanation/tried.md).
 const fn few_in_leaf<S: Simd>() -> u32 {
     if S::LANES >= LANES { 6 } else { 7 }
 }
 
-/// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
+/// A stack entry: a child, the rays that may hit it, and the number of steps to the first possible hit.
 #[derive(Clone, Copy)]
 struct Entry {
     steps: f32,
@@ -49,8 +51,8 @@ struct Entry {
     rays: u64,
 }
 
-/// Improves the hits of a tile's first rays, all of them active and of one heading. Lanes beyond them up to the next
-/// multiple of 16 hold copies of rays that look for nothing (`t` is -inf).
+/// Improves the hits of a tile's first rays, all of them active and of one direction class. Lanes beyond them
+/// up to the next multiple of 16 hold copies of rays without an extent (`t` is -inf).
 #[inline(always)]
 pub(crate) fn walk_tile<S: Simd>(
     simd: S,
@@ -70,7 +72,7 @@ pub(crate) fn walk_tile<S: Simd>(
     };
     let mut planes = TilePlanes::EMPTY;
     let mut planes_ready = false;
-    // Those that still look for something, which only any hits change.
+    // The unfinished rays; only any-hit rays finish early.
     let looking = |nearest: &NearestTile| if kind == Kind::Any { nearest.looking(simd) } else { u64::MAX };
     let mut still = looking(traversal.nearest);
 
@@ -149,7 +151,7 @@ pub(crate) fn walk_tile<S: Simd>(
             planes_ready = true;
         }
         let mut pushed = 0;
-        // Chunks outside, children inside: what is known of a chunk's rays stays in registers.
+        // Chunks outside, children inside: the data of a chunk's rays stays in registers.
         let mut masks = [0u64; WIDTH];
         if one_by_one {
             for at in (0..count).step_by(LANES) {
@@ -187,7 +189,7 @@ pub(crate) fn walk_tile<S: Simd>(
     }
 }
 
-/// The rays, all of one heading, as far as they have been prepared.
+/// The rays, all of one direction class, as far as they have been prepared.
 #[inline(always)]
 fn one_by_one<'a>(
     rays: &'a RayTile,

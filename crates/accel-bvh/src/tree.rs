@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A wide BVH without what it is built over. Source: [WBB08]; compact nodes after [YKL17].
+//! A wide BVH without its primitives. Source: [WBB08]; compact nodes after [YKL17].
 //! Space: that of the primitives. Invariant: no node is deeper than [`DEEPEST`]; nodes are of one form.
 //! Tests: `build::tests`.
 
@@ -14,14 +14,14 @@ use crate::node::{Child, Node8, WIDTH};
 /// No node is of this depth or a greater one; the root has depth 0.
 pub(crate) const DEEPEST: usize = 52;
 
-/// A tree without what it is built over.
+/// A tree without its primitives.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Tree {
     /// The root comes first; without primitives there is none. Children come after their parents.
     pub(crate) nodes: Vec<Node8>,
     /// The nodes of a compact tree, which has no others.
     pub(crate) compact: Vec<CompactNode>,
-    /// What is in these, node by node. Trees over the same triangles in other poses may share it.
+    /// The children of these, node by node. Trees over the same triangles in other poses may share it.
     pub(crate) children: Arc<Vec<Children>>,
     /// Numbers of the primitives, leaf block by leaf block, eight to each; padded with `INVALID_ID`.
     pub(crate) blocks: Vec<[u32; WIDTH]>,
@@ -45,7 +45,7 @@ impl Tree {
         size_of_val(&self.nodes[..]) + size_of_val(&self.compact[..]) + size_of_val(&self.children[..])
     }
 
-    /// Brings the nodes into the form that is wanted.
+    /// Converts the nodes to the requested form.
     pub(crate) fn settle(&mut self, memory: Memory) {
         if memory == Memory::Compact {
             let nodes = std::mem::take(&mut self.nodes);
@@ -72,7 +72,7 @@ impl Tree {
         self.nodes.len() + self.compact.len()
     }
 
-    /// What hangs at `lane` of node `index`, and its box.
+    /// The child at `lane` of node `index`, and its box.
     pub(crate) fn child(&self, index: usize, lane: usize) -> (Child, Aabb) {
         match self.nodes.get(index) {
             Some(node) => (node.child(lane), node.bounds(lane)),
@@ -89,7 +89,7 @@ impl Tree {
         CompactNodes { boxes: &self.compact, children: &self.children }
     }
 
-    /// A node of a compact tree, for who has looked among the others.
+    /// A node of a compact tree, for callers that have tried the others.
     #[inline]
     pub(crate) fn compact_node(&self, index: usize) -> (&CompactNode, &Children) {
         match self.compact.get(index).zip(self.children.get(index)) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A wide BVH over boxes in one piece of memory, which its copies share: the part of a top tree that an edit makes anew.
-//! Source: [WBB08] for the nodes, [WBS06] for the refit. Leaf blocks are eight boxes again, with the numbers of members as
-//! children, and lie behind the nodes; children come after their parents, so that one pass from the end refits.
-//! Where members move while the shutter is open, boxes are around all of their ways, and `keys.rs` has those of moments.
-//! Space: that of the boxes. Invariant: a box of a node is the smallest around what is below it, or empty.
+//! A wide BVH over boxes in one piece of memory, which its copies share: the part of a top tree that an edit
+//! rebuilds.
+//! Source: [WBB08] for the nodes, [WBS06] for the refit. Leaf blocks are eight boxes again, with the numbers
+//! of members as children, and follow the nodes; children come after their parents, so that one pass from the
+//! end refits. If members move during an open shutter, boxes enclose their whole paths, and `keys.rs` has
+//! those at single times.
+//! Space: that of the boxes. Invariant: a box of a node is the smallest around its subtree, or empty.
 //! Tests: `tests`, `boxes::update::tests`.
 
 mod fit;
@@ -25,11 +27,12 @@ pub(crate) use keys::NodesAtKeys;
 pub(crate) struct Treelet {
     nodes: Arc<[Node8]>,
     first_block: usize,
-    /// The same at moments of an open shutter, if members move.
+    /// The same at times of an open shutter, if members move.
     at_keys: Option<Arc<NodesAtKeys>>,
-    /// Half the surfaces of all boxes of nodes together: what a ray is expected to visit, times half of the whole's surface.
+    /// Half the surfaces of all boxes of nodes together: the expected visits of a ray, times half of the
+    /// whole's surface.
     areas: f64,
-    /// What a ray that meets the whole was expected to visit when this was built.
+    /// The expected visits of a ray that hits the whole, at the build.
     built_cost: f64,
 }
 
@@ -47,7 +50,7 @@ pub(crate) const DEEPEST_TREELET: usize = 32;
 const WORN: f64 = 1.3;
 
 impl Treelet {
-    /// Of a tree whose numbers stand for these members and their boxes.
+    /// From a tree whose numbers represent these members and their boxes.
     pub(crate) fn new(tree: &Tree, member: impl Fn(u32) -> (u32, Aabb)) -> Self {
         let first_block = tree.nodes.len();
         let behind_nodes = |node: &Node8| {
@@ -70,19 +73,19 @@ impl Treelet {
         treelet
     }
 
-    /// The same with members that are elsewhere at other moments; boxes are to be around all of their ways. Edits forget it.
+    /// The same with moving members; boxes must enclose their whole paths. Edits drop it.
     pub(crate) fn moving(self, boxes_at: impl Fn(usize) -> Option<Vec<Aabb>>) -> Self {
         let at_keys = NodesAtKeys::new(&self.nodes, self.first_block, boxes_at).map(Arc::new);
         Self { at_keys, ..self }
     }
 
-    /// The nodes at moments of an open shutter, if members move.
+    /// The nodes at times of an open shutter, if members move.
     #[inline(always)]
     pub(crate) fn at_keys(&self) -> Option<&NodesAtKeys> {
         self.at_keys.as_deref()
     }
 
-    /// All nodes and blocks; a child of a node is a place among them.
+    /// All nodes and blocks; a child of a node is an index among them.
     #[inline(always)]
     pub(crate) fn nodes(&self) -> &[Node8] {
         &self.nodes
@@ -104,18 +107,18 @@ impl Treelet {
         size_of::<Self>() + size_of_val(&self.nodes[..]) + keys
     }
 
-    /// As the field says.
+    /// See the field.
     pub(crate) fn areas(&self) -> f64 {
         self.areas
     }
 
-    /// What a ray that meets the whole is expected to visit.
+    /// The expected visits of a ray that hits the whole.
     fn cost(&self) -> f64 {
         let whole = self.bounds().half_area();
         if whole > 0.0 { self.areas / whole } else { 0.0 }
     }
 
-    /// Whether edits have made it so much worse that it is worth building another one.
+    /// Whether edits have degraded it enough to make a rebuild worthwhile.
     pub(crate) fn is_worn(&self) -> bool {
         self.cost() > WORN * self.built_cost
     }
@@ -133,7 +136,7 @@ impl Treelet {
         taken.map(|(block, lane)| (block.child(lane).index() as u32, block.bounds(lane)))
     }
 
-    /// Nodes on the longest way down.
+    /// Nodes on the longest path down.
     pub(crate) fn depth(&self) -> u32 {
         let mut depths = vec![1; self.nodes.len()];
         for at in 0..self.first_block {
@@ -143,8 +146,8 @@ impl Treelet {
         depths.into_iter().max().unwrap_or(0)
     }
 
-    /// The same with some members' boxes changed, taken out (`None`) or put in; `edits` ascend by member. `None` where there is
-    /// no room for those that come.
+    /// The same with some members' boxes changed, taken out (`None`) or put in; `edits` ascend by member.
+    /// `None` if there is no space for added ones.
     pub(crate) fn edited(&self, edits: &[(u32, Option<Aabb>)]) -> Option<Self> {
         let mut all: Arc<[Node8]> = Arc::from(&*self.nodes);
         let nodes = Arc::get_mut(&mut all)?;
@@ -222,7 +225,7 @@ pub(crate) fn growth(bounds: &Aabb, other: &Aabb) -> f64 {
     bounds.union(other).half_area() - bounds.half_area()
 }
 
-/// The block with room whose box grows least.
+/// The block with space whose box grows least.
 fn best_block<'a>(blocks: &'a mut [Node8], bounds: &Aabb) -> Option<&'a mut Node8> {
     let has_space = |block: &&mut Node8| (0..WIDTH).any(|lane| block.child(lane) == Child::NONE);
     let growth = |block: &Node8| growth(&block.whole(), bounds);
@@ -251,7 +254,7 @@ mod tests {
         members
     }
 
-    /// Every box of a node is the smallest around what is below.
+    /// Every box of a node is the smallest around its subtree.
     fn assert_fits(treelet: &Treelet) {
         for (at, node) in treelet.nodes[..treelet.first_block].iter().enumerate() {
             for (lane, child) in below(node) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One ray through the triangles of a wide BVH. Walks of fast trees, whose nodes and blocks lie in memory as tests take them,
-//! are compiled for what is looked for; those of compact ones once.
+//! One ray through the triangles of a wide BVH. Traversals of fast trees, whose nodes and blocks are stored
+//! in the form of the tests, are compiled for each kind of query; those of compact ones once.
 //! Space: object. Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock};
@@ -21,7 +21,7 @@ pub(crate) struct Prepared<S: Simd> {
 }
 
 impl<S: Simd> Prepared<S> {
-    /// `ray` is sound and regular.
+    /// `ray` is valid and regular.
     #[inline(always)]
     fn new(simd: S, ray: &Ray, greatest: f32) -> Self {
         Self { for_nodes: NodeRay::new(simd, ray, greatest), for_blocks: BlockRay::new(simd, ray) }
@@ -29,7 +29,7 @@ impl<S: Simd> Prepared<S> {
 }
 
 impl BvhIndex {
-    /// Offers what `ray` meets; it is sound and regular, the tree fast and not empty.
+    /// Offers the hits of `ray`; it is valid and regular, the tree fast and not empty.
     #[inline(always)]
     pub(crate) fn search<S: Simd, C: Collect>(
         &self,

@@ -19,7 +19,7 @@ use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::walk::walk;
 
-/// Tree, and who knows what is in it.
+/// The tree, and the caller's geometry in it.
 #[derive(Clone, Debug)]
 pub struct UserIndex {
     /// Blocks are numbers in the object.
@@ -91,7 +91,7 @@ impl UserIndex {
         (&**user, number - start)
     }
 
-    /// Offers what the ray meets; it is sound and regular, the tree not empty.
+    /// Offers the ray's hits; it is valid and regular, the tree not empty.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
         let RayTraversal { ray, slot, .. } = *traversal;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One ray through the tree: nearest children first, what lies beyond the best hit is skipped.
-//! Source: [WBB08]; the entries that wait are sorted as numbers, distance in the upper bits, child in the lower.
-//! Cost: a node is one test of eight boxes. Zero, one and two children met are by far the most frequent and go without
-//! any sorting. Tests: `tests/brute_force.rs`.
+//! One ray through the tree: nearest children first; nodes beyond the best hit are skipped.
+//! Source: [WBB08]; stack entries are sorted as numbers, distance in the upper bits, child in the lower.
+//! Cost: a node is one test of eight boxes. Zero, one and two hit children are by far the most frequent cases
+//! and need no sorting. Tests: `tests/brute_force.rs`.
 
 use std::ops::Range;
 
@@ -13,13 +13,14 @@ use crate::node::{Child, Node8, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::tree::{DEEPEST, Tree};
 
-/// What waits to be visited: at most seven children of each node on the way down, and a root.
+/// The stack of pending nodes: at most seven children of each node on the way down, and a root.
 type NodeStack = StackBuffer<u64, MOST_WAIT>;
 
-/// Entries of a stack that holds what waits on the longest way down.
+/// Entries of a stack for the longest way down.
 pub(crate) const MOST_WAIT: usize = 8 * DEEPEST;
 
-/// An entry: where the ray enters, and what. Entries compare as their distances do, which are not negative.
+/// An entry: the ray's entry distance, and the child. Entries compare as their distances do, which are not
+/// negative.
 #[inline(always)]
 pub(crate) fn entry(t: f32, child: Child) -> u64 {
     u64::from(t.to_bits()) << 32 | u64::from(child.0)
@@ -87,8 +88,8 @@ pub(crate) fn nearest_first(
     Child(nearest as u32)
 }
 
-/// Of the children in `bits`, which is not 0: the last; the others are to wait, the first of them longest. For any hit, which
-/// needs no order: the builder puts last what promises most.
+/// Of the children in `bits`, which is not 0: the last; the others go to the stack, the first of them lowest.
+/// For any hit, which needs no order: the builder puts the most probable hit last.
 #[inline(always)]
 pub(crate) fn last_first(mut bits: u32, children: &[f32; WIDTH], mut wait: impl FnMut(Child)) -> Child {
     let mut child = Child::at(children, bits.trailing_zeros() as usize);
@@ -103,7 +104,8 @@ pub(crate) fn last_first(mut bits: u32, children: &[f32; WIDTH], mut wait: impl 
 
 /// Nodes by their numbers.
 pub(crate) trait Nodes {
-    /// The boxes of node `index` that `ray` meets before `reach`, as bits; where it enters them; and what is in them.
+    /// The boxes of node `index` that `ray` hits before `reach`, as bits; its entry distances; and the boxes'
+    /// contents.
     fn meet<S: Simd>(
         &self,
         simd: S,
@@ -201,7 +203,7 @@ pub(crate) fn walk<S: Simd>(
     walk_with(NodeStack::new(), nodes, simd, start, ray, reach, leaf)
 }
 
-/// The same on a stack that holds what waits on the longest way down.
+/// The same on a stack for the longest way down.
 #[inline(always)]
 pub(crate) fn walk_with<S: Simd, const WAIT: usize>(
     mut buffer: StackBuffer<u64, WAIT>,
@@ -237,7 +239,7 @@ pub(crate) fn walk_with<S: Simd, const WAIT: usize>(
     }
 }
 
-/// [`walk`] for any hit: children need no order, and `leaf` says whether to go on.
+/// [`walk`] for any hit: children need no order, and `leaf` returns whether to continue.
 #[inline(always)]
 pub(crate) fn walk_any<S: Simd>(
     nodes: &(impl Nodes + ?Sized),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Axis-aligned boxes.
-//! Space: whatever the caller's points are in.
+//! Space: that of the caller's points.
 //! Invariant: `min[k] <= max[k]`, or the box is [`Aabb::EMPTY`]. Tests: `tests::boxes_grow_and_measure`.
 
 /// The points `p` with `min[k] <= p[k] <= max[k]`.
@@ -13,7 +13,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// No point at all; what growing starts from.
+    /// The empty box, the start of growing.
     pub const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
     /// The smallest box around some points.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rays carried into the space of an instance.
-//! Source: two levels after [WBS03a]. Invariant: a tile's rays get the bits that each would get alone.
+//! Source: two levels after [WBS03a]. Invariant: a tile's rays get the same bits as single rays.
 //! Tests: `scene::instance::tests::carries_rays` and `tests/instances.rs` of `gnurt-accel`.
 
 use crate::ray::Ray;
@@ -9,7 +9,7 @@ use crate::ray::Ray;
 #[inline]
 #[must_use]
 pub fn inverse(columns: &[[f64; 3]; 4]) -> Option<[[f64; 3]; 3]> {
-    // Written out: rays through what moves come here.
+    // Written out for speed: rays through moving instances come here.
     let [a, b, c, _] = *columns;
     let cross = |p: [f64; 3], q: [f64; 3]| {
         [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
@@ -28,7 +28,7 @@ pub fn inverse(columns: &[[f64; 3]; 4]) -> Option<[[f64; 3]; 3]> {
 pub struct ObjectFromWorld {
     /// Rows of the linear part.
     pub rows: [[f32; 3]; 3],
-    /// Where the object's origin is in the world: nearest floats, and what they leave over.
+    /// The object's origin in the world: nearest floats, and the remainders.
     pub translation: [[f32; 3]; 2],
 }
 

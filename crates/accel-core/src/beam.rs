@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What many rays have in common, as intervals: one test tells which of eight boxes any of them may meet.
+//! Intervals of many rays: one test finds which of eight boxes any of them may hit.
 //! Source: [RSH05] section 3 (inverse direction intervals), with an interval of origins as well, so that the rays need
 //! not start in one point.
-//! Parameters count steps along the axis on which all rays move most (the direction divided by its longest component):
-//! then slopes are intervals as narrow as the rays allow, whatever the lengths of the directions.
+//! Parameters count steps along the axis on which all rays move most (the direction divided by its longest
+//! component): then slopes are intervals as narrow as the rays allow, for directions of any length.
 //! Invariant: a box that one of the rays meets within its reach is among the bits. Tests: `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
@@ -17,8 +17,8 @@ use crate::slab::SLACK;
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 use crate::triangle::{axes_from, shear};
 
-/// Whether lanes are wide enough for planes through a tile's viewpoint and for rays that take turns: with four or fewer
-/// that takes minutes to compile and gains nothing.
+/// Whether lanes are wide enough for planes through a tile's viewpoint and for interleaved rays: with four or
+/// fewer that takes minutes to compile and gains nothing.
 pub const fn has_wide_lanes<S: Simd>() -> bool {
     S::LANES >= WIDTH
 }
@@ -98,7 +98,7 @@ impl Ranges {
 impl Slopes {
     pub const EMPTY: Self = Self { shear: [[0.0; TILE]; 3], stride: [0.0; TILE] };
 
-    /// Prepares the first `count` rays, all of one heading.
+    /// Prepares the first `count` rays, all of one direction class.
     #[inline(always)]
     pub fn prepare<S: Simd>(
         &mut self,
@@ -145,7 +145,7 @@ impl Slopes {
         whole
     }
 
-    /// Ranges of the first `count` rays together: faster where those of chunks are not wanted, lanes are wide.
+    /// Ranges of the first `count` rays together: faster than those of chunks, if lanes are wide.
     #[inline(always)]
     pub fn all_ranges<S: Simd>(&self, simd: S, rays: &RayTile, count: usize) -> Ranges {
         if const { !has_wide_lanes::<S>() } {
@@ -161,7 +161,7 @@ impl Slopes {
         Ranges { org, slope, t_near: smallest(t_near) }
     }
 
-    /// How far the farthest ray of a chunk still looks, in steps.
+    /// The greatest remaining extent of a chunk's rays, in steps.
     #[inline(always)]
     pub fn chunk_ahead<S: Simd>(&self, simd: S, nearest: &NearestTile, which: usize) -> f32 {
         let at = which * LANES;
@@ -179,7 +179,7 @@ impl Slopes {
     }
 }
 
-/// Least and greatest of the first `count` values: lane by lane first, since across lanes is what takes time.
+/// Least and greatest of the first `count` values: lane by lane first, because steps across lanes are slow.
 #[inline(always)]
 fn range_of<S: Simd>(simd: S, values: &PerRay, count: usize) -> [f32; 2] {
     let (mut low, mut high) = (chunk(simd, values, 0), chunk(simd, values, 0));
@@ -214,7 +214,7 @@ pub fn greatest<S: Simd>(v: f32x16<S>) -> f32 {
 pub struct Beam {
     /// Bounds of the inverse slope along each axis.
     inv: [[f32; 2]; 3],
-    /// The origin's bound that lies nearer to planes ahead, and the one that lies farther.
+    /// The origin's bound nearer to planes ahead, and the farther one.
     near_org: [f32; 3],
     far_org: [f32; 3],
     pad: [f32; 3],

@@ -10,7 +10,7 @@ pub fn all(count: usize) -> u64 {
     if count == TILE { u64::MAX } else { (1 << count) - 1 }
 }
 
-/// Calls `f` with the place of every bit.
+/// Calls `f` with the position of every set bit.
 #[inline(always)]
 pub fn each(mut bits: u64, mut f: impl FnMut(usize)) {
     while bits != 0 {

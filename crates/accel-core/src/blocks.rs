@@ -11,8 +11,8 @@ use crate::hit::INVALID_ID;
 use crate::point::{NearestPoint, Probe, on_triangle};
 use crate::ray::Ray;
 use crate::triangle::{
-    LoneRay, Sheared, ShearedRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges, relative_to,
-    shear,
+    Sheared, ShearedRay, SingleRay, TriangleHit, axes_from, meet_inside, meet_single, pass_edges,
+    relative_to, shear,
 };
 
 /// Triangles of a block, and children of a wide BVH's node.
@@ -33,27 +33,27 @@ pub struct TriangleBlock {
 pub struct BlockRay<S: Simd> {
     axes: [usize; 3],
     sheared: Sheared<f32x8<S>>,
-    /// As it was, along the same axes: what few ask for.
+    /// The direction of the original ray, along the same axes: rarely needed.
     dir: [f32; 3],
     t_near: f32x8<S>,
 }
 
 impl<S: Simd> BlockRay<S> {
-    /// `ray` must be sound and of regular length.
+    /// `ray` must be valid and of regular length.
     #[inline(always)]
     pub fn new(simd: S, ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
-        // Not by `map`, which is a call of its own.
+        // Not by `map`, which would be a separate call.
         let [x, y, z] = axes;
         let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
         let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
-        Self::sheared(simd, axes, LoneRay { sheared, dir }, ray.t_near)
+        Self::sheared(simd, axes, SingleRay { sheared, dir }, ray.t_near)
     }
 
-    /// From what is known of the ray in the space with these axes.
+    /// From the data of a ray in the space with these axes.
     #[inline(always)]
-    pub fn sheared(simd: S, axes: [usize; 3], single: LoneRay, t_near: f32) -> Self {
-        let LoneRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = single;
+    pub fn sheared(simd: S, axes: [usize; 3], single: SingleRay, t_near: f32) -> Self {
+        let SingleRay { sheared: Sheared { org: [x, y, z], shear: [sx, sy, sz] }, dir } = single;
         let sheared = Sheared {
             org: [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)],
             shear: [f32x8::splat(simd, sx), f32x8::splat(simd, sy), f32x8::splat(simd, sz)],
@@ -61,12 +61,12 @@ impl<S: Simd> BlockRay<S> {
         Self { axes, sheared, dir, t_near: f32x8::splat(simd, t_near) }
     }
 
-    /// What [`sheared`](Self::sheared) was given: out of the lanes, since few ask for it.
+    /// The input of [`sheared`](Self::sheared), extracted from the lanes, because it is rarely needed.
     #[inline(always)]
-    fn single(&self) -> LoneRay {
+    fn single(&self) -> SingleRay {
         let ([x, y, z], [sx, sy, sz]) = (self.sheared.org, self.sheared.shear);
         let sheared = Sheared { org: [x[0], y[0], z[0]], shear: [sx[0], sy[0], sz[0]] };
-        LoneRay { sheared, dir: self.dir }
+        SingleRay { sheared, dir: self.dir }
     }
 }
 
@@ -128,8 +128,9 @@ impl TriangleBlock {
         }
         let (met, uncertain) = reached.meet(simd);
         let bits = met.hit.to_bitmask();
-        // What is in doubt leaves the way: were its lanes taken out of `bits` here, each hit would wait for the bound.
-        let doubtful = if collect.asks_where() { reached.doubtful(simd, met.t) } else { uncertain };
+        // Doubtful lanes leave the fast path: if they were removed from `bits` here, each hit would wait for
+        // the bound.
+        let doubtful = if collect.needs_position() { reached.doubtful(simd, met.t) } else { uncertain };
         if (doubtful | uncertain).any_true() {
             let (doubtful, uncertain) = (doubtful.to_bitmask(), uncertain.to_bitmask());
             let hits = [met.t.to_array(), met.u.to_array(), met.v.to_array()];
@@ -149,7 +150,7 @@ impl TriangleBlock {
         }
     }
 
-    /// Offers what lanes by bits have hit.
+    /// Offers the hits of lanes, by bits.
     #[inline(always)]
     fn offer<C: Collect>(&self, mut bits: u64, [t, u, v]: &[[f32; WIDTH]; 3], slot: u32, collect: &mut C) {
         while bits != 0 {
@@ -161,15 +162,15 @@ impl TriangleBlock {
         }
     }
 
-    /// Where floats cannot decide for some lanes: by bits those that hit, those that pass inside, and those of which even that is
-    /// not known. The ray by value: one whose address is taken lives in memory.
+    /// For lanes that floats cannot decide: by bits those that hit, those that pass inside, and those that
+    /// are fully undecided. The ray by value: one whose address is taken lives in memory.
     #[cold]
     #[inline(never)]
     fn meet_in_doubt<C: Collect>(
         &self,
         [bits, mut inside, mut uncertain]: [u64; 3],
         hits: &[[f32; WIDTH]; 3],
-        (axes, ray, t_near): ([usize; 3], LoneRay, f32),
+        (axes, ray, t_near): ([usize; 3], SingleRay, f32),
         slot: u32,
         collect: &mut C,
     ) {
@@ -185,8 +186,8 @@ impl TriangleBlock {
         while uncertain != 0 {
             let i = uncertain.trailing_zeros() as usize & 7;
             uncertain &= uncertain - 1;
-            let (corners, asks_where) = (self.corners_of(i, axes), collect.asks_where());
-            if let Some(triangle_hit) = meet_single(&corners, &ray, asks_where, t_near, collect.reach()) {
+            let (corners, needs_position) = (self.corners_of(i, axes), collect.needs_position());
+            if let Some(triangle_hit) = meet_single(&corners, &ray, needs_position, t_near, collect.reach()) {
                 collect.offer(triangle_hit, self.numbers[i], slot);
             }
         }
@@ -210,9 +211,12 @@ impl TriangleBlock {
                 let [x, y, z] = &self.corners[k];
                 [x[lane], y[lane], z[lane]]
             };
-            if let Some(triangle_hit) =
-                ray.meet(&[corner(0), corner(1), corner(2)], collect.asks_where(), t_near, collect.reach())
-            {
+            if let Some(triangle_hit) = ray.meet(
+                &[corner(0), corner(1), corner(2)],
+                collect.needs_position(),
+                t_near,
+                collect.reach(),
+            ) {
                 collect.offer(triangle_hit, number, slot);
             }
         }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A tile cut into chunks of sixteen rays: what each of them, and all together, may still meet.
+//! A tile in chunks of sixteen rays: the remaining extents of each of them, and of all together.
 //! Source: [RSH05] (intervals); the second level of intervals is original. Invariant: `farthest` is the largest `ahead`.
 //! Tests: `tests/brute_force.rs`.
 
@@ -8,7 +8,7 @@ use gnurt_simd::{Simd, f32x16};
 use crate::beam::{Beam, CHUNKS, Ranges, Slopes, has_wide_lanes};
 use crate::blocks::{TriangleBlock, WIDTH};
 use crate::direction_class::DirectionClass;
-use crate::faces::{Faces, Viewpoint};
+use crate::edge_planes::{EdgePlanes, Viewpoint};
 use crate::tile::{LANES, NearestTile, RayTile};
 use crate::triangle::{axes_from, relative_to};
 
@@ -17,7 +17,7 @@ pub struct Chunks<'a> {
     pub slopes: Slopes,
     /// All rays as intervals.
     pub beam: Beam,
-    /// How many steps any ray still looks ahead.
+    /// The greatest remaining extent of any ray, in steps.
     pub farthest: f32,
     rays: &'a RayTile,
     direction_class: DirectionClass,
@@ -27,7 +27,7 @@ pub struct Chunks<'a> {
     /// The rays of each chunk as intervals; not known at first where all start in one point, for planes may do.
     parts: [Beam; CHUNKS],
     known: bool,
-    /// How many steps each chunk still looks ahead.
+    /// The greatest remaining extent of each chunk, in steps.
     ahead: [f32; CHUNKS],
     /// Where all rays start, if that is one point.
     view: Option<Viewpoint>,
@@ -42,7 +42,8 @@ pub struct Candidate<S: Simd> {
 }
 
 impl<'a> Chunks<'a> {
-    /// The first `count` rays of a tile, all of one heading; nothing if `too_wide` says so of all of them.
+    /// The first `count` rays of a tile, all of one direction class; `None` if `too_wide` is true of their
+    /// intervals.
     #[inline(always)]
     pub fn new<S: Simd>(
         simd: S,
@@ -102,7 +103,8 @@ impl<'a> Chunks<'a> {
         self.farthest = a.max(b).max(c).max(d);
     }
 
-    /// Calls `meet(candidate, slopes)` for each triangle of a block that rays in `bits` may meet; it says whether one did.
+    /// Calls `meet(candidate, slopes)` for each triangle of a block that rays in `bits` may hit; it returns
+    /// whether one did.
     #[inline(always)]
     pub fn block<S: Simd>(
         &mut self,
@@ -118,12 +120,12 @@ impl<'a> Chunks<'a> {
             return;
         }
         let mut touched = 0;
-        // A loop for each way: with one call of the test for both, corners would go through memory.
+        // A loop for each case: with one call of the test for both, corners would go through memory.
         if const { has_wide_lanes::<S>() }
             && let Some(view) = &self.view
             && view.is_worth_it(simd, block, &extents, common)
         {
-            let mut faces = Faces::EMPTY;
+            let mut faces = EdgePlanes::EMPTY;
             common &= faces.lanes_to_test(simd, view, block, self.farthest);
             for which in 0..self.count {
                 if common == 0 || bits >> (which * LANES) & 0xffff == 0 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The box of what a node sees of a triangle ("perfect splits").
+//! The box of the part of a triangle in a node ("perfect splits").
 //! Source: [WH06] section 4.1; polygons are clipped plane by plane [SH74], in double precision.
 //! Boxes are rounded to the nearest float: they may miss the polygon by half a unit in the last place, which the
 //! traversal's slack covers (`slab.rs`). Tests: `tests::{parts_cover_the_whole, outside_is_nothing,
@@ -54,7 +54,7 @@ impl Polygon {
         }
     }
 
-    /// The boxes of what lies on either side of a plane, kept inside `halves`; `None` where nothing does.
+    /// The boxes of the parts on either side of a plane, kept inside `halves`; `None` for an empty part.
     #[inline(always)]
     fn boxes_of_halves(&self, axis: usize, at: f64, halves: [Aabb; 2]) -> [Option<Aabb>; 2] {
         let mut boxes = [([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]); 2];
@@ -109,8 +109,8 @@ pub fn split_boxes(triangle: &[[f32; 3]; 3], cell: &Aabb, axis: usize, at: f32) 
     let mut polygon = Polygon { corners: [[0.0; 3]; MOST_CORNERS], count: 0 };
     triangle.iter().for_each(|corner| polygon.push(corner.map(f64::from)));
     for k in 0..3 {
-        // A unit in the last place outwards: the cell's faces may be rounded ones of this very triangle, and of one that
-        // is all but parallel to such a face half a unit is a large part.
+        // A unit in the last place outwards: the cell's faces may be rounded ones of this very triangle, and
+        // for a triangle nearly parallel to such a face half a unit is a large part.
         polygon.cut(k, f64::from(cell.min[k].next_down()), -1.0);
         polygon.cut(k, f64::from(cell.max[k].next_up()), 1.0);
     }
@@ -196,7 +196,7 @@ mod tests {
                 }
                 let found = found.unwrap_or_else(|| panic!("{triangle:?} is in {half:?} at {points:?}"));
                 cut += 1;
-                // Cells are seen a unit in the last place larger.
+                // Cells are enlarged by a unit in the last place.
                 let larger = Aabb { min: half.min.map(|x| x - 1.3e-7), max: half.max.map(|x| x + 1.3e-7) };
                 let more = true_corners(&triangle.map(|p| p.map(f64::from)), &larger);
                 for k in 0..3 {

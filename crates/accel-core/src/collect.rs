@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray that is being traced collects.
+//! Collectors of a ray's hits.
 //! Tests: `traversal::tests`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use std::marker::PhantomData;
@@ -7,7 +7,8 @@ use std::marker::PhantomData;
 use crate::nearest::{AnyHit, Closest, Kind, Mode, Nearest};
 use crate::triangle::TriangleHit;
 
-/// What a single ray gathers on its way. Searches that are worth it are compiled once for each: [`Best`] of either mode; a [`RayTraversal`](crate::traversal::RayTraversal) is one for everything.
+/// The collector of a single ray's hits. Frequent searches are compiled once for each: [`Best`] of either
+/// mode; a [`RayTraversal`](crate::traversal::RayTraversal) is one for everything.
 pub trait Collect {
     /// Whether the first offer ends the search, so that its order does not matter.
     const ANY: bool;
@@ -18,17 +19,18 @@ pub trait Collect {
     /// Takes a meeting at `t <= reach()`, in `[t_near, t_far]` of the ray.
     fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32);
 
-    /// Whether it matters where the ray meets things, not only that it does.
-    fn asks_where(&self) -> bool;
+    /// Whether the position of the hit matters, not only its existence.
+    fn needs_position(&self) -> bool;
 
-    /// Whether nothing more is wanted.
+    /// Whether the query is finished.
     #[inline(always)]
     fn is_done(&self) -> bool {
         Self::CAN_END && self.reach() == f32::NEG_INFINITY
     }
 }
 
-/// The best hit so far, or any, where it is kept: what is written in parts and copied as a whole at once makes the CPU wait.
+/// The best hit so far, or any, updated in place: the CPU would wait for a copy of a value that was written
+/// in parts.
 pub struct Best<'a, M: Mode>(pub &'a mut Nearest, PhantomData<M>);
 
 impl<'a, M: Mode> Best<'a, M> {
@@ -48,7 +50,7 @@ impl<M: Mode> Collect for Best<'_, M> {
     }
 
     #[inline(always)]
-    fn asks_where(&self) -> bool {
+    fn needs_position(&self) -> bool {
         !M::ANY
     }
 
@@ -74,7 +76,7 @@ impl Collect for BestOf {
     }
 
     #[inline(always)]
-    fn asks_where(&self) -> bool {
+    fn needs_position(&self) -> bool {
         self.kind == Kind::Closest
     }
 

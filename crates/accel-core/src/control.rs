@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a program may say to a build while it runs, and what it is told.
-//! Memory is counted where it is large: what grows with the number of triangles, when it is taken and given back. What
-//! few triangles take comes and goes uncounted.
-//! Invariant: without an error from [`Watch::result`] nothing was left out. Tests: `tests/control.rs`.
+//! Control of a running build by the program, and its progress. Only large memory is counted: allocations
+//! that grow with the number of triangles, when they are made and freed. The memory of a few triangles is not
+//! counted.
+//! Invariant: if [`Watch::result`] returns no error, the tree is complete. Tests: `tests/control.rs`.
 
 use std::fmt;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 
-/// What a build asks and tells. All is optional: `()` lets it run and hears nothing. Called from any thread of the
+/// Callbacks of a build. All are optional: `()` lets it run without reports. Called from any thread of the
 /// build, every few thousand triangles.
 pub trait BuildControl: Sync {
-    /// Whether the build is still wanted.
+    /// Whether the build should continue.
     fn keep_going(&self) -> bool {
         true
     }
@@ -27,7 +27,7 @@ pub trait BuildControl: Sync {
         let _ = bytes;
     }
 
-    /// Most bytes that it may hold; asked once. The triangles that are built over do not count.
+    /// Most bytes that it may hold; read once. The triangles that are built over do not count.
     fn memory_budget(&self) -> u64 {
         u64::MAX
     }
@@ -39,16 +39,16 @@ impl BuildControl for () {}
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// [`BuildControl::keep_going`] said no.
+    /// [`BuildControl::keep_going`] returned false.
     Cancelled,
     /// The next step would have needed more bytes than the budget allows.
     OutOfMemory {
         /// With that step; a build that may go on could need more.
         needed: u64,
-        /// What [`BuildControl::memory_budget`] allowed.
+        /// The value of [`BuildControl::memory_budget`].
         budget: u64,
     },
-    /// Leaves cannot number so many blocks of eight primitives: several objects can hold them.
+    /// Leaves cannot number this many blocks of eight primitives: several objects can hold them.
     TooManyBlocks {
         /// That the tree would have.
         blocks: u64,
@@ -82,11 +82,11 @@ pub struct Watch<'a> {
     held: AtomicU64,
     /// The part of it that grows by itself.
     growing: AtomicU64,
-    /// What was too much; 0 where nothing was.
+    /// The excessive number of bytes; 0 if there was none.
     needed: AtomicU64,
     done: AtomicU64,
     whole: AtomicU64,
-    /// What was told last.
+    /// The progress reported last.
     reported: Mutex<f32>,
 }
 
@@ -106,7 +106,7 @@ impl<'a> Watch<'a> {
         }
     }
 
-    /// Whether to go on. Once it says no, whatever comes out will be thrown away.
+    /// Whether to go on. After it returned false, the result will be discarded.
     pub fn go_on(&self) -> bool {
         if self.stopped.load(Relaxed) {
             return false;
@@ -133,7 +133,7 @@ impl<'a> Watch<'a> {
     /// Counts memory that was given back.
     pub fn give(&self, bytes: usize) {
         let held = self.held.fetch_sub(bytes as u64, Relaxed) - bytes as u64;
-        // What was refused was counted, but never taken.
+        // Rejected memory was counted, but never allocated.
         if !self.stopped.load(Relaxed) {
             self.control.memory(held);
         }
@@ -150,7 +150,7 @@ impl<'a> Watch<'a> {
         self.give(self.growing.swap(0, Relaxed) as usize);
     }
 
-    /// Replaces what was counted before by what is there now; whether that may be.
+    /// Replaces an earlier count by the current one; returns whether the budget allows it.
     pub fn recount(&self, counted: &mut usize, now: usize) -> bool {
         let before = std::mem::replace(counted, now);
         if now >= before {
@@ -160,24 +160,24 @@ impl<'a> Watch<'a> {
         true
     }
 
-    /// So much more is to be done before all is finished, but for what `finish` tells.
+    /// Adds steps to the total; `finish` reports the last ones.
     pub fn start(&self, whole: usize) {
         self.whole.fetch_add(whole as u64, Relaxed);
     }
 
-    /// So much more is done.
+    /// Advances by this many steps.
     pub fn advance(&self, steps: usize) {
         self.report_steps(self.done.fetch_add(steps as u64, Relaxed) + steps as u64);
     }
 
-    /// So much is done of the whole, or more: a stage that found less to do than was thought is over.
+    /// Advances to this part of the total or further: a stage with less work than expected is over.
     pub fn advance_to(&self, done: usize) {
         self.report_steps(self.done.fetch_max(done as u64, Relaxed).max(done as u64));
     }
 
     fn report_steps(&self, done: u64) {
         let whole = self.whole.load(Relaxed).max(1);
-        // What comes before and behind the division takes its time as well.
+        // The stages before and after the division take time as well.
         self.report(0.05 + 0.8 * (done as f64 / whole as f64).min(1.0) as f32);
     }
 
@@ -186,7 +186,7 @@ impl<'a> Watch<'a> {
         self.report(1.0);
     }
 
-    /// Another thread that is telling has told enough, and may be called from within its own call.
+    /// Another reporting thread suffices, and may be called from within its own call.
     fn report(&self, done: f32) {
         if let Ok(mut reported) = self.reported.try_lock()
             && done > *reported

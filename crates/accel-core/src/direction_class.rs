@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where rays go: the signs of their directions and the axis along which they move most. Rays of one heading go through a
-//! tree together.
-//! Source: [RSH05] (rays of one octant); the longest axis is what the sheared space of [WBW13] depends on.
+//! Classes of ray directions: the signs of the components and the longest axis. Rays of one class go through
+//! a tree together.
+//! Source: [RSH05] (rays of one octant); the sheared space of [WBW13] depends on the longest axis.
 //! Tests: `tile_kernels::tests::direction_classes_split_a_tile`.
 
 use crate::bits::TILE;
@@ -15,7 +15,8 @@ pub struct DirectionClass {
 }
 
 impl DirectionClass {
-    /// The one that [`TileKernels::codes`](crate::tile_kernels::TileKernels::codes) gives this number; `None` of irregular rays.
+    /// The class with this number of [`TileKernels::codes`](crate::tile_kernels::TileKernels::codes); `None`
+    /// for irregular rays.
     #[must_use]
     pub fn of_code(code: usize) -> Option<Self> {
         let has = |bit: usize| code >> bit & 1 == 1;
@@ -31,7 +32,7 @@ impl DirectionClass {
     }
 }
 
-/// The heading of each ray of a tile, as bits.
+/// The direction class of each ray of a tile, as bits.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DirectionClasses {
     pub(crate) backwards: [u64; 3],
@@ -42,10 +43,10 @@ pub struct DirectionClasses {
 }
 
 impl DirectionClasses {
-    /// How many different headings there are, and one for rays of irregular length.
+    /// The number of different classes, and one for rays of irregular length.
     pub const CODES: usize = 25;
 
-    /// The heading of ray `i`.
+    /// The direction class of ray `i`.
     #[inline(always)]
     pub fn of(&self, i: usize) -> DirectionClass {
         let has = |bits: u64| bits >> (i % TILE) & 1 == 1;
@@ -54,7 +55,7 @@ impl DirectionClasses {
         DirectionClass { backwards: [has(x), has(y), has(z)], longest_axis }
     }
 
-    /// The heading of ray `i`, and the rays of `among` that share it.
+    /// The direction class of ray `i`, and the rays of `among` that share it.
     #[inline(always)]
     pub fn like(&self, i: usize, among: u64) -> (DirectionClass, u64) {
         let has = |bits: u64| bits >> (i % TILE) & 1 == 1;

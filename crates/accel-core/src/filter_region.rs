@@ -29,7 +29,7 @@ pub fn filter_triangles(
         }
     }
     each(u64::from(region_filter.overlap_mask(&rows)), |i| {
-        // Places that are left over repeat the first triangle.
+        // Spare slots repeat the first triangle.
         if i == 0 || numbers[i] != numbers[0] {
             let triangle = [a, b, c].map(|corner| [corner[0][i], corner[1][i], corner[2][i]]);
             visit(numbers[i], Primitive::Triangle(triangle));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a tree is built over: the kinds of geometry, and one numbering for all of their primitives.
-//! The kinds and the two halves of a quad are Embree's. Space: object.
+//! The input of trees: the kinds of geometry, and one numbering for all of their primitives. The kinds and
+//! the two halves of a quad are Embree's. Space: object.
 //! Invariant: numbers ascend with the geometry, then with the primitive, so that they order hits as their ids do.
 //! Tests: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
 
@@ -15,16 +15,16 @@ pub const LARGEST_COORDINATE: f32 = 1.8e18;
 /// nodes a sixteenth farther. Times the inverse of a regular ray's flattest direction, 2^50, that is far from an overflow.
 pub const FARTHEST_PLANE: f32 = 4e18;
 
-/// Most triangles of one object: what an event of the builder can number. Quads count twice, spheres and primitives
-/// of user geometries once.
+/// Most triangles of one object: the limit of an event's number in the builder. Quads count twice, spheres
+/// and primitives of user geometries once.
 pub const MOST_TRIANGLES: usize = (1 << 30) - 1;
 
-/// One mesh: borrowed arrays. Its `geom_id` is its place in the list that is built over.
+/// One mesh: borrowed arrays. Its `geom_id` is its index in the list of the build.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Triangles<'a> {
     /// Vertex positions, object space.
     pub positions: &'a [[f32; 3]],
-    /// Vertices of each triangle; its place is its `prim_id`.
+    /// Vertices of each triangle; its index is its `prim_id`.
     pub indices: &'a [[u32; 3]],
 }
 
@@ -36,14 +36,15 @@ pub struct Triangles<'a> {
 pub struct Quads<'a> {
     /// Vertex positions, object space.
     pub positions: &'a [[f32; 3]],
-    /// Vertices of each quad, around it; its place is its `prim_id`.
+    /// Vertices of each quad, around it; its index is its `prim_id`.
     pub indices: &'a [[u32; 4]],
 }
 
-/// Spheres: borrowed arrays of the same length; what is longer is ignored. A sphere's place is its `prim_id`.
+/// Spheres: borrowed arrays of the same length; excess elements are ignored. A sphere's index is its
+/// `prim_id`.
 ///
-/// A ray meets a sphere's surface twice, from inside once. Radii are positive; others are left out and counted among
-/// the primitives of zero area.
+/// A ray hits a sphere's surface twice, from inside once. Radii are positive; other spheres are dropped and
+/// counted among the primitives of zero area.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spheres<'a> {
     /// Centres, object space.
@@ -52,15 +53,16 @@ pub struct Spheres<'a> {
     pub radii: &'a [f32],
 }
 
-/// One mesh that moves while the shutter is open: borrowed arrays.
+/// One mesh that moves during an open shutter: borrowed arrays.
 ///
-/// Vertices go in straight lines from key to key. What rays of [`Ray::time`](crate::Ray::time) 0 see is the first key, what
-/// those of 1 see the last one. A triangle that has a bad coordinate at some key is left out.
+/// Vertices move in straight lines from key to key. Rays of [`Ray::time`](crate::Ray::time) 0 see the first
+/// key, those of 1 the last one. A triangle with a bad coordinate at some key is dropped.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MovingTriangles<'a> {
-    /// Vertex positions, object space, at moments evenly spaced from 0 to 1: a list for each. One list stands still.
+    /// Vertex positions, object space, at times evenly spaced from 0 to 1: a list for each. One list is
+    /// static.
     pub keys: &'a [&'a [[f32; 3]]],
-    /// Vertices of each triangle; its place is its `prim_id`.
+    /// Vertices of each triangle; its index is its `prim_id`.
     pub indices: &'a [[u32; 3]],
 }
 
@@ -72,7 +74,7 @@ impl<'a> MovingTriangles<'a> {
     }
 }
 
-/// What a geometry consists of.
+/// The kind and data of a geometry.
 #[derive(Clone, Debug)]
 pub enum GeometryKind<'a> {
     /// A triangle mesh.
@@ -83,14 +85,14 @@ pub enum GeometryKind<'a> {
     Spheres(Spheres<'a>),
     /// A triangle mesh that moves while the shutter is open.
     Moving(MovingTriangles<'a>),
-    /// Primitives of the caller's own making; kept by the tree.
+    /// Primitives defined by the caller; stored in the tree.
     User(Arc<dyn UserGeometry>),
 }
 
-/// One geometry of an object. Its `geom_id` is its place in the list that is built over.
+/// One geometry of an object. Its `geom_id` is its index in the list of the build.
 #[derive(Clone, Debug)]
 pub struct Geometry<'a> {
-    /// What it consists of.
+    /// Its kind and data.
     pub kind: GeometryKind<'a>,
     /// Which rays see it: those whose mask has a bit in common with this one.
     ///
@@ -215,7 +217,7 @@ pub struct Numbering {
     pub too_many: u64,
 }
 
-/// A number taken apart.
+/// A number split into its parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Located {
     pub geom_id: u32,

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray found: ids and parameters, nothing about how it looks.
-//! The fields are those that Embree and the flow of ARCHITECTURE.md use.
+//! The result of a ray: ids and parameters, without appearance. The fields are those that Embree and the flow
+//! of ARCHITECTURE.md use.
 //! Invariant: a batch's arrays have one length; a lane that missed has `t == inf` and `prim_id == INVALID_ID`.
 
-/// The id of what is not there.
+/// The id of an absent element.
 pub const INVALID_ID: u32 = u32::MAX;
 
 /// An intersection of a ray.
 ///
-/// What `u` and `v` are depends on what was hit:
+/// The meaning of `u` and `v` depends on the kind of the primitive:
 ///
 /// | kind | `u` | `v` |
 /// |---|---|---|
 /// | triangle | weight of the second vertex, in `[0, 1]` | weight of the third; the first one's is `1 - u - v` |
 /// | quad | from 0 on the edge of vertices 0 and 3 to 1 on that of 1 and 2 | from 0 on the edge of 0 and 1 to 1 on that of 3 and 2 |
 /// | sphere | 0 | 0; the normal is the point minus the centre |
-/// | user geometry | what it says | what it says |
+/// | user geometry | as its test returns | as its test returns |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// Ray parameter, in multiples of the ray's `dir`.
@@ -28,11 +28,11 @@ pub struct Hit {
     pub prim_id: u32,
     /// Geometry within its object, counted from 0.
     pub geom_id: u32,
-    /// Instance within the scene that was asked, counted from 0; 0 where an object's tree is asked directly.
+    /// Instance within the queried scene, counted from 0; 0 for a direct query of an object's tree.
     pub inst_id: u32,
-    /// The object's place among all objects of the scene, those of nested scenes too;
-    /// [`SceneTree::instance_path`](crate::SceneTree::instance_path) tells the instances on the way to it. 0 where an
-    /// object's tree is asked directly.
+    /// The object's index among all objects of the scene, those of nested scenes too;
+    /// [`SceneTree::instance_path`](crate::SceneTree::instance_path) returns the instances on the path to it.
+    /// 0 for a direct query of an object's tree.
     pub leaf_id: u32,
 }
 
@@ -71,7 +71,7 @@ pub struct HitBatch {
     pub geom_id: Vec<u32>,
     /// Instances.
     pub inst_id: Vec<u32>,
-    /// Places among all objects.
+    /// Indices among all objects.
     pub leaf_id: Vec<u32>,
 }
 

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The ground floor of ray queries: rays, hits and geometry as plain data, the trip that goes through trees, and the
-//! arithmetic that every tree shares. `gnurt-accel` is the door for programs; trees are crates of their own.
+//! The base of ray queries: rays, hits and geometry as plain data, the traversal states that pass through
+//! trees, and the arithmetic that every tree shares. `gnurt-accel` is the API for programs; trees are crates
+//! of their own.
 //! Source: see each file.
 //!
 //! From below: `float`, `bits`, `aabb`, `ray`, `hit`: numbers and plain data. `slab`, `triangle`, `blocks`: one ray against
-//! planes and triangles. `tile`, `beam`, `faces`, `chunks`, `tile_test`: up to 64 rays of one [`direction_class`] against boxes and
-//! triangles. [`traversal`]: what goes from a query to the kernels of a tree. `geometry`, `valid_triangles`, `threads`, `control`:
-//! what trees are built over, by whom and under whose eyes. `store`: trees in files.
+//! planes and triangles. `tile`, `beam`, `edge_planes`, `chunks`, `tile_test`: up to 64 rays of one [`direction_class`] against boxes and
+//! triangles. [`traversal`]: the state that a query passes to the kernels of a tree. `geometry`,
+//! `valid_triangles`, `threads`, `control`: the input of builds, their threads and their control. `store`:
+//! trees in files.
 //!
-//! Nothing in here is compiled for a level by itself but [`tile_kernels`]: the rest is `#[inline(always)]` for the kernels
-//! of the crates above.
+//! Only [`tile_kernels`] is compiled for each level here: the rest is `#[inline(always)]` for the kernels of
+//! the crates above.
 #![forbid(unsafe_code)]
 #![allow(
     rustdoc::broken_intra_doc_links,
@@ -30,8 +32,8 @@ pub mod clip;
 pub mod collect;
 pub mod control;
 pub mod direction_class;
+pub mod edge_planes;
 pub mod exact;
-pub mod faces;
 pub mod filter_region;
 pub mod float;
 pub mod geometry;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Moments between keys that are evenly spaced over an open shutter. Straight lines between keys are Embree's and glTF's (LINEAR).
-//! Invariant: mixing is two products and a sum, each rounded, which never reverses an order: of two numbers that are in one
-//! order at both keys the mixed ones are, too. So a mixed box holds what the boxes at its keys hold.
+//! Times between keys that are evenly spaced over an open shutter. Straight lines between keys are Embree's
+//! and glTF's (LINEAR).
+//! Invariant: interpolation is two products and a sum, each rounded, which never reverses an order: two
+//! numbers in one order at both keys are in that order between them. So an interpolated box encloses the
+//! interpolation of everything that the boxes at its keys enclose.
 //! Tests: `tests`, `tests/surfaces/motion.rs` of `gnurt-accel`.
 
-/// Between which keys a moment lies.
+/// The keys around a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeyInterval {
     /// The key before it.
@@ -31,7 +33,7 @@ impl KeyInterval {
         Self { key, next: key + 1, weights: [1.0 - behind, behind] }
     }
 
-    /// A number that is `from` at the key before and `to` at the one behind.
+    /// The interpolated number, `from` at the key before and `to` at the one behind.
     #[must_use]
     #[inline(always)]
     pub fn mix(&self, from: f32, to: f32) -> f32 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The best hit so far, for closest-hit and any-hit queries, and which of two is the better one.
 //! Invariant: of hits at the same `t` the one with the lowest instance, then the lowest primitive wins, so that the
-//! answer does not depend on the order of visits. [`Nearest::offer`] and [`closer`] are the only places that say so.
+//! answer does not depend on the order of visits. Only [`Nearest::offer`] and [`closer`] implement that.
 //! Tests: `tests::{ties_go_to_the_lowest, lanes_choose_alike}`.
 
 use gnurt_simd::{Simd, SimdFloat, prelude::*};
@@ -9,7 +9,7 @@ use gnurt_simd::{Simd, SimdFloat, prelude::*};
 use crate::hit::INVALID_ID;
 use crate::triangle::TriangleHit;
 
-/// What a query wants.
+/// The kind of a query.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The closest hit.
@@ -18,7 +18,7 @@ pub enum Kind {
     Any,
 }
 
-/// The same for what is compiled once for each.
+/// The same for code compiled once for each.
 pub trait Mode {
     /// Whether the first hit found ends the search.
     const ANY: bool;
@@ -46,7 +46,7 @@ pub struct Nearest {
     pub v: f32,
     /// Primitive in its object, [`INVALID_ID`] for none.
     pub number: u32,
-    /// The object's place among all objects of the scene.
+    /// The object's index among all objects of the scene.
     pub slot: u32,
 }
 

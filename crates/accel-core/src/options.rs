@@ -22,18 +22,19 @@ pub enum Structure {
     /// A bounding volume hierarchy whose nodes have eight children.
     #[default]
     Bvh,
-    /// A bounding interval hierarchy \[WK06\]: nodes of 12 bytes with two planes along one axis. Shared out by the surface area
-    /// heuristic, with clips where a child does not fill what rays know of it. Can be refitted.
+    /// A bounding interval hierarchy \[WK06\]: nodes of 12 bytes with two planes along one axis. Triangles
+    /// are divided by the surface area heuristic, with clips where a child does not fill its region. Can be
+    /// refitted.
     #[cfg(feature = "research")]
     Bih,
-    /// The same as it was published: space is halved, and nothing is done about what is empty. For comparison.
+    /// The same as published: space is halved, and empty space stays. For comparison.
     #[cfg(feature = "research")]
     PlainBih,
     /// A B-KD tree \[WMS06\]: nodes of 20 bytes with four planes along one axis, and clips as above. Can be refitted.
     #[cfg(feature = "research")]
     BKd,
-    /// A grid of cells of one size \[WIK*06\]: quick to build, for what is built anew each frame; slow to
-    /// trace, most of all where triangles are spread unevenly. All qualities are one.
+    /// A grid of cells of one size \[WIK*06\]: quick to build, for geometry that is rebuilt each frame; slow
+    /// to trace, most of all where triangles are spread unevenly. All qualities are equal.
     #[cfg(feature = "research")]
     Grid,
 }
@@ -41,7 +42,7 @@ pub enum Structure {
 /// How much time a build may take for faster rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
-    /// The least: for what moves. Kd-trees are built from samples of the cost \[HMS06\].
+    /// The least: for moving geometry. Kd-trees are built from samples of the cost \[HMS06\].
     Fast,
     /// Binned surface area heuristic and a little optimisation for BVHs, the exact sweep for kd-trees.
     #[default]
@@ -50,21 +51,22 @@ pub enum Quality {
     High,
 }
 
-/// What a BVH's place in memory is for.
+/// The memory layout of a BVH.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Memory {
     /// Rays: about 50 bytes per triangle.
     #[default]
     Fast,
-    /// What else is to fit: about 25 bytes per triangle of a mesh, for the same hits, bit for bit. Tiles of rays are 10 to
-    /// 20 % slower, single rays about 30 %. Boxes are rounded to bytes, outwards \[YKL17\]; corners are shared.
+    /// The smaller one: about 25 bytes per triangle of a mesh, for the same hits, bit for bit. Tiles of rays
+    /// are 10 to 20 % slower, single rays about 30 %. Boxes are rounded to bytes, outwards \[YKL17\]; corners
+    /// are shared.
     Compact,
 }
 
 /// Settings of the builders. The default suits almost everything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuildOptions {
-    /// What is built.
+    /// The structure to build.
     pub structure: Structure,
     /// How carefully.
     pub quality: Quality,
@@ -75,12 +77,12 @@ pub struct BuildOptions {
     /// Kd-tree: cost of a triangle test in units of one step through a node. Little, since triangles are tested eight at
     /// a time, and discarded eight at a time for a whole tile of rays.
     pub triangle_cost: f32,
-    /// Kd-tree: what the cost of a plane is multiplied with where one of its sides is empty.
+    /// Kd-tree: factor of the cost of a plane with an empty side.
     pub empty_factor: f32,
     /// Leaves of a kd-tree, of a BVH with spatial splits, or cells of a grid may hold at most this many references in all, as a multiple
     /// of the number of triangles. A BVH stays below 2.
     pub reference_budget: f32,
-    /// Kd-tree: nodes may not lie deeper; capped by what a traversal stack holds.
+    /// Kd-tree: the largest depth of nodes; limited by the traversal stack.
     pub max_depth: u32,
 }
 

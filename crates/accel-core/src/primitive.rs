@@ -10,6 +10,6 @@ pub enum Primitive<'a> {
     Triangle([[f32; 3]; 3]),
     /// Centre and radius.
     Sphere([f32; 3], f32),
-    /// The caller's own, by its place in its geometry.
+    /// The caller's own, by its index in its geometry.
     User(&'a dyn UserGeometry, u32),
 }

@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a batch of rays is to be traced, and what tracing it took.
+//! Options of a batch query, and its cost.
 
 use gnurt_simd::Level;
 
-/// What the caller knows of the rays of a batch.
+/// The caller's knowledge about the rays of a batch.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Coherence {
-    /// Neighbours in the batch go much the same way (camera rays, shadow rays to one point): traced in packets.
+    /// Neighbours in the batch have similar directions (camera rays, shadow rays to one point): traced in
+    /// packets.
     Coherent,
-    /// Neighbours in the batch start near each other but go different ways, and not far (ambient occlusion): sorted by
-    /// direction within the batch, then traced in packets.
+    /// Neighbours in the batch have near origins but different directions and short extents (ambient
+    /// occlusion): sorted by direction within the batch, then traced in packets.
     Fanned,
-    /// Nothing is known: traced one by one; those that start all over a large scene take turns.
+    /// Unknown: traced one by one; those with origins all over a large scene are interleaved.
     #[default]
     Incoherent,
 }
 
-/// How to trace: a ray, or a batch of them. Level and coherence change nothing but the speed.
+/// How to trace: a ray, or a batch of them. Level and coherence change only the speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Query {
     /// Instruction set; the default is the CPU's best.
     pub level: Level,
     /// Whether packets pay.
     pub coherence: Coherence,
-    /// What is seen: each ray's own mask counts only as far as it has bits in common with this one. All by default.
+    /// The visible kinds: each ray's own mask counts only in its common bits with this one. All by default.
     pub mask: u32,
 }
 
@@ -34,15 +35,16 @@ impl Default for Query {
     }
 }
 
-/// What tracing took.
+/// The cost of tracing.
 ///
-/// Sums over rays: a tile adds one for each of its rays that may meet a node or is tested against a triangle. Rays of a
-/// tile go through the tree in one order, so a tile counts more than its rays would one by one; every level that has tiles
-/// counts the same nodes, and the same triangles but for AVX-512, where fewer are tested for rays one by one.
+/// Sums over rays: a tile adds one for each of its rays that may meet a node or is tested against a triangle.
+/// Rays of a tile go through the tree in one order, so a tile counts more than its rays would singly. Every
+/// level with tiles counts the same nodes, and the same triangles except for AVX-512, where fewer are tested
+/// for single rays.
 /// Tests: `tests/counters.rs`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
-    /// Rays asked for.
+    /// Rays of queries.
     pub rays: u64,
     /// Nodes visited, leaves too: of the top tree and of objects.
     pub nodes: u64,
@@ -63,13 +65,13 @@ impl std::ops::AddAssign for Counters {
 pub struct Record {
     /// Sums.
     pub counters: Counters,
-    /// `Some`: asks for nodes plus triangles of each ray of the last batch, for heat maps. Such batches are traced
-    /// ray by ray.
+    /// `Some`: requests nodes plus triangles of each ray of the last batch, for heat maps. Such batches are
+    /// traced ray by ray.
     pub costs: Option<Vec<u32>>,
 }
 
 impl Record {
-    /// One that asks for costs per ray.
+    /// A record that requests costs per ray.
     #[must_use]
     pub fn with_costs() -> Self {
         Self { counters: Counters::default(), costs: Some(Vec::new()) }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays. Space: that of the structure that is asked (world for a scene, object for an object's tree).
+//! Rays. Space: that of the queried structure (world for a scene, object for an object's tree).
 //! Tests: `tests::directions_of_any_length_are_made_regular`.
 
 use std::borrow::Cow;
@@ -12,8 +12,8 @@ use std::borrow::Cow;
 pub struct Ray {
     /// Origin.
     pub org: [f32; 3],
-    /// Smallest parameter that counts as a hit, inclusive. Made for `>= 0`: below zero hits behind the origin are right, too,
-    /// but nearer boxes are no longer looked at first.
+    /// Smallest parameter that counts as a hit, inclusive. Designed for `>= 0`: below zero hits behind the
+    /// origin are right, too, but nearer boxes are no longer visited first.
     pub t_near: f32,
     /// Direction, any length but zero. Of very short ones `t` may be beyond the greatest float, and then infinite.
     pub dir: [f32; 3],
@@ -21,26 +21,26 @@ pub struct Ray {
     pub t_far: f32,
     /// It sees an instance or a geometry where its mask and theirs have a bit in common.
     pub mask: u32,
-    /// The moment at which it sees what moves, from 0 to 1; what lies beyond is clamped, NaN is 0.
+    /// The time at which it sees moving geometry, from 0 to 1; values beyond are clamped, NaN is 0.
     pub time: f32,
 }
 
 impl Ray {
-    /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything at moment 0.
+    /// The ray from `org` towards `dir` over `[0, inf]`, which sees everything at time 0.
     #[must_use]
     #[inline]
     pub fn new(org: [f32; 3], dir: [f32; 3]) -> Self {
         Self { org, t_near: 0.0, dir, t_far: f32::INFINITY, mask: u32::MAX, time: 0.0 }
     }
 
-    /// The same ray, with a mask that says what it sees.
+    /// The same ray, with a visibility mask.
     #[must_use]
     #[inline]
     pub fn with_mask(self, mask: u32) -> Self {
         Self { mask, ..self }
     }
 
-    /// The same ray at another moment.
+    /// The same ray at another time.
     #[must_use]
     #[inline]
     pub fn with_time(self, time: f32) -> Self {
@@ -54,10 +54,10 @@ impl Ray {
         Self { t_near, t_far, ..self }
     }
 
-    /// The same ray from just behind a hit at `t` on: what asks for the next hit, for shadows through glass.
+    /// The same ray from just behind a hit at `t` on: the query for the next hit, for shadows through glass.
     ///
     /// It starts at the next greater float, so a loop that follows a ray from hit to hit always ends: `t` grows in
-    /// every round. The price: of several surfaces at exactly the same `t` only one is seen.
+    /// every round. The price: of several surfaces at exactly the same `t` only one is found.
     #[must_use]
     #[inline]
     pub fn beyond(self, t: f32) -> Self {
@@ -93,8 +93,8 @@ impl Ray {
         if x >= y && x >= z { 0 } else { 2 - usize::from(y >= z) }
     }
 
-    /// The same ray with a direction of regular length, and what its parameters have to be multiplied with to be
-    /// this one's: a power of two, so that nothing is rounded, unless `t` leaves the range of floats.
+    /// The same ray with a direction of regular length, and the factor from its parameters to this one's: a
+    /// power of two, so that there is no rounding, unless `t` leaves the range of floats.
     #[cold]
     pub fn regular(&self) -> (Self, f64) {
         let mut dir = self.dir;
@@ -129,9 +129,9 @@ fn size_bits([x, y, z]: [f32; 3]) -> u32 {
 
 /// A ray whose origin is in double precision, for scenes far from the world's origin.
 ///
-/// The instances of a [`SceneTree`](crate::SceneTree) have their places in double precision, too: what reaches an
-/// object is the difference of the two, so nothing is lost where both are far away. Directions and parameters are as
-/// for a [`Ray`]. An object's tree that is asked directly rounds the origin.
+/// The instances of a [`SceneTree`](crate::SceneTree) have transforms in double precision, too: only the
+/// difference of the two reaches an object, so no precision is lost where both are far away. Directions and
+/// parameters are as for a [`Ray`]. A direct query of an object's tree rounds the origin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray64 {
     /// Origin.
@@ -163,7 +163,7 @@ impl Ray64 {
     }
 }
 
-/// What one-ray calls take: a [`Ray`] or a [`Ray64`].
+/// The argument of one-ray calls: a [`Ray`] or a [`Ray64`].
 pub trait AnyRay {
     /// The ray in single precision.
     fn rounded(&self) -> Cow<'_, Ray>;

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Many rays, one array per component.
 //! Source: [SSM*05]; fields as structure of arrays after the paper's Figure 4.
-//! Space: that of the structure that is asked.
-//! Invariant: all vectors of a batch have the same length, but for masks and moments, which may be missing altogether.
+//! Space: that of the queried structure.
+//! Invariant: all vectors of a batch have the same length, except for masks and times, which may be empty.
 //! Tests: `tests::push_and_get`.
 
 use crate::ray::Ray;
 
-/// Many rays, one array per component: what a tile's queue holds and what kernels read.
+/// Many rays, one array per component: the contents of a tile's queue, and the input of kernels.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RayBatch {
     /// Origins: x, y and z arrays, `len()` values each.
     pub org: [Vec<f32>; 3],
-    /// Directions, likewise.
+    /// Directions, component by component.
     pub dir: [Vec<f32>; 3],
     /// Near ends.
     pub t_near: Vec<f32>,
@@ -20,12 +20,12 @@ pub struct RayBatch {
     pub t_far: Vec<f32>,
     /// Masks; empty as long as all rays see everything.
     pub mask: Vec<u32>,
-    /// Moments; empty as long as all rays are of moment 0.
+    /// Times; empty if all rays are of time 0.
     pub time: Vec<f32>,
 }
 
 impl RayBatch {
-    /// An empty batch with room for `n` rays.
+    /// An empty batch with memory for `n` rays.
     #[must_use]
     pub fn with_capacity(n: usize) -> Self {
         let array = || Vec::with_capacity(n);
@@ -39,7 +39,7 @@ impl RayBatch {
         }
     }
 
-    /// Number of rays: of near ends, where somebody made arrays of different lengths.
+    /// Number of rays: that of near ends, if arrays have different lengths.
     #[must_use]
     #[inline]
     pub fn len(&self) -> usize {
@@ -53,10 +53,10 @@ impl RayBatch {
         self.t_near.is_empty()
     }
 
-    /// Makes sure that the arrays, which anybody may change, go together.
+    /// Checks that the public arrays have the same length.
     ///
     /// # Panics
-    /// If they do not; the message says which one is of another length.
+    /// If they have not; the message names the one of another length.
     pub fn check(&self) {
         let n = self.t_near.len();
         let arrays = [
@@ -73,7 +73,7 @@ impl RayBatch {
         }
         let (masks, times) = (self.mask.len(), self.time.len());
         assert!(masks == 0 || masks == n, "a batch of {n} rays has {masks} masks: none, or one each");
-        assert!(times == 0 || times == n, "a batch of {n} rays has {times} moments: none, or one each");
+        assert!(times == 0 || times == n, "a batch of {n} rays has {times} times: none, or one each");
     }
 
     /// Appends a ray.

@@ -6,7 +6,7 @@
 pub enum RefitError {
     /// There are more or fewer geometries or primitives than the tree was built over, or they are of other kinds or masks.
     OtherGeometry,
-    /// A primitive that could not be traced now can be; or so many no longer can that a leaf is empty.
+    /// An untraceable primitive has become traceable; or all primitives of a leaf have become untraceable.
     OtherPrimitives,
     /// A kd-tree or a grid: it divides space, and triangles that move are elsewhere in it. Or a tree with several keys.
     Structure,
@@ -20,7 +20,7 @@ impl std::fmt::Display for RefitError {
             }
             Self::OtherPrimitives => "other primitives than before can be traced: the tree has to be built again",
             Self::Structure => {
-                "a kd-tree or grid, or a tree over meshes with several keys, cannot be refitted: use Structure::Bvh and meshes of one moment"
+                "a kd-tree or grid, or a tree over meshes with several keys, cannot be refitted: use Structure::Bvh and meshes with one key"
             }
         })
     }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where to look for primitives: along a line or in a box, carried into the spaces of instances.
-//! Source: slabs, [KK86], in double precision. Plain loops over eight boxes, of which compilers make lanes: one body for all
-//! levels, since what is found is decided afterwards, exactly.
-//! Invariant: what meets the region lies in no box that is skipped: boxes are widened by what they were rounded by (`SLACK`), by
-//! what doubles round, and by what may be off in the space of an instance, which is measured on the way back.
+//! Regions of searches for primitives: lines and boxes, transformed into the spaces of instances.
+//! Source: slabs, [KK86], in double precision. Plain loops over eight boxes, which compilers turn into lanes:
+//! one body for all levels, because exact arithmetic decides about the results afterwards.
+//! Invariant: a primitive that meets the region lies in no skipped box. Boxes are widened by their own
+//! rounding (`SLACK`), by the rounding of doubles, and by the error in the space of an instance, which is
+//! measured by the inverse transform.
 //! Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use crate::blocks::WIDTH;
@@ -12,11 +13,11 @@ use crate::exact::Line;
 /// Coordinates along a row of eight boxes: x lo, x hi, y lo, y hi, z lo, z hi.
 pub type Rows = [[f32; WIDTH]; 6];
 
-/// Sides of boxes are right up to this share of the greatest coordinate: twice what `kd/slab.rs` and the clipped boxes of
-/// spatial splits need.
+/// Sides of boxes are right up to this fraction of the greatest coordinate: twice the need of `kd/slab.rs`
+/// and of the clipped boxes of spatial splits.
 const SLACK: f64 = 2e-6;
 
-/// What a few roundings of doubles take off.
+/// The error of a few roundings of doubles.
 const ROUNDING: f64 = 1e-14;
 
 /// A part of space.
@@ -62,18 +63,18 @@ fn length(v: [f64; 3]) -> f64 {
     (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// An affine map out of a space and one back into it, which is the other's inverse as well as doubles know it.
+/// An affine map out of a space and one back into it, its inverse up to the rounding of doubles.
 #[derive(Clone, Copy, Debug)]
 pub struct Map<'a> {
-    /// Images of the axes, then of the origin, on the way out.
+    /// Images of the axes, then of the origin, of the outward map.
     pub columns: &'a [[f64; 3]; 4],
-    /// Rows of the linear part on the way in.
+    /// Rows of the linear part of the inward map.
     pub rows: &'a [[f64; 3]; 3],
 }
 
 impl Map<'_> {
-    /// A point or vector on the way in, that may be off by so much, and how far off it then may be: what does not come back
-    /// on the way out, and what is lost there.
+    /// Transforms a point or vector with an error bound inward; returns its error bound there, from the
+    /// inverse transform and its rounding.
     fn inward(&self, v: [f64; 3], origin: [f64; 3], off: f64) -> ([f64; 3], f64) {
         let from = [0, 1, 2].map(|k| v[k] - origin[k]);
         let inside = self.rows.map(|row| row[0] * from[0] + row[1] * from[1] + row[2] * from[2]);
@@ -87,7 +88,7 @@ impl Map<'_> {
                 x[k].abs() * inside[0].abs() + y[k].abs() * inside[1].abs() + z[k].abs() * inside[2].abs(),
             );
         }
-        // The rows are good enough to say how much longer vectors become.
+        // The rows are precise enough for the growth of vectors.
         let growth = self.rows.map(length).map(|x| x * x).iter().sum::<f64>().sqrt();
         (inside, 2.0 * growth * (off + 2.0 * missing + ROUNDING * size))
     }

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A long list whose copies share what they have in common: an edit copies a few values around it, and the way to them.
-//! Persistent arrays, here a trie of depth three. For who edits one of a million while others still read
-//! the list before. Cost: reading follows two pointers more than a vector; a copy takes a pointer per 512 values; an edit
-//! copies 16 values and 32 pointers, once. Tests: `tests::copies_share_what_was_not_edited`.
+//! A long list whose copies share memory: an edit copies a few values around it, and the path to them.
+//! Persistent arrays, here a trie of depth three. For callers that edit one of a million elements while
+//! others still read the earlier list. Cost: reading follows two pointers more than a vector; a copy takes a
+//! pointer per 512 values; an edit copies 16 values and 32 pointers, once. Tests:
+//! `tests::copies_share_what_was_not_edited`.
 
 use std::ops::Index;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-/// Values of a leaf, and leaves of a branch: powers of two, so that places are split by shifts.
+/// Values of a leaf, and leaves of a branch: powers of two, so that indices are split by shifts.
 const LEAF: usize = 16;
 const BRANCH: usize = 32;
 const SPAN: usize = LEAF * BRANCH;
@@ -18,7 +19,7 @@ type Leaf<T> = Arc<[T; LEAF]>;
 
 /// A list whose copies share memory.
 ///
-/// Behind its end, up to the end of a leaf, are default values that nobody sees.
+/// Between its end and the end of a leaf are unused default values.
 #[derive(Clone, Debug)]
 pub struct SharedList<T> {
     branches: Vec<Arc<[Leaf<T>]>>,
@@ -66,7 +67,7 @@ impl<T> SharedList<T> {
         leaves.flat_map(|leaf| leaf.iter()).take(self.len)
     }
 
-    /// Bytes of the values and of the way to them.
+    /// Bytes of the values and of the path to them.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.len.div_ceil(LEAF) * (size_of::<[T; LEAF]>() + size_of::<Leaf<T>>())
@@ -75,7 +76,7 @@ impl<T> SharedList<T> {
 }
 
 impl<T: Send + Sync> SharedList<T> {
-    /// Its values in pieces, with the place of the first one of each.
+    /// Its values in pieces, with the index of the first one of each.
     pub fn par_pieces(&self) -> impl IndexedParallelIterator<Item = (usize, &[T])> {
         (0..self.len.div_ceil(LEAF)).into_par_iter().with_min_len(BRANCH).map(|leaf| {
             let first = leaf * LEAF;
@@ -91,7 +92,7 @@ impl<T: Default + Clone + Send + Sync> SharedList<T> {
         Self::with(len, parallel, |position| (value(position), ())).0
     }
 
-    /// The same, and what comes along with each value.
+    /// The same, with a second result for each value.
     pub fn with<U: Send>(
         len: usize,
         parallel: bool,
@@ -140,7 +141,7 @@ impl<T: Default + Clone + Send + Sync> SharedList<T> {
         self.len = len;
     }
 
-    /// A value, to be changed; what it shares with others on the way to it is copied first.
+    /// A value for editing; the shared nodes on the path to it are copied first.
     ///
     /// # Panics
     /// Behind the end.

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays against the boxes of a wide BVH: what is prepared for planes, for one ray or for lanes of them.
+//! Rays against the boxes of a wide BVH: values prepared for planes, for one ray or for lanes of them.
 //! Source: slabs, [KK86]; the error bound is that of the kd-tree's `slab.rs`.
 //!
-//! A plane `b` is met at `t = b * inv - org * inv`, one fused operation where the CPU has it. What is rounded on the way,
-//! here, in the boxes and in the triangle tests, moves points by less than `SLACK * (2 * greatest + away)`, where `greatest` is
-//! the greatest coordinate of the tree and `away` that of the origin: 17 units of 2^-24 for the tests and 5 for boxes
-//! (the kd-tree's `slab.rs`), 3 for the difference of products, and 5 more where nodes are compact. The slack is part of
-//! the term that is subtracted: it costs nothing.
-//! Invariant: what a triangle test hits is in no box that is skipped. Tests: `tests/watertight.rs` of `gnurt-accel`.
+//! A plane `b` is hit at `t = b * inv - org * inv`, one fused operation where the CPU has it. Rounding here,
+//! in the boxes and in the triangle tests moves points by less than `SLACK * (2 * greatest + away)`, where
+//! `greatest` is the greatest coordinate of the tree and `away` that of the origin. In units of 2^-24: 17 for
+//! the tests, 5 for boxes (the kd-tree's `slab.rs`), 3 for the difference of products, and 5 more for compact
+//! nodes. The slack is part of the term that is subtracted: it costs nothing.
+//! Invariant: a primitive that the triangle test hits is in no skipped box. Tests: `tests/watertight.rs` of
+//! `gnurt-accel`.
 
 use crate::float::{FLATTEST, Number};
 
@@ -33,7 +34,7 @@ pub struct Slabs<V> {
 }
 
 impl<V: Number> Slabs<V> {
-    /// For a tree, not empty, whose greatest coordinate is `greatest`; rays are sound and regular.
+    /// For a tree, not empty, whose greatest coordinate is `greatest`; rays are valid and regular.
     #[inline(always)]
     pub fn new(org: [V; 3], dir: [V; 3], greatest: f32, at: impl Fn(f32) -> V) -> Self {
         let inv = inverse(dir, &at);

@@ -2,7 +2,7 @@
 //! The size and shape of a tree, for people.
 //! The cost is that of [MB90].
 
-/// What a tree consists of.
+/// The contents of a tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TreeStats {
     /// Triangles (or instances) that it was built over, without dropped ones.

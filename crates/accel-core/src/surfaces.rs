@@ -13,7 +13,7 @@ pub struct Surfaces<'a> {
     pub starts: Vec<u32>,
 }
 
-/// What triangles of one geometry are made from.
+/// The source of the triangles of one geometry.
 #[derive(Clone, Copy)]
 pub(crate) enum Surface<'a> {
     Triangles(Triangles<'a>),
@@ -92,7 +92,7 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// The corners of triangle `number`, whose indices must be sound.
+    /// The corners of triangle `number`, whose indices must be valid.
     #[inline]
     pub fn corners(&self, number: u32) -> [[f32; 3]; 3] {
         let (positions, corners) = self.indices(number);
@@ -106,8 +106,8 @@ impl<'a> Surfaces<'a> {
         self.meshes[geometry].triangle(number - self.starts[geometry])
     }
 
-    /// What of the triangle `number` can be traced, by halves if it is one of a quad's, as a build decides it; faults are
-    /// counted. Numbers of the second halves of quads count nothing: their quad has one fault at most.
+    /// Checks whether the triangle `number` is traceable, as a build decides it (a half of a quad by itself);
+    /// counts faults. Second halves of quads count no faults: their quad has one fault at most.
     pub fn judge(&self, number: u32, bad: &mut BadPrimitives) -> bool {
         let geometry = geometry_of(&self.starts, number);
         let within = number - self.starts[geometry];

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who does the work of a build. Invariant: what is built is the same for any number of threads.
+//! Threads of a build. Invariant: the result is the same for any number of threads.
 
 use rayon::prelude::*;
 
-/// Who does the work of a build. The tree is the same, bit for bit, whatever is chosen.
+/// Threads of a build. The tree is the same, bit for bit, for any choice.
 #[derive(Clone, Copy, Default)]
 pub enum Threads<'a> {
-    /// The calling thread alone.
+    /// The calling thread only.
     #[default]
     Single,
     /// The threads of this pool; may be called from inside it.
@@ -14,7 +14,7 @@ pub enum Threads<'a> {
 }
 
 impl Threads<'_> {
-    /// Runs a job, told whether several threads may work on it, among them.
+    /// Runs a job on these threads; its argument tells whether there are several.
     pub fn run<R: Send>(self, job: impl FnOnce(bool) -> R + Send) -> R {
         match self {
             Self::Single => job(false),
@@ -23,7 +23,7 @@ impl Threads<'_> {
     }
 }
 
-/// Puts `count` values behind what is in `all`; several threads may work on it.
+/// Appends `count` values to `all`; several threads may work on it.
 pub fn extend<T: Send>(
     parallel: bool,
     all: &mut Vec<T>,

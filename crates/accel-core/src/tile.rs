@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Up to 64 rays that are traced together: what multi-level ray tracing descends with.
-//! Source: [RSH05]; structure of arrays after the paper's Figure 4.
-//! Space: as the rays that went in.
-//! Invariant: a tile's lanes are plain arrays, so that the same tile serves every SIMD level; `active` says which lanes
-//! hold a ray that can hit something. The others hold nothing that may be looked at.
+//! Up to 64 rays that are traced together: the unit of multi-level ray tracing.
+//! Source: [RSH05]; structure of arrays after [SIP06], Figure 4.
+//! Space: that of the original rays.
+//! Invariant: a tile's lanes are plain arrays, so that the same tile serves every SIMD level; `active` tells
+//! which lanes hold a ray that can hit something. The other lanes are undefined.
 //! Tests: `tile_kernels::tests`.
 
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*};
@@ -35,17 +35,17 @@ pub struct RayTile {
     pub org: [PerRay; 3],
     pub dir: [PerRay; 3],
     pub t_near: PerRay,
-    /// Moments; see [`Ray::time`].
+    /// Times; see [`Ray::time`].
     pub time: PerRay,
-    /// What all of them see: rays of different masks go into different tiles.
+    /// Their common mask: rays of different masks go into different tiles.
     pub mask: u32,
-    /// Whether they have moments; if not, `time` is zero everywhere.
+    /// Whether they have times; if not, `time` is zero everywhere.
     pub is_timed: bool,
-    /// Whether lanes that are not active hold rays all the same, which look for nothing (`t` is -inf): then the tile
-    /// need not be copied where a few lanes are missing.
+    /// Whether lanes that are not active hold rays without an extent (`t` is -inf): then the tile need not be
+    /// copied if a few lanes are missing.
     pub is_full: bool,
-    /// Where all rays are heading, if that is known: then lanes behind the first rays up to a multiple of 16 look for
-    /// nothing, and nobody need look which ways they go.
+    /// The common direction class of all rays, if known: then lanes after the first rays, up to a multiple of
+    /// 16, hold rays without an extent, and no directions need to be compared.
     pub direction_class: Option<DirectionClass>,
 }
 
@@ -91,7 +91,7 @@ impl RayTile {
         count
     }
 
-    /// Whether its rays have moments from now on.
+    /// Sets whether its rays have times.
     #[inline(always)]
     fn set_timed(&mut self, is_timed: bool) {
         if self.is_timed && !is_timed {
@@ -100,7 +100,8 @@ impl RayTile {
         self.is_timed = is_timed;
     }
 
-    /// Loads the rays of a batch with these numbers, 64 at most and one at least, which have this heading, if any.
+    /// Loads the rays of a batch with these numbers, 64 at most and one at least, which have this direction
+    /// class, if any.
     pub fn pick(
         &mut self,
         rays: &RayBatch,
@@ -138,13 +139,13 @@ impl RayTile {
         nearest.slot = [INVALID_ID; TILE];
     }
 
-    /// The first `count` rays, one at least, have this heading.
+    /// Marks the first `count` rays, one at least, as having this direction class.
     pub fn set_coherent(&mut self, count: usize, direction_class: DirectionClass, nearest: &mut NearestTile) {
         self.direction_class = Some(direction_class);
         self.fill_up(count, nearest);
     }
 
-    /// Fills up to a multiple of 16 with copies of the first ray that look for nothing.
+    /// Fills up to a multiple of 16 with copies of the first ray without an extent.
     fn fill_up(&mut self, count: usize, nearest: &mut NearestTile) {
         for lane in count..count.next_multiple_of(LANES).min(TILE) {
             self.repeat(lane);
@@ -152,8 +153,8 @@ impl RayTile {
         }
     }
 
-    /// The rays in `bits` side by side, with their best hits; fills up to a multiple of 16 with copies of the first
-    /// that look for nothing. Returns how many there are.
+    /// The rays in `bits` side by side, with their best hits; fills up to a multiple of 16 with copies of the
+    /// first without an extent. Returns how many there are.
     pub fn gather(
         &self,
         nearest: &NearestTile,
@@ -230,7 +231,7 @@ impl RayTile {
     }
 
     /// Whether neighbours among those in `active` start far from each other, seen from the size of `bounds`: by a sixteenth
-    /// of its edges, in the mean. Rays in `active` are sound.
+    /// of its edges, in the mean. Rays in `active` are valid.
     #[inline(always)]
     pub fn origins_differ<S: Simd>(&self, simd: S, active: u64, bounds: &Aabb) -> bool {
         let edges: f32 = (0..3).map(|k| bounds.max[k] - bounds.min[k]).sum();
@@ -271,7 +272,7 @@ impl NearestTile {
         slot: [INVALID_ID; TILE],
     };
 
-    /// Bits of the rays that still look for something.
+    /// Bits of the unfinished rays.
     #[inline(always)]
     pub fn looking<S: Simd>(&self, simd: S) -> u64 {
         let done = f32x16::splat(simd, f32::NEG_INFINITY);
@@ -289,7 +290,7 @@ impl NearestTile {
         Nearest { t: self.t[i], u: self.u[i], v: self.v[i], number: self.number[i], slot: self.slot[i] }
     }
 
-    /// Puts back what [`RayTile::gather`] took out.
+    /// Restores the lanes that [`RayTile::gather`] extracted.
     pub fn scatter(&mut self, mut bits: u64, best: &Self) {
         let mut from = 0;
         while bits != 0 {

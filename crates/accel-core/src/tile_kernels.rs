@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is done to whole tiles outside of trees, sixteen rays at a time: a table of small functions for each level.
+//! Operations on whole tiles outside of trees, sixteen rays at a time: a table of small functions for each
+//! level.
 //! Space: that of the rays.
-//! Invariant: every level answers with the same bits. Tests: `tests::direction_classes_split_a_tile`, `tests/pencils.rs` and
-//! `tests/instances.rs` of `gnurt-accel`.
+//! Invariant: every level returns the same bits. Tests: `tests::direction_classes_split_a_tile`,
+//! `tests/pencils.rs` and `tests/instances.rs` of `gnurt-accel`.
 
 use std::marker::PhantomData;
 
@@ -15,7 +16,8 @@ use crate::hit::{HitBatch, INVALID_ID};
 use crate::ray::Ray;
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 
-/// What one level does to tiles. Made by [`TileKernels::of`]; its functions run with that level's instructions.
+/// The operations of one level on tiles. Made by [`TileKernels::of`]; its functions run with that level's
+/// instructions.
 #[derive(Clone, Copy)]
 pub struct TileKernels {
     token: Token,
@@ -102,14 +104,15 @@ impl TileKernels {
         (self.table.sound)(self.token, rays, nearest)
     }
 
-    /// Which ways the rays go.
+    /// The direction classes of the rays.
     #[inline]
     #[must_use]
     pub fn direction_classes(&self, rays: &RayTile) -> DirectionClasses {
         (self.table.direction_classes)(self.token, rays)
     }
 
-    /// The heading of each ray as a number below [`DirectionClasses::CODES`]; that for those that are not `sound`.
+    /// The direction class of each ray as a number below [`DirectionClasses::CODES`]; a special one for rays
+    /// that are not in `sound`.
     #[inline]
     #[must_use]
     pub fn codes(&self, direction_classes: &DirectionClasses, sound: u64) -> [u32; TILE] {
@@ -123,8 +126,9 @@ impl TileKernels {
         (self.table.hit)(self.token, nearest)
     }
 
-    /// Makes a tile of rays from one point whose directions are there, and whose far ends are in `nearest`, which is empty
-    /// else; bits of those that are sound. Lanes of others get the direction of the first and look for nothing.
+    /// Completes a tile of rays from one point with existing directions, and far ends in `nearest`, which is
+    /// empty otherwise; returns bits of the valid ones. Other lanes get the direction of the first and no
+    /// extent.
     #[inline]
     pub fn fill(&self, rays: &mut RayTile, org: [f32; 3], nearest: &mut NearestTile) -> u64 {
         (self.table.fill)(self.token, rays, org, nearest)
@@ -185,7 +189,7 @@ fn lanes<S: Simd>(simd: S, code: usize) -> u32x16<S> {
     u32x16::splat(simd, code as u32)
 }
 
-/// `code` where the lowest sixteen bits say so.
+/// `code` for the lanes of the lowest sixteen bits.
 #[inline(always)]
 fn choose<S: Simd>(simd: S, bits: u64, code: usize, other: u32x16<S>) -> u32x16<S> {
     mask32x16::from_bitmask(simd, bits & 0xffff).select(lanes(simd, code), other)

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One triangle against sixteen rays of a tile, and what that does to their best hits.
+//! One triangle against sixteen rays of a tile, and the update of their best hits.
 //! Source: [WBW13] in lanes of rays. Space: object. In: a triangle that a chunk's rays may meet.
-//! Invariant: each ray gets the hit that it would get alone. Tests: `tests/brute_force.rs` of `gnurt-accel`.
+//! Invariant: each ray gets the hit that it would get as a single ray. Tests: `tests/brute_force.rs` of
+//! `gnurt-accel`.
 
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
@@ -12,10 +13,10 @@ use crate::direction_class::DirectionClass;
 use crate::nearest::{AnyHit, Closest, Kind, closer};
 use crate::tile::{LANES, NearestTile, PerRay, RayTile, chunk};
 use crate::triangle::{
-    LoneRay, Sheared, TriangleHits, axes_from, meet_inside, meet_inside_in_lanes, meet_single, pass_edges,
+    Sheared, SingleRay, TriangleHits, axes_from, meet_inside, meet_inside_in_lanes, meet_single, pass_edges,
 };
 
-/// A tile of one heading, to be tested.
+/// A tile of one direction class, for tests of triangles.
 pub struct TileTest<'a, S: Simd> {
     pub simd: S,
     pub rays: &'a RayTile,
@@ -70,7 +71,7 @@ impl<S: Simd> TileTest<'_, S> {
         true
     }
 
-    /// What lanes hit becomes their nearest hit where it is.
+    /// Stores the lanes' hits where they are nearer.
     #[inline(always)]
     fn take(&self, number: u32, at: usize, hits: &TriangleHits<S, f32x16<S>>, nearest: &mut NearestTile) {
         let simd = self.simd;
@@ -91,7 +92,8 @@ impl<S: Simd> TileTest<'_, S> {
         better.select(slot, old_slot).store_slice(&mut nearest.slot[at..at + LANES]);
     }
 
-    /// Lanes that pass inside, but whose `t` floats cannot tell: in doubles, and those that are still in doubt one by one.
+    /// Lanes that pass inside, but whose `t` floats cannot determine: in doubles, and those that are still
+    /// undecided one by one.
     #[cold]
     #[inline(never)]
     fn meet_inside(
@@ -139,12 +141,12 @@ impl<S: Simd> TileTest<'_, S> {
 
     /// One ray, along the axes of the sheared space.
     #[inline(always)]
-    fn single(&self, slopes: &Slopes, axes: [usize; 3], i: usize) -> LoneRay {
+    fn single(&self, slopes: &Slopes, axes: [usize; 3], i: usize) -> SingleRay {
         let sheared = Sheared {
             org: axes.map(|k| self.rays.org[k][i]),
             shear: [slopes.shear[0][i], slopes.shear[1][i], slopes.shear[2][i]],
         };
-        LoneRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) }
+        SingleRay { sheared, dir: axes.map(|k| self.rays.dir[k][i]) }
     }
 
     /// Lanes that floats cannot decide.
@@ -161,7 +163,7 @@ impl<S: Simd> TileTest<'_, S> {
     ) -> bool {
         let axes = axes_from(self.direction_class.longest_axis);
         let corners = block.corners_of(lane, axes);
-        let asks_where = self.kind == Kind::Closest;
+        let needs_position = self.kind == Kind::Closest;
         let mut found = false;
         while bits != 0 {
             let i = at + bits.trailing_zeros() as usize;
@@ -169,7 +171,7 @@ impl<S: Simd> TileTest<'_, S> {
             let mut best = nearest.get(i);
             let single = self.single(slopes, axes, i);
             if let Some(triangle_hit) =
-                meet_single(&corners, &single, asks_where, self.rays.t_near[i], best.t)
+                meet_single(&corners, &single, needs_position, self.rays.t_near[i], best.t)
             {
                 match self.kind {
                     Kind::Closest => best.offer::<Closest>(triangle_hit, block.numbers[lane & 7], self.slot),

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The trip: rays under way through trees, and what they have found so far. One value goes from a query through scenes and
-//! objects to the kernels; each of these looks at it, goes on with it, or with one made from it for an inner space.
-//! Space: that of the tree that is entered.
-//! Invariant: a trip's `nearest` says how far it is still of interest, whatever its kind.
+//! Traversal states: rays on their way through trees, and their best hits so far. One value goes from a query
+//! through scenes and objects to the kernels; each level passes it on, or one made from it for an inner
+//! space.
+//! Space: that of the current tree.
+//! Invariant: a state's `nearest` limits the distance of further hits, for any kind of query.
 //! Tests: `tests::{scaled_rays_find_unscaled_hits, one_by_one_is_each}`, `tests/brute_force.rs` of `gnurt-accel`.
 
 use gnurt_simd::Simd;
@@ -15,38 +16,39 @@ use crate::ray::Ray;
 use crate::tile::{NearestTile, RayTile};
 use crate::triangle::TriangleHit;
 
-/// What one ray looks for.
+/// The kind of one ray's query.
 pub enum RayKind<'a> {
     /// The closest hit.
     Closest,
     /// Whether there is one.
     Any,
-    /// All hits, shown in any order; the answer says how far the ray is still of interest, negative infinity ends it.
+    /// All hits, in any order; the callback returns the remaining extent of the ray, and negative infinity
+    /// ends it.
     Each(&'a mut dyn FnMut(&Nearest) -> f32),
 }
 
-/// One ray under way.
+/// The state of one ray.
 pub struct RayTraversal<'a> {
     /// The ray, in the space of the tree that is entered.
     pub ray: &'a Ray,
     /// Its origin in double precision, where that is known.
     pub origin: Option<&'a [f64; 3]>,
     pub kind: RayKind<'a>,
-    /// Where the tree's object stands among all objects of the scene.
+    /// The index of the tree's object among all objects of the scene.
     pub slot: u32,
-    /// The best hit so far; what is beyond its `t` is of no interest.
+    /// The best hit so far; hits beyond its `t` do not count.
     pub nearest: &'a mut Nearest,
     pub counters: &'a mut Counters,
 }
 
-/// Up to 64 rays under way.
+/// The state of up to 64 rays.
 pub struct TileTraversal<'a> {
     /// The rays, in the space of the tree that is entered.
     pub rays: &'a RayTile,
-    /// Those that look for something there, as bits.
+    /// The unfinished ones, as bits.
     pub active: u64,
     pub kind: Kind,
-    /// Where the tree's object, or the first object of the scene, stands among all objects.
+    /// The index of the tree's object, or of the first object of the scene, among all objects.
     pub slot: u32,
     /// Their best hits so far.
     pub nearest: &'a mut NearestTile,
@@ -54,7 +56,7 @@ pub struct TileTraversal<'a> {
 }
 
 impl RayKind<'_> {
-    /// The same, for a part of the trip.
+    /// The same, for a part of the traversal.
     #[inline(always)]
     pub fn again(&mut self) -> RayKind<'_> {
         match self {
@@ -76,7 +78,7 @@ impl From<Kind> for RayKind<'_> {
 }
 
 impl RayTraversal<'_> {
-    /// The trip through something inside, where the ray is `ray`.
+    /// The state inside of an instance, where the ray is `ray`.
     #[inline(always)]
     pub fn inside<'b>(
         &'b mut self,
@@ -94,7 +96,7 @@ impl RayTraversal<'_> {
         self.nearest.t
     }
 
-    /// Whether nothing more is wanted.
+    /// Whether the query is finished.
     #[inline(always)]
     pub fn is_over(&self) -> bool {
         !matches!(self.kind, RayKind::Closest) && self.nearest.t == f32::NEG_INFINITY
@@ -120,13 +122,13 @@ impl RayTraversal<'_> {
         if let RayKind::Each(_) = self.kind {
             self.nearest.t = up(nearest.t);
         } else if (nearest.slot, nearest.number) != (before.slot, before.number) {
-            // What was not improved keeps its bits, even where the scaled parameter left the range of floats.
+            // An unimproved hit keeps its bits, even if the scaled parameter left the range of floats.
             *self.nearest = Nearest { t: up(nearest.t), ..nearest };
         }
     }
 }
 
-/// For searches that are compiled once for all kinds: what they offer goes through one function.
+/// For searches that are compiled once for all kinds: their offers go through one function.
 impl Collect for RayTraversal<'_> {
     const ANY: bool = false;
     const CAN_END: bool = true;
@@ -137,7 +139,7 @@ impl Collect for RayTraversal<'_> {
     }
 
     #[inline(always)]
-    fn asks_where(&self) -> bool {
+    fn needs_position(&self) -> bool {
         !matches!(self.kind, RayKind::Any)
     }
 
@@ -156,21 +158,21 @@ impl Collect for RayTraversal<'_> {
 }
 
 impl TileTraversal<'_> {
-    /// The trip of those rays that are in `active`.
+    /// The state of those rays that are in `active`.
     #[inline(always)]
     pub fn only(&mut self, active: u64) -> TileTraversal<'_> {
         let Self { rays, kind, slot, .. } = *self;
         TileTraversal { rays, active, kind, slot, nearest: &mut *self.nearest, counters: &mut *self.counters }
     }
 
-    /// The trip through something inside, where the rays are `rays`.
+    /// The state inside of an instance, where the rays are `rays`.
     #[inline(always)]
     pub fn inside<'b>(&'b mut self, rays: &'b RayTile, active: u64, slot: u32) -> TileTraversal<'b> {
         let kind = self.kind;
         TileTraversal { rays, active, kind, slot, nearest: &mut *self.nearest, counters: &mut *self.counters }
     }
 
-    /// The trip of rays that were copied out of it, with hits of their own.
+    /// The state of copied rays, with hits of their own.
     #[inline(always)]
     pub fn of_copies<'b>(
         &'b mut self,
@@ -182,8 +184,8 @@ impl TileTraversal<'_> {
         TileTraversal { rays, active, kind, slot, nearest, counters: &mut *self.counters }
     }
 
-    /// [`one_by_one`](Self::one_by_one) for rays that have too little in common. A function of its own, so that the search is compiled
-    /// once more beside the tile's walk and not into it.
+    /// [`one_by_one`](Self::one_by_one) for rays that have too little in common. A separate function, so that
+    /// the search is compiled once more outside of the tile's traversal instead of into it.
     #[cold]
     #[inline(never)]
     pub fn one_by_one_outlined<S: Simd>(&mut self, simd: S, search: impl FnMut(&mut RayTraversal)) {
@@ -193,7 +195,7 @@ impl TileTraversal<'_> {
         );
     }
 
-    /// Each active ray that still looks for something, one after the other.
+    /// Each active and unfinished ray, one after the other.
     #[inline(always)]
     pub fn one_by_one(&mut self, mut search: impl FnMut(&mut RayTraversal)) {
         each(
@@ -224,7 +226,7 @@ mod tests {
 
     const MET: TriangleHit = TriangleHit { t: 2.0, u: 0.25, v: 0.5 };
 
-    /// What a trip of some kind finds where the search offers [`MET`], in parameters four times as long.
+    /// The result of a query of some kind if the search offers [`MET`], in parameters scaled by four.
     fn scaled(mut kind: RayKind, t_far: f32, offered: bool) -> Nearest {
         let (mut nearest, mut counters) = (Nearest::none(t_far), Counters::default());
         let ray = Ray::new([0.0; 3], [1.0; 3]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Geometry of the caller's own making: boxes and a test per primitive.
-//! What Embree calls user geometry and OptiX custom primitives. Space: object.
+//! Geometry defined by the caller: boxes and a test per primitive. Embree's user geometry and OptiX's custom
+//! primitives. Space: object.
 //! Tests: `tests/mixed.rs`.
 
 use std::fmt;
@@ -15,11 +15,11 @@ pub struct UserHit {
     pub t: f32,
     /// First parameter on the primitive, handed on to [`Hit::u`](crate::Hit::u).
     pub u: f32,
-    /// Second parameter, likewise.
+    /// Second parameter of the hit.
     pub v: f32,
 }
 
-/// Primitives that only the caller knows: curves, distance fields, points of a cloud.
+/// Primitives with a test by the caller: curves, distance fields, points of a cloud.
 ///
 /// Calls come from all threads that trace rays. Trees call it primitive by primitive, for those whose boxes a ray meets.
 pub trait UserGeometry: Send + Sync + fmt::Debug {
@@ -31,9 +31,9 @@ pub trait UserGeometry: Send + Sync + fmt::Debug {
 
     /// Calls `hit` for where `ray` meets primitive `prim_id`, in any order.
     ///
-    /// Meetings outside `[ray.t_near, ray.t_far]` are ignored, so giving them is no mistake; `t_far` is the best hit so
-    /// far where the closest one is wanted. `ray.dir` may be a multiple of the direction that was asked for; the
-    /// parameters are those of `ray`. NaN is ignored.
+    /// Hits outside of `[ray.t_near, ray.t_far]` are allowed and ignored; `t_far` is the best hit so far in a
+    /// query for the closest one. `ray.dir` may be a multiple of the requested direction; the parameters are
+    /// those of `ray`. NaN is ignored.
     fn intersect(&self, prim_id: u32, ray: &Ray, hit: &mut dyn FnMut(UserHit));
 
     /// The point of primitive `prim_id` that is nearest to `point`, object space. Primitives without an answer, which

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The triangles of an object, halves of quads among them, without those that cannot be traced.
-//! Space: object. Invariant: what passes has finite, in-range, non-flat corners.
+//! The triangles of an object, halves of quads among them, without untraceable ones.
+//! Space: object. Invariant: each of them has finite, in-range, non-flat corners.
 //! Tests: `tests::each_fault_is_counted_once`, `tests::quads_have_two_numbers`.
 
 use std::ops::Range;
@@ -21,7 +21,7 @@ pub struct ValidTriangles<'a> {
     pub bounds: Aabb,
 }
 
-/// What is good and bad among some of them.
+/// The good and the bad ones of some triangles.
 struct Filtered {
     good: Vec<u32>,
     bad: BadPrimitives,
@@ -34,11 +34,11 @@ impl Default for Filtered {
     }
 }
 
-/// Numbers that one thread looks at. Both halves of a quad are in the same piece.
+/// Numbers that one thread processes. Both halves of a quad are in the same piece.
 const PIECE: u32 = if cfg!(test) { 1 << 3 } else { 1 << 14 };
 
 impl<'a> ValidTriangles<'a> {
-    /// Looks at every triangle and quad of those geometries that are `accept` once.
+    /// Visits every triangle and quad of the accepted geometries once.
     pub fn over(
         geometries: &[Geometry<'a>],
         numbering: &Numbering,
@@ -78,7 +78,7 @@ impl<'a> ValidTriangles<'a> {
         valid
     }
 
-    /// Those of triangle meshes alone.
+    /// Those of triangle meshes only.
     #[must_use]
     pub fn new(meshes: &[Triangles<'a>]) -> Self {
         let geometries: Vec<Geometry> = meshes.iter().map(|&mesh| mesh.into()).collect();
@@ -99,7 +99,7 @@ impl<'a> ValidTriangles<'a> {
 }
 
 impl Filtered {
-    /// Takes what is good among `numbers` of a geometry whose first number is `start`.
+    /// Takes the good ones among `numbers` of a geometry whose first number is `start`.
     fn filter(&mut self, surface: &Surface, start: u32, numbers: Range<u32>) {
         let range = (numbers.start - start) as usize..(numbers.end - start) as usize;
         match surface {

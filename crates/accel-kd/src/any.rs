@@ -149,7 +149,7 @@ impl ResearchIndex {
             Self::Interval(_) => {
                 "interval hierarchies cannot be saved: they are there to be built and refitted"
             }
-            Self::Grid(_) => "grids cannot be saved: they are there to be built anew",
+            Self::Grid(_) => "grids cannot be saved; build them again instead",
         };
         Err(io::Error::new(io::ErrorKind::Unsupported, refused))
     }

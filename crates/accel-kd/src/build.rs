@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! SAH kd-tree construction by sweeping sorted plane events, in O(n log n).
-//! Source: [WH06] section 4.3; greedy cost [MB90]. Differs: triangles are numbered anew in every node, so that
-//! events stay 8 bytes, the classification array stays as small as the node, and subtrees share nothing.
-//! In: screened triangles, object space. Out: [`KdTree`]; children of a node lie next to each other, followed by all
-//! that is below the left one, then all below the right one, whoever built them.
-//! Cost: events are sorted once; a node's are filtered and merged. At most two generations of a path are alive.
-//! Invariant: the tree does not depend on the threads; its leaves hold at most `reference_budget` times n references,
-//! shared out to subtrees by their size. Tests: `tests/kd_build.rs`.
+//! Source: [WH06] section 4.3; greedy cost [MB90]. Differs: triangles are renumbered in every node, so that
+//! events stay 8 bytes, the classification array stays as small as the node, and subtrees share nothing. In:
+//! screened triangles, object space. Out: [`KdTree`]; children of a node are adjacent, followed by the left
+//! subtree, then the right one, independent of threads. Cost: events are sorted once; a node's are filtered
+//! and merged. At most two generations of a path are alive.
+//! Invariant: the tree does not depend on the threads; its leaves hold at most `reference_budget` times n
+//! references, distributed to subtrees by their size. Tests: `tests/kd_build.rs`.
 
 use gnurt_simd::{Level, dispatch_two};
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ const WORTH_THREE_THREADS: usize = 65_536;
 impl KdTree {
     /// Builds over the good triangles of `valid_triangles`.
     ///
-    /// What the tree takes stays counted.
+    /// The tree's memory stays counted.
     pub(crate) fn build(
         valid_triangles: &ValidTriangles,
         options: &BuildOptions,
@@ -110,7 +110,7 @@ impl Builder<'_> {
         [x, y, z]
     }
 
-    /// Builds a node and what is below it into `slot` of `tree`, by several threads as long as it is large enough.
+    /// Builds a node and its subtree into `slot` of `tree`, by several threads if it is large enough.
     fn grow_wide(&self, mut overlap: Overlap, cell: Cell, tree: &mut Subtree, slot: usize) {
         let mut scratch = Scratch::default();
         if !self.parallel || overlap.prims.len() < WORTH_A_THREAD {
@@ -144,8 +144,8 @@ impl Builder<'_> {
         tree.attach(first + 1, right);
     }
 
-    /// Builds what is behind `start` in `overlap` into `slot` of `tree`, and what is below it behind all that is there.
-    /// Only what lies before `start` is left in `overlap`.
+    /// Builds a node over the elements behind `start` in `overlap` into `slot` of `tree`, and appends its
+    /// subtree. Only elements before `start` stay in `overlap`.
     fn grow(
         &self,
         overlap: &mut Overlap,
@@ -174,8 +174,9 @@ impl Builder<'_> {
         overlap.truncate(start);
     }
 
-    /// Divides what is behind `start`: the right child's triangles stay there, the left child's go to `scratch.left`.
-    /// `None` where a leaf is cheaper or the budget forbids to divide; then nothing is changed.
+    /// Divides the elements behind `start`: the right child's triangles stay there, the left child's go to
+    /// `scratch.left`. `None` if a leaf is cheaper or the budget forbids the division; then nothing is
+    /// changed.
     fn step(
         &self,
         overlap: &mut Overlap,

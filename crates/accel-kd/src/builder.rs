@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What builders of kd-trees have in common: cells, subtrees, and who builds.
-//! Source: [WH06] for what a cell is; budgets original. Space: object. Tests: `tests/kd_build.rs` of `gnurt-accel`.
+//! Common parts of builders of kd-trees: cells, subtrees, and threads.
+//! Source: [WH06] for cells; budgets original. Space: object. Tests: `tests/kd_build.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::control::Watch;
@@ -12,14 +12,15 @@ use crate::sah::{Costs, Plane};
 
 /// Nodes of fewer triangles are not worth another thread.
 pub(super) const WORTH_A_THREAD: usize = 2048;
-/// A node still to be built, but for its triangles.
+/// A node still to be built, without its triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Cell {
     pub(super) bounds: Aabb,
     pub(super) depth: usize,
     /// Most references that the leaves below may hold.
     pub(super) budget: usize,
-    /// Whether this one or one above sees few triangles: nobody asks how far it is, and its memory is not counted.
+    /// Whether this one or an ancestor has few triangles: its progress is not reported, and its memory is not
+    /// counted.
     pub(super) small: bool,
 }
 
@@ -40,7 +41,7 @@ impl Cell {
     }
 }
 
-/// What was built below one node: nodes and items with indices of their own.
+/// A finished subtree: nodes and items with indices of their own.
 pub(super) struct Subtree {
     pub(super) nodes: Vec<Node>,
     pub(super) items: Vec<u32>,
@@ -67,14 +68,14 @@ impl Builder<'_> {
         if self.parallel { rayon::join(a, b) } else { (a(), b()) }
     }
 
-    /// Tells of what was built below a large node, where it is small.
+    /// Reports the progress of small subtrees below a large node.
     pub(super) fn advance(&self, cell: &Cell, child: &Cell) {
         if child.small && !cell.small {
             self.watch.advance(child.budget);
         }
     }
 
-    /// The same for a tree apart, which is counted.
+    /// The same for a separate tree, which is counted.
     pub(super) fn grown(&self, cell: &Cell, child: &Cell, tree: &Subtree) {
         if child.small && !cell.small {
             self.watch.grow(tree.memory_bytes());
@@ -93,7 +94,7 @@ impl Subtree {
         size_of::<Node>() * self.nodes.capacity() + size_of::<u32>() * self.items.capacity()
     }
 
-    /// Two children for `slot`; the place of the first.
+    /// Two children for `slot`; returns the index of the first.
     pub(super) fn set_inner(&mut self, slot: usize, plane: &Plane) -> usize {
         let first = self.nodes.len();
         self.nodes[slot] = Node::inner(first as u32, plane.axis, plane.at);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a node of the builder sees of its triangles, and how a plane divides that between its children.
-//! Source: [WH06] section 4.3. Differs: events are filtered in place, without a branch on what an event is.
+//! A node's parts of its triangles, and their division by a plane.
+//! Source: [WH06] section 4.3. Differs: events are filtered in place, without a branch on their kinds.
 //!
 //! ```text
 //! before    ... the parents' right children | this node's events
 //! after     ... the parents' right children | the right child's events       aside: the left child's events
 //! ```
 //!
-//! So a builder that goes down to the left puts the left child on top and needs no memory of its own per node.
-//! Invariant: triangles are numbered anew in every node, in the order of their numbers in the parent, so that
+//! So a builder that descends to the left puts the left child on top and needs no memory of its own per node.
+//! Invariant: triangles are renumbered in every node, in the order of their numbers in the parent, so that
 //! filtered events stay sorted and arrays by number stay as small as the node. Tests: `tests/kd_build.rs`,
 //! `naive::tests`.
 
@@ -18,10 +18,10 @@ use gnurt_accel_core::Aabb;
 use gnurt_accel_core::clip::split_boxes;
 use gnurt_accel_core::valid_triangles::ValidTriangles;
 
-/// Triangles in a row of nodes, each behind the other; the last is the one that is being built.
+/// Triangles in a row of nodes, each behind the other; the last is the current one.
 #[derive(Default)]
 pub(crate) struct Overlap {
-    /// Sorted, per axis; triangles by their place among the node's `prims`.
+    /// Sorted, per axis; triangles by their index among the node's `prims`.
     pub(crate) events: [Vec<Event>; 3],
     /// Numbers of the triangles in the object.
     pub(crate) prims: Vec<u32>,
@@ -37,7 +37,7 @@ pub(crate) struct Start {
 /// Memory that is used again for every division.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    /// The left child after a division, up to `left_end`; what lies behind means nothing.
+    /// The left child after a division, up to `left_end`; later elements are undefined.
     left: Overlap,
     left_end: Start,
     sides: Vec<u8>,
@@ -49,7 +49,7 @@ pub(crate) struct Scratch {
 /// Events of pieces, of the left and of the right ones.
 type Fresh = [Vec<Event>; 2];
 
-/// What one side sees of a triangle that lies across the plane.
+/// The part on one side of a triangle that lies across the plane.
 struct Piece {
     /// 0 left, 1 right.
     half: usize,
@@ -62,7 +62,7 @@ struct Piece {
 const LEFT: u8 = 1;
 const RIGHT: u8 = 2;
 
-/// A triangle's number in its child; bits 31 and 30 say right and left, none of them where it was cut.
+/// A triangle's number in its child; bits 31 and 30 mean right and left, and neither means cut.
 #[derive(Clone, Copy)]
 struct Code(u32);
 
@@ -148,8 +148,8 @@ impl Overlap {
         counts.map(|count| count as usize)
     }
 
-    /// Divides what is behind `start` as [`classify`](Self::classify) found: the right child's part stays, the left
-    /// one's goes to `scratch.left`. `wide`: each axis by a thread of its own.
+    /// Divides the elements behind `start` by the result of [`classify`](Self::classify): the right child's
+    /// part stays, the left one's goes to `scratch.left`. `wide`: each axis by a separate thread.
     pub(crate) fn divide(&mut self, start: Start, scratch: &mut Scratch, wide: bool) {
         let Scratch { left, left_end, sides, codes, pieces, fresh } = scratch;
         left_end.prims = divide_prims(&mut self.prims, start.prims, &mut left.prims, sides);
@@ -175,7 +175,7 @@ impl Overlap {
 }
 
 impl Scratch {
-    /// But for what few triangles across a plane take.
+    /// Without the small arrays for triangles across a plane.
     pub(crate) fn memory_bytes(&self) -> usize {
         self.left.memory_bytes() + self.sides.capacity() + size_of::<Code>() * self.codes.capacity()
     }
@@ -189,17 +189,17 @@ impl Scratch {
 
 /// For each triangle the sides that its box reaches. Every triangle has an event, so no old mark is left.
 fn mark_sides(events: &[Event], plane: &Plane, sides: &mut [u8]) {
-    // Where the plane is: behind what ends there, before what starts there.
+    // The plane's position among events: after ends there, before starts there.
     let first_right = match plane.flat_side {
         Side::Left => Event::new(plane.at, Kind::Start, 0),
         Side::Right => Event::new(plane.at, Kind::Flat, 0),
     };
     let (before, behind) = events.split_at(events.partition_point(|&event| event < first_right));
-    // Forwards to the plane: a box that starts may lie across, unless it ends later on the way.
+    // Forwards to the plane: a starting box may lie across, unless its end follows.
     for event in before {
         sides[event.prim()] = if event.kind() == Kind::Start { LEFT | RIGHT } else { LEFT };
     }
-    // Backwards to the plane: a box that ends may lie across, unless it starts later on the way.
+    // Backwards to the plane: an ending box may lie across, unless its start follows.
     for event in behind.iter().rev() {
         sides[event.prim()] = if event.kind() == Kind::End { LEFT | RIGHT } else { RIGHT };
     }
@@ -264,8 +264,8 @@ fn filter(here: &mut [Event], lefts: &mut Vec<Event>, codes: &[Code]) -> [usize;
     [left, right]
 }
 
-/// Merges sorted events into the `count` sorted ones at `start`, from the last to the first. What lies behind them is
-/// written over. Returns how many there are now.
+/// Merges sorted events into the `count` sorted ones at `start`, from the last to the first. Later elements
+/// are overwritten. Returns their new number.
 fn merge(events: &mut Vec<Event>, start: usize, count: usize, fresh: &[Event]) -> usize {
     let merged = count + fresh.len();
     if events.len() < start + merged {

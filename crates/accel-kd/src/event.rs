@@ -7,7 +7,7 @@
 
 use gnurt_accel_core::Aabb;
 
-/// What happens to a triangle's box at an event's position.
+/// The event of a triangle's box at a position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     End,
@@ -31,7 +31,7 @@ impl Event {
     /// Equal for equal positions, ordered like them.
     #[inline(always)]
     pub(crate) fn position_of(at: f32) -> u32 {
-        // Adding zero turns -0.0 into 0.0, so that equal positions have equal bits.
+        // The addition of zero converts -0.0 to 0.0, so that equal positions have equal bits.
         let bits = (at + 0.0).to_bits();
         if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
     }

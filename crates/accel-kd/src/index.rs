@@ -92,7 +92,7 @@ impl KdIndex {
         self.stats
     }
 
-    /// Offers what the ray meets; it is sound and regular.
+    /// Offers the ray's hits; it is valid and regular.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
         let RayTraversal { ray, slot, .. } = *traversal;
@@ -164,7 +164,7 @@ impl KdIndex {
         });
     }
 
-    /// The same for a tile's first rays, all of them active and of one heading.
+    /// The same for a tile's first rays, all of them active and of one direction class.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,
@@ -199,7 +199,7 @@ impl KdIndex {
     }
 }
 
-/// The corners of all triangles. Dropped ones keep their number; what stands in for them is never looked at.
+/// The corners of all triangles. Dropped ones keep their number; their placeholder is never read.
 fn numbered(valid_triangles: &ValidTriangles) -> impl Iterator<Item = [[f32; 3]; 3]> {
     let mut good = valid_triangles.good.iter().copied().peekable();
     (0..valid_triangles.count() as u32).map(move |number| match good.next_if_eq(&number) {

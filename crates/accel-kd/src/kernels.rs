@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is compiled for each level: one table of functions over kd-trees, interval hierarchies and grids. This is the only place where they are made, and
-//! [`Kernels`] the only door to them.
-//! See decision 0018 says why tables. Walks are compiled once for all that rays may look for.
+//! Code compiled for each level: one table of functions over kd-trees, interval hierarchies and grids. Tables
+//! are made only here, and reached only through [`Kernels`]. Decision 0018 gives the reasons for tables.
+//! Traversals are compiled once for all kinds of queries.
 //! Invariant: a table's functions are called with its own token, which proves that the CPU has the level.
-//! Tests: `tests/brute_force.rs` of `gnurt-accel`, which asks at every level.
+//! Tests: `tests/brute_force.rs` of `gnurt-accel`, which runs at every level.
 
 use std::marker::PhantomData;
 
@@ -16,7 +16,7 @@ use crate::grid::GridIndex;
 use crate::index::KdIndex;
 use crate::interval::IntervalIndex;
 
-/// The kernels of one level. Rays are sound and regular.
+/// The kernels of one level. Rays are valid and regular.
 #[derive(Clone, Copy)]
 pub struct Kernels {
     token: Token,
@@ -126,8 +126,8 @@ impl Kernels {
         }
     }
 
-    /// A tile's first rays, all of them active and of one direction class. Lanes beyond them up to the next multiple of 16 hold
-    /// copies of rays that look for nothing (`t` is -inf). Returns whether there is a kernel for it.
+    /// A tile's first rays, all of them active and of one direction class. Lanes beyond them up to the next
+    /// multiple of 16 hold copies of rays without an extent (`t` is -inf). Whether there is a kernel for it.
     #[inline]
     pub fn tile(
         &self,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The leaves of a kd-tree as rows of triangle blocks, in the order in which the tree holds them.
-//! A triangle that lies in several leaves is copied into each: what a leaf tests lies together.
+//! A triangle in several leaves is copied into each, so that the triangles of a leaf are adjacent.
 //! Invariant: leaf 0 is the empty one. Tests: `tests/brute_force.rs`.
 
 mod store;
@@ -46,7 +46,7 @@ impl Leaves {
         Self { starts, blocks }
     }
 
-    /// What [`take`](Self::take) will take for its blocks.
+    /// The memory of the blocks of [`take`](Self::take).
     pub(crate) fn memory_for(tree: &KdTree) -> usize {
         size_of::<TriangleBlock>() * blocks_of(&tree.nodes, tree)
     }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Trees whose nodes have planes along one axis: the kd-tree over an object's triangles, its layout, construction, traversal by one ray
-//! and by a tile; interval hierarchies, which can follow what moves (`interval`); and grids, which are built at once (`grid`).
-//! Source: the paper's sections 4.1, 5.1, 5.2 and 6. What is compiled for each level is in [`Kernels`].
+//! Trees whose nodes have planes along one axis: the kd-tree over an object's triangles, its layout,
+//! construction, traversal by one ray and by a tile; interval hierarchies, which can be refitted
+//! (`interval`); and grids, which are quick to build (`grid`).
+//! Source: [SIP06], sections 4.1, 5.1, 5.2 and 6. The code compiled for each level is in [`Kernels`].
 //!
-//! `gnurt-accel` is the door for programs; this crate is one of its structures.
+//! `gnurt-accel` is the API for programs; this crate is one of its structures.
 #![forbid(unsafe_code)]
 #![allow(
     rustdoc::broken_intra_doc_links,

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which triangles rays were tested against lately: where triangles lie in several cells, a second test has nothing to add.
-//! Source: [AW87]. Invariant: what it knows was tested; it may forget. Tests: `tests/brute_force.rs`, `tests/grids.rs` of `gnurt-accel`.
+//! Mailboxes: the last triangles that rays were tested against. If triangles are in several cells, a second
+//! test is redundant.
+//! Source: [AW87]. Invariant: recorded triangles were tested; records may be lost. Tests:
+//! `tests/brute_force.rs`, `tests/grids.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::INVALID_ID;
 
-/// The last triangles, each in the place that its number says; `N` is a power of two.
+/// The last triangles, each in the slot of its number; `N` is a power of two.
 pub(crate) struct Mailbox<const N: usize> {
     numbers: [u32; N],
 }

@@ -7,7 +7,7 @@ use crate::sah::Costs;
 use gnurt_accel_core::{Aabb, BuildOptions, TreeStats};
 
 impl KdTree {
-    /// Looks at every node once.
+    /// Visits every node once.
     pub(crate) fn measure(&self, options: &BuildOptions) -> TreeStats {
         let costs = Costs {
             triangle: f64::from(options.triangle_cost),

@@ -8,7 +8,7 @@ use gnurt_accel_core::Aabb;
 use gnurt_accel_core::clip::split_boxes;
 use gnurt_accel_core::valid_triangles::ValidTriangles;
 
-/// What a node sees of a triangle.
+/// A node's part of a triangle.
 #[derive(Clone, Copy)]
 struct Overlap {
     number: u32,
@@ -78,7 +78,7 @@ fn best_plane(overlap: &[Overlap], cell: &Aabb, costs: &Costs) -> Option<Plane> 
     best
 }
 
-/// Counts by looking at every box for every plane.
+/// Counts by testing every box for every plane.
 pub(super) fn naive_minimum(bounds: &Aabb, boxes: &[Aabb], costs: &Costs) -> f64 {
     let mut least = f64::INFINITY;
     for axis in 0..3 {
@@ -110,7 +110,7 @@ mod tests {
 
     #[test]
     fn the_built_tree_costs_what_the_naive_one_does() {
-        // Without a limit on references, which the naive builder does not know.
+        // Without a limit on references, which the naive builder lacks.
         let options = BuildOptions {
             triangle_cost: 0.5,
             reference_budget: 1e6,

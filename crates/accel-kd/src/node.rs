@@ -8,8 +8,8 @@
 //! items | count, triangle, triangle, ... | count, triangle, ... |                   items[0] = 0: the empty leaf
 //! ```
 //!
-//! A plane that is stored lies up to two units in the last place beside the one that the builder divided at;
-//! `slab.rs` widens every interval by more than that. Tests: `tests::planes_move_by_two_ulps_at_most`.
+//! A stored plane is up to two units in the last place away from the builder's; `slab.rs` widens every
+//! interval by more than that. Tests: `tests::planes_move_by_two_ulps_at_most`.
 
 mod store;
 
@@ -23,7 +23,7 @@ pub(crate) struct Node {
     value_or_item: u32,
 }
 
-/// A leaf's node, empty: what a slot holds before it is filled.
+/// An empty leaf: the initial value of a slot.
 pub(crate) const EMPTY_LEAF: Node = Node { left: 0, value_or_item: 0 };
 
 impl Node {
@@ -77,7 +77,7 @@ impl Node {
 fn nearest_with_axis(axis: usize, plane: f32) -> f32 {
     let bits = plane.to_bits();
     let same_block = (bits & !3) | axis as u32;
-    // At most two steps away, unless axis 0 is wanted and the bits end in 3: then the next block is nearer.
+    // At most two steps away, unless the axis is 0 and the bits end in 3: then the next block is nearer.
     f32::from_bits(if axis as u32 + 3 == (bits & 3) { same_block + 4 } else { same_block })
 }
 

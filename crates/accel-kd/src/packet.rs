@@ -34,7 +34,7 @@ impl<S: Simd> PacketSlabs<S> {
         Self { org: [ox, oy, oz, at(0.0)], inv: [ix, iy, iz, at(1.0)], slack: [px, py, pz, at(0.0)] }
     }
 
-    /// The parts of `[t_min, t_max]` inside a box; empty intervals have their ends the wrong way round.
+    /// The parts of `[t_min, t_max]` inside a box; empty intervals have swapped ends.
     #[inline(always)]
     pub(crate) fn clip(&self, simd: S, bounds: &Aabb, t_min: f32x8<S>, t_max: f32x8<S>) -> [f32x8<S>; 2] {
         let (mut t_min, mut t_max) = (t_min, t_max);
@@ -62,12 +62,12 @@ pub(crate) struct Search<'a> {
     pub(crate) greatest: f32,
     pub(crate) kind: Kind,
     pub(crate) triangles: &'a ProjectedTriangles,
-    /// Where the object stands in its scene.
+    /// The object's index in its scene.
     pub(crate) slot: u32,
 }
 
 impl Search<'_> {
-    /// Improves `nearest` in the active lanes. Counts what single rays would.
+    /// Improves `nearest` in the active lanes. Counts as single rays do.
     #[inline(always)]
     pub(crate) fn packet<S: Simd>(
         &self,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From a point to the nearest triangle under a kd-tree: the nearer child first, cells beyond the best are skipped.
 //! Source: [Ben75] for the search; cells are kept whole, so their distance is exact. Space: object.
-//! Invariant: the nearest point lies in a cell whose leaf lists its triangle, and cells count as larger by what rounding
-//! (the planes' two lowest bits, clipped boxes) may have moved their sides. Tests: `tests/closest_point.rs`.
+//! Invariant: the nearest point lies in a cell whose leaf lists its triangle, and cells are enlarged by the
+//! possible rounding error of their sides (the planes' two lowest bits, clipped boxes). Tests:
+//! `tests/closest_point.rs`.
 
 use crate::node::{KdTree, Node};
 use gnurt_accel_core::Aabb;

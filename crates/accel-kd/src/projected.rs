@@ -28,7 +28,7 @@ struct Projected {
     third: [f32; 2],
 }
 
-/// Projected triangles by number; those of dropped ones are never looked at.
+/// Projected triangles by number; those of dropped ones are never read.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ProjectedTriangles {
     triangles: Vec<Projected>,
@@ -41,7 +41,7 @@ impl Projected {
         let n = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
         let k = (0..3).fold(0, |most, k| if n[k].abs() > n[most].abs() { k } else { most });
         let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-        // What stands in for a dropped triangle has no normal, but is equal to itself.
+        // The placeholder of a dropped triangle has no normal, but equals itself.
         let over = if n[k] == 0.0 { 0.0 } else { 1.0 / n[k] };
         Self {
             k: k as u32,
@@ -71,7 +71,7 @@ impl ProjectedTriangles {
         let Projected { k, corner, normal, second, third } = self.triangles[number as usize];
         let (corner, normal) = (corner.map(f64::from), normal.map(f64::from));
         let (second, third) = (second.map(f64::from), third.map(f64::from));
-        // What weights of (1, 0) and (0, 1) take along `i` and `j`; the normal tells the rest.
+        // The products of weights (1, 0) and (0, 1) along `i` and `j`; the normal gives the third component.
         let over = 1.0 / (second[0] * third[1] - second[1] * third[0]);
         let edges = [[0.0; 2], [third[1] * over, -third[0] * over], [-second[1] * over, second[0] * over]];
         edges.map(|[pi, pj]| {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All triangles under a kd-tree that may meet a region.
-//! Invariant: what meets the region lies in a cell whose leaf lists its triangle; cells are widened as boxes are (`region.rs`).
+//! Invariant: each point of the region lies in a cell whose leaf lists its triangles; cells are widened as
+//! boxes are (`region.rs`).
 //! Tests: `tests/surfaces/crossings.rs`, `tests/surfaces/overlaps.rs`.
 
 use gnurt_accel_core::Aabb;

@@ -18,12 +18,12 @@ pub(crate) struct Costs {
     pub(crate) empty_factor: f64,
 }
 
-/// A plane and what it would cost.
+/// A plane and its cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Plane {
     pub(crate) axis: usize,
     pub(crate) at: f32,
-    /// Where triangles go that lie in the plane.
+    /// The side of triangles in the plane.
     pub(crate) flat_side: Side,
     pub(crate) cost: f64,
 }
@@ -36,7 +36,7 @@ pub(crate) enum Side {
 }
 
 impl Costs {
-    /// What a leaf of `n` triangles costs.
+    /// The cost of a leaf of `n` triangles.
     pub(crate) fn leaf(&self, n: usize) -> f64 {
         self.triangle * n as f64
     }
@@ -72,7 +72,8 @@ impl Shares {
         Self { low, length: extent[axis], cap: a * b, girth: a + b, over_area: 1.0 / bounds.half_area() }
     }
 
-    /// Lower end, length, and what the share of a side is: the third, and the fourth times the side's length.
+    /// Lower end, length, and the coefficients of a side's share: the third, and the fourth times the side's
+    /// length.
     #[inline(always)]
     pub(crate) fn in_single(&self) -> (f32, f32, f32, f32) {
         let Self { low, length, cap, girth, over_area } = *self;
@@ -88,10 +89,10 @@ impl Shares {
 
 /// The cheapest plane across `axis` inside `bounds`, of `n` triangles whose sorted events along it are given.
 ///
-/// Counts are brought up to date after every event, not after every group of events in one place. On the way through a
-/// group they are too high on one side or mix what is flat, both of which cost as much as the best of the group or
-/// more, so they cannot win. This way eight events are weighed at a time. They are compared in single precision: of
-/// planes that differ by less any may be taken, the same on every CPU.
+/// Counts are updated after every event, instead of after every group of events in one position. Within a
+/// group they are too high on one side or mix flat triangles; both cost at least as much as the best of the
+/// group, so they cannot win. This allows eight events to be weighed at a time. They are compared in single
+/// precision: any of planes that differ by less is acceptable, the same on every CPU.
 #[inline(always)]
 pub(crate) fn best_across<S: Simd>(
     simd: S,
@@ -140,7 +141,7 @@ pub(crate) fn best_across<S: Simd>(
     if rest.iter().any(|event| event.is_flat()) {
         one_by_one(rest, &mut passed, &mut consider);
     } else if !rest.is_empty() {
-        // What follows the last event costs NaN, which is never the least.
+        // Padding after the last event costs NaN, which is never the least.
         let mut block = [Event::new(f32::INFINITY, Kind::Start, 0); BLOCK];
         block[..rest.len()].copy_from_slice(rest);
         sweep.pass(simd, &block, blocks.len() as u32, &mut passed);
@@ -181,7 +182,8 @@ impl Passed {
         self.right -= i32::from(event.kind() != Kind::Start);
     }
 
-    /// At the plane of an event, behind what ends with it and before what starts with it or is flat.
+    /// The counts at the plane of an event, after events that end there and before those that start or are
+    /// flat.
     #[inline(always)]
     fn before(mut self, event: Event) -> Self {
         self.right -= i32::from(event.kind() == Kind::End);
@@ -192,7 +194,7 @@ impl Passed {
 /// Events that are weighed together.
 const BLOCK: usize = 8;
 
-/// The least cost so far in each place of a block, but for a factor and what is the same for all planes.
+/// The least cost so far in each lane of a block, without a factor and the terms common to all planes.
 struct Sweep<S: Simd> {
     low: f32x8<S>,
     length: f32x8<S>,
@@ -231,7 +233,7 @@ impl<S: Simd> Sweep<S> {
         }
         let at = |value: i32| f32x8::splat(simd, value as f32);
         let here = f32x8::from_slice(simd, &ended);
-        // Sums of all up to each place.
+        // Prefix sums of all.
         let mut ended = here + here.shift_elements_right::<1>(0.0);
         ended += ended.shift_elements_right::<2>(0.0);
         ended += ended.shift_elements_right::<4>(0.0);
@@ -251,7 +253,7 @@ impl<S: Simd> Sweep<S> {
         self.block = better.select(u32x8::splat(simd, number), self.block);
     }
 
-    /// Which event's plane is the cheapest, and what lies on its sides.
+    /// The event with the cheapest plane, and the counts on its sides.
     #[inline(always)]
     fn best(&self) -> Option<(usize, Passed)> {
         let (cost, block) = (self.cost.as_array(), self.block.as_array());

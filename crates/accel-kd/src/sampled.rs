@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The fast builder: planes from samples of the cost along each axis instead of a sweep over all events.
 //! Source: [HMS06]: eight even samples, then eight where the counts change most, and between them counts that grow
-//! linearly, so that the cost is a parabola. Differs: the second eight are taken along the most promising axis only,
-//! samples lie within the boxes that are there, and nodes of a few triangles try every plane, eight at a time.
-//! Triangles are seen as boxes cut at planes; the exact builder's perfect splits are left out.
-//! Cost: two passes over a node's boxes, and one that parts them; nothing is sorted.
-//! Invariant: counts are exact below 2^24 triangles, and sums do not depend on who counts, so the tree depends neither
-//! on the threads nor on the CPU. Tests: `tests::{few_are_weighed_exactly, samples_come_close_to_the_minimum}`,
-//! `tests/kd_build.rs`.
+//! linearly, so that the cost is a parabola. Differs: the second eight are taken along the best axis only,
+//! samples lie within the existing boxes, and nodes of a few triangles try every plane, eight at a time.
+//! Triangles are treated as boxes cut at planes; the exact builder's perfect splits are omitted. Cost: two
+//! passes over a node's boxes, and one that partitions them; nothing is sorted.
+//! Invariant: counts are exact below 2^24 triangles, and sums do not depend on the threads, so the tree
+//! depends neither on the threads nor on the CPU. Tests: `tests::{few_are_weighed_exactly,
+//! samples_come_close_to_the_minimum}`, `tests/kd_build.rs`.
 
 use gnurt_simd::{Simd, dispatch_two, f32x4, f32x8, mask32x8, prelude::*, u32x8};
 
@@ -16,7 +16,7 @@ use crate::sah::{Costs, Plane, Shares, Side};
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::float::{least, most};
 
-/// Nodes of at most so many triangles try every plane.
+/// Nodes of at most this many triangles try every plane.
 const FEW: usize = 16;
 /// Samples of one pass.
 const SAMPLES: usize = 8;
@@ -85,7 +85,7 @@ impl Builder<'_> {
         tree.attach(first + 1, right);
     }
 
-    /// Builds over what is behind `start` in `refs`, which it takes away.
+    /// Builds over the elements behind `start` in `refs`, and removes them.
     fn grow_sampled_single(
         &self,
         refs: &mut Vec<BoxRef>,
@@ -301,7 +301,7 @@ fn with_ends(
     row
 }
 
-/// Where the sum of what has begun and what has ended, 0 to 2n, takes evenly spaced values.
+/// The positions at which the number of starts plus ends, 0 to 2n, takes evenly spaced values.
 #[inline(always)]
 fn evenly_changing(row: &[Sample; SAMPLES + 2], n: f32) -> [f32; SAMPLES] {
     let changed = |sample: &Sample| sample.left + (n - sample.right);

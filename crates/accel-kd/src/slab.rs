@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A ray against planes and boxes, with intervals wide enough for every rounding on the way.
-//! Source: the three cases of the paper's Figure 3; the error bound is original.
+//! Source: the three cases of [SIP06], Figure 3; the error bound is original.
 //!
-//! A plane is met at `d = (plane - org) * inv`. All that is rounded - the plane's two lowest bits, clipped boxes, `d`
-//! itself, corners relative to the origin and their shear in the triangle tests - moves points by less than
-//! `slack = SLACK * (greatest + distance)`: in units of 2^-24 at most 5 for the greatest coordinate of the bounds
-//! and 17 for the distance (from the origin to the farthest face). So `d` is used as the interval
-//! `[d - slack * |inv|, d + slack * |inv|]`, and what a test can hit is never skipped.
+//! A plane is met at `d = (plane - org) * inv`. All rounding errors move points by less than `slack = SLACK *
+//! (greatest + distance)`: the plane's two lowest bits, clipped boxes, `d` itself, corners relative to the
+//! origin and their shear in the triangle tests. In units of 2^-24 that is at most 5 for the greatest
+//! coordinate of the bounds and 17 for the distance (from the origin to the farthest face). So `d` is used as
+//! the interval `[d - slack
+//! * |inv|, d + slack * |inv|]`, and no triangle that the test can hit is skipped.
 //!
-//! A component of the direction that is tiny or zero is taken to be 2^-30 of the longest, with its sign: over the
-//! whole scene that moves a point by far less than the slack, and no infinity and no `0 * inf` can arise. The sign bit
-//! decides which child is nearer, for -0.0 too. Tests: `tests/axis_parallel.rs`, `tests/watertight.rs`.
+//! A component of the direction that is tiny or zero is replaced by 2^-30 of the longest, with its sign. Over
+//! the whole scene that moves a point by far less than the slack, and neither infinity nor `0 * inf` can
+//! arise. The sign bit decides which child is nearer, for -0.0 too. Tests: `tests/axis_parallel.rs`,
+//! `tests/watertight.rs`.
 
 use gnurt_accel_core::float::{Number, least, most};
 use gnurt_accel_core::slab::inverse;

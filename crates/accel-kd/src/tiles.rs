@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tile of rays through the kd-tree: multi-level ray tracing.
 //! Source: [RSH05]: the tile goes down as one interval of its rays' parameters, so that a subtree is entered only if
-//! some ray may meet it. Differs: the tile goes on to the leaves, nearest first, instead of stopping at an entry point;
-//! triangles are discarded for the whole tile and then for each sixteen rays of it before any ray is tested. Origins
-//! need not be one point: they are an interval, too. Mailboxes [AW87].
-//! Invariant: a leaf that one of the rays alone would come to before its hit is visited. Tests: `tests/brute_force.rs`.
+//! some ray may meet it. Differs: the tile continues to the leaves, nearest first, instead of stopping at an
+//! entry point; triangles are discarded for the whole tile and then for each sixteen rays of it before any
+//! ray is tested. Origins need not be one point: they are an interval, too. Mailboxes [AW87].
+//! Invariant: a leaf that a single ray would reach before its hit is visited. Tests: `tests/brute_force.rs`.
 
 use gnurt_accel_core::beam::{Beam, CHUNKS, Ranges};
 use gnurt_accel_core::bits::TILE;
@@ -38,8 +38,8 @@ struct FarChild {
 const FARTHEST_SPREAD: f32 = 1.0 / 16.0;
 
 impl Blocked<'_> {
-    /// Improves the hits of a tile's first rays, all of them active and of one heading; or does nothing and says so, where
-    /// they spread so far that one by one is faster: an interval that most leaves lie in tells nothing.
+    /// Improves the hits of a tile's first rays, all of them active and of one direction class. Returns false
+    /// without a result if their intervals are so wide that single rays are faster.
     #[inline(always)]
     pub(crate) fn walk_tile<S: Simd>(
         &self,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sends a million rays through vertices and edges of closed meshes, near, far away and tiny, in every kind of tree, and counts
-//! those whose crossings are not what whole numbers say; asks as many points at vertices, on edges and beside them for their
-//! side. Run: `cargo run --release -p gnurt-accel --example crossings [RAYS]`
+//! Sends a million rays through vertices and edges of closed meshes, near, far away and tiny, in every kind
+//! of tree, and counts those whose crossings differ from integer arithmetic. As many points at vertices, on
+//! edges and beside them are tested for their side. Run: `cargo run --release -p gnurt-accel --example
+//! crossings [RAYS]`
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::time::Instant;
@@ -24,7 +25,7 @@ fn build(mesh: &Soup, (structure, quality, memory): (Structure, Quality, Memory)
     ObjectTree::build(&triangles, &options, Threads::Single)
 }
 
-/// What was asked and how much of it was wrong, and how long the answers took.
+/// Counts of queries and of wrong answers, and their time.
 #[derive(Default)]
 struct Tally {
     rays: usize,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sends a hundred million rays at the vertices and edges of closed meshes from inside, near the origin and a million
-//! units away, in every way to ask, and counts those that get out.
-//! Run: `cargo run --release -p gnurt-accel --example leaks [RAYS]`
+//! Sends a hundred million rays at the vertices and edges of closed meshes from inside, near the origin and a
+//! million units away, in every kind of query, and counts those that leave. Run: `cargo run --release -p
+//! gnurt-accel --example leaks [RAYS]`
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use gnurt_accel::{
 };
 use gnurt_testkit::{Random, Soup, closed, rays};
 
-/// What is built.
+/// The tree to build.
 type Kind = (Structure, Quality, Memory);
 
 /// Closed meshes with the radius of a ball that is inside.
@@ -24,8 +24,8 @@ fn meshes() -> [(&'static str, Soup, f32); 3] {
     ]
 }
 
-/// Every way to ask, as a scene `distance` units away along each axis; instances are moved by their transform, so that
-/// what is tested is the world's side of the journey, too.
+/// Every kind of query, as a scene `distance` units away along each axis; instances are moved by their
+/// transform, so that the test covers the transform of rays.
 fn scene(mesh: &Soup, (structure, quality, memory): Kind, distance: f64) -> SceneTree {
     let triangles = [Triangles { positions: &mesh.positions, indices: &mesh.indices }];
     let options = BuildOptions { structure, quality, memory, ..BuildOptions::default() };
@@ -57,7 +57,7 @@ fn main() -> Result<(), String> {
                     for coherence in paths {
                         let from = random.point().map(|x| 0.5 * radius * x);
                         let shift = [distance, -distance, distance];
-                        // Far away floats are coarse: the origin is one of them, and what it is seen from.
+                        // Far away floats are coarse: the origin and the visible points are rounded.
                         let org = [0, 1, 2].map(|k| (f64::from(from[k]) + shift[k]) as f32);
                         let visible_from = [0, 1, 2].map(|k| (f64::from(org[k]) - shift[k]) as f32);
                         let batch: RayBatch = rays::aimed(&mesh, visible_from, 4)

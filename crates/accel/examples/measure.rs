@@ -16,7 +16,7 @@ struct Mesh {
     indices: Vec<[u32; 3]>,
 }
 
-/// Reads the one layout that the benchmark scenes use, and says what it expected where a file has another.
+/// Reads only the layout of the benchmark scenes, and reports the expected layout for other files.
 fn read_ply(path: &str) -> Result<Mesh, String> {
     let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
     let end = bytes.windows(11).position(|w| w == b"end_header\n").ok_or("no end of header")? + 11;
@@ -77,7 +77,7 @@ fn camera_rays([eye, target, up]: [[f32; 3]; 3], fov: f32, size: u32) -> RayBatc
     rays
 }
 
-/// Processor seconds of this thread and peak memory of the process, where the system tells.
+/// Processor seconds of this thread and peak memory of the process, if known.
 fn cpu_and_peak() -> (f64, f64) {
     let stat = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap_or_default();
     let nanoseconds = stat.split(' ').next().and_then(|n| n.parse::<f64>().ok()).unwrap_or(0.0);
@@ -87,7 +87,7 @@ fn cpu_and_peak() -> (f64, f64) {
     (nanoseconds / 1e9, peak.unwrap_or(0.0) / 1024.0)
 }
 
-/// Processor seconds of all threads of the process, in steps of a hundredth; what other jobs take is not in it.
+/// Processor seconds of all threads of the process, in steps of a hundredth; other processes are excluded.
 fn process_cpu() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let after_name = stat.rsplit(')').next().unwrap_or("");

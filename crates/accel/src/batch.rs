@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From batches to tiles, and to answers.
+//! From batches to tiles, and to results.
 //!
-//! The way of a coherent batch: `BatchRun` (`batch_run.rs`; `sorted.rs` where its rays are to be sorted) loads 64 rays at a time -> [`Target::tile`] -> the scene's top tree, where there
-//! is one (`scene/walk.rs`) -> `ObjectTree::tile` parts rays of different headings (`coherent.rs`) -> the table of kernels of
-//! the kd-tree or the BVH (`kernels.rs` of either crate) -> its walk (`tiles.rs`). Rays that are apart go from
-//! `ObjectTree::tile` to the BVH's `single.rs`.
-//! The way of a single ray: `Target::closest` (`query.rs`) -> [`Target::ray`] -> `ObjectTree::ray` -> the table of kernels -> its
-//! `search`. What goes along all the way is one value, a `RayTraversal` or a `TileTraversal`.
+//! A coherent batch passes these stages: `BatchRun` (`batch_run.rs`; `sorted.rs` if its rays are to be
+//! sorted) loads 64 rays at a time -> [`Target::tile`] -> the scene's top tree, if any (`scene/walk.rs`).
+//! Then `ObjectTree::tile` separates direction classes (`coherent.rs`) -> the table of kernels of the kd-tree
+//! or the BVH (`kernels.rs` of either crate) -> its traversal (`tiles.rs`). Incoherent rays go from
+//! `ObjectTree::tile` to the BVH's `single.rs`. A single ray: `Target::closest` (`query.rs`) ->
+//! [`Target::ray`] -> `ObjectTree::ray` -> the table of kernels -> its `search`. One value passes all stages,
+//! a `RayTraversal` or a `TileTraversal`.
 
 use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::tile::NearestTile;

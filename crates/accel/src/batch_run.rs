@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A batch on its way: its rays in tiles of neighbours, or one by one.
+//! The run of a batch: its rays in tiles of neighbours, or one by one.
 //! Space: that of the target. Tests: `tests/brute_force.rs` (`query`), `tests/masks.rs`.
 
 use gnurt_accel_core::bits::{TILE, all, each};
@@ -12,18 +12,18 @@ use crate::engine::Engine;
 use crate::target::Target;
 use crate::{Counters, Ray, RayBatch};
 
-/// A batch on its way.
+/// The run of a batch.
 pub(crate) struct BatchRun<'a> {
     pub(crate) target: Target<'a>,
     pub(crate) engine: &'a Engine,
     pub(crate) rays: &'a RayBatch,
     pub(crate) kind: Kind,
-    /// What all of its rays see at most.
+    /// The union of the masks of all its rays.
     pub(crate) mask: u32,
 }
 
 impl BatchRun<'_> {
-    /// What ray `i` sees.
+    /// The visibility mask of ray `i`.
     #[inline]
     fn mask_of(&self, i: usize) -> u32 {
         let own = &self.rays.mask;
@@ -65,7 +65,7 @@ impl BatchRun<'_> {
         }
     }
 
-    /// Traces rays one by one and notes what each costs.
+    /// Traces rays one by one and records the cost of each.
     pub(crate) fn singles(&self, answers: &mut Answers, counters: &mut Counters, costs: &mut Vec<u32>) {
         costs.clear();
         costs.reserve(self.rays.len());
@@ -89,8 +89,8 @@ impl BatchRun<'_> {
     }
 }
 
-/// Calls `go` with the active rays of a tile that see the same, once for each mask. `mask_of` says what a ray sees; where
-/// it `is_shared`, ray 0 says so for all.
+/// Calls `go` with the active rays of a tile that have one mask, once for each mask. `mask_of` returns the
+/// mask of a ray; if it `is_shared`, that of ray 0 holds for all.
 pub(crate) fn by_mask(
     tile: &mut RayTile,
     active: u64,
@@ -111,7 +111,7 @@ pub(crate) fn by_mask(
             });
         }
         if same != left {
-            // The others, which see something else, look for something, too.
+            // The others, of other masks, have an extent, too.
             tile.direction_class = None;
         }
         go(tile, same);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lists of all hits of a ray, made of those that are shown to a callback one by one.
-//! Filters and collecting all hits are what Embree's filter functions are used for.
+//! Lists of all hits of a ray, from hits that are passed to a callback one by one. Filters and the collection
+//! of all hits serve the purpose of Embree's filter functions.
 //! Tests: `tests/filters.rs`, `tests/all_hits.rs`.
 
 use crate::Hit;
@@ -24,7 +24,7 @@ impl<'a> Sorted<'a> {
         Self { hits, most, t_far }
     }
 
-    /// Takes a hit and says how far the ray is still of interest.
+    /// Takes a hit and returns the remaining extent of the ray.
     pub(crate) fn take(&mut self, hit: Hit) -> f32 {
         // Without a bound a plain list is sorted in the end: far cheaper where there are thousands.
         if self.most == usize::MAX {
@@ -47,7 +47,7 @@ impl<'a> Sorted<'a> {
         }
     }
 
-    /// Sorts what was not sorted yet.
+    /// Sorts the elements that are still unsorted.
     pub(crate) fn finish(self) {
         if self.most != usize::MAX {
             return;
@@ -67,7 +67,7 @@ impl<'a> Sorted<'a> {
     }
 }
 
-/// How far apart two parameters may be that rounding alone makes different.
+/// The greatest difference of two parameters that rounding may cause.
 fn nearness(t: f32) -> f32 {
     t.abs() * (4.0 * f32::EPSILON)
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parts the rays of a tile by heading: those of one heading go through a tree together.
-//! Source: [RSH05] (rays of one octant). Space: that of the trip.
-//! Invariant: each active ray goes with one heading, or is among the rest. Tests: `tests/brute_force.rs` (`query`).
+//! Separates the rays of a tile by direction class: those of one class go through a tree together.
+//! Source: [RSH05] (rays of one octant). Space: that of the traversal.
+//! Invariant: each active ray is in one class's group, or among the rest. Tests: `tests/brute_force.rs`
+//! (`query`).
 
 use gnurt_accel_core::bits::{TILE, all};
 use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
@@ -10,11 +11,12 @@ use gnurt_accel_core::traversal::TileTraversal;
 
 use crate::engine::Engine;
 
-/// Fewer rays of one heading go one by one.
+/// Fewer rays of one class go one by one.
 pub(crate) const WORTH_A_TILE: u32 = 4;
 
-/// Calls `go` for each heading that is worth it, with a trip whose first rays have it, all of them active; lanes beyond
-/// them up to the next multiple of 16 look for nothing. Returns the bits of the rays that are to go one by one.
+/// Calls `go` for each sufficiently frequent class, with a state whose first rays have it, all of them
+/// active; lanes beyond them up to the next multiple of 16 have no extent. Returns the bits of the rays that
+/// are to go one by one.
 pub(crate) fn by_direction_class(
     engine: &Engine,
     traversal: &mut TileTraversal,
@@ -61,8 +63,8 @@ fn split_incoherent(
     traversal.nearest.scatter(bits, &best);
 }
 
-/// Whether the tile can go as it is for the rays in `bits`: no lanes would be saved without the others, all of which have the
-/// same heading.
+/// Whether the tile can be used unchanged for the rays in `bits`: no lanes would be saved without the others,
+/// all of which have the same class.
 fn is_as_good_as_full(rays: &RayTile, direction_classes: &DirectionClasses, bits: u64) -> bool {
     rays.is_full
         && bits.count_ones() as usize > TILE - LANES

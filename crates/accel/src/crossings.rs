@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How often a ray crosses surfaces. Triangles are decided by `exact/line.rs`.
-//! Space: world, or that of an object that is asked directly. Invariant: of a closed mesh it is an even number for rays that
-//! begin and end outside, wherever they go through it. Tests: `tests/surfaces/crossings.rs`.
+//! Space: world, or that of a directly queried object. Invariant: of a closed mesh it is an even number for
+//! rays that begin and end outside, wherever they go through it. Tests: `tests/surfaces/crossings.rs`.
 
 use crate::surfaces::SurfaceInRegion;
 use crate::target::Target;
@@ -11,7 +11,7 @@ use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::{LineRegion, Region};
 
-/// What a line crosses, gathered object by object; keeps its memory.
+/// The crossings of a line, collected object by object; keeps its memory.
 #[derive(Debug, Default)]
 pub(crate) struct Crossed {
     /// Triangles by object and number, some of them twice while they are gathered.
@@ -57,7 +57,7 @@ impl Crossed {
     }
 }
 
-/// How often a ray crosses what it sees.
+/// Number of crossings of a ray with visible surfaces.
 pub(crate) fn count(target: Target, query: &Query, ray: &dyn AnyRay, crossed: &mut Crossed) -> u32 {
     crossed.clear();
     show(target, query, ray, &mut |line, surface| crossed.take(line, surface));
@@ -65,7 +65,7 @@ pub(crate) fn count(target: Target, query: &Query, ray: &dyn AnyRay, crossed: &m
     crossed.count()
 }
 
-/// What [`count`] counts, in the order in which the ray meets it; of what is crossed at one place the lowest ids first.
+/// The crossings of [`count`], in the order along the ray; at one position the lowest ids come first.
 pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut Vec<Hit>) {
     let (mut met, mut others): (Vec<Nearest>, Vec<Nearest>) = Default::default();
     show(target, query, ray, &mut |line, surface| {
@@ -92,7 +92,8 @@ pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut V
             }),
         }
     });
-    // Triangles may be shown twice; spheres and user geometry are not, and may be crossed twice at one place.
+    // Triangles may be visited twice; spheres and user geometry are not, and may be crossed twice at one
+    // position.
     met.sort_unstable_by_key(|hit| (hit.slot, hit.number));
     met.dedup_by_key(|hit| (hit.slot, hit.number));
     met.append(&mut others);
@@ -101,7 +102,7 @@ pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut V
     hits.extend(met.iter().map(|nearest| target.hit(nearest)));
 }
 
-/// Shows what a ray may cross; nothing if it is no ray.
+/// Visits the surfaces that a ray may cross; none for an invalid ray.
 fn show(target: Target, query: &Query, ray: &dyn AnyRay, visit: &mut dyn FnMut(&Line, &SurfaceInRegion)) {
     let rounded = ray.rounded();
     if !rounded.is_sound() {
@@ -119,7 +120,7 @@ fn ray_of(line: &LineRegion) -> Ray {
     Ray::new(org.map(|x| x as f32), dir.map(|x| x as f32)).within(*near as f32, *far as f32)
 }
 
-/// Shows what a line meets of user geometry between its ends.
+/// Visits the hits of a line with user geometry between its ends.
 fn through_user(
     surface: &SurfaceInRegion,
     user: &dyn UserGeometry,
@@ -151,7 +152,7 @@ fn through_sphere(line: &LineRegion, center: [f32; 3], radius: f32) -> impl Iter
     let large = middle + half.copysign(middle);
     let small = product / large;
     let (near, far) = (line.near, line.far);
-    // NaN: it passes beside.
+    // NaN: it misses.
     let is_crossed = half > 0.0;
     [large, small].into_iter().filter(move |&t| is_crossed && t >= near && t <= far)
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Many objects of one kind, each in its own pose: trees that share their structure, and are one where poses are equal.
-//! The paper's section 6 asks for it. Space: object.
-//! Invariant: a tree is that of its pose, whoever came first. Tests: `tests/poses.rs`.
+//! Many objects of one kind, each in its own pose: trees that share their structure; equal poses share one
+//! tree. [SIP06], section 6, requests it. Space: object.
+//! Invariant: a tree is that of its pose, independent of the order of requests. Tests: `tests/poses.rs`.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -11,23 +11,24 @@ use gnurt_accel_core::geometry::GeometryKind;
 
 use crate::{BuildOptions, Geometry, ObjectTree, Threads};
 
-/// The poses of one object. Threads may ask for several at a time.
+/// The poses of one object. Threads may request several at a time.
 #[derive(Debug, Default)]
 pub struct Crowd {
     /// Built over the first pose; all others share its structure.
     first: OnceLock<ObjectTree>,
-    /// By what their positions are mixed to. Gone once nobody shows them.
+    /// By the hash of their positions. Dropped with their last user.
     poses: Mutex<HashMap<u64, Vec<Weak<ObjectTree>>>>,
 }
 
-/// Rays through a pose may be expected to do so many times what they do through the first one; beyond that it gets a tree of its
-/// own. Characters stay below 1.5; what has nothing but its triangles in common comes to 3 and more.
+/// The largest expected cost of rays through a pose, relative to the first one; a pose beyond that gets a
+/// tree of its own. Characters stay below 1.5; unrelated shapes with the same triangles come to 3 and more.
 pub(crate) const MOST_GROWTH: f64 = 2.0;
 
 impl Crowd {
-    /// The tree over an object in this pose. The first one is built, in the quality of `options`; others share its
-    /// structure, and an equal pose that somebody still holds is that tree. What cannot share, because it has other
-    /// triangles than the first, or fits badly under its structure, is built by itself; so is everything for kd-trees.
+    /// The tree over an object in this pose. The first one is built, in the quality of `options`; others
+    /// share its structure, and an equal pose that is still in use is that tree. An object that cannot share,
+    /// because it has other triangles than the first, or fits badly under its structure, is built separately;
+    /// so are all objects under kd-trees.
     #[must_use]
     pub fn pose(&self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Arc<ObjectTree> {
         let key = mixed(geometries);
@@ -40,9 +41,9 @@ impl Crowd {
         }
     }
 
-    /// Builds what poses share, over this one, unless it is there. Who is about to ask for many poses at a time, by threads
-    /// of one pool, calls this before: threads that come to [`pose`](Self::pose) together and find nothing build it each for
-    /// itself, and all but one of these trees are dropped.
+    /// Builds the structure that poses share, over this one, unless it exists. Call this before requests for
+    /// many poses at a time by threads of one pool: threads that enter [`pose`](Self::pose) together and find
+    /// no structure build it each for itself, and all but one of these trees are dropped.
     pub fn prepare(&self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) {
         self.first(geometries, options, threads);
     }
@@ -53,13 +54,13 @@ impl Crowd {
             return first;
         }
         let built = ObjectTree::build_from(geometries, options, threads);
-        // What poses share is all that has to stay of it.
+        // Only the shared part of it must stay.
         let shared = built.posed_from(geometries, threads).unwrap_or(built);
-        // Who comes second takes that of the first.
+        // A second thread takes the tree of the first.
         self.first.get_or_init(|| shared)
     }
 
-    /// Poses that somebody holds.
+    /// The number of poses in use.
     #[must_use]
     pub fn poses(&self) -> usize {
         let poses = self.poses.lock().unwrap_or_else(PoisonError::into_inner);
@@ -74,7 +75,8 @@ impl Crowd {
         same.into_iter().find(|tree| tree.is_pose_of(geometries))
     }
 
-    /// Remembers a pose, and forgets some that are gone. Where another thread was faster with the same one, that is it.
+    /// Stores a pose, and drops some unused ones. If another thread has stored the same one, that is
+    /// returned.
     fn keep(&self, key: u64, geometries: &[Geometry], tree: Arc<ObjectTree>) -> Arc<ObjectTree> {
         if let Some(known) = self.known(key, geometries) {
             return known;
@@ -92,7 +94,7 @@ impl Crowd {
     }
 }
 
-/// The bits of all positions of surfaces, mixed. What is equal comes to the same; what is not seldom does.
+/// The bits of all positions of surfaces, mixed. Equal positions have equal hashes; different ones seldom do.
 fn mixed(geometries: &[Geometry]) -> u64 {
     let mut lanes = [0x9e37_79b9_7f4a_7c15_u64; 4];
     for geometry in geometries {

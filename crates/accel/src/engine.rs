@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The tables of kernels of a level, together: what a query takes along through scenes and objects.
-//! See decision 0018. Tests: `tests/brute_force.rs`, which asks at every level.
+//! The tables of kernels of a level, together: a query passes them through scenes and objects. See decision
+//! 0018. Tests: `tests/brute_force.rs`, which runs at every level.
 
 use std::sync::OnceLock;
 
@@ -19,7 +19,7 @@ impl Engine {
     #[inline]
     pub(crate) fn at(level: Level) -> &'static Self {
         static ENGINES: OnceLock<[Engine; Level::ALL.len()]> = OnceLock::new();
-        // A single ray asks for it, too: after the first time it is a load.
+        // A single ray needs it, too: after the first time it is a load.
         &ENGINES.get_or_init(|| Level::ALL.map(Self::new))[level as usize]
     }
 

@@ -29,7 +29,7 @@ fn point_of(ray: &dyn AnyRay, t: f32) -> [f64; 3] {
     [0, 1, 2].map(|k| org[k] + f64::from(t) * f64::from(rounded.dir[k]))
 }
 
-/// Whether a ray sees this face of what it hits. User geometry has no faces: it is always seen.
+/// Whether a ray sees this face of its hit. User geometry has no faces: it is always visible.
 fn sees(target: Target, ray: &dyn AnyRay, hit: &Hit, face: Face) -> bool {
     let rounded = ray.rounded();
     let at = Some(point_of(ray, hit.t));
@@ -43,7 +43,7 @@ fn sees(target: Target, ray: &dyn AnyRay, hit: &Hit, face: Face) -> bool {
 }
 
 impl Target<'_> {
-    /// The normal of what was hit at a moment, of unit length; of spheres, if the point is given where they were hit.
+    /// The unit normal of a hit at a time; of spheres, if the hit point is given.
     pub(crate) fn normal(self, hit: &Hit, at: Option<[f64; 3]>, time: f32) -> Option<[f32; 3]> {
         unit(self.raw_normal(hit, at, time)?)
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether points lie in closed meshes. The method: a ray's crossings, counted without rounding (`crossings.rs`), are even
-//! outside and odd inside. Space: world, or that of an object that is asked directly.
-//! Invariant: no point is on the wrong side, however near it is, and whatever vertices and edges are in the way.
+//! Containment of points in closed meshes. The method: a ray's crossings, counted without rounding
+//! (`crossings.rs`), are even outside and odd inside. Space: world, or that of a directly queried object.
+//! Invariant: no point is on the wrong side, at any distance from the surface, with any vertices and edges
+//! along the ray.
 //! Tests: `tests/surfaces/inside.rs`.
 
 use crate::Query;
@@ -33,7 +34,7 @@ pub(crate) fn side(target: Target, mask: u32, point: [f64; 3], crossed: &mut Cro
     if !(0..3).all(|k| low[k] <= point[k] && point[k] <= high[k]) {
         return Side::Outside;
     }
-    // The shortest way out.
+    // The shortest distance outwards.
     let paths = [0, 1, 2].map(|k| [(high[k] - point[k], k, 1.0), (point[k] - low[k], k, -1.0)]);
     let shortest = paths.into_iter().flatten().min_by(|a, b| a.0.total_cmp(&b.0));
     let (_, axis, line_path) = shortest.unwrap_or((0.0, 0, 1.0));
@@ -66,7 +67,7 @@ pub(crate) fn side(target: Target, mask: u32, point: [f64; 3], crossed: &mut Cro
     }
 }
 
-/// Whether the crossings of one of the objects are odd, but for objects that the ray starts on.
+/// Whether the crossings of one of the objects are odd, except for objects that the ray starts on.
 fn is_in_an_object(crossed: &mut Crossed, on: &[u32]) -> bool {
     let Crossed { triangles, others } = crossed;
     others.extend(triangles.iter().map(|&(slot, _)| (slot, 1)));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Ray queries: rays, hits, trees over objects and scenes of instances. Knows nothing of shading, materials, files or
-//! pixels.
-//! Source: see each file; the outline is the paper's section 4 (kd-tree) and 6 (two levels).
+//! Ray queries: rays, hits, trees over objects and scenes of instances. Independent of shading, materials,
+//! files or pixels.
+//! Source: see each file; the outline is [SIP06], sections 4 (kd-tree) and 6 (two levels).
 //!
-//! Build an [`ObjectTree`] over geometry, place it in a [`SceneTree`] any number of times, ask. docs/reference/queries.md says
-//! which call stands for which of Embree's.
+//! Build an [`ObjectTree`] over geometry, place it in a [`SceneTree`] any number of times, and query it.
+//! docs/reference/queries.md compares the calls with Embree's.
 //!
 //! ```
 //! use std::sync::Arc;
@@ -19,7 +19,7 @@
 //!
 //! # Kinds of geometry
 //!
-//! Triangles, quads, spheres and what implements [`UserGeometry`], mixed in one object:
+//! Triangles, quads, spheres and implementations of [`UserGeometry`], mixed in one object:
 //!
 //! ```
 //! # use gnurt_accel::*;
@@ -54,7 +54,7 @@
 //!
 //! # Masks
 //!
-//! A ray sees an instance, and a geometry in it, where its mask and theirs have a bit in common:
+//! A ray sees an instance, and a geometry in it, if its mask and theirs have a bit in common:
 //!
 //! ```
 //! # use gnurt_accel::*;
@@ -86,8 +86,8 @@
 //!
 //! # Scenes in scenes, and far away
 //!
-//! Instances show objects or scenes, up to [`DEEPEST_SCENE`] in one another. Their places are in double precision, and a
-//! [`Ray64`] has its origin in it, too:
+//! Instances show objects or scenes, nested up to [`DEEPEST_SCENE`] levels. Their transforms are in double
+//! precision, and a [`Ray64`] has its origin in it, too:
 //!
 //! ```
 //! # use gnurt_accel::*;
@@ -115,7 +115,7 @@
 //! assert_eq!(tree.closest_point([0.0, 3.0, 0.0], 1.9), None); // nothing within that radius
 //! ```
 //!
-//! # What moves
+//! # Moving geometry
 //!
 //! A tree whose triangles have moved is refitted in a fraction of a build's time ([`ObjectTree::refit`]); [`MovingTree`] does so from
 //! frame to frame, and builds again when that pays:
@@ -138,8 +138,8 @@
 //!
 //! # An open shutter
 //!
-//! A ray has a moment from 0 to 1, at which it sees meshes that move ([`MovingTriangles`]) and instances that do
-//! ([`Instance::moving`]); hits are those of a tree over all as it is then:
+//! A ray has a time from 0 to 1, at which it sees moving meshes ([`MovingTriangles`]) and moving instances
+//! ([`Instance::moving`]); hits are those of a tree over all geometry at that time:
 //!
 //! ```
 //! # use gnurt_accel::*;
@@ -161,8 +161,8 @@
 //!
 //! # Crowds
 //!
-//! Many characters of one kind, each in its own pose, share the structure of one tree: [`ObjectTree::posed`], or [`Crowd`], which
-//! also knows equal poses. docs/explanation/moving.md says what that saves.
+//! Many characters of one kind, each in its own pose, share the structure of one tree: [`ObjectTree::posed`],
+//! or [`Crowd`], which also detects equal poses. docs/explanation/moving.md gives the savings.
 //!
 //! ```
 //! # use gnurt_accel::*;
@@ -180,9 +180,10 @@
 //!
 //! # Limits today
 //!
-//! Within an object triangles can move, other primitives cannot; questions without a moment (nearest points, boxes, balls,
-//! insides, normals of single hits) are of moment 0: [`ObjectTree::at`] and [`SceneTree::at`] stop what moves at another one.
-//! No curves, no subdivision. An object has at most [`MOST_TRIANGLES`] triangles.
+//! Within an object triangles can move, other primitives cannot; queries without a time (nearest points,
+//! boxes, balls, insides, normals of single hits) refer to time 0: [`ObjectTree::at`] and [`SceneTree::at`]
+//! give a static copy at another one. No curves, no subdivision. An object has at most [`MOST_TRIANGLES`]
+//! triangles.
 #![forbid(unsafe_code)]
 
 mod answers;

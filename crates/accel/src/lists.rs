@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Answers to many questions: one each, or lists of different lengths side by side; and threads that share the work.
-//! Invariant: what is answered does not depend on the threads. Tests: `tests/surfaces/inside.rs`, `tests/surfaces/overlaps.rs`.
+//! Answers to many queries: one each, or lists of different lengths side by side; and threads that share the
+//! work.
+//! Invariant: results do not depend on the threads. Tests: `tests/surfaces/inside.rs`,
+//! `tests/surfaces/overlaps.rs`.
 
 use std::ops::Range;
 
@@ -22,7 +24,7 @@ pub(crate) fn answer_each<Q: Sync, A: Send, T>(
     answer_shares(threads, SHARE, questions, answers, scratch, answer);
 }
 
-/// The same, at least so many at a time.
+/// The same, in shares of at least this size.
 fn answer_shares<Q: Sync, A: Send, T>(
     threads: Threads,
     least: usize,

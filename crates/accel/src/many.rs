@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A million rays in one call: rays in slices or other programs' arrays, traced in batches by the threads of a pool.
-//! Each thread gathers some rays at a time into a batch of its own, which costs a hundredth of tracing them.
-//! Invariant: answers are those of single rays, bit for bit, whatever threads there are; also of rays whose origins are no
-//! floats, which scenes trace one by one, in double precision. Tests: `tests/surfaces/slices.rs`.
+//! Each thread collects some rays at a time into a batch of its own, which costs a hundredth of tracing them.
+//! Invariant: answers are those of single rays, bit for bit, on any threads; also for rays with
+//! double-precision origins, which scenes trace one by one. Tests: `tests/surfaces/slices.rs`.
 
 use std::ops::Range;
 
@@ -62,7 +62,7 @@ impl<R: AnyRay + Sync> Rays for [R] {
     }
 }
 
-/// What a thread keeps.
+/// State that a thread keeps.
 #[derive(Default)]
 struct Desk {
     rays: RayBatch,
@@ -74,7 +74,7 @@ struct Desk {
 }
 
 impl Desk {
-    /// Takes some rays; those that are to be traced by themselves leave one that hits nothing.
+    /// Takes some rays; those that are traced separately leave one that hits nothing.
     fn gather(&mut self, rays: &(impl Rays + ?Sized), range: Range<usize>, are_origins_precise: bool) {
         self.rays.clear();
         self.precise.clear();
@@ -155,7 +155,7 @@ impl Target<'_> {
         });
     }
 
-    /// An object that is asked directly rounds origins.
+    /// A directly queried object rounds origins.
     fn minds_origins(self) -> bool {
         matches!(self, Self::Scene(_))
     }

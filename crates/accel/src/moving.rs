@@ -1,34 +1,36 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A tree that follows its geometry from frame to frame: refitted while that pays, rebuilt where it no longer does.
-//! Source: [WBS06] for the refit; when to rebuild is the rule of ski rental (rent until the rent has come to the price), with
-//! the cost of [MB90] as the rent; docs/explanation/moving.md has its measurements. Space: object.
-//! Invariant: a tree that somebody else holds is never touched: frames in flight keep theirs. Tests: `tests/moving.rs`.
+//! A tree that follows its geometry from frame to frame: refitted while that pays, rebuilt otherwise.
+//! Source: [WBS06] for the refit; rebuilds follow the rule of ski rental (rent until the rent has reached the
+//! price), with the cost of [MB90] as the rent; docs/explanation/moving.md has its measurements. Space:
+//! object.
+//! Invariant: a tree with another user is never modified: frames in flight keep theirs. Tests:
+//! `tests/moving.rs`.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::crowd::MOST_GROWTH;
 use crate::{BuildOptions, Geometry, ObjectTree, Quality, Structure, Threads};
 
-/// How an object's primitives move within it, as far as the program says. Instances move as they like with each of them.
+/// A hint about the motion of an object's primitives. Instances move as they like with each of them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Motion {
-    /// The program says nothing: what moves is found out.
+    /// No hint: motion is detected.
     #[default]
     Auto,
     /// Not at all. An edit is the exception, and gets a new tree.
     Static,
     /// As a whole, by its instances: the same as `Static` for the object.
     Rigid,
-    /// Again and again: trees are built without what a refit spoils (spatial splits).
+    /// Repeatedly: trees are built without the parts that a refit spoils (spatial splits).
     Deforming,
     /// Among poses that come back: refitted, and never rebuilt for its quality.
     Known,
 }
 
-/// What an update did.
+/// The kind of an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Update {
-    /// Boxes were fitted; the tree is the one that it was.
+    /// Boxes were fitted; the topology is unchanged.
     Refitted,
     /// All was built again.
     Rebuilt,
@@ -39,7 +41,7 @@ pub enum Update {
 pub struct MovingTree {
     tree: Arc<ObjectTree>,
     motion: Motion,
-    /// The tree of the update before last, to be written over once nobody else holds it.
+    /// The tree of the update before last, for reuse of its memory after its last user.
     spare: Arc<Mutex<Option<Arc<ObjectTree>>>>,
     /// Refits since the last build.
     refits: u32,
@@ -50,7 +52,7 @@ pub struct MovingTree {
 /// Rays that an object is thought to meet from one update to the next: a frame of a megapixel with some light.
 const RAYS: f64 = 4e6;
 
-/// Nanoseconds for a ray to do what counts as 1 in a tree's cost.
+/// Nanoseconds of a ray per unit of a tree's cost.
 const STEP: f64 = 10.0;
 
 /// Nanoseconds that a build takes for each triangle.
@@ -79,9 +81,9 @@ impl MovingTree {
         &self.tree
     }
 
-    /// Follows the geometry: afterwards [`tree`](Self::tree) is over it. Trees that were handed out stay as they are. Where the
-    /// geometry is another one than before, or has other good triangles, or the structure knows no refit, or
-    /// nothing is to move, the tree is built with `options`.
+    /// Follows the geometry: afterwards [`tree`](Self::tree) is over it. Trees that were handed out stay as they are.
+    /// The tree is built with `options` if the geometry differs, or has other good triangles, or the
+    /// structure has no refit, or nothing may move.
     pub fn update(&mut self, geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Update {
         let is_fixed = matches!(self.motion, Motion::Static | Motion::Rigid) || !self.tree.knows_refits();
         let refitted = (!is_fixed).then(|| self.space().refit_from(geometries, threads).ok()).flatten();
@@ -97,7 +99,7 @@ impl MovingTree {
         self.debt += RAYS * STEP * lost;
         let price = BUILD * tree.stats().primitives as f64;
         if self.motion != Motion::Known && self.debt > price {
-            // What has moved will move again, whatever was said.
+            // A tree that has moved will move again, with any hint.
             let built = Self::build(geometries, options, Motion::Deforming, threads);
             *self = Self { motion: self.motion, ..built };
             return Update::Rebuilt;
@@ -107,7 +109,7 @@ impl MovingTree {
     }
 
     /// A pose that others share their structure with stays one unless it fits badly: one of a crowd gets few of the rays, and a
-    /// tree by itself would take many times the memory. For the same reason none is kept to be written over.
+    /// tree by itself would take many times the memory. For the same reason none is kept for reuse.
     fn follow_pose(
         &mut self,
         tree: ObjectTree,
@@ -123,7 +125,7 @@ impl MovingTree {
         Update::Refitted
     }
 
-    /// A tree to be written over: the last but one, if nobody else holds it, or a copy.
+    /// A tree for reuse: the last but one, if it has no other user, or a copy.
     fn space(&self) -> ObjectTree {
         let spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner).take();
         spare.and_then(|spare| Arc::try_unwrap(spare).ok()).unwrap_or_else(|| (*self.tree).clone())
@@ -132,7 +134,7 @@ impl MovingTree {
     fn replace(&mut self, tree: Arc<ObjectTree>) {
         let before = std::mem::replace(&mut self.tree, tree);
         self.refits += 1;
-        // Who edits once need not pay with memory.
+        // A single edit need not cost memory.
         if self.motion != Motion::Auto || self.refits > 1 {
             *self.spare.lock().unwrap_or_else(PoisonError::into_inner) = Some(before);
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Several nearest primitives of a point, and all that touch a ball around it.
-//! Trees are searched as for the nearest point (`point/mod.rs`). Space: that of the tree that is asked.
+//! Trees are searched as for the nearest point (`point/mod.rs`). Space: that of the queried tree.
 //! Invariant: a primitive that comes several times, from several leaves or as two halves of a quad, is there once, at its
 //! least distance. Tests: `tests/surfaces/overlaps.rs`.
 
@@ -18,7 +18,7 @@ struct Several<'a> {
 }
 
 impl<'a> Several<'a> {
-    /// At most `most`, which is not 0, no farther than `radius`; `named` turns slot and number into ids.
+    /// At most `most`, which is not 0, no farther than `radius`; `named` converts slot and number to ids.
     fn new(radius: f64, most: usize, named: &'a dyn Fn(u32, u32) -> PrimitiveId) -> Self {
         Self { radius, most, found: Vec::new(), named }
     }
@@ -77,7 +77,7 @@ impl NearestPoint for Within {
     }
 }
 
-/// Shows what is near to somebody who says how near is near.
+/// Visits near primitives; the visitor sets the radius.
 struct Visited<'a> {
     target: Target<'a>,
     point: [f64; 3],
@@ -128,7 +128,7 @@ impl Target<'_> {
     }
 
     /// All primitives within `radius`.
-    pub(crate) fn touching_ball(
+    pub(crate) fn touching_sphere(
         self,
         query: &Query,
         center: [f64; 3],

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One object's geometry, ready to be asked for rays: shared through `Arc`, refitted by who holds it alone.
-//! A tree for each kind of primitive, searched one after the other up to the best hit so far, is what Embree does. Space: object; `inst_id` is 0 in all hits.
-//! Invariant: primitives are numbered through all geometries, so what is best does not depend on the order of trees.
+//! The trees over one object's geometry, ready for rays: shared through `Arc`, refitted only by a sole owner.
+//! As in Embree, a tree for each kind of primitive, searched in succession up to the best hit so far. Space:
+//! object; `inst_id` is 0 in all hits.
+//! Invariant: primitives are numbered through all geometries, so the best hit does not depend on the order of
+//! trees.
 //! Tests: `tests/brute_force.rs`, `tests/mixed.rs`.
 
 mod build;
@@ -41,7 +43,7 @@ pub struct ObjectTree {
     bad: BadPrimitives,
     bounds: Aabb,
     stats: TreeStats,
-    /// Where primitives are, once somebody asks by their numbers.
+    /// Locations of primitives by number, computed at first use.
     locations: OnceLock<Locations>,
 }
 
@@ -52,7 +54,7 @@ struct Part {
     index: Index,
 }
 
-/// What was built. To add a structure is to add a line here and in the matches below.
+/// The kind of tree. To add a structure is to add a line here and in the matches below.
 #[derive(Clone, Debug)]
 enum Index {
     Research(ResearchIndex),
@@ -70,7 +72,7 @@ impl ObjectTree {
         self.bounds
     }
 
-    /// What was left out at build.
+    /// Primitives dropped at the build.
     #[must_use]
     pub fn bad_primitives(&self) -> BadPrimitives {
         self.bad
@@ -99,7 +101,7 @@ impl ObjectTree {
         self.parts.len() == other.parts.len() && self.parts.iter().zip(&other.parts).all(same)
     }
 
-    /// Improves what the ray has found; it is sound.
+    /// Improves the ray's result; the ray is valid.
     #[inline(always)]
     pub(crate) fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
         if !traversal.ray.is_regular() {
@@ -128,8 +130,8 @@ impl ObjectTree {
         }
     }
 
-    /// Improves what a tile's active rays, all of them sound, have found. Rays that go different ways are parted first,
-    /// unless all of them are `incoherent`.
+    /// Improves the results of a tile's active rays, all of them valid. Rays of different directions are
+    /// separated first, unless all of them are `incoherent`.
     pub(crate) fn tile(&self, engine: &Engine, traversal: &mut TileTraversal, incoherent: bool) {
         if self.parts.is_empty() || traversal.active == 0 {
             return;
@@ -161,7 +163,7 @@ impl ObjectTree {
         traversal.only(single).one_by_one(|traversal| self.ray(engine, traversal));
     }
 
-    /// For a tile's first rays, all of them active and of one heading.
+    /// For a tile's first rays, all of them active and of one direction class.
     fn coherent(&self, engine: &Engine, direction_class: DirectionClass, traversal: &mut TileTraversal) {
         for part in self.parts.iter().filter(|part| part.mask & traversal.rays.mask != 0) {
             let has_kernel = match &part.index {
@@ -216,7 +218,7 @@ impl ObjectTree {
 }
 
 impl Part {
-    /// What it is over.
+    /// Its geometry.
     fn group(&self) -> Group {
         let kind = match self.index {
             Index::Research(_) | Index::Bvh(_) => Kind::Surfaces,
@@ -249,7 +251,7 @@ impl Index {
         }
     }
 
-    /// Improves what the ray has found; it is sound and regular.
+    /// Improves the ray's result; the ray is valid and regular.
     #[inline(always)]
     fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
         match self {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All primitives that touch a box. Source: separating axes, [Eri04] section 5.2.9, in double precision.
-//! Space: that of the tree that is asked; through instances that turn and distort, triangles are carried to it.
-//! Invariant: what is left out is surely apart: what rounding leaves open is in. Tests: `tests/surfaces/overlaps.rs`.
+//! Space: that of the queried tree; through instances with rotations and distortions, triangles are
+//! transformed to it.
+//! Invariant: an excluded primitive surely misses the box: undecided ones are included. Tests:
+//! `tests/surfaces/overlaps.rs`.
 
 use crate::near::name_all;
 use crate::target::Target;
@@ -10,14 +12,14 @@ use gnurt_accel_core::exact::{InstancePath, Triangle};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::Region;
 
-/// Slots and numbers of what touches the box, its sides included, some of them twice. A box with a NaN or without a point
-/// touches nothing.
+/// Slots and numbers of the primitives that touch the box, its sides included, some of them twice. A box with
+/// a NaN or without a point touches nothing.
 fn touching(target: Target, mask: u32, min: [f64; 3], max: [f64; 3], found: &mut Vec<(u32, u32)>) {
     found.clear();
     if !(0..3).all(|k| min[k] <= max[k]) {
         return;
     }
-    // What has no end is cut to where there is something.
+    // An infinite box is cut to the bounds of the tree.
     let bounds = target.around();
     if bounds.is_empty() {
         return;

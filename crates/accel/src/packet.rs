@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Up to sixteen rays without memory of their own elsewhere: what programs ask that hold a few rays at a time.
-//! Space: that of the structure that is asked.
-//! Invariant: the answer for a ray is that of the same ray alone. Tests: `tests/packets.rs`.
+//! Up to sixteen rays without heap memory: queries of programs with a few rays at a time.
+//! Space: that of the queried structure.
+//! Invariant: the result of a ray is that of the same ray by itself. Tests: `tests/packets.rs`.
 
 use gnurt_accel_core::bits::{all, each};
 use gnurt_accel_core::nearest::Kind;
@@ -95,7 +95,7 @@ impl Target<'_> {
         sound & engine.tiles.hit(nearest)
     }
 
-    /// Tells the closest hit of each ray of a packet that has one.
+    /// Reports the closest hit of each ray of a packet that has one.
     pub(crate) fn closest_of_packet(
         self,
         query: &Query,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Up to 64 rays from one point, in the form in which kernels take them: what a virtual light's shadow rays are.
-//! [RSH05] for why rays of one origin go well together: their interval of origins is a point.
-//! Space: that of the structure that is asked.
-//! Invariant: the answer for a ray is that of the same ray alone. Tests: `tests/pencils.rs`.
+//! Up to 64 rays from one point, in the form of the kernels: the shadow rays of a virtual light. [RSH05]
+//! explains why rays of one origin are efficient together: their interval of origins is a point.
+//! Space: that of the queried structure.
+//! Invariant: the result of a ray is that of the same ray by itself. Tests: `tests/pencils.rs`.
 
 use gnurt_accel_core::bits::TILE;
 use gnurt_accel_core::tile::{PerRay, RayTile};
@@ -32,7 +32,7 @@ impl Pencil {
         (&mut self.rays.dir, &mut self.t_far)
     }
 
-    /// Sets the moment of all rays; see [`Ray::time`](crate::Ray::time). It is 0 at first.
+    /// Sets the time of all rays; see [`Ray::time`](crate::Ray::time). It is 0 at first.
     pub fn set_time(&mut self, time: f32) {
         if self.rays.is_timed || time != 0.0 {
             (self.rays.time, self.rays.is_timed) = ([time; TILE], true);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What objects and scenes answer alike: the bodies of their methods (`queries/`).
+//! Common answers of objects and scenes: the bodies of their methods (`queries/`).
 //! Tests: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
 use gnurt_accel_bvh::BvhIndex;
@@ -12,7 +12,7 @@ use crate::engine::Engine;
 use crate::target::Target;
 use crate::{AnyRay, Counters, Hit, PointHit, Query, Ray};
 
-/// A single ray as it is asked for.
+/// A single ray of a query.
 #[derive(Clone, Copy)]
 pub(crate) struct One<'a> {
     query: &'a Query,
@@ -33,10 +33,12 @@ impl One<'_> {
 }
 
 impl Target<'_> {
-    /// Improves what was found. Inlined into its three callers, each of which knows what is looked for: single rays are short.
+    /// Improves the result. Inlined into its three callers, each of which has a constant kind: single rays
+    /// are short.
     #[inline(always)]
     fn trace(self, One { query, ray, origin }: One, mut kind: RayKind, nearest: &mut Nearest) {
-        // Copied only where it must be: what has just been stored in parts cannot be loaded in lanes for a while.
+        // Copied only if necessary: a value that was just stored in parts cannot be loaded in lanes for a
+        // while.
         let (masked, mask) = (&mut None, ray.mask & query.mask);
         let ray = match mask == ray.mask {
             true => ray,
@@ -49,7 +51,8 @@ impl Target<'_> {
         }
     }
 
-    /// The tree that a ray can go straight into, which most single rays do: nothing is to be looked at but one mesh of triangles.
+    /// The tree that a ray can enter directly, as most single rays do: the target is just one mesh of
+    /// triangles.
     #[inline(always)]
     fn only_tree(&self, One { query, ray, .. }: One) -> Option<&BvhIndex> {
         match self {
@@ -72,7 +75,8 @@ impl Target<'_> {
         if !nearest.is_hit() {
             return None;
         }
-        // Each straight into the answer: what is written in parts and copied as a whole at once makes the CPU wait.
+        // Each goes directly into the answer: the CPU would wait for a copy of a value that was written in
+        // parts.
         match self {
             Self::Object(object) => Some(object.resolve(&nearest, 0, 0)),
             Self::Scene(scene) => Some(scene.resolve(&nearest)),
@@ -160,7 +164,7 @@ impl Target<'_> {
         nearest.hit(point, |nearest| self.hit(nearest))
     }
 
-    /// Offers points of primitives near `point`, of each the one that is nearest; of nothing near NaN.
+    /// Offers points of primitives near `point`, the nearest of each; none near NaN.
     pub(crate) fn near(self, query: &Query, point: [f64; 3], nearest: &mut dyn NearestPoint) {
         if point.iter().all(|x| x.is_finite()) && !nearest.distance().is_nan() {
             self.point(Engine::at(query.level), &Probe::new(point, query.mask), nearest);

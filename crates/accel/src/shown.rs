@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a target shows of its primitives to questions that are decided outside of it.
+//! Primitives of a target, for queries that are decided outside of it.
 
 use gnurt_accel_core::nearest::Nearest;
 use gnurt_accel_core::region::Region;
@@ -30,7 +30,7 @@ impl Target<'_> {
         self.hit(&Nearest { t: 0.0, u: 0.0, v: 0.0, number, slot }).primitive()
     }
 
-    /// The normal of what was hit at a moment, of any length; of spheres, if the point is given where they were hit.
+    /// The normal of a hit at a time, of any length; of spheres, if the hit point is given.
     pub(crate) fn raw_normal(self, hit: &Hit, at: Option<[f64; 3]>, time: f32) -> Option<[f64; 3]> {
         match self {
             Self::Object(object) => object.raw_normal(hit, at, time),

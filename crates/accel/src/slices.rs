@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays in other programs' arrays, of floats or doubles, with gaps between them; and where their hits go.
-//! Nothing is copied but a few thousand rays at a time, by the thread that traces them.
-//! Space and units: as of a [`Ray`]. Invariant: all parts of some rays are of one length; what is not is refused when it is
-//! put together. Tests: `tests/surfaces/slices.rs`.
+//! Rays in other programs' arrays, of floats or doubles, with gaps between them; and arrays for their hits.
+//! Rays are copied a few thousand at a time, by the thread that traces them; nothing else is copied. Space
+//! and units: as of a [`Ray`]. Invariant: all parts of some rays are of one length; other input is rejected
+//! at construction. Tests: `tests/surfaces/slices.rs`.
 
 use std::fmt;
 use std::ops::Range;
@@ -129,7 +129,7 @@ pub struct Vectors<'a> {
 
 impl<'a> Vectors<'a> {
     /// Three numbers in a row for each ray, the first at `first`, the next `step` behind it, and so on: `rows(&array, 0, 6)` and
-    /// `rows(&array, 3, 6)` are the two halves of rows of six. What is left over at the end is ignored.
+    /// `rows(&array, 3, 6)` are the two halves of rows of six. Excess elements at the end are ignored.
     #[must_use]
     pub fn rows(values: impl Into<Floats<'a>>, first: usize, step: usize) -> Self {
         let (values, step) = (values.into(), step.max(1));
@@ -184,8 +184,8 @@ impl<'a> From<&'a [[f64; 3]]> for Vectors<'a> {
     }
 }
 
-/// Rays in borrowed arrays. Numbers of double precision are rounded to floats, but for origins, which scenes use as they are,
-/// as those of a [`Ray64`](crate::Ray64).
+/// Rays in borrowed arrays. Numbers of double precision are rounded to floats, except for origins, which
+/// scenes use unrounded, as those of a [`Ray64`](crate::Ray64).
 #[derive(Clone, Copy, Debug)]
 pub struct RaySlices<'a> {
     org: Vectors<'a>,
@@ -212,7 +212,7 @@ impl<'a> RaySlices<'a> {
     /// The same rays with near ends.
     ///
     /// # Errors
-    /// [`SliceError`] where there are not as many as rays.
+    /// [`SliceError`] if their number is not that of the rays.
     pub fn with_t_near(self, t_near: Column<'a>) -> Result<Self, SliceError> {
         fits("near ends", t_near.len.unwrap_or(self.len), self.len)?;
         Ok(Self { t_near: Some(t_near), ..self })
@@ -221,7 +221,7 @@ impl<'a> RaySlices<'a> {
     /// The same rays with far ends.
     ///
     /// # Errors
-    /// [`SliceError`] where there are not as many as rays.
+    /// [`SliceError`] if their number is not that of the rays.
     pub fn with_t_far(self, t_far: Column<'a>) -> Result<Self, SliceError> {
         fits("far ends", t_far.len.unwrap_or(self.len), self.len)?;
         Ok(Self { t_far: Some(t_far), ..self })
@@ -230,16 +230,16 @@ impl<'a> RaySlices<'a> {
     /// The same rays with masks.
     ///
     /// # Errors
-    /// [`SliceError`] where there are not as many as rays.
+    /// [`SliceError`] if their number is not that of the rays.
     pub fn with_masks(self, mask: &'a [u32]) -> Result<Self, SliceError> {
         fits("masks", mask.len(), self.len)?;
         Ok(Self { mask: Some(mask), ..self })
     }
 
-    /// The same rays with moments; see [`Ray::time`].
+    /// The same rays with times; see [`Ray::time`].
     ///
     /// # Errors
-    /// [`SliceError`] where there are not as many as rays.
+    /// [`SliceError`] if their number is not that of the rays.
     pub fn with_times(self, time: Column<'a>) -> Result<Self, SliceError> {
         fits("moments", time.len.unwrap_or(self.len), self.len)?;
         Ok(Self { time: Some(time), ..self })
@@ -303,22 +303,22 @@ impl<'a> RaySlices<'a> {
     }
 }
 
-/// Where hits go: borrowed arrays of those fields that are wanted, one value for each ray.
+/// The output of hits: borrowed arrays of the requested fields, one value for each ray.
 #[derive(Debug, Default)]
 pub struct HitSlices<'a> {
     /// Ray parameters; infinite where a ray missed.
     pub t: Option<&'a mut [f32]>,
     /// First parameters on the primitives; 0 where a ray missed.
     pub u: Option<&'a mut [f32]>,
-    /// Second parameters, likewise.
+    /// Second parameters, one for each ray.
     pub v: Option<&'a mut [f32]>,
     /// Primitives; [`INVALID_ID`](crate::INVALID_ID) where a ray missed.
     pub prim_id: Option<&'a mut [u32]>,
-    /// Geometries, likewise.
+    /// Geometries, one for each ray.
     pub geom_id: Option<&'a mut [u32]>,
-    /// Instances, likewise.
+    /// Instances, one for each ray.
     pub inst_id: Option<&'a mut [u32]>,
-    /// Places among all objects, likewise.
+    /// Indices among all objects, one for each ray.
     pub leaf_id: Option<&'a mut [u32]>,
     /// Unit normals as [`ObjectTree::normal_at`](crate::ObjectTree::normal_at) gives them; zeros where there is none.
     pub normal: Option<&'a mut [[f32; 3]]>,
@@ -342,7 +342,7 @@ impl HitSlices<'_> {
         self.normal.as_ref().map_or(Ok(()), |array| fits("normals", array.len(), rays))
     }
 
-    /// In parts for so many rays each.
+    /// In parts for this many rays each.
     pub(crate) fn parts(&mut self, size: usize) -> Vec<(Range<usize>, HitSlices<'_>)> {
         fn split<'b, T>(array: &mut Option<&'b mut [T]>, at: usize) -> Option<&'b mut [T]> {
             let (first, rest) = array.take()?.split_at_mut(at);
@@ -386,7 +386,7 @@ impl HitSlices<'_> {
         floats.chain(ids).chain(self.normal.iter().map(|array| array.len())).next()
     }
 
-    /// Writes all hits of as many rays as there are places, but no normals.
+    /// Writes all hits of these rays, but no normals.
     pub(crate) fn copy(&mut self, hits: &HitBatch) {
         fn put<T: Copy>(array: &mut Option<&mut [T]>, values: &[T]) {
             if let Some(array) = array {

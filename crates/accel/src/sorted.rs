@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays that start near each other but go different ways: sorted by heading, then traced in tiles.
-//! Source: [RSH05] for what tiles gain; counting sort. Tests: `tests/brute_force.rs` (`query`).
+//! Rays with near origins but different directions: sorted by direction class, then traced in tiles.
+//! Source: [RSH05] for the gain of tiles; counting sort. Tests: `tests/brute_force.rs` (`query`).
 
 use gnurt_accel_core::bits::{TILE, all, each};
 use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
@@ -13,11 +13,11 @@ use crate::batch_run::BatchRun;
 /// Rays that are sorted at a time.
 const WINDOW: usize = 4096;
 
-/// Headings that they are sorted by, and those that cannot be traced: a power of two above their number.
+/// Direction classes for sorting, and one for untraceable rays: a power of two above their number.
 const BUCKETS: usize = 32;
 const _: () = assert!(DirectionClasses::CODES < BUCKETS, "each heading has its place");
 
-/// Sorts rays by where they are heading, then traces them in tiles.
+/// Sorts rays by direction class, then traces them in tiles.
 pub(crate) fn trace(batch: &BatchRun, answers: &mut Answers, counters: &mut Counters) {
     let (rays, kernels) = (batch.rays, &batch.engine.tiles);
     let (mut tile, mut nearest) = (RayTile::EMPTY, NearestTile::EMPTY);

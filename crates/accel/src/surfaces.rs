@@ -13,14 +13,14 @@ pub(crate) struct SurfaceInRegion<'a> {
     /// Its number in the object. The same one may come several times.
     pub(crate) number: u32,
     pub(crate) primitive: Primitive<'a>,
-    /// Where the object is; `None` if it lies in the space that was asked about as it is.
+    /// The object's path; `None` if it is in the space of the query.
     pub(crate) path: Option<&'a InstancePath<'a>>,
     /// The region in the object's space.
     pub(crate) region: &'a Region,
 }
 
 impl SurfaceInRegion<'_> {
-    /// The line that is asked about, in the object's space.
+    /// The line of the query, in the object's space.
     pub(crate) fn line(&self) -> Option<&LineRegion> {
         match self.region {
             Region::Line(line) => Some(line),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What rays are sent into: an object or a scene. Everything from here on, down to the kernels, is compiled once.
+//! The target of rays: an object or a scene. All code from here to the kernels is compiled once.
 
 use gnurt_accel_core::bits::each;
 use gnurt_accel_core::nearest::Nearest;
@@ -30,7 +30,7 @@ impl SceneTree {
 }
 
 impl Target<'_> {
-    /// Sends a ray, which is sound.
+    /// Traces a ray, which is valid.
     #[inline(always)]
     pub(crate) fn ray(self, engine: &Engine, traversal: &mut RayTraversal) {
         match self {
@@ -55,7 +55,7 @@ impl Target<'_> {
         }
     }
 
-    /// Ids of what was hit.
+    /// Ids of a hit.
     #[inline]
     pub(crate) fn hit(self, nearest: &Nearest) -> Hit {
         match self {
@@ -64,7 +64,7 @@ impl Target<'_> {
         }
     }
 
-    /// Writes what those rays of a tile that are in `bits` have hit, the tile's first ray to lane `first`.
+    /// Writes the hits of those rays of a tile that are in `bits`, the tile's first ray to lane `first`.
     pub(crate) fn write(self, nearest: &NearestTile, bits: u64, first: usize, hits: &mut HitBatch) {
         match self {
             Self::Object(object) => {

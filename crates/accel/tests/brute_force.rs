@@ -79,7 +79,8 @@ fn distance(point: [f64; 3], corners: [[f32; 3]; 3]) -> f64 {
     edges.map(to_edge).into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// Distance between the lines of a ray and an edge: what decides the sides of an edge, also at grazing angles.
+/// Distance between the lines of a ray and an edge, which decides the side of an edge, also at grazing
+/// angles.
 fn from_edge(ray: &Ray, (p, q): ([f32; 3], [f32; 3])) -> f64 {
     let minus = |p: [f32; 3], q: [f32; 3]| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(q[k]));
     let (along, from, dir) = (minus(q, p), minus(p, ray.org), ray.dir.map(f64::from));

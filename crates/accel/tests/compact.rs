@@ -87,7 +87,7 @@ fn less_than_half_of_the_memory() {
         let [fast, compact] = &pair(&closed::torus(100), quality);
         let (fast, compact) = (bytes(fast), bytes(compact));
         assert!(2 * compact < fast, "{compact} bytes, and {fast} otherwise");
-        // Corners that nobody shares are as many as before.
+        // The number of unshared corners stays the same.
         let [fast, compact] = &pair(&Soup::random(7, 20_000, 0.01), quality);
         let (fast, compact) = (bytes(fast), bytes(compact));
         assert!(10 * compact < 11 * fast, "{compact} bytes of a soup, and {fast} otherwise");

@@ -11,7 +11,7 @@ use gnurt_accel::{
 };
 use gnurt_testkit::{Soup, closed};
 
-/// Notes what it is told, and stops a build.
+/// Records reports, and stops a build.
 #[derive(Default)]
 struct Notes {
     reported: Mutex<Vec<f32>>,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Counters: packets in a kd-tree count what single rays do, at every level, for closest and for any hits; tiles count the
-//! same nodes at every level that has them, and nearly the same triangles but at the widest; costs per ray add up to the sums.
+//! Counters: packets in a kd-tree count the same as single rays, at every level, for closest and for any
+//! hits. Tiles count the same nodes at every level that has them, and nearly the same triangles except at the
+//! widest; costs per ray add up to the sums.
 
 use std::sync::Arc;
 

@@ -77,7 +77,8 @@ fn far_scenes_are_as_precise_as_near_ones() {
 
 #[test]
 fn rays_of_single_precision_see_far_scenes() {
-    // Their origins are multiples of one unit there; tiles and single rays agree, and find what is in front of them.
+    // Their origins are multiples of one unit there; tiles and single rays agree, and find the geometry in
+    // front of them.
     let object = Arc::new(build(&[closed::sphere(9)], WATERTIGHT[0]));
     let far = [1e7, -2e7, 0.5e7];
     let placement = |i: u32| {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Callbacks that accept or reject hits: what is left is what all hits have left, at every level, in objects and scenes.
+//! Callbacks that accept or reject hits: the result equals a filtered list of all hits, at every level, in
+//! objects and scenes.
 
 use std::sync::Arc;
 
@@ -35,7 +36,7 @@ fn check(what: &str, rays: &RayBatch, target: &dyn Questions) {
     assert!(rejected > 50, "{what}: only {rejected} closest hits were rejected");
 }
 
-/// What both kinds of trees are asked.
+/// The queries of both kinds of trees.
 trait Questions {
     fn all(&self, query: &Query, ray: &Ray, hits: &mut Vec<Hit>);
     fn filtered(&self, query: &Query, ray: &Ray, accept: Accept) -> (Option<Hit>, bool);

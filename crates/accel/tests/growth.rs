@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What saved trees cost: whatever numbers a file holds, memory stays below three times its length, as `load` promises.
-//! Every allocation of the program is counted. One test only, so that nothing else is counted.
+//! Memory of loading saved trees: for any numbers in a file, it stays below three times the file's length, as
+//! `load` guarantees. Every allocation of the program is counted. One test only, so that nothing else is
+//! counted.
 
 mod common;
 #[path = "common/signed.rs"]
@@ -14,7 +15,7 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static ALLOCATIONS: PeakAlloc = PeakAlloc;
 
-/// What reading takes of any file: a buffer.
+/// Memory of reading any file: a buffer.
 const SPACE: usize = 1 << 20;
 const GROWTH: usize = 3;
 
@@ -63,7 +64,7 @@ fn trees_cost_what_their_lengths_account_for() {
         let large = save(&build(&[closed::torus(60)], kind));
         let peak = cost(&large);
         assert!(peak <= SPACE + GROWTH * large.len(), "{kind:?}: {peak} bytes for {}", large.len());
-        // It says what it had, but ends.
+        // It declares its full size, but ends.
         let half = cost(&large[..large.len() / 2]);
         assert!(
             half <= SPACE + GROWTH * large.len() / 2,

@@ -121,7 +121,8 @@ fn they_follow_what_moves() {
     }
 }
 
-/// Rays that pass a small thing in a large room do as much as under a kd-tree, or little more: boxes are held against what is known.
+/// Rays that pass a small object in a large room do about as much work as under a kd-tree: boxes are compared
+/// with their regions.
 #[test]
 fn a_small_thing_in_a_large_one() {
     let meshes = stadium(10.0);

@@ -14,8 +14,8 @@ fn through(org: [f32; 3], to: [f32; 3]) -> Ray {
     Ray::new(org, [0, 1, 2].map(|k| to[k] - org[k]))
 }
 
-/// Beyond about 1e19 products of coordinates overflow: every level and every way to ask gives the same bits all the
-/// same, and what is aimed at the middle of a triangle hits it.
+/// Beyond about 1e19 products of coordinates overflow: every level and every kind of query still gives the
+/// same bits, and a ray aimed at the middle of a triangle hits it.
 #[test]
 fn origins_beyond_1e19_are_alike_at_every_level() {
     let mut random = Random::new(3);
@@ -75,7 +75,8 @@ fn directions_of_any_length_hit() {
     }
 }
 
-/// Near ends below zero are not asked for, but hits are right: what lies behind the origin is seen from there on.
+/// Near ends below zero are unsupported, but hits are right: surfaces behind the origin are found from the
+/// near end on.
 #[test]
 fn near_ends_below_zero_see_what_is_behind() {
     let soup = Soup::random(5, 300, 0.3);
@@ -123,7 +124,7 @@ fn small_stacks_are_enough() {
         Instance::new(Arc::new(balls), at(0.5)),
     ]));
     for level in 1..gnurt_accel::DEEPEST_SCENE {
-        // What is beside is too far away to take time.
+        // The offset instance is far enough away to cost no time.
         let offset = Instance::new(Arc::clone(&scene), at(1000.0 * f64::from(level)));
         scene = Arc::new(scene_of(&[Instance::new(scene, at(0.001)), offset]));
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Masks: a ray sees what has a bit in common with it, instances and geometries, one by one and in tiles, whether the
-//! rays of a batch have one mask or many. The list of all hits of a ray that sees everything is the oracle.
+//! Masks: a ray sees instances and geometries that have a bit in common with it, one by one and in tiles,
+//! whether the rays of a batch have one mask or many. The list of all hits of a ray that sees everything is
+//! the oracle.
 
 use std::sync::Arc;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Building takes less than three times the memory of what goes in and comes out, and about what it tells.
+//! Building takes less than three times the memory of its input and output, and about the reported memory.
 //!
 //! The system is asked for the peak of the whole process, so this file holds one test only. Counting in an allocator
 //! would need unsafe code.

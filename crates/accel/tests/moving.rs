@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A tree that follows its geometry has the hits of a fresh one in every frame, whatever was said of the motion; frames that
-//! still hold an older tree keep its hits; and its cost stays near that of a fresh tree.
+//! A tree that follows its geometry has the hits of a fresh one in every frame, with any hint about the
+//! motion. Frames that still hold an older tree keep its hits, and its cost stays near that of a fresh tree.
 
 use std::sync::Arc;
 

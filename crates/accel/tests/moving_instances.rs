@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Scenes that are updated equal scenes that are built from the list as it is then: the same hits, bit for bit, in every way
-//! to ask and at every level, after any sequence of edits; scenes before stay as they were.
+//! Updated scenes equal scenes built from the current list: the same hits, bit for bit, in every kind of
+//! query and at every level, after any sequence of edits; earlier scenes stay unchanged.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Scenes in scenes: the same hits as the scene with all objects side by side, at every level, one by one and in tiles;
-//! paths name the instances on the way; what cannot be nested is refused.
+//! Nested scenes: the same hits as the flat scene of all objects, at every level, one by one and in tiles;
+//! paths name the instances; invalid nesting is rejected.
 
 use std::sync::Arc;
 

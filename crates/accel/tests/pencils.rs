@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays of a pencil hit what the same rays hit alone: wide and narrow ones, full and with holes, in objects and scenes.
+//! Rays of a pencil have the hits of the same rays traced singly: wide and narrow ones, full and with holes,
+//! in objects and scenes.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Poses of one object that share their structure have the hits of trees that are built over them, bit for bit, and those of brute
-//! force: at every level, in scenes, however they were made, and whatever becomes of the others.
+//! Poses of one object that share their structure have the hits of separate trees, bit for bit, and those of
+//! brute force: at every level, in scenes, for every way to make them, and after changes of other poses.
 
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
@@ -130,8 +130,9 @@ fn a_crowd_in_a_scene() {
     assert_eq!(crowd.poses(), 0, "nobody shows them");
 }
 
-/// A thread that waits for its share of a build takes up other work of the pool meanwhile. Here it does so for sure, while
-/// boxes are asked for: the other work is another pose of the crowd, and it must not wait for what its own thread has begun.
+/// A thread that waits for its share of a build takes up other work of the pool meanwhile. Here it certainly
+/// does so during the callback for boxes: the other work is another pose of the crowd, and it must not wait
+/// for the unfinished work of its own thread.
 #[test]
 fn a_pose_is_asked_for_within_the_build_of_another() {
     #[derive(Debug)]
@@ -151,7 +152,7 @@ fn a_pose_is_asked_for_within_the_build_of_another() {
     }
 
     let (done, ended) = mpsc::channel();
-    // What stands still cannot be joined.
+    // A static object cannot be joined.
     std::thread::spawn(move || {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
         let rest = [closed::torus(8)];
@@ -226,7 +227,7 @@ fn what_cannot_share_is_built() {
     );
 }
 
-/// What could not be traced in the first pose is counted in all others, and must not come back.
+/// Triangles that were untraceable in the first pose are counted in all others, and must not return.
 #[test]
 fn bad_triangles_stay_bad() {
     let mut rest = [Soup::random(5, 80, 0.4)];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Trees that were fitted to moved primitives give the hits of trees built anew, bit for bit, and those of brute force: in
-//! every structure that can be refitted, at every level, however wildly things move, and when some of them go bad for a
-//! while.
+//! Trees refitted to moved primitives give the hits of new trees, bit for bit, and those of brute force: in
+//! every structure that can be refitted, at every level, for any motion, and while some primitives are bad.
 
 use crate::common::{Kind, WATERTIGHT, assert_hits, batch, build, options, run_queries};
 use gnurt_accel::{
@@ -74,7 +73,7 @@ fn what_has_not_moved_stays() {
     }
 }
 
-/// What cannot be traced for a while is missed and counted, and is there again afterwards.
+/// Temporarily untraceable primitives are missed and counted, and return afterwards.
 #[test]
 fn triangles_go_bad_and_come_back() {
     let rays = batch(&rays::random(7, 80));

@@ -205,7 +205,7 @@ fn signed_changes_are_found_or_harmless() {
             if round % 2 == 0 {
                 file[random.below(again.len() - 8)] ^= 1 << random.below(8);
             } else {
-                // Copies of other words are what a tree takes for its own.
+                // A tree accepts only copies of other words as its own.
                 let [to, from] = [0; 2].map(|_: i32| random.below(again.len() / 4 - 2));
                 let copied = value(&file, from);
                 set_value(&mut file, to, copied);
@@ -277,7 +277,7 @@ fn errors_say_what_is_wrong() {
         change(&mut file);
         ObjectTree::load(&mut &file[..]).expect_err("changed").to_string()
     };
-    assert_eq!(load(&|file| file[0] = b'g'), "this is no saved tree", "the first word");
+    assert_eq!(load(&|file| file[0] = b'g'), "not a saved tree", "the first word");
     assert!(load(&|file| file[8] = 9).contains("version 9"), "of a later version");
     assert!(load(&|file| file[700] ^= 64).contains("checksum"), "a bit flips");
     let mut failing = std::io::Read::chain(&file[..100], Failing);

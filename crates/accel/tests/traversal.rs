@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a traversal promises: it skips no triangle that the test alone would hit, not by one rounding, and it stops at
-//! the first leaf with a hit.
+//! Guarantees of a traversal: it skips no triangle that the test by itself would hit, not by one rounding,
+//! and it stops at the first leaf with a hit.
 
 use crate::common::{GRID, Kind, TESTS, WATERTIGHT, batch, build_with, options, queries, run_queries};
 use gnurt_accel::{

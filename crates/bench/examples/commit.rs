@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a commit costs after one edit of a scene of many instances, and what the first sample after it makes ready.
-//! Run: `cargo run --release -p gnurt-bench --example commit -- [INSTANCES...]`
-//! A grid of instances of sixteen balls of 8,192 triangles each, a lamp of 10,000 triangles, an environment of 1024 x 512
-//! texels, 100 materials. Median of five edits; seconds of all processors, and on the wall. A snapshot of the world before is
-//! held while an edit is committed, as a frame in flight would hold it. One path through one pixel follows each commit, so that
-//! what is made when it is first asked for (the light tree) counts, too.
+//! Cost of a commit after one edit of a scene of many instances, and of the lazy work of the first sample
+//! after it. Run: `cargo run --release -p gnurt-bench --example commit -- [INSTANCES...]` A grid of instances
+//! of sixteen balls of 8,192 triangles each, a lamp of 10,000 triangles, an environment of 1024 x 512 texels,
+//! 100 materials. Median of five edits; seconds of all processors, and on the wall. A snapshot of the earlier
+//! world is held during the commit of an edit, as by a frame in flight. One path through one pixel follows
+//! each commit, so that parts built at first use (the light tree) count, too.
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::error::Error;
@@ -30,7 +30,7 @@ const MATERIALS: u32 = 100;
 /// Squares along an edge of the lamp.
 const LIGHT_MESH: u32 = 71;
 
-/// What is edited, by the number of the run.
+/// The edit, by the number of the run.
 type Change = fn(&mut Scene, usize);
 
 const EDITS: [(&str, Change); 9] = [

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How long saved trees take to load, beside building them.
-//! Run: `cargo run --release -p gnurt-bench --example load -- SCENE...`
-//! One thread, median of five; what is loaded was written just before, so that no disk is waited for. Seconds of the
-//! processor, and on the wall. Both trees are asked for the same rays and must answer alike, bit for bit.
+//! Run: `cargo run --release -p gnurt-bench --example load -- SCENE...` One thread, median of five; the files
+//! were written just before, so that no disk access is needed. Seconds of the processor, and on the wall.
+//! Both trees trace the same rays and must agree, bit for bit.
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::error::Error;
@@ -64,7 +64,7 @@ fn measure(subject: &Subject, memory: Memory) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What a job gives, and its seconds of the processor and on the wall. What it gives is dropped later.
+/// The result of a job, and its seconds of the processor and on the wall. The result is dropped later.
 fn timed<T>(job: impl FnOnce() -> T) -> (T, [f64; 2]) {
     let (start, before) = (Instant::now(), thread_seconds());
     let result = job();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What objects in objects cost: a million balls as one object held by others, and as a million instances.
-//! Run: `cargo run --release -p gnurt-bench --example nest -- [SIDE...]`
-//! SIDE^2 instances of an object that holds SIDE^2 balls of 256 triangles; two levels deeper the same as SIDE in SIDE in SIDE in SIDE.
-//! Memory is what the process has more of after scene and world are there; edits are the median of five; rays go from the camera
-//! to the first surface, 512 x 512, one thread's time.
+//! Cost of nested objects: a million balls as one object held by others, and as a million instances. Run:
+//! `cargo run --release -p gnurt-bench --example nest -- [SIDE...]` SIDE^2 instances of an object that holds
+//! SIDE^2 balls of 256 triangles; two levels deeper the same as SIDE in SIDE in SIDE in SIDE. Memory is the
+//! growth of the process by scene and world; edits are the median of five; rays go from the camera to the
+//! first surface, 512 x 512, one thread's time.
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::error::Error;
@@ -104,7 +104,7 @@ fn median(mut times: Vec<f64>) -> Option<f64> {
     times.get(times.len() / 2).copied()
 }
 
-/// Bytes of the process that are in memory; 0 where nobody tells.
+/// Resident bytes of the process; 0 if unknown.
 fn resident() -> u64 {
     let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     pages.split(' ').nth(1).and_then(|pages| pages.parse::<u64>().ok()).unwrap_or(0) * 4096

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether two engines gave the same answers to the same rays, and if not, whose are wrong.
-//! Where answers differ both are compared with the truth of the triangles that they name (`exact.rs`): an
-//! answer is wrong if its triangle is not met, if its `t` is off, or if the other's triangle is surely met nearer. Rays that
-//! pass an edge so closely that the triangles beside it are met as well as missed are nobody's. Where it is not said which
-//! triangle, or any would do, all are looked at.
-//! What is wrong in our own answers ends a benchmark as soon as it is more than a few; a rival's is told.
+//! Agreement of two engines on the same rays, and the engine at fault where they differ. Where answers
+//! differ, both are compared with the exact values for their triangles (`exact.rs`): an answer is wrong if
+//! its triangle is missed, if its `t` is off, or if the other's triangle is surely hit nearer. A ray that
+//! passes an edge so closely that both triangles beside it may count as hit or missed is undecided. If an
+//! answer names no triangle, or if any would do, all are tested. More than a few wrong answers of our own end
+//! a benchmark; those of a reference engine are reported.
 //! Tests: `tests`.
 
 use gnurt::accel::{INVALID_ID, Ray, Triangles};
@@ -13,7 +13,7 @@ use crate::exact::{Truth, truth};
 use crate::ties::{BESIDE, is_tie, meet};
 use crate::timing::{Answered, Rays};
 
-/// What the answers of an engine come to.
+/// Sums over the answers of an engine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Sums {
     pub(crate) hits: u64,
@@ -35,9 +35,9 @@ const ROUNDING: f64 = 1e-5;
 /// Rays whose triangles are all looked at: beyond these nobody's fault is known.
 const MOST_LOOKED_AT: u64 = 500;
 
-/// What of a rival's answers may be wrong, as a share of the rays: hits and misses; all together. Its usual test is not
-/// watertight, and near large triangles its `t` is as exact as floats are; but an engine that is asked in a wrong way gives
-/// other answers to most rays.
+/// Allowed wrong answers of a reference engine, as a fraction of the rays: hits and misses; all together. Its
+/// usual test is not watertight, and near large triangles its `t` has the precision of floats; but an engine
+/// that is called wrongly gives other answers to most rays.
 const REFERENCES: [f64; 2] = [1e-2, 0.5];
 
 /// How the answers to a ray differ.
@@ -51,7 +51,7 @@ enum Kind {
     Other,
 }
 
-/// Who is wrong about a ray.
+/// The engine at fault for a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wrong {
     First,
@@ -114,21 +114,21 @@ fn judge_flip(triangles: &Triangles, ray: &Ray, hit: Answer, hit_is_first: bool)
     if hit_is_first { Wrong::of(hit_is_wrong, miss_is_wrong) } else { Wrong::of(miss_is_wrong, hit_is_wrong) }
 }
 
-/// What differs, and the place of a ray for which it does: the one whose `t` differs most, if there is any.
+/// A description of the differences, and the index of the ray whose `t` differs most, if there is any.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Difference {
     pub(crate) what: String,
     pub(crate) ray: usize,
 }
 
-/// Who is compared.
+/// The compared engines.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Names<'a> {
     pub(crate) first: &'a str,
     pub(crate) second: &'a str,
 }
 
-/// How many rays are answered differently, by who is wrong: by flips, and all of them.
+/// Numbers of differing rays, by the engine at fault: flips, and all of them.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     flips: u64,
@@ -148,9 +148,9 @@ impl Tally {
     }
 }
 
-/// Compares ray by ray. Nothing to tell, something to tell, or too much of it: more than a share `tolerance` of the rays hit
-/// or missed wrongly, or ten times as many wrong in any way, by the first or by who bears the same name, or by nobody knows
-/// whom. Others are given more room.
+/// Compares ray by ray. Reports nothing, something, or a failure. A failure is more than a fraction
+/// `tolerance` of the rays with wrong hits or misses, or ten times as many wrong in any way, by the first
+/// engine, by one of the same name, or undecided. Other engines have wider limits.
 pub(crate) fn compare(
     first: &Answered,
     second: &Answered,
@@ -234,15 +234,15 @@ pub(crate) fn compare(
             what += &format!(", {} pass an edge", nobodys.all);
         }
         if somebodys.all > 0 {
-            what += &format!(", {} are not told apart", somebodys.all);
+            what += &format!(", {} are undecided", somebodys.all);
         }
         Difference { what, ray: worst.map_or(0, |(_, ray)| ray) }
     };
     let strict = [tolerance, 10.0 * tolerance];
-    let of_rival = if names.first == names.second { strict } else { REFERENCES };
+    let of_reference = if names.first == names.second { strict } else { REFERENCES };
     let too_much = of_first.is_above(count, strict)
         || somebodys.is_above(count, strict)
-        || of_second.is_above(count, of_rival)
+        || of_second.is_above(count, of_reference)
         || nobodys.is_above(count, REFERENCES);
     if too_much { Err(report()) } else { Ok(Some(report())) }
 }
@@ -253,7 +253,7 @@ mod tests {
     use gnurt::accel::RayBatch;
 
     const OURS: Names = Names { first: "gnurt", second: "gnurt" };
-    const RIVAL: Names = Names { first: "gnurt", second: "rival" };
+    const REFERENCE: Names = Names { first: "gnurt", second: "reference" };
 
     /// Rays down to the triangles 0, 1 and 2: 1 lies on 0, and 2 is elsewhere.
     const POSITIONS: [[f32; 3]; 4] = [[0., 0., 0.], [9., 0., 0.], [0., 9., 0.], [0., 0., 9.]];
@@ -322,7 +322,7 @@ mod tests {
         let rays = rays(1000, false);
         let with = |a: f32, b: f32, n: usize| {
             let side = |t: f32| answered((0..1000).map(|i| if i < n { t } else { 5.0 }).collect());
-            compare(&side(a), &side(b), RIVAL, &rays, 1e-5)
+            compare(&side(a), &side(b), REFERENCE, &rays, 1e-5)
         };
         let reported = |a, b, n| with(a, b, n).expect("it goes on").expect("it is told").what;
         let theirs = reported(5.0, 5.01, 90);
@@ -330,15 +330,18 @@ mod tests {
             theirs.contains("90 of 1000 answers differ") && theirs.contains("by up to 2.0e-3 of t"),
             "{theirs}"
         );
-        assert!(theirs.contains("90 of rival are wrong, 0 of gnurt"), "{theirs}");
+        assert!(theirs.contains("90 of reference are wrong, 0 of gnurt"), "{theirs}");
         let ours = with(5.01, 5.0, 90).expect_err("our own faults end it").what;
-        assert!(ours.contains("0 of rival are wrong, 90 of gnurt"), "{ours}");
+        assert!(ours.contains("0 of reference are wrong, 90 of gnurt"), "{ours}");
         assert!(with(5.0, 5.01, 501).is_err(), "who is wrong about a half is asked in a wrong way");
         let lost = reported(5.0, f32::INFINITY, 1);
-        assert!(lost.contains("1 rays hit for one only") && lost.contains("1 of rival are wrong"), "{lost}");
+        assert!(
+            lost.contains("1 rays hit for one only") && lost.contains("1 of reference are wrong"),
+            "{lost}"
+        );
         assert!(with(f32::INFINITY, 5.0, 2).is_err(), "what we miss is there");
         let both = reported(5.01, 5.02, 1);
-        assert!(both.contains("1 of rival are wrong, 1 of gnurt"), "{both}");
+        assert!(both.contains("1 of reference are wrong, 1 of gnurt"), "{both}");
     }
 
     #[test]
@@ -351,20 +354,20 @@ mod tests {
         let all = |t: f32, prim_id: u32| Answered { t: vec![t; count], prim_id: vec![prim_id; count] };
         // Triangle 2 stands on the edge between corners 0 and 1: seen from above, edge on.
         let at_edge = of([1.0, 0.0, 5.0]);
-        let what = compare(&all(5.0, 0), &all(f32::INFINITY, INVALID_ID), RIVAL, &at_edge, 1e-5);
+        let what = compare(&all(5.0, 0), &all(f32::INFINITY, INVALID_ID), REFERENCE, &at_edge, 1e-5);
         let what = what.map_or_else(
             |too_much| too_much.what,
             |reported| reported.map_or(String::new(), |reported| reported.what),
         );
-        assert!(what.contains("100 pass an edge") && what.contains("0 of rival"), "{what}");
+        assert!(what.contains("100 pass an edge") && what.contains("0 of reference"), "{what}");
         // From below its slope triangle 0 is met behind triangle 1, which lies on it: both are there.
         let inside = of([1.0, 1.0, 5.0]);
-        assert_eq!(compare(&all(5.0, 0), &all(5.0, 1), RIVAL, &inside, 1e-5), Ok(None), "both are right");
+        assert_eq!(compare(&all(5.0, 0), &all(5.0, 1), REFERENCE, &inside, 1e-5), Ok(None), "both are right");
         let any = Rays { any: true, ..of([1.0, 1.0, 5.0]) };
-        let missed = compare(&all(1.0, INVALID_ID), &all(f32::INFINITY, INVALID_ID), RIVAL, &any, 1e-5);
+        let missed = compare(&all(1.0, INVALID_ID), &all(f32::INFINITY, INVALID_ID), REFERENCE, &any, 1e-5);
         let missed = missed.expect_err("a hundred of a hundred").what;
         assert!(
-            missed.contains("100 of rival are wrong, 0 of gnurt"),
+            missed.contains("100 of reference are wrong, 0 of gnurt"),
             "all triangles are looked at: {missed}"
         );
     }

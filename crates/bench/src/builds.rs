@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench build`: what trees cost to build and to keep, beside Embree's.
-//! Processor time is that of the whole program, which does nothing else meanwhile; the first build of each, which
-//! is not timed, is asked for some rays, and all must answer alike. Tests: `tests::builds_a_box`.
+//! `bench build`: time and memory of trees, beside Embree's. Processor time is that of the whole program,
+//! which does nothing else meanwhile; the first build of each, which is not timed, traces some rays, and all
+//! must agree. Tests: `tests::builds_a_box`.
 
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ use crate::row::median;
 use crate::timing::Rays;
 use crate::{Class, Contestant, EmbreeLibrary, Error, Filter, Subject};
 
-/// What is to be measured, and how.
+/// The scenes to measure, and the method.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Which builds: of the modes, the part before how rays are asked (`bvh-high`, `kd-fast`, `compact`).
@@ -42,7 +42,7 @@ pub struct BuildRow {
     pub scene: String,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,
-    /// What was built.
+    /// The built structure.
     pub mode: String,
     /// Threads that built.
     pub threads: usize,
@@ -99,7 +99,7 @@ fn plans(filter: &Filter) -> Result<Vec<Plan>, Error> {
     if !filter.modes.iter().all(|part| modes.iter().any(|mode| mode.contains(part))) {
         return Err(Error::NothingToDo { valid: modes });
     }
-    // A kd-tree of high quality is one of medium quality; grids are for who asks.
+    // A kd-tree of high quality equals one of medium quality; grids are measured on request.
     let is_usual = |plan: &Plan| match plan {
         Plan::Own(OwnKind::GRID) => false,
         Plan::Own(kind) => (kind.structure, kind.quality) != (Structure::Kd, Quality::High),
@@ -165,7 +165,7 @@ struct Site<'a> {
     level: Level,
 }
 
-/// What a build gave.
+/// The result of a build.
 enum Built<'a> {
     Own(Box<ObjectTree>),
     Embree(Scene<'a>),
@@ -233,7 +233,7 @@ impl<'a> Site<'a> {
         }
     }
 
-    /// Builds each once and compares what the trees answer.
+    /// Builds each once and compares the trees' answers.
     fn check(&self, plans: &[Plan], report: &mut dyn FnMut(BenchEvent)) -> Result<(), Error> {
         let built =
             plans.iter().map(|plan| Ok((*plan, self.build(*plan)?.0))).collect::<Result<Vec<_>, _>>()?;

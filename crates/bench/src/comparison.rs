@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Contestants over one set of rays: first their answers are compared, then they are timed in turns.
-//! Turns, round by round, so that what else the machine does meets all of them alike; every round begins
-//! with another one, and every other round goes backwards, so that nobody always follows the same one, who leaves the
-//! caches and the clock as they are.
+//! Contestants over one set of rays: first their answers are compared, then they are timed in alternating
+//! runs. Runs alternate round by round, so that other load of the machine affects all of them equally. Every
+//! round begins with another one, and every other round goes backwards, so that none always follows the same
+//! one, which leaves its state in the caches and the clock.
 //! Tests: `tests::a_wrong_answer_ends_it`, `tests::the_order_is_rotated`.
 
 use crate::agreement::{Difference, Names, Sums, compare};
@@ -12,15 +12,15 @@ use crate::row::median;
 use crate::timing::{Engine, Rays, Seconds, answers, time};
 use crate::{Class, Error, Row};
 
-/// Somebody who answers rays, and how reports call them.
+/// An engine in a comparison, and its name in reports.
 pub struct Contestant<'a> {
     /// The engine's name.
     pub engine: &'static str,
-    /// What was built and how it is asked.
+    /// The built structure and the kind of query.
     pub mode: String,
     /// The instruction set.
     pub isa: &'static str,
-    /// The one who is asked.
+    /// The engine.
     pub tracer: Box<dyn Engine + 'a>,
 }
 
@@ -75,7 +75,7 @@ pub(crate) fn hold(
     Ok(results.map(row).collect())
 }
 
-/// Who has his turn when in a round of `rounds`.
+/// The order of a round of `rounds`.
 fn order(round: usize, rounds: usize, contestants: usize) -> impl Iterator<Item = usize> {
     let first = round * contestants / rounds;
     (0..contestants).map(move |order_index| {
@@ -95,7 +95,7 @@ pub(crate) fn check(
     let Some((first, others)) = contestants.split_first() else { return Ok(Vec::new()) };
     let expected = answers(&*first.tracer, rays);
     let mut sums = vec![Sums::of(&expected, rays.any)];
-    // What is to be told, and of whom: several modes often have the same to tell.
+    // The reports, by contestant: several modes often have the same one.
     let mut differences: Vec<(Difference, String)> = Vec::new();
     for contestant in others {
         let answers = answers(&*contestant.tracer, rays);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench dynamic`, cases `crowd` and `crowd64`: a thousand characters of 5,000 triangles, each in a pose of its own or in one of 64,
-//! that all change from frame to frame. The paper's section 6 asks for it.
-//! `instanced` shares what poses have in common ([`Crowd`]), `separate` builds a tree for each character, as fast as can be. Both get the
-//! same vertices and the same rays, and have to give the same hits, bit for bit. Times are processor time of one thread; an
-//! update is all trees and the tree over them. Bytes hold trees, triangles, what is shared, and the vertices that the program
-//! keeps for each pose. Tests: `tests::both_hit_the_same`.
+//! that all change from frame to frame. [SIP06], section 6, requests it. `instanced` shares structures
+//! between poses ([`Crowd`]), `separate` builds a tree for each character, by the fastest builder. Both get
+//! the same vertices and the same rays, and must have the same hits, bit for bit. Times are processor time of
+//! one thread; an update is all trees and the tree over them. Bytes include trees, triangles, shared parts,
+//! and the vertices that the program keeps for each pose. Tests: `tests::both_hit_the_same`.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::random::Random;
 use crate::row::median;
 use crate::vector::{cross, minus, unit};
 
-/// What is to be measured, and how.
+/// The scenes to measure, and the method.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Characters.
@@ -144,7 +144,7 @@ impl Follower {
         self.trace.push(process_seconds() - before);
     }
 
-    /// Of trees, what they share, and the tree over them.
+    /// Of trees, their shared part, and the tree over them.
     fn bytes(&self) -> u64 {
         let mut trees: Vec<&Arc<ObjectTree>> = self.trees.iter().collect();
         trees.sort_by_key(|tree| Arc::as_ptr(tree));
@@ -157,10 +157,10 @@ impl Follower {
     }
 }
 
-/// Measures characters in `poses` different poses; `case` is what rows call it.
+/// Measures characters in `poses` different poses; `case` is their name in rows.
 ///
 /// # Errors
-/// That hits differ, which is a bug.
+/// Hits differ, which is a bug.
 pub fn run(case: &'static str, poses: usize, options: &Options) -> Result<Vec<DynamicRow>, Error> {
     let indices = indices();
     let matrices = matrices(options.characters);
@@ -211,12 +211,12 @@ pub fn run(case: &'static str, poses: usize, options: &Options) -> Result<Vec<Dy
     Ok(followers.iter().map(row).collect())
 }
 
-/// How many stand in a row.
+/// The number of characters in a row.
 fn columns(characters: usize) -> usize {
     (characters as f64).sqrt().ceil() as usize
 }
 
-/// Where characters stand: in rows, each turned its own way.
+/// Transforms of characters: in rows, each with its own rotation.
 fn matrices(characters: usize) -> Vec<[[f64; 3]; 4]> {
     let mut random = Random::new(1);
     let columns = columns(characters);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench dynamic`: what it costs to follow a mesh that is deformed, and how fast rays are afterwards, beside Embree's.
-//! The scene is twisted and waves more and more from frame to frame. Times are processor time of one
-//! thread, engines take turns, and all are asked the same rays, whose answers have to agree.
+//! `bench dynamic`: cost of following a deforming mesh, and the speed of rays afterwards, beside Embree's.
+//! The scene is twisted and waves more and more from frame to frame. Times are processor time of one thread,
+//! runs of engines alternate, and all trace the same rays, whose answers must agree.
 //! Tests: `tests::a_box_is_twisted`.
 
 use gnurt::ThreadPool;
@@ -25,7 +25,7 @@ use crate::row::median;
 use crate::timing::{Rays, time};
 use crate::{Class, Contestant, EmbreeLibrary, Error, Subject};
 
-/// What is to be measured, and how.
+/// The scenes to measure, and the method.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Frames of deformation; each is an update.
@@ -53,7 +53,7 @@ pub(crate) fn deformed(subject: &Subject, share: f32, to: &mut [[f32; 3]]) {
     }
 }
 
-/// What is built anew: grids, BVHs and the quick kd-tree.
+/// Rebuilt structures: grids, BVHs and the quick kd-tree.
 const REBUILT: [OwnKind; 5] =
     [OwnKind::GRID, OwnKind::FAST, OwnKind::MEDIUM, OwnKind::HIGH, OwnKind::FAST_KD];
 

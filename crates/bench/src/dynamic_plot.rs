@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What was measured of things that move as bars: for each scene and case the processor time of an update, and the rate of rays
-//! afterwards, strategy by strategy, as SVG. Bars of a case share one scale on either side, which starts at zero.
+//! Measurements of moving scenes as bars: for each scene and case the processor time of an update, and the
+//! rate of rays afterwards, strategy by strategy, as SVG. Bars of a case share one scale on either side,
+//! which starts at zero.
 //! Tests: `tests::bars_are_as_long_as_numbers`.
 
 use std::fmt::Write;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What was measured of things that move, as plain values, as a table and as JSON.
+//! Measurements of moving scenes, as plain values, as a table and as JSON.
 //! Tests: `dynamic::tests::a_box_is_twisted`, `crowd::tests`.
 
 use serde_json::{Value, json};
@@ -11,7 +11,7 @@ pub struct DynamicRow {
     pub case: &'static str,
     /// The scene.
     pub scene: String,
-    /// What was done for each frame; in `rebuild` the quality of a BVH, or another structure: `grid`, `kd-fast`.
+    /// The work for each frame; for `rebuild` the quality of a BVH, or another structure: `grid`, `kd-fast`.
     pub strategy: &'static str,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,

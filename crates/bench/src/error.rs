@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What ends a benchmark early.
+//! Errors that end a benchmark early.
 
 /// Why there are no numbers.
 #[derive(Debug, thiserror::Error)]
@@ -15,7 +15,7 @@ pub enum Error {
     Embree {
         /// The file that was named.
         library: String,
-        /// What is wrong with it.
+        /// The fault.
         why: String,
     },
     /// A scene that no ray can be sent into.
@@ -23,7 +23,7 @@ pub enum Error {
     Scene {
         /// Its name.
         scene: String,
-        /// What it lacks.
+        /// The missing part.
         why: String,
     },
     /// Two engines answered the same rays differently: fast and wrong is not fast.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a benchmark tells while it runs.
+//! Events of a running benchmark.
 
 use crate::Row;
 

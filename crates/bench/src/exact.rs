@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where a ray meets a triangle in truth: to thirty digits, so that what single precision made of it can be judged.
+//! The exact intersection of a ray and a triangle, to thirty digits, to judge results of single precision.
 //! Source: sums and products of two doubles after \[Dek71\], with the fused operation in place of its splitting; positions
-//! sheared as in \[WBW13\], without division. It shares no line with what it judges. Space: world; directions of any length.
+//! sheared as in \[WBW13\], without division. It shares no code with the judged engines. Space: world;
+//! directions of any length.
 //! Tests: `tests::truth_has_thirty_digits`.
 
 use gnurt::accel::{Ray, Triangles};
@@ -45,7 +46,7 @@ impl Twice {
     }
 }
 
-/// What there is to know of a ray and a triangle.
+/// The exact data of a ray and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Truth {
     /// Where the ray meets the triangle; if it passes beside it, the edge that it passes: negative weights are none.
@@ -99,7 +100,7 @@ mod tests {
         let triangles = Triangles { positions: &positions, indices: &[[0, 1, 2]] };
         let ray = Ray::new([0.5, 5e-7, 1.0], [0.0, 0.0, -1.0]);
         let Truth { t, inside } = truth(&triangles, &ray, 0).expect("it is met");
-        // Weights are a quarter, a quarter and a half, up to what floats make of 1e-6 and half of it.
+        // Weights are a quarter, a quarter and a half, up to the rounding of 1e-6 to a float and half of it.
         let height = 0.25 * f64::from(1e-6f32);
         assert!((t - (1.0 - height)).abs() < 1e-12 && (inside - 0.25).abs() < 1e-6, "{t} {inside}");
         let beside = Ray::new([0.5, -1e-6, 1.0], [0.0, 0.0, -1.0]);

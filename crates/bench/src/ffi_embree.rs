@@ -64,7 +64,7 @@ impl<const N: usize> Packet<N> {
 #[repr(C, align(64))]
 pub(crate) struct Active<const N: usize>(pub(crate) [i32; N]);
 
-/// `RTCIntersectArguments` and `RTCOccludedArguments`, with room for what some builds add at the end.
+/// `RTCIntersectArguments` and `RTCOccludedArguments`, with space for fields that some builds add at the end.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub(crate) struct Arguments {
@@ -145,15 +145,16 @@ impl Library {
     /// Loads the file, which must have all functions that are called here.
     #[cfg(any(unix, windows))]
     pub(crate) fn open(file: &Path) -> Result<Self, String> {
-        // SAFETY: loading runs the library's own start code: that is what was asked for.
+        // SAFETY: loading runs the library's own start code, as the caller requested.
         let library = unsafe { libloading::Library::new(file) };
         let library = library.map_err(|error| error.to_string().replace('\n', " "))?;
         let library = std::mem::ManuallyDrop::new(library);
         let missing = |name: &CStr| format!("this is not Embree 4: it lacks {}", name.to_string_lossy());
         macro_rules! function {
             ($name:literal) => {
-                // SAFETY: the symbol has the type of the field that it goes to according to Embree's headers. That this
-                // is Embree is what `Device::open` asks next; a library with all these names is trusted that far.
+                // SAFETY: the symbol has the type of the field that it goes to according to Embree's headers.
+                // `Device::open` then checks that this is Embree; a library with all these names is trusted
+                // that far.
                 *unsafe { library.get($name.to_bytes_with_nul()) }.map_err(|_| missing($name))?
             };
         }
@@ -283,7 +284,7 @@ impl<'a> Device<'a> {
 
 impl Drop for Device<'_> {
     fn drop(&mut self) {
-        // SAFETY: the device is open, its scenes are gone, and from here on nobody counts.
+        // SAFETY: the device is open, its scenes are gone, and the counter has no more users.
         unsafe {
             (self.library.set_monitor)(self.raw, None, null_mut());
             (self.library.release_device)(self.raw);
@@ -336,7 +337,7 @@ impl<'a> Scene<'a> {
     /// Commits a geometry, and a scene of it alone, which then owns it.
     ///
     /// # Safety
-    /// The geometry is the device's, and what it shares outlives the scene.
+    /// The geometry belongs to the device, and its shared arrays outlive the scene.
     pub(crate) unsafe fn of(device: &'a Device<'a>, geometry: Handle, quality: i32, flags: i32) -> Self {
         let library = device.library;
         // SAFETY: handles are used as Embree's manual shows; the caller answers for the arrays.
@@ -412,7 +413,7 @@ pub(crate) struct MovingScene<'a> {
 }
 
 impl<'a> MovingScene<'a> {
-    /// Builds over the triangles; what `padded` and `indices` are is what [`Scene::build`] says.
+    /// Builds over the triangles; [`Scene::build`] defines `padded` and `indices`.
     pub(crate) fn build(
         device: &'a Device<'a>,
         padded: Vec<[f32; 3]>,
@@ -423,9 +424,10 @@ impl<'a> MovingScene<'a> {
         let highest = indices.iter().flatten().max().map_or(0, |&i| i as usize + 1);
         assert!(highest < padded.len(), "index {highest} needs a vertex and one behind it: {}", padded.len());
         let library = device.library;
-        // SAFETY: handles are used as Embree's manual shows. The indices outlive the scene and are in range; the vertices lie
-        // in a vector of the scene's own, which is never made longer, so that they stay where they are; one vertex
-        // behind the last that is used makes 16 bytes readable from each. The geometry is kept for later calls.
+        // SAFETY: handles are used as Embree's manual shows. The indices outlive the scene and are in range.
+        // The vertices are in a vector of the scene, which never grows, so that they stay in place; one
+        // vertex behind the last used one makes 16 bytes readable from each. The geometry is kept for later
+        // calls.
         let (scene, geometry) = unsafe {
             let geometry = (library.new_geometry)(device.raw, GEOMETRY_TRIANGLE);
             (library.set_geometry_quality)(geometry, REFIT);
@@ -454,7 +456,7 @@ impl<'a> MovingScene<'a> {
     /// Fits the scene to its vertices.
     pub(crate) fn refit(&mut self) {
         let library = self.scene.library;
-        // SAFETY: geometry and scene are there, and nobody asks the scene meanwhile: it is borrowed for us alone.
+        // SAFETY: geometry and scene exist, and there is no concurrent query: the borrow is exclusive.
         unsafe {
             (library.update_buffer)(self.geometry, BUFFER_VERTEX, 0);
             (library.commit_geometry)(self.geometry);

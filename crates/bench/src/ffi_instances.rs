@@ -32,7 +32,7 @@ impl Turned {
     }
 }
 
-/// A scene of instances, and what is to be told where they are.
+/// A scene of instances, with the handles for updates of their transforms.
 pub(crate) struct Instances<'a> {
     pub(crate) scene: Scene<'a>,
     geometries: Vec<Handle>,
@@ -48,7 +48,8 @@ impl<'a> Instances<'a> {
         flags: i32,
     ) -> Self {
         let library = device.library;
-        // SAFETY: handles are used as Embree's manual shows; the scene holds its geometries, which hold what they show.
+        // SAFETY: handles are used as Embree's manual shows; the scene holds its geometries, which hold their
+        // scenes.
         unsafe {
             let raw = (library.new_scene)(device.raw);
             (library.set_quality)(raw, quality);
@@ -102,7 +103,7 @@ impl<'a> Instances<'a> {
 
     /// Builds the tree over them.
     pub(crate) fn commit(&mut self) {
-        // SAFETY: nobody asks the scene meanwhile.
+        // SAFETY: there is no concurrent query of the scene.
         unsafe { (self.scene.library.commit_scene)(self.scene.raw) };
     }
 }

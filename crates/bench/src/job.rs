@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What can be timed: an engine, what it builds and how it is asked; and which of that is wanted.
+//! Jobs that can be timed: an engine, its structure and its kind of query; and the selection of jobs.
 //! Tests: `tests`.
 
 use std::fmt;
@@ -13,7 +13,7 @@ use crate::Error;
 pub enum Job {
     /// One of our trees.
     Own {
-        /// What is built.
+        /// The built structure.
         kind: OwnKind,
         /// How it is asked.
         query_kind: QueryKind,
@@ -54,10 +54,10 @@ pub enum EmbreeKind {
     Medium,
     /// High quality: spatial splits.
     High,
-    /// Medium quality, watertight: what is fairly compared with our trees. (With high quality, robust scenes are the
-    /// same as these.)
+    /// Medium quality, watertight: the fair comparison with our trees. (With high quality, robust scenes are
+    /// the same as these.)
     Robust,
-    /// Medium quality in less memory: what is fairly compared with our compact trees.
+    /// Medium quality in less memory: the fair comparison with our compact trees.
     Compact,
 }
 
@@ -178,8 +178,8 @@ impl Job {
         jobs
     }
 
-    /// Whether it is timed when nobody says what: not fast builds, grids and small trees, and kd-trees of one quality, since high
-    /// is medium.
+    /// Whether it is timed by default: fast builds, grids and compact trees are not, and of kd-trees only one
+    /// quality, because high is medium.
     fn is_usual(&self) -> bool {
         match self {
             Self::Own { kind: OwnKind { structure: Structure::Kd, quality, .. }, .. } => {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Measures ray queries, on the same rays in the same process as Embree where a library of it is at hand.
-//! The classes of rays and what must be heeded are those of docs/how-to/measure.md.
+//! The classes of rays and the rules of measurement are those of docs/how-to/measure.md.
 //!
-//! The way of a run: a scene becomes a [`Subject`] (one mesh, a view, a light); [`rays::run`] makes the rays of each
-//! [`Class`], asks the [`Contestant`] of every [`Job`] once for its answers and compares them, then times all in turns and
-//! gives a [`Row`] for each; [`table`] and [`plot`] show the rows. [`builds`] and [`paper`] measure what their names say.
+//! Stages of a run: a scene becomes a [`Subject`] (one mesh, a view, a light). [`rays::run`] makes the rays
+//! of each [`Class`], queries the [`Contestant`] of every [`Job`] once for its answers and compares them,
+//! then times all in alternating runs and gives a [`Row`] for each. [`table`] and [`plot`] show the rows.
+//! [`builds`] and [`paper`] are further measurements.
 //!
-//! Times are those of the thread on its processor: what other programs take does not count. Rates of several threads
-//! are what they reach if each has a core to itself.
+//! Times are those of the thread on its processor, without other programs. Rates of several threads are those
+//! with a core for each.
 #![deny(unsafe_code)]
 
 mod agreement;

@@ -13,10 +13,10 @@ use gnurt::shading::CameraShader;
 
 use crate::clock::process_seconds;
 
-/// What is compared, and for how long.
+/// The pictures to compare, and the time.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Who takes part.
+    /// The compared integrators.
     pub integrators: Vec<Integrator>,
     /// Size, depth, virtual lights; each seed is one more than the last.
     pub picture: RenderOptions,
@@ -24,14 +24,15 @@ pub struct Options {
     pub seconds: f64,
     /// Pictures by each.
     pub seeds: u64,
-    /// Render each picture twice under the same virtual lights, and tell what their errors have in common from the rest.
-    pub lights_apart: bool,
+    /// Render each picture twice under the same virtual lights, and separate the common part of their errors
+    /// from the rest.
+    pub separate_lights: bool,
 }
 
 /// Errors of one picture after some samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Who rendered it.
+    /// Its integrator.
     pub integrator: Integrator,
     /// Which picture of theirs.
     pub seed: u64,
@@ -43,7 +44,7 @@ pub struct Point {
     pub rel_mse: f64,
     /// Error of the mean of the picture, a share of it.
     pub mean_error: f64,
-    /// What of `rel_mse` is the virtual lights', where that was asked.
+    /// The part of `rel_mse` due to virtual lights, if requested.
     pub of_lights: Option<f64>,
 }
 
@@ -51,7 +52,7 @@ pub struct Point {
 #[derive(Clone, Debug)]
 pub struct Truth {
     pictures: [Picture; 2],
-    /// One over what squared errors are divided by, per pixel.
+    /// One over the divisor of squared errors, per pixel.
     weights: Vec<f64>,
     mean: f64,
 }
@@ -118,7 +119,7 @@ impl Truth {
                 ..options.clone()
             };
             let mut picture = gnurt::render::render(world, camera, &options, pool, &Silent)?.picture;
-            // What lies behind all counts as the rest does, also once the picture has been in a file.
+            // The background counts as the rest does, also after the picture has been in a file.
             picture.make_opaque(None);
             Ok(picture)
         };
@@ -147,7 +148,7 @@ impl Truth {
         (sum / (3 * self.weights.len()) as f64, off)
     }
 
-    /// What the relative squared errors of two pictures have in common.
+    /// The common part of the relative squared errors of two pictures.
     #[must_use]
     pub fn in_common(&self, one: &Picture, other: &Picture) -> f64 {
         let [a, b] = &self.pictures;
@@ -197,7 +198,7 @@ pub fn run(
                 ..options.picture.clone()
             };
             // Of other rays under the same virtual lights.
-            let twin = options.lights_apart && integrator.has_virtual_lights();
+            let twin = options.separate_lights && integrator.has_virtual_lights();
             let lights_seed = Some(seed_of_picture);
             let of_twin = RenderOptions { seed: SEED + 2 + seed_of_picture, lights_seed, ..picture.clone() };
             let mut twin = if twin { Some(Accumulation::new(of_twin)?) } else { None };
@@ -238,13 +239,13 @@ fn median(mut values: Vec<f64>) -> f64 {
 /// Errors of an integrator when its time was over, over all seeds.
 #[derive(Clone, Copy, Debug)]
 pub struct Summary {
-    /// Who.
+    /// The integrator.
     pub integrator: Integrator,
     /// Median of samples per pixel.
     pub samples: f64,
     /// Median of relative errors, brought to the asked time: errors of means of independent samples fall as one over time.
     pub rel_mse: f64,
-    /// The same of what is the virtual lights', where that was asked.
+    /// The same for the part due to virtual lights, if requested.
     pub of_lights: Option<f64>,
     /// Root mean square of the errors of the pictures' means.
     pub mean_error: f64,

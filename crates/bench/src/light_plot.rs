@@ -15,7 +15,7 @@ const LEFT: f64 = 60.0;
 const TOP: f64 = 50.0;
 const STEP: f64 = SIDE + 90.0;
 
-/// What of a point is shown.
+/// The plotted value of a point.
 type Value = fn(&Point) -> f64;
 
 /// Colours that the colour-blind can tell apart.
@@ -28,7 +28,7 @@ fn color(integrator: Integrator) -> &'static str {
     }
 }
 
-/// Root of the mean square over seeds, by samples, for what all seeds have.
+/// Root of the mean square over seeds, by samples, up to the shortest run.
 fn curve(points: &[Point], integrator: Integrator, value: Value) -> Vec<(f64, f64)> {
     let own: Vec<&Point> =
         points.iter().filter(|p| p.integrator == integrator && p.samples.is_power_of_two()).collect();

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How much memory this program takes at most while it does something. Source: proc(5).
-//! It is rough: pages are counted, and of all threads. Where free memory cannot be given back beforehand (other systems
-//! than Linux with glibc), what was freed earlier hides the same amount.
+//! Peak memory of this program during some work. Source: proc(5). It is rough: pages are counted, and of all
+//! threads. If free memory cannot be returned beforehand (other systems than Linux with glibc), memory freed
+//! earlier hides the same amount.
 //! Tests: `tests::a_large_array_is_seen`.
 
 use std::fs;
 
 use crate::ffi_malloc;
 
-/// What is resident, and the most that was, in bytes; `None` where the system does not tell.
+/// The resident bytes, and their peak; `None` if unknown.
 fn status() -> Option<(u64, u64)> {
     let text = fs::read_to_string("/proc/self/status").ok()?;
     let field = |name: &str| -> Option<u64> {

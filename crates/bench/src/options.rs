@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `bench rays` is to measure, and how.
+//! Options of `bench rays`.
 
 use gnurt::simd::Level;
 
 use crate::{Class, Filter};
 
-/// What is to be measured, and how.
+/// The scenes to measure, and the method.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Classes of rays.
@@ -16,7 +16,7 @@ pub struct Options {
     pub size: u32,
     /// Runs of each job.
     pub rounds: usize,
-    /// Rays per batch: what a call gets that takes more than one ray.
+    /// Rays per batch: the size of a call with more than one ray.
     pub batch: usize,
     /// Threads that trace, each kept on a core of its own where there are as many.
     pub threads: usize,

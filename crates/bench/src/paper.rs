@@ -23,12 +23,12 @@ use crate::row::median;
 use crate::timing::Rays;
 use crate::{Class, Contestant, Error, Subject};
 
-/// What the paper says of a scene.
+/// The values of [SIP06] for a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// The paper's name.
     pub scene: &'static str,
-    /// Beginnings of the names of scenes that are it, or stand in for it where it could not be had.
+    /// Prefixes of the names of the scene, or of its substitutes.
     names: &'static [&'static str],
     /// Triangles.
     pub triangles: u64,
@@ -80,7 +80,7 @@ const TABLE: [Figures; 4] = [
 pub struct PaperRow {
     /// The scene.
     pub scene: String,
-    /// What the paper says of it, or of the scene that it stands in for.
+    /// The values of [SIP06] for it, or for the scene that it substitutes.
     pub paper: Option<Figures>,
     /// Triangles.
     pub triangles: u64,
@@ -124,7 +124,7 @@ pub fn run(
         wall_time.push(wall_s);
     }
 
-    // Where a level is missing (NEON machines), the one below it runs: what the row's level says.
+    // If a level is missing (NEON machines), the one below it runs, and the row shows that level.
     let (simd, best) = (Level::Sse42, Level::best());
     let query_kind = [
         ("scalar", Level::Scalar, Coherence::Incoherent),
@@ -216,7 +216,7 @@ pub fn tables(rows: &[PaperRow]) -> String {
     text
 }
 
-/// An array of objects; what the paper does not say is null.
+/// An array of objects; values missing from the paper are null.
 #[must_use]
 pub fn to_json(rows: &[PaperRow]) -> Value {
     rows.iter()

@@ -14,7 +14,7 @@ pub(crate) struct Pinned {
 
 impl Pinned {
     /// Pins the calling thread: the only one of a run to the core that it is on, thread `i` of `n` to the i-th of the cores
-    /// that it may use. Nobody is pinned where there are fewer cores than threads.
+    /// that it may use. Threads are not pinned if there are fewer cores than threads.
     #[cfg(target_os = "linux")]
     pub(crate) fn thread(i: usize, n: usize) -> Self {
         let not_pinned = Self { before: None };

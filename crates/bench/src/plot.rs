@@ -15,7 +15,7 @@ const LONGEST: f64 = 560.0;
 const RIGHT: f64 = 230.0;
 const TITLE: f64 = 34.0;
 
-/// Who gets a bar, and its colour (of a palette that the colour-blind can tell apart).
+/// The name and filter of a bar, and its colour (of a palette for the colour-blind).
 type Side = (&'static str, fn(&Row) -> bool, &'static str);
 
 fn other(row: &Row) -> bool {

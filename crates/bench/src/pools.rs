@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who is compared with whom: our modes and Embree's over trees of one quality, as many of ours as of Embree's.
-//! The best of many is better than the best of few by luck alone, so the larger side of a pair gives up
-//! what seldom wins, by a fixed list, before anything is looked at.
+//! Pools of compared modes: ours and Embree's over trees of one quality, the same number of each. The best of
+//! many is better than the best of few by luck alone, so the larger side of a pair drops its weakest modes,
+//! by a fixed list, before the measurement.
 //! Invariant: both sides of a pool have the same number of modes. Tests: `tests`.
 
 use crate::Row;
@@ -31,9 +31,9 @@ pub(crate) const POOLS: [Pool; 7] = [
 /// The pool whose winners are named in tables and pictures.
 pub(crate) const ANY: Pool = POOLS[3];
 
-/// Ways to ask our trees, what seldom wins last.
+/// Modes of our trees, the weakest last.
 const OWN: [&str; 4] = ["coherent", "fanned", "one", "incoherent"];
-/// Ways to ask Embree's scenes, widest packets first, what seldom wins last: single rays before narrower packets.
+/// Modes of Embree's scenes, widest packets first, the weakest last: single rays before narrower packets.
 const EMBREE: [&str; 7] = ["16-coherent", "16", "8-coherent", "8", "1", "4-coherent", "4"];
 const EMBREE_WIDE: [&str; 7] = ["16-coherent", "16", "1", "8-coherent", "8", "4-coherent", "4"];
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The classes of rays: what a renderer asks for, from the most orderly to the least.
-//! The classes are those of docs/how-to/measure.md; cosine-weighted directions are textbook [PJH23].
+//! The classes of a renderer's rays, from the most coherent to the least. The classes are those of
+//! docs/how-to/measure.md; cosine-weighted directions are textbook [PJH23].
 //! Space: world; directions of unit length, but those of shadow rays reach from the surface (t = 0) to the light (t = 1).
-//! Invariants: the same scene, size and seed give the same rays; secondary rays start off the surface, on the side that
-//! the primary ray saw. Tests: `tests`.
+//! Invariants: the same scene, size and seed give the same rays; secondary rays start off the surface, on the
+//! side of the primary ray. Tests: `tests`.
 
 use std::fmt;
 
@@ -14,7 +14,7 @@ use crate::random::Random;
 use crate::vector::{V3, along, basis, cross, dot, minus, unit};
 use crate::{Error, Subject};
 
-/// What kind of rays.
+/// The kind of rays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// Through pixel centres, in tiles of 8 x 8, in Morton order within a tile. Closest hit.

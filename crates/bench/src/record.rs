@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A run of `bench rays` for the record: what was measured, on what, how busy the machine was, every round's rate and who was
-//! compared with whom. Source: proc(5). Units as in [`Row`]. Tests: `tests::a_record_says_it_all`.
+//! A record of a run of `bench rays`: measurements, machine, its load, every round's rate and the compared
+//! engines. Source: proc(5). Units as in [`Row`]. Tests: `tests::a_record_says_it_all`.
 
 use serde_json::{Map, Value, json};
 
@@ -23,8 +23,8 @@ fn processor() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// An object: `rows` are those of [`to_json`](crate::to_json), with `rates` beside them. `embree` is the rival's version, and
-/// `load_before` what [`load`] said before the run.
+/// An object: `rows` are those of [`to_json`](crate::to_json), with `rates` beside them. `embree` is the
+/// version of Embree, and `load_before` the result of [`load`] before the run.
 #[must_use]
 pub fn to_json(options: &Options, embree: Option<i64>, load_before: Option<f64>, rows: &[Row]) -> Value {
     let mut reported = rows_to_json(rows);
@@ -50,7 +50,7 @@ pub fn to_json(options: &Options, embree: Option<i64>, load_before: Option<f64>,
     })
 }
 
-/// By pool, class and scene: who won on either side, of how many, and our rate over Embree's.
+/// By pool, class and scene: the winner on either side, their numbers, and our rate over Embree's.
 fn ratios(rows: &[Row]) -> Value {
     let mut all = Vec::new();
     for class in Class::ALL {

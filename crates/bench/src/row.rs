@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What was measured, as plain values and as JSON.
-//! Units: rates in millions of rays per second. Tests: `tests::json_has_all_fields`.
+//! Measurements, as plain values and as JSON. Units: rates in millions of rays per second. Tests:
+//! `tests::json_has_all_fields`.
 
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ pub struct Row {
     pub class: Class,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,
-    /// What was built and how it was asked.
+    /// The built structure and the kind of query.
     pub mode: String,
     /// The instruction set.
     pub isa: &'static str,

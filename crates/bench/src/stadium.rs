@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench dynamic`, case `stadium`: a small thing of many triangles in the middle of a large one, at several ratios of their sizes.
-//! The paper's section 6 names it as what interval hierarchies are slow at.
-//! Each structure is asked the same rays, alone: those of a camera that looks at the small thing, and one in a random direction from
-//! each point that these see. `update` is a refit, or for what knows none a build. Times are processor time of one thread.
+//! [SIP06], section 6, names it as the slow case of interval hierarchies. Each structure traces the same
+//! rays, one by one: those of a camera that looks at the small object, and one in a random direction from
+//! each of their hits. `update` is a refit, or a build if there is none. Times are processor time of one
+//! thread.
 //! Tests: `tests::all_see_the_same`.
 
 use gnurt::accel::{BuildOptions, Coherence, ObjectTree, Structure, Threads};
@@ -21,10 +22,10 @@ use crate::row::median;
 use crate::timing::{Rays, time};
 use crate::{Class, Contestant, Error, Subject};
 
-/// How many times larger the stadium is than what stands in it.
+/// Size of the stadium relative to its contents.
 pub const RATIOS: [f32; 4] = [10.0, 100.0, 1000.0, 10_000.0];
 
-/// What is to be measured, and how.
+/// The scenes to measure, and the method.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Updates of each structure, and runs over the rays.

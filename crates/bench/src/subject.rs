@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is measured: a scene as one mesh in world space, seen from one place, with one light.
-//! The views are those in which other programs were measured before. Space: world.
+//! The subject of a measurement: a scene as one mesh in world space, seen from one position, with one light.
+//! The views are those of earlier measurements of other programs. Space: world.
 //! Tests: `tests::instances_are_copied`.
 
 use gnurt::accel::{Aabb, Triangles};
@@ -46,8 +46,8 @@ const VIEWS: [View; 6] = [
 ];
 
 impl Subject {
-    /// All visible instances of a scene as one mesh. `name` is what reports call it; a known name brings its view,
-    /// other scenes are seen through their first camera, or else through one that shows all of them.
+    /// All visible instances of a scene as one mesh. `name` is its name in reports; a known name has its own
+    /// view, other scenes use their first camera, or else one that shows all of them.
     #[must_use]
     pub fn new(name: &str, scene: &Scene) -> Self {
         let (mut padded, indices) = flattened(scene);
@@ -87,7 +87,7 @@ impl Subject {
     }
 }
 
-/// Where a lamp hangs in a scene that nobody knows: under its ceiling if the camera is inside, else beside the camera.
+/// The light of an unknown scene: under its ceiling if the camera is inside, else beside the camera.
 fn light_mesh(low: V3, high: V3, camera: &Camera) -> V3 {
     let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
     let up = unit(camera.up);
@@ -108,7 +108,7 @@ fn flattened(scene: &Scene) -> (Vec<V3>, Vec<[u32; 3]>) {
             let first = positions.len() as u32;
             let to_world = |p: &V3| found.world_from_object.point(p.map(f64::from)).map(|x| x as f32);
             positions.extend(mesh.positions.iter().map(to_world));
-            // What no vertex belongs to is left out, as trees leave it out.
+            // Triangles with invalid vertices are dropped, as trees drop them.
             let whole =
                 mesh.indices.iter().filter(|t| t.iter().all(|&i| (i as usize) < mesh.positions.len()));
             indices.extend(whole.map(|triangle| triangle.map(|i| first + i)));

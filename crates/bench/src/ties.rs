@@ -6,8 +6,8 @@
 
 use gnurt::accel::{Ray, Triangles};
 
-/// How far outside of a triangle, in weights of its corners, a ray may be said to hit it: what floats round, of triangles
-/// that are seen edge on.
+/// The distance outside of a triangle, in weights of its corners, at which a ray may count as a hit: the
+/// rounding of floats, for triangles seen edge on.
 pub(crate) const BESIDE: f64 = 1e-3;
 
 /// Relative difference of parameters that are the same.

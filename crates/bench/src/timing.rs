@@ -31,7 +31,7 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Room for `n` answers; what is in them does not matter.
+    /// Space for `n` answers with undefined contents.
     pub fn resize(&mut self, n: usize) {
         if self.hits.len() != n {
             self.hits.reset(n);
@@ -45,7 +45,7 @@ pub(crate) struct Rays<'a> {
     pub(crate) chunks: Vec<RayBatch>,
     /// Whether any hit will do.
     pub(crate) any: bool,
-    /// What they are sent at.
+    /// The target of the rays.
     pub(crate) triangles: Triangles<'a>,
 }
 
@@ -117,7 +117,7 @@ pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds 
     Seconds { cpu, wall_time: times.iter().fold(0.0, |longest, (_, wall_time)| wall_time.max(longest)) }
 }
 
-/// The answers to all rays: what [`compare`](crate::agreement::compare) looks at.
+/// The answers to all rays: the input of [`compare`](crate::agreement::compare).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Answered {
     /// Infinite for a miss; of any-hit rays 1 for a hit.

@@ -27,7 +27,7 @@ use crate::timing::{Answers, Engine, Rays, time};
 use crate::top::somewhere;
 use crate::{Class, Contestant, Subject};
 
-/// What is to be measured, and how.
+/// The scenes to measure, and the method.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// Instances.
@@ -43,7 +43,7 @@ pub struct Options {
 /// One measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TinyRow {
-    /// What kind of rays.
+    /// The class of rays.
     pub class: Class,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the tree over the instances of a scene costs to build and to update, and how fast rays are through it, beside
-//! Embree's. Source: two levels after WBS03a (docs/papers.bib).
-//! Times are processor seconds of the whole program. Ours holds all that is done for a list of instances: inverses, boxes, the
-//! tree. Embree's is told apart: `position` is what the program calls for each instance, `build` the commit of the scene.
-//! Both are asked for the same rays, and must hit the same instances at the same distances, but for ties.
+//! Cost of building and updating the tree over the instances of a scene, and the speed of rays through it,
+//! beside Embree's. Source: two levels after WBS03a (docs/papers.bib). Times are processor seconds of the
+//! whole program. Ours includes all work for a list of instances: inverses, boxes, the tree. Embree's is
+//! divided: `position` is the program's calls for each instance, `build` the commit of the scene. Both trace
+//! the same rays, and must hit the same instances at the same distances, except for ties.
 //! Tests: `tests::both_hit_the_same`.
 
 use std::sync::Arc;
@@ -29,7 +29,7 @@ use crate::single::{agree, closest, hit_count};
 /// One measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TopRow {
-    /// What was done: `build`, `position`, `move-all`, `move-1000` or `move-one`.
+    /// The work: `build`, `position`, `move-all`, `move-1000` or `move-one`.
     pub what: &'static str,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,
@@ -39,7 +39,7 @@ pub struct TopRow {
     pub cpu_ms: f64,
     /// Median of the time on the wall, in milliseconds.
     pub wall_ms: f64,
-    /// Millions of rays in a second of one thread's processor time, through what came of it; 0 of `position`.
+    /// Millions of rays in a second of one thread's processor time, through the result; 0 for `position`.
     pub mrays_cpu: f64,
     /// Of the rays.
     pub hits: u64,
@@ -200,7 +200,7 @@ pub(crate) fn rays(random: &mut Random, spread: f32) -> RayBatch {
         .collect()
 }
 
-/// What is measured: processor and wall milliseconds of all runs.
+/// The measurements: processor and wall milliseconds of all runs.
 #[derive(Default)]
 struct Table(Vec<(TopRow, Vec<[f64; 2]>)>);
 
@@ -228,7 +228,7 @@ impl Table {
         result
     }
 
-    /// What else is known of a job that was timed.
+    /// Adds further data of a timed job.
     fn note(&mut self, what: &str, engine: &str, hits: u64, bytes: Option<u64>) {
         for (row, _) in self.0.iter_mut().filter(|(row, _)| (row.what, row.engine) == (what, engine)) {
             (row.hits, row.bytes) = (hits, bytes);

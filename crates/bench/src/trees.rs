@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the jobs of a scene ask: our trees and Embree's scenes, each built once.
+//! The structures for the jobs of a scene: our trees and Embree's scenes, each built once.
 
 use gnurt::ThreadPool;
 use gnurt::accel::{ObjectTree, Threads};
@@ -24,7 +24,7 @@ pub(crate) struct Trees<'a> {
 }
 
 impl<'a> Trees<'a> {
-    /// Builds what the jobs need. Jobs of a rival who is not there need nothing.
+    /// Builds the structures for the jobs. Jobs of an absent engine need none.
     pub(crate) fn build(
         subject: &'a Subject,
         jobs: &[Job],
@@ -34,7 +34,7 @@ impl<'a> Trees<'a> {
     ) -> Result<Self, Error> {
         let mut trees =
             Self { own: Vec::new(), embree: Vec::new(), device: reference_engine.map(|(_, device)| device) };
-        // The tree that decides what primary rays see comes first: the same whatever is measured.
+        // The reference tree for primary rays comes first: the same for all measurements.
         trees.add_own(subject, OwnKind::MEDIUM, pool, report);
         for job in jobs {
             match *job {
@@ -81,12 +81,13 @@ impl<'a> Trees<'a> {
         self.own.iter().find(|(known, _)| *known == kind).map(|(_, tree)| tree)
     }
 
-    /// The tree that decides what primary rays see.
+    /// The reference tree for primary rays.
     pub(crate) fn reference(&self) -> &ObjectTree {
         &self.own[0].1
     }
 
-    /// Who does a job. Nobody does what this CPU has no code for, and single calls know the CPU's best level only.
+    /// The engine of a job. `None` for jobs without code for this CPU; single calls use the CPU's best level
+    /// only.
     pub(crate) fn contestant(&'a self, job: Job, level: Level) -> Option<Contestant<'a>> {
         let (engine, mode, isa) = (job.engine(), job.mode(), level.name());
         match job {

@@ -33,7 +33,7 @@ impl Checkpoint {
     pub(crate) fn begin(&self, options: &RenderOptions, messages: Messages) -> Result<Accumulation, Failure> {
         // A pipe or a device might never end.
         if std::fs::metadata(&self.path).is_ok_and(|found| !found.is_file()) {
-            return Err(self.failure("is no file; give another name"));
+            return Err(self.failure("is not a regular file; give another name"));
         }
         let file = match File::open(&self.path) {
             Ok(file) => file,
@@ -42,15 +42,15 @@ impl Checkpoint {
             }
             Err(error) => return Err(self.failure(system_reason(&error))),
         };
-        // What is longer is no checkpoint of this picture: a word more, and that is found out.
+        // A longer file is no checkpoint of this picture: one more word is enough to detect that.
         let most = Accumulation::new(options.clone()).map_err(Failure::usage)?.byte_count() + 8;
         let mut bytes = Vec::new();
         file.take(most).read_to_end(&mut bytes).map_err(|error| self.failure(system_reason(&error)))?;
         let found = Accumulation::from_bytes(options.clone(), self.fingerprint, &bytes).map_err(|error| {
             let remedy = match error {
-                CheckpointError::MoreSamples { .. } => "ask for more, or delete it to begin again",
+                CheckpointError::MoreSamples { .. } => "request more, or delete it to begin again",
                 CheckpointError::NoCheckpoint => "give another file",
-                _ => "give what it was made with, or delete it to begin again",
+                _ => "use the scene and options that it was made with, or delete it to begin again",
             };
             self.failure(format_args!("{error}; {remedy}"))
         })?;

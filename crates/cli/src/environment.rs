@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::messages::Verbosity;
 use crate::nearest::unknown;
 
-/// What the environment says.
+/// Environment variables.
 #[derive(Debug, Default)]
 pub(crate) struct Environment {
     /// `GNURT_THREADS`: as `--threads`.
@@ -74,7 +74,7 @@ impl Environment {
 fn text(name: &str) -> Result<Option<String>, Failure> {
     let value = std::env::var_os(name).filter(|value| !value.is_empty());
     let no_text =
-        |raw: OsString| Failure::usage(format_args!("{name}: '{}' is no UTF-8 text", raw.to_string_lossy()));
+        |raw: OsString| Failure::usage(format_args!("{name}: '{}' is invalid UTF-8", raw.to_string_lossy()));
     value.map(|value| value.into_string().map_err(no_text)).transpose()
 }
 
@@ -91,7 +91,7 @@ fn folders() -> Result<Vec<PathBuf>, Failure> {
         std::env::split_paths(&value).filter(|folder| !folder.as_os_str().is_empty()).collect();
     match folders.iter().find(|folder| !folder.is_dir()) {
         Some(missing) => Err(Failure::usage(format_args!(
-            "GNURT_PATH: '{}' is no folder; give folders, separated by ':'",
+            "GNURT_PATH: '{}' is not a folder; give folders, separated by ':'",
             missing.display()
         ))),
         None => Ok(folders),

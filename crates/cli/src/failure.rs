@@ -4,19 +4,19 @@
 
 use std::fmt;
 
-/// What a command gives back.
+/// The result of a command.
 pub(crate) type Outcome = Result<(), Failure>;
 
 /// An early end.
 #[derive(Debug)]
 pub(crate) enum Failure {
-    /// The user asked for what does not exist or makes no sense: status 2.
+    /// An invalid request of the user: status 2.
     Usage(String),
     /// A file or a device did not do its part: status 1.
     Data(String),
     /// `diff` found a difference, and has said so already: status 1.
     Differs,
-    /// Standard output was closed by its reader, who has seen enough: status 0.
+    /// Standard output was closed by its reader: status 0.
     Unheard,
 }
 
@@ -31,7 +31,7 @@ impl Failure {
         Self::Data(what.to_string())
     }
 
-    /// What goes behind `error:`.
+    /// The text after `error:`.
     pub(crate) fn message(&self) -> Option<&str> {
         match self {
             Self::Usage(message) | Self::Data(message) => Some(message),

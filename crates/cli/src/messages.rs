@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the program says to people: lines on standard error, and reports on standard output.
-//! See docs/reference/cli.md.
-//! Invariants: a message is one line, whatever a file or an argument held; colours only on a terminal; a closed
-//! standard error or output is no panic. Tests: `tests::one_line_without_control_characters`, `tests/program/interface.rs`.
+//! Messages of the program: lines on standard error, and reports on standard output. See
+//! docs/reference/cli.md. Invariants: a message is one line for any contents of a file or an argument;
+//! colours only on a terminal; a closed standard error or output is no panic. Tests:
+//! `tests::one_line_without_control_characters`, `tests/program/interface.rs`.
 
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
@@ -19,13 +19,13 @@ pub(crate) enum Verbosity {
     /// Warnings, notes and, on a terminal, progress.
     #[default]
     Normal,
-    /// What was done and how long it took.
+    /// The steps and their times.
     Details,
     /// All that is known.
     Everything,
 }
 
-/// The one who speaks.
+/// The writer of messages.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Messages {
     verbosity: Verbosity,
@@ -52,7 +52,7 @@ impl Messages {
         self.verbosity == Verbosity::Quiet
     }
 
-    /// The same, but for errors: for what is told elsewhere.
+    /// The same, but for errors only: for work that is reported elsewhere.
     pub(crate) fn silent(self) -> Self {
         Self { verbosity: Verbosity::Quiet, ..self }
     }
@@ -76,14 +76,14 @@ impl Messages {
         }
     }
 
-    /// What `-v` is for.
+    /// Messages of `-v`.
     pub(crate) fn detail(&self, text: impl fmt::Display) {
         if self.verbosity >= Verbosity::Details {
             self.line("info", "\x1b[1m", text);
         }
     }
 
-    /// What `-vv` is for.
+    /// Messages of `-vv`.
     pub(crate) fn trace(&self, text: impl fmt::Display) {
         if self.verbosity >= Verbosity::Everything {
             self.line("debug", "\x1b[2m", text);
@@ -92,19 +92,19 @@ impl Messages {
 
     /// A table that was asked for: several lines on standard error, even under `-q`.
     pub(crate) fn table(&self, text: impl fmt::Display) {
-        // A closed standard error leaves nobody to tell.
+        // A closed standard error cannot be reported.
         let _ = writeln!(io::stderr().lock(), "{text}");
     }
 
     fn line(&self, label: &str, color: &str, text: impl fmt::Display) {
         let text = one_line(&text.to_string());
         let (on, off) = if self.color { (color, "\x1b[0m") } else { ("", "") };
-        // One write, so that lines of several threads never mix. A closed standard error leaves nobody to tell.
+        // One write, so that lines of several threads never mix. A closed standard error cannot be reported.
         let _ = io::stderr().lock().write_all(format!("{on}{label}:{off} {text}\n").as_bytes());
     }
 }
 
-/// Writes a report to standard output; a reader who left early is no failure.
+/// Writes a report to standard output; a reader that left early is no failure.
 pub(crate) fn print(text: impl fmt::Display) -> Outcome {
     let mut out = io::stdout().lock();
     writeln!(out, "{text}").and_then(|()| out.flush()).map_err(|error| match error.kind() {
@@ -113,8 +113,8 @@ pub(crate) fn print(text: impl fmt::Display) -> Outcome {
     })
 }
 
-/// Line breaks become blanks, other control characters the replacement character. What stands behind a blank line is for those who have
-/// room for it: the source line that a shader's compiler draws.
+/// Line breaks become blanks, other control characters the replacement character. Text after a blank line is
+/// for callers with space for it: the source line that a shader's compiler draws.
 fn one_line(text: &str) -> String {
     let text = text.split("\n\n").next().unwrap_or_default();
     let printable = |c: char| match c {

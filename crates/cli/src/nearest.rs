@@ -13,7 +13,7 @@ pub(crate) fn nearest<'a>(name: &str, valid: &[&'a str]) -> Option<&'a str> {
         valid.iter().map(|&candidate| (osa_distance(&name, &candidate.to_lowercase()), candidate));
     let slip =
         distances.filter(|&(distance, _)| distance <= near_enough).min_by_key(|&(distance, _)| distance);
-    // Whoever writes the beginning of a name means the name, even if another one is as long as what was written.
+    // The beginning of a name selects that name, even if another one has the same length as the input.
     let begun = valid.iter().copied().find(|candidate| name.len() >= 3 && candidate.starts_with(&name));
     begun.or_else(|| slip.map(|(_, candidate)| candidate))
 }

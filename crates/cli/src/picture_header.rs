@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a picture's file says about its making.
-//! Attribute names after pbrt-v4's film, but for the matrices: 16 numbers as text, row-major.
-//! PNG keeps only what does not depend on the machine or the moment: equal pictures are equal files.
+//! Metadata of a picture's file about its rendering. Attribute names after pbrt-v4's film, except for the
+//! matrices: 16 numbers as text, row-major. PNG keeps only values that do not depend on the machine or the
+//! time: equal pictures are equal files.
 //! Tests: `tests/program/output.rs`.
 
 use std::ffi::OsString;
@@ -14,7 +14,7 @@ use gnurt::scene::Camera;
 use crate::arguments::FrameArguments;
 use crate::command_line::command_line;
 
-/// Says what the picture depends on.
+/// Sets the inputs of the picture.
 pub(crate) fn describe(picture: &mut Picture, frame: &FrameArguments) {
     picture.set_metadata("seed", frame.seed.to_string());
     picture.set_metadata("integrator", frame.integrator.to_string());

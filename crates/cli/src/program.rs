@@ -22,17 +22,17 @@ use crate::osl;
 pub(crate) fn run() -> u8 {
     announce_bugs_in_one_line();
     catch_unwind(parse_and_run).unwrap_or_else(|_| {
-        // The hook has told what happened, unless a picture was being decoded elsewhere.
+        // The hook has printed the message, unless a picture was being decoded elsewhere.
         let retained = KEPT.lock().unwrap_or_else(PoisonError::into_inner).take();
-        tell_once(&retained.unwrap_or_else(|| "internal: please report this".into()));
+        print_once(&retained.unwrap_or_else(|| "internal: please report this".into()));
         1
     })
 }
 
-/// What was not told yet: a decoder's panic, which becomes an error, or another one at the same time.
+/// The unprinted message: a decoder's panic, which becomes an error, or another one at the same time.
 static KEPT: Mutex<Option<String>> = Mutex::new(None);
 
-fn tell_once(text: &str) {
+fn print_once(text: &str) {
     static FIRST: Once = Once::new();
     FIRST.call_once(|| Messages::new(Verbosity::Normal).error(text));
 }
@@ -117,12 +117,12 @@ fn announce_bugs_in_one_line() {
         if expects_panics() {
             *KEPT.lock().unwrap_or_else(PoisonError::into_inner) = Some(text);
         } else {
-            tell_once(&text);
+            print_once(&text);
         }
     }));
 }
 
-/// What is said of a panic.
+/// The message of a panic.
 fn bug(panic: &PanicHookInfo<'_>) -> String {
     let position = panic.location().map(|position| format!(" ({}:{})", position.file(), position.line()));
     let payload = panic.payload();

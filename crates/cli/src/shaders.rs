@@ -21,7 +21,7 @@ use crate::nearest::unknown;
 /// The shaders that were asked for.
 #[derive(Default)]
 pub(crate) struct Shaders {
-    /// What a commit takes.
+    /// The shader table of a commit.
     pub(crate) table: ShaderTable,
     made: Vec<SceneShader>,
     /// Of lights and pixels.
@@ -124,8 +124,8 @@ impl Shaders {
         (Scripts { list: surfaces, table: self.table, camera }, Watched(others))
     }
 
-    /// Tells what they did wrong.
-    pub(crate) fn tell_faults(&self, messages: Messages) {
+    /// Reports their faults.
+    pub(crate) fn report_faults(&self, messages: Messages) {
         let scripts = self.scripts.iter().flat_map(Script::faults);
         self.made
             .iter()
@@ -136,7 +136,7 @@ impl Shaders {
 }
 
 impl Watched {
-    /// What they did wrong, of each once: as much of it as is known when it is asked for first.
+    /// Their faults, once for each shader: those known at the first call.
     pub(crate) fn new_faults(&self) -> Vec<String> {
         let new = |(made, is_reported): &(SceneShader, AtomicBool)| {
             let faults = if is_reported.load(Ordering::Relaxed) { Vec::new() } else { made.faults() };
@@ -225,7 +225,7 @@ pub(crate) fn other_files<'a>(
     files(frame, view).filter(|file| !is_script(&file.to_string_lossy()))
 }
 
-/// What tells shaders apart from others: what was asked for, and the bytes of the files.
+/// The identity of shaders: the request, and the bytes of the files.
 pub(crate) fn print(frame: &FrameArguments, view: &ViewArguments) -> u64 {
     let mut hasher = DefaultHasher::new();
     format!("{:?}", choices(frame, view).collect::<Vec<_>>()).hash(&mut hasher);
@@ -234,7 +234,7 @@ pub(crate) fn print(frame: &FrameArguments, view: &ViewArguments) -> u64 {
     hasher.finish()
 }
 
-/// What can be refused before the scene is read.
+/// Checks that need no scene.
 pub(crate) fn check(frame: &FrameArguments, view: &ViewArguments) -> Result<(), Failure> {
     choices(frame, view).try_for_each(|(option, choice)| {
         files_of(choice).try_for_each(|file| match std::fs::metadata(&file) {

@@ -2,13 +2,15 @@
 //! Ctrl-C and SIGTERM: the first one ends a rendering and saves, the second one leaves at once and saves nothing.
 //! See docs/reference/cli.md. State is global because signals are.
 //!
-//! * Signals that come within [`ONE_WISH`] are one: `timeout` sends two, to the program and to its group, and so do some job managers.
-//! * While a picture grows, the first signal is a wish that the renderer asks about between tiles.
-//! * Before that, while a scene is read or trees are built, there is no picture to save: the work goes on for
-//!   [`PATIENCE`]; if the picture was begun by then, what [`FIRST_LOOK`] brings is saved, else the program leaves.
-//! * Commands that do not render leave at once.
+//! * Signals within [`ONE_WISH`] are one: `timeout` sends two, to the program and to its group, and so do
+//!   some job managers.
+//! * During a rendering, the first signal is a request that the renderer reads between tiles.
+//! * Before that, while a scene is read or trees are built, there is no picture to save: the work continues
+//!   for [`PATIENCE`]. If the picture was begun by then, the result of [`FIRST_LOOK`] is saved; otherwise the
+//!   program exits.
+//! * Commands without a rendering exit at once.
 //!
-//! Leaving = nothing that is being written becomes a file, status 130. Tests: `tests/program/interrupts.rs`.
+//! On exit, unfinished files are dropped; the status is 130. Tests: `tests/program/interrupts.rs`.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
@@ -17,7 +19,8 @@ use std::time::{Duration, Instant};
 use crate::failure::{Failure, Outcome};
 use crate::messages::Messages;
 
-/// How soon after the first signal another one is still the same wish: sooner than somebody who waited means a second one.
+/// The time after the first signal in which another one belongs to it: shorter than a user waits before a
+/// second one.
 const ONE_WISH: Duration = Duration::from_millis(200);
 /// How long reading and building may go on after the first signal.
 const PATIENCE: Duration = Duration::from_millis(1500);
@@ -32,7 +35,7 @@ static RENDERING: AtomicBool = AtomicBool::new(false);
 static LEAVING: AtomicBool = AtomicBool::new(false);
 static WRITING: Mutex<()> = Mutex::new(());
 
-/// What the first signal means to a command.
+/// The meaning of the first signal to a command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum FirstSignal {
     /// Finish early and save.
@@ -56,9 +59,9 @@ pub(crate) fn listen(first: FirstSignal, messages: Messages) -> Outcome {
         }
         messages.note(match first {
             FirstSignal::Stops => {
-                "stopping; the frame that is not done is not written. Once more leaves at once"
+                "stopping; the frame that is not done is not written. Press Ctrl-C again to exit at once"
             }
-            _ => "stopping; the picture so far is saved. Once more leaves at once and saves nothing",
+            _ => "stopping; the picture so far is saved. Press Ctrl-C again to exit without saving",
         });
         // The handler's thread must stay free for the second signal.
         let waiter = std::thread::Builder::new().spawn(move || leave_if_nothing_is_begun(messages));

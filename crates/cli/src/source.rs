@@ -36,11 +36,11 @@ impl Source {
         let options = files.options()?;
         if let Some(folder) = options.confine.as_deref().filter(|folder| !folder.is_dir()) {
             return Err(Failure::usage(format_args!(
-                "--confine {}: there is no such folder; give the one that files may be read from",
+                "--confine {}: the folder does not exist; give the one that files may be read from",
                 folder.display()
             )));
         }
-        // The names are text, so that what is none is an unknown name.
+        // The names are text, so an invalid text is an unknown name.
         if let Some(name) = scene.to_string_lossy().strip_prefix(BUILTIN) {
             let names = gnurt::builtin_names();
             return match names.contains(&name) {
@@ -93,7 +93,7 @@ impl Source {
     }
 
     /// Warns of textures that were lost while they were on the disk.
-    pub(crate) fn tell_lost(&self, messages: Messages) {
+    pub(crate) fn warn_lost(&self, messages: Messages) {
         let failed = self.options.tiles.as_ref().map_or(0, |tiles| tiles.counts().failed);
         if failed > 0 {
             messages.warning(format_args!(
@@ -112,7 +112,7 @@ impl Source {
         self.stem_or("scene").to_string_lossy().into_owned()
     }
 
-    /// What a picture of it is called, or all pictures of a sequence.
+    /// The default name of a picture, or of all pictures of a sequence.
     pub(crate) fn picture_name(&self, is_sequence: bool) -> PathBuf {
         let mut name = self.stem_or("picture").to_owned();
         let has_number = Numbered::of(Path::new(&name)).is_some();

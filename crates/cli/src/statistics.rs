@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a rendering counted and measured, as a table for people and as JSON for programs.
-//! Times are wall-clock seconds, sizes bytes. Invariant: the JSON holds no NaN and no infinity.
+//! Counts and times of a rendering, as a table for people and as JSON for programs. Times are wall-clock
+//! seconds, sizes bytes. Invariant: the JSON holds no NaN and no infinity.
 //! Tests: `tests/program/statistics.rs`.
 
 use std::fmt;

@@ -18,7 +18,7 @@ use crate::messages::Messages;
 use crate::nearest::nearest;
 use crate::shaders::{self, CameraShaderChoice};
 
-/// What can be refused before the scene is read.
+/// Checks that need no scene.
 pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
     if let Some(path) = view.surroundings.file()
         && let Err(error) = std::fs::metadata(path)
@@ -39,7 +39,7 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
         ];
         if let Some((option, _)) = of_lenses.iter().find(|(_, is_given)| *is_given) {
             return Err(Failure::usage(format_args!(
-                "{option} does not go with --camera {}, which makes all rays; give its parameters as {}:NAME=VALUE",
+                "{option} conflicts with --camera {}, which makes all rays; give its parameters as {}:NAME=VALUE",
                 choice.class, choice.class
             )));
         }
@@ -57,7 +57,7 @@ pub(crate) struct Chosen {
     pub(crate) rays: Arc<dyn CameraShader>,
     /// The shader that makes them, if one does.
     pub(crate) shader: Option<CameraShaderChoice>,
-    /// What suits the light that was added, in stops.
+    /// The exposure for the added light, in stops.
     pub(crate) exposure: Option<f32>,
 }
 
@@ -88,8 +88,9 @@ impl Stage {
     }
 }
 
-/// The camera, and its rays; puts the scene into its surroundings, adds cameras and lights if it and `table` have none, and says
-/// so. The scene's shaders are in their places by then: what is added keeps its own surfaces.
+/// The camera, and its rays; puts the scene into its surroundings, adds cameras and lights if it and `table`
+/// have none, and reports that. The scene's shaders are in place by then: added objects keep their own
+/// surfaces.
 pub(crate) fn choose(
     scene: &mut Scene,
     table: &ShaderTable,
@@ -208,7 +209,7 @@ fn find_named(scene: &Scene, view: &ViewArguments) -> Result<Option<usize>, Fail
 }
 
 fn same_place() -> Failure {
-    Failure::usage("--eye and --target are the same point; the camera must look somewhere")
+    Failure::usage("--eye and --target are the same point; they must differ")
 }
 
 /// `camera` with the parts that were given in place of its own.

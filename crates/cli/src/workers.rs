@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a command computes with. Tests: `tests/program/arguments.rs`.
+//! Threads and instruction set of a command. Tests: `tests/program/arguments.rs`.
 
 use crate::arguments::MachineArguments;
 use crate::environment::Environment;
 use crate::failure::Failure;
 
-/// Threads and instruction set: options win over the environment, which wins over what the machine has.
+/// Options take precedence over the environment, which takes precedence over the machine's properties.
 pub(crate) fn machine(
     arguments: &MachineArguments,
     environment: &Environment,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The built-in denoiser: scattered light without albedo and without rare bright samples is explained by what camera rays
-//! met, twice.
-//! Source: \[BRM*16\], with weights from sampled variances instead of two half pictures. The second time looks three times as
-//! far, at what the first time left: it takes away blotches, as the further scales of \[DSHL10\]'s wavelets do.
+//! The built-in denoiser: a regression of scattered light, without albedo and fireflies, on the features of
+//! camera rays' hits, in two passes.
+//! Source: \[BRM*16\], with weights from sampled variances instead of two half pictures. The second pass
+//! reaches three times as far, on the result of the first: it removes blotches, as the coarser scales of
+//! \[DSHL10\]'s wavelets do.
 //!
 //! ```text
 //! radiance --+- seen directly -----------------------------------------------------------------------+
@@ -10,7 +11,8 @@
 //!            +- scattered / albedo -+- rare bright samples ---------------------- given back, wide --+--> sum
 //!                                   +- the rest --> near fits --> wide fits --> what stands out -----+
 //! ```
-//! Invariants: finite and not negative, whatever comes in; the same bits on any number of threads and any processor.
+//! Invariants: finite and not negative for any input; the same bits on any number of threads and any
+//! processor.
 //! Tests: crates/denoise/tests/filter.rs.
 
 use gnurt_simd::Level;
@@ -23,11 +25,11 @@ use crate::outliers::Outliers;
 use crate::patches::Reach;
 use crate::variance;
 
-/// Who is a neighbour the first time: patches of noisy light.
+/// Neighbourhood of the first pass: patches of noisy light.
 const NEAR: Reach = Reach { side: 5, step: 1, patch: 2, sharpness: 0.6 };
 /// The second time: smaller patches of light with little noise, farther apart.
 const WIDE: Reach = Reach { side: 5, step: 3, patch: 1, sharpness: 0.6 };
-/// What is left of the variance, of that of independent pixels: each has been in many fits.
+/// The remaining fraction of the variance of independent pixels: each has been in many fits.
 const LEFT: f32 = 0.5;
 /// Where fewer pixels look alike, the second time counts less.
 const FEW: f32 = 3.0;

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a filter took away that was no noise: lines too thin to have neighbours that look alike.
-//! Shrinkage by the ratio of signal to noise, as Wiener's filter. A pixel that stands out alone is noise
-//! whose variance was found too small: it needs company. So is one that is darker than it should be where light is in rare samples: those
-//! that found none of them know nothing of their noise, which is then what it is all around, as a share of the light.
+//! Restores detail that a filter removed although it was no noise: lines too thin to have similar neighbours.
+//! Shrinkage by the ratio of signal to noise, as Wiener's filter. A single outstanding pixel is noise whose
+//! variance was underestimated: detail needs neighbours. The same holds for a pixel that is too dark where
+//! light is in rare samples: pixels without such a sample underestimate their noise, so the relative noise of
+//! their surroundings is used.
 //! Tests: `tests`.
 
 use crate::light::mean;
 use crate::noisy::Triple;
 
-/// What differs from the noisy picture by fewer standard deviations is noise.
+/// Differences from the noisy picture below this number of standard deviations are noise.
 const STANDS_OUT: f32 = 1.5;
-/// Where pixels' variance is more than this share of their light's square, light is in rare samples; and what that of darker pixels is
-/// then, for each share more: so much that none comes back where most have found nothing.
+/// Light is in rare samples where the variance of pixels exceeds this fraction of their light's square. The
+/// second number is the factor of the variance of darker pixels there, per further fraction: large enough
+/// that no detail returns where most pixels found nothing.
 const RARE: f32 = 0.4;
 const HARDLY_KNOWN: f32 = 4.0;
 /// Columns and rows of the cells whose noise is compared with their light.

@@ -12,13 +12,13 @@ pub enum Error {
         /// All that there are, between commas.
         expected: String,
     },
-    /// The picture lacks what its camera rays met.
+    /// The picture lacks the features of its camera rays' hits.
     #[error(
         "the picture has no channel '{0}': denoising needs the layers albedo, N and variance, which EXR files of renderings have"
     )]
     NoChannel(String),
     /// The region is empty or not within the picture.
-    #[error("the region {region:?} is no part of a picture of {width} x {height} pixels")]
+    #[error("the region {region:?} is outside of a picture of {width} x {height} pixels")]
     Region {
         /// As it was given.
         region: [u32; 4],
@@ -30,7 +30,7 @@ pub enum Error {
     /// Values and pixels differ in number.
     #[error("{0}")]
     Shape(String),
-    /// The library cannot be loaded, or does not do what it should.
+    /// The library cannot be loaded, or violates its interface.
     #[error("Open Image Denoise cannot be used: {0}")]
     Oidn(String),
 }

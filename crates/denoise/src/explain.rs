@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Around every other pixel of every other row, light is explained by what camera rays met, among neighbours whose
-//! surroundings look alike; each pixel becomes the mean of what all these explanations say of it.
+//! Around every other pixel of every other row, light is fitted to the features of camera rays' hits, among
+//! neighbours with similar surroundings; each pixel becomes the mean of all fits that include it.
 //! Source: \[BRM*16\], section 4 ("collaborative" regression), with fewer centres: each still meets dozens of fits.
 //! Invariant: bands of rows are summed up in an order that does not depend on threads. Tests: `tests`,
 //! crates/denoise/tests/filter.rs.
@@ -23,18 +23,18 @@ const UNSURE: f32 = 0.02;
 
 /// A picture that is explained.
 pub(crate) struct Layers<'a> {
-    /// What rays met.
+    /// The features of hits.
     pub(crate) noisy: &'a Noisy,
-    /// Light, both what is explained and what tells who looks alike.
+    /// Light, both the fitted one and the one that determines similarity.
     pub(crate) color: &'a [Triple],
     /// Of that light.
     pub(crate) variance: &'a [Triple],
 }
 
-/// What all explanations together say.
+/// The sums over all fits.
 pub(crate) struct Explained {
     pub(crate) color: Vec<Triple>,
-    /// How many pixels each one is made of, about; 0 where nothing was explained and light stayed what it was.
+    /// Approximate number of pixels behind each one; 0 where there was no fit and light is unchanged.
     pub(crate) support: Vec<f32>,
 }
 
@@ -79,14 +79,14 @@ impl Explained {
     }
 }
 
-/// What describes a pixel.
+/// The features of a pixel.
 fn row(layers: &Layers, p: usize) -> Row {
     let (n, a, c) = (layers.noisy.normal[p], layers.noisy.albedo[p], layers.color[p]);
     let (column, row) = (p % layers.noisy.width, p / layers.noisy.width);
     [1.0, n[0], n[1], n[2], a[0], a[1], a[2], column as f32, row as f32, c[0], c[1], c[2]]
 }
 
-/// What all bands look at.
+/// The shared input of all bands.
 struct Around<'a> {
     reach: Reach,
     planes: &'a Planes,
@@ -96,7 +96,7 @@ struct Around<'a> {
 }
 
 impl Around<'_> {
-    /// Adds what fits around the centres of these rows say to `sums`, which begin at row `begin`.
+    /// Adds the fits around the centres of these rows to `sums`, which begin at row `begin`.
     #[inline(always)]
     fn explain(&self, centres: std::ops::Range<usize>, begin: usize, sums: &mut [Sum]) -> Option<()> {
         let count = self.reach.count();
@@ -114,7 +114,7 @@ impl Around<'_> {
         Some(())
     }
 
-    /// Fits around one centre, and adds what that says of its neighbours; `near` is memory.
+    /// Fits around one centre, and adds the predictions for its neighbours; `near` is memory.
     #[inline(always)]
     fn fit(
         &self,

@@ -2,7 +2,7 @@
 //! Open Image Denoise 2 through its C interface, loaded at run time: the declarations that are needed, and one safe function.
 //! Source: the public header of Open Image Denoise 2.3 (oidn.h), from which names, numbers and types are restated. Nothing
 //! else in this crate is `unsafe`.
-//! Invariants: the library says that it is version 2 before a filter is made; all images hold what they are said to hold.
+//! Invariants: the library reports version 2 before a filter is made; all images have their declared sizes.
 //! Tests: `oidn::tests`, with a library of our own that has the same functions, and the real one where `OIDN_LIB` names it.
 
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -37,7 +37,7 @@ impl Library {
     /// Loads the file, which must have all functions that are called here; a bare name is looked for by the system's loader.
     #[cfg(any(unix, windows))]
     pub(crate) fn open(file: &Path) -> Result<Self, String> {
-        // SAFETY: loading runs the library's own start code: that is what was asked for.
+        // SAFETY: loading runs the library's own start code, as the caller requested.
         let library = unsafe { libloading::Library::new(file) };
         let library =
             std::mem::ManuallyDrop::new(library.map_err(|error| error.to_string().replace('\n', " "))?);

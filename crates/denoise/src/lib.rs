@@ -2,14 +2,15 @@
 //! Takes the noise out of rendered pictures.
 //! The filter is after \[RKZ12\], \[MCY14\] and \[BRM*16\].
 //!
-//! Two ways: a filter that needs nothing ([`Method::BuiltIn`]), and Intel's Open Image Denoise where its library is found
-//! at run time ([`Method::Oidn`]). Both look at what camera rays met first, which is hardly noisy: the picture must have the
-//! layers `albedo`, `N` and `variance` of a rendering; `emission`, light seen directly, keeps the edges of lamps sharp.
+//! Two methods: a filter without dependencies ([`Method::BuiltIn`]), and Intel's Open Image Denoise if its
+//! library is found at run time ([`Method::Oidn`]). Both use features of camera rays' first hits, which have
+//! little noise: the picture must have the layers `albedo`, `N` and `variance` of a rendering; `emission`,
+//! the directly visible light, keeps the edges of lights sharp.
 //! Space: linear light.
 //!
 //! # Limits today
-//! * Biased, as denoisers are: what is finer than the noise is blurred.
-//! * What is seen in mirrors and through glass has no layers of its own: edges there are kept by their colours alone.
+//! * Biased, as denoisers are: detail finer than the noise is blurred.
+//! * Reflections and refractions have no layers of their own: their edges are kept by colours alone.
 #![deny(unsafe_code)]
 
 mod built_in;
@@ -36,7 +37,7 @@ use gnurt_image::{Layer, Picture};
 
 use crate::noisy::Noisy;
 
-/// What is to be done, and where.
+/// The method, and the region.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Options {
     /// Which denoiser.
@@ -47,10 +48,10 @@ pub struct Options {
     pub library: Option<PathBuf>,
 }
 
-/// Whether what the options ask for can be had, for programs that fail early.
+/// Whether the options can be satisfied, for programs that fail early.
 ///
 /// # Errors
-/// [`Error::Oidn`] if OIDN is asked for and cannot be used.
+/// [`Error::Oidn`] if OIDN is requested and cannot be used.
 pub fn check(options: &Options) -> Result<(), Error> {
     match options.method {
         Method::Oidn => oidn::check(options.library.as_deref()),

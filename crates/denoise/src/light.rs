@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the colours of a picture are made of: light that lamps and surroundings send straight to the eye, which needs no
-//! filter, and light that surfaces scatter, divided by their albedo.
-//! Division by albedo as in \[BRM*16\]'s successors, softened so that gloss on dark surfaces stays gloss.
+//! Decomposition of a picture's colours: directly visible light of lights and environment, which needs no
+//! filter, and scattered light, divided by the albedo. Division by albedo as in \[BRM*16\]'s successors,
+//! softened so that gloss on dark surfaces stays gloss.
 //! Invariant: `color * divisor + direct` is the picture, but for stray light that moved within a few pixels; nothing here is
 //! negative. Tests: `tests`, crates/denoise/tests/filter.rs.
 
@@ -9,8 +9,8 @@ use crate::noisy::{Noisy, Triple};
 
 /// Added to albedos before light is divided by them.
 const SOFTENING: f32 = 0.25;
-/// A pixel that sees a lamp by one of its samples has a variance of about the square of what it sees; by two, of half that.
-/// Above this share it is not known how much of the lamp it sees.
+/// A pixel that hits a light with one of its samples has a variance of about the square of its value; with
+/// two, of half that. Above this fraction its coverage by the light is unknown.
 const HARDLY_SEEN: f32 = 0.8;
 /// Above so much more than all other light of the pixel that matters.
 const MATTERS: f32 = 1.5;
@@ -21,7 +21,7 @@ const SHARED: usize = 3;
 pub(crate) struct Light {
     /// Seen directly.
     pub(crate) direct: Vec<Triple>,
-    /// What scattered light was divided by.
+    /// The divisor of scattered light.
     pub(crate) divisor: Vec<Triple>,
     /// Scattered light, divided.
     pub(crate) color: Vec<Triple>,
@@ -132,7 +132,7 @@ fn sides(noisy: &Noisy, p: usize) -> [Option<usize>; 4] {
     ]
 }
 
-/// What light is divided by: the albedo where there is one.
+/// The divisor of light: the albedo if there is one.
 fn divisor(albedo: &Triple) -> Triple {
     if albedo.iter().all(|&a| a < 1e-3) { [1.0; 3] } else { albedo.map(|a| a.max(0.0) + SOFTENING) }
 }

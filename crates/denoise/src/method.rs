@@ -50,14 +50,14 @@ impl FromStr for Method {
 pub enum Used {
     /// The built-in one. The text says why it was not OIDN's, if that was looked for.
     BuiltIn {
-        /// Why OIDN was not used; `None` if nobody asked for it.
+        /// The reason that OIDN was not used; `None` if it was not requested.
         without_oidn: Option<String>,
     },
     /// OIDN's.
     Oidn {
         /// As the library says: `2.3.3`.
         version: String,
-        /// What it ran on, as in `OIDN_DEVICE_TYPE_CPU`: `CPU`.
+        /// Its device, as in `OIDN_DEVICE_TYPE_CPU`: `CPU`.
         device: &'static str,
     },
 }

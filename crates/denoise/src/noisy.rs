@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a denoiser looks at: the colours of a region, their variance, and what camera rays met first.
-//! Invariant: all values are finite, whatever the picture held. Tests: `built_in::tests`.
+//! The input of a denoiser: the colours of a region, their variance, and the features of first hits.
+//! Invariant: all values are finite, for any picture. Tests: `built_in::tests`.
 
 use gnurt_image::{ChannelData, Picture};
 
@@ -21,12 +21,12 @@ pub(crate) struct Noisy {
     pub(crate) albedo: Vec<Triple>,
     /// Means of unit vectors towards the eye; 0 where nothing was met.
     pub(crate) normal: Vec<Triple>,
-    /// The part of the colour that lamps and surroundings send straight to the eye; 0 where nobody says.
+    /// The directly visible part of the colour, from lights and environment; 0 if unknown.
     pub(crate) emission: Vec<Triple>,
 }
 
 impl Noisy {
-    /// Cuts the region out of a picture; what is not finite becomes 0.
+    /// Cuts the region out of a picture; values that are not finite become 0.
     pub(crate) fn of(picture: &Picture, region: [u32; 4]) -> Result<Self, Error> {
         picture.check().map_err(|error| Error::Shape(error.to_string()))?;
         let [x0, y0, x1, y1] = region;

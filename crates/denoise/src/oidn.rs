@@ -90,7 +90,7 @@ mod tests {
                 output[i] = 2 * images[0][i] + images[1][i] + images[2][i]; }
     "#;
 
-    /// Compiles the stand-in; `None`, loudly, where there is no C compiler.
+    /// Compiles the substitute library; `None`, loudly, if there is no C compiler.
     fn stand_in(folder: &Path, version: &str) -> Option<std::path::PathBuf> {
         let (source, library) = (folder.join("a.c"), folder.join(format!("lib{version}.so")));
         std::fs::write(&source, STAND_IN).expect("the folder is ours");

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rare bright samples: what a pixel has beyond its neighbourhood is taken from it, and given back to all around in
-//! proportion to their light.
-//! A rank among neighbours as in \[DeCoro2010\]'s rejection of outliers, but energy is kept as far as `MOST` allows. Invariant: pictures times a factor give that factor. Tests: `tests`.
+//! Fireflies: a pixel's excess over its neighbourhood is removed, and distributed to its surroundings in
+//! proportion to their light. A rank among neighbours as in \[DeCoro2010\]'s rejection of outliers, but
+//! energy is kept as far as `MOST` allows. Invariant: pictures times a factor give that factor. Tests:
+//! `tests`.
 
 use rayon::prelude::*;
 
@@ -55,7 +56,7 @@ impl Outliers {
         Self { taken: found.into_iter().flatten().map(take).collect() }
     }
 
-    /// Gives it back; `divisor` is what light was divided by.
+    /// Distributes it; `divisor` is the divisor of light.
     pub(crate) fn give_back(&self, width: usize, divisor: &[Triple], color: &mut [Triple]) {
         if self.taken.is_empty() {
             return;

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How alike the surroundings of two pixels are, as far as their noise lets one tell.
-//! Source: \[RKZ12\], section 4: squared differences of patches less what their variances explain, relative to those.
-//! Planes have a border, so that loops along rows know no edges. All is inlined into what `gnurt_simd::dispatch!` enters:
-//! no sum's order depends on lanes, so that all levels give the same bits. Tests: `tests`.
+//! Similarity of the surroundings of two pixels, within the limits of their noise.
+//! Source: \[RKZ12\], section 4: squared differences of patches minus their variances, relative to those.
+//! Planes have a border, so that loops along rows need no special case at edges. All is inlined into the
+//! functions that `gnurt_simd::dispatch!` enters: no sum's order depends on lanes, so that all levels give
+//! the same bits.
+//! Tests: `tests`.
 
 use crate::noisy::Triple;
 
@@ -11,7 +13,7 @@ const UNSEEN: f32 = 2e-3;
 /// No single pixel makes patches more different than this.
 const MOST: f32 = 1e3;
 
-/// What is compared with what.
+/// The set of compared patches.
 #[derive(Clone, Copy)]
 pub(crate) struct Reach {
     /// Neighbours to each side of a pixel.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Weighted least squares: colours as a linear function of what was met, around one pixel.
-//! Source: \[MCY14\] (local linear regression on features), \[BRM*16\] (which features, weights from colours); places in the
-//! picture instead of the world, which a pixel on an edge has two of; the ridge that keeps what the features cannot tell at
-//! a constant is ours. Sums are single, the solution is double precision. Tests: `tests`.
+//! Weighted least squares: colours as a linear function of the features of hits, around one pixel.
+//! Source: \[MCY14\] (local linear regression on features), \[BRM*16\] (choice of features, weights from
+//! colours). Differs: positions in the picture instead of the world, of which a pixel on an edge has two; the
+//! ridge, which keeps undetermined directions constant, is ours. Sums are single, the solution is double
+//! precision. Tests: `tests`.
 
 use crate::noisy::Triple;
 
@@ -11,7 +12,7 @@ pub(crate) const TERMS: usize = 9;
 /// Terms, then three colours.
 pub(crate) const ROW: usize = TERMS + 3;
 
-/// What a pixel is described by, the constant first, and its colours.
+/// The features of a pixel, the constant first, and its colours.
 pub(crate) type Row = [f32; ROW];
 
 /// Normal equations in the making.
@@ -93,8 +94,8 @@ impl Regression {
 }
 
 impl Fit {
-    /// What it says for the features of this pixel. A slope that noise made overshoots beside bright edges: nothing is darker
-    /// or brighter than all that the fit is made of.
+    /// The prediction for the features of this pixel. A slope from noise overshoots next to bright edges: the
+    /// result is limited to the range of the fitted pixels.
     #[inline(always)]
     pub(crate) fn at(&self, pixel: &Row) -> Triple {
         let mut color = self.coefficients[0];

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 use crate::noisy::Triple;
 
-/// Variances that were found with few samples are noisy themselves: means over 5 x 5 pixels, of those with about the same
-/// normal, so that what is bright lends no variance to what is dark behind it. Call within a pool of threads.
+/// Variances from few samples are noisy themselves: means over 5 x 5 pixels, of those with about the same
+/// normal, so that bright surfaces lend no variance to dark ones behind them. Call within a pool of threads.
 pub(crate) fn smooth(variance: &[Triple], normal: &[Triple], width: usize) -> Vec<Triple> {
     let height = variance.len() / width;
     let around = |at: usize, length: usize| at.saturating_sub(2)..(at + 3).min(length);

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 const SIZE: u32 = 48;
 
-/// What a pixel is: irradiance, albedo, normal.
+/// A pixel: irradiance, albedo, normal.
 struct Pixel {
     light: f32,
     albedo: [f32; 3],
@@ -30,7 +30,7 @@ fn radiance(pixel: &Pixel, noise: f32, wave: [f32; 3]) -> [f32; 4] {
     [value(0), value(1), value(2), 1.0]
 }
 
-/// The truth, and what noise of this relative size makes of it.
+/// The truth, and the same with noise of this relative size.
 fn pictures(noise: f32, at: impl Fn(u32, u32) -> Pixel) -> [Picture; 2] {
     let mut random = Random::new(11);
     let pixels: Vec<Pixel> = (0..SIZE * SIZE).map(|i| at(i % SIZE, i / SIZE)).collect();
@@ -198,7 +198,7 @@ fn lamps_keep_their_edges_and_leave_no_noise_around() {
 
 #[test]
 fn edges_of_sunlit_things_leave_no_noise_around() {
-    // Noise of a thing forty times as bright as what is behind it is above all that is there.
+    // Noise of an object forty times as bright as its background exceeds everything else.
     let [truth, noisy] = pictures(0.5, |x, y| {
         let inside = (x as f32 - 20.0).hypot(y as f32 - 20.0) < 12.0;
         let (light, normal) = if inside { (20.0, [0.7, 0.0, 0.7]) } else { (0.5, [0.0, 0.0, 1.0]) };
@@ -245,7 +245,7 @@ fn rare_bright_samples_go_and_their_light_stays() {
         }
     }
     let after = clean(&noisy);
-    // What the light that they bring would be if it were even.
+    // The expected value of their light if it were even.
     let mut even = truth.clone();
     even.color.iter_mut().for_each(|pixel| pixel[..3].iter_mut().for_each(|x| *x *= 1.0 + lit));
     let (before, left) = (error(&noisy, &even), error(&after, &even));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How light comes to a screen where nobody has said how: the curve and the exposure, and which pictures lose their noise.
-//! The curve is [`ToneCurve::Filmic`] (Nar15), the exposure that of [`exposure_for`] (Rei03).
-//! Files of floats are never touched by any of this but the filter, and by that only if it is asked for.
+//! Defaults of display: curve and exposure, and the choice of pictures to denoise. The curve is
+//! [`ToneCurve::Filmic`] (Nar15), the exposure that of [`exposure_for`] (Rei03). Of these, only a requested
+//! filter applies to files of floats.
 //! Tests: `tests`, and the command line's `tests/program/display.rs`.
 
 use crate::image::{ToneCurve, exposure_for};
@@ -14,7 +14,7 @@ pub const TONE: ToneCurve = ToneCurve::Filmic;
 /// Pictures of fewer samples per pixel than this are noisy enough for a filter to make them better rather than softer.
 pub const FEW_SAMPLES: u32 = 256;
 
-/// Whether noise is to be taken out of a picture for a screen: of what samples light at random, with few samples.
+/// Whether to denoise a picture for a screen: integrators with random light samples, with few samples.
 #[must_use]
 pub fn is_noisy(integrator: Integrator, samples: u32) -> bool {
     (integrator == Integrator::Path || integrator.has_virtual_lights()) && samples < FEW_SAMPLES
@@ -25,8 +25,9 @@ const METERED: u32 = 96;
 /// Its samples per pixel.
 const METERED_SAMPLES: u32 = 4;
 
-/// The exposure in stops that suits what a camera sees, for those who show more than one picture, or need to know before there is
-/// one: a small picture is rendered and measured. A sequence of frames asks once, so that its light stays.
+/// The exposure in stops for a camera's view, for callers that show more than one picture, or need it before
+/// the first: a small picture is rendered and measured. A sequence of frames calls it once, so that its light
+/// stays constant.
 ///
 /// # Errors
 /// [`RenderError`] if the options leave nothing to render.

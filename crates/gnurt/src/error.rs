@@ -5,7 +5,7 @@
 use crate::size::format_bytes;
 use crate::{image, render, scene};
 
-/// What can go wrong on the way from a file to a picture.
+/// Errors between a file and a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A scene could not be read or written.
@@ -23,9 +23,9 @@ pub enum Error {
     /// A sky in the shading language could not be read or compiled.
     #[error("{0}")]
     Surroundings(String),
-    /// A picture is larger than what the machine has left.
+    /// The picture needs more memory than the machine has free.
     #[error(
-        "the picture takes {} of memory and {} are free; ask for a smaller one than {}x{}",
+        "the picture takes {} of memory and {} are free; use a smaller one than {}x{}",
         format_bytes(*needed), format_bytes(*free), size[0], size[1]
     )]
     Memory {
@@ -41,7 +41,7 @@ pub enum Error {
     Threads {
         /// How many were asked for.
         threads: usize,
-        /// What the system says.
+        /// The system's message.
         why: String,
     },
 }

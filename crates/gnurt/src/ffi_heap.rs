@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A heap whose large arrays may lie in a file, for scenes larger than memory: the system reads pages that are needed, and writes and
-//! forgets others when memory runs short.
+//! A heap whose large arrays may be in a file, for scenes larger than memory: the system reads needed pages,
+//! and writes and evicts others when memory runs short.
 //! Source: mmap(2), fallocate(2). One sparse file is mapped as a whole; an array takes a range of it, and gives its blocks back with it.
 //! Invariant: ranges in use never overlap; those that are free hold no blocks and read as zero. Tests: `tests` below;
 //! crates/cli/tests/program/out_of_core.rs.
@@ -39,13 +39,13 @@ pub struct FileHeap {
     /// Where the file is mapped; 0 = nowhere.
     base: AtomicUsize,
     length: AtomicUsize,
-    /// Who may take ranges: a child process shares the file with its parent, and takes none.
+    /// The process that may take ranges: a child process shares the file with its parent, and takes none.
     owner: AtomicUsize,
     in_use: AtomicUsize,
     area: Mutex<Option<Area>>,
 }
 
-/// The file, and its ranges that nobody uses.
+/// The file, and its unused ranges.
 #[derive(Debug)]
 struct Area {
     file: File,
@@ -68,15 +68,16 @@ impl FileHeap {
         }
     }
 
-    /// From now on arrays of 16 KiB and more lie in a file without a name in `folder`, which is gone with the process. Where the disk is
-    /// full, they lie in memory as before.
+    /// From now on arrays of 16 KiB and more are in an unnamed file in `folder`, which disappears with the
+    /// process. If the disk is full, they are in memory as before.
     ///
     /// # Errors
-    /// The folder takes no such file: sparse, and able to give blocks back; or this is not Linux; or it has been called before.
+    /// The folder has no sparse files that can free blocks; or this is not Linux; or it has been called
+    /// before.
     pub fn page_to(&self, folder: &Path) -> io::Result<()> {
         let mut area = self.area.lock().unwrap_or_else(PoisonError::into_inner);
         if area.is_some() {
-            return Err(io::Error::other("large arrays lie in a file already"));
+            return Err(io::Error::other("large arrays are in a file already"));
         }
         let (file, base, length) = mapped(folder)?;
         let mut new = Area { file, free: BTreeMap::new(), by_length: BTreeSet::new() };
@@ -88,7 +89,7 @@ impl FileHeap {
         Ok(())
     }
 
-    /// Bytes of arrays that lie in the file.
+    /// Bytes of arrays in the file.
     #[must_use]
     pub fn bytes_in_file(&self) -> usize {
         self.in_use.load(Ordering::Relaxed)
@@ -154,7 +155,7 @@ impl Area {
     /// Joins a range with its free neighbours.
     fn give(&mut self, mut start: usize, mut length: usize) {
         if take_blocks(&self.file, start, length).is_err() {
-            // What it holds must not be taken for zeros: nobody gets it again.
+            // Its contents must not count as zeros: it is never reused.
             return;
         }
         if let Some(&space) = self.free.get(&(start + length)) {
@@ -171,8 +172,9 @@ impl Area {
     }
 }
 
-// SAFETY: an array is either the system's, by its own allocator, or a range of the mapped file that nobody else has: `Area` gives each
-// away once until it comes back. Ranges are as long as was asked for, begin at multiples of GRAIN, and stay mapped for ever.
+// SAFETY: an array is either the system's, by its own allocator, or an exclusive range of the mapped file:
+// `Area` hands out each range once until it returns. Ranges have the requested length, begin at multiples of
+// GRAIN, and stay mapped for ever.
 unsafe impl GlobalAlloc for FileHeap {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         match self.take(layout) {
@@ -214,7 +216,8 @@ unsafe impl GlobalAlloc for FileHeap {
         // SAFETY: the caller's size is one that a layout may have.
         let new = unsafe { self.alloc(Layout::from_size_align_unchecked(size, layout.align())) };
         if !new.is_null() {
-            // SAFETY: both are as long as what is copied, and they are two arrays; the old one is the caller's to give up.
+            // SAFETY: both have at least the copied length, and they are two arrays; the old one belongs to
+            // the caller.
             unsafe {
                 std::ptr::copy_nonoverlapping(array, new, layout.size().min(size));
                 self.dealloc(array, layout);
@@ -242,7 +245,7 @@ fn mapped(folder: &Path) -> io::Result<(File, usize, usize)> {
         // SAFETY: the system chooses a place where nothing else is; the file is ours alone, for it has no name.
         match unsafe { mmap(std::ptr::null_mut(), bytes, access, flags, &file, 0) } {
             Ok(base) => {
-                // Rays go anywhere: what the system would read beside a page in advance, up to MiB, drives out what is in use.
+                // Rays access memory at random: readahead beside a page, up to MiB, would evict pages in use.
                 // SAFETY: the range is the one that was mapped; advice changes nothing in it.
                 let _ = unsafe { madvise(base, bytes, Advice::Random) };
                 return Ok((file, base as usize, bytes));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! GNU RT: a free ray tracing system, the open implementation of OpenRT.
 //!
-//! This crate is the door: it re-exports the rooms of the house and adds what a program needs to get from a name to a
-//! picture. The rooms: [`scene`] describes, [`accel`] answers ray queries, [`shading`] says how light leaves surfaces,
-//! [`render`] commits a description to a [`World`](render::World) and makes pictures of it, [`image`] keeps pictures and
-//! their files, [`denoise`] takes the noise out of them, [`simd`] chooses the CPU's instructions, [`osl`] makes shaders of files in the
-//! shading language.
+//! This crate is the public API: it re-exports the other crates and adds the steps from a name to a picture.
+//! [`scene`] describes, [`accel`] answers ray queries, [`shading`] defines how light leaves surfaces.
+//! [`render`] commits a description to a [`World`](render::World) and makes pictures of it, [`image`] holds
+//! pictures and their files, [`denoise`] removes noise. [`simd`] chooses the CPU's instructions, [`osl`]
+//! makes shaders of files in the shading language.
 //!
 //! # A picture
 //!
@@ -65,8 +65,8 @@
 //!
 //! Right-handed space; triangles are counter-clockwise seen from the side of their geometric normal; surfaces scatter on
 //! both sides, emission leaves the side of the normal only; colours are linear. Nothing is global: thread pools are
-//! passed in. The same scene, options and seed give the same picture, bit for bit, on any number of threads of one
-//! instruction set.
+//! passed in. The same scene, options and seed give the same picture, bit for bit, on any number of threads
+//! and at every instruction set.
 //!
 //! # Limits today
 //!

@@ -11,10 +11,10 @@ pub use io::{LoadOptions, Loaded};
 /// The scene formats: those of [`scene::io`](crate::scene::io), and those of other crates, one line each.
 pub const FORMATS: io::Formats = io::FORMATS.with(&[]);
 
-/// What the names of built-in scenes begin with.
+/// The prefix of built-in scenes' names.
 pub const BUILTIN: &str = io::BUILTIN_PREFIX;
 
-/// Names of the built-in scenes, and what each shows.
+/// Names and descriptions of the built-in scenes.
 pub fn builtin_scenes() -> impl Iterator<Item = (&'static str, &'static str)> {
     crate::scene::builtin::ALL.iter().map(|builtin| (builtin.name, builtin.description))
 }
@@ -25,16 +25,16 @@ pub fn builtin_names() -> Vec<&'static str> {
     builtin_scenes().map(|(name, _)| name).collect()
 }
 
-/// Loads a scene: `builtin:NAME`, or a path whose extension says the format.
+/// Loads a scene: `builtin:NAME`, or a path whose extension determines the format.
 ///
 /// # Errors
-/// [`io::Error`] says which file and line, what is wrong and what would be right; an unknown `builtin:` name is
+/// [`io::Error`] gives file, line, fault and remedy; an unknown `builtin:` name is
 /// [`io::ErrorKind::UnknownName`].
 pub fn load_scene(source: impl AsRef<OsStr>) -> Result<Loaded, io::Error> {
     FORMATS.load_source(source, &LoadOptions::default())
 }
 
-/// As [`load_scene`], but the scene may only do what `options` allow.
+/// As [`load_scene`], within the permissions and limits of `options`.
 ///
 /// ```
 /// let options = gnurt::LoadOptions { confine: Some(".".into()), ..Default::default() };
@@ -44,8 +44,8 @@ pub fn load_scene(source: impl AsRef<OsStr>) -> Result<Loaded, io::Error> {
 /// ```
 ///
 /// # Errors
-/// As [`load_scene`]. A file that the scene names but may not read is an error for buffers, and a warning for material
-/// libraries and textures, as one that is not there is.
+/// As [`load_scene`]. A forbidden file is an error for buffers, and a warning for material libraries and
+/// textures, as a missing one is.
 pub fn load_scene_with(source: impl AsRef<OsStr>, options: &LoadOptions) -> Result<Loaded, io::Error> {
     FORMATS.load_source(source, options)
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What memory a picture takes, and what the machine has left.
-//! Proc(5) and the kernel's cgroup-v2 documentation. A picture that cannot fit is to be refused before
-//! anything is computed: with overcommitted memory the allocation itself would succeed and the program be killed later.
+//! Memory of a picture, and free memory of the machine. Proc(5) and the kernel's cgroup-v2 documentation. A
+//! picture that cannot fit is rejected before the computation: with overcommitted memory the allocation
+//! itself would succeed and the program be killed later.
 //! Tests: `tests`, and the command line's `tests/program/arguments.rs` (a picture too large for any machine).
 
 use std::fs::read_to_string;
@@ -17,7 +17,7 @@ const PER_PIXEL: u64 = 64;
 const LAYERS_PER_PIXEL: u64 = 360;
 /// Costs and their colours.
 const HEAT_PER_PIXEL: u64 = 40;
-/// What a denoiser makes of them.
+/// The output of a denoiser.
 const CLEAN_PER_PIXEL: u64 = 160;
 
 /// Bytes that a picture under these options takes, its file's included, about; `is_denoised` if the noise is taken out of it.
@@ -30,15 +30,16 @@ pub fn picture_bytes(options: &RenderOptions, is_denoised: bool) -> u64 {
     pixels.saturating_mul(PER_PIXEL + layers + clean + heat)
 }
 
-/// Whether the picture fits into what the machine has left.
+/// Whether the picture fits into the free memory of the machine.
 ///
 /// # Errors
-/// [`Error::Memory`] if it does not; where the system does not tell, it fits.
+/// [`Error::Memory`] if it does not; if free memory is unknown, it fits.
 pub fn check_memory(options: &RenderOptions, is_denoised: bool) -> Result<(), Error> {
     check_more([options.width, options.height], picture_bytes(options, is_denoised))
 }
 
-/// Whether there is room for so many bytes more, for a picture of that size: for who holds memory of pictures before.
+/// Whether this number of further bytes is free, for a picture of that size: for callers that hold memory of
+/// earlier pictures.
 ///
 /// # Errors
 /// As [`check_memory`].
@@ -88,7 +89,7 @@ fn available(meminfo: &str) -> Option<u64> {
     first_number(line).map(|kibibytes| kibibytes * 1024)
 }
 
-/// Bytes of files that the kernel keeps for a group and gives back when somebody wants the memory, of its memory.stat.
+/// Bytes of cached files of a group, which the kernel frees when memory is needed, from its memory.stat.
 fn cached(stat: &str) -> u64 {
     let of = |name| stat.lines().find_map(|line| line.strip_prefix(name)).and_then(first_number);
     ["inactive_file ", "active_file "].into_iter().filter_map(of).sum()

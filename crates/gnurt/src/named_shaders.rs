@@ -29,8 +29,9 @@ pub fn named_camera_shader(
     })
 }
 
-/// Compiles the shaders that a scene's file names for its materials, adds them to `table` and shows materials by them. A material whose
-/// shader cannot be had stays what it is without it, which the second list tells in a line each, as it does what the compiler warns of.
+/// Compiles the shaders that a scene's file names for its materials, adds them to `table` and shows materials by them.
+/// A material whose shader fails stays as it is without it; the second list has a line for each, and the
+/// compiler's warnings.
 pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable) -> (Vec<Script>, Vec<String>) {
     let named: Vec<(MaterialId, ShaderFile)> =
         scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
@@ -44,7 +45,7 @@ pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable) -> (Vec<Scr
         match made {
             Ok((surface, script)) => {
                 reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
-                // What it is without the shader still stands for it where all is forced to be diffuse.
+                // Its material without the shader is used if all surfaces are forced to be diffuse.
                 let diffuse = scene.material(id).diffuse_color();
                 let material = scene.edit_material(id);
                 material.diffuse.get_or_insert(diffuse);
@@ -90,7 +91,7 @@ mod tests {
         }
         assert!(
             reported.len() == 2
-                && reported[0].contains("no parameter 'j'")
+                && reported[0].contains("unknown parameter 'j'")
                 && reported[1].contains("none.osl"),
             "{reported:?}"
         );

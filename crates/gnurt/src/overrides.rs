@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Changes of a scene by text, such as `materials.gold.roughness=0.3`: the values that a file holds, set anew before rendering.
-//! A path names a list, a thing of it and a field; each kind of surface lists its own fields, with their ranges, in one place.
+//! Changes of a scene by text, such as `materials.gold.roughness=0.3`: values of a file, replaced before
+//! rendering. A path names a list, an element and a field; each kind of surface lists its own fields, with
+//! their ranges, in one place.
 //! Tests: `tests`, crates/cli/tests/program/overrides.rs.
 
 use gnurt_scene::material::{Alpha, Principled};

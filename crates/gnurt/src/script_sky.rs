@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Skies in the shading language as pictures, so that all integrators can sample their light.
-//! The shader's z is what is above; its y lies in the middle of the picture. Tests: `tests`.
+//! The shader's z is the up direction; its y is in the middle of the picture. Tests: `tests`.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::threads::cores;
 
 /// Columns and rows: a texel is a third of a degree wide.
 const SIZE: [u32; 2] = [1024, 512];
-/// Neighbours that differ less than this, of what they are, have no edge between them.
+/// Neighbours whose relative difference is less than this have no edge between them.
 const EVEN: f32 = 0.05;
 /// Parts along each side of a texel that has an edge.
 const PARTS: usize = 4;
@@ -41,8 +41,8 @@ pub(crate) fn texels_of(script: &Script) -> Result<(Texels, Option<Texels>), Str
     Ok((sky, backdrop))
 }
 
-/// A sky as a picture: a texel where little changes is what is seen in its middle, any other the mean of what is seen in parts of it, so
-/// that a small sun sends as much light as it should.
+/// A sky as a picture: a texel in an even region has the radiance of its centre, any other the mean of its
+/// parts, so that a small sun has the right total.
 fn picture(sky: &dyn EnvironmentShader) -> Texels {
     let [width, height] = SIZE.map(|n| n as usize);
     let mut texels = vec![[0.0_f32; 4]; width * height];
@@ -67,7 +67,7 @@ fn picture(sky: &dyn EnvironmentShader) -> Texels {
     Texels { width: SIZE[0], height: SIZE[1], data: TexelData::Float(texels) }
 }
 
-/// What is seen in texels, the mean of these parts of each, by all cores.
+/// Radiance of texels, the mean of these parts of each, by all cores.
 fn means(sky: &dyn EnvironmentShader, indices: &[usize], parts: &[[f32; 2]]) -> Vec<[f32; 4]> {
     let of_one = indices.len().div_ceil(cores().clamp(1, 64)).max(1);
     let mut found = vec![[0.0, 0.0, 0.0, 1.0]; indices.len()];
@@ -137,7 +137,7 @@ mod tests {
         let TexelData::Float(plain) = &sky.data else { panic!("floats") };
         assert_eq!(plain[7][..3], [0.25, 0.5, 2.0], "the value that was given");
         let why = texels(&path, &given("tnt")).expect_err("there is none of that name");
-        assert!(why.contains("sky.osl: no parameter 'tnt'"), "{why}");
+        assert!(why.contains("sky.osl: unknown parameter 'tnt'"), "{why}");
         let text = "environment sky () { Ci = raytype (\"camera\") * background (); }";
         std::fs::write(&path, text).expect("a file");
         let (sky, backdrop) = texels(&path, &[]).expect("a sky");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What surrounds a scene, and lights it from there: one colour, a sky that the program carries with it, or a picture.
-//! Pictures are latitude-longitude ones, as the field's collections of skies have them.
+//! Surroundings of a scene, which light it: one colour, a built-in sky, or a picture. Pictures are
+//! latitude-longitude ones, as the field's collections of skies have them.
 //! Tests: `tests`, and the command line's `tests/program/surroundings.rs`.
 
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ use crate::scene::texture::{Filter, Wrap};
 use crate::scene::{Affine, Light, Scene, Texture};
 use crate::script_sky;
 
-/// What rays see that leave a scene.
+/// Radiance of rays that leave a scene.
 #[derive(Clone, Debug)]
 pub enum Surroundings {
     /// The same radiance from everywhere: linear red, green, blue.
@@ -47,8 +47,9 @@ impl Surroundings {
         }
     }
 
-    /// Puts them around a scene, whose own environment then counts no more; its other lights do. `up` is what is above, of any length,
-    /// +y if it is no direction; `yaw` turns them around it, in degrees, counter-clockwise seen from above.
+    /// Puts them around a scene, whose own environment then counts no more; its other lights do. `up` is the
+    /// up direction, of any length, +y if it is the zero vector; `yaw` rotates them around it, in degrees,
+    /// counter-clockwise seen from above.
     ///
     /// # Errors
     /// [`Error::Image`] if the picture cannot be read, [`Error::Surroundings`] if the shader does not compile; the scene stays as

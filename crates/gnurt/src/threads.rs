@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pools of threads. The system never makes one of its own accord and never touches a global one: a pool is passed in.
+//! Pools of threads. The system neither makes a pool implicitly nor uses a global one: a pool is passed in.
 //! The number of threads changes no bit of a picture.
 
 use std::num::NonZero;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The built-in denoiser on rendered pictures: the error against many samples must fall clearly, and what lamps send straight
-//! to the eye is told apart.
+//! The built-in denoiser on rendered pictures: the error against many samples must fall clearly, and directly
+//! visible light stays separate.
 
 use gnurt::denoise::{Method, Options, denoise};
 use gnurt::image::{ChannelData, Picture, compare};
@@ -45,7 +45,8 @@ fn denoised_pictures_are_nearer_to_the_truth() {
     denoise(&mut clean, &options, &pool).expect("the layers are there");
     let (before, after) = (error(&noisy), error(&clean));
     eprintln!("relMSE {before} became {after}");
-    // Half of what is left are pixels on the lamp's edge: eight samples do not tell how much of them it covers.
+    // Half of the remaining error is in pixels on the light's edge: eight samples do not determine its
+    // coverage.
     assert!(after < before / 3.5, "relMSE {before} became {after}");
     let mean = |picture: &Picture| picture.color.iter().map(|p| f64::from(p[0] + p[1] + p[2])).sum::<f64>();
     let shift = mean(&clean) / mean(&noisy) - 1.0;

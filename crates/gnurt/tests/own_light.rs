@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Every benchmark scene that has a light of its own keeps it alone. Its materials are read from its own MTL file and shown by a
-//! triangle each: what decides is the emission of materials. Skipped, loudly, where ../shared/scenes are absent.
+//! Every benchmark scene that has a light of its own keeps it alone. Its materials are read from its own MTL
+//! file and shown by a triangle each: the decision depends on the emission of materials. Skipped, loudly,
+//! where ../shared/scenes are absent.
 
 use std::path::Path;
 

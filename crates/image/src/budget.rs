@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The cost of reading files, in memory and in work, bounded by their lengths: of a picture, a volume, or a scene with its files.
-//! Invariants: memory is asked for before it is taken; what is held at once stays below
-//! [`BELIEVED`] or, for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures);
-//! all bytes ever looked at stay below [`WORK`] or [`WORK_GROWTH`] times the files' own, so that no short file takes long.
+//! Invariants: memory is requested before it is allocated. Memory held at once stays below [`BELIEVED`] or,
+//! for long files, below [`GROWTH`] bytes for each byte of them ([`PICTURE_GROWTH`] for pictures). All bytes
+//! ever processed stay below [`WORK`] or [`WORK_GROWTH`] times the files' own, so that no short file takes
+//! long.
 //! Tests: `tests`; `tests/growth.rs` of this crate and of the scene crate count every allocation.
 
 use std::cell::Cell;
@@ -36,7 +37,7 @@ pub struct Budget {
     files: Cell<u32>,
 }
 
-/// More than the files account for; `Display` says what of.
+/// An exceeded budget; `Display` names the resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Excess {
     /// So many bytes at once are the limit.
@@ -48,7 +49,7 @@ pub enum Excess {
 }
 
 impl Excess {
-    /// What would be right.
+    /// The remedy.
     pub const REMEDY: &'static str = "leave out what is not needed, or divide the scene";
 }
 
@@ -56,14 +57,11 @@ impl fmt::Display for Excess {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Memory(limit) => {
-                write!(f, "more memory is asked for than a file of this length may take, {} MiB", limit >> 20)
+                write!(f, "more memory is needed than a file of this length may take, {} MiB", limit >> 20)
             }
             Self::Work(limit) => {
                 let limit = limit >> 20;
-                write!(
-                    f,
-                    "the same data is used too often: {limit} MiB of it may be looked at in a file of this length"
-                )
+                write!(f, "the same data is used too often: a file of this length may read {limit} MiB of it")
             }
             Self::Files => write!(f, "more than {MOST_FILES} files are named"),
         }
@@ -132,7 +130,7 @@ impl Budget {
         Ok(())
     }
 
-    /// What is held now.
+    /// Memory held now.
     pub fn held(&self) -> u64 {
         self.held.get()
     }

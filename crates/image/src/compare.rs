@@ -20,7 +20,7 @@ pub struct Comparison {
     pub rel_mse: f64,
     /// 10 log10(1 / mse) in decibels: the peak is 1. Infinite for equal pictures, -infinite beside a NaN.
     pub psnr: f64,
-    /// Structural similarity, -1..=1; 1 for equal pictures. See `ssim` for what it is taken of.
+    /// Structural similarity, -1..=1; 1 for equal pictures. See `ssim` for its input.
     pub ssim: f64,
     /// Largest |a - b| of a colour.
     pub max_difference: f64,
@@ -94,7 +94,7 @@ pub fn compare(picture: &Picture, reference: &Picture) -> Result<Comparison, Err
         return Err(Error::SizesDiffer { a: sizes[0], b: sizes[1] });
     }
     let mut sums = Sums::default();
-    // Of two kinds of opacity, both as what is seen over nothing.
+    // For two kinds of opacity, both as colours over black.
     let is_mixed = picture.opacity != reference.opacity;
     let seen = |picture: &Picture, [r, g, b, a]: [f32; 4]| match picture.opacity {
         Opacity::Straight if is_mixed && a != 1.0 => [r * a, g * a, b * a, a],

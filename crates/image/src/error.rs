@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What can go wrong with pictures; each message says what is wrong and, where it helps, what would be right.
-//! Messages name no file unless they say so: the caller of `decode` knows it, `read` and `write` add it.
+//! Errors of pictures; each message gives the fault and, where it helps, the remedy. Messages contain no file
+//! name unless stated: the caller of `decode` knows it, `read` and `write` add it.
 //! Tests: `file::tests`, which read the messages.
 
 use std::path::{Path, PathBuf};
 
-/// What went wrong with a picture.
+/// A failure with a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A name that is none of ours; the user's mistake.
     #[error("unknown {what} '{name}'; valid are: {valid}")]
     UnknownName {
-        /// What kind of thing was named.
+        /// The kind of the named thing.
         what: &'static str,
         /// The name.
         name: String,
@@ -29,12 +29,12 @@ pub enum Error {
     /// Bytes that begin like no known picture file.
     #[error("not a picture file; known formats are: {0}")]
     UnknownFormat(String),
-    /// A file that is broken, truncated, or uses what this program does not read.
+    /// A broken, truncated or unsupported file.
     #[error("bad {format} data: {what}")]
     Corrupt {
         /// The format's name.
         format: &'static str,
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// A picture too large to be read.
@@ -78,7 +78,7 @@ pub enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// What failed and why.
+        /// The failed operation and the reason.
         what: String,
     },
     /// One of the other errors, in a file.
@@ -86,7 +86,7 @@ pub enum Error {
     In {
         /// The file.
         path: PathBuf,
-        /// What is wrong in it.
+        /// The fault in the file.
         error: Box<Error>,
     },
 }
@@ -120,12 +120,12 @@ impl Error {
     }
 }
 
-/// The system's words for what went wrong, in lower case, without its number.
+/// The system's message, in lower case, without its number.
 #[must_use]
 pub fn system_reason(error: &std::io::Error) -> String {
     let text = error.to_string();
     let message = text.split(" (os error").next().unwrap_or_default();
-    // Custom errors wrap the system's in more words, such as a temporary name nobody asked for.
+    // Custom errors wrap the system's in more words, such as the name of a temporary file.
     let message = message.split(" at path").next().unwrap_or_default();
     let mut letters = message.chars();
     letters.next().map_or_else(String::new, |first| first.to_lowercase().chain(letters).collect())

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The exposure that suits a picture, from the picture alone.
-//! Source: [Rei02] section 3 (the log-average shows as a key value), [Rei03] (the key from where the log-average lies between
-//! the darkest and the brightest); robust here: percentiles stand for darkest and brightest, the average is taken between them.
-//! In: linear light of any unit. Out: stops, in hundredths, so that what a person reads off can be given again.
+//! The exposure of a picture, from the picture alone.
+//! Source: [Rei02] section 3 (the log-average shows as a key value), [Rei03] (the key from the log-average
+//! relative to the darkest and the brightest); robust here: percentiles represent darkest and brightest, the
+//! average is taken between them. In: linear light of any unit. Out: stops, in hundredths, so that a printed
+//! value can be given as input.
 //!
 //! The rule, with L the luminances above 0 of all pixels, in order:
-//! 1. `dark` and `bright` are the 2nd and the 98th percentile of L, at most ten stops apart: what is darker counts as that;
+//! 1. `dark` and `bright` are the 2nd and the 98th percentile of L, at most ten stops apart: darker values
+//!    are raised to that;
 //! 2. `mean` is the geometric mean of L, cut to `dark..bright`;
 //! 3. `key` = (2 log mean - log dark - log bright) / (log bright - log dark), -1..1: is the picture mostly bright or dark?
 //! 4. the mean shows as 0.18 * 2^place: mid-grey, up to a stop more or less, so that snow stays white and night stays dark;
@@ -17,7 +19,7 @@
 use crate::Picture;
 use crate::srgb::luminance;
 
-/// What a mean that lies in the middle shows as: the card of photographers.
+/// The displayed value of a mean in the middle: the card of photographers.
 const MID_GREY: f64 = 0.18;
 /// So many stops the key moves for pictures that are mostly bright or dark.
 const KEY_RANGE: f64 = 1.0;
@@ -25,9 +27,10 @@ const KEY_RANGE: f64 = 1.0;
 const ENDS: [f64; 2] = [0.02, 0.98];
 /// Stops between these two, at most.
 const MOST_CONTRAST: f64 = 10.0;
-/// Share of the pixels below what is to keep its colour, the brightest it may show, and the stops that may cost.
+/// Share of the pixels whose colour must stay, their greatest displayed value, and the greatest reduction in
+/// stops.
 const HIGHLIGHTS: (f64, f64, f64) = (0.90, 2.0, 1.5);
-/// Farthest from none, as for those who give a number.
+/// Largest magnitude, as for given numbers.
 const MOST_STOPS: f64 = 64.0;
 
 /// The exposure in stops that shows the picture well; see the head of this file for the rule.

@@ -2,27 +2,27 @@
 //! A picture: linear colours with opacity, and named layers of other data beside them.
 //! Values are linear light (Rec. 709 primaries), unclamped; row 0 is the top, columns run to the right.
 //!
-//! The colour is what is seen. Its opacity is how much of what lies behind is hidden, [`Opacity`] how the two go together. Where
-//! the picture knows what lies behind it, that is the layer [`BACKGROUND`]: `R`, `G`, `B`, as far as they show, and `A`, the
-//! share of the pixel that shows them. Then the colour is the sum of both, and what is in front is the colour less the
-//! background, associated with its opacity [PD84]. Opacity and `A` make 1 where something was rendered.
-//! Files that can hold opacity get what is in front (EXR) or what is seen (PNG); others what is seen.
+//! The colour is the visible one. Its opacity is the hidden share of the background; [`Opacity`] relates the
+//! two. A known background is the layer [`BACKGROUND`]: `R`, `G`, `B`, its visible part, and `A`, its visible
+//! share of the pixel. Then the colour is the sum of both, and the foreground is the colour minus the
+//! background, associated with its opacity [PD84]. Opacity and `A` make 1 where something was rendered. Files
+//! with opacity get the foreground (EXR) or the visible colour (PNG); others the visible colour.
 //!
 //! Invariant: `color` and every channel hold `width * height` values; `check` proves it before a file is written.
 //! Tests: `tests/round_trip.rs` (every format), `tests` here.
 
 use crate::Error;
 
-/// The name of the layer that holds what lies behind the picture, as far as it shows.
+/// The name of the layer with the visible part of the background.
 pub const BACKGROUND: &str = "background";
 
-/// What a colour is where its opacity is less than 1.
+/// The meaning of a colour whose opacity is less than 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Opacity {
-    /// What would be seen if it were opaque, as PNG has it.
+    /// The colour as if it were opaque, as in PNG.
     #[default]
     Straight,
-    /// What is seen of it over nothing, multiplied with its opacity, as EXR has it \[PD84\].
+    /// Its colour over black, multiplied with its opacity, as in EXR \[PD84\].
     Associated,
 }
 
@@ -37,7 +37,7 @@ pub struct Picture {
     pub color: Vec<[f32; 4]>,
     /// How colours and opacities go together.
     pub opacity: Opacity,
-    /// What else is known of each pixel: depth, normals, ids.
+    /// Other data of each pixel: depth, normals, ids.
     pub layers: Vec<Layer>,
     /// Names and values for the file's header, where the format has one (EXR).
     pub metadata: Vec<(String, String)>,
@@ -113,8 +113,9 @@ impl Picture {
         }
     }
 
-    /// Makes the pixels of a region, `[x0, y0, x1, y1]` with the upper left corner first and the ends excluded, opaque: on a
-    /// screen what lies behind is part of the picture. `None` = all. What reaches beyond the picture is left out.
+    /// Makes the pixels of a region, `[x0, y0, x1, y1]` with the upper left corner first and the ends
+    /// excluded, opaque: on a screen the background is part of the picture. `None` = all. Parts outside of
+    /// the picture are ignored.
     pub fn make_opaque(&mut self, region: Option<[u32; 4]>) {
         let [x0, y0, x1, y1] = region.unwrap_or([0, 0, self.width, self.height]).map(|x| x as usize);
         let x1 = x1.min(self.width as usize);
@@ -124,7 +125,7 @@ impl Picture {
         }
     }
 
-    /// The channels R, G, B and A of what lies behind, if the picture knows it.
+    /// The channels R, G, B and A of the background, if it is known.
     pub(crate) fn background(&self) -> Option<[&[f32]; 4]> {
         let layer = self.layer(BACKGROUND)?;
         let values = |name: &str| match &layer.channel(name)?.data {
@@ -134,7 +135,7 @@ impl Picture {
         Some([values("R")?, values("G")?, values("B")?, values("A")?])
     }
 
-    /// The pixels over nothing, as associated colour and opacity: what is in front.
+    /// The foreground pixels over nothing, as associated colour and opacity.
     pub(crate) fn in_front(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
         let background = self.background();
         self.color.iter().enumerate().map(move |(i, &[r, g, b, a])| match (background, self.opacity) {
@@ -146,7 +147,7 @@ impl Picture {
         })
     }
 
-    /// The pixels with what lies behind, as straight colour and opacity: what a screen shows.
+    /// The pixels with the background, as straight colour and opacity: the displayed ones.
     pub(crate) fn on_screen(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
         let background = self.background();
         self.color.iter().enumerate().map(move |(i, &[r, g, b, a])| {

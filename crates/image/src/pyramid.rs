@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Smaller copies of a texture: half as large, each texel the mean of the area that it covers.
+//! Smaller copies of a texture (mip levels): half as large, each texel the mean of the area that it covers.
 //! Source: \[Wil83\]; OpenGL 1.4 section 3.8.8 for sizes (half, rounded down). In linear light; odd sizes weigh the texels at
-//! edges by their shares. Colours of pictures with holes count by their opacity, so that what hides in holes does not shine
-//! through at their rims.
-//! Copies of a picture in tiles are in tiles of the same cache.
+//! edges by their shares. Colours of pictures with transparent parts count by their opacity, so that hidden
+//! colours do not show at the rims. Copies of a picture in tiles are in tiles of the same cache.
 //! Invariant: every level has the mean of the picture. Tests: `tests`.
 
 use crate::texels::{TakeRow, to_floats, to_numbers};
 use crate::{Error, TexelData, Texels};
 
-/// What the texels of an area count for.
+/// The weights of the texels of an area.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Weigh {
     /// All alike.
@@ -150,7 +149,7 @@ fn unit([x, y, z, a]: [f32; 4]) -> [f32; 4] {
     [x, y, z, a]
 }
 
-/// For each of `m` texels what of the `n` larger ones it covers; `m` is `n / 2`, or 1.
+/// For each of `m` texels its share of the `n` larger ones; `m` is `n / 2`, or 1.
 fn overlaps(n: usize, m: usize) -> Vec<Covered> {
     let size = n as f64 / m as f64;
     let covered = |i: usize| {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The transfer functions of sRGB, exactly as the standard's two pieces, and the luminance of its primaries.
-//! From IEC 61966-2-1. Linear values are relative to white = 1; encoded values lie in 0..1 or 0..255.
-//! Invariants: the functions are monotone and odd pieces meet; `decode(encode(x)) = x` within rounding; bytes survive
-//! a round trip exactly. Tests: `tests`.
+//! From IEC 61966-2-1. Linear values are relative to white = 1; encoded values are in 0..1 or 0..255.
+//! Invariants: the functions are monotone and odd pieces meet; `decode(encode(x)) = x` within rounding; bytes
+//! survive a round trip exactly. Tests: `tests`.
 
 use std::sync::LazyLock;
 
@@ -40,7 +40,7 @@ pub fn decode_u8(byte: u8) -> f32 {
     DECODED[usize::from(byte)]
 }
 
-/// [`decode_u8`] of all bytes, for who decodes many.
+/// [`decode_u8`] of all bytes, for callers that decode many.
 #[inline]
 pub(crate) fn decoded_bytes() -> &'static [f32; 256] {
     &DECODED

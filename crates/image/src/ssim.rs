@@ -2,8 +2,8 @@
 //! Structural similarity: means, variances and covariance in a sliding Gaussian window.
 //! Source: [Wang2004], eq. 13, with its window of 11 x 11 of deviation 1.5, K1 = 0.01, K2 = 0.03. Differs: windows at the
 //! border are cut and their weights made to sum to 1 again, so that small pictures have a value too.
-//! In: linear light; taken of luma, the weighted sum of sRGB-encoded values clamped to 0..1 (NaN as 0), so that it
-//! sees what eyes see. Out: the mean over all pixels, -1..=1. Tests: `tests::matches_the_definition`.
+//! In: linear light; taken of luma, the weighted sum of sRGB-encoded values clamped to 0..1 (NaN as 0), so
+//! that it follows perception. Out: the mean over all pixels, -1..=1. Tests: `tests::matches_the_definition`.
 
 use crate::{Picture, srgb};
 

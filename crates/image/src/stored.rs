@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture file as it is: all channels of all its levels, with the values that are stored and the texts beside them.
-//! For tools that must see what a file holds; what is seen in pictures goes by `Texels`, which knows colours.
+//! For tools that need a file's contents; pictures use `Texels`, which handles colours.
 //! Invariant: there is at least one level, and `values` holds `width * height * channels` of them, pixel by pixel from the upper left one.
 //! Tests: `tests/{round_trip,broken}.rs`.
 
@@ -17,7 +17,8 @@ pub struct Stored {
     pub window: [i32; 4],
     /// First and last column and row that are shown: left, top, right, bottom.
     pub display: [i32; 4],
-    /// What else the file says, by names: `wrapmodes`, `textureformat`, `DateTime`, `oiio:AverageColor` and such.
+    /// Other texts of the file, by names: `wrapmodes`, `textureformat`, `DateTime`, `oiio:AverageColor` and
+    /// such.
     pub texts: Vec<(String, String)>,
 }
 
@@ -83,7 +84,7 @@ impl Stored {
         Self { channels, alpha, levels, window, display: window, texts: Vec::new() }
     }
 
-    /// What the file says by this name.
+    /// The file's text of this name.
     #[must_use]
     pub fn text(&self, name: &str) -> Option<&str> {
         self.texts.iter().find(|(known, _)| known == name).map(|(_, text)| &**text)

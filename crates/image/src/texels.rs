@@ -38,7 +38,7 @@ pub struct Tiled {
     tiles: Tiles,
 }
 
-/// What the bytes of tiles are.
+/// The format of the bytes of tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Form {
     Srgb8,
@@ -93,7 +93,7 @@ fn numbers([texel_bits, _]: [u64; 2]) -> [u16; 4] {
     [0, 16, 32, 48].map(|shift| (texel_bits >> shift) as u16)
 }
 
-/// What could not be read is all ones: white, as other numbers are that.
+/// An unreadable texel is all ones: white, as other numbers are that.
 fn floats([low, high]: [u64; 2]) -> [f32; 4] {
     if [low, high] == [u64::MAX; 2] {
         return [1.0; 4];
@@ -236,7 +236,7 @@ impl Texels {
     pub fn quad(&self, [left, right]: [usize; 2], [upper, lower]: [usize; 2]) -> [[f32; 4]; 4] {
         let (upper_row, lower_row) = (upper * self.width as usize, lower * self.width as usize);
         let [a, b, c, d] = [upper_row + left, upper_row + right, lower_row + left, lower_row + right];
-        // What the values are is asked once for all four.
+        // The form of the values is tested once for all four.
         match &self.data {
             TexelData::Tiled(tiled) => [
                 tiled.texel(left, upper),

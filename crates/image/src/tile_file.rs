@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The file of a cache of tiles: pictures cut into tiles of 16 KiB, row by row, at places that never change.
-//! It is a temporary file without a name: nobody can change it, and it goes with the program.
+//! It is an unnamed temporary file: other programs cannot change it, and it disappears with the program.
 //! Invariant: no two pictures share a byte, so that several threads write at once. Tests: `tests` of `tiles.rs`.
 
 use std::fs::File;
@@ -113,7 +113,7 @@ impl Cutter<'_> {
         if self.band.len() == rows * self.row_bytes { self.cut() } else { Ok(()) }
     }
 
-    /// Writes what is left.
+    /// Writes the rest.
     ///
     /// # Errors
     /// As [`row`](Self::row).

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures that are larger than memory: cut into tiles on the disk, of which a fixed number is in memory at a time.
-//! Source: \[PKGH97\] (textures by tiles on demand), \[Boe12\] (reading under a version number); original. A texel is what it was, bit for
-//! bit: pictures do not change.
-//! * All tiles lie in a file, `tile_file.rs`.
-//! * Each tile has a place in its picture's list: the number of its slot in memory, or none. A reader looks up the slot, reads, and
-//!   looks whether the slot's version is still the same: no lock. Who does not find a tile reads it from the file into memory of its own,
-//!   and then waits for the one lock, to put it into the slot that was not read from for longest, about \[Cor68\].
+//! Source: \[PKGH97\] (textures by tiles on demand), \[Boe12\] (reading under a version number); original. A
+//! texel keeps its value, bit for bit: pictures do not change.
+//! * All tiles are in a file, `tile_file.rs`.
+//! * Each tile has an entry in its picture's list: the number of its slot in memory, or none. A reader looks
+//!   up the slot, reads, and checks that the slot's version is still the same: no lock. A reader that misses
+//!   a tile reads it from the file into memory of its own. Then it waits for the one lock, to put the tile
+//!   into the least recently used slot, approximately \[Cor68\].
 //! * A tile that cannot be read from the file any more is white; such reads are counted.
 //!
 //! Tests: `tests`; crates/render/tests/filtering.rs with many readers at once; crates/cli/tests/program/textures.rs for a scene's picture.
@@ -46,7 +47,7 @@ struct Slot {
     cells: Box<[AtomicU64]>,
 }
 
-/// Which slot is next, and whose tiles they hold: as many as were wanted so far.
+/// The next slot, and the owners of the slots in use.
 struct Clock {
     hand: usize,
     owners: Vec<Option<(Arc<Slots>, usize)>>,
@@ -71,7 +72,7 @@ pub(crate) struct Tiles {
     across: usize,
 }
 
-/// What a cache has done.
+/// The counts of a cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct TileCounts {
     /// Bytes that the tiles in memory may take.
@@ -102,7 +103,7 @@ impl TileCache {
         })))
     }
 
-    /// What it has done so far.
+    /// Its counts so far.
     #[must_use]
     pub fn counts(&self) -> TileCounts {
         TileCounts {
@@ -164,7 +165,8 @@ impl Shared {
         }
         let cells = || bytes.as_chunks().0.iter().map(|&bytes| u64::from_le_bytes(bytes));
         to.iter_mut().zip(cells().skip(first)).for_each(|(to, cell)| *to = cell);
-        // A thread that died here has left a slot with an odd version, which nobody reads and the next one writes.
+        // A thread that died here has left a slot with an odd version, which is never read and written by the
+        // next one.
         let mut clock = self.clock.lock().unwrap_or_else(PoisonError::into_inner);
         if tile_slots.slots[tile].load(Ordering::Acquire) == 0 {
             let number = self.victim(&mut clock);
@@ -230,7 +232,7 @@ impl Tiles {
         if at % 8 == 4 { [found[0] >> 32, 0] } else { found }
     }
 
-    /// What [`texel`](Self::texel) says of each column of a row, tile by tile.
+    /// The result of [`texel`](Self::texel) for each column of a row, tile by tile.
     pub(crate) fn row(&self, row: usize, width: usize, mut take: impl FnMut(usize, [u64; 2])) {
         let [columns, rows] = tile_size(self.bytes);
         let mut cells = [0; 64];

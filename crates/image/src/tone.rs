@@ -10,7 +10,7 @@ use crate::{Error, srgb};
 /// How light above white is brought into the range of a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ToneCurve {
-    /// Cut at 1: what is in range stays exact.
+    /// Cut at 1: values in range stay exact.
     #[default]
     Clamp,
     /// x / (1 + x): never cuts, darkens all.

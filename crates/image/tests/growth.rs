@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What picture files cost: whatever they declare, at most 512 MiB and 64 times their length, and only a few seconds.
+//! Cost of picture files: for any declarations at most 512 MiB and 64 times their length, and a few seconds.
 //! Every allocation of the program is counted. One test only, so that nothing else is counted.
 
 #![expect(clippy::print_stdout, reason = "a failing table tells the row that it was at")]
@@ -120,7 +120,7 @@ fn cases() -> Vec<(String, String, Vec<u8>)> {
     cases
 }
 
-/// What is written bit by bit.
+/// Output bit by bit.
 #[derive(Default)]
 struct Bits {
     bytes: Vec<u8>,

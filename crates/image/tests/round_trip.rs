@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is written comes back: exact to the bit where the format can, within its precision where it cannot.
-//! The oracle is the picture that was written, or the library's own decoder.
+//! Pictures are read back as they were written: exact to the bit where the format can, within its precision
+//! otherwise. The oracle is the picture that was written, or the library's own decoder.
 
 mod common;
 
@@ -59,7 +59,7 @@ fn exr_is_exact() {
     assert_eq!(back.metadata, picture.metadata, "metadata");
 }
 
-/// What other programs put over something else is what is in front; what is seen comes back all the same.
+/// Other programs compose the foreground over something else; our own reader restores the visible colour.
 #[test]
 fn exr_is_associated_over_nothing() {
     let mut picture = Picture::new(3, 1);
@@ -83,7 +83,8 @@ fn exr_is_associated_over_nothing() {
         pixel[..3].iter_mut().zip(["R", "G", "B"]).for_each(|(x, name)| *x -= values(name));
     }
     assert_eq!(bare.color, [[0.0; 4], [0.5, 0.25, 0.25, 0.5], [1.0; 4]], "nothing where alpha is 0");
-    // On a screen it is opaque; without the layer what is half there is half transparent, and keeps its colour.
+    // On a screen it is opaque; without the layer a half covered pixel is half transparent, and keeps its
+    // colour.
     let png = |picture: &Picture| decode(&file(picture, PictureFormat::PNG), "").expect("our own file").color;
     assert!(png(&back).iter().all(|pixel| pixel[3] == 1.0), "{:?}", png(&back));
     let shown = png(&without)[1];
@@ -195,7 +196,7 @@ fn hdr_is_close() {
     }
 }
 
-/// The library's own decoder is the oracle for what our files mean to others.
+/// The library's own decoder is the oracle for the meaning of our files to other programs.
 #[test]
 fn others_read_our_files() {
     let picture = colors_only(&picture(40, 9));

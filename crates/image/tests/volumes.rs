@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Volumes against what OpenVDB 12 says of its own files, small files written here, and broken ones.
+//! Volumes against OpenVDB 12's values of its own files, small files written here, and broken ones.
 //! `data/grids.txt` has, for each grid, its name and active voxels, then voxels and their values.
 
 use std::io::{Read, Write};
@@ -18,7 +18,7 @@ fn grids() -> Vec<u8> {
     unpacked(include_bytes!("data/grids.vdb.gz"))
 }
 
-/// What is wrong with a file.
+/// The fault of a file.
 fn fault(bytes: &[u8], limit: usize) -> String {
     Volume::decode(bytes, limit).unwrap_err().to_string()
 }
@@ -99,7 +99,7 @@ fn small(packing: u32, all: bool, list: impl Fn(&[u8]) -> Vec<u8>) -> Vec<u8> {
     file.extend([0_u32, 1].iter().flat_map(|n| n.to_le_bytes()));
     file.extend([0; 12]);
     for cells in [32_usize.pow(3), 16_usize.pow(3)] {
-        // The first place has a child; no value is active; what is not is the background.
+        // The first slot has a child; no value is active; inactive values are the background.
         let mut mask = vec![0; cells / 8];
         mask[0] = 1;
         file.extend(&mask);
@@ -131,7 +131,7 @@ fn zlib(values: &[u8]) -> Vec<u8> {
     [&(packed.len() as i64).to_le_bytes()[..], &packed].concat()
 }
 
-/// What did not shrink.
+/// Data that did not shrink.
 fn as_it_is(values: &[u8]) -> Vec<u8> {
     [&(-(values.len() as i64)).to_le_bytes()[..], values].concat()
 }
@@ -175,7 +175,7 @@ fn bad_files_are_told() {
     let kind = lines.windows(14).position(|token| token == b"TranslationMap").unwrap();
     lines[kind + 3..kind + 5].copy_from_slice(b"\n\x1b");
     let why = fault(&lines, ENOUGH);
-    assert!(why.contains("a map of the kind") && !why.contains(char::is_control), "{why:?}");
+    assert!(why.contains("unsupported map") && !why.contains(char::is_control), "{why:?}");
     let error = Volume::read(std::path::Path::new("no/such.vdb"), ENOUGH).unwrap_err().to_string();
     assert!(error.contains("no/such.vdb"), "{error}");
 }
@@ -213,7 +213,7 @@ fn grids_lie_one_behind_the_other() {
     back[61..65].copy_from_slice(&u32::MAX.to_le_bytes());
     number(&mut back, PLACES + 16, 65);
     let begin = std::time::Instant::now();
-    assert!(fault(&back, ENOUGH).contains("a part lies from byte"), "{}", fault(&back, ENOUGH));
+    assert!(fault(&back, ENOUGH).contains("a part from byte"), "{}", fault(&back, ENOUGH));
     assert!(begin.elapsed().as_secs() < 5, "at once");
     let mut short = good.clone();
     let start = i64::from_le_bytes(good[PLACES..PLACES + 8].try_into().unwrap());
@@ -264,7 +264,7 @@ fn files_changed_at_many_places() {
     while begin.elapsed().as_secs_f64() < seconds {
         let mut file = seeds[next(seeds.len())].clone();
         for _ in 0..1 + next(6) {
-            // Most of a file is masks: the words that say what is where come first and last.
+            // Most of a file is masks: the words of its structure come first and last.
             let at = if next(2) == 0 { next(file.len().min(260)) } else { next(file.len()) };
             match next(6) {
                 0 => file.truncate(at.max(1)),

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use crate::compiled::{Compiled, NoCode};
 use crate::fingerprint::fingerprint;
 
-/// Groups whose code is kept though nobody uses it.
+/// Groups whose code is kept without users.
 const KEPT: usize = 256;
 /// Threads that make code at once: the others wait, for scenes may have thousands of groups.
 const THREADS: usize = 4;
@@ -34,7 +34,7 @@ struct Queue {
     threads: usize,
 }
 
-/// Whether somebody has been told why no group has code here.
+/// Whether a warning has been given that no group has code here.
 static IS_TOLD: AtomicBool = AtomicBool::new(false);
 
 /// A group that runs, by code as soon as there is some.
@@ -57,7 +57,7 @@ fn made(plan: Arc<Plan>, level: Level) -> Result<Compiled, NoCode> {
     catch_unwind(work).unwrap_or_else(|_| Err(NoCode::OfGroup("the compiler made a mistake".into())))
 }
 
-/// Makes code as long as somebody waits for some.
+/// Makes code while requests are pending.
 fn work(queue: &Mutex<Queue>) {
     loop {
         let next = queue.lock().ok().and_then(|mut queue| {
@@ -122,7 +122,8 @@ impl Cache {
         else {
             return;
         };
-        // Other threads go on with what waits; where there is none, it is said, and tried anew for who asks next.
+        // Other threads process pending requests; if there are none, the request fails, and the next one
+        // tries again.
         let Ok(mut queue) = self.queue.lock() else { return };
         queue.threads -= 1;
         if queue.threads == 0 {
@@ -157,16 +158,17 @@ impl Job {
 impl Program for Job {
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results) {
         match self.slot.get() {
-            // Points that were stopped are counted by who runs it.
+            // The runner counts stopped points.
             Some(Ok(code)) => code.run_for(&self.plan, host, points, out),
             code => {
                 self.plan.run(host, points, out);
                 if let Some(Err(why)) = code
                     && !self.is_told.swap(true, Ordering::Relaxed)
-                    // What is so for all groups is told for one.
+                    // A reason common to all groups is reported for one.
                     && !(matches!(why, NoCode::Here(_)) && IS_TOLD.swap(true, Ordering::Relaxed))
                 {
-                    let text = format!("it is interpreted, which is slow, for it has no machine code: {why}");
+                    let text =
+                        format!("it is interpreted, which is slow, because it has no machine code: {why}");
                     out.events.push((0, Event::Warning(text)));
                 }
             }
@@ -177,7 +179,7 @@ impl Program for Job {
         self.plan.retained()
     }
 
-    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
-        self.plan.tell_point(host, point)
+    fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        self.plan.describe_point(host, point)
     }
 }

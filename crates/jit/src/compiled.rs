@@ -46,7 +46,7 @@ pub struct Compiled {
     pub(crate) globals: Vec<(Arc<str>, Slot)>,
     /// Memories that no batch uses now.
     pub(crate) memories: Mutex<Vec<Vec<Line>>>,
-    /// What is kept of each point, and where it is.
+    /// The retained outputs of each point, and their slots.
     pub(crate) retained: Vec<(RetainedOutput, Slot)>,
     size: usize,
 }
@@ -78,7 +78,7 @@ impl Compiled {
 
     fn with_lanes(plan: Arc<Plan>, level: Level, lanes: usize) -> Result<Self, NoCode> {
         if !Self::can(level) {
-            let why = format!("there is no machine code for {level} here; avx2 and avx512 have it");
+            let why = format!("machine code is unsupported for {level}; valid are avx2 and avx512");
             return Err(NoCode::Here(why));
         }
         let program = lower::program(&plan, lanes).map_err(NoCode::OfGroup)?;
@@ -166,7 +166,8 @@ impl Compiled {
         self.layout.lanes
     }
 
-    /// Turns of loops that a batch may take: as many as its points have together, for each may take its own while the others wait.
+    /// Iterations of loops in a batch: the sum over its points, because each may run its own while the others
+    /// wait.
     pub(crate) fn fuel(&self) -> u32 {
         self.plan.iterations.saturating_mul(self.lanes() as u64).min(i32::MAX as u64) as u32
     }

@@ -51,7 +51,7 @@ pub fn engine(
         name.strip_suffix("-scalar").map_or((name, false), |level_name| (level_name, true));
     let level: Level = match level_name {
         "machine" => Level::best(),
-        level_name => level_name.parse().map_err(|wrong| format!("no engine '{name}': {wrong}"))?,
+        level_name => level_name.parse().map_err(|wrong| format!("unknown engine '{name}': {wrong}"))?,
     };
     let code =
         if scalar { Compiled::scalar(plan.clone(), level) } else { Compiled::new(plan.clone(), level) };

@@ -20,7 +20,7 @@ pub(crate) fn cell_values(lines: &mut [Line]) -> &mut [u32] {
     unsafe { std::slice::from_raw_parts_mut(lines.as_mut_ptr().cast(), count) }
 }
 
-/// What machine code calls for.
+/// The calls of machine code.
 pub(crate) trait Calls {
     /// Does call `number`; the group's memory goes with it.
     fn call(&mut self, memory: &mut [u32], number: u32);
@@ -35,7 +35,7 @@ struct Context<'a, C> {
 
 #[cfg(target_arch = "x86_64")]
 extern "sysv64" fn receive<C: Calls>(context: *mut Context<'_, C>, number: u32) {
-    // SAFETY: `enter` gave the code this pointer, and waits for it without using what it points to.
+    // SAFETY: `enter` passed this pointer to the code, and does not use its target until the code returns.
     let context = unsafe { &mut *context };
     if context.panic.is_some() {
         return;
@@ -60,8 +60,8 @@ pub(crate) fn enter<C: Calls>(code: &Executable, layer: u32, memory: &mut [Line]
     let memory = cell_values(memory);
     let mut context = Context { calls, memory: memory.as_mut_ptr(), length: memory.len(), panic: None };
     #[expect(clippy::disallowed_methods, reason = "an address becomes a function: nothing else does that")]
-    // SAFETY: `x86::code` puts a function of this kind at the start of what it makes, and `layer` is one of its offsets. The
-    // memory is laid out as the code was made for.
+    // SAFETY: `x86::code` puts a function of this type at the start of its output, and `layer` is one of its
+    // offsets. The memory has the layout of the code.
     let (entry, layer): (Entry<'_, C>, *const u8) = unsafe {
         (std::mem::transmute::<*const u8, Entry<'_, C>>(code.start()), code.start().add(layer as usize))
     };

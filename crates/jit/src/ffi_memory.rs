@@ -28,7 +28,7 @@ impl Executable {
     /// Puts code into memory of its own.
     ///
     /// # Errors
-    /// What the system says: there may be no memory, or executable memory may be forbidden.
+    /// The system's message: there may be no memory, or executable memory may be forbidden.
     pub(crate) fn new(code: &[u8]) -> Result<Self, String> {
         let length = code.len().max(1);
         let refused = || format!("no memory for machine code: {}", std::io::Error::last_os_error());
@@ -48,7 +48,7 @@ impl Executable {
             _ => return Err(refused()),
         };
         let this = Self { start, length };
-        // SAFETY: the mapping has `length` bytes, which nobody else knows of, and may be written until `mprotect`.
+        // SAFETY: the mapping has `length` bytes without other users, and may be written until `mprotect`.
         unsafe { std::ptr::copy_nonoverlapping(code.as_ptr(), start.as_ptr(), code.len()) };
         // SAFETY: it is the mapping made above.
         let done =
@@ -60,7 +60,7 @@ impl Executable {
 #[cfg(unix)]
 impl Drop for Executable {
     fn drop(&mut self) {
-        // SAFETY: the mapping made by `new`; who calls into it holds a reference to this.
+        // SAFETY: the mapping made by `new`; callers into it hold a reference to this.
         unsafe { libc::munmap(self.start.as_ptr().cast(), self.length) };
     }
 }
@@ -87,7 +87,7 @@ impl Executable {
     /// Puts code into memory of its own.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's message.
     pub(crate) fn new(code: &[u8]) -> Result<Self, String> {
         let length = code.len().max(1);
         let refused = || format!("no memory for machine code: {}", std::io::Error::last_os_error());
@@ -97,7 +97,8 @@ impl Executable {
         };
         let start = NonNull::new(start.cast::<u8>()).ok_or_else(refused)?;
         let this = Self { start, length };
-        // SAFETY: the pages have `length` bytes, which nobody else knows of, and may be written until they are protected.
+        // SAFETY: the pages have `length` bytes without other users, and may be written until they are
+        // protected.
         unsafe { std::ptr::copy_nonoverlapping(code.as_ptr(), start.as_ptr(), code.len()) };
         let mut before = 0;
         // SAFETY: the pages made above.
@@ -111,7 +112,7 @@ impl Executable {
 #[cfg(windows)]
 impl Drop for Executable {
     fn drop(&mut self) {
-        // SAFETY: the pages made by `new`; who calls into them holds a reference to this.
+        // SAFETY: the pages made by `new`; callers into them hold a reference to this.
         unsafe { windows::VirtualFree(self.start.as_ptr().cast(), 0, windows::RELEASE) };
     }
 }

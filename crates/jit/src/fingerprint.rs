@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What two groups have in common that mean the same: 128 bits of all that code is made of.
-//! Over the standard library's hash.
+//! The key of groups with equal code: 128 bits of everything that determines the code. Over the standard
+//! library's hash.
 //! Tests: `tests/batches.rs`.
 
 use gnurt_sl::exec::{Instruction, Plan, Program as _, Slot};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Runs machine code for a batch of points, and does what the code calls for.
-//! What code cannot do is done by the interpreter's machine, one lane after the other: its arguments are
-//! brought into the machine's memory and what it wrote is brought back.
+//! Runs machine code for a batch of points, and executes its calls. Operations without code run in the
+//! interpreter, one lane after the other: the arguments are copied into the machine's memory and the results
+//! are copied back.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{
@@ -44,7 +44,7 @@ impl<'a> Lanes<'a> {
         Self::of(code, &code.plan, host)
     }
 
-    /// The same for a plan that means what the code's means.
+    /// The same for an equivalent plan.
     fn of(code: &'a Compiled, plan: &'a Plan, host: &'a dyn Host) -> Self {
         let pooled = code.memories.lock().ok().and_then(|mut list| list.pop());
         let memory = pooled.unwrap_or_else(|| code.template.clone());
@@ -54,8 +54,8 @@ impl<'a> Lanes<'a> {
         Self { code, memory, held: None, work }
     }
 
-    /// Runs the group for some points, at most as many as there are lanes; outputs are then read with
-    /// [`output`](Self::output). What was said before is forgotten.
+    /// Runs the group for some points, at most one for each lane; outputs are then read with
+    /// [`output`](Self::output). Earlier messages are dropped.
     pub fn run(&mut self, points: &Points) {
         self.ready(points);
         let Some(last) = self.code.layers.len().checked_sub(1) else { return };
@@ -135,7 +135,7 @@ impl<'a> Lanes<'a> {
         enter(&self.code.code, self.code.layers[layer], &mut self.memory, &mut batch);
     }
 
-    /// What was said, by lanes in order.
+    /// The messages, by lanes in order.
     pub fn take_events(&mut self) -> Vec<(usize, Event)> {
         let mut events = std::mem::take(&mut self.work.events);
         events.sort_by_key(|(lane, _)| *lane);
@@ -326,8 +326,8 @@ impl Program for Compiled {
         self.run_for(&self.plan, host, points, out);
     }
 
-    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
-        self.plan.tell_point(host, point)
+    fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+        self.plan.describe_point(host, point)
     }
 
     fn retained(&self) -> &[RetainedOutput] {
@@ -390,7 +390,7 @@ impl Calls for Batch<'_, '_> {
             Call::Stopped { layer, at } => {
                 for lane in lanes {
                     work.turn(points, lane);
-                    work.machine.say_stopped(*layer, *at, code.plan.iterations);
+                    work.machine.report_stopped(*layer, *at, code.plan.iterations);
                     work.stopped += 1;
                     work.hear(lane);
                 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where the memory of a running group has what: masks, cells, constants and room to work in.
-//! A cell that may differ from point to point is a row of sixteen words, another one a single word.
+//! The memory layout of a running group: masks, cells, constants and temporaries. A cell that may differ from
+//! point to point is a row of sixteen words, another one a single word.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use crate::term::QuickMap;
@@ -106,7 +106,7 @@ impl Layout {
     /// The memory as it starts: words.
     pub(crate) fn template(&self, memory: &[u32]) -> Vec<u32> {
         let end = self.first_constant as usize / 4 + self.copies as usize * self.list.len();
-        // What is loaded as a row may begin at the last word.
+        // A row may be loaded from the last word.
         let mut cell_values = vec![0_u32; end.next_multiple_of(16) + 16];
         for i in 0..16 {
             cell_values[self.lane_bits as usize / 4 + i] = 1 << i;

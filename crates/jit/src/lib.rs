@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Machine code for the shading language: a group of shaders for sixteen points at once.
 //!
-//! The way of a group: `lower` makes a program of it (control on masks of sixteen bits, and regions of operations without
-//! branches), `x86` makes machine code of that for AVX2 or AVX-512, `ffi_memory` keeps it, [`Lanes`] runs it. The library's
-//! functions are not called but compiled in: they are written over a trait of numbers, and `term` is a number that writes down
-//! what is done to it. What has no code (texts, messages, closures, what only a renderer knows) is done by the interpreter, lane
-//! by lane, in the middle of the code.
+//! Stages of a group: `lower` makes a program of it (control on masks of sixteen bits, and regions of
+//! operations without branches), `x86` makes machine code of that for AVX2 or AVX-512, `ffi_memory` keeps it,
+//! [`Lanes`] runs it. The library's functions are compiled in instead of called: they are written over a
+//! trait of numbers, and `term` is a number that records its operations. The interpreter executes operations
+//! without code (texts, messages, closures, queries of the renderer), lane by lane, in the middle of the
+//! code.
 //!
-//! Invariant: the interpreter is the meaning. Every value has its bits, but for those of NaNs.
+//! Invariant: the interpreter defines the meaning. Every value has its bits, except for those of NaNs.
 //! Tests: `tests/`.
 
 #![cfg_attr(

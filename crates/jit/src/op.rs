@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Operations on lanes, and what each means for one lane.
-//! A value is 32 bits a lane: a float, a whole number, or a mask of ones or zeros.
-//! Invariant: [`Op::apply`] is what every back end computes, bit for bit but for the bits of NaNs.
+//! Operations on lanes, and their meaning for one lane. A value is 32 bits a lane: a float, a whole number,
+//! or a mask of ones or zeros.
+//! Invariant: every back end computes the result of [`Op::apply`], bit for bit, except for the bits of NaNs.
 //! Tests: `tests/agreement.rs`.
 
 /// Number of a value in its region.
@@ -10,7 +10,7 @@ pub(crate) type Id = u32;
 /// One value of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Op {
-    /// What a cell of the memory holds when the region starts.
+    /// The contents of a cell of the memory at the region's start.
     Cell(u32),
     /// The same in all lanes.
     Const(u32),
@@ -190,12 +190,12 @@ impl Op {
     }
 }
 
-/// Operations in a row, without branches: what is loaded at the start, computed, and stored at the end.
+/// Operations in a row, without branches: loads at the start, computations, and stores at the end.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Region {
     /// In order; each takes earlier ones.
     pub(crate) ops: Vec<Op>,
-    /// Cells and what they hold afterwards.
+    /// Cells and their new contents.
     pub(crate) stores: Vec<(u32, Id)>,
     /// Mask slots and the masks that they hold afterwards.
     pub(crate) tests: Vec<(u32, Id)>,

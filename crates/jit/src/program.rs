@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A group as a back end takes it: regions, and what happens between them. Masks are bits, kept in slots.
+//! A group as a back end takes it: regions, and the control between them. Masks are bits, kept in slots.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Bound, Slot, Step};
@@ -18,7 +18,7 @@ pub(crate) enum Test {
     Lanes(u32),
 }
 
-/// A turn of a loop, its slots and what ends it.
+/// A loop's body, its slots and its condition.
 #[derive(Clone, Debug)]
 pub(crate) struct Loop {
     pub(crate) body_first: bool,
@@ -40,7 +40,7 @@ pub(crate) struct Loop {
     pub(crate) say: u32,
 }
 
-/// What is done, in order, by the lanes that run.
+/// A step of the running lanes, in order.
 #[derive(Clone, Debug)]
 pub(crate) enum Node {
     /// Computing.
@@ -84,7 +84,7 @@ impl Node {
     }
 }
 
-/// What the code calls for.
+/// The calls of the code.
 #[derive(Clone)]
 pub(crate) enum Call {
     /// An operation that the interpreter does, lane by lane.
@@ -108,7 +108,7 @@ pub(crate) struct Making {
     pub(crate) outs: Vec<Slot>,
     /// Whether texts that it takes never change.
     pub(crate) is_named: bool,
-    /// What it makes, looked up when it is first done.
+    /// Its component, looked up at first use.
     pub(crate) bound: OnceLock<Option<Bound>>,
 }
 
@@ -121,7 +121,7 @@ pub(crate) struct Program {
     pub(crate) calls: Vec<Call>,
     /// How many masks there are.
     pub(crate) slots: u32,
-    /// The masks that are cleared before a batch: of layers and of what is fetched once.
+    /// The masks that are cleared before a batch: of layers and of values that are fetched once.
     pub(crate) flags: Vec<u32>,
     /// By cell, whether it may differ from point to point.
     pub(crate) varying: Vec<bool>,
@@ -136,6 +136,6 @@ pub(crate) struct Layer {
     pub(crate) done: u32,
     /// Lanes that came here.
     pub(crate) entry: u32,
-    /// What it does.
+    /// Its code.
     pub(crate) code: Vec<Node>,
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Numbers that write down what is done to them: the library's functions, called with these, become operations of a region.
-//! So every function of `gnurt-sl-lib` that is written over a `Number` is compiled into the code of a shader,
-//! derivatives included, and has the bits that it has alone, without a second text of it.
+//! Numbers that record operations: the library's functions, called with these, become operations of a region.
+//! So every function of `gnurt-sl-lib` over a `Number` is compiled into the code of a shader, derivatives
+//! included, and has the bits of a direct call, without a second text of it.
 //! Invariant: one thread records one region at a time.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
@@ -74,7 +74,7 @@ thread_local! {
     static RECORD: RefCell<Record> = RefCell::default();
 }
 
-/// Takes what was recorded, and starts anew.
+/// Takes the record, and starts a new one.
 pub(crate) fn take() -> Vec<Op> {
     RECORD.with_borrow_mut(|record| {
         record.known.clear();
@@ -87,7 +87,7 @@ pub(crate) fn count() -> usize {
     RECORD.with_borrow(|record| record.ops.len())
 }
 
-/// What a value is.
+/// The operation of a value.
 pub(crate) fn op_of(id: Id) -> Op {
     RECORD.with_borrow(|record| record.ops[id as usize])
 }

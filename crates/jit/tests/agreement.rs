@@ -170,7 +170,7 @@ fn closures() {
     let all = [
         // Sums, weights that are nothing or all, in some points only, of numbers of other types.
         "closure color c = 0; int k = int (u * 9); for (int i = 0; i < k; ++i) { c += v * diffuse(N); if (i > 3) c = c + emission(); } Ci = c * k + 0 * c + 1 * emission() + color(0) * c;",
-        // Layers of what differs from point to point, and of themselves.
+        // Layers of varying closures, and of closures within themselves.
         "closure color c = u * diffuse(N); if (v > 0.3) c = layer(emission(), c); for (int i = 0; i < 4 * u; ++i) c = layer(c, v * c); Ci = c + layer(0 * c, c);",
         // Keys, numbers for colours, texts and keys that differ.
         "string kind = u > 0.5 ? \"ggx\" : \"beckmann\"; Ci = microfacet(kind, N, u, 1, 2) + conductor_bsdf(N, vector(u, v, 1), u, 0.5, color(v), color(u), kind, \"thinfilm_ior\", 1.5, \"thinfilm_thickness\", 100 * u);",

@@ -147,7 +147,8 @@ fn groups_beyond_a_limit_say_once_that_they_are_interpreted() {
     }
 }
 
-/// What both give for points that are run one batch after the other in the same memory; what code says of itself.
+/// The results of both for points that are run one batch after the other in the same memory; also the code's
+/// own properties.
 fn agree(text: &str, iterations: u64) -> Result<(), NoCode> {
     let level = Level::best();
     let outputs = vec!["f".into()];
@@ -204,7 +205,7 @@ fn loops_in_loops_take_no_time_to_look_at() {
     assert!(start.elapsed().as_secs() < 20, "{:?}", start.elapsed());
 }
 
-/// What varies is found one variable a pass.
+/// Varying variables are found one per pass.
 #[test]
 fn long_ways_around_loops_mean_the_same() {
     let count = 150;

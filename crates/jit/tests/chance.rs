@@ -221,7 +221,7 @@ fn random_programs_mean_the_same() {
         std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
     };
     let (start, count) = (number("GNURT_SEED", 1), number("GNURT_PROGRAMS", 50));
-    // The last one looks at signs of what is no number.
+    // The last one tests signs of NaNs.
     for seed in (start..start + count).chain([107_421]) {
         let text = program(seed);
         compare(&single_group(&text), &format!("seed {seed}\n{text}"));

@@ -172,7 +172,7 @@ fn same(a: &Data, b: &Data) -> bool {
     }
 }
 
-/// What a point gave: outputs by name, and what it said.
+/// The results of a point: outputs by name, and its messages.
 type Given1 = (Vec<(String, Data)>, Vec<Event>);
 
 /// Compares. Returns how many operations were left to the interpreter.

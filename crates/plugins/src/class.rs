@@ -12,7 +12,7 @@ use crate::ffi_rts::{BlockFn, CameraFn, IlluminateFn, LensFn, MissFn, PrepareFn,
 /// A parameter of a plugin's class.
 #[derive(Clone, Debug)]
 pub struct PluginParameter {
-    /// What every class says.
+    /// The description that every class has.
     pub description: Parameter,
     /// Where it lies in the block per shader, bytes; not used for those that vary.
     pub offset: usize,
@@ -38,7 +38,7 @@ pub struct PluginClass {
     pub name: String,
     /// The file as the program named it.
     pub file: String,
-    /// What its shaders are for.
+    /// The purpose of its shaders.
     pub kind: Kind,
     /// Bytes of the block per shader.
     pub shader_size: usize,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! For tests: what shading by a plugin costs beside the same shader built in, on the same batches and lights.
-//! Thread CPU time, medians of blocks of calls, interleaved. The bound is asserted only on request:
+//! For tests: cost of shading by a plugin relative to the same built-in shader, on the same batches and
+//! lights. Thread CPU time, medians of blocks of calls, interleaved. The bound is asserted only on request:
 //! `cargo test --release -p gnurt-plugins cost -- --ignored --nocapture`.
 
 use std::process::Command;

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a shader class says of itself, wherever its code is: kind, and parameters with type, rate and default.
-//! Source: \[DWBS03\]; the paper's Figure 1 for rates. Invariant: a class keeps the number and order of its parameters.
+//! The description of a shader class, wherever its code is: kind, and parameters with type, rate and default.
+//! Source: \[DWBS03\]; [SIP06], Figure 1, for rates. Invariant: a class keeps the number and order of its
+//! parameters.
 //! Tests: bindings/openrt/tests/c/scene.c, bindings/openrt/tests/plugins.rs.
 
 use gnurt::shading::classes::{self, ParameterRate, ParameterType, ShaderClass};
 
 use crate::data_type::DataType;
 
-/// What a shader of a class is for.
+/// The purpose of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// The look of a surface.
     Surface,
-    /// What rays see that hit nothing.
+    /// Radiance of rays that hit nothing.
     Environment,
     /// A light.
     Light,
@@ -40,11 +41,11 @@ pub struct Parameter {
     pub name: String,
     /// How often it changes.
     pub rate: ParameterRate,
-    /// What it is made of.
+    /// The type of its components.
     pub kind: DataType,
     /// How many of them.
     pub count: usize,
-    /// What it starts with if it varies, or is of a class without a block: `count` numbers.
+    /// Its default if it varies, or belongs to a class without a block: `count` numbers.
     pub default: Vec<f32>,
 }
 

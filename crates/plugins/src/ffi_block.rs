@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Blocks per shader of plugins: memory that the plugin describes, `init` and `fini`, and the copies that frames shade with.
-//! Invariants: a block is as large and aligned as its class says; texts that a block or a copy points
-//! to live as long as it does; `fini` runs once, after the last frame that may use what `init` made. A block is memory of this
-//! process alone: `prepare` is tried in a copy of the process, and the program's own allocator may have memory that both share.
+//! Invariants: a block has the size and alignment of its class; texts that a block or a copy points to live
+//! as long as it does; `fini` runs once, after the last frame that may use the data of `init`. A block is
+//! memory of this process alone: `prepare` is tried in a copy of the process, and the program's own allocator
+//! may have memory that both share.
 //! Tests: bindings/openrt/tests/plugins.rs.
 
 use std::alloc::{GlobalAlloc, Layout, System, handle_alloc_error};
@@ -13,7 +14,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use crate::class::PluginClass;
 use crate::ffi_catch::Thrown;
 use crate::ffi_rts::{BlockFn, Host, PrepareFn};
-use crate::say::say;
+use crate::print_line::print_line;
 
 /// Bytes with an alignment, all zero at first.
 struct Memory {
@@ -22,7 +23,7 @@ struct Memory {
     layout: Layout,
 }
 
-// SAFETY: it owns its bytes; who writes them has it alone, by `&mut` or behind a mutex.
+// SAFETY: it owns its bytes; a writer has exclusive access, by `&mut` or behind a mutex.
 unsafe impl Send for Memory {}
 // SAFETY: as above; shared, it is only read.
 unsafe impl Sync for Memory {}
@@ -56,7 +57,7 @@ impl Drop for Memory {
     }
 }
 
-/// What changes in a block.
+/// The mutable part of a block.
 struct Content {
     memory: Memory,
     /// The texts that it points to, by parameter.
@@ -149,7 +150,7 @@ impl PluginBlock {
     }
 
     /// Remembers how it went.
-    pub fn set_verdict(&self, version: u64, outcome: Result<(), String>) {
+    pub fn set_result(&self, version: u64, outcome: Result<(), String>) {
         *self.tried.lock().unwrap_or_else(PoisonError::into_inner) = Some((version, outcome));
     }
 }
@@ -159,14 +160,14 @@ impl Drop for PluginBlock {
         if let Some(fini) = self.class.calls.fini {
             let content = self.content.get_mut().unwrap_or_else(PoisonError::into_inner);
             if call_block(&self.class, fini, &mut content.memory).is_err() {
-                say(format_args!("{}: an exception left its fini", self.class.title()));
+                print_line(format_args!("{}: an exception left its fini", self.class.title()));
             }
         }
     }
 }
 
 fn call_block(class: &PluginClass, function: BlockFn, memory: &mut Memory) -> Result<(), Thrown> {
-    // SAFETY: the block has the size and alignment that the class states, and nobody else has it.
+    // SAFETY: the block has the size and alignment that the class states, and no other user.
     class.library.call(|| unsafe { function(memory.at.cast()) })
 }
 
@@ -180,11 +181,11 @@ fn decode(class: &PluginClass, parameter: usize, block: &[u8]) -> Vec<f32> {
 /// A frame's copy of a block.
 pub struct Snapshot {
     memory: Memory,
-    /// What it points to.
+    /// The texts that it points to.
     _texts: Vec<Arc<CStr>>,
     /// The block's when the copy was made.
     pub version: u64,
-    /// What `init` made lives as long as this.
+    /// The data of `init` lives as long as this.
     pub block: Arc<PluginBlock>,
 }
 
@@ -200,7 +201,7 @@ impl Snapshot {
         decode(self.block.class(), parameter, self.memory.bytes())
     }
 
-    /// Calls `prepare` on it and returns what it does.
+    /// Calls `prepare` on it and returns its result.
     pub(crate) fn prepare(&mut self, host: &'static Host, prepare: PrepareFn) -> Result<i32, Thrown> {
         let (block, mut status) = (self.memory.at.cast(), 0);
         // SAFETY: the copy is as large and aligned as the class states, and we have it alone.

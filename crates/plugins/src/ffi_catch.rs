@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Calls that exceptions may leave: C++'s, or those of another Rust runtime, end here and become a value.
-//! Source: the Itanium C++ ABI, "Exception Handling", for what a personality routine does. Why not `catch_unwind`: it
-//! ends the process when it meets an exception that is not its own. Here a frame of a few instructions has a
-//! personality of ours, which catches all; between it and the plugin stand only `C-unwind` functions.
-//! Invariant: nothing unwinds out of [`Runtime::call`] but forced unwinding, which nobody may stop.
-//! Where: Linux on x86-64 and aarch64. Elsewhere an exception goes on and ends the process at the next frame of ours.
+//! Source: the Itanium C++ ABI, "Exception Handling", for personality routines. `catch_unwind` would end the
+//! process at a foreign exception. Here a frame of a few instructions has a personality routine of ours,
+//! which catches all; between it and the plugin there are only `C-unwind` functions.
+//! Invariant: only forced unwinding, which must not be stopped, leaves [`Runtime::call`]. Where: Linux on
+//! x86-64 and aarch64. Elsewhere an exception goes on and ends the process at the next frame of ours.
 //! Tests: `tests`; bindings/openrt/tests/exceptions.rs (C++).
 
 use std::ffi::c_void;
@@ -51,7 +51,7 @@ impl Runtime {
             }
             // The runtime of a Rust that is not ours ends the process if its panics are deleted by others: it stays.
             _ if class == *b"MOZ\0RUST" => {}
-            // SAFETY: it was caught, and nobody else refers to it.
+            // SAFETY: it was caught, and there is no other reference to it.
             _ => unsafe { catcher::delete(exception) },
         }
         Err(Thrown)
@@ -135,11 +135,11 @@ mod catcher {
         personality = sym personality,
     );
 
-    /// What the unwinder asks for.
+    /// The unwinder's requests.
     const SEARCH_PHASE: c_int = 1;
     const HANDLER_FRAME: c_int = 4;
     const FORCE_UNWIND: c_int = 8;
-    /// What it is answered.
+    /// The answers.
     const HANDLER_FOUND: c_int = 6;
     const INSTALL_CONTEXT: c_int = 7;
     const CONTINUE_UNWIND: c_int = 8;
@@ -188,7 +188,7 @@ mod catcher {
     /// Calls `work`, once; null, or the exception that left it.
     pub(super) fn call<F: FnOnce()>(work: F) -> *mut c_void {
         /// # Safety
-        /// `work` points to an `Option<F>` that nobody else uses.
+        /// `work` points to an `Option<F>` without other users.
         unsafe extern "C-unwind" fn thunk<F: FnOnce()>(work: *mut c_void) {
             // SAFETY: the caller vouches for it.
             let work = unsafe { &mut *work.cast::<Option<F>>() };
@@ -197,12 +197,12 @@ mod catcher {
             }
         }
         let mut work = Some(work);
-        // SAFETY: the function takes what it is given, which lives until it returns.
+        // SAFETY: the function takes its argument, which lives until it returns.
         unsafe { gnurt_plugins_call(thunk::<F>, (&raw mut work).cast()) }
     }
 
     /// # Safety
-    /// The exception was caught and nobody refers to it.
+    /// The exception was caught and has no other references.
     pub(super) unsafe fn delete(exception: *mut c_void) {
         // SAFETY: the caller vouches for it.
         unsafe { _Unwind_DeleteException(exception) }
@@ -229,7 +229,7 @@ mod tests {
     use std::cell::Cell;
     use std::ffi::c_int;
 
-    /// `_Unwind_Exception`, with room for what the unwinder keeps.
+    /// `_Unwind_Exception`, with space for the unwinder's data.
     #[repr(C, align(16))]
     struct Exception {
         class: u64,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the host does for plugins: the functions of `RTShost`, on the renderer's `Tracer`.
+//! Services of the host for plugins: the functions of `RTShost`, on the renderer's `Tracer`.
 //! Space: world. Each takes a whole batch. A ray that leaves a point of its batch starts off the
 //! surface as the rays of built-in shaders do, so that a plugin's picture can equal theirs bit for bit.
-//! Invariant: no panic crosses to the plugin; it goes on when the callback has returned.
+//! Invariant: no panic crosses to the plugin; it resumes after the callback has returned.
 //! Tests: bindings/openrt/tests/plugins.rs (C against built-in, bit for bit).
 
 use std::any::Any;
@@ -18,7 +18,7 @@ use crate::ffi_lanes::Buffers;
 use crate::ffi_rts::{Ctx, Hits, Host, RTS_ABI, Rays, Vec3In, Vec3Out, read_sized, text};
 use crate::ffi_stack;
 use crate::frame_shader::FrameShader;
-use crate::say::say;
+use crate::print_line::print_line;
 
 /// The host's functions.
 pub(crate) static HOST: Host = Host {
@@ -34,7 +34,7 @@ pub(crate) static HOST: Host = Host {
     log,
 };
 
-/// What a callback of a surface may ask about.
+/// The data of a surface's callback.
 pub(crate) struct Surface<'a> {
     pub(crate) tracer: &'a mut (dyn Tracer + 'a),
     pub(crate) hits: &'a SurfaceBatch,
@@ -94,7 +94,7 @@ impl<'a> Call<'a> {
     }
 }
 
-/// What an `RTSctx` stands for while a callback runs.
+/// The target of an `RTSctx` during a callback.
 struct Context<'c, 'a> {
     /// The callback's thread.
     thread: usize,
@@ -110,13 +110,13 @@ fn thread() -> usize {
     HERE.with(|here| std::ptr::from_ref(here).addr())
 }
 
-/// Runs a service on the call that `ctx` stands for. After a panic, without a call, and on another thread than the callback's, the
-/// result is `otherwise`.
+/// Runs a service on the call of `ctx`. After a panic, without a call, and on another thread than the
+/// callback's, the result is `otherwise`.
 ///
 /// # Safety
-/// `ctx` is null or what [`Call::run`] handed to the plugin, whose callback has not returned yet.
+/// `ctx` is null or was passed by [`Call::run`] to the plugin, whose callback has not returned yet.
 unsafe fn serve<T>(ctx: *mut Ctx, otherwise: T, work: impl FnOnce(&mut Call<'_>) -> T) -> T {
-    // SAFETY: the caller vouches for it; nobody writes a context.
+    // SAFETY: guaranteed by the caller; a context is never written.
     let Some(context) = (unsafe { ctx.cast::<Context<'_, '_>>().as_ref() }) else { return otherwise };
     if context.thread != thread() {
         context.shader.faults.add_stray();
@@ -263,7 +263,7 @@ unsafe extern "C" fn illuminate(
     }
 }
 
-/// What a batch of rays is for.
+/// The purpose of a batch of rays.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Purpose {
     Shadow,
@@ -426,7 +426,8 @@ thread_local! {
     static SILENT: RefCell<bool> = const { RefCell::new(false) };
 }
 
-/// Runs `work` and returns what it says through `log` without a context. `aloud` = it is printed as well.
+/// Runs `work` and returns its messages through `log` without a context. If `aloud`, they are printed as
+/// well.
 pub(crate) fn collect_log<T>(work: impl FnOnce() -> T, aloud: bool) -> (T, Vec<String>) {
     MESSAGES.set(Some(Vec::new()));
     SILENT.set(!aloud);
@@ -449,18 +450,18 @@ unsafe extern "C" fn log(ctx: *mut Ctx, level: c_int, message: *const c_char) {
     if ctx.is_null() {
         let printed = catch_unwind(|| {
             if !SILENT.with_borrow(|silent| *silent) {
-                say(format_args!("plugin: {grade}{message}"));
+                print_line(format_args!("plugin: {grade}{message}"));
             }
             MESSAGES.with_borrow_mut(|messages| messages.as_mut().map(|messages| messages.push(message)));
         });
-        // A text that cannot be kept: there is nobody left to tell.
+        // A text that cannot be kept cannot be reported either.
         return drop(printed);
     }
     // SAFETY: the plugin vouches for its context.
     unsafe {
         serve(ctx, (), |call| {
             if call.shader.faults.may_speak() {
-                say(format_args!("{}: {grade}{message}", call.shader.class().title()));
+                print_line(format_args!("{}: {grade}{message}", call.shader.class().title()));
             }
         });
     }

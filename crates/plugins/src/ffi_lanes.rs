@@ -17,27 +17,27 @@ const WIDTH: usize = 16;
 #[derive(Clone, Copy)]
 pub(crate) struct Line([f32; WIDTH]);
 
-/// Memory for the arrays of one call and for what it asks of the renderer.
+/// Memory for the arrays of one call and for its queries of the renderer.
 #[derive(Default)]
 pub(crate) struct Buffers {
     lines: Vec<Line>,
-    /// What lights give.
+    /// Light from lights.
     pub(crate) light: LightBatch,
     /// Rays that a plugin asks for.
     pub(crate) request: RayRequest,
-    /// What comes back.
+    /// The results.
     pub(crate) answer: Vec3s,
     /// For the plugin.
     pub(crate) scratch: Scratch,
 }
 
 thread_local! {
-    /// Buffers that no call of this thread uses. There are as many as calls were ever nested.
+    /// Buffers without users in this thread. Their number is the greatest nesting of calls so far.
     static FREE: RefCell<Vec<Buffers>> = const { RefCell::new(Vec::new()) };
 }
 
 impl Buffers {
-    /// Buffers that nobody uses; give them back.
+    /// An unused buffer; to be given back.
     pub(crate) fn take() -> Self {
         FREE.with(|free| free.borrow_mut().pop()).unwrap_or_default()
     }
@@ -48,7 +48,7 @@ impl Buffers {
         FREE.with(|free| free.borrow_mut().push(self));
     }
 
-    /// `count` arrays of `lanes` lanes each. What was handed out before is void.
+    /// `count` arrays of `lanes` lanes each. Earlier arrays become invalid.
     pub(crate) fn arrays(&mut self, lanes: usize, count: usize) -> Lanes {
         let lines = lanes.div_ceil(WIDTH);
         if self.lines.len() < lines * count {
@@ -120,7 +120,7 @@ impl Lanes {
         Vec3In { x: self.floats(&v.x), y: self.floats(&v.y), z: self.floats(&v.z) }
     }
 
-    /// An array of lanes that say that nobody has written them.
+    /// An array of lanes marked as unwritten.
     pub(crate) fn unwritten(&mut self) -> *mut f32 {
         let array = self.array();
         for i in 0..self.stride {
@@ -135,10 +135,10 @@ impl Lanes {
         Vec3Out { x: self.unwritten(), y: self.unwritten(), z: self.unwritten() }
     }
 
-    /// What a plugin has written into an array of this.
+    /// The contents of a plugin's output array of this.
     ///
     /// # Safety
-    /// The array is of this and nobody writes it while the result lives.
+    /// The array belongs to this and is not written while the result lives.
     pub(crate) unsafe fn written<'a>(&self, array: *mut f32) -> &'a [f32] {
         // SAFETY: arrays have at least `lanes` floats, all of them written.
         unsafe { std::slice::from_raw_parts(array, self.lanes) }
@@ -195,7 +195,7 @@ mod tests {
                 second.addr() - first.addr() >= lanes.next_multiple_of(16) * 4,
                 "{lanes} lanes have room"
             );
-            // SAFETY: it is of these arrays, and nobody writes it.
+            // SAFETY: it belongs to these arrays, and is not written.
             let unwritten = unsafe { arrays.written(second) };
             assert!(
                 unwritten.len() == lanes && unwritten.iter().all(|x| x.is_nan()),

@@ -49,7 +49,7 @@ impl Library {
         self.runtime.call(work)
     }
 
-    /// What it says about itself; an error tells which version it was asked for.
+    /// Its description; an error names the version of the request.
     pub(crate) fn module(&self) -> Result<ModuleReply, String> {
         // SAFETY: rts.h says which type the function of this name has.
         let function = unsafe { self.library.get::<ModuleFn>(SYMBOL) }
@@ -67,7 +67,7 @@ impl Library {
     }
 }
 
-/// What rts_module returns.
+/// The result of rts_module.
 pub(crate) enum ModuleReply {
     /// NULL: it cannot serve our version.
     Refuses,

@@ -200,16 +200,16 @@ unsafe impl Sized32 for Module {}
 // SAFETY: as above.
 unsafe impl Sized32 for Rays {}
 
-/// A copy of what is at `source`: as many bytes as it says that it has, zeros for what is missing.
+/// A copy of `source`: its stated number of bytes, zeros for missing ones.
 ///
 /// # Safety
-/// `source` points to as many readable bytes as its first four say, at least four.
+/// `source` points to the number of readable bytes that its first four state, at least four.
 pub(crate) unsafe fn read_sized<T: Sized32>(source: *const T) -> T {
     // SAFETY: the caller vouches for four bytes.
     let stated = unsafe { source.cast::<u32>().read_unaligned() } as usize;
     let mut copy = std::mem::MaybeUninit::<T>::zeroed();
     let bytes = stated.min(size_of::<T>());
-    // SAFETY: `bytes` is within what the caller vouches for, and within the copy.
+    // SAFETY: `bytes` is within the caller's guarantee, and within the copy.
     unsafe { source.cast::<u8>().copy_to_nonoverlapping(copy.as_mut_ptr().cast::<u8>(), bytes) };
     // SAFETY: zeros are a value by the trait's contract, and the plugin's bytes are members of the same layout.
     unsafe { copy.assume_init() }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Plugins as shaders of the renderer: batches out to C, results back, checked lane by lane.
-//! Space: world. Invariant: what a plugin leaves unwritten, or fills with NaN or infinities, becomes
-//! black, unlit or a ray that sees nothing, and is counted. Tests: bindings/openrt/tests/plugins.rs.
+//! Space: world. Invariant: results that a plugin leaves unwritten, or fills with NaN or infinities, become
+//! black, unlit or a ray that hits nothing, and are counted. Tests: bindings/openrt/tests/plugins.rs.
 
 use std::sync::Arc;
 
@@ -23,7 +23,7 @@ use crate::frame_shader::FrameShader;
 /// high 16 bits.
 pub const TRIANGLE_NUMBER: &str = "openrt.triangle_number";
 
-/// A plugin's shader in one frame, and what it asks of meshes.
+/// A plugin's shader in one frame, and its requests to meshes.
 struct PluginShader {
     shader: FrameShader,
     /// One per parameter that varies, in the order of the parameters; third texture coordinates, if there are any; then
@@ -125,7 +125,7 @@ impl PluginShader {
         })
     }
 
-    /// Takes a plugin's colours; what is none becomes black and is counted.
+    /// Takes a plugin's colours; invalid ones become black and are counted.
     fn take(&self, arrays: &Lanes, result: Vec3Out, out: &mut Vec3s) {
         // SAFETY: the result is of these arrays, and the plugin's call is over.
         let [x, y, z] = [result.x, result.y, result.z].map(|array| unsafe { arrays.written(array) });

@@ -3,11 +3,11 @@
 //! themselves is theirs to say. Pthread_getattr_np(3).
 //! Tests: bindings/openrt/tests/plugins.rs (`deep_shaders_are_stopped`).
 
-/// What must be left for rays to be traced: a callback's arrays, and the deepest chain of built-in shaders (1,024 bounces
-/// of about 2.5 KiB).
+/// The stack that must remain for tracing: a callback's arrays, and the deepest chain of built-in shaders
+/// (1,024 bounces of about 2.5 KiB).
 const RESERVE: usize = 5 << 20;
 
-/// Whether rays may be traced on what is left. Where the system does not tell, they may.
+/// Whether the remaining stack suffices for tracing. If it is unknown, it does.
 pub(crate) fn is_enough() -> bool {
     let here = 0_u8;
     let here = (&raw const here).addr();
@@ -38,7 +38,7 @@ fn lowest() -> Option<[usize; 2]> {
 
 #[cfg(target_os = "macos")]
 fn lowest() -> Option<[usize; 2]> {
-    // SAFETY: both only read what the system knows of this thread.
+    // SAFETY: both only read the system's data about this thread.
     let (highest, size) = unsafe {
         let this = libc::pthread_self();
         (libc::pthread_get_stackaddr_np(this), libc::pthread_get_stacksize_np(this))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Tables that a plugin may give, made of arbitrary bytes: what is accepted keeps every promise of `PluginClass`.
-//! For the tests and for fuzz/fuzz_targets/plugin_tables.rs.
-//! Invariant: pointers are null, or to what they say, as rts.h asks of plugins; every number and text is anybody's.
+//! A plugin's tables, made of arbitrary bytes: an accepted one has every guarantee of `PluginClass`. For the
+//! tests and for fuzz/fuzz_targets/plugin_tables.rs.
+//! Invariant: pointers are null or valid, as rts.h requires of plugins; every number and text is arbitrary.
 //! Tests: `tests`.
 
 use std::ffi::{CString, c_char, c_int, c_void};
@@ -113,10 +113,10 @@ unsafe extern "C-unwind" fn camera_lens(
 ) {
 }
 
-/// Loads classes out of a module that the bytes describe, and uses those that are accepted.
+/// Loads classes out of a module that the bytes describe, and uses the accepted ones.
 ///
 /// # Panics
-/// If what is accepted breaks a promise.
+/// If an accepted class breaks a guarantee.
 pub fn load_random(bytes: &[u8]) {
     let mut bytes = Bytes(bytes);
     let class_count = usize::from(bytes.byte() % 4);
@@ -148,7 +148,7 @@ pub fn load_random(bytes: &[u8]) {
         };
         let sizes = [0, 4, 16, 64, 1 << 24, (1 << 24) + 1];
         classes.push(Class {
-            // Not above what is there: a plugin that says more than it has cannot be helped.
+            // At most the real size: a plugin that states a greater one is beyond help.
             struct_size: bytes.number(&[size_of::<Class>() as u32, 56, 64, 0]).min(size_of::<Class>() as u32),
             kind: bytes.number(&[0x400, 0x401, 0x402, 0x403, 0x404]),
             flags: bytes.number(&[0, 0, 0, 1]),
@@ -188,7 +188,7 @@ pub fn load_random(bytes: &[u8]) {
     }
 }
 
-/// What is accepted is as large as it says, and each of its parameters can be written and read.
+/// An accepted class has its stated size, and each of its parameters can be written and read.
 fn use_class(class: Arc<PluginClass>) {
     assert!(class.shader_align.is_power_of_two(), "an alignment: {}", class.shader_align);
     let block = PluginBlock::new(&class).expect("init throws nothing");
@@ -206,7 +206,7 @@ fn use_class(class: Arc<PluginClass>) {
     }
     let snapshot = block.snapshot();
     // Children for trials take longer than all the rest.
-    block.set_verdict(snapshot.version, Ok(()));
+    block.set_result(snapshot.version, Ok(()));
     let frame = PluginFrame::new([(1, &block)].into_iter(), FrameState::default);
     assert!(frame.made(1).is_some(), "it takes part: {:?}", frame.problems());
 }

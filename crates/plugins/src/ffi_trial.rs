@@ -37,7 +37,7 @@ pub(crate) fn try_all(count: usize, mut call: impl FnMut(usize)) -> Vec<Trial> {
     verdicts
 }
 
-/// What one child did: how many calls returned, and how the next one ended it.
+/// The result of one child: how many calls returned, and the way in which the next one ended it.
 struct Outcome {
     returned: usize,
     crash: Option<String>,
@@ -47,8 +47,8 @@ struct Outcome {
 #[cfg(unix)]
 fn try_from(first: usize, count: usize, call: &mut impl FnMut(usize)) -> Option<Outcome> {
     let [read_end, write_end] = pipe()?;
-    // SAFETY: the child runs the plugin's function, which may do what it likes, then leaves without running any of our
-    // destructors; the C library keeps its own locks usable over a fork.
+    // SAFETY: the child runs the plugin's function, which may do anything, then leaves without running any of
+    // our destructors; the C library keeps its own locks usable over a fork.
     let child = unsafe { libc::fork() };
     if child < 0 {
         close(read_end);
@@ -110,7 +110,7 @@ fn run_child(first: usize, count: usize, call: &mut impl FnMut(usize), pipe: lib
         }
         mark(AFTER);
     }
-    // SAFETY: it leaves at once; what the program registered for its end does not run.
+    // SAFETY: it leaves at once; the program's exit handlers do not run.
     unsafe { libc::_exit(0) }
 }
 
@@ -240,7 +240,7 @@ impl Child {
                 libc::syscall(libc::SYS_pidfd_send_signal, descriptor, libc::SIGKILL, none, 0) == 0
             };
         }
-        // SAFETY: it is our child, and nobody has waited for it when we looked.
+        // SAFETY: it is our child, and it was not reaped at the check.
         !self.has_ended() && unsafe { libc::kill(self.number, libc::SIGKILL) == 0 }
     }
 
@@ -264,7 +264,7 @@ impl Drop for Child {
     }
 }
 
-/// A descriptor of a child that nobody has waited for, where the system has both kinds of calls for such.
+/// A descriptor of an unreaped child, if the system has both calls for it.
 #[cfg(target_os = "linux")]
 fn descriptor(child: libc::pid_t) -> Option<libc::c_int> {
     // SAFETY: it takes two numbers. It closes the descriptor in programs that the process starts.
@@ -290,8 +290,8 @@ fn descriptor(_: libc::pid_t) -> Option<libc::c_int> {
 fn how_it_ended(end: End) -> String {
     match end {
         End::Exit | End::Unknown => "it left the process".to_owned(),
-        End::Signal(libc::SIGSEGV) => "it read or wrote memory that is not there (SIGSEGV)".to_owned(),
-        End::Signal(libc::SIGBUS) => "it read or wrote memory that is not there (SIGBUS)".to_owned(),
+        End::Signal(libc::SIGSEGV) => "it read or wrote invalid memory (SIGSEGV)".to_owned(),
+        End::Signal(libc::SIGBUS) => "it read or wrote invalid memory (SIGBUS)".to_owned(),
         End::Signal(libc::SIGABRT) => "it aborted (SIGABRT)".to_owned(),
         End::Signal(libc::SIGFPE) => "it divided by zero (SIGFPE)".to_owned(),
         End::Signal(libc::SIGILL) => "it met an illegal instruction (SIGILL)".to_owned(),
@@ -303,7 +303,7 @@ fn how_it_ended(end: End) -> String {
 mod tests {
     use super::*;
 
-    /// The number of a child whose end somebody else has taken may be another process's: that one is left alone.
+    /// The number of a child reaped elsewhere may be another process's: it is left alone.
     #[test]
     fn a_child_whose_end_was_taken_is_left_alone() {
         for has_descriptor in [true, false] {
@@ -311,7 +311,7 @@ mod tests {
             let number = unsafe { libc::fork() };
             assert!(number >= 0, "a child");
             if number == 0 {
-                // SAFETY: likewise.
+                // SAFETY: as above.
                 unsafe { libc::_exit(0) };
             }
             let mut child = Child::new(number);
@@ -333,7 +333,7 @@ mod tests {
         let verdicts = try_all(4, |i| match i {
             // SAFETY: it ends the child.
             1 => unsafe { libc::abort() },
-            // SAFETY: likewise.
+            // SAFETY: as above.
             2 => unsafe { libc::_exit(3) },
             _ => {}
         });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Plugins in a frame: the copies of their blocks, `prepare`, the shaders that the renderer gets, and what went wrong.
-//! Invariant: what cannot take part is told of and left out. Tests: bindings/openrt/tests/plugins.rs.
+//! Plugins in a frame: the copies of their blocks, `prepare`, the shaders for the renderer, and faults.
+//! Invariant: a plugin that cannot take part is reported and left out. Tests:
+//! bindings/openrt/tests/plugins.rs.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -26,7 +27,7 @@ struct ClassFaults {
 pub struct PluginFrame {
     /// By shader id; `None`: it cannot take part.
     made: BTreeMap<u32, Option<RenderShader>>,
-    /// What is wrong before the frame begins, a line each.
+    /// Faults before the frame begins, a line each.
     problems: Vec<String>,
     faults: Vec<ClassFaults>,
 }
@@ -91,13 +92,13 @@ impl PluginFrame {
         self.made.get(&id).cloned().flatten()
     }
 
-    /// What went wrong before the frame.
+    /// Faults before the frame.
     #[must_use]
     pub fn problems(&self) -> &[String] {
         &self.problems
     }
 
-    /// What went wrong in the frame so far, a line for each thing in each class.
+    /// Faults in the frame so far, a line for each kind in each class.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let lines = |known: &ClassFaults| {
@@ -117,7 +118,7 @@ fn try_prepare(candidates: &mut [Candidate]) {
     let mut pending: Vec<&mut Candidate> = candidates.iter_mut().filter(|c| is_pending(c)).collect();
     let verdicts = try_all(pending.len(), |i| {
         if let Some(prepare) = pending[i].snapshot.block.class().calls.prepare {
-            // What it says is said again by the call that counts.
+            // Its output is repeated by the call that counts.
             let _ = collect_log(|| pending[i].snapshot.prepare(&HOST, prepare), false);
         }
     });
@@ -126,7 +127,7 @@ fn try_prepare(candidates: &mut [Candidate]) {
             Trial::Returned => Ok(()),
             Trial::Crashed(how) => Err(format!("its prepare crashed in a trial: {how}")),
         };
-        candidate.snapshot.block.set_verdict(candidate.snapshot.version, outcome);
+        candidate.snapshot.block.set_result(candidate.snapshot.version, outcome);
     }
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A plugin's shader in one frame: its copy of the block, what it reads, and where its parameters are in a batch.
+//! A plugin's shader in one frame: its copy of the block, its inputs, and the positions of its parameters in
+//! a batch.
 //! Tests: bindings/openrt/tests/plugins.rs.
 
 use std::sync::Arc;
@@ -11,7 +12,7 @@ use crate::class::PluginClass;
 use crate::ffi_block::Snapshot;
 use crate::frame_state::{Faults, FrameState};
 
-/// What the callbacks of a shader, and the host's functions for them, go by.
+/// The data of a shader's callbacks, and of the host's functions for them.
 pub(crate) struct FrameShader {
     pub(crate) snapshot: Snapshot,
     pub(crate) frame: Arc<FrameState>,
@@ -34,7 +35,7 @@ impl FrameShader {
         self.snapshot.block.class()
     }
 
-    /// What it asks of meshes: one attribute per parameter that varies, in the order of the parameters.
+    /// Its requests to meshes: one attribute per varying parameter, in the order of the parameters.
     pub(crate) fn varying(&self) -> Vec<AttributeRequest> {
         let varying = self.class().parameters.iter().map(|p| &p.description);
         let varying = varying.filter(|p| p.rate != ParameterRate::Shader);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What shaders of plugins read while they shade a frame, and what they did wrong in it.
+//! The input of plugin shaders during a frame, and their faults in it.
 //! Invariant: a frame reads nothing that the program may change while it is in flight.
 //! Tests: bindings/openrt/tests/plugins.rs.
 
@@ -12,7 +12,7 @@ use gnurt::shading::texture::TextureSampler;
 /// Messages that shaders of a class may print per frame.
 const MOST_MESSAGES: u32 = 100;
 
-/// What shaders of plugins read while they shade.
+/// The input of plugin shaders.
 #[derive(Default)]
 pub struct FrameState {
     /// Textures with a picture, by the API's id.
@@ -23,7 +23,7 @@ pub struct FrameState {
     pub third_texcoords: bool,
 }
 
-/// What the shaders of a class did wrong in a frame.
+/// Faults of the shaders of a class in a frame.
 #[derive(Default)]
 pub(crate) struct Faults {
     /// Lanes that were not written, or with NaN or infinities.
@@ -65,7 +65,7 @@ impl Faults {
         self.strays.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// What has been counted, a line each.
+    /// The counts, a line each.
     pub(crate) fn lines(&self) -> impl Iterator<Item = String> {
         let line = |count: &AtomicU64, one: &str, many: &str, what: &str| {
             let count = count.load(Ordering::Relaxed);
@@ -76,7 +76,7 @@ impl Faults {
             &self.exceptions,
             "exception",
             "exceptions",
-            "left its callbacks in this frame; what they had not written is shown black",
+            "left its callbacks in this frame; points that they had not written are black",
         );
         let untraced = line(
             &self.untraced,

@@ -4,9 +4,10 @@
 //! Programs that shade a scene of their own by a class, built-in or of a plugin, make a [`SceneShader`]. The C API,
 //! whose programs load classes and set parameters call by call, takes the parts of [`host`].
 //!
-//! From a file to a picture: `search` finds it, `load` checks what it says of itself and gives a [`host::PluginClass`];
-//! a shader's values lie in a [`host::PluginBlock`]; a frame takes copies of the blocks, prepares them, and gives the
-//! renderer its shaders ([`host::PluginFrame`]). `ffi*.rs` hold all of the `unsafe` code.
+//! From a file to a picture: `search` finds it, `load` checks its description and returns a
+//! [`host::PluginClass`]. A shader's values are in a [`host::PluginBlock`]. A frame copies the blocks,
+//! prepares them, and gives the renderer its shaders ([`host::PluginFrame`]). `ffi*.rs` hold all of the
+//! `unsafe` code.
 #![deny(unsafe_code)]
 
 mod class;
@@ -39,13 +40,13 @@ mod frame;
 mod frame_shader;
 mod frame_state;
 mod load;
-mod say;
+mod print_line;
 mod scene_shader;
 mod search;
 
 pub use scene_shader::{SceneShader, is_script};
 
-/// What a host of plugins needs that is a state machine: classes, blocks and frames one by one.
+/// The parts that a host of plugins with a state machine needs: classes, blocks and frames one by one.
 pub mod host {
     pub use crate::class::{PluginClass, PluginParameter};
     pub use crate::data_type::DataType;
@@ -55,5 +56,5 @@ pub mod host {
     pub use crate::frame::PluginFrame;
     pub use crate::frame_state::FrameState;
     pub use crate::load::{LoadError, load, suggestion};
-    pub use crate::say::say;
+    pub use crate::print_line::print_line;
 }

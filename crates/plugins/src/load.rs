@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From a class's name and a file to a checked class, or to words that say what is wrong.
-//! Invariant: what passes has every promise of [`PluginClass`].
+//! From a class's name and a file to a checked class, or to a message about the fault.
+//! Invariant: an accepted class has every guarantee of [`PluginClass`].
 //! Tests: bindings/openrt/tests/plugins.rs: a plugin for each rule that it breaks.
 
 use std::fmt::{Display, Formatter};
@@ -47,19 +47,20 @@ pub fn load(name: &str, file: &str) -> Result<PluginClass, LoadError> {
     load_by(name, file, || find(file, &folders, Library::open))
 }
 
-/// Loads class `name` from the library at `path` as it is now, whatever was loaded from there before: from a copy, since the
-/// system's loader gives back what it has under a name, and a file that is mapped must not change.
+/// Loads class `name` from the current library at `path`, whatever was loaded from there before. It loads a
+/// copy, because the system's loader returns an already loaded library of a name, and a mapped file must not
+/// change.
 ///
-/// The copy is made where temporary files are, or beside the library where no code may be loaded from there. Where neither
-/// can be, the library itself is loaded, so that it works, though one that was built again is not seen.
-pub(crate) fn load_anew(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
+/// The copy is in the folder of temporary files, or beside the library if no code may be loaded from there.
+/// If neither is possible, the library itself is loaded; then a rebuilt library is not noticed.
+pub(crate) fn load_copy(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
     let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folders = [&std::env::temp_dir(), beside];
-    load_by(name, &path.display().to_string(), || open_anew(path, &folders))
+    load_by(name, &path.display().to_string(), || open_copy(path, &folders))
 }
 
 /// Opens a copy of a library in the first of these folders that allows that, or else the library itself.
-fn open_anew(path: &Path, folders: &[&Path]) -> Result<Library, String> {
+fn open_copy(path: &Path, folders: &[&Path]) -> Result<Library, String> {
     let copy_in = |folder: &&Path| -> Option<Library> {
         let new = tempfile::Builder::new().prefix(".gnurt-").suffix(".so").tempfile_in(folder);
         let copy = new.ok()?.into_temp_path();
@@ -189,7 +190,7 @@ fn checked(raw: &RawClass, file: &str, library: Arc<Library>) -> Result<PluginCl
     Ok(checked)
 }
 
-/// What a class says before its parameters.
+/// The part of a class before its parameters.
 fn checked_header(class: &Class) -> Result<Kind, String> {
     if (class.struct_size as usize) < Class::LEAST {
         return Err(format!("RTSclass has struct_size {}, not {}", class.struct_size, size_of::<Class>()));
@@ -224,7 +225,7 @@ fn checked_header(class: &Class) -> Result<Kind, String> {
         return Err("only surface classes have blocks per triangle and per vertex".to_owned());
     }
     if class.param_count > MAX_PARAMETERS || (class.param_count > 0 && class.params.is_null()) {
-        return Err(format!("it says that it has {} parameters, which are not there", class.param_count));
+        return Err(format!("it declares {} parameters, but their table is missing", class.param_count));
     }
     Ok(kind)
 }
@@ -297,7 +298,7 @@ mod tests {
     fn folders_that_take_no_copy_are_passed_over() {
         let (folder, file) = built();
         for folders in [&[Path::new("/no/such/folder"), Path::new("/proc"), folder.path()][..], &[]] {
-            assert!(open_anew(&file, folders).is_ok(), "with {folders:?}");
+            assert!(open_copy(&file, folders).is_ok(), "with {folders:?}");
         }
         let left: Vec<_> = std::fs::read_dir(folder.path()).expect("it is there").collect();
         assert_eq!(left.len(), 1, "no copy is left: {left:?}");
@@ -321,6 +322,6 @@ mod tests {
         let copy = tempfile::Builder::new().suffix(".so").tempfile_in(candidate).expect("it is writable");
         std::fs::copy(&file, copy.path()).expect("there is room");
         assert!(Library::open(copy.path()).is_err(), "{candidate} runs no code");
-        assert!(open_anew(&file, &[Path::new(candidate)]).is_ok(), "the library is loaded all the same");
+        assert!(open_copy(&file, &[Path::new(candidate)]).is_ok(), "the library is loaded all the same");
     }
 }

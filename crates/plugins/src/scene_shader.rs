@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surface shaders for scenes that no OpenRT calls make: classes of plugins and built-in ones, files in the shading language,
 //! parameters as people write them.
-//! A parameter is as many numbers as it has, or one for all of them, between commas; a text; or, for
-//! textures, `@` and the name of a picture. A plugin is loaded anew each time, so that one that was built again is seen.
+//! A parameter is its numbers, or one number for all of them, between commas; a text; or, for textures, `@`
+//! and the name of a picture. A plugin is loaded again each time, so that a rebuilt one is used.
 //! Tests: `tests`; crates/cli/tests/program/shaders.rs.
 
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ use crate::description::{Kind, Parameter};
 use crate::ffi_block::PluginBlock;
 use crate::frame::PluginFrame;
 use crate::frame_state::FrameState;
-use crate::load::{load_anew, suggestion};
+use crate::load::{load_copy, suggestion};
 
 /// A surface shader with its parameters.
 pub struct SceneShader {
@@ -66,7 +66,7 @@ impl SceneShader {
         Ok(Self::of(script, surface))
     }
 
-    /// What it did wrong since, a line each.
+    /// Its faults since then, a line each.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         let mut faults = self.plugins.faults();
@@ -74,7 +74,7 @@ impl SceneShader {
         faults
     }
 
-    /// What the compiler of a script warned of.
+    /// Warnings of a script's compiler.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         self.script.as_ref().map_or(&[], Script::warnings)
@@ -99,7 +99,7 @@ impl SceneShader {
         let class = classes::find(name).filter(is_surface).ok_or_else(|| {
             let meant = suggestion(name, &names);
             format!(
-                "no built-in surface class \"{name}\"; there are {}{meant}; one of a plugin is CLASS@FILE, one in the shading language FILE.osl",
+                "unknown built-in surface class \"{name}\"; valid are: {}{meant}; one of a plugin is CLASS@FILE, one in the shading language FILE.osl",
                 names.join(", ")
             )
         })?;
@@ -126,7 +126,7 @@ impl SceneShader {
     }
 
     fn of_plugin(name: &str, file: &Path, parameters: &[(String, String)]) -> Result<Self, String> {
-        let class = Arc::new(load_anew(name, file).map_err(|why| why.to_string())?);
+        let class = Arc::new(load_copy(name, file).map_err(|why| why.to_string())?);
         if class.kind != Kind::Surface {
             return Err(format!("{} is of no surfaces", class.title()));
         }
@@ -179,7 +179,7 @@ fn index_of(name: &str, described: &[Parameter]) -> Result<usize, String> {
         } else {
             format!("there are {}", names.join(", "))
         };
-        return Err(format!("no parameter '{name}'; {list}{}", suggestion(name, &names)));
+        return Err(format!("unknown parameter '{name}'; {list}{}", suggestion(name, &names)));
     };
     match described[i].rate {
         ParameterRate::Shader => Ok(i),
@@ -192,7 +192,7 @@ fn index_of(name: &str, described: &[Parameter]) -> Result<usize, String> {
     }
 }
 
-/// The numbers of a parameter: as many as it has, or one for all.
+/// The numbers of a parameter: one for each, or one for all.
 fn numbers<T: Clone, E>(
     parameter: &Parameter,
     text: &str,
@@ -215,7 +215,7 @@ fn numbers<T: Clone, E>(
 /// The texture of `@FILE`.
 fn texture(value: &str) -> Result<Arc<TextureSampler>, String> {
     let file = value.strip_prefix('@').filter(|file| !file.is_empty());
-    let file = file.ok_or_else(|| format!("'{value}' is no texture; give @ and the name of a picture"))?;
+    let file = file.ok_or_else(|| format!("'{value}' is not a texture; give @ and the name of a picture"))?;
     let texels = read_texture(Path::new(file)).map_err(|error| error.to_string())?;
     Ok(Arc::new(TextureSampler::new(Arc::new(texels))))
 }
@@ -234,8 +234,8 @@ mod tests {
     fn what_is_wrong_is_said() {
         for (class, parameters, message) in [
             ("MateShader", &[][..], "did you mean \"MatteShader\"?"),
-            ("PinholeCamera", &[], "no built-in surface class \"PinholeCamera\""),
-            ("MatteShader", &[("colour", "1")], "no parameter 'colour'; there are"),
+            ("PinholeCamera", &[], "unknown built-in surface class \"PinholeCamera\""),
+            ("MatteShader", &[("colour", "1")], "unknown parameter 'colour'; there are"),
             ("MatteShader", &[("color", "1,2")], "'1,2' is not 3 numbers between commas"),
             ("MatteShader", &[("color", "red")], "'red' is not 3 numbers"),
             ("MatteShader", &[("texture", "wood.png")], "give @ and the name of a picture"),

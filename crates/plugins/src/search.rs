@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 /// The variable that lists folders.
 pub(crate) const PATH_VARIABLE: &str = "OPENRT_SHADER_PATH";
 
-/// Opens `file` where it is found first; or says where it was looked for and what was wrong there.
-/// `open` is given a path, or the bare name for the system's loader.
+/// Opens `file` at the first place that has it; or returns the searched places and their faults. `open` gets
+/// a path, or the bare name for the system's loader.
 pub(crate) fn find<T>(
     file: &str,
     folders: &str,

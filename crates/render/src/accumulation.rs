@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture that grows: samples are added to it pass by pass, for as long as somebody looks.
-//! A pass that is stopped in the middle leaves tiles with different numbers of samples; the next one
-//! first takes what they lack. Memory: sums of all pixels, whatever the number of samples.
-//! Invariant: sample `s` of a pixel is the same whichever pass takes it, and sums are added in the order of the samples:
+//! A progressive picture: passes add samples until the caller stops. A stopped pass leaves tiles with
+//! different numbers of samples; the next pass first evens them out. Memory: sums of all pixels, independent
+//! of the number of samples.
+//! Invariant: sample `s` of a pixel is the same in any pass, and sums are added in the order of the samples:
 //! after `n` samples the picture equals that of `render` with `spp = n`, bit for bit.
 //! Tests: crates/render/tests/accumulation.rs.
 
@@ -30,7 +30,7 @@ use crate::tile::render_tile;
 use crate::tracer::BatchTracer;
 use crate::world::World;
 
-/// Told how far the picture is, and asked whether to go on. Called from many threads at once.
+/// Receives the progress of a picture, and may stop it. Called from many threads at once.
 pub trait Progress: Sync {
     /// `done` in [0, 1] of all work, `samples` of the whole picture so far. Called after each tile.
     fn update(&self, done: f64, samples: u64) {
@@ -42,19 +42,20 @@ pub trait Progress: Sync {
         let _ = picture;
     }
 
-    /// Whether to finish now and keep the picture so far. Asked between tiles and within them, many times a second.
+    /// Whether to finish now and keep the picture so far. Called between tiles and within them, many times a
+    /// second.
     fn should_stop(&self) -> bool {
         false
     }
 }
 
-/// Nobody watches.
+/// Ignores progress and never stops.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 
 impl Progress for Silent {}
 
-/// A caller's watch, as those see it who render.
+/// The renderer's view of a caller's progress.
 struct Watched<'a>(&'a dyn Progress);
 
 impl Watch for Watched<'_> {
@@ -91,16 +92,16 @@ impl Watch for Watched<'_> {
 #[derive(Clone, Debug)]
 pub struct Accumulation {
     pub(crate) options: RenderOptions,
-    /// `[x0, y0, x1, y1]` in pixels: what is rendered of the frame.
+    /// The rendered part of the frame in pixels: `[x0, y0, x1, y1]`.
     pub(crate) region: [u32; 4],
     pub(crate) tiles: Vec<TileFilm>,
     pub(crate) stats: RenderStats,
-    /// What virtual lights of all its passes have in common.
+    /// State of virtual lights that all passes share.
     common: Arc<Common>,
 }
 
 impl Accumulation {
-    /// A picture without samples. `options.spp` is how many samples complete it; `options.time_limit` is not looked at.
+    /// A picture without samples. `options.spp` samples complete it; `options.time_limit` is ignored.
     ///
     /// # Errors
     /// [`RenderError`] if the options leave nothing to render.
@@ -110,8 +111,8 @@ impl Accumulation {
         Ok(Self { options, region, tiles, stats: RenderStats::default(), common: Arc::default() })
     }
 
-    /// Forgets all samples: for another world, another camera or other options. Memory is used again where the size
-    /// stays, so that this may happen for every frame of an animation.
+    /// Drops all samples: for another world, another camera or other options. Memory is used again where the
+    /// size stays, so that this may happen for every frame of an animation.
     ///
     /// # Errors
     /// As [`new`](Self::new); nothing has changed then.
@@ -131,8 +132,8 @@ impl Accumulation {
         Ok(())
     }
 
-    /// Brings every pixel to `samples` more than the one with the fewest has, at most to `options.spp`; fewer if
-    /// `progress` says stop. Says whether it came that far.
+    /// Brings every pixel to `samples` more than the one with the fewest has, at most to `options.spp`; fewer
+    /// if `progress` stops it. Returns whether it reached that.
     pub fn pass(
         &mut self,
         world: &World,
@@ -158,9 +159,9 @@ impl Accumulation {
         self.pass_with(Some(persistent), None, world, camera, 1, pool, progress)
     }
 
-    /// As [`pass_in_motion`](Self::pass_in_motion), and where [`PictureHistory::suits`] says so the picture is made of what the pictures
-    /// before knew of the light, and of fresh samples for a share `fresh` of the pixels, in (0, 1]: of the right mean, but smoothed, and
-    /// sparks are cut.
+    /// As [`pass_in_motion`](Self::pass_in_motion). Where [`PictureHistory::suits`] is true, the picture
+    /// reuses the light of the previous pictures, with fresh samples for a share `fresh` of the pixels, in
+    /// (0, 1]. Its mean is right, but it is smoothed, and fireflies are clamped.
     pub fn pass_remembering(
         &mut self,
         persistent: &mut PictureHistory,
@@ -188,7 +189,7 @@ impl Accumulation {
         whole
     }
 
-    /// Notes what a pass has brought.
+    /// Updates the statistics after a pass.
     fn note_pass(&mut self, begin: Instant, pool: &rayon::ThreadPool) {
         self.stats.spp_min = self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0);
         self.stats.spp_max = self.tiles.iter().map(|tile| tile.samples).max().unwrap_or(0);
@@ -197,7 +198,7 @@ impl Accumulation {
         self.stats.seconds += begin.elapsed().as_secs_f64();
     }
 
-    /// As [`pass`](Self::pass), but with virtual lights that are kept, and it ends at a moment, too.
+    /// As [`pass`](Self::pass), but with persistent virtual lights, and with a time limit.
     #[expect(clippy::too_many_arguments, reason = "what all passes have in common")]
     pub(crate) fn pass_with(
         &mut self,
@@ -219,7 +220,7 @@ impl Accumulation {
         }
         let has_virtual_lights = self.options.integrator.has_virtual_lights();
         let seed = self.options.seed;
-        // Rays have moments of their own, or where lights are a sample's all of it has one.
+        // Each ray has its own time, or with moving lights each sample has one.
         let opened = world.needs_times().then(|| world.with_times(seed));
         let is_of_pass = world.needs_times() && (has_virtual_lights || world.lights_move());
         let world = opened.as_ref().unwrap_or(world);
@@ -274,13 +275,13 @@ impl Accumulation {
         lacking.map(|tile| tile.samples).min().unwrap_or(spp)
     }
 
-    /// Whether every pixel has all samples that the options ask for.
+    /// Whether every pixel has all requested samples.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.tiles.iter().all(|tile| tile.samples >= tile.requested(self.options.spp))
     }
 
-    /// What it is rendered with.
+    /// The options of the rendering.
     #[must_use]
     pub fn options(&self) -> &RenderOptions {
         &self.options
@@ -325,8 +326,8 @@ impl Accumulation {
         });
     }
 
-    /// The same in parts, from the upper one to the lower one: whoever goes on with the colours does so part by part,
-    /// while they are in the cache.
+    /// The same in bands, from top to bottom, so that the caller can process each band while it is in the
+    /// cache.
     #[must_use]
     pub fn color_bands<'a>(&'a self, out: &'a mut [[f32; 4]]) -> Vec<ColorBand<'a>> {
         let width = self.options.width as usize;
@@ -347,13 +348,13 @@ impl Accumulation {
             .collect()
     }
 
-    /// The same for those who need no picture of the colours.
+    /// The same without conversion to colours.
     #[must_use]
     pub fn film_bands(&self) -> Vec<FilmBand<'_>> {
         FilmBand::all_of(&self.tiles).collect()
     }
 
-    /// The cost of each pixel per sample in false colours, if the options ask for it.
+    /// The cost of each pixel per sample in false colours, if requested.
     #[must_use]
     pub fn heatmap(&self) -> Option<Picture> {
         self.options.heatmap.then(|| {
@@ -374,13 +375,13 @@ impl Accumulation {
     /// The picture as it is, with its counters and the time since `start`.
     pub(crate) fn into_frame(self, start: Instant) -> Frame {
         let (picture, heatmap) = (self.picture(), self.heatmap());
-        // Nothing was to be done for what had all of its samples before, or has no pixels.
+        // No work remains for a film that was complete or has no pixels.
         let (complete, seconds) = (self.is_complete(), start.elapsed().as_secs_f64());
         Frame { picture, heatmap, stats: RenderStats { complete, seconds, ..self.stats } }
     }
 }
 
-/// What the jobs of all passes have in common.
+/// Setup that the jobs of all passes share.
 #[derive(Clone, Copy)]
 struct PassSetup<'a> {
     camera: &'a dyn CameraShader,
@@ -391,7 +392,7 @@ struct PassSetup<'a> {
 }
 
 impl<'a> PassSetup<'a> {
-    /// The job in a world, after so many samples.
+    /// The job in a world, after this number of samples.
     fn job<'j>(self, world: &'j World, samples_done: u64) -> Job<'j>
     where
         'a: 'j,
@@ -413,7 +414,7 @@ fn add_interleaved(
     pool: &rayon::ThreadPool,
 ) -> Option<Vec<RenderStats>> {
     let take = |tracer: &mut BatchTracer, tile: &TileFilm| {
-        (!sampler.job.should_stop()).then(|| sampler.sample_apart(tile, tracer, sample))
+        (!sampler.job.should_stop()).then(|| sampler.split_sample(tile, tracer, sample))
     };
     let taken: Option<Vec<SplitLight>> =
         pool.install(|| tiles.par_iter().map_init(|| sampler.tracer(), take).collect());
@@ -422,7 +423,7 @@ fn add_interleaved(
     let visible = rects.iter().zip(taken.iter().map(|split| split.texels.as_slice()));
     let visible = PatternTexels::new(visible, region, film::tile_size(sampler.job.options), n);
     let add = |tracer: &mut BatchTracer, (tile, split): (&mut TileFilm, &SplitLight)| {
-        sampler.add_apart(tile, tracer, sample, split, &visible)
+        sampler.add_split(tile, tracer, sample, split, &visible)
     };
     Some(pool.install(|| tiles.par_iter_mut().zip(&taken).map_init(|| sampler.tracer(), add).collect()))
 }

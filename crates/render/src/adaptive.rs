@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How many samples a tile needs so that its noise falls below a target.
-//! Two-stage sampling after Stein [Ste45]. The number is decided by a pilot rendering under another seed,
-//! which is then thrown away: it is independent of the samples that make the picture, whose means so stay unbiased, as
-//! they would not if samples were taken until they look quiet.
-//! Noise of a tile: root of the mean variance of its pixels' means, over its mean radiance. Cost: the pilot is 16 samples,
-//! and beyond that at most about an eighth of what is to come.
+//! Two-stage sampling after Stein [Ste45]. A pilot rendering under another seed decides the number and is
+//! then discarded. The number is thus independent of the samples of the picture, and the means stay unbiased;
+//! stopping as soon as samples look quiet would bias them. Noise of a tile: root of the mean variance of its
+//! pixels' means, over its mean radiance. Cost: the pilot is 16 samples, and beyond that about an eighth of
+//! the following samples at most.
 //! Tests: `tests`, crates/render/tests/checkpoint.rs.
 
 use crate::film::TileFilm;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Layers beside the colour: what the camera's rays hit.
-//! Names of layers and channels as EXR files of the field have them.
-//! Albedo and normals are means over the samples; position, depths and ids are those of the first sample, because a
-//! mean of places or numbers is none. `variance` is that of the colour's mean. `emission` is the part of the colour that no
-//! surface scattered: lamps and surroundings that camera rays meet, where the integrator tells (`path`). `background` is what rays
-//! that met nothing saw, and what floors that only catch shadow let through: of such a floor as much is there as makes it as dark as
-//! it is, black, so that what it sends of other things' colours is added [PD84]. Space: world. Depth is the distance from the eye, Z
-//! the one along the view.
+//! Layers beside the colour: properties of the camera rays' hits. Names of layers and channels as EXR files
+//! of the field have them. Albedo and normals are means over the samples; position, depths and ids are those
+//! of the first sample, because their means are meaningless. `variance` is that of the colour's mean.
+//! `emission` is the unscattered part of the colour, from lights and environment seen by camera rays, if the
+//! integrator provides it (`path`). `background` is the radiance of rays that hit nothing, and the light that
+//! shadow catchers let through. A shadow catcher has the opacity that gives its darkness, with black as its
+//! colour; coloured light from other objects is added [PD84]. Space: world. Depth is the distance from the
+//! eye, Z the distance along the view.
 
 use std::ops::Range;
 
@@ -26,14 +26,14 @@ pub(crate) struct TileAovs {
     pub(crate) normal: Vec<[f64; 3]>,
     pub(crate) emission: Vec<[f64; 3]>,
     pub(crate) first: Vec<FirstHit>,
-    /// What was seen where nothing was met, and how often.
+    /// Background radiance of rays without a hit, and their number.
     missed: Vec<[f64; 4]>,
-    /// The same of floors that only catch shadow; what they show without shadow.
+    /// The same for shadow catchers, and their radiance without shadow.
     caught: Vec<[f64; 4]>,
     behind: Vec<[f64; 3]>,
 }
 
-/// What the first ray of a pixel hit.
+/// The first hit of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FirstHit {
     pub(crate) position: Vec3,
@@ -68,7 +68,7 @@ impl TileAovs {
         }
     }
 
-    /// What shows of what lies behind pixel `i`, summed over samples, and the weight of it.
+    /// The background visible through pixel `i`, summed over samples, and its weight.
     pub(crate) fn background(&self, i: usize) -> [f64; 4] {
         let ([.., count], [r, g, b]) = (self.caught[i], self.behind[i]);
         let ratio = |k: usize, behind: f64| if behind > 0.0 { self.caught[i][k] / behind } else { 1.0 };
@@ -79,7 +79,8 @@ impl TileAovs {
         [missed[0] + share * r, missed[1] + share * g, missed[2] + share * b, missed[3] + share * count]
     }
 
-    /// Adds what a sample of each pixel hit, that of `range`, and saw. `forward` is the unit direction of view.
+    /// Adds the hits and radiance of one sample of each pixel in `range`. `forward` is the unit direction of
+    /// view.
     pub(crate) fn add(
         &mut self,
         tracer: &mut BatchTracer,

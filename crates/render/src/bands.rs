@@ -10,7 +10,7 @@ use crate::film::{self, BLOCK, TileFilm};
 /// Some rows of a picture; see [`Accumulation::film_bands`](crate::Accumulation::film_bands).
 #[derive(Clone, Copy, Debug)]
 pub struct FilmBand<'a> {
-    /// Beside each other; at least one.
+    /// Adjacent ones; at least one.
     tiles: &'a [TileFilm],
 }
 

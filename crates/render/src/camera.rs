@@ -13,7 +13,7 @@ use gnurt_shading::{CameraProjection, CameraSamples, CameraShader, ProjectiveCam
 pub struct SceneCamera(ProjectiveCamera);
 
 impl SceneCamera {
-    /// The camera of a description; `None` where that has a [`fault`](Camera::fault), which says why.
+    /// The camera of a description; `None` if that has a [`fault`](Camera::fault).
     #[must_use]
     pub fn new(camera: &Camera) -> Option<Self> {
         if camera.fault().is_some() {
@@ -45,7 +45,7 @@ impl SceneCamera {
         })
     }
 
-    /// A camera on the way from this one to another of the same projection.
+    /// A camera between this one and another of the same projection.
     pub(crate) fn interpolated(&self, other: &Self, interval: &KeyInterval) -> Self {
         let (from, to) = (&self.0, &other.0);
         let mix = |a: Vec3, b: Vec3| Vec3::from(interval.mix3(a.into(), b.into()));

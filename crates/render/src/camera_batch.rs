@@ -6,10 +6,10 @@ use gnurt_shading::{SampleKey, Vec3s};
 
 use crate::world::HitLanes;
 
-/// Camera rays of some samples, and memory for what becomes of them.
+/// Camera rays of some samples, and memory for their results.
 #[derive(Default)]
 pub(crate) struct CameraBatch {
-    /// Those that the rays of each sample go through.
+    /// The pixels of the rays of each sample.
     pub(crate) pixels: Vec<[u32; 2]>,
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,
@@ -24,7 +24,7 @@ pub(crate) struct CameraBatch {
 }
 
 impl CameraBatch {
-    /// What the rays hit.
+    /// The hits of the rays.
     pub(crate) fn met(&self) -> HitLanes<'_> {
         HitLanes { rays: &self.rays, keys: &self.keys, hits: &self.hits, cones: None, depth: 0 }
     }

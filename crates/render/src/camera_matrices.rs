@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera as matrices, for programs that put something else into its pictures.
-//! What the matrices lead to is what pbrt-v4's film writes. Row-major, of column vectors; double precision.
+//! The matrices have the form that pbrt-v4's film writes. Row-major, of column vectors; double precision.
 //! Tests: `tests::matrices_lead_to_the_picture`.
 
 use gnurt_scene::{Camera, Projection};
@@ -33,7 +33,7 @@ impl CameraMatrices {
     }
 }
 
-/// Rows of the matrix to the picture, of those that lead to the camera.
+/// The rows of the matrix to the picture, from those of the matrix to the camera.
 fn ndc([x, y, z]: [[f64; 4]; 3], camera: &Camera, aspect: f64) -> Option<[[f64; 4]; 4]> {
     const ONE: [f64; 4] = [0.0, 0.0, 0.0, 1.0];
     let (half_height, last) = match camera.projection {

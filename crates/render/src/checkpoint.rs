@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture in the making as bytes, so that a rendering goes on where it was, with the same bits.
-//! Layout, little-endian 64-bit words: magic, version, fingerprint, rectangle, flags, counters, then per
-//! tile its samples and sums; last a checksum of all words before it. One function walks over all words for both ways.
-//! Invariants: whatever the bytes are, reading returns or fails, it never panics; nothing is read into other sizes.
+//! Checkpoints: an unfinished picture as bytes, so that a rendering continues later, with the same bits.
+//! Layout, little-endian 64-bit words: magic, version, fingerprint, rectangle, flags, counters, then per tile
+//! its samples and sums; last a checksum of all words before it. One function visits all words for reading
+//! and writing. Invariants: for any bytes, reading returns or fails without a panic; sizes must match.
 //! Tests: crates/render/tests/checkpoint.rs; a killed program: crates/cli/tests/program/checkpoint.rs.
 
 use crate::accumulation::Accumulation;
@@ -15,7 +15,7 @@ const MAGIC: u64 = u64::from_le_bytes(*b"GNURTchk");
 const VERSION: u64 = 4;
 
 impl Accumulation {
-    /// All that it holds; `fingerprint` says of what, see [`fingerprint`](crate::fingerprint()).
+    /// All its contents; `fingerprint` identifies the picture, see [`fingerprint`](crate::fingerprint()).
     #[must_use]
     pub fn to_bytes(&self, fingerprint: u64) -> Vec<u8> {
         let mut bytes = Vec::new();
@@ -45,12 +45,12 @@ impl Accumulation {
         8 * state
     }
 
-    /// What [`to_bytes`](Self::to_bytes) wrote, to go on under `options`: those it was made with, but for the number of
-    /// samples.
+    /// Restores the output of [`to_bytes`](Self::to_bytes), to continue under `options`: equal to the
+    /// original ones, except for the number of samples.
     ///
     /// # Errors
-    /// [`CheckpointError`] if the bytes are no checkpoint, damaged, of another picture, or hold more samples than
-    /// `options` ask for.
+    /// [`CheckpointError`] if the bytes are no checkpoint, are damaged, belong to another picture, or hold
+    /// more samples than `options` request.
     pub fn from_bytes(
         options: RenderOptions,
         fingerprint: u64,
@@ -65,7 +65,7 @@ impl Accumulation {
         if value(1) != Some(VERSION) {
             return Err(CheckpointError::OtherVersion);
         }
-        // Who reads a file need not read more than a word too many.
+        // The reader of a file need not read more than one word too many.
         if bytes.len() as u64 > accumulation.byte_count() {
             return Err(CheckpointError::OtherPicture);
         }

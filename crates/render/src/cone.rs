@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray stands for, as a cone around it: how wide it is where it begins and how fast it widens, and what sent it. From the camera it is the
-//! pixel's; where rays are scattered it goes on as wide as it came, and widens by the surface's curvature and by the lobe's width.
-//! Source: [AM21] (ray cones), [Ige99] (what they stand for: differentials). Differs: the lobe's width is read from the density of the
-//! direction that was chosen, which all lobes have: a sample stands for one over its density of solid angle. Cones are round.
-//! All widths shrink with a pixel's samples, so that these and not the cones make the picture in the end: sample n has cones
-//! 1 / sqrt(n + 1) as wide, an eighth at least, which leaves a blur of an eighth of a pixel.
-//! Space: world; spreads are in units per unit of way, widths from rim to rim.
+//! The footprint of a ray as a cone around it: its width at the origin, its spread, and the kind of its ray.
+//! The camera's cone covers the pixel. A scattered ray starts with the incoming width, and the surface's
+//! curvature and the lobe's width add to its spread.
+//! Source: [AM21] (ray cones), [Ige99] (ray differentials, which cones replace). Differs: the lobe's width
+//! comes from the density of the chosen direction, which all lobes have: a sample represents a solid angle of
+//! one over its density. Cones are round. All widths shrink with the number of a pixel's samples, so that the
+//! samples determine the final picture. Sample n has cones scaled by 1 / sqrt(n + 1), but not below an
+//! eighth, which leaves a blur of an eighth of a pixel.
+//! Space: world; spreads are in units per unit of distance, widths are diameters.
 //! Tests: `tests`; tests/filtering.rs; the OpenRT binding's tests/c/mipmaps.c.
 
 use gnurt_accel::RayBatch;
@@ -22,7 +24,7 @@ pub(crate) struct Cone {
     width: f32,
     /// How fast it widens; below zero it narrows until it has no width, then widens again.
     spread: f32,
-    /// What sent the ray.
+    /// The kind of ray.
     kind: RayKind,
 }
 
@@ -40,7 +42,7 @@ const FINEST: f32 = 1.0 / 64.0;
 const SHARE_OF_LOBE: f32 = 0.25 * 4.0 * std::f32::consts::FRAC_1_PI;
 /// No lobe makes a ray's cone wider than this at distance 1, squared.
 const WIDEST: f32 = 1.0;
-/// A mirror turns its image by twice what its normal turns.
+/// A mirror rotates its image by twice the rotation of its normal.
 const MIRRORED: f32 = 2.0;
 /// Glass by about half of that, to any side.
 const REFRACTED: f32 = 0.5;
@@ -61,12 +63,12 @@ pub(crate) struct ConeHit<R> {
     pub(crate) curvature: R,
     /// Of the ray to the surface's normal.
     pub(crate) cos: R,
-    /// What sent the ray; of one point only.
+    /// The kind of ray; of one point only.
     pub(crate) kind: RayKind,
 }
 
 impl<R: Real> ConeHit<R> {
-    /// How fast the cone widens that goes on in a direction of this density; `fineness` is that of its sample.
+    /// The spread of the cone after scattering with this density; `fineness` is that of its sample.
     #[inline(always)]
     pub(crate) fn spread_after(&self, pdf: R, delta: R::Mask, transmitted: R::Mask, fineness: R) -> R {
         let zero = self.width.all(0.0);
@@ -89,7 +91,7 @@ impl ConeHit<f32> {
         Self { width, spread, curvature: bulge, cos: cos.abs(), kind: points.ray_kind(i) }
     }
 
-    /// The cone of the ray that goes on.
+    /// The cone of the scattered ray.
     pub(crate) fn after(&self, sample: &BsdfSample, fineness: f32) -> Cone {
         let spread = self.spread_after(sample.pdf, sample.delta, sample.transmitted, fineness);
         Cone { width: self.width, spread, kind: sample.ray_kind() }
@@ -153,8 +155,8 @@ impl Cone {
         Self { width: self.width * share, spread: self.spread * share, ..self }
     }
 
-    /// Writes the widths, spreads and kinds at points that the rays of `lanes` met. `cones` are those of all rays, if anybody knows
-    /// them; rays of depth 0 have the camera's, which is this.
+    /// Writes the widths, spreads and kinds at points that the rays of `lanes` met. `cones` are those of all
+    /// rays, if known; rays of depth 0 have the camera's, which is this.
     pub(crate) fn widen(self, points: &mut SurfaceBatch, lanes: &[u32], cones: Option<&Cones>) {
         let SurfaceBatch { footprint, cone_spread, kinds, t, key, depth, .. } = points;
         [&mut *footprint, &mut *cone_spread].into_iter().for_each(|array| array.resize(lanes.len(), 0.0));
@@ -168,7 +170,7 @@ impl Cone {
             };
             let width = cone.width_at(t);
             *footprint = width.abs();
-            // Beyond its narrowest place it widens again.
+            // Beyond its narrowest point it widens again.
             *cone_spread = if width < 0.0 { -cone.spread } else { cone.spread };
             kinds.push(cone.kind);
         }
@@ -247,14 +249,14 @@ mod tests {
         let flat = ConeHit { width: 0.1_f32, spread: 0.01, cos: 1.0, ..ConeHit::default() };
         let after = |at: &ConeHit<f32>, pdf: f32, delta| at.spread_after(pdf, delta, false, 1.0);
         assert_eq!(after(&flat, f32::INFINITY, true), 0.01, "a plane mirror");
-        // A ball of radius 2 turns its normal by 0.05 over 0.1, and its image by twice that.
+        // A ball of radius 2 rotates its normal by 0.05 over 0.1, and its image by twice that.
         let ball = ConeHit { curvature: 0.5, ..flat };
         assert!((after(&ball, f32::INFINITY, true) - 0.11).abs() < 1e-6, "a ball spreads");
         let bowl = ConeHit { curvature: -0.5, ..flat };
         assert!((after(&bowl, f32::INFINITY, true) + 0.09).abs() < 1e-6, "a bowl focuses");
         let rough = |pdf| after(&flat, pdf, false);
         assert!(rough(1e6) < 0.011 && rough(10.0) > 0.1, "by the width of its lobe: {}", rough(10.0));
-        // A quarter of the solid angle pi that a sample of a diffuse lobe stands for, as a disc.
+        // A quarter of the solid angle pi of a sample of a diffuse lobe, as a disc.
         let diffuse = rough(std::f32::consts::FRAC_1_PI);
         assert!((diffuse - 1.0).abs() < 1e-3, "diffuse: {diffuse}");
         assert_eq!(after(&flat, 0.0, false), (1.0_f32 + 0.0001).sqrt(), "never wider");

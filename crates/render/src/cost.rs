@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What each pixel of a tile cost: nodes visited and triangles tested by all rays that served it.
+//! Cost of each pixel of a tile: nodes visited and triangles tested by all its rays.
 
 use gnurt_shading::SampleKey;
 

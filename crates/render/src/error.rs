@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What may go wrong, and whose fault it is.
-//! Bad geometry is no error: commit drops it and counts it.
+//! Errors, and their causes. Bad geometry is no error: commit drops it and counts it.
 
 use gnurt_scene::nesting::NestingError;
 
@@ -12,11 +11,11 @@ pub enum CommitError {
     /// An id names nothing in the scene.
     #[error("{what} {index} uses {used} {id}, which the scene does not have")]
     DanglingId {
-        /// Kind of the thing that holds the id.
+        /// Kind of the element with the id.
         what: &'static str,
         /// Its own position.
         index: usize,
-        /// Kind of the thing that is missing.
+        /// Kind of the missing element.
         used: &'static str,
         /// The id that names nothing.
         id: u32,
@@ -31,7 +30,7 @@ pub enum CommitError {
         /// How many there are.
         known: usize,
     },
-    /// Objects that cannot lie in one another as the scene says.
+    /// Objects whose nesting is invalid.
     #[error(transparent)]
     Nesting(#[from] NestingError),
     /// More triangles or instances than 32-bit ids can count.
@@ -43,7 +42,7 @@ pub enum CommitError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CheckpointError {
     /// The bytes are something else.
-    #[error("it is no checkpoint of a rendering")]
+    #[error("it is not a checkpoint of a rendering")]
     NoCheckpoint,
     /// Another version of this program wrote it.
     #[error("another version of the program wrote it")]
@@ -51,15 +50,15 @@ pub enum CheckpointError {
     /// It was cut off or changed.
     #[error("it is damaged")]
     Damaged,
-    /// Scene, camera or options are not those that it was made with.
+    /// Scene, camera or options differ from those of the checkpoint.
     #[error("it is of another picture: scene, camera or options differ")]
     OtherPicture,
     /// The picture already has more samples than it shall get.
-    #[error("it holds {has} samples per pixel already, {requested} are asked for")]
+    #[error("it holds {has} samples per pixel already, {requested} are requested")]
     MoreSamples {
         /// How many it holds.
         has: u32,
-        /// How many are wanted.
+        /// The requested number.
         requested: u32,
     },
 }
@@ -92,18 +91,18 @@ pub enum RenderError {
         crop: [u32; 4],
     },
     /// A piece that the picture is not cut into.
-    #[error("there is no piece {piece}: pieces count from 1 to their number")]
+    #[error("piece {piece} is out of range: pieces count from 1 to their number")]
     NoSuchPiece {
         /// As it was given.
         piece: Piece,
     },
-    /// Pixels that look at their neighbours, which other pieces have.
+    /// Pixels that read their neighbours, which other pieces have.
     #[error(
-        "interleaved pixels look at their neighbours, which other pieces have; render without one of the two"
+        "interleaved pixels read their neighbours, which are in other pieces; render without one of the two"
     )]
     InterleavedPiece,
     /// A pixel that the picture does not have.
-    #[error("pixel {x},{y} lies outside of the picture of {width}x{height} pixels")]
+    #[error("pixel {x},{y} is outside of the picture of {width}x{height} pixels")]
     NoSuchPixel {
         /// Column.
         x: u32,

@@ -20,25 +20,26 @@ use crate::state::{SavedState, put_f64, put_u32};
 pub(crate) struct TileFilm {
     /// Left, upper, right and lower edge in pixels; the latter two exclusive.
     pub(crate) rect: [u32; 4],
-    /// Red, green, blue and opacity of the first sample, in the order of [`pixels`](Self::pixels): what most frames of
-    /// a moving camera end with.
+    /// Red, green, blue and opacity of the first sample, in the order of [`pixels`](Self::pixels): most
+    /// frames of a moving camera hold only this one.
     pub(crate) first: Vec<[f32; 4]>,
     /// The same summed over samples, from the second one on; empty before.
     pub(crate) sums: Vec<[f64; 4]>,
     /// Samples of each pixel so far.
     pub(crate) samples: u32,
-    /// Other layers, if they were asked for.
+    /// Other layers, if requested.
     pub(crate) aovs: Option<TileAovs>,
-    /// Cost per pixel so far, if it was asked for.
+    /// Cost per pixel so far, if requested.
     pub(crate) costs: Vec<u64>,
-    /// Squares of red, green and blue, summed over samples; empty if nobody asks for the variance.
+    /// Squares of red, green and blue, summed over samples; empty if the variance is not requested.
     pub(crate) squares: Vec<[f64; 3]>,
-    /// Samples that it shall get; 0 = not decided, all that the options say.
+    /// The number of its samples; 0 = undecided, as in the options.
     pub(crate) target: u32,
 }
 
-/// Tiles are square, so many pixels wide, and lie on a grid from the picture's upper left corner. Where pixels with the
-/// same virtual lights lie apart, there are a block of them in each tile; where blocks learn from those before, there are several.
+/// Tiles are square, of this width in pixels, on a grid from the picture's upper left corner. In patterns,
+/// where pixels with the same virtual lights are not adjacent, each tile has a block of them; if blocks learn
+/// from earlier ones, it has several.
 pub(crate) fn tile_size(options: &RenderOptions) -> u32 {
     match options.pattern() {
         Some(n) => n * BLOCK,
@@ -52,7 +53,7 @@ const TILE: u32 = 16;
 pub(crate) const BLOCK: u32 = 8;
 
 impl TileFilm {
-    /// The parts of the tile grid that lie in a region, and in the piece of the options.
+    /// The parts of the tile grid in a region, and in the piece of the options.
     pub(crate) fn rects(region: [u32; 4], options: &RenderOptions) -> impl Iterator<Item = [u32; 4]> {
         let [x0, y0, x1, y1] = region;
         let (size, piece) = (tile_size(options), options.piece);
@@ -87,7 +88,7 @@ impl TileFilm {
         Self { rect, first, sums: Vec::new(), samples: 0, aovs, costs: Vec::new(), squares, target: 0 }
     }
 
-    /// Forgets all samples; keeps the memory. The first sample will overwrite what is there.
+    /// Drops all samples; keeps the memory. The first sample will overwrite the old one.
     pub(crate) fn clear(&mut self) {
         self.sums.clear();
         (self.samples, self.target) = (0, 0);
@@ -140,7 +141,7 @@ impl TileFilm {
         bad
     }
 
-    /// Makes its only sample what `color` says of each pixel.
+    /// Sets its only sample to `color` of each pixel.
     pub(crate) fn show(&mut self, color: impl Fn([u32; 2]) -> [f32; 4]) {
         self.clear();
         let mut first = std::mem::take(&mut self.first);
@@ -153,7 +154,7 @@ impl TileFilm {
         (self.first, self.samples) = (first, 1);
     }
 
-    /// Samples that it shall get, where the options say `spp`.
+    /// The number of its samples, if the options request `spp`.
     pub(crate) fn requested(&self, spp: u32) -> u32 {
         if self.target > 0 { self.target.min(spp) } else { spp }
     }
@@ -217,7 +218,7 @@ impl SavedState for TileFilm {
             self.first.iter().map(|first| first.map(f64::from)).collect()
         };
         sums.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));
-        // One sample's values are floats, whoever wrote them.
+        // The values of one sample are floats in every format.
         self.first = sums.iter().map(|sum| sum.map(|x| x as f32)).collect();
         self.sums = if self.samples > 1 { sums } else { Vec::new() };
         self.squares.as_flattened_mut().iter_mut().for_each(|x| put_f64(x, with));

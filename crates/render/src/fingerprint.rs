@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A number that says whether two renderings are of one picture: same scene, same camera, same options.
-//! Levels, threads, times and pieces do not count; nor does the number of samples, so that a finished picture can
-//! be given more of them, unless it decides where samples go. Not meant against forgery.
+//! A number that identifies a picture: same scene, same camera, same options. Levels, threads, times and
+//! pieces do not count; nor does the number of samples, so that a finished picture can be given more of them,
+//! unless it decides where samples go. Not meant against forgery.
 //! Tests: `tests::only_what_matters_counts`.
 
 use std::fmt::{self, Debug, Write};
@@ -12,7 +12,7 @@ use gnurt_simd::Level;
 
 use crate::options::RenderOptions;
 
-/// The fingerprint of rendering `scene` under these options; `camera` is whatever tells the camera apart.
+/// The fingerprint of rendering `scene` under these options; `camera` is any identification of the camera.
 #[must_use]
 pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, options: &RenderOptions) -> u64 {
     let mut hash = Hash(0xcbf2_9ce4_8422_2325);

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a rendering gives back.
+//! The result of a rendering.
 
 use gnurt_image::Picture;
 
 use crate::stats::RenderStats;
 
-/// A finished picture and what it cost.
+/// A finished picture and its cost.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// Linear colours with opacity, row 0 on top, and the layers that were asked for.
+    /// Linear colours with opacity, row 0 on top, and the requested layers.
     pub picture: Picture,
-    /// Cost per pixel in false colours, if it was asked for.
+    /// Cost per pixel in false colours, if requested.
     pub heatmap: Option<Picture>,
     /// Counters.
     pub stats: RenderStats,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What all tiles of a rendering share, and the camera rays of their pixels.
-//! Samples placed by the filter [EST06].
+//! State that all tiles of a rendering share, and the camera rays of their pixels. Samples placed by the
+//! filter [EST06].
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -21,7 +21,7 @@ use crate::options::RenderOptions;
 use crate::progress::Watch;
 use crate::world::World;
 
-/// What all tiles of a rendering share.
+/// State that all tiles of a rendering share.
 pub(crate) struct Job<'a> {
     pub(crate) world: &'a World,
     pub(crate) camera: &'a dyn CameraShader,
@@ -32,17 +32,17 @@ pub(crate) struct Job<'a> {
     /// Samples that the whole rendering will take.
     pub(crate) all_samples: u64,
     pub(crate) samples_done: AtomicU64,
-    /// Once somebody was told to stop, all stop.
+    /// After one thread was told to stop, all stop.
     pub(crate) stopped: AtomicBool,
     /// Unit direction of view, for depths along it.
     pub(crate) forward: Vec3,
     /// Where the middle of the picture is seen from.
     pub(crate) eye: Vec3,
-    /// What pixels stand for.
+    /// The footprint of a pixel.
     pub(crate) cone: Cone,
-    /// Centres of columns and rows, once somebody has asked.
+    /// Centres of columns and rows, computed at first use.
     centres: OnceLock<[Vec<f32>; 2]>,
-    /// What virtual lights of all passes have in common.
+    /// State of virtual lights that all passes share.
     pub(crate) common: Arc<Common>,
 }
 
@@ -107,7 +107,7 @@ impl<'a> Job<'a> {
             }
         }
         lens.clear();
-        // One sample in the middle of each pixel is a sharp look.
+        // One sample in the middle of each pixel ignores the lens.
         if self.camera.has_lens() && !(self.options.pixel_centres && self.options.spp == 1) {
             self.draw(keys, purpose::LENS, lens);
         }
@@ -123,7 +123,7 @@ impl<'a> Job<'a> {
         }
     }
 
-    /// Appends the pair of numbers of each key for what camera rays need.
+    /// Appends the pair of numbers of each key for one purpose of camera rays.
     fn draw(&self, keys: &[SampleKey], purpose: u32, pairs: &mut Vec<[f32; 2]>) {
         let (seed, level) = (self.options.seed, self.options.level);
         dispatch_wide!(

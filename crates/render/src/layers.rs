@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The layers of a picture, gathered from its tiles. Names of layers and channels as EXR files of the field have them. What the layers hold: see `aov`.
+//! The layers of a picture, gathered from its tiles. Names of layers and channels as EXR files of the field have them.
+//! Contents of the layers: see `aov`.
 
 use gnurt_accel::INVALID_ID;
 use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
@@ -7,7 +8,7 @@ use gnurt_image::{BACKGROUND, Layer, Opacity, Picture};
 use crate::aov::{FirstHit, TileAovs};
 use crate::film::TileFilm;
 
-/// One plane of a picture so wide, of so many pixels, gathered from the tiles.
+/// One plane of a picture of this width and number of pixels, gathered from the tiles.
 fn gathered<T: Copy>(
     tiles: &[TileFilm],
     (width, pixels): (usize, usize),
@@ -23,7 +24,7 @@ fn gathered<T: Copy>(
     plane
 }
 
-/// Adds the layers of all tiles to the picture. What shows of the background is not opaque.
+/// Adds the layers of all tiles to the picture. The visible background is not opaque.
 pub(crate) fn add_layers(picture: &mut Picture, tiles: &[TileFilm]) {
     let width = picture.width as usize;
     let pixels = picture.pixel_count();

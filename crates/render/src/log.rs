@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What happens on the way of a sample, as lines for people. Space: world.
+//! Events along the paths of a sample, as readable lines. Space: world.
 
 use glam::Vec3;
 use gnurt_accel::{HitBatch, Ray, RayBatch};
@@ -13,7 +13,7 @@ pub(crate) struct Log {
 }
 
 impl Log {
-    /// Rays with this many bounces behind them, and what they hit.
+    /// Rays after this many bounces, and their hits.
     pub(crate) fn rays(&mut self, depth: u32, rays: &RayBatch, hits: &HitBatch) {
         self.depth = depth as usize;
         for i in 0..rays.len() {
@@ -30,7 +30,7 @@ impl Log {
         }
     }
 
-    /// Points that a shader is called for, and what it says of them.
+    /// The points of a call of a shader, and their closures.
     pub(crate) fn surface(&mut self, shader: &dyn SurfaceShader, points: &SurfaceBatch) {
         self.depth = points.depth as usize;
         for i in 0..points.len() {
@@ -47,7 +47,7 @@ impl Log {
         }
     }
 
-    /// What a light sends to the points.
+    /// Light from one light at the points.
     pub(crate) fn light(&mut self, number: usize, light: &LightBatch) {
         for i in 0..light.dist.len() {
             let (dir, radiance) = (triple(light.dir.get(i)), triple(light.radiance.get(i)));
@@ -58,7 +58,7 @@ impl Log {
         }
     }
 
-    /// Rays towards lights and what comes through.
+    /// Rays towards lights and their transmittance.
     pub(crate) fn shadows(&mut self, rays: &RayBatch, transmittance: &Vec3s) {
         for i in 0..rays.len() {
             self.line("shadow", format!("{}  through {}", ray(&rays.get(i)), triple(transmittance.get(i))));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera that moves while the shutter is open. Source: [CPC84]: each ray leaves from where the camera is at its moment.
-//! Between keys the eye goes straight, and axes are mixed and made units again: keys are to be so close that a turn between
-//! two is a small one, as those of an `Exposure` are. Space: world. Tests: `tests`, crates/render/tests/shutter.rs.
+//! Between keys the eye moves straight, and axes are interpolated and normalised: keys must be so close that
+//! the rotation between two is small, as those of an `Exposure` are. Space: world. Tests: `tests`,
+//! crates/render/tests/shutter.rs.
 
 use gnurt_accel::{KeyInterval, RayBatch};
 use gnurt_scene::Camera;
@@ -9,7 +10,7 @@ use gnurt_shading::{CameraSamples, CameraShader};
 
 use crate::camera::SceneCamera;
 
-/// A camera at moments evenly spaced over the time that the shutter is open.
+/// A camera at times evenly spaced over the open shutter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingCamera {
     keys: Vec<SceneCamera>,
@@ -23,7 +24,7 @@ impl MovingCamera {
         (!keys.is_empty()).then_some(Self { keys })
     }
 
-    /// The camera at a moment from 0 to 1.
+    /// The camera at a time from 0 to 1.
     #[must_use]
     pub fn at(&self, time: f32) -> SceneCamera {
         let interval = KeyInterval::of(time, self.keys.len());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a caller may choose about a picture: size, samples, integrator, filter.
-//! Pixels count from the upper left corner; names are the command line's words.
+//! Options of a picture: size, samples, integrator, filter. Pixels count from the upper left corner; names
+//! are the command line's words.
 //! Tests: `tests::names_round_trip`, `tests::crops_are_clipped`.
 
 use std::fmt;
@@ -16,18 +16,18 @@ use crate::piece::Piece;
 /// How radiance is computed along a camera ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Integrator {
-    /// Base colours, lit from the eye: looks at geometry without lights.
+    /// Base colours, lit from the eye: shows geometry without lights.
     Eyelight,
     /// Shading normals as colours.
     Normals,
     /// Direct light with shadows, mirrors and glass by recursion \[Whi80\].
     #[default]
     Whitted,
-    /// Virtual lights where light paths meet surfaces \[Kel97\]; converges to what paths show.
+    /// Virtual lights at the vertices of light paths \[Kel97\]; converges to the result of path tracing.
     InstantRadiosity,
     /// The same with virtual lights on paths from both sides, the most important of them \[SIMP06\].
     BidirectionalInstantRadiosity,
-    /// The same with virtual lights from Markov chains over paths from lamps to the camera \[SIP07\].
+    /// The same with virtual lights from Markov chains over paths from lights to the camera \[SIP07\].
     MetropolisInstantRadiosity,
     /// All light, by scattered rays: the reference \[Kaj86\].
     Path,
@@ -54,7 +54,7 @@ impl Integrator {
         )
     }
 
-    /// Whether it chooses lights by what they promise.
+    /// Whether it chooses lights by their contribution.
     pub(crate) fn needs_light_set(self) -> bool {
         self == Self::Path || self.has_virtual_lights()
     }
@@ -105,8 +105,8 @@ pub struct RenderOptions {
     pub spp: u32,
     /// The same seed gives the same picture, bit for bit, on any number of threads.
     pub seed: u64,
-    /// The seed of virtual lights, if they shall have another: pictures that differ in `seed` alone then are lit by the same ones, and
-    /// what their errors have in common is the virtual lights'. `None` = `seed`.
+    /// A separate seed for virtual lights: pictures that differ in `seed` alone then share their virtual
+    /// lights, and the common part of their errors comes from these. `None` = `seed`.
     pub lights_seed: Option<u64>,
     /// How radiance is computed.
     pub integrator: Integrator,
@@ -123,22 +123,25 @@ pub struct RenderOptions {
     /// Virtual lights of a pass, about; for the integrators that have them.
     pub vpls: u32,
     /// `InstantRadiosity`: the largest geometry term, one over area, that virtual lights bring light over; rays bring the
-    /// rest. `None` = from the scene's size and the number of virtual lights. `Path`: each contribution of light
-    /// that was scattered more than once (one light sample, one lamp or sky met by a path) counts no more than this in any
-    /// channel: less noise, but the picture becomes too dark. A sample may add up several. `None` = unbiased.
+    /// rest. `None` = from the scene's size and the number of virtual lights. `Path`: each contribution of
+    /// light that was scattered more than once (one light sample, or one light or sky hit by a path) counts
+    /// no more than this in any channel: less noise, but the picture becomes too dark. A sample may add up
+    /// several. `None` = unbiased.
     pub clamp: Option<f32>,
-    /// For the integrators with virtual lights: what a white diffuse surface shows where light 1 arrives, if its shader only
-    /// knows `shade`. 1 in the light model of OpenRT (light times colour times cosine), 1 / pi in radiometry.
+    /// For the integrators with virtual lights: the radiance of a white diffuse surface under light 1, if its
+    /// shader only has `shade`. 1 in the light model of OpenRT (light times colour times cosine), 1 / pi in
+    /// radiometry.
     pub white: f32,
-    /// For the integrators with virtual lights: each pixel of a pattern of so many by so many gathers its share of the virtual
-    /// lights, then light is averaged over as many pixels of a surface \[WKB*02\]. Much faster, slightly blurred: **biased**.
-    /// 1 = every pixel gathers from all; 3, 5 and 7 are patterns with a middle, others count as the next of these.
+    /// For the integrators with virtual lights: each pixel of a square pattern of this width gathers its
+    /// subset of the virtual lights, then light is averaged over a pattern's pixels of a surface \[WKB*02\].
+    /// Much faster, slightly blurred: **biased**. 1 = every pixel gathers from all; 3, 5 and 7 are patterns
+    /// with a middle, others count as the next of these.
     pub interleave: u32,
     /// World units that origins move off a surface on top of the computed error bound.
     pub ray_epsilon: f32,
     /// CPU level of the kernels.
     pub level: Level,
-    /// Render no longer than this: the picture so far is kept.
+    /// Time limit of the rendering; the picture so far is kept.
     pub time_limit: Option<Duration>,
     /// Tiles get as many samples as bring their noise below this share of their radiance: at least 16, at most `spp`.
     /// Not for integrators with virtual lights, whose pixels share their noise. `None` = `spp` samples everywhere.
@@ -147,7 +150,8 @@ pub struct RenderOptions {
     pub aovs: bool,
     /// Make a picture of the cost per pixel.
     pub heatmap: bool,
-    /// Render only the tiles of this piece. Not for interleaved pixels, which look at their neighbours. `None` = all.
+    /// Render only the tiles of this piece. Not for interleaved pixels, which read their neighbours. `None` =
+    /// all.
     pub piece: Option<Piece>,
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A picture in pieces, each rendered by itself, and the picture put together again.
-//! A piece is every so many-th tile: neighbours cost alike, so pieces do. Its pixels travel tile by tile in a small
-//! picture of their own, for most of the frame is others'. Samples of a pixel stay in one piece: their sum depends on their order.
+//! A piece is every n-th tile: neighbours cost about the same, and so do pieces. Its pixels travel tile by
+//! tile in a small picture of their own, for most of the frame is others'. Samples of a pixel stay in one
+//! piece: their sum depends on their order.
 //! Invariant: pixels are copied, so that the whole has the bits of a picture rendered at once. Tests: `tests` here;
 //! crates/cli/tests/program/pieces.rs.
 
@@ -12,7 +13,8 @@ use crate::error::RenderError;
 use crate::film::TileFilm;
 use crate::options::RenderOptions;
 
-/// The name of what lies behind in a piece: a file's reader would add it to the colour, and round.
+/// The name of the background in a piece: under the standard name a file's reader would add it to the colour,
+/// and round.
 const BEHIND: &str = "behind";
 
 /// Rectangles `[x0, y0, x1, y1]` in pixels that are rendered under these options, ends excluded: all of the region, or the piece's.
@@ -32,7 +34,7 @@ pub fn empty_picture(options: &RenderOptions) -> Result<Picture, RenderError> {
     Ok(Accumulation::new(options)?.picture())
 }
 
-/// The pixels of a piece's rectangles, one beside the other in rows; `picture` is that of the whole frame.
+/// The pixels of a piece's rectangles, side by side in rows; `picture` is that of the whole frame.
 #[must_use]
 pub fn pack_piece(picture: &Picture, rects: &[[u32; 4]]) -> Picture {
     let slots = Slots::of(rects);
@@ -51,8 +53,8 @@ pub fn pack_piece(picture: &Picture, rects: &[[u32; 4]]) -> Picture {
     packed
 }
 
-/// Puts the pixels of a piece in their places in a picture that was [empty](empty_picture). False, and nothing is done, if `packed`
-/// is not of so many rectangles, or has not the layers of the picture.
+/// Puts the pixels of a piece in their positions in a picture that was [empty](empty_picture). Returns false
+/// and does nothing if `packed` has another number of rectangles, or lacks layers of the picture.
 #[must_use]
 pub fn unpack_piece(picture: &mut Picture, packed: &Picture, rects: &[[u32; 4]]) -> bool {
     let slots = Slots::of(rects);
@@ -117,7 +119,8 @@ fn blank(channel: &Channel, pixels: usize) -> Channel {
     Channel { name: channel.name.clone(), data, half: channel.half }
 }
 
-/// The grid on which a piece's tiles lie in its file: near to a square, at least one place, each as large as the largest tile.
+/// The grid of a piece's tiles in its file: nearly square, at least one slot, each as large as the largest
+/// tile.
 struct Slots {
     columns: u32,
     rows: u32,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which part of a picture is rendered. What becomes of its pixels: `packing`.
+//! The rendered part of a picture. Packing of its pixels: `packing`.
 
 use std::fmt;
 
-/// One of the parts that a picture is cut into: every so many-th tile. See [`pack_piece`](crate::pack_piece).
+/// One of the parts of a divided picture: every n-th tile. See [`pack_piece`](crate::pack_piece).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Piece {
     /// From 0 on.

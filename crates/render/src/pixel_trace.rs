@@ -29,7 +29,7 @@ pub struct PixelTrace {
     pub y: u32,
     /// One value each, indented by bounces.
     pub lines: Vec<String>,
-    /// What came out.
+    /// The radiance of the sample.
     pub radiance: [f32; 3],
 }
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What pixels show where a shader says it: between the integrator and the film, sample by sample.
-//! The default of a pixel shader, the radiance along its ray, is what there is without one. Being samples, what it
-//! shows is averaged by the film as light is: lines have no steps, and pieces, checkpoints and frames are what they are without it.
-//! Layers beside the colour stay those of what camera rays hit, but for light that nothing has scattered, which nobody knows any more.
+//! Pixel shaders, which compute the colours of pixels: between the integrator and the film, sample by sample.
+//! The default pixel shader, the radiance along the camera ray, equals rendering without one. The film
+//! averages their samples like light: lines are antialiased, and pieces, checkpoints and frames work as
+//! without a pixel shader. Layers beside the colour still hold properties of the camera rays' hits, except
+//! for directly visible light, which becomes unknown.
 //! Space: world. Tests: crates/render/tests/pixels.rs.
 
 use gnurt_accel::{Coherence, RayBatch};
@@ -18,8 +19,8 @@ use crate::many_lights::PassLights;
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
 
-/// Puts what the pixel shader of the world shows in the place of `radiance`, that of the camera rays of a batch; nothing happens where
-/// there is none.
+/// Replaces `radiance`, that of the camera rays of a batch, by the colours of the world's pixel shader, if
+/// there is one.
 pub(crate) fn show(
     job: &Job,
     pass: Option<&PassLights>,

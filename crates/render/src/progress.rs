@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a rendering is watched and stopped from inside. What callers implement: `Progress` in `accumulation`.
+//! Progress and cancellation inside of a rendering. Callers implement `Progress` in `accumulation`.
 
-/// Told how far the picture is, and asked whether to go on. Called from many threads at once.
+/// Receives the progress of a picture, and may stop it. Called from many threads at once.
 pub(crate) trait Watch: Sync {
     /// `done` in [0, 1] of all work, `samples` of the whole picture so far.
     fn update(&self, done: f64, samples: u64);
@@ -10,7 +10,7 @@ pub(crate) trait Watch: Sync {
     fn should_stop(&self) -> bool;
 }
 
-/// Nobody watches.
+/// Ignores progress and never stops.
 pub(crate) struct Unwatched;
 
 impl Watch for Unwatched {

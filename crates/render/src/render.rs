@@ -28,8 +28,8 @@ pub fn render(
     Ok(render_on(accumulation, world, camera, pool, progress, None, &mut |_| {}))
 }
 
-/// Goes on with a picture until it is complete, its time limit is over or `progress` says stop. Every `every`, and at the
-/// end, `at_rest` is called with the picture so far while nothing is added to it: the place to save it.
+/// Continues a picture until it is complete, its time limit is over or `progress` stops it. Every `every`,
+/// and at the end, it calls `at_rest` with the unchanging picture so far, which can be saved then.
 pub fn render_on(
     mut accumulation: Accumulation,
     world: &World,

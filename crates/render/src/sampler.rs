@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One sample, or several, of all pixels of a tile: camera rays, hits, radiance, film.
-//! A batch is one sample of all pixels of a tile, or several, where many rays together are worth more than few. What a ray
-//! brings does not depend on the others, and samples are added in order: pictures do not depend on batches.
+//! A batch is one sample of all pixels of a tile, or several, where many rays together are worth more than few.
+//! The result of a ray does not depend on the others, and samples are added in order: pictures do not depend
+//! on batches.
 
 use std::sync::atomic::Ordering;
 
@@ -24,7 +25,7 @@ use crate::tracer::BatchTracer;
 /// Paths that go together, about: enough to fill lanes when most have ended, few enough for caches.
 const WAVEFRONT: usize = 4096;
 
-/// What takes samples.
+/// Takes samples.
 #[derive(Clone, Copy)]
 pub(crate) struct Sampler<'a> {
     pub(crate) job: &'a Job<'a>,
@@ -32,7 +33,7 @@ pub(crate) struct Sampler<'a> {
     pub(crate) pass: Option<&'a PassLights>,
 }
 
-/// A sample of each pixel of a tile, light and surfaces apart.
+/// A sample of each pixel of a tile, with light and surfaces separate.
 pub(crate) struct SplitLight {
     /// Row by row.
     pub(crate) texels: Vec<Texel>,
@@ -42,7 +43,7 @@ pub(crate) struct SplitLight {
 }
 
 impl<'a> Sampler<'a> {
-    /// What renders one tile after another.
+    /// A tracer that renders one tile after another.
     pub(crate) fn tracer(&self) -> BatchTracer<'a> {
         let mut tracer = BatchTracer::new(self.job.world, self.job.options, self.job.options.heatmap);
         tracer.cone = self.job.cone;
@@ -50,7 +51,7 @@ impl<'a> Sampler<'a> {
         tracer
     }
 
-    /// Takes the next samples of all pixels of a tile, as many as go together, up to `last`.
+    /// Takes the next samples of all pixels of a tile, up to the size of a batch and up to `last`.
     pub(crate) fn render_samples(&self, tile: &mut TileFilm, tracer: &mut BatchTracer, last: u32) {
         let mut batch = std::mem::take(&mut tracer.camera);
         let pixels = tile.first.len();
@@ -79,8 +80,9 @@ impl<'a> Sampler<'a> {
         tracer.camera = batch;
     }
 
-    /// A sample of each pixel of a part of the film, light and surfaces apart; nothing is added to the film.
-    pub(crate) fn sample_apart(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> SplitLight {
+    /// A sample of each pixel of a part of the film, with light and surfaces separate; nothing is added to
+    /// the film.
+    pub(crate) fn split_sample(&self, tile: &TileFilm, tracer: &mut BatchTracer, sample: u32) -> SplitLight {
         let mut batch = CameraBatch::default();
         self.job.camera_rays(tile.pixels(), sample..sample + 1, &mut batch);
         tracer.costs = self.job.options.heatmap.then(|| TileCosts::new(tile.rect, self.job.options.width));
@@ -90,7 +92,7 @@ impl<'a> Sampler<'a> {
         let camera = batch.met();
         let mut lanes = vec![Texel::default(); camera.keys.len()];
         if let Some(pass) = self.pass {
-            many_lights::radiance_apart(tracer, pass, camera, &mut radiance, &mut lanes);
+            many_lights::split_radiance(tracer, pass, camera, &mut radiance, &mut lanes);
         }
         tracer.stats.camera_rays += camera.keys.len() as u64;
         tracer.stats.samples += camera.keys.len() as u64;
@@ -104,8 +106,8 @@ impl<'a> Sampler<'a> {
         SplitLight { texels, batch, costs, stats: tracer.take_stats() }
     }
 
-    /// Adds a sample that was taken apart to the film; `filter` brings its parts together.
-    pub(crate) fn add_apart(
+    /// Adds a split sample to the film; `filter` combines its parts.
+    pub(crate) fn add_split(
         &self,
         tile: &mut TileFilm,
         tracer: &mut BatchTracer,

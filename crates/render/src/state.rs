@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is made of 64-bit words: one function walks over all of them, for writing and for reading.
+//! State made of 64-bit words: one function visits all of them, for writing and for reading.
 //! Tests: crates/render/tests/checkpoint.rs.
 
 /// Something made of words that can be read and written.

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Counters of a rendering: what was traced, what it cost.
-//! Counters are per tile and added at the end, in tile order: no thread waits for another one.
+//! Counters of a rendering: traced rays and cost. Counters are per tile and added at the end, in tile order:
+//! no thread waits for another one.
 
 use crate::state::{SavedState, put_f64, put_u32};
 
 /// The largest counter that is believed.
 pub(crate) const MOST: u64 = 1 << 56;
 
-/// What a rendering did.
+/// Counters of a rendering.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RenderStats {
     /// Rays from the camera.
@@ -18,7 +18,7 @@ pub struct RenderStats {
     pub secondary_rays: u64,
     /// Of the shadow rays, those towards virtual lights that all seen points gather from.
     pub gather_rays: u64,
-    /// Seconds that threads spent on gathering, all of them together; not kept in checkpoints.
+    /// Total seconds of all threads in gathering; not stored in checkpoints.
     pub gather_seconds: f64,
     /// Tree nodes visited by all rays.
     pub nodes_visited: u64,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One tile, up to a number of samples or as many as its noise asks for.
+//! Rendering of one tile, up to a number of samples or to a noise target.
 
 use std::sync::atomic::Ordering;
 
@@ -27,7 +27,7 @@ pub(crate) fn render_tile(
     }
     let last = last.min(tile.requested(last));
     tracer.costs = job.options.heatmap.then(|| TileCosts::new(tile.rect, job.options.width));
-    // Samples are taken in order, so that a tile that was cut short in an earlier pass goes on where it was.
+    // Samples are taken in order, so that a tile that was interrupted in an earlier pass continues there.
     while tile.samples < last && !job.should_stop() {
         sampler.render_samples(tile, tracer, last);
     }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The renderer's side of shading: batches of rays in, batches of radiance out, by recursion.
 //! Source: [Whi80] (recursion); batches by shader after the paper's section 8. Space: world.
-//! Flow: rays -> hits -> lanes sorted by shader -> surface points -> shader, which may ask for lights and more rays.
-//! Invariant: what a lane gets depends on its ray and key only, not on the lanes beside it.
+//! Flow: rays -> hits -> lanes sorted by shader -> surface points -> shader, which may query lights and more
+//! rays.
+//! Invariant: the result of a lane depends on its ray and key only.
 //! Tests: crates/render/tests/{lights,mirrors,appearance,determinism}.rs.
 
 use std::ops::Range;
@@ -27,7 +28,7 @@ use crate::stats::RenderStats;
 use crate::transport::{Wavefront, opacity};
 use crate::world::{HitLanes, World};
 
-/// Albedo of surfaces that do not tell theirs.
+/// Albedo of surfaces that do not return theirs.
 pub(crate) const MID_GREY: Vec3 = Vec3::splat(0.5);
 
 /// Lights that shaders which loop over lights meet behind those of the world: virtual ones.
@@ -35,7 +36,7 @@ pub(crate) trait FurtherLights: Sync {
     /// How many.
     fn count(&self, tracer: &BatchTracer) -> usize;
 
-    /// What light `number` of them brings to points.
+    /// Light of light `number` at points.
     fn illuminate(
         &self,
         tracer: &mut BatchTracer,
@@ -48,9 +49,9 @@ pub(crate) trait FurtherLights: Sync {
 /// How pixels share virtual lights out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sharing {
-    /// Not at all: each asks all of them.
+    /// No sharing: each uses all of them.
     All,
-    /// Each by its place in a pattern, which is in its key's sample.
+    /// Each by its position in a pattern, which is in its key's sample.
     Pattern,
     /// Each sample by chance: its key's pixel.
     Chance,
@@ -61,45 +62,46 @@ pub(crate) struct BatchTracer<'w> {
     pub(crate) world: &'w World,
     pub(crate) options: &'w RenderOptions,
     pub(crate) stats: RenderStats,
-    /// Cost per pixel of the tile, if somebody wants a heat map.
+    /// Cost per pixel of the tile, if a heat map is requested.
     pub(crate) costs: Option<TileCosts>,
-    /// What happens on the way, if somebody wants to read it.
+    /// Events along the paths, if a log is requested.
     pub(crate) log: Option<Log>,
-    /// Lights that shaders meet beside those of the world.
+    /// Lights for shaders in addition to those of the world.
     pub(crate) lights: Option<&'w dyn FurtherLights>,
-    /// Whether surfaces whose shaders only know `shade` are asked what they do to light, in place of what they show.
+    /// Whether radiance-only shaders are probed for their scattering, in place of their radiance.
     pub(crate) probes: bool,
     /// How pixels share virtual lights out.
     pub(crate) sharing: Sharing,
-    /// What pixels stand for.
+    /// The footprint of a pixel.
     pub(crate) cone: Cone,
     record: Record,
-    /// What camera rays see without anything scattered, lane by lane; empty if the integrator does not tell or nobody asks.
+    /// Directly visible light, lane by lane; empty if it is not requested, or if the integrator does not
+    /// provide it.
     pub(crate) direct: Vec3s,
     /// Memory of batches, for the next ones; shaders that trace need more than one at a time.
     spare: Vec<Group>,
-    /// Memory of the camera rays, likewise.
+    /// Reused memory of the camera rays.
     pub(crate) camera: CameraBatch,
     /// And of paths.
     pub(crate) wavefront: Wavefront,
-    /// And of what points do to light.
+    /// And of closures.
     pub(crate) closures: ClosureBatch,
-    /// What the points of the last shader that was probed showed without light.
+    /// Radiance without light at the points of the last probed shader.
     pub(crate) dark: Vec3s,
-    /// How shadow rays lie beside each other.
+    /// Coherence of adjacent shadow rays.
     pub(crate) shadows: Coherence,
-    /// And of what shadow rays hit.
+    /// And of the hits of shadow rays.
     blocked: Vec<bool>,
-    /// Rays with their moments, where the shutter is open.
+    /// Rays with their times, if the shutter is open.
     timed: RayBatch,
 }
 
-/// What the points of a batch are looked at for.
+/// The attributes that the points of a batch need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum AttributeRequests {
     /// All that shaders can do.
     Light,
-    /// Base colours, places and normals.
+    /// Base colours, positions and normals.
     Sides,
 }
 
@@ -228,7 +230,7 @@ impl<'w> BatchTracer<'w> {
                 shader.attributes(),
                 points,
             );
-            // Unknown where nobody asks.
+            // Unknown if no material reads it.
             if world.materials().read_widths() {
                 self.cone.widen(points, lanes, from.cones);
             }
@@ -237,7 +239,7 @@ impl<'w> BatchTracer<'w> {
         self.spare.push(group);
     }
 
-    /// Radiance against each ray, given what it hit.
+    /// Radiance along each ray, given its hit.
     pub(crate) fn shade(&mut self, from: HitLanes, radiance: &mut Vec3s) {
         radiance.reset(from.rays.len(), Vec3::ZERO);
         self.shade_misses(from, radiance);
@@ -263,7 +265,8 @@ impl<'w> BatchTracer<'w> {
         }
     }
 
-    /// What some of the rays would see if nothing were in their way; `is_of_camera` says of a lane whether the camera sends its ray.
+    /// Radiance of the environment along some of the rays, unoccluded; `is_of_camera` tells whether a lane's
+    /// ray comes from the camera.
     pub(crate) fn environment(
         &mut self,
         rays: &RayBatch,
@@ -284,7 +287,7 @@ impl<'w> BatchTracer<'w> {
             let of_camera = lanes.iter().enumerate().filter(|(_, lane)| is_of_camera(**lane));
             of_camera.for_each(|(k, _)| direct.set(k, shown.get(k)));
         }
-        // Places of a picture where a camera sees nothing have rays without direction.
+        // Pixels of a picture where a camera sees nothing have rays without direction.
         let nowhere = (0..dirs.len()).filter(|&i| dirs.get(i) == Vec3::ZERO);
         nowhere.for_each(|i| direct.set(i, Vec3::ZERO));
         direct
@@ -298,7 +301,7 @@ impl<'w> BatchTracer<'w> {
         out.extend((0..request.rays.len()).map(|i| hits.get(i).map_or(f32::INFINITY, |hit| hit.t)));
     }
 
-    /// The cones of rays that a shader asks for: as wide as it says, and as a pixel's spread.
+    /// The cones of rays that a shader requests: with its width, and a pixel's spread.
     fn cones_of(&self, request: &RayRequest) -> Cones {
         let mut cones = Cones::default();
         for (i, &key) in request.key.iter().enumerate() {
@@ -309,7 +312,7 @@ impl<'w> BatchTracer<'w> {
         cones
     }
 
-    /// What rays of a kind meet first.
+    /// The first hits of rays of a kind.
     pub(crate) fn meetings_of(
         &mut self,
         kind: RayMask,
@@ -371,7 +374,8 @@ impl<'w> BatchTracer<'w> {
         self.blocked = blocked;
     }
 
-    /// From surface to surface, multiplying what each lets through, until all light or all way is used up.
+    /// Steps from surface to surface and multiplies their transmittances, until no light or no distance
+    /// remains.
     fn occluded_by_layers(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
         let no_width = Cones::default();
         let (mut rays, mut keys) = (request.rays.clone(), request.key.clone());
@@ -379,7 +383,7 @@ impl<'w> BatchTracer<'w> {
         let mut serves: Vec<u32> = (0..rays.len() as u32).collect();
         for layer in 0.. {
             let hits = self.intersect(RayMask::SHADOW, &rays, &keys, Coherence::Coherent);
-            // Holes are read as they are.
+            // Opacity textures are read without filtering.
             let cones = Some(&no_width);
             let from = HitLanes { rays: &rays, keys: &keys, hits: &hits, cones, depth: 0 };
             let (mut next_rays, mut next_keys, mut next_serves) =
@@ -425,7 +429,7 @@ impl<'w> BatchTracer<'w> {
     }
 }
 
-/// The rays, or copies with the moments of their keys where something moves.
+/// The rays, or copies with the times of their keys if something moves.
 fn with_times<'a>(
     world: &World,
     rays: &'a RayBatch,

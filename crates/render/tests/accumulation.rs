@@ -79,7 +79,7 @@ fn each_pass_shows_the_picture_of_its_samples() {
     }
 }
 
-/// What virtual lights of all passes have in common is learned once, for one camera.
+/// State that virtual lights of all passes share is computed once, for one camera.
 #[test]
 fn passes_share_what_they_learn() {
     let (_, camera) = corner();

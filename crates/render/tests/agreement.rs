@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `path` against `ir` and `bir`, all unbiased: every kind of material under every kind of light, on both sides of a surface.
-//! What one of them sees and another does not is a bug; what they share is checked first, against the definition. Means of independent renderings are compared; seeds are fixed, so that
-//! the test always says the same.
+//! A difference between two of them is a bug; their common parts are checked first, against the definition.
+//! Means of independent renderings are compared; seeds are fixed, so that the test is deterministic.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -345,7 +345,7 @@ const ALL: [Integrator; 4] = [
     Integrator::MetropolisInstantRadiosity,
 ];
 
-/// What is seen at the middle of a sheet when nothing but light straight from lamps counts.
+/// Radiance at the middle of a sheet with only direct light.
 fn direct(scene: &Scene, lights: Vec<Arc<dyn LightShader>>, integrator: Integrator) -> f64 {
     let table = ShaderTable { lights, ..ShaderTable::default() };
     let mut world = World::new();
@@ -359,7 +359,7 @@ fn sheet(scene: &mut Scene, material: MaterialId) {
     put_mesh(scene, quad([-1.0, -1.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], material));
 }
 
-/// Lights without extent on both sides of rough glass, by the definition: the BSDF times what arrives.
+/// Lights without extent on both sides of rough glass, by the definition: the BSDF times the irradiance.
 #[test]
 fn lights_behind_rough_glass_shine_through() {
     let (ior, roughness) = (1.5_f32, 0.6_f32);
@@ -408,7 +408,8 @@ fn lights_behind_rough_glass_shine_through() {
     }
 }
 
-/// A body with no index, seen through to its other side and to what lies within: Beer's law, with every integrator.
+/// A body with index 1, seen through to its other side and to its contents: Beer's law, with every
+/// integrator.
 #[test]
 fn light_is_absorbed_by_its_way_within() {
     let (attenuation_color, attenuation_distance) = ([0.5, 0.25, 1.0], 1.5);
@@ -448,8 +449,8 @@ fn light_is_absorbed_by_its_way_within() {
             .commit(&scene, &ShaderTable::default(), &CommitOptions::default(), &pool(1))
             .expect("the scene is sound");
         for integrator in ALL.into_iter().chain([Integrator::Whitted]) {
-            // Whitted's renderer takes what is absorbed where light leaves the glass; a pane of no roughness that a float could tell is all but a
-            // delta, which others than `path` find by chance.
+            // Whitted's renderer applies absorption where light leaves the glass; a pane of minimal roughness
+            // is nearly a delta, which only `path` finds reliably.
             if (integrator == Integrator::Whitted && lamp_within) || (integrator != Integrator::Path && thin)
             {
                 continue;
@@ -519,7 +520,7 @@ fn vertex_opacity_weakens_lamps() {
     }
 }
 
-/// Sums of what two integrators found, and the squared error of their difference.
+/// Sums of the results of two integrators, and the squared error of their difference.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     found: f64,
@@ -558,8 +559,7 @@ fn paths_and_virtual_lights_see_the_same_light() {
     see_the_same(&MATERIALS, &LIGHTS, 8);
 }
 
-/// Kinds of lobes that kept copies of points know, and what light paths make of lobes around normals of their own, and of those that are
-/// not the same from both ends.
+/// Lobes with cached lanes, lobes with their own normals, and nonreciprocal lobes, in light paths.
 #[test]
 fn lobes_of_shading_languages_scatter_the_same_light() {
     see_the_same(&LOBES, &["point", "area"], 32);
@@ -575,7 +575,7 @@ fn see_the_same(subjects: &[&'static str], lights: &[&'static str], spp: u32) {
     for (subject, area_light) in subjects.iter().flat_map(|m| lights.iter().map(move |l| (*m, *l))) {
         let see_through =
             ["glass", "transmitting", "veil", "cut-out"].iter().any(|part| subject.contains(part));
-        // What is solid looks alike on both sides, but its lamp may be behind it.
+        // A solid looks alike from both sides, but its light may be behind it.
         let cases = [(1.0, true), (-1.0, false), (-1.0, true), (1.0, false)];
         for (up, front) in cases.into_iter().take(if see_through { 4 } else { 2 }) {
             let world = world(subject, area_light, up, front);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What meshes and textures say reaches shaders and light: normal maps, textured emission, attributes of both rates.
+//! Attributes of meshes and textures in shaders and light: normal maps, textured emission, attributes of both
+//! rates.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -47,7 +48,8 @@ fn normal_maps_turn_the_shading_normal() {
     assert_close(lit_from([0.6, 0.0, -0.8]), 0.5 * (0.64 - 0.36), 2e-2, "from the other side");
 }
 
-/// Where a normal map's lean points to in the world, by what light from each side brings: a floor, seen from above.
+/// The direction of a normal map's slope in the world, measured by light from each side: a floor, seen from
+/// above.
 fn lean(texel: [f32; 4], uv_from_mesh: [f32; 6], edit: impl Fn(&mut Scene)) -> [f64; 2] {
     let lit_from = |direction| {
         let mut scene = floor(0.5, 5.0);
@@ -173,14 +175,14 @@ fn textures_modulate_emission_seen_and_given() {
     assert_close(lit[2], expected / 4.0, 1e-2, "in the texel's colour");
 }
 
-/// Shows its two attributes and what it gets where there is none.
+/// Shows its two attributes, and the value of a missing one.
 struct Show(Vec<AttributeRequest>);
 
 impl RadianceShader for Show {
     fn shade(&self, _: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         for i in 0..hits.len() {
             let [triangle, vertex, missing] = [0, 1, 2].map(|a| &hits.attributes[a]);
-            // Two components per vertex: the second is what is shown.
+            // Two components per vertex: the second is shown.
             out.set(i, Vec3::new(triangle[i], vertex[hits.len() + i], missing[i]));
         }
     }
@@ -227,7 +229,7 @@ fn attributes_change_per_triangle_and_per_vertex() {
     }
 }
 
-/// Shows what sent the rays; nobody else looks at it.
+/// Shows the kind of the ray, which no other shader of the test reads.
 struct ByKind;
 
 impl RadianceShader for ByKind {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Bump maps: what light a slope gets, and that no rim is black.
+//! Bump maps: the light on a slope, and no black rims.
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Commits do what is due and no more, and survive bad data.
+//! Commits do only the necessary work, and survive bad data.
 
 use std::sync::mpsc;
 use std::time::Duration;
@@ -136,8 +136,8 @@ fn dangling_ids_are_errors() {
     assert_eq!(commit(&scene), Some(expected), "no such material");
 }
 
-/// Objects of the same triangles, each bent its own way, share what they have in common once they are many; hits and what is
-/// done later are those of objects by themselves.
+/// Many objects of the same triangles in different poses share structures; hits and later edits behave as for
+/// separate objects.
 #[test]
 fn many_poses_share() {
     let crowd = |motion: Motion| {
@@ -192,7 +192,7 @@ fn many_poses_share() {
 #[test]
 fn many_threads_commit_many_poses() {
     let (done, ended) = mpsc::channel();
-    // What stands still cannot be joined.
+    // A static object cannot be joined.
     std::thread::spawn(move || {
         let pool = pool(16);
         for round in 0..3 {

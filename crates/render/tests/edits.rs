@@ -210,7 +210,7 @@ impl Edited {
         Self { scene, shaders }
     }
 
-    /// What was edited, in words.
+    /// Makes a random edit; returns its description.
     fn edit(&mut self, random: &mut Random) -> &'static str {
         let Self { scene, shaders } = self;
         let instance = InstanceId(random.below(scene.instances().len()) as u32);
@@ -315,7 +315,7 @@ impl Edited {
                 scene.add_object_of_members("", members.collect());
                 "an object made of objects"
             }
-            // What an object holds comes before it, so that none holds itself.
+            // An object holds only earlier objects, so that none holds itself.
             24 | 25 if object.index() > 0 => {
                 let members = &mut scene.edit_object(object).members;
                 match random.below(4) {
@@ -386,7 +386,7 @@ struct Length {
 }
 
 impl Length {
-    /// What `GNURT_EDITS` says: a few scenes where all is looked at, or long lives, looked at some ten thousand times.
+    /// The request in `GNURT_EDITS`: a few fully checked scenes, or long runs with some ten thousand checks.
     fn requests() -> Self {
         let edits: usize = std::env::var("GNURT_EDITS").ok().and_then(|n| n.parse().ok()).unwrap_or(160);
         let of_one_scene = if edits > 10_000 { edits.div_ceil(8) } else { 80 };
@@ -440,20 +440,20 @@ fn any_edit_leads_to_the_picture_of_a_fresh_world() {
             let owners: Vec<usize> = edited.scene.meshes().iter().map(Arc::strong_count).collect();
             assert_eq!(owners, edited.owners(), "{what}: who has each mesh");
         }
-        // The scenes are small: what is kept of each edit would come to more.
+        // The scenes are small: a leak for each edit would exceed this.
         let grown = resident().saturating_sub(resident_at_first);
         eprintln!("seed {seed}: {of_one_scene} commits, {} MB more in memory", grown >> 20);
         assert!(grown < (64 << 20), "seed {seed}: {grown} bytes more in memory");
     }
 }
 
-/// Bytes of the process that are in memory; 0 where nobody tells.
+/// Resident bytes of the process; 0 if unknown.
 fn resident() -> u64 {
     let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     pages.split(' ').nth(1).and_then(|pages| pages.parse::<u64>().ok()).unwrap_or(0) * 4096
 }
 
-/// A camera, and what nobody sees, costs nothing; a world of another scene is made anew.
+/// A camera edit and invisible things cost nothing; a world of another scene is rebuilt.
 #[test]
 fn what_is_not_due_is_not_made() {
     let mut random = Random(7);

@@ -22,7 +22,8 @@ fn checker() -> Arc<Texels> {
     Arc::new(Texels { width: 64, height: 64, data: TexelData::Linear8((0..64 * 64).map(texel).collect()) })
 }
 
-/// A reader that repeats the picture `times` along both coordinates; sharp, or over what a ray stands for.
+/// A reader that repeats the picture `times` along both coordinates; sharp, or filtered over the ray's
+/// footprint.
 fn reader(texels: &Arc<Texels>, times: f32, weigh: Option<Weigh>) -> TextureSampler {
     let mips = |weigh| Arc::new(MipMap::weighed(texels.clone(), weigh));
     TextureSampler {
@@ -32,7 +33,8 @@ fn reader(texels: &Arc<Texels>, times: f32, weigh: Option<Weigh>) -> TextureSamp
     }
 }
 
-/// What shines as the texture says, and scatters nothing: no lamp is known, so that a picture's noise is the texture's alone.
+/// A surface that emits its texture and scatters nothing: no light is sampled, so that the noise comes from
+/// the texture alone.
 fn shining(texture: TextureSampler) -> Arc<dyn SurfaceShader> {
     Arc::new(shading::Material {
         surface: Arc::new(shading::Matte { albedo: shading::TexturedColor::constant(Vec3::ZERO) }),
@@ -59,13 +61,13 @@ fn shown(
 
 type View = ([f32; 3], [f32; 3], f32);
 
-/// Root of the mean square of what differs.
+/// Root of the mean square of the differences.
 fn rms(a: &Picture, b: &Picture) -> f64 {
     let squares = a.color.iter().zip(&b.color).map(|(a, b)| f64::from(a[0] - b[0]).powi(2));
     (squares.sum::<f64>() / a.color.len() as f64).sqrt()
 }
 
-/// How much nearer a sample that reads over what its ray stands for comes to the truth; the means must agree.
+/// Noise of sharp samples relative to filtered ones; the means must agree.
 fn gain(scene: &Scene, times: f32, view: View, depth: u32, what: &str) -> f64 {
     let of = |weigh, spp| {
         let options =

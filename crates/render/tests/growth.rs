@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What checkpoints cost: whatever a file says, no more than the picture that was asked for, twice.
-//! Every allocation of the program is counted. One test only, so that nothing else is counted.
+//! Memory of checkpoints: at most twice the requested picture, for any file. Every allocation of the program
+//! is counted. One test only, so that nothing else is counted.
 
 #[path = "common/signed.rs"]
 mod signed;
@@ -11,7 +11,7 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static ALLOCATIONS: PeakAlloc = PeakAlloc;
 
-/// What was taken at once at most while something was done.
+/// Peak memory of some work.
 fn cost<T>(work: impl FnOnce() -> T) -> usize {
     ALLOCATIONS.reset_peak_usage();
     let before = ALLOCATIONS.current_usage();

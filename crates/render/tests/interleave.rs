@@ -43,7 +43,7 @@ fn wall() -> (World, SceneCamera) {
 fn a_wall_shows_the_light_of_the_full_gather() {
     let view = wall();
     for n in [3, 5] {
-        // The same virtual lights: what differs is who gathers them.
+        // The same virtual lights, gathered by other pixels.
         let [full, part] = [1, n].map(|n| mean(&picture(&view, &by(Integrator::InstantRadiosity, n, 4))));
         eprintln!("{n} by {n}: {part:?} instead of {full:?}");
         (0..3).for_each(|k| assert_close(part[k], full[k], 0.01, &format!("{n} by {n}")));

@@ -15,7 +15,7 @@ use gnurt_scene::texture::{Filter, Wrap};
 use gnurt_scene::{Affine, Light, Material, MaterialId, Scene, Surface, Texture};
 use gnurt_simd::Level;
 
-/// What shines in the room.
+/// The light in the room.
 #[derive(Clone, Copy, PartialEq)]
 enum Lit {
     /// Lights that no scattered ray meets.

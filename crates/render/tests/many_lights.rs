@@ -129,7 +129,7 @@ fn gloss_and_mirrors_agree() {
     let rays = tiles(&view, &by(Integrator::Path, 64, 1, None), 16);
     // Caustics make the paths' mean noisy: tiles, judged by their noise, say more.
     for integrator in WITH_VIRTUAL_LIGHTS {
-        // One ray leaves what the eye sees; several, with many virtual lights.
+        // One ray leaves a visible point; with many virtual lights several.
         for (spp, vpls) in [(3, 64), (1, 512)] {
             let what = format!("{integrator}, {vpls} virtual lights");
             assert_same(&tiles(&view, &by(integrator, spp, vpls, None), 16), &rays, 0.04, &what);
@@ -153,8 +153,7 @@ fn edges_are_counted_alike() {
     }
 }
 
-/// Glass that bends nothing is one edge more, and nothing else: what passes it is found by scattered rays, and only by
-/// them.
+/// Glass without refraction adds one edge and nothing else: only scattered rays find light through it.
 #[test]
 fn light_through_glass_counts_once() {
     let mut scene = gnurt_scene::builtin::load("cornell").expect("it is built in");

@@ -37,7 +37,7 @@ fn depth_limit_shows_the_environment() {
     assert_eq!(frame.stats.secondary_rays, 0, "nothing was traced");
 }
 
-/// A slab of glass shifts what is seen through it, and takes Fresnel's shares at both faces.
+/// A slab of glass shifts the image behind it, and Fresnel's equations hold at both faces.
 #[test]
 fn slabs_shift_and_dim() {
     let mut scene = Scene::new();
@@ -61,7 +61,7 @@ fn slabs_shift_and_dim() {
         let y = (landing + shift - 1.0) as f32;
         radiance_at(&scene, [0.0, y - 2.0, 2.0], [0.0, y, 0.0], 512)[0]
     };
-    // Only what is mirrored twice between the faces lands further on, on the light.
+    // Only light reflected twice between the faces lands further on, on the light.
     assert!(measured(-0.05) < 0.01, "just before the edge");
     let through = {
         let (cos, beyond) = (0.5_f64.sqrt(), (1.0 - 0.5 / 2.25_f64).sqrt());
@@ -69,7 +69,7 @@ fn slabs_shift_and_dim() {
         let perpendicular = (cos - 1.5 * beyond) / (cos + 1.5 * beyond);
         1.0 - 0.5 * (parallel * parallel + perpendicular * perpendicular)
     };
-    // What is mirrored between the faces an even number of times lands further on, on the light too.
+    // Light reflected an even number of times between the faces lands further on, on the light too.
     let expected = through * through / (1.0 - (1.0 - through).powi(2));
     assert_close(measured(0.05), expected, 0.01, "just behind it");
 }
@@ -94,7 +94,7 @@ fn glass_balls_keep_the_furnace() {
 
 #[test]
 fn smooth_metals_see_lights_once() {
-    // Rough metals keep what is scattered between facets.
+    // Rough metals keep the energy of scattering between microfacets.
     for roughness in [0.0, 0.1, 0.2, 0.3, 0.6, 1.0] {
         let mut scene = Scene::new();
         let metal = Surface::MetallicRoughness {

@@ -69,7 +69,7 @@ impl Moving {
         measured.picture().color
     }
 
-    /// What it should be.
+    /// The reference picture.
     fn rendered(&self, options: &RenderOptions, step: u32) -> Vec<[f32; 4]> {
         let rays = SceneCamera::new(&camera(&self.scene, step)).expect("a view");
         let options = RenderOptions { spp: 96, integrator: Integrator::Path, ..options.clone() };
@@ -91,7 +91,7 @@ fn blocks(colors: &[[f32; 4]]) -> Vec<f32> {
         .collect()
 }
 
-/// The mean, and how far blocks are off in the mean, both as shares of what they should be; lamps count as white.
+/// The mean, and the mean error of blocks, both relative to the reference; lights count as white.
 fn errors(found: &[[f32; 4]], expected: &[[f32; 4]]) -> [f32; 2] {
     let [found, expected] =
         [found, expected].map(|colors| blocks(colors).into_iter().map(|x| x.min(1.0)).collect::<Vec<f32>>());
@@ -140,7 +140,7 @@ fn what_moves_takes_its_light_along() {
     let expected = moving.rendered(&options, 0);
     let [mean, off] = errors(&found, &expected);
     assert!((mean - 1.0).abs() < 0.05 && off < 0.14, "mean {mean}, blocks off by {off}");
-    // Of what has changed little is left.
+    // Little of the changed light remains.
     let [with, found, expected] = [with, found, expected].map(|colors| blocks(&colors));
     let changed = |&i: &usize| (with[i] - expected[i]).abs() > 0.3 * expected[i];
     let far = |from: &[f32]| {

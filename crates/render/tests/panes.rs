@@ -45,7 +45,7 @@ fn with(integrator: Integrator, spp: u32, max_depth: u32) -> RenderOptions {
     RenderOptions { integrator, max_depth, vpls: 16, ..options(4, 4, spp) }
 }
 
-/// What is seen of the floor's middle from below all glass.
+/// Radiance of the floor's middle, seen from below all glass.
 fn measured(world: &World, options: &RenderOptions) -> f64 {
     let view = camera([0.01, 0.0, 0.05], [0.0; 3], 0.01);
     mean(&render(world, &view, options, &pool(2), &Silent).expect("sound options").picture)[0]
@@ -89,7 +89,7 @@ fn the_sun_shines_through_windows() {
     }
 }
 
-/// Points shine through what does not bend light, and through nothing else.
+/// Point lights shine through glass without refraction only.
 #[test]
 fn points_shine_through_what_does_not_bend() {
     for (ior, share) in [(1.0, f64::from(TINT).powi(2)), (1.5, 0.0)] {

@@ -115,7 +115,7 @@ impl SurfaceShader for Tells {
     }
 }
 
-/// What the description lets shine is found by light samples, too; the shader's own radiance by scattered rays alone.
+/// Light samples find the described emission, too; only scattered rays find the shader's own radiance.
 #[test]
 fn a_shader_may_shine_beside_what_it_tells() {
     let lit = |surface: Surface, radiance: f32| {
@@ -253,7 +253,7 @@ fn threads_and_neighbours_do_not_matter() {
     }
 }
 
-/// What is limited is each contribution, not a sample's sum of them.
+/// Each contribution is limited, instead of a sample's sum.
 #[test]
 fn clamping_leaves_many_small_contributions() {
     let mut scene = Scene::new();

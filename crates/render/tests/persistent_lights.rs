@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Virtual lights that stay while the camera moves: the mean of pictures is that of fresh ones, few are traced for each
-//! picture, what is new in the world is seen at once, the same bits for any number of threads.
+//! Persistent virtual lights: the mean of pictures is that of fresh lights, few are traced for each picture,
+//! edits of the world appear at once, and any number of threads gives the same bits.
 
 use crate::common::*;
 use gnurt_render::{
@@ -97,7 +97,7 @@ fn later_pictures_trace_few_lights() {
     }
 }
 
-/// Lights that do not hang on the camera stay; for a camera that rests all do.
+/// Lights that do not depend on the camera persist; for a camera at rest all do.
 #[test]
 fn nothing_flickers() {
     let scene = cornell();
@@ -127,7 +127,7 @@ fn what_moves_is_followed() {
         let commit = CommitOptions { force_diffuse: true, ..CommitOptions::default() };
         world.commit(&scene, &ShaderTable::default(), &commit, &pool(2)).expect("the scene is sound");
         let found = view(&mut persistent, &world, &camera_beside(&scene, 0), &options, 2).picture();
-        // What is learned once is a matter of chance: how many paths bring the lights that are wanted.
+        // The learned number of light paths is random.
         let first =
             view(&mut PersistentLights::default(), &world, &camera_beside(&scene, 0), &options, 2).picture();
         assert!(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pixel shaders: what shows the radiance of its ray changes no bit; rays that it asks for are the camera's.
+//! Pixel shaders: one that shows the radiance of its ray changes no bit; its own rays are camera rays.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use gnurt_shading::{PixelSamples, PixelShader, RayRequest, SurfaceHit, Tracer, V
 
 use crate::common::*;
 
-/// What a sample shows, given the answers to rays like the camera's own.
+/// Shows a function of the answers to rays like the camera's own.
 struct Shows(fn(&mut dyn Tracer, &PixelSamples, &RayRequest, &mut Vec3s));
 
 impl PixelShader for Shows {

@@ -7,7 +7,7 @@ use gnurt_scene::{InstanceId, Light, Material, RayMask, Scene, Surface};
 
 const INTEGRATORS: [Integrator; 2] = [Integrator::Path, Integrator::Whitted];
 
-/// What a narrow camera sees.
+/// Radiance in a narrow camera.
 fn measured(world: &World, camera: &SceneCamera, integrator: Integrator) -> f32 {
     let options =
         RenderOptions { width: 2, height: 2, spp: 4, max_depth: 3, integrator, ..RenderOptions::default() };
@@ -15,7 +15,7 @@ fn measured(world: &World, camera: &SceneCamera, integrator: Integrator) -> f32 
     frame.picture.color.iter().map(|pixel| pixel[0]).sum::<f32>() / 4.0
 }
 
-/// What it sees with the last instance seen by all rays but those of a kind, by those only, and without it.
+/// The radiance with the last instance hidden from rays of a kind, visible to those only, and absent.
 fn with_and_without(
     scene: &mut Scene,
     kind: RayMask,
@@ -46,7 +46,7 @@ fn the_camera_sees_through_what_its_rays_do_not_see() {
     for integrator in INTEGRATORS {
         let mut scene = lit_floor();
         let black = matte(&mut scene, [0.0; 3]);
-        // Between the camera and the floor, upright: no shadow falls on what is looked at.
+        // Upright between the camera and the floor: its shadow misses the visible point.
         put_mesh(&mut scene, quad([-1.0, -2.0, 0.5], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], black));
         let view = [[0.0, -4.0, 2.0], [0.0, 0.0, 0.0]];
         let [hidden, shown, gone] = with_and_without(&mut scene, RayMask::CAMERA, view, integrator);

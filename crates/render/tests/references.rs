@@ -102,7 +102,7 @@ fn tile_sum(picture: &Picture, [column, row]: [u32; 2], channel: usize) -> f64 {
     pixels.map(|(x, y)| f64::from(picture.pixel(x, y).expect("inside")[channel])).sum()
 }
 
-/// What a comparison found.
+/// The result of a comparison.
 #[derive(Debug, Default)]
 struct Comparison {
     /// Candidate over reference, minus one, per channel.

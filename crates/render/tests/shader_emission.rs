@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Surfaces whose shaders say what they give off are lights: against the definition, against lamps of the description, and the
-//! integrators against each other.
+//! Surfaces whose shaders define their emission are lights: against the definition, against lights of the
+//! description, and the integrators against each other.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ const ALL: [Integrator; 5] = [
     Integrator::MetropolisInstantRadiosity,
 ];
 
-/// What leaves a place: more on the right of the front, more straight on; less on the back.
+/// Exit radiance: more on the right of the front, more straight on; less on the back.
 fn side_emission(u: f32, v: f32, front: bool, cos: f32) -> f32 {
     if front { (if u > 0.5 { 4.0 } else { 0.5 }) * (0.3 + cos) } else { 1.5 * (1.0 - v) }
 }
@@ -83,7 +83,7 @@ fn measured(world: &World, options: &RenderOptions) -> f64 {
     mean(&render(world, &view, options, &pool(1), &Silent).expect("sound options").picture)[0]
 }
 
-/// What lights the point that is seen straight from the lamps, by the definition.
+/// Direct light at the visible point, by the definition.
 fn expected(is_up: bool) -> f64 {
     const N: u32 = 200;
     let p = Vec3::new(0.1, 0.2, 0.0);
@@ -153,7 +153,7 @@ fn lamps_follow_their_shaders() {
     let options = RenderOptions { integrator: Integrator::Path, max_depth: 2, ..options(4, 4, 4) };
     let mut light = |table: &ShaderTable| {
         let report = world.commit(&scene, table, &commit, &pool(1)).expect("the scene is sound");
-        (measured(&world, &options), report.found_lamps)
+        (measured(&world, &options), report.found_emitters)
     };
     let dim = table(1.0);
     let (one, _) = light(&dim);

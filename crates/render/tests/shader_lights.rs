@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Shaders that only know `shade` and `illuminate` under integrators with virtual lights: the same pictures as by
-//! materials that tell what they do to light, under the same lamps.
+//! Shaders with only `shade` and `illuminate` under integrators with virtual lights: the same pictures as
+//! with closures under the same lights.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ impl LightShader for PluginLight {
     }
 }
 
-/// What an old program's shader does: light times colour times cosine, one light after the other, with shadows.
+/// The shader of an old program: light times colour times cosine, one light after the other, with shadows.
 struct Diffuse(Vec3);
 
 impl RadianceShader for Diffuse {
@@ -90,7 +90,8 @@ enum By {
     Both,
 }
 
-/// A room without a front, two blocks in it, and a lamp in a corner; `white` is what a white surface shows under light 1.
+/// A room without a front, two blocks in it, and a light in a corner; `white` is the radiance of a white
+/// surface under light 1.
 fn view(by: By, white: f32, is_far: bool) -> (World, SceneCamera) {
     let mut scene = Scene::new();
     let mut shaders = ShaderTable::default();
@@ -187,7 +188,7 @@ fn shaders_show_what_materials_show() {
     }
 }
 
-/// Shows a light of its own beside what the description lets shine.
+/// Shows its own light beside the described emission.
 struct Glowing;
 
 impl RadianceShader for Glowing {
@@ -202,7 +203,7 @@ impl SurfaceShader for Glowing {
     }
 }
 
-/// Light samples find a lamp's emission, and not what its shader shows beside that: scattered rays bring that wholly.
+/// Light samples find a light's emission; only scattered rays find the additional radiance of its shader.
 #[test]
 fn lamps_may_show_more_than_they_emit() {
     let mut scene = floor(0.8, 4.0);

@@ -29,7 +29,7 @@ fn picture(scene: &Scene, integrator: Integrator, spp: u32) -> Picture {
     render(&world_of(scene, false), &camera, &options, &pool(2), &Silent).expect("sound options").picture
 }
 
-/// A floor that sends back what it shows: under the whole sky, albedo times sky.
+/// A floor with its own unshadowed radiance as backdrop: under the whole sky, albedo times sky.
 fn catcher() -> Surface {
     Surface::ShadowCatcher { albedo: [ALBEDO; 3], radiance: [ALBEDO * SKY; 3] }
 }
@@ -117,7 +117,7 @@ fn its_opacity_is_its_shadow() {
             "{pixel:?} {behind:?}"
         );
     }
-    // What is in front adds up with what lies behind, and is not negative but for noise.
+    // The foreground plus the background is the picture, and the foreground is not negative except for noise.
     let front = picture.color.iter().zip(&behind).map(|(a, b)| a[0] - b[0]);
     assert!(front.fold(0.0, f32::min) > -0.02, "associated");
 }

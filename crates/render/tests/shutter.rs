@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An open shutter: at each moment it shows what a scene at that moment shows, bit for bit, with every integrator; a picture is
-//! the mean of its moments; commits after it, open or not, are those of fresh worlds.
+//! An open shutter: at each time it shows the scene at that time, bit for bit, with every integrator; a
+//! picture is the mean over its times; later commits, open or not, equal fresh worlds.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ fn scratch(lights_move: bool) -> Room {
         sheet
     };
     let share = |key: usize| key as f32 / (KEYS - 1) as f32;
-    // Corners that are out of sight hold the bounds, which bounds on light hang on, in one place.
+    // Invisible corners fix the scene's bounds, on which the bounds on light depend.
     for corner in [[-9.0_f32, -1.0, -9.0], [9.0, 7.0, 9.0]] {
         put_mesh(&mut scene, quad(corner, [-0.1, 0.0, 0.0], [0.0, -0.1, 0.0], red));
     }
@@ -96,8 +96,8 @@ fn scratch(lights_move: bool) -> Room {
 }
 
 impl Room {
-    /// The same with objects in objects: boxes in a row, of which the first spins, in what stands still; and a small lamp that swings
-    /// in what does.
+    /// The same with nested objects: boxes in a row, of which the first spins, in a static object; and a
+    /// small light that swings in a static one.
     fn with_members(mut self) -> Self {
         let scene = &mut self.scene;
         let [boxes, area_light] = ["box", "lamp"].map(|name| {

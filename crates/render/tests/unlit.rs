@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Colours that are seen as they are: from both sides, times the mesh's colours, in mirrors, and as light for nobody.
-//! KHR_materials_unlit.
+//! Unlit colours: visible from both sides, times the mesh's colours, in mirrors, without lighting other
+//! surfaces. KHR_materials_unlit.
 
 use crate::common::*;
 use gnurt_image::Picture;

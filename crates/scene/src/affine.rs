@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Affine transforms in double precision: `world_from_object` and the like.
-//! Double precision so that objects far from the origin keep their place.
-//! Names read `destination_from_source`, so products read left to right.
+//! Double precision, so that objects far from the origin keep their position. Names read
+//! `destination_from_source`, so products read left to right.
 //! Tests: `tests::{inverse_undoes, rotation_is_right_handed}`.
 
 /// `p' = m * p + t`; `m` is stored by columns, column 3 is `t`.
@@ -35,7 +35,8 @@ impl Affine {
         Self { columns: [[s[0], 0.0, 0.0], [0.0, s[1], 0.0], [0.0, 0.0, s[2]], [0.0; 3]] }
     }
 
-    /// Turns by `radians` around `axis` (any length but zero), counter-clockwise seen from the axis' tip.
+    /// A rotation by `radians` around `axis` (any length but zero), counter-clockwise seen from the axis'
+    /// tip.
     #[must_use]
     pub fn rotation(axis: [f64; 3], radians: f64) -> Self {
         let length = axis.iter().map(|a| a * a).sum::<f64>().sqrt();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Cameras: where they stand, how they project, and their lens.
-//! The frame is that of references/README point 5. Space: world; right-handed.
+//! Cameras: position, projection and lens. The frame is that of references/README point 5. Space: world;
+//! right-handed.
 
 use std::fmt;
 
@@ -13,18 +13,18 @@ pub struct Camera {
     pub eye: [f32; 3],
     /// A point in the middle of the picture.
     pub target: [f32; 3],
-    /// What is up; need not be perpendicular to the view.
+    /// The up direction; it need not be perpendicular to the view.
     pub up: [f32; 3],
     /// Vertical angle of view in degrees: in (0, 180) of perspectives, in (0, 360] of fisheyes; others do not read it.
     pub fov_y: f32,
-    /// How directions become places in the picture.
+    /// The map from directions to positions in the picture.
     pub projection: Projection,
-    /// What it lets light in through.
+    /// The lens.
     pub lens: Lens,
 }
 
 impl Default for Camera {
-    /// A pinhole at the origin that looks along -z.
+    /// A pinhole at the origin that faces -z.
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -38,15 +38,15 @@ impl Default for Camera {
     }
 }
 
-/// How directions become places in the picture.
+/// The map from directions to positions in the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Projection {
-    /// Straight lines stay straight, what is far is small.
+    /// Straight lines stay straight; distant objects are smaller.
     #[default]
     Perspective,
     /// All rays are parallel and begin in the plane of the eye.
     Orthographic {
-        /// Of what the picture shows, world units.
+        /// Height of the visible region, world units.
         height: f32,
     },
     /// The distance from the middle of the picture is the angle to the view (equidistant); `fov_y` is the angle between the upper and
@@ -73,12 +73,13 @@ impl fmt::Display for Projection {
     }
 }
 
-/// A thin, round lens. What is in focus lies in a plane across the view; for fisheyes and panoramas, which look everywhere, on a sphere.
+/// A thin, round lens. The focus surface is a plane across the view; for fisheyes and panoramas it is a
+/// sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lens {
     /// Its diameter in world units; 0 = a pinhole, all is in focus.
     pub aperture: f32,
-    /// Distance from the eye to what is in focus, world units, above 0; `None` = where the target is.
+    /// Distance from the eye to the focus surface, world units, above 0; `None` = distance of the target.
     pub focus: Option<f32>,
 }
 
@@ -96,7 +97,7 @@ pub struct Frame {
 }
 
 impl Camera {
-    /// Distance from the eye to what is in focus.
+    /// Distance from the eye to the focus surface.
     #[must_use]
     pub fn focus_distance(&self) -> f32 {
         let target = || {
@@ -114,7 +115,7 @@ impl Camera {
         (2.0 * far * (f64::from(self.fov_y).to_radians() / 2.0).tan()) as f32
     }
 
-    /// What keeps it from showing anything, in words, and what would be right; `None` if it can.
+    /// The reason that the camera cannot be used, with the remedy; `None` for a valid camera.
     #[must_use]
     pub fn fault(&self) -> Option<String> {
         let Some(_) = self.frame().filter(|_| self.eye.iter().all(|x| x.is_finite())) else {
@@ -129,7 +130,7 @@ impl Camera {
                 "its angle of view is {angle} degrees: that of a fisheye is above 0 and at most 360"
             )),
             Projection::Orthographic { height } if !(height > 0.0 && height.is_finite()) => {
-                Some(format!("the height of what it shows is {height}: it must be above 0"))
+                Some(format!("the height of its view is {height}: it must be above 0"))
             }
             _ if !(self.lens.aperture >= 0.0 && self.lens.aperture.is_finite()) => {
                 Some(format!("its aperture is {}: it must be 0 or above", self.lens.aperture))
@@ -147,7 +148,7 @@ impl Camera {
         let eye = self.eye.map(f64::from);
         let forward = unit([0, 1, 2].map(|k| f64::from(self.target[k]) - eye[k]))?;
         let given = unit(self.up.map(f64::from)).map(|up| cross(forward, up));
-        // Closer than a hundred-thousandth of a radian to the view, `up` says nothing.
+        // Closer than a hundred-thousandth of a radian to the view, `up` is undefined.
         let usable = given.filter(|r| r.iter().map(|x| x * x).sum::<f64>().sqrt() > 1e-5);
         let right = match usable {
             Some(right) => unit(right)?,

@@ -6,18 +6,19 @@
 use crate::mesh::{Mesh, Rate};
 use crate::scene::Scene;
 
-/// A mistake in a description; whoever made the description made it.
+/// A mistake in a description, made by the caller.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{location}: {problem}")]
 pub struct CheckError {
     /// Which value of the scene, such as `mesh 3 (door)`.
     pub location: String,
-    /// What is wrong with it.
+    /// The fault.
     pub problem: String,
 }
 
 impl Mesh {
-    /// Whether optional arrays are empty or full and every index is in range; the error says what is not.
+    /// Checks that optional arrays are empty or full and that every index is in range; the error names the
+    /// first fault.
     pub fn check(&self) -> Result<(), String> {
         let vertices = self.positions.len();
         let full = |what: &str, length: usize| match length == 0 || length == vertices {

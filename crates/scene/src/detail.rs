@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What few materials have: something within them, brushed facets, a thin film, a body that light goes through.
-//! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}; each says what its numbers mean.
-//! Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
+//! Rare parts of materials: an interior, brushed microfacets, a thin film, diffuse transmission.
+//! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}, which define
+//! the numbers. Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
 
 use crate::texture::TextureRef;
 
-/// What light meets within solid glass. Glass that is thin has no inside.
+/// The interior of solid glass. Glass that is thin has no inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interior {
-    /// What is left of white light after the distance below, in `[0, 1]`.
+    /// Transmittance of white light over the distance below, in `[0, 1]`.
     pub attenuation_color: [f32; 3],
     /// World units, > 0; infinite = nothing is absorbed.
     pub attenuation_distance: f32,
-    /// 20 over Abbe's number: how far colours are bent apart; 0 = not at all.
+    /// 20 over Abbe's number: the dispersion; 0 = none.
     pub dispersion: f32,
 }
 
@@ -24,7 +24,8 @@ impl Default for Interior {
 }
 
 impl Interior {
-    /// Share of light absorbed per way, 1 over world units, by colour: Beer's law has the exponential of minus it times the way.
+    /// Absorption coefficient, 1 over world units, by colour: Beer's law has the exponential of minus it
+    /// times the distance.
     #[must_use]
     pub fn absorption(&self) -> [f32; 3] {
         // A colour of nothing would be infinitely much of it.
@@ -45,14 +46,14 @@ impl Interior {
     }
 }
 
-/// Facets that are brushed: rougher along one direction.
+/// Anisotropic microfacets: rougher along one direction.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Anisotropy {
     /// In `[0, 1]`; the facets' width along the direction goes from that of the roughness to 1 with its square.
     pub strength: f32,
     /// From the direction in which the texture's u grows, counter-clockwise, radians.
     pub rotation: f32,
-    /// Red and green: the direction, `2 texel - 1`, before it is turned; blue: multiplied to the strength.
+    /// Red and green: the direction, `2 texel - 1`, before its rotation; blue: multiplied to the strength.
     pub texture: Option<TextureRef>,
 }
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The edit log: what changed since somebody last looked, so that a commit does only the work that is due.
-//! A journal in the order of time, and the moment of each thing's last edit: of several edits of one thing
-//! only the last counts. The journal is weeded when half of it is stale, so it never grows beyond the scene itself.
-//! Cost: noting is O(1), amortised; asking costs what was noted since, however large the scene.
-//! Any number of worlds can follow one scene, each with its own [`Cursor`]; a copy of a scene is another scene.
+//! The edit log: the changes since a cursor, so that a commit does only the necessary work. A journal in the
+//! order of time, and the time of each element's last edit: of several edits of one element only the last
+//! counts. The journal is compacted when half of it is stale, so it never outgrows the scene. Cost: noting is
+//! O(1), amortised; reading is linear in the number of edits since the cursor, for a scene of any size. Any
+//! number of worlds can follow one scene, each with its own [`Cursor`]; a copy of a scene is another scene.
 
 use std::sync::Arc;
 
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
 
-/// A thing that was added or replaced.
+/// An added or replaced element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Edit {
     /// A mesh's arrays: objects that hold it need a new tree if its triangles moved.
@@ -29,7 +29,7 @@ pub enum Edit {
 }
 
 impl Edit {
-    /// The number of its kind, and its place among those.
+    /// The number of its kind, and its index in that.
     fn index_in_list(self) -> (usize, usize) {
         match self {
             Self::Mesh(id) => (0, id.index()),
@@ -43,14 +43,14 @@ impl Edit {
     }
 }
 
-/// Kinds of things.
+/// Kinds of elements.
 const KINDS: usize = 7;
 
-/// A moment in the life of a scene.
+/// A position in the edit log of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Cursor(u64);
 
-/// Tells a scene from all others, its copies included: their logs go on apart.
+/// Distinguishes a scene from all others, its copies included: their logs continue separately.
 #[derive(Clone, Debug, Default)]
 pub struct SceneIdentity(Arc<()>);
 
@@ -62,14 +62,14 @@ impl PartialEq for SceneIdentity {
 
 impl Eq for SceneIdentity {}
 
-/// Every thing with the moment of its last edit.
+/// Every element with the time of its last edit.
 #[derive(Debug, Default)]
 pub struct EditLog {
     identity: SceneIdentity,
     now: u64,
-    /// What was noted, ascending in time. An entry counts while it is the last of its thing.
+    /// The edits, ascending in time. An entry counts while it is the last of its element.
     journal: Vec<(u64, Edit)>,
-    /// By kind and place: the moment of the last edit; 0 = none yet.
+    /// By kind and index: the time of the last edit; 0 = none yet.
     last: [Vec<u64>; KINDS],
     /// How many entries of the journal count.
     things: usize,
@@ -100,7 +100,7 @@ impl EditLog {
         self.things += usize::from(last[index_in_list] == 0);
         last[index_in_list] = self.now;
         match self.journal.last_mut() {
-            // Often one thing is edited again and again.
+            // Often one element is edited repeatedly.
             Some((edit_number, same)) if *same == edit => *edit_number = self.now,
             _ => self.journal.push((self.now, edit)),
         }
@@ -111,7 +111,7 @@ impl EditLog {
         }
     }
 
-    /// The present moment: pass it to [`since`](Self::since) next time.
+    /// The current position: pass it to [`since`](Self::since) next time.
     #[must_use]
     pub fn cursor(&self) -> Cursor {
         Cursor(self.now)
@@ -123,7 +123,7 @@ impl EditLog {
         &self.identity
     }
 
-    /// What was edited after `cursor`, each thing once, in the order of last edits.
+    /// The edits after `cursor`: each element once, in the order of last edits.
     pub fn since(&self, cursor: Cursor) -> impl Iterator<Item = Edit> + '_ {
         let first = self.journal.partition_point(|&(edit_number, _)| edit_number <= cursor.0);
         let entries = self.journal[first..].iter();
@@ -131,7 +131,7 @@ impl EditLog {
     }
 }
 
-/// Whether an entry of the journal is the last of its thing.
+/// Whether an entry of the journal is the last of its element.
 fn is_last(last: &[Vec<u64>; KINDS], &(edit_number, edit): &(u64, Edit)) -> bool {
     let (kind, index_in_list) = edit.index_in_list();
     last[kind][index_in_list] == edit_number

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The numbers and textures of a metallic-roughness material, and the material that they make.
-//! Source: glTF 2.0 section 3.9 and its extensions. Kept apart from [`Material`] because which of our surfaces comes of the numbers
-//! depends on them, and because they may change with time.
-//! Materials without extensions become metallic-roughness or, where they neither mirror nor conduct, Lambertian; those with specular,
-//! clear coat, sheen, transmission and the like become principled. Glass is solid where there is a thickness, else a pane that bends nothing,
-//! at every roughness; solid glass that is smooth and lets through all light that it does not mirror is perfectly smooth, tinted by
-//! the base colour. glTF's v runs downwards, ours upwards: `uv_from_mesh`.
+//! Source: glTF 2.0 section 3.9 and its extensions. Separate from [`Material`], because the numbers determine
+//! which of our surfaces represents them, and because they may change with time. Materials without extensions
+//! become metallic-roughness or, where they neither mirror nor conduct, Lambertian; those with specular,
+//! clear coat, sheen, transmission and the like become principled. Glass is solid where there is a thickness,
+//! else a pane that bends nothing, at every roughness; solid glass that is smooth and lets through all light
+//! that it does not mirror is perfectly smooth, tinted by the base colour. glTF's v runs downwards, ours
+//! upwards: `uv_from_mesh`.
 //! Tests: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension}`.
 
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
@@ -19,7 +20,7 @@ const GLASS_ROUGHNESS: f32 = 0.05;
 /// From this factor on all light goes through.
 const CLEAR: f32 = 0.99;
 
-/// What glTF says of a material. The defaults are glTF's.
+/// The factors of a glTF material. The defaults are glTF's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factors {
     /// For people.
@@ -58,7 +59,7 @@ pub struct Factors {
     pub transmission: f32,
     /// KHR_materials_volume: above 0 = solid.
     pub thickness: f32,
-    /// KHR_materials_volume: what is left after the distance below.
+    /// KHR_materials_volume: the transmittance over the distance below.
     pub attenuation_color: [f32; 3],
     /// KHR_materials_volume: world units.
     pub attenuation_distance: f32,
@@ -92,7 +93,7 @@ pub struct Factors {
     pub emission_texture: Option<MappedTexture>,
 }
 
-/// What the opacity means.
+/// The use of the opacity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AlphaMode {
     /// Nothing.
@@ -109,7 +110,7 @@ pub enum AlphaMode {
 pub struct MappedTexture {
     /// The texture.
     pub texture: TextureId,
-    /// How it lies; `None` = as the mesh says.
+    /// Its transform; `None` = the mesh's coordinates.
     pub transform: Option<TextureTransform>,
 }
 
@@ -118,7 +119,7 @@ pub struct MappedTexture {
 pub struct TextureTransform {
     /// Moved by this, last.
     pub offset: [f32; 2],
-    /// Turned by this, radians.
+    /// Rotation, radians.
     pub rotation: f32,
     /// Scaled by this, first.
     pub scale: [f32; 2],
@@ -179,7 +180,7 @@ enum Kind {
 }
 
 impl Factors {
-    /// What the extensions add, over glTF's defaults for the rest.
+    /// The values of the extensions, with glTF's defaults for the rest.
     fn layers(&self) -> Principled {
         let transmission = unit(self.transmission);
         Principled {
@@ -199,12 +200,12 @@ impl Factors {
         }
     }
 
-    /// Whether what glass there is has no inside.
+    /// Whether all glass of the material is thin.
     fn is_thin(&self) -> bool {
         unit(self.transmission) == 0.0 || unit(self.thickness) == 0.0
     }
 
-    /// What is within glass; of materials without that, the default.
+    /// The interior of the glass; the default for materials without glass.
     fn interior(&self) -> Interior {
         if self.is_thin() {
             return Interior::default();
@@ -250,7 +251,7 @@ impl Factors {
         }
     }
 
-    /// `has_normals`: whether a normal map is to be looked at.
+    /// `has_normals`: whether a normal map is used.
     fn kind(&self, has_normals: bool) -> Kind {
         let layers = self.layers();
         let plain = Principled {
@@ -277,7 +278,7 @@ impl Factors {
         self.roughness.clamp(0.0, 1.0)
     }
 
-    /// Whether textures of roughness and normals are looked at, if there were one of normals.
+    /// Whether textures of roughness and normals are used, if there were one of normals.
     #[must_use]
     pub fn reads_roughness_textures(&self, has_normals: bool) -> bool {
         !self.unlit && matches!(self.kind(has_normals), Kind::Rough(_))
@@ -319,7 +320,7 @@ impl Factors {
                 material.diffuse = Some(base_color);
                 return material;
             }
-            // What neither mirrors nor conducts is Lambertian, as the material is so far.
+            // A material that neither mirrors nor conducts is Lambertian, as it is so far.
             Kind::Matte => return material,
             Kind::Rough(layers) => *layers,
         };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Typed ids, so that the compiler refuses a mesh id where a material id is meant.
+//! Typed ids, so that the compiler rejects a mesh id in place of a material id.
 //! Invariant: an id is the position of its value in the scene's array; values are never removed,
 //! only replaced, so an id stays good for the life of its scene.
 

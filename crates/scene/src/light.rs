@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lights that have no surface; surfaces shine through their material's emission.
+//! Lights without a surface; surfaces emit through their material's emission.
 //! Source: glTF KHR_lights_punctual for point, spot and directional; units are radiometric, or photometric
 //! ones all over the scene: no efficacy is applied (docs/decisions/0019).
 //! Space: world. Colours are linear.
@@ -37,7 +37,7 @@ pub enum Light {
         /// Irradiance on a surface that faces it, W·m⁻².
         irradiance: [f32; 3],
     },
-    /// From everywhere: what rays see that hit nothing. A scene has at most one; the last one counts.
+    /// From everywhere: the radiance of rays that hit nothing. A scene has at most one; the last one counts.
     Environment {
         /// Radiance, multiplied to the texture.
         radiance: [f32; 3],
@@ -46,8 +46,8 @@ pub enum Light {
         /// A rotation.
         world_from_light: Affine,
     },
-    /// What rays of the camera see that hit nothing, in place of the environment: it lights nothing. The last one counts, and none where
-    /// there is no environment.
+    /// The radiance of camera rays that hit nothing, in place of the environment; it lights nothing. The last
+    /// one counts, and none where there is no environment.
     Backdrop {
         /// Radiance, a latitude-longitude picture like that of an environment.
         texture: TextureId,

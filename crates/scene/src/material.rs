@@ -6,15 +6,16 @@
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 pub use crate::texture::TextureRef;
 
-/// How a surface looks: what it scatters, what it gives off, where it is not there.
+/// The appearance of a surface: scattering, emission, opacity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// For people; need not be unique.
     pub name: String,
     /// How it scatters light.
     pub surface: Surface,
-    /// What `--force-diffuse` shows instead of the surface; `None` = see [`Material::diffuse_color`]. Set where the
-    /// way to `surface` loses the file's diffuse colour: an OBJ mirror keeps its `Kd` here, black as it may be.
+    /// The colour of `--force-diffuse` instead of the surface; `None` = see [`Material::diffuse_color`]. Set
+    /// where the conversion to `surface` loses the file's diffuse colour: an OBJ mirror keeps its `Kd` here,
+    /// even if it is black.
     pub diffuse: Option<Color>,
     /// Radiance that leaves the side of the geometric normal, W·sr⁻¹·m⁻², times `emission_texture`.
     pub emission: [f32; 3],
@@ -22,7 +23,7 @@ pub struct Material {
     pub emission_texture: Option<TextureRef>,
     /// Where it lets light straight through.
     pub alpha: Alpha,
-    /// Heights that turn its normals.
+    /// Heights that bend its normals.
     pub bump: Option<BumpMap>,
 }
 
@@ -66,7 +67,7 @@ pub enum Surface {
         /// Tangent-space normals: red, green along the texture's u and v.
         normal_texture: Option<NormalMap>,
     },
-    /// glTF's metal and plastic with what its extensions add.
+    /// glTF's metal and plastic with its extensions.
     Principled(Box<Principled>),
     /// Rough diffuse reflector.
     RoughMatte {
@@ -90,13 +91,13 @@ pub enum Surface {
         ior: f32,
         /// Perceptual roughness in `[0, 1]`.
         roughness: f32,
-        /// Tint of what is mirrored.
+        /// Tint of the reflection.
         reflectance: [f32; 3],
-        /// Tint of what goes through.
+        /// Tint of the transmission.
         transmittance: [f32; 3],
         /// Whether it is a pane that does not bend light, and has no inside.
         thin: bool,
-        /// What is within.
+        /// The interior.
         interior: Interior,
     },
     /// Perfect mirror.
@@ -108,20 +109,20 @@ pub enum Surface {
     Dielectric {
         /// Index of refraction inside over outside, > 0.
         ior: f32,
-        /// Tint of what is mirrored.
+        /// Tint of the reflection.
         reflectance: [f32; 3],
-        /// Tint of what goes through.
+        /// Tint of the transmission.
         transmittance: [f32; 3],
-        /// What is within.
+        /// The interior.
         interior: Interior,
     },
-    /// A Lambertian floor that only catches shadow: where nothing shadows it, it shows what lies behind the scene, so that it is
-    /// not seen. In pictures with opacity it is there as far as it is darker than that.
+    /// A Lambertian floor that only catches shadow: where it is unshadowed, it shows the background, so that
+    /// it is invisible. In pictures with opacity, its opacity is the relative darkening by shadow.
     ShadowCatcher {
         /// Albedo.
         albedo: [f32; 3],
-        /// What lies behind, and what the floor sends back where all light of the environment reaches it: albedo times
-        /// irradiance over pi.
+        /// The background, and the radiance of the floor where all light of the environment reaches it:
+        /// albedo times irradiance over pi.
         radiance: [f32; 3],
     },
     /// A colour that is seen as it is, from both sides, and lights nothing: KHR_materials_unlit.
@@ -129,7 +130,7 @@ pub enum Surface {
         /// Radiance, W·sr⁻¹·m⁻², times the mesh's colours.
         color: Color,
     },
-    /// Whatever a shader of the renderer's shader table does; the number is its place there.
+    /// A shader of the renderer's shader table; the number is its index there.
     Shader(u32),
 }
 
@@ -155,7 +156,7 @@ impl Surface {
     }
 }
 
-/// glTF's metal and plastic with what its extensions add. Of their textures that of the anisotropy is known.
+/// glTF's metal and plastic with its extensions. Of their textures only that of the anisotropy is supported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Principled {
     /// Albedo of the dielectric part, tint of its glass, normal reflectance of the metal part.
@@ -186,7 +187,7 @@ pub struct Principled {
     pub transmission: f32,
     /// Whether that glass is a pane that does not bend light, as it is without KHR_materials_volume.
     pub thin: bool,
-    /// KHR_materials_volume and KHR_materials_dispersion: what is within that glass, unless it is thin.
+    /// KHR_materials_volume and KHR_materials_dispersion: the interior of that glass, unless it is thin.
     pub interior: Interior,
     /// KHR_materials_anisotropy, of plastic, metal and glass.
     pub anisotropy: Anisotropy,
@@ -222,7 +223,7 @@ impl Default for Principled {
     }
 }
 
-/// What the values of a texture mean where a material reads it.
+/// The meaning of a texture's values to the material that reads it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TextureRole {
     /// Colours: bytes are sRGB.
@@ -240,13 +241,13 @@ pub struct NormalMap {
     pub scale: f32,
 }
 
-/// A bump map: heights that turn normals, not the surface.
+/// A bump map: heights that bend normals and leave the surface unchanged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BumpMap {
     /// Heights, by their luminance; bytes are linear.
     pub texture: TextureRef,
-    /// How far white lies above black, in widths of a texel: 1 makes a step from black to white within one texel a slope of 45 degrees,
-    /// however large the texture lies on the surface. Below zero: white is a hollow.
+    /// Height of white above black, in widths of a texel: 1 makes a step from black to white within one texel
+    /// a slope of 45 degrees, at any size of the texture on the surface. Below zero: white is a hollow.
     pub height: f32,
 }
 
@@ -263,7 +264,7 @@ pub enum Alpha {
         /// Opacity.
         opacity: Opacity,
     },
-    /// There for the share of light that the opacity says.
+    /// Opaque for the fraction of light given by the opacity.
     Blend {
         /// Opacity.
         opacity: Opacity,
@@ -318,7 +319,8 @@ impl Material {
         self.diffuse.unwrap_or(self.surface.base_color())
     }
 
-    /// All textures that it reads, and what their values mean. One that is read twice is told twice.
+    /// All textures that it reads, with the meaning of their values. A texture that is read twice occurs
+    /// twice.
     pub fn textures(&self) -> impl Iterator<Item = (TextureRef, TextureRole)> {
         use TextureRole::{Color as Colors, Data};
         let base = self.surface.base_color().texture;

@@ -19,27 +19,29 @@ pub struct Mesh {
     /// Texture coordinates per vertex, v upwards (row 0 of a picture is at v = 1); empty = all (0, 0).
     pub texcoords: Vec<[f32; 2]>,
     /// Tangents per vertex, for normal maps: the first three numbers, of any length, point to where u grows; the fourth is 1 or -1,
-    /// the side of `normal x tangent` to which v grows. Empty, or zero at a vertex = as the texture coordinates say.
+    /// the side of `normal x tangent` to which v grows. Empty, or zero at a vertex = derived from the texture
+    /// coordinates.
     pub tangents: Vec<[f32; 4]>,
     /// Colours per vertex, linear red, green, blue and opacity, multiplied to the base colour; empty = white.
     pub colors: Vec<[f32; 4]>,
     /// Vertices of each triangle.
     pub indices: Vec<[u32; 3]>,
-    /// What it is made of.
+    /// Its material.
     pub material: MaterialId,
-    /// Further values for shaders that ask for them by name.
+    /// Further values that shaders request by name.
     pub attributes: Vec<Attribute>,
 }
 
-/// Name of the attribute, two floats per vertex, that has a third texture coordinate and what divides all three. Where a
-/// mesh has it, its texture coordinates are those before the division, which is done where a ray hits: as in OpenGL, a
-/// divisor that changes over a triangle makes a projection. Lists of lights do not look at it.
+/// Name of the attribute, two floats per vertex, with a third texture coordinate and the divisor of all
+/// three. Where a mesh has it, its texture coordinates are those before the division, which is done where a
+/// ray hits: as in OpenGL, a divisor that changes over a triangle makes a projection. Lists of lights ignore
+/// it.
 pub const TEXCOORD_RQ: &str = "texcoord_rq";
 
 /// A named value per triangle or per vertex.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attribute {
-    /// The name that a shader asks for.
+    /// The name that a shader requests.
     pub name: String,
     /// How often the value changes over the surface.
     pub rate: Rate,
@@ -59,7 +61,7 @@ pub enum Rate {
 }
 
 impl Mesh {
-    /// What divides the texture coordinates of these vertices, if anything does; see [`TEXCOORD_RQ`].
+    /// The divisors of the texture coordinates of these vertices, if any; see [`TEXCOORD_RQ`].
     #[must_use]
     pub fn texcoord_divisors(&self, vertices: [usize; 3]) -> Option<[f32; 3]> {
         let is_it = |a: &&Attribute| a.rate == Rate::Vertex && a.components == 2 && a.name == TEXCOORD_RQ;

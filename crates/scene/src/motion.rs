@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How an object moves within itself, as far as somebody says. See docs/explanation/moving.md. glTF: the string
-//! `gnurt_motion` in a mesh's `extras`. Tests: `tests::parts`, `tests/save.rs`.
+//! A hint about the deformation of an object. See docs/explanation/moving.md. glTF: the string `gnurt_motion`
+//! in a mesh's `extras`. Tests: `tests::parts`, `tests/save.rs`.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// What is done about an object's tree when its vertices are edited. Its instances may move whatever is said here.
+/// The treatment of an object's tree after edits of its vertices. Its instances may move with any hint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Motion {
-    /// Found out from what is edited.
+    /// Derived from the edits.
     #[default]
     Auto,
     /// Vertices stay: an edit is the exception, and the tree is built again.
@@ -44,7 +44,7 @@ pub struct UnknownMotion(String);
 
 impl fmt::Display for UnknownMotion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} is no motion: auto, static, rigid, deforming and known are", self.0)
+        write!(f, "unknown motion {:?}; valid are: auto, static, rigid, deforming, known", self.0)
     }
 }
 

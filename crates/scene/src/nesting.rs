@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects made of other objects: how deep they lie in one another, whether one holds itself, and everything that instances show
-//! when all is unfolded.
-//! The paper's section 6 has two levels. Spaces: a member's transform goes to the object that holds it.
-//! Invariants: walks end, also in descriptions with circles; an object is looked at once, however often it occurs, but by
-//! [`Scene::occurrences`]. Tests: `tests`.
+//! Objects made of other objects: the depth of nesting, cycles, and the occurrences that instances show after
+//! unfolding. [SIP06], section 6, has two levels. Spaces: a member's transform goes to the object that holds
+//! it. Invariants: traversals end, also in descriptions with cycles; each visits an object once, however
+//! often it occurs, except [`Scene::occurrences`]. Tests: `tests`.
 
 use crate::affine::Affine;
 use crate::id::{InstanceId, ObjectId};
 use crate::ray_mask::RayMask;
 use crate::scene::{Object, Scene};
 
-/// Most transforms on the way from the world to a mesh: that of an instance, and those of the members within.
+/// Most transforms on the path from the world to a mesh: that of an instance, and those of the members
+/// within.
 pub const DEEPEST: u32 = 16;
 
-/// Objects that cannot lie in one another as a description says.
+/// Objects whose nesting is invalid.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum NestingError {
     /// A member that is no object of the scene.
@@ -21,9 +21,9 @@ pub enum NestingError {
     Missing {
         /// The object that holds it.
         object: u32,
-        /// Its place among the members.
+        /// Its index among the members.
         member: usize,
-        /// What it shows.
+        /// The missing object.
         missing: u32,
     },
     /// The members of an object, or theirs, show the object itself.
@@ -33,7 +33,7 @@ pub enum NestingError {
         object: u32,
     },
     /// More than [`DEEPEST`] levels.
-    #[error("below object {object} more than {DEEPEST} objects lie in one another")]
+    #[error("below object {object} objects are nested more than {DEEPEST} levels deep")]
     TooDeep {
         /// The outermost of them.
         object: u32,
@@ -45,19 +45,19 @@ pub enum NestingError {
 pub struct Occurrence<'a> {
     /// The instance of the scene.
     pub instance: InstanceId,
-    /// Objects that hold it, on the way from the instance.
+    /// Objects that hold it, along the path from the instance.
     pub depth: usize,
     /// Of the instance, or of an object within another its own.
     pub name: &'a str,
     /// The object.
     pub object_id: ObjectId,
-    /// And what it is.
+    /// The object itself.
     pub object: &'a Object,
-    /// The last transform on the way to it.
+    /// The last transform of the path.
     pub parent_from_object: Affine,
-    /// All transforms on the way to it.
+    /// All transforms of the path.
     pub world_from_object: Affine,
-    /// What all masks on the way have in common.
+    /// The intersection of all masks along the path.
     pub mask: RayMask,
 }
 
@@ -127,9 +127,9 @@ impl Scene {
         Some(counts)
     }
 
-    /// All objects that visible instances show, those within others too, each as often as it occurs: those that hold others
-    /// come first. There may be very many. Of a scene whose [`levels`](Self::levels) are an error what instances show
-    /// themselves; ids that name nothing are passed over.
+    /// All objects that visible instances show, nested ones too, each as often as it occurs: holders of
+    /// others come first. There may be very many. If [`levels`](Self::levels) is an error, only the objects
+    /// that instances show directly; invalid ids are skipped.
     #[must_use]
     pub fn occurrences(&self) -> Occurrences<'_> {
         let is_flat = self.objects().iter().all(|object| object.members.is_empty());
@@ -145,7 +145,7 @@ pub struct Occurrences<'a> {
     /// The next instance.
     next: u32,
     unfolds: bool,
-    /// Objects on the way to the last one, and the next member of each.
+    /// Objects along the path to the last one, and the next member of each.
     stack: Vec<(Occurrence<'a>, usize)>,
 }
 
@@ -212,7 +212,7 @@ mod tests {
         Affine::translation([x, 0.0, 0.0])
     }
 
-    /// Objects each of which holds the one before, twice.
+    /// Objects each of which holds its predecessor twice.
     fn tower(levels: u32) -> Scene {
         let mut scene = Scene::new();
         scene.add_object(Object::default());

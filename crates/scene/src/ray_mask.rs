@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which rays see an instance. Source: the masks of Embree, whose bits mean here what Blender's "ray visibility" means.
-//! A bit for each kind of ray; a ray sees an instance that has its bit.
+//! Which rays see an instance. Source: the masks of Embree; our bits have the meaning of Blender's "ray
+//! visibility". A bit for each kind of ray; a ray sees an instance that has its bit.
 
 use std::ops::{BitAnd, BitOr, Not};
 
-/// Kinds of rays, as bits. All, unless somebody says otherwise.
+/// Kinds of rays, as bits. All kinds by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct RayMask(pub u32);
 
@@ -15,8 +15,8 @@ impl RayMask {
     pub const CAMERA: Self = Self(1);
     /// Rays from a surface to a light: an instance without this bit casts no shadow.
     pub const SHADOW: Self = Self(2);
-    /// All others: what surfaces reflect, refract and scatter, and the light that lamps send out. An instance without this bit is
-    /// in no mirror, takes no part in indirect light, and gives off no light to others.
+    /// All other rays: reflected, refracted and scattered ones, and those from lights. An instance without
+    /// this bit is in no mirror, takes no part in indirect light, and emits no light to others.
     pub const OTHER: Self = Self(4);
     /// All; bits that no kind of ray has are for later.
     pub const ALL: Self = Self(u32::MAX);

@@ -2,7 +2,7 @@
 //! The scene: arrays of plain data and the log of their edits.
 //! Objects and instances after the paper's section 6 and [WBS03a], objects in objects: `nesting`.
 //! Everything is read through public slices and written through methods, so that no edit escapes the log.
-//! Meshes are shared: who keeps an `Arc` of one keeps it as it was, because an edit copies what others hold.
+//! Meshes are shared: the holder of an `Arc` keeps its mesh unchanged, because an edit copies shared meshes.
 //! Tests: `tests::edits_leave_shared_meshes_alone`, crates/render/tests/commit.rs.
 
 use std::collections::BTreeMap;
@@ -28,26 +28,26 @@ pub struct Object {
     pub name: String,
     /// Its meshes; a hit's `geom_id` is a position in this list.
     pub meshes: Vec<MeshId>,
-    /// Other objects that it is made of, beside its meshes: what they show is stored once, however often they occur.
-    /// [`DEEPEST`](crate::nesting::DEEPEST) levels at most, and none may hold itself.
+    /// Other objects that it is made of, in addition to its meshes; each is stored once, however often it
+    /// occurs. [`DEEPEST`](crate::nesting::DEEPEST) levels at most, and none may hold itself.
     pub members: Vec<Member>,
-    /// What becomes of its tree when they are edited.
+    /// Hint for its tree when the meshes are edited.
     pub motion: Motion,
 }
 
 /// An object within another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Member {
-    /// What is there.
+    /// The nested object.
     pub object: ObjectId,
     /// Where, in the space of the object that holds it; must have an inverse, else the member is dropped and counted at commit.
     pub object_from_member: Affine,
-    /// Which rays meet it, of those that meet the object that holds it.
+    /// The rays that hit it, among those that hit the object that holds it.
     pub mask: RayMask,
 }
 
 impl Member {
-    /// One that all rays meet.
+    /// A member that all rays hit.
     #[must_use]
     pub fn new(object: ObjectId, object_from_member: Affine) -> Self {
         Self { object, object_from_member, mask: RayMask::ALL }
@@ -59,7 +59,7 @@ impl Member {
 pub struct Instance {
     /// For people; need not be unique.
     pub name: String,
-    /// What is put there.
+    /// The object shown.
     pub object: ObjectId,
     /// Where; must have an inverse, else the instance is dropped and counted at commit.
     pub world_from_object: Affine,
@@ -69,16 +69,16 @@ pub struct Instance {
     pub mask: RayMask,
 }
 
-/// Objects, instances, materials, textures, lights and cameras, what of them moves, and the log of what changed.
+/// Objects, instances, materials, textures, lights and cameras, their animation, and the log of edits.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     meshes: Vec<Arc<Mesh>>,
     objects: Vec<Object>,
     instances: Vec<Instance>,
     materials: Vec<Material>,
-    /// Those that its file names, by materials.
+    /// Shaders that its file names, by materials.
     shader_files: BTreeMap<MaterialId, ShaderFile>,
-    /// Likewise, by cameras.
+    /// The same for cameras.
     camera_files: BTreeMap<CameraId, ShaderFile>,
     textures: Vec<Texture>,
     lights: Vec<Light>,
@@ -130,24 +130,25 @@ arrays! {
 }
 
 impl Scene {
-    /// Shaders that its file names for materials; the materials are what is shown without them.
+    /// Shaders that its file names for materials; without a shader compiler the materials are shown.
     pub fn shader_files(&self) -> impl Iterator<Item = (MaterialId, &ShaderFile)> {
         self.shader_files.iter().map(|(&id, file)| (id, file))
     }
 
-    /// Names a shader for a material. Who renders the scene compiles it.
+    /// Names a shader for a material. The renderer's caller compiles it.
     pub fn set_shader_file(&mut self, material: MaterialId, file: ShaderFile) {
         self.log.note(Edit::Material(material));
         self.shader_files.insert(material, file);
     }
 
-    /// The shader that its file names for a camera; the camera is where that stands, and what is seen without it.
+    /// The shader that its file names for a camera; the camera gives its position, and the view without a
+    /// shader compiler.
     #[must_use]
     pub fn camera_file(&self, camera: CameraId) -> Option<&ShaderFile> {
         self.camera_files.get(&camera)
     }
 
-    /// Names a shader for a camera. Who renders the scene compiles it.
+    /// Names a shader for a camera. The renderer's caller compiles it.
     pub fn set_camera_file(&mut self, camera: CameraId, file: ShaderFile) {
         self.log.note(Edit::Camera(camera));
         self.camera_files.insert(camera, file);
@@ -179,14 +180,14 @@ impl Scene {
         &self.meshes[id.index()]
     }
 
-    /// One of the meshes, to be changed; the log notes it. Copied first if somebody else holds it: a world that was
-    /// committed keeps what it had. Panics on an id of another scene.
+    /// One of the meshes, to be changed; the log notes it. A shared mesh is copied first: a committed world
+    /// keeps its version. Panics on an id of another scene.
     pub fn edit_mesh(&mut self, id: MeshId) -> &mut Mesh {
         self.log.note(Edit::Mesh(id));
         Arc::make_mut(&mut self.meshes[id.index()])
     }
 
-    /// Puts another mesh in the place of one, without copying either. Panics on an id of another scene.
+    /// Replaces a mesh, without copying either. Panics on an id of another scene.
     pub fn replace_mesh(&mut self, id: MeshId, value: impl Into<Arc<Mesh>>) {
         self.log.note(Edit::Mesh(id));
         self.meshes[id.index()] = value.into();
@@ -208,7 +209,8 @@ impl Scene {
         self.add_instance(Instance { name, object, world_from_object, visible: true, mask: RayMask::ALL })
     }
 
-    /// What moves, and how; `None` = nothing. [`animate`](Self::animate) gives it, [`pose`](Self::pose) shows a moment of it.
+    /// The animation; `None` if nothing moves. [`animate`](Self::animate) sets it, [`pose`](Self::pose) shows
+    /// a time of it.
     #[must_use]
     pub fn animation(&self) -> Option<&Animation> {
         self.animation.as_deref()
@@ -218,30 +220,30 @@ impl Scene {
         self.animation.clone()
     }
 
-    /// Puts an animation that was checked in the place of the one there was.
+    /// Replaces the animation by a checked one.
     pub(crate) fn set_animation(&mut self, animation: Animation) {
         self.animation = Some(Arc::new(animation));
         self.playback = Playback::default();
     }
 
-    /// What is remembered of the moment that is shown.
+    /// The pose that is shown.
     pub(crate) fn playback(&mut self) -> &mut Playback {
         &mut self.playback
     }
 
-    /// The present moment of the edit log.
+    /// The current position of the edit log.
     #[must_use]
     pub fn cursor(&self) -> Cursor {
         self.log.cursor()
     }
 
-    /// What tells this scene from all others, copies of it included.
+    /// The identity of this scene, distinct from all others, copies included.
     #[must_use]
     pub fn identity(&self) -> &SceneIdentity {
         self.log.identity()
     }
 
-    /// What was edited after `cursor`, each thing once.
+    /// The edits after `cursor`, each element once.
     pub fn edits_since(&self, cursor: Cursor) -> impl Iterator<Item = Edit> + '_ {
         self.log.since(cursor)
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Shaders that a scene's file names for its materials, as they are written there: who renders it compiles them.
-//! glTF: `extras` of a material, `{"gnurt": {"shader": "wood.osl", "parameters": {"scale": 2}}}`;
-//! MTL: `gnurt_shader wood.osl scale=2 tint=1,0.5,0.2`. Tests: `tests/obj.rs`, `tests/gltf.rs`.
+//! Shaders that a scene's file names for its materials, unparsed: the renderer's caller compiles them. glTF:
+//! `extras` of a material, `{"gnurt": {"shader": "wood.osl", "parameters": {"scale": 2}}}`; MTL:
+//! `gnurt_shader wood.osl scale=2 tint=1,0.5,0.2`. Tests: `tests/obj.rs`, `tests/gltf.rs`.
 
 use std::path::PathBuf;
 

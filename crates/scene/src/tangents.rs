@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Tangents for normal maps where a file has none: those that bakers of such maps take.
+//! Tangents for normal maps if a file has none: those that bakers of such maps use.
 //! Source: MikkTSpace \[Mik08\], by the crate `bevy_mikktspace`. Space: object; coordinates have v upwards.
 //! Vertices are not split: one whose triangles disagree on which side v grows (the seam of a mirrored map) has none, and its triangles
 //! go by their own coordinates, which have the right side.
@@ -50,7 +50,7 @@ enum Side {
     Both,
 }
 
-/// The corners of a mesh's triangles, and what is found of its vertices.
+/// The corners of a mesh's triangles, and the values found for its vertices.
 struct Corners<'a> {
     mesh: &'a Mesh,
     /// Brings all coordinates to [-1, 1], so that nothing overflows.

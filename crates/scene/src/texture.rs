@@ -14,9 +14,9 @@ use crate::id::TextureId;
 pub struct Texture {
     /// For people: usually its file's name.
     pub name: String,
-    /// Its texels, shared with whoever else shows them.
+    /// Its texels, shared with other textures.
     pub texels: Arc<Texels>,
-    /// What happens outside `[0, 1]` along u and v.
+    /// Wrapping outside of `[0, 1]` along u and v.
     pub wrap: [Wrap; 2],
     /// How a point between texel centres is read.
     pub filter: Filter,
@@ -25,10 +25,10 @@ pub struct Texture {
 /// Behaviour of a texture outside `[0, 1]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// The picture goes on from its other edge.
+    /// The picture repeats.
     #[default]
     Repeat,
-    /// The picture goes on mirrored.
+    /// The picture repeats mirrored.
     MirroredRepeat,
     /// The edge's texels go on.
     ClampToEdge,

@@ -19,7 +19,7 @@ impl Mesh {
     /// Removes the vertices that no triangle uses, and keeps the order of the others.
     pub fn drop_unused_vertices(&mut self) {
         let count = self.positions.len();
-        // Each vertex for a triangle of its own is common, and quickly seen.
+        // A vertex for each corner of each triangle is a common case with a quick test.
         let are_own = |(i, triangle): (usize, &[u32; 3])| *triangle == [0, 1, 2].map(|k| 3 * i as u32 + k);
         if count == 3 * self.indices.len() && self.indices.iter().enumerate().all(are_own) {
             return;

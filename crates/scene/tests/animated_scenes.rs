@@ -10,7 +10,7 @@ use gnurt_scene::Scene;
 use gnurt_scene::io::{Oddity, load};
 use serde::Deserialize;
 
-/// What the other program says.
+/// A row of the other program's output.
 #[derive(Deserialize)]
 struct Row {
     file: String,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Animations of glTF files and of programs: what is where at a moment, against a simple evaluation in double precision.
-//! GlTF 2.0 section 3.11 and appendix C, KHR_animation_pointer, KHR_node_visibility.
+//! Animations of glTF files and of programs: positions at a time, against a simple evaluation in double
+//! precision. GlTF 2.0 section 3.11 and appendix C, KHR_animation_pointer, KHR_node_visibility.
 
 use std::sync::Arc;
 
@@ -39,7 +39,7 @@ impl Gltf {
         self.add(&bytes, 5126, shape, values.len() / width, "")
     }
 
-    /// An animation's sampler and its channel: `target` is what stands in it.
+    /// An animation's sampler and its channel with this `target`.
     fn curve(&mut self, times: &[f32], values: &[f32], shape: &str, how: &str) -> String {
         let (input, output) = (self.floats(times, "SCALAR"), self.floats(values, shape));
         format!(r#"{{"input":{input},"output":{output},"interpolation":"{how}"}}"#)
@@ -196,7 +196,7 @@ fn cubic_splines_and_normalized_integers() {
     );
 }
 
-/// A bar along y of three squares, whose vertices hang on two joints by their height, in two sets of joints.
+/// A bar along y of three squares, whose vertices follow two joints by their height, in two sets of joints.
 fn bar(g: &mut Gltf, joint: u8) -> String {
     let (mut positions, mut first, mut second, mut normals) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -204,7 +204,7 @@ fn bar(g: &mut Gltf, joint: u8) -> String {
         for x in [0.0, 1.0] {
             positions.extend([x, f32::from(row), 0.0]);
             normals.extend([0.0, 0.0, 1.0]);
-            // Half of what one may expect: weights are divided by their sum.
+            // Half of the expected value: weights are divided by their sum.
             first.extend([0.5 * (1.0 - f32::from(row) / 3.0), 0.0, 0.0, 0.0]);
             second.extend([0.0, 0.5 * f32::from(row) / 3.0, 0.0, 0.0]);
         }
@@ -301,11 +301,11 @@ fn joints_that_mirror_turn_triangles_round() {
     }
 }
 
-/// Numbers of the file that are none: what bends by them is told.
+/// Invalid numbers in the file: the deformed mesh gets a warning.
 #[test]
 fn weights_and_matrices_that_are_no_numbers_are_told() {
     for (weight, bind, text) in [
-        (f32::NAN, 1.0, "vertex 1 hangs on a joint by no finite weight"),
+        (f32::NAN, 1.0, "vertex 1 has a joint weight that is not finite"),
         (1.0, f32::NAN, "skins[0]: inverse bind matrix 0"),
         (1.0, 1.0, ""),
     ] {
@@ -342,7 +342,7 @@ fn joints_out_of_range_are_an_error() {
     let body = bent(&mut g, 2);
     let error = g.load(&body).expect_err("no such joint").to_string();
     assert!(
-        error.contains("meshes[0].primitives[0]: vertex 2 hangs on joint 2, but the skin has 2 joints"),
+        error.contains("meshes[0].primitives[0]: vertex 2 uses joint 2, but the skin has 2 joints"),
         "{error}"
     );
     let dangling = body.replace(r#""joints":[1,2]"#, r#""joints":[1,3]"#);
@@ -492,20 +492,20 @@ fn bad_animations_are_told_by_their_place() {
             &nan,
             move_it,
             Oddity::BadAnimation,
-            "animations[1].samplers[0] of animations[1].channels[0]: the time of key 1 is no finite number",
+            "animations[1].samplers[0] of animations[1].channels[0]: the time of key 1 is not a finite number",
         ),
         (
             &no_turn,
             r#""node":0,"path":"rotation""#,
             Oddity::BadAnimation,
-            "animations[1].samplers[0] of animations[1].channels[0]: a value of key 1 is no finite number",
+            "animations[1].samplers[0] of animations[1].channels[0]: a value of key 1 is not a finite number",
         ),
-        (&no_place, move_it, Oddity::BadAnimation, "a value of key 0 is no finite number"),
+        (&no_place, move_it, Oddity::BadAnimation, "a value of key 0 is not a finite number"),
         (&back, move_it, Oddity::BadAnimation, "the time of key 2 is before that of the key before it"),
         (&equal, move_it, Oddity::RepeatedKey, "animations[1].samplers[0]"),
         (&few, move_it, Oddity::BadAnimation, "9 values for 2 keys; expected 6"),
         (&odd, move_it, Oddity::BadAnimation, "unknown interpolation `QUADRATIC`"),
-        (&none, move_it, Oddity::BadAnimation, "there are no keys"),
+        (&none, move_it, Oddity::BadAnimation, "keys missing"),
         (
             &weights,
             r#""node":0,"path":"weights""#,
@@ -654,7 +654,7 @@ fn programs_make_animations() {
     };
     assert_eq!(
         problem(|a| a.nodes[1].parent = Attachment::On(1)),
-        "animation node 1: stands on node 1, which is not before it",
+        "animation node 1: its parent node 1 does not precede it",
         "a circle"
     );
     assert!(problem(|a| a.instances[0].node = 2).contains("node 2 does not exist"), "an instance");

@@ -4,7 +4,7 @@
 
 use crate::common::{glb, load_named};
 
-/// What must come of a file.
+/// The expected result of a file.
 enum Outcome {
     /// An error whose line holds this text.
     Error(&'static str),
@@ -246,7 +246,7 @@ fn gltf_cases() -> Vec<(&'static str, Vec<u8>, Outcome)> {
         ("accessor too long", mesh(1, ""), Error("4 elements do not fit into the 36 bytes")),
         ("no buffer", mesh(2, ""), Error("buffer 7 does not exist")),
         ("view too long", mesh(3, ""), Error("bufferView 2 ends after its buffer's 36 bytes")),
-        ("accessor bomb", mesh(4, ""), Error("more memory is asked for than a file of this length may take")),
+        ("accessor bomb", mesh(4, ""), Error("more memory is needed than a file of this length may take")),
         ("no material", mesh(0, r#","material":3"#), Error("material 3 does not exist")),
         (
             "index out of range",
@@ -393,7 +393,7 @@ fn binary_gltf() {
             (
                 "JSON that is no UTF-8",
                 glb(b"{\"asset\":{\"version\":\"2.0\"},\"x\":\"\xff\"}", b""),
-                Error("the JSON is no UTF-8 at its byte 32"),
+                Error("the JSON is invalid UTF-8 at its byte 32"),
             ),
             ("twelve bytes", good[..10].to_vec(), Error("the file ends in its header")),
             (

@@ -15,7 +15,7 @@ fn write(path: &Path, bytes: impl AsRef<[u8]>) {
     std::fs::write(path, bytes).expect("a file");
 }
 
-/// Loads a scene in `in/` that may read what is there.
+/// Loads a scene in `in/` that may read only files there.
 fn confined(folder: &Path, name: &str, text: &str) -> Result<Loaded, Error> {
     let path = folder.join("in").join(name);
     write(&path, text);
@@ -67,7 +67,7 @@ fn libraries_and_textures() {
     for escape in escapes(at, "lib.mtl") {
         let line = confined(at, "t.obj", &scene(&escape)).expect_err(&escape).to_string();
         assert!(
-            line.contains("t.obj:1: ") && line.contains("lies outside"),
+            line.contains("t.obj:1: ") && line.contains("is outside"),
             "{escape}: file, line and problem: {line}"
         );
         assert!(
@@ -84,7 +84,7 @@ fn libraries_and_textures() {
         let escape = if escape.starts_with("/") { escape } else { format!("../{escape}") };
         library(&escape);
         let line = confined(at, "t.obj", &scene("maps/t.mtl")).expect_err(&escape).to_string();
-        assert!(line.contains("t.mtl:2: ") && line.contains("lies outside"), "{escape}: {line}");
+        assert!(line.contains("t.mtl:2: ") && line.contains("is outside"), "{escape}: {line}");
     }
     library("none.png");
     let loaded = confined(at, "t.obj", &scene("maps/t.mtl")).expect("a missing texture is no error");
@@ -111,11 +111,11 @@ fn buffers_and_images() {
     confined(at, "t.gltf", &image("maps/a.png")).expect("an image below the folder");
     for escape in escapes(at, "a.bin") {
         let line = confined(at, "t.gltf", &buffer(&escape)).expect_err(&escape).to_string();
-        assert!(line.contains("t.gltf:2: buffers[0]: ") && line.contains("lies outside"), "{escape}: {line}");
+        assert!(line.contains("t.gltf:2: buffers[0]: ") && line.contains("is outside"), "{escape}: {line}");
     }
     for escape in escapes(at, "a.png") {
         let line = confined(at, "t.gltf", &image(&escape)).expect_err(&escape).to_string();
-        assert!(line.contains("t.gltf:3: images[0]: ") && line.contains("lies outside"), "{escape}: {line}");
+        assert!(line.contains("t.gltf:3: images[0]: ") && line.contains("is outside"), "{escape}: {line}");
     }
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What glTF files mean here.
-//! GlTF 2.0 and its extensions.
+//! The meaning of glTF files here. GlTF 2.0 and its extensions.
 
 use crate::common::load_named;
 use gnurt_scene::detail::{DiffuseTransmission, Interior, Iridescence};
@@ -49,7 +48,7 @@ fn a_node_may_have_its_mesh_at_many_places() {
             r#"{TRIANGLE},"extensionsRequired":["EXT_mesh_gpu_instancing"],"nodes":[{{"mesh":0,"translation":[5,0,0],{extension}{rest}}}]"#
         )
     };
-    // Three places (0,0,0) (1,0,0) (0,1,0), scaled by as much; what else there is of each is passed over.
+    // Three positions (0,0,0) (1,0,0) (0,1,0), scaled by the same numbers; other attributes are ignored.
     let scene = gltf(&node(r#""TRANSLATION":0,"_ID":1"#, r#","extras":{"mask":5}"#));
     assert_eq!((scene.instances().len(), scene.objects().len()), (1, 2), "an object made of another");
     assert_eq!(scene.instances()[0].mask, RayMask(5), "the node's mask is of all");
@@ -130,7 +129,7 @@ fn materials_become_ours() {
     assert!(matches!(leaf.alpha, Alpha::Mask { cutoff: 0.25, .. }), "masked: {:?}", leaf.alpha);
 }
 
-/// What few materials have.
+/// Rare properties of materials.
 #[test]
 fn rare_extensions_become_ours() {
     let volume = r#""KHR_materials_volume":{"thicknessFactor":2,"attenuationColor":[0.5,0.25,1],"attenuationDistance":0.75},"KHR_materials_dispersion":{"dispersion":0.5}"#;
@@ -264,7 +263,7 @@ fn weights_that_are_no_numbers_are_told() {
     );
     let loaded = load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
     let told = loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
-    assert!(told.contains("vertex 0 hangs on a joint by no finite weight"), "{told}");
+    assert!(told.contains("vertex 0 has a joint weight that is not finite"), "{told}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What scene files cost: whatever they say, at most 512 MiB and 64 times their length, and only a few seconds.
-//! Every allocation of the program is counted. One test only, so that nothing else is counted.
+//! Cost of scene files: at most 512 MiB and 64 times their length, and a few seconds. Every allocation of the
+//! program is counted. One test only, so that nothing else is counted.
 
 #![expect(clippy::print_stdout, reason = "a failing table tells the row that it was at")]
 
@@ -14,19 +14,19 @@ use peak_alloc::PeakAlloc;
 #[global_allocator]
 static ALLOCATIONS: PeakAlloc = PeakAlloc;
 
-/// What loading a file may take at least.
+/// Memory that loading a file may always take.
 const BELIEVED: u64 = 512 << 20;
 /// And for each byte of all that was read.
 const GROWTH: u64 = 64;
 /// It takes tenths of a second where nothing else runs.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// What comes of a file.
+/// The result of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Outcome {
     Loaded,
     Refused,
-    /// Either is right, depending on what a value takes.
+    /// Either result is right, depending on the size of a value.
     Either,
 }
 use Outcome::{Either, Loaded, Refused};
@@ -264,8 +264,8 @@ fn judge(folder: &Path, name: &str, length: u64, path: &Path, outcome: Outcome) 
     }
 }
 
-/// A mesh of this many vertices that a weight lifts, and what of it is held while a shutter is open: a mesh at the start, one at the end,
-/// and one or two on the way.
+/// A mesh of this many vertices that a weight lifts, and its memory for an open shutter: one mesh at the
+/// start, one at the end, and one or two between.
 fn open_shutter(side: u32) {
     use gnurt_scene::animation::{Body, Channel, Clip, Deltas, Interpolation, Morph, Sampler, Target};
     let count = (side * side) as usize;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What OBJ and MTL files mean here.
-//! The table in `io::obj::material`.
+//! The meaning of OBJ and MTL files here. The table in `io::obj::material`.
 
 use crate::common::load_named;
 use gnurt_scene::material::{Alpha, Material};

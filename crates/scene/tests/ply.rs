@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What PLY files mean here, in all three encodings.
+//! The meaning of PLY files here, in all three encodings.
 
 use crate::common::load_named;
 use gnurt_scene::{Mesh, Scene};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is written is read back.
+//! Scenes are read back as they were written.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ fn there_and_back(scene: &Scene, name: &str) -> Scene {
     told(scene, name).0
 }
 
-/// What comes back, what was said when it was written, and the text of the file (of a library, if there is one).
+/// The scene read back, the warnings of writing, and the text of the file (of a library, if there is one).
 fn told(scene: &Scene, name: &str) -> (Scene, Vec<String>, String) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
@@ -435,7 +435,7 @@ fn vertex_colours_and_odd_names_come_back_from_obj() {
     assert_eq!(back.material(back.meshes()[0].material).surface, plastic(0.5, 1.5), "its material is found");
 }
 
-/// What a format cannot hold is said, kind by kind.
+/// Features that a format cannot hold are reported, kind by kind.
 #[test]
 fn what_is_lost_is_told() {
     let metal = Surface::Metal { eta: [1.0; 3], k: [2.0; 3], roughness: 0.5 };
@@ -473,7 +473,7 @@ fn what_is_lost_is_told() {
     let both = [
         "index and extinction of metal",
         "roughness of a matte surface",
-        "tint of what glass mirrors",
+        "tint of the reflection of glass",
         "shadow catcher",
         "shader of a material",
         "texture values outside of 0 to 1",

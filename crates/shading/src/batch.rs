@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Batches of surface points, as structures of arrays: what one call of a shader sees.
-//! Shaped by the paper's section 8 (who writes a shader sees one point, the machine sees lanes).
+//! Batches of surface points, as structures of arrays: the input of one call of a shader. Shaped by [SIP06],
+//! section 8: a shader's author sees one point, the machine sees lanes.
 //! Space: world. Invariant: all arrays of a batch have `len()` lanes, and every lane is live.
 
 use glam::Vec3;
@@ -82,7 +82,7 @@ impl Vec3s {
         [&mut self.x, &mut self.y, &mut self.z].into_iter().for_each(Vec::clear);
     }
 
-    /// Makes it `n` lanes of any value and keeps the memory: for those who will write all of them.
+    /// Resizes to `n` lanes of undefined values and keeps the memory, for callers that write all of them.
     pub fn resize(&mut self, n: usize) {
         [&mut self.x, &mut self.y, &mut self.z].into_iter().for_each(|array| array.resize(n, 0.0));
     }
@@ -116,16 +116,16 @@ impl SampleKey {
     }
 }
 
-/// What sent a ray on its way.
+/// The origin of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum RayKind {
     /// The camera.
     Camera,
-    /// A surface that scatters to all sides, here or beyond; or nobody knows.
+    /// A diffuse surface, here or beyond; or unknown.
     #[default]
     Diffuse,
-    /// Facets that mirror, or fibres.
+    /// Microfacets with reflection, or fibres.
     Glossy,
     /// A mirror.
     Reflection,
@@ -134,7 +134,7 @@ pub enum RayKind {
 }
 
 impl RayKind {
-    /// Of a ray that was scattered: by what can choose one direction only, through the surface, by a lobe that sends light to all sides.
+    /// The kind of a scattered ray: by a delta lobe, through the surface, by a wide lobe.
     #[inline]
     #[must_use]
     pub fn of(delta: bool, transmitted: bool, wide: bool) -> Self {
@@ -155,7 +155,7 @@ const VAGUE: f32 = 0.1;
 pub enum Detail {
     /// All of it.
     Full,
-    /// Places and normals: all but `error`, `lift` and `curvature`, which are empty.
+    /// Positions and normals: all but `error`, `lift` and `curvature`, which are empty.
     Sides,
 }
 
@@ -164,7 +164,7 @@ pub enum Detail {
 pub struct SurfaceBatch {
     /// Points.
     pub p: Vec3s,
-    /// How far the points may be off their surfaces by rounding, world units: what rays that leave must clear.
+    /// Bounds of the points' rounding errors, world units: rays that leave start beyond them.
     pub error: Vec<f32>,
     /// Unit geometric normals, counter-clockwise, as the mesh has them: not flipped.
     pub ng: Vec3s,
@@ -172,8 +172,9 @@ pub struct SurfaceBatch {
     pub ns: Vec3s,
     /// The same as bump maps bend them; empty = nothing does.
     pub bent: Vec3s,
-    /// From the points to the curved surface that the vertex normals suggest, world units: where shadow rays start, so
-    /// that facets do not shade their own mesh. Zero where the mesh is flat, or hollow on the side of the ray.
+    /// From the points to the curved surface that the vertex normals suggest, world units: the start of
+    /// shadow rays, so that flat faces do not shadow their own mesh. Zero where the mesh is flat, or hollow
+    /// on the side of the ray.
     pub lift: Vec3s,
     /// Unit directions of the rays that came here.
     pub ray_dir: Vec3s,
@@ -187,12 +188,13 @@ pub struct SurfaceBatch {
     pub texcoord: [Vec<f32>; 2],
     /// Change of the position per texture u, world units, not unit; zero where the mesh has no texture coordinates.
     pub dp_du: Vec3s,
-    /// The same for v. Where the mesh has tangents of its own, both point as these say.
+    /// The same for v. If the mesh has tangents of its own, both point along these.
     pub dp_dv: Vec3s,
-    /// Widths of the rays' cones at the points, across the rays, world units: what a pixel stands for. Empty or 0 where
-    /// nobody knows.
+    /// Widths of the rays' cones at the points, across the rays, world units: the pixel's footprint. Empty or
+    /// 0 where unknown.
     pub footprint: Vec<f32>,
-    /// How much wider the cones grow per world unit of way, where they meet the points; as long as `footprint`. Negative: narrower.
+    /// Spread of the cones per world unit of distance, where they hit the points; as long as `footprint`.
+    /// Negative: narrower.
     pub cone_spread: Vec<f32>,
     /// Mean curvature of the surface that the vertex normals suggest, one over world units: positive where it bulges to where the
     /// geometric normal points. Empty or 0 where the mesh is flat.
@@ -212,20 +214,21 @@ pub struct SurfaceBatch {
     pub inst_id: Vec<u32>,
     /// Which of all objects that instances show, those of objects in objects too.
     pub leaf_id: Vec<u32>,
-    /// What sent the rays; empty where nobody asks.
+    /// The kinds of the rays; empty if not requested.
     pub kinds: Vec<RayKind>,
     /// How many bounces the rays had behind them: 0 for camera rays.
     pub depth: u32,
     /// Keys of the lanes' random numbers.
     pub key: Vec<SampleKey>,
-    /// Values of the attributes that the shader asked for, in its order: component k of lane i is `[k * len + i]`.
+    /// Values of the attributes that the shader requested, in its order: component k of lane i is `[k * len +
+    /// i]`.
     pub attributes: Vec<Vec<f32>>,
 }
 
 /// Normals of sixteen lanes by component, on the sides that their rays came from.
 #[derive(Clone, Copy, Debug)]
 pub struct FacingRows {
-    /// Of what scatters light.
+    /// The shading normal.
     pub ns: [[f32; LANES]; 3],
     /// Of the meshes.
     pub ng: [[f32; LANES]; 3],
@@ -234,7 +237,7 @@ pub struct FacingRows {
 }
 
 impl SurfaceBatch {
-    /// Takes all lanes away and keeps the memory, for one who will append them: nothing is written twice.
+    /// Removes all lanes and keeps the memory, for a caller that appends: no lane is written twice.
     pub fn clear(&mut self) {
         self.each_row(Vec3s::clear, Vec::clear, Vec::clear);
         self.kinds.clear();
@@ -242,7 +245,7 @@ impl SurfaceBatch {
         self.attributes.clear();
     }
 
-    /// Goes over all rows of vectors, numbers and ids; a row is empty where nobody knows it.
+    /// Visits all rows of vectors, numbers and ids; an unknown row is empty.
     fn each_row(
         &mut self,
         vectors: impl FnMut(&mut Vec3s),
@@ -259,8 +262,8 @@ impl SurfaceBatch {
         [prim_id, geom_id, inst_id, leaf_id].into_iter().for_each(ids);
     }
 
-    /// Makes it `n` lanes of any value and keeps the memory, for one who will write them. What `detail` leaves out becomes
-    /// empty, as do widths and attributes.
+    /// Resizes to `n` lanes of undefined values and keeps the memory, for a caller that writes them. Rows
+    /// that `detail` excludes become empty, as do widths and attributes.
     pub fn resize(&mut self, n: usize, detail: Detail) {
         let Self { p, ng, ns, ray_dir, color, .. } = self;
         [p, ng, ns, ray_dir, color].into_iter().for_each(|array| array.resize(n));
@@ -292,7 +295,7 @@ impl SurfaceBatch {
         self.t.is_empty()
     }
 
-    /// Geometric normal of lane `i`, turned towards where the ray came from.
+    /// Geometric normal of lane `i`, flipped to the side of the ray.
     #[inline(always)]
     #[must_use]
     pub fn facing_ng(&self, i: usize) -> Vec3 {
@@ -307,12 +310,12 @@ impl SurfaceBatch {
         if self.bent.is_empty() { self.ns.get(i) } else { self.bent.get(i) }
     }
 
-    /// The same, turned to the side of [`facing_ng`](Self::facing_ng).
+    /// The same, flipped to the side of [`facing_ng`](Self::facing_ng).
     #[inline(always)]
     #[must_use]
     pub fn facing_ns(&self, i: usize) -> Vec3 {
         let ns = self.scattering_ns(i);
-        // Bumps lean, but do not turn it over.
+        // Bumps tilt it, but do not flip it.
         if self.ns.get(i).dot(self.facing_ng(i)) < 0.0 { -ns } else { ns }
     }
 
@@ -381,8 +384,8 @@ impl SurfaceBatch {
         [self.texcoord[0][i], self.texcoord[1][i]]
     }
 
-    /// What lane `i` stands for, in texture coordinates: how they change along the two axes of the ellipse in which its ray's cone
-    /// meets the surface, from rim to rim. Source: \[AM21\] section 4. Zero where nobody knows.
+    /// The footprint of lane `i` in texture coordinates: their changes along the two axes of the ellipse in
+    /// which the ray's cone meets the surface, as diameters. Source: \[AM21\] section 4. Zero where unknown.
     #[must_use]
     pub fn texture_axes(&self, i: usize) -> [[f32; 2]; 2] {
         let width = self.footprint.get(i).copied().unwrap_or(0.0);
@@ -398,8 +401,8 @@ impl SurfaceBatch {
         [uv_step(own, along * (width / cos.abs().max(1e-4))), uv_step(own, across * width)]
     }
 
-    /// Width of what lane `i` stands for, in texture coordinates, along the direction in which it is longest; 0 where
-    /// nobody knows.
+    /// Width of the footprint of lane `i`, in texture coordinates, along its longest direction; 0 where
+    /// unknown.
     #[inline]
     #[must_use]
     pub fn texture_width(&self, i: usize) -> f32 {
@@ -407,7 +410,8 @@ impl SurfaceBatch {
         width / cos
     }
 
-    /// Width of what lane `i` stands for where its ray meets the surface upright, in texture coordinates, and the cosine at which it does.
+    /// Width of the footprint of lane `i` at perpendicular incidence, in texture coordinates, and the cosine
+    /// of incidence.
     #[inline]
     fn across(&self, i: usize) -> (f32, f32) {
         let known = |values: &[f32]| values.get(i).copied().unwrap_or(0.0);
@@ -415,7 +419,7 @@ impl SurfaceBatch {
         (known(&self.footprint) * known(&self.uv_per_length), cos.max(1e-4))
     }
 
-    /// Area of what lane `i` stands for, in texture coordinates; 0 where nobody knows.
+    /// Area of the footprint of lane `i`, in texture coordinates; 0 where unknown.
     #[inline]
     #[must_use]
     pub fn texture_area(&self, i: usize) -> f32 {
@@ -423,14 +427,15 @@ impl SurfaceBatch {
         width * width / cos
     }
 
-    /// Whether a broad lobe sent the ray of lane `i`, so that its cone tells how much it stands for, and of what form hardly.
+    /// Whether a broad lobe sent the ray of lane `i`, so that its cone gives the size of the footprint but
+    /// hardly its shape.
     #[inline]
     #[must_use]
     pub fn is_vague(&self, i: usize) -> bool {
         self.depth > 0 && self.cone_spread.get(i).is_some_and(|spread| spread.abs() > VAGUE)
     }
 
-    /// What sent the ray of lane `i`.
+    /// The kind of the ray of lane `i`.
     #[inline]
     #[must_use]
     pub fn ray_kind(&self, i: usize) -> RayKind {
@@ -445,13 +450,13 @@ impl SurfaceBatch {
         self.ng.get(i).dot(self.ray_dir.get(i)) <= 0.0
     }
 
-    /// What rays that leave lane `i` need to know.
+    /// The data for rays that leave lane `i`.
     #[must_use]
     pub fn point(&self, i: usize) -> SurfacePoint {
         let ng = self.facing_ng(i);
         SurfacePoint {
             p: self.p.get(i),
-            // What was left out counts as nothing.
+            // Excluded rows count as zero.
             error: self.error.get(i).copied().unwrap_or(0.0),
             ng,
             ns: if self.ns.get(i).dot(ng) < 0.0 { -self.ns.get(i) } else { self.ns.get(i) },

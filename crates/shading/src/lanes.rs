@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sixteen points at once: vectors and rows of lanes, for code that is written once and compiled for each CPU level.
-//! Space: whatever the caller's.
+//! Space: that of the caller.
 //! Invariant: every lane does the roundings of `glam`'s scalar form in its order, so that lanes and scalar code give the
-//! same bits. All of it is inlined into what `gnurt_simd::dispatch_wide!` enters: loops over lanes are written out, because a
-//! closure that is handed to an adapter of arrays or iterators may become a call, and with it each operation in it.
-//! Tests: `tests`, and those of who uses it.
+//! same bits. All of it is inlined into the functions that `gnurt_simd::dispatch_wide!` enters: loops over
+//! lanes are written out, because a closure passed to an adapter of arrays or iterators may become a call,
+//! and with it each operation in it.
+//! Tests: `tests`, and those of its users.
 
 use glam::Vec3;
 use gnurt_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
@@ -41,7 +42,8 @@ impl<S: Simd> Vec3x16<S> {
 /// Rows to columns: lane `i` of result `k` is lane `k` of row `i`.
 #[inline(always)]
 pub fn transpose<S: Simd>(rows: [Floats<S>; LANES]) -> [Floats<S>; LANES] {
-    // Each round sends place (row, lane) of eight bits to the place whose bits are turned by one: row bits become lane bits.
+    // Each round sends entry (row, lane) of eight bits to the entry whose bits are rotated by one: row bits
+    // become lane bits.
     let mut now = rows;
     for _ in 0..4 {
         let mut next = now;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shading in batches: the traits that shaders implement, materials, lights, textures and sampling.
-//! Knows rays and hits, but neither trees nor scene files.
+//! Depends on rays and hits, but neither on trees nor on scene files.
 #![forbid(unsafe_code)]
 
 pub mod batch;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Smaller copies of textures, so that a point that stands for many texels reads few.
+//! Mip maps: smaller copies of textures, so that a footprint of many texels reads few.
 //! Source: \[Wil83\] (pyramids, interpolation between levels); OpenGL 1.4 section 3.8.8 (filters); \[MPFJ99\] (several probes along
-//! the longer axis of an ellipse). Memory: two thirds of a picture of bytes, one third of one of floats, made when first asked for.
+//! the longer axis of an ellipse). Memory: two thirds of a picture of bytes, one third of one of floats, made
+//! at first use.
 //! Tests: `tests`; the binding's tests/c/mipmaps.c; crates/render/tests/filtering.rs.
 
 use std::sync::{Arc, OnceLock};
@@ -10,7 +11,7 @@ use gnurt_image::{Texels, Weigh};
 
 use crate::texels::{Wrap, bilinear, nearest};
 
-/// How a texture is read where a pixel stands for more than a texel.
+/// The filter of a texture for footprints of more than a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Minify {
     /// The nearest texel.
@@ -24,8 +25,8 @@ pub enum Minify {
         /// Between two levels, not the nearest one.
         interpolate_levels: bool,
     },
-    /// Over the ellipse of texels that a point stands for: from two levels at up to sixteen places along its longer axis, as
-    /// wide as its shorter one.
+    /// The ellipse of texels of the footprint: from two levels at up to sixteen positions along its longer
+    /// axis, as wide as its shorter one.
     Ellipse,
 }
 
@@ -38,11 +39,11 @@ pub struct MipMap {
     levels: OnceLock<Vec<Texels>>,
 }
 
-/// Most places along the longer axis of an ellipse; where it is longer still, it is taken to be wider.
+/// Largest number of positions along the longer axis of an ellipse; a longer one is treated as wider.
 const MOST_TAPS: f32 = 16.0;
 
 impl MipMap {
-    /// Those of a picture whose texels all count alike; they are made when one is first asked for.
+    /// Those of a picture whose texels have equal weights; they are made at first use.
     #[must_use]
     pub fn new(base: Arc<Texels>) -> Self {
         Self::weighed(base, Weigh::Alike)
@@ -58,7 +59,7 @@ impl MipMap {
         self.levels.get_or_init(|| self.base.pyramid(self.weigh))
     }
 
-    /// The picture itself, or a smaller copy; there must be so many.
+    /// The picture itself, or a smaller copy, which must exist.
     fn level(&self, number: usize) -> &Texels {
         number.checked_sub(1).map_or(&*self.base, |i| &self.levels()[i])
     }
@@ -80,11 +81,11 @@ impl MipMap {
         read(self.level((level + 0.5).floor().clamp(0.0, last) as usize), uv, wrap)
     }
 
-    /// About the mean over so many texels around coordinates that are where they should be: out of the one level whose texels
-    /// are nearest to that. `None` where that is the picture itself.
+    /// Approximate mean over this number of texels around wrapped coordinates: from the one level of the
+    /// nearest texel size. `None` where that is the picture itself.
     #[must_use]
     pub(crate) fn about(&self, uv: [f32; 2], texels: f32, wrap: [Wrap; 2]) -> Option<[f32; 4]> {
-        // A texel of level n stands for 4^n of them: n is half the exponent, rounded.
+        // A texel of level n covers 4^n of them: n is half the exponent, rounded.
         if texels.is_nan() || texels < 2.0 {
             return None;
         }
@@ -93,9 +94,9 @@ impl MipMap {
         Some(bilinear(self.level(level), uv, wrap))
     }
 
-    /// The mean over an ellipse around coordinates that are where they should be. `axes` are two lengths that cross in its middle,
-    /// in texels, x to the right and y upwards, from rim to rim, one the image of a line across a circle and the other that of the line
-    /// square to it. `None` where it is no wider than a texel: the picture itself is read there.
+    /// The mean over an ellipse around wrapped coordinates. `axes` are two diameters that cross in its
+    /// middle, in texels, x to the right and y upwards: the images of two perpendicular diameters of a
+    /// circle. `None` if it is no wider than a texel: the picture itself is read there.
     #[must_use]
     pub(crate) fn over(&self, uv: [f32; 2], axes: [[f32; 2]; 2], wrap: [Wrap; 2]) -> Option<[f32; 4]> {
         let [[ax, ay], [bx, by]] = axes;
@@ -108,7 +109,7 @@ impl MipMap {
         }
         let long = long2.sqrt();
         let short = (area / long).max(long / MOST_TAPS).max(1.0).min(long);
-        // More than one place only where that is longer than wide.
+        // More than one position only if it is longer than wide.
         let taps = (long / short - 0.05).ceil().clamp(1.0, MOST_TAPS) as usize;
         let level = short.log2();
         if taps == 1 {
@@ -203,7 +204,7 @@ mod tests {
         assert_eq!(middle.map(|t| t[0]), Some(0.0), "long along the stripes: as sharp as ever");
         let across = over([[16.0, 0.0], [0.0, 1.0]]).expect("wide");
         assert!((across - 0.5).abs() < 0.02, "long across them: their mean {across}");
-        // The same ellipse by another pair of lengths, and turned.
+        // The same ellipse by another pair of lengths, and rotated.
         let [c, s] = [0.8_f32, 0.6];
         let turned = over([[16.0 * c, -s], [16.0 * s, c]]).expect("wide");
         assert!((turned - across).abs() < 1e-4, "whatever lines say it: {turned}");

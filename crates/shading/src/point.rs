@@ -2,10 +2,10 @@
 //! A point of a surface and the rays that leave it without meeting it again.
 //! Source: [PJH23] section 6.8 (origins off the surface by the point's error); [Hanika2021] (`lift`); [KWR*17] (normals
 //! bent until mirror images stay above). Space: world.
-//! Horizon: light and scattered rays obey one rule, so that the two ways to meet a light agree. On the side that the
-//! path came from, a direction must be above the shading normal's horizon and, where the mesh is flat or hollow, above
-//! the facet's; through the surface it must be below both.
-//! Written once for one point and for sixteen.
+//! Horizon: light and scattered rays obey one rule, so that both strategies find the same light. On the side
+//! that the path came from, a direction must be above the shading normal's horizon and, where the mesh is
+//! flat or hollow, above the facet's; through the surface it must be below both. Written once for one point
+//! and for sixteen.
 //! Tests: `tests`, crates/render/tests/{offsets,terminator}.rs.
 
 use glam::Vec3;
@@ -13,7 +13,7 @@ use gnurt_accel::Ray;
 
 use crate::real::{Real, Vector};
 
-/// What rays that leave a point need to know of it.
+/// The data of a point for rays that leave it.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
     /// Where it is.
@@ -77,7 +77,7 @@ impl<R: Real> Leaving<R> {
     fn origins(&self, dir: Vector<R>, transmitted: R::Mask) -> Vector<R> {
         let up = self.ng.dot(dir);
         let below = self.error.all(0.0).above(up);
-        // Off to the side of the viewer, even where `dir` points below the facet.
+        // Off to the side of the viewer, even if `dir` points below the face.
         let raised = !(transmitted | self.lift.is_zero());
         let p = Vector::pick(raised, self.p + self.lift, self.p);
         off_surface(p, self.ng, below & !raised, self.error)
@@ -115,25 +115,26 @@ impl SurfacePoint {
         Rays { org: self.off_surface(dir), dir: dir.into(), t_far }.ray()
     }
 
-    /// A ray that ends at `dist` along the unit direction `dir`, seen from the point itself: what
-    /// [`LightBatch`](crate::LightBatch) gives. Its origin is off the surface, and it ends as much before the light: that
-    /// may lie on a surface, which must not shadow it.
+    /// A ray that ends at `dist` along the unit direction `dir`, both measured from the point itself, as
+    /// [`LightBatch`](crate::LightBatch) gives them. Its origin is off the surface, and it ends at the same
+    /// distance before the light, because a surface of the light must not shadow it.
     #[must_use]
     pub fn spawn_to(&self, dir: Vec3, dist: f32) -> Ray {
         rays_joining(self.p.into(), self.off_surface(dir), dir.into(), dist, self.error).ray()
     }
 
     /// The ray that decides whether light from the unit direction `dir`, `dist` away, reaches the point; `None` where
-    /// `dir` lies below the horizon. Where the mesh stands for a curved surface, the horizon is that of the shading normal
-    /// and the ray starts there \[Hanika2021\]; elsewhere both normals must see the light. Light that is `transmitted` arrives through
-    /// the surface, from the side that the path did not come from.
+    /// `dir` lies below the horizon. If the mesh approximates a curved surface, the horizon is that of the
+    /// shading normal and the ray starts there \[Hanika2021\]; elsewhere both normals must face the light.
+    /// Light that is `transmitted` arrives through the surface, from the side that the path did not come
+    /// from.
     #[must_use]
     pub fn shadow_ray(&self, dir: Vec3, dist: f32, transmitted: bool) -> Option<Ray> {
         let (ray, some) = self.leaving().shadow_rays(dir.into(), dist, transmitted);
         some.then(|| ray.ray())
     }
 
-    /// The ray on which a path goes on in the unit direction `dir` that a BSDF chose, `transmitted` or not; `None` where
+    /// The ray of a path in the unit direction `dir` that a BSDF chose, `transmitted` or not; `None` where
     /// light samples from there would bring nothing, either.
     #[must_use]
     pub fn scatter_ray(&self, dir: Vec3, transmitted: bool, t_far: f32) -> Option<Ray> {
@@ -147,13 +148,14 @@ impl SurfacePoint {
         self.leaving().scatters_to(dir.into(), transmitted)
     }
 
-    /// The unit normal `ns`, bent as little as it takes that a ray from `wo` (unit, above `ng`) sees it from the front
-    /// and its mirror image leaves above the horizon: so that shiny surfaces are not black at their edges.
+    /// The unit normal `ns`, bent by the least angle at which a ray from `wo` (unit, above `ng`) sees its
+    /// front and the mirror reflection leaves above the horizon: so that shiny surfaces are not black at
+    /// their edges.
     #[must_use]
     pub fn bent_normal(&self, ns: Vec3, wo: Vec3) -> Vec3 {
         // Mirror images must clear both normals where both count.
         let horizons = [Some(self.ns), (self.lift == Vec3::ZERO).then_some(self.ng)];
-        // One that looks away leans towards the ray until it is seen edge-on.
+        // A normal that faces away is tilted towards the ray until it is edge-on.
         let away = ns.dot(wo).min(0.0);
         let mut bent =
             if away < 0.0 { (ns - wo * (away - LOWEST_MIRROR_IMAGE)).normalize_or(self.ng) } else { ns };
@@ -194,7 +196,8 @@ const LOWEST_MIRROR_IMAGE: f32 = 1e-3;
 /// How far rounding may move the end of a ray, as a multiple of its length.
 const END_ERROR: f32 = 8.0 * f32::EPSILON;
 
-/// The rays from `from` to what is seen from `p` along `dir`, `dist` away; they stop short by `error` and their rounding.
+/// The rays from `from` to the points at distance `dist` from `p` along `dir`; they stop short by `error` and
+/// their rounding.
 #[inline(always)]
 fn rays_joining<R: Real>(p: Vector<R>, from: Vector<R>, dir: Vector<R>, dist: R, error: R) -> Rays<R> {
     let zero = dist.all(0.0);
@@ -266,7 +269,7 @@ mod tests {
             let mirrored = (-wo).reflect(bent);
             assert!((bent.length() - 1.0).abs() < 1e-5 && bent.dot(wo) > 0.0, "seen from the front");
             let leaves = point.scatter_ray(mirrored, false, 1.0).is_some();
-            // Two horizons far apart can leave no room between them.
+            // Two horizons far apart can leave no directions between them.
             assert!(leaves || bent == Vec3::Z, "{k}: wo {wo}, mesh {mesh}, mapped {mapped}: {mirrored}");
             let fine = (-wo).reflect(mapped);
             if mapped.dot(wo) > 0.0 && fine.dot(mesh) > 0.002 && fine.z > 0.002 {

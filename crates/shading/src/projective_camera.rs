@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Cameras that stand somewhere and look along a frame: perspective, parallel, fisheye and panorama, each through a thin lens.
+//! Cameras with a position and a frame: perspective, parallel, fisheye and panorama, each through a thin
+//! lens.
 //! Source: [CPC84] (thin lens); equidistant and equirectangular projections are those of cartography. Space: world.
-//! A ray through the middle of the lens goes where a pinhole's goes; all rays of one place in the picture meet in one point: on the plane
-//! in focus, across the view, or for fisheyes and panoramas on the sphere in focus, the lens facing each ray.
+//! A ray through the middle of the lens equals a pinhole's ray. All rays of one position in the picture meet
+//! in one point: on the plane in focus, across the view, or for fisheyes and panoramas on the sphere in
+//! focus, where the lens faces each ray.
 //! Invariant: without a lens the rays do not depend on lens numbers. Tests: `tests`; `crates/render/tests/path.rs` measures the blur.
 
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -13,7 +15,7 @@ use gnurt_accel::{Ray, RayBatch};
 use crate::sampling::{Basis, concentric_disk};
 use crate::shader::{CameraSamples, CameraShader};
 
-/// How directions become places in the picture.
+/// The map from directions to positions in the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CameraProjection {
     /// A perspective.
@@ -23,7 +25,7 @@ pub enum CameraProjection {
     },
     /// Parallel rays that begin in the plane of the eye.
     Parallel {
-        /// Half the height of what the picture shows, world units.
+        /// Half the height of the visible region, world units.
         half_height: f32,
     },
     /// Angles to the view are distances from the picture's middle.
@@ -35,7 +37,7 @@ pub enum CameraProjection {
     Panorama,
 }
 
-/// A camera that stands somewhere and looks along a frame.
+/// A camera with a position and a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProjectiveCamera {
     /// The middle of the lens.
@@ -50,13 +52,13 @@ pub struct ProjectiveCamera {
     pub projection: CameraProjection,
     /// Radius of the lens, world units; 0 = a pinhole.
     pub radius: f32,
-    /// Distance of what is in focus, world units.
+    /// Distance of the focus, world units.
     pub focus: f32,
 }
 
 impl ProjectiveCamera {
-    /// The ray of a place in the picture, (-1, -1) = lower left corner, (1, 1) = upper right one, through the middle of the lens; and the
-    /// distance of what is in focus on it. No direction where nothing is seen.
+    /// The ray of a position in the picture, (-1, -1) = lower left corner, (1, 1) = upper right one, through
+    /// the middle of the lens; and the distance of the focus on it. No direction outside of the image circle.
     fn straight(&self, [x, y]: [f32; 2], aspect: f32) -> (Ray, f32) {
         let dir_of = |dir: Vec3| Ray::new(self.eye.into(), dir.into());
         match self.projection {
@@ -88,7 +90,7 @@ impl ProjectiveCamera {
         }
     }
 
-    /// The same ray through another place of the lens.
+    /// The same ray through another point of the lens.
     fn through_lens(&self, ray: Ray, focus: f32, lens: [f32; 2]) -> Ray {
         let (origin, dir) = (Vec3::from(ray.org), Vec3::from(ray.dir));
         let [u, v] = (concentric_disk(lens) * self.radius).to_array();
@@ -222,7 +224,7 @@ mod tests {
         }
     }
 
-    /// What a ray meets shows where the ray came through.
+    /// A point on a ray projects back to the ray's position.
     #[test]
     fn points_show_where_their_rays_are() {
         for projection in PROJECTIONS {
@@ -239,7 +241,7 @@ mod tests {
         assert_eq!(behind, None, "perspectives show nothing that lies behind");
     }
 
-    /// All rays of a place meet where the pinhole's ray is in focus, begin within the lens, and fill it.
+    /// All rays of a position meet where the pinhole's ray is in focus, begin within the lens, and fill it.
     #[test]
     fn rays_of_a_place_meet_in_focus() {
         let lens: Vec<[f32; 2]> =

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Numbers of one point or of sixteen: what is written once over [`Real`] is compiled for both.
-//! Space: whatever the caller's.
+//! Numbers of one point or of sixteen: code over [`Real`] is written once and compiled for both.
+//! Space: that of the caller.
 //! Invariant: every operation rounds lane by lane as that of `f32` does, and nothing is fused: one point and sixteen, at every
-//! CPU level, give the same bits. Everything here is inlined into what `gnurt_simd::dispatch_wide!` enters; loops over lanes
-//! are written out, because a closure that is handed to an adapter of arrays or iterators may become a call.
-//! Tests: `tests`, and those of who uses it.
+//! CPU level, give the same bits. Everything here is inlined into the functions that
+//! `gnurt_simd::dispatch_wide!` enters; loops over lanes are written out, because a closure passed to an
+//! adapter of arrays or iterators may become a call.
+//! Tests: `tests`, and those of its users.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
@@ -27,7 +28,7 @@ pub trait Real:
     /// How many points.
     const LANES: usize;
 
-    /// `x` for all points; `self` only tells how many there are.
+    /// `x` for all points; `self` only gives their number.
     fn all(self, x: f32) -> Self;
     /// The number of point `i`.
     fn lane(self, i: usize) -> f32;
@@ -49,25 +50,25 @@ pub trait Real:
     fn is(self, other: Self) -> Self::Mask;
     /// Neither infinite nor NaN.
     fn is_number(self) -> Self::Mask;
-    /// `a` where the mask says so, else `b`.
+    /// `a` for the points of the mask, else `b`.
     fn pick(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// The points that the bits name.
     fn points(self, bits: u64) -> Self::Mask;
     /// Bits of the points in a mask.
     fn bits(mask: Self::Mask) -> u64;
-    /// The next greater number of one that is finite.
+    /// The next greater number after a finite one.
     fn next_up(self) -> Self;
-    /// The next smaller number of one that is finite.
+    /// The next smaller number after a finite one.
     fn next_down(self) -> Self;
-    /// As many numbers as there are points, from place `at` on; zeros beyond the end.
+    /// Reads a number for each point, from index `at` on; zeros beyond the end.
     fn load(self, from: &[f32], at: usize) -> Self;
-    /// Writes as many numbers as there are points, from place `at` on.
+    /// Writes a number for each point, from index `at` on.
     fn store(self, to: &mut [f32], at: usize);
-    /// Writes the numbers of the points in a mask side by side, from place `at` on, and anything up to as many places beyond as
-    /// there are points.
+    /// Writes the numbers of the points in a mask side by side, from index `at` on; up to the number of
+    /// points, elements behind them become undefined.
     fn squeeze(self, mask: Self::Mask, to: &mut [f32], at: usize);
 
-    /// What `f` makes, by a function of its own: for what few points need, so that it is compiled once and not into every loop
+    /// Calls `f` out of line: for rare work of points, so that it is compiled once instead of into every loop
     /// over points. `f` must be `#[inline(always)]`.
     fn outline<T>(self, f: impl FnOnce() -> T) -> T;
 
@@ -81,7 +82,7 @@ pub trait Real:
         each
     }
 
-    /// [`each_of`](Self::each_of) the points in a mask; zeros for the others, of which `f` is not asked.
+    /// [`each_of`](Self::each_of) the points in a mask; zeros for the others, for which `f` is not called.
     #[inline(always)]
     fn each_where<const N: usize>(self, mask: Self::Mask, mut f: impl FnMut(usize) -> [f32; N]) -> [Self; N] {
         let bits = Self::bits(mask);
@@ -345,7 +346,7 @@ impl<S: Simd> Real for f32x16<S> {
     #[inline(always)]
     fn outline<T>(self, f: impl FnOnce() -> T) -> T {
         let simd = self.token();
-        // The function itself knows no instructions of the level: its body enters them again.
+        // The function itself is compiled without the level's instructions: its body enters them again.
         outlined(
             #[inline(always)]
             move || simd.vectorize(f),
@@ -399,7 +400,7 @@ impl<R: Real> Vector<R> {
         Self { x, y, z }
     }
 
-    /// As many vectors as there are points in `like`, from place `at` on; zeros beyond the end.
+    /// A vector for each point of `like`, from index `at` on; zeros beyond the end.
     #[inline(always)]
     pub fn load(like: R, [x, y, z]: [&[f32]; 3], at: usize) -> Self {
         Self { x: like.load(x, at), y: like.load(y, at), z: like.load(z, at) }
@@ -419,7 +420,7 @@ impl<R: Real> Vector<R> {
         Self { x, y: x, z: x }
     }
 
-    /// The same for all points; `like` only tells how many there are.
+    /// The same for all points; `like` only gives their number.
     #[inline(always)]
     pub fn all(like: R, v: Vec3) -> Self {
         Self { x: like.all(v.x), y: like.all(v.y), z: like.all(v.z) }
@@ -483,7 +484,7 @@ impl<R: Real> Vector<R> {
         self.dot(self)
     }
 
-    /// Other colours in the place of those of the points in the mask, by the number of the point.
+    /// Other colours for the points in the mask, by the number of the point.
     #[inline(always)]
     pub fn each_colour(self, mask: R::Mask, f: impl Fn(usize, Vec3) -> Vec3) -> Self {
         let [x, y, z] = self.x.each_where(
@@ -545,7 +546,7 @@ impl<R: Real> Vector<R> {
         self.x.is(zero) & self.y.is(zero) & self.z.is(zero)
     }
 
-    /// `a` where `mask` says so, else `b`.
+    /// `a` where `mask` is set, else `b`.
     #[inline(always)]
     pub fn pick(mask: R::Mask, a: Self, b: Self) -> Self {
         Self { x: R::pick(mask, a.x, b.x), y: R::pick(mask, a.y, b.y), z: R::pick(mask, a.z, b.z) }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What shaders implement and what they may ask for: the seam between renderer, materials, OpenRT classes and plugins.
-//! Source: \[DWBS03\] (shader kinds); the paper's section 8 (no ray-by-ray prototypes); the batch form is original.
-//! All calls take whole batches; implementations hold no mutable state and are called from many threads at once.
+//! Traits of shaders, and the services that they may use: the interface between renderer, materials, OpenRT
+//! classes and plugins.
+//! Source: \[DWBS03\] (shader kinds); [SIP06], section 8 (no ray-by-ray prototypes); the batch form is
+//! original. All calls take whole batches; implementations hold no mutable state and are called from many
+//! threads at once.
 
 use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
@@ -9,7 +11,7 @@ use gnurt_accel::{Ray, RayBatch};
 use crate::batch::{RayKind, SampleKey, SurfaceBatch, Vec3s};
 use crate::bsdf::ClosureBatch;
 
-/// A value that a shader wants for each hit from its mesh.
+/// A value that a shader requests for each hit from its mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AttributeRequest {
     /// Name of the mesh's attribute.
@@ -21,39 +23,41 @@ pub struct AttributeRequest {
 }
 
 impl AttributeRequest {
-    /// The name under which instances have what puts the object into the world: 12 floats, the images of the x, y and z axes,
-    /// then of the origin.
+    /// The name of the instance attribute with the transform from object to world: 12 floats, the images of
+    /// the x, y and z axes, then of the origin.
     pub const WORLD_FROM_OBJECT: &'static str = "gnurt:world_from_object";
 
-    /// The name under which meshes have their area where they stand, world units squared: one float. As they are when the shutter opens.
+    /// The name of the meshes' area with their transform, world units squared: one float. As they are when
+    /// the shutter opens.
     pub const SURFACE_AREA: &'static str = "gnurt:surface_area";
 
-    /// The name under which points have the moment at which their ray sees them, from 0 to 1 while the shutter is open: one float. 0 where
-    /// nothing moves.
+    /// The name of the time of the ray, from 0 to 1 during an open shutter: one float. 0 where nothing moves.
     pub const TIME: &'static str = "gnurt:time";
 }
 
-/// A surface: what its points do to light.
+/// A surface: the scattering of its points.
 pub trait SurfaceShader: Send + Sync {
-    /// Writes what light does at each point; `out` has `hits.len()` points that do nothing. That is all there is to know of a
-    /// surface, but for one that has [`radiance`](Self::radiance).
+    /// Writes the closure of each point; `out` has `hits.len()` points without lobes. Nothing else is known
+    /// of a surface, except for one with [`radiance`](Self::radiance).
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         let _ = (hits, out);
     }
 
-    /// Itself, if it computes its radiance by its own rays and loops over lights, as shaders of OpenRT do. Integrators that
-    /// scatter light themselves take that as if the surface emitted it, beside what it emits, and end there.
+    /// Itself, if it computes its radiance by its own rays and loops over lights, as shaders of OpenRT do.
+    /// Integrators that scatter light themselves treat that as emission, in addition to its own emission, and
+    /// end there.
     fn radiance(&self) -> Option<&dyn RadianceShader> {
         None
     }
 
-    /// Whether [`evaluate`](Self::evaluate) may tell of light that it gives off: such surfaces are lights, sampled by asking it.
+    /// Whether [`evaluate`](Self::evaluate) may return emission: such surfaces are lights, sampled by
+    /// evaluating it.
     fn emits(&self) -> bool {
         false
     }
 
     /// Writes the share of light that goes straight through; `out` has `hits.len()` lanes, all zero.
-    /// Called only if [`is_opaque`](Self::is_opaque) says no.
+    /// Called only if [`is_opaque`](Self::is_opaque) is false.
     fn transmit(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         let _ = (tracer, hits, out);
     }
@@ -63,25 +67,27 @@ pub trait SurfaceShader: Send + Sync {
         true
     }
 
-    /// Writes the share of light that passes without meeting the surface: holes. For integrators that scatter light
-    /// themselves: what glass lets through they find by scattered rays, and must not count here as well. `out` has
-    /// `hits.len()` lanes, all zero; called only if [`is_solid`](Self::is_solid) says no.
+    /// Writes the share of light that passes without hitting the surface: transparent parts. For integrators
+    /// that scatter light themselves: they find light through glass by scattered rays, and must not count it
+    /// here as well. `out` has `hits.len()` lanes, all zero; called only if [`is_solid`](Self::is_solid) is
+    /// false.
     fn gaps(&self, tracer: &mut dyn Tracer, hits: &SurfaceBatch, out: &mut Vec3s) {
         self.transmit(tracer, hits, out);
     }
 
-    /// Whether it has no holes anywhere; smooth glass has none.
+    /// Whether it has no transparent parts; smooth glass counts as none.
     fn is_solid(&self) -> bool {
         self.is_opaque()
     }
 
-    /// Whether some point says that light is absorbed on one of its sides ([`ClosureBatch::fill`]). Where no surface does, paths do not
-    /// look.
+    /// Whether some point may have absorption on one of its sides ([`ClosureBatch::fill`]). If no surface
+    /// does, paths skip absorption.
     fn has_medium(&self) -> bool {
         false
     }
 
-    /// Whether smooth glass or a tinted hole may be at some point: light samples look for lamps through such surfaces, and through no others.
+    /// Whether some point may be smooth glass or tinted transparency: light samples search for lights only
+    /// through such surfaces.
     fn is_clear(&self) -> bool {
         !self.is_opaque() && self.radiance().is_none()
     }
@@ -92,19 +98,20 @@ pub trait SurfaceShader: Send + Sync {
         let _ = (hits, out);
     }
 
-    /// What lies behind the scene, for a Lambertian reflector that shows just that where all light of the environment reaches it
-    /// and shadow where not: in pictures with opacity it is there as far as it is darker.
+    /// The background, for a shadow catcher: a Lambertian reflector that shows just that under all light of
+    /// the environment, and shadow elsewhere. In pictures with opacity, its opacity is the relative
+    /// darkening.
     fn backdrop(&self) -> Option<Vec3> {
         None
     }
 
-    /// What happens inside at one point, a line for each value, for people who look for a mistake.
+    /// The inner values at one point, a line for each, for debugging.
     fn describe(&self, hits: &SurfaceBatch, lane: usize) -> Vec<String> {
         let _ = (hits, lane);
         Vec::new()
     }
 
-    /// What it wants from the mesh, in the order of `SurfaceBatch::attributes`.
+    /// The requested mesh attributes, in the order of `SurfaceBatch::attributes`.
     fn attributes(&self) -> &[AttributeRequest] {
         &[]
     }
@@ -121,10 +128,10 @@ pub trait RadianceShader: Send + Sync {
 pub struct LightBatch {
     /// Unit directions towards the light.
     pub dir: Vec3s,
-    /// Distances to it, world units; infinite for lights without a place.
+    /// Distances to it, world units; infinite for lights without a position.
     pub dist: Vec<f32>,
-    /// What arrives at a surface that faces `dir` if nothing is in between, divided by the probability with which
-    /// `dir` was chosen. Zero = this light does not reach the point.
+    /// Unoccluded irradiance at a surface that faces `dir`, divided by the probability of choosing `dir`.
+    /// Zero = this light does not reach the point.
     pub radiance: Vec3s,
 }
 
@@ -150,7 +157,7 @@ pub trait LightShader: Send + Sync {
     }
 }
 
-/// What camera rays are made of, ray by ray.
+/// The random numbers and positions of camera rays, ray by ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraSamples<'a> {
     /// Where they go through the picture: both in [0, 1], (0, 0) = lower left corner, y upwards.
@@ -199,28 +206,28 @@ pub trait CameraShader: Send + Sync {
     /// Appends one ray for each of `samples`. Directions are unit, or zero for a ray that sees nothing. `aspect` = width / height.
     fn rays(&self, samples: &CameraSamples, aspect: f32, out: &mut RayBatch);
 
-    /// Whether its rays depend on where they go through the lens: if not, nobody need draw numbers for that.
+    /// Whether its rays depend on the position on the lens: if not, no numbers are drawn for that.
     fn has_lens(&self) -> bool {
         false
     }
 
-    /// Where the point `p` of the world shows in a sharp picture, (0, 0) = lower left corner, (1, 1) = upper right one; places outside
-    /// are those that it would have in a larger picture. `None` where it does not show, or if nobody knows: pictures of a camera in
-    /// motion are made of earlier ones only if it does.
+    /// The position of the point `p` of the world in a sharp picture, (0, 0) = lower left corner, (1, 1) =
+    /// upper right one; positions outside are those in a larger picture. `None` if it is invisible, or if the
+    /// camera has no inverse: pictures of a camera in motion reuse earlier ones only with an inverse.
     fn project(&self, p: Vec3, aspect: f32) -> Option<[f32; 2]> {
         let _ = (p, aspect);
         None
     }
 }
 
-/// Samples of pixels: camera rays, and what came against them.
+/// Samples of pixels: camera rays, and the radiance along them.
 #[derive(Clone, Copy)]
 pub struct PixelSamples<'a> {
     /// The rays; a direction of zero sees nothing.
     pub rays: &'a RayBatch,
     /// The same a pixel to the right, and a pixel below.
     pub neighbours: [&'a RayBatch; 2],
-    /// Where, through which place of the lens and when they go.
+    /// Position in the picture and on the lens, and time.
     pub camera: CameraSamples<'a>,
     /// Columns and rows of the picture.
     pub size: [u32; 2],
@@ -232,20 +239,21 @@ pub struct PixelSamples<'a> {
     pub distances: &'a [f32],
 }
 
-/// What pixels show: the last step between what comes against camera rays and the picture.
+/// A function of pixels: the last step between the radiance of camera rays and the picture.
 pub trait PixelShader: Send + Sync {
-    /// Writes what each sample shows in place of its radiance; `out` has as many lanes as there are rays, all zero. Rays that it asks
-    /// `tracer` for are rays of the camera: `trace` takes a sample of the integrator along each.
+    /// Writes the colour of each sample in place of its radiance; `out` has a lane for each ray, all zero.
+    /// Rays that it requests from `tracer` are rays of the camera: `trace` takes a sample of the integrator
+    /// along each.
     fn show(&self, tracer: &mut dyn Tracer, samples: &PixelSamples, out: &mut Vec3s);
 }
 
-/// What rays see that hit nothing.
+/// Radiance of rays that hit nothing.
 pub trait EnvironmentShader: Send + Sync {
     /// Writes the radiance that comes against each direction (unit, world); `out` has `dir.len()` lanes.
     fn miss(&self, dir: &Vec3s, out: &mut Vec3s);
 }
 
-/// Rays that a shader asks for.
+/// Rays that a shader requests.
 #[derive(Clone, Debug, Default)]
 pub struct RayRequest {
     /// The rays; directions are unit, near ends already away from the surface.
@@ -257,19 +265,19 @@ pub struct RayRequest {
     /// Widths of the rays' cones where they begin, world units; empty = all 0. Mirrored and straight rays begin as wide
     /// as the point that sends them.
     pub width: Vec<f32>,
-    /// What sends them; empty = all are mirrored, or sent by a shader that follows them itself.
+    /// Their kinds; empty = all are mirrored, or sent by a shader that follows them itself.
     pub kinds: Vec<RayKind>,
 }
 
 impl RayRequest {
-    /// Asks for one ray more, for a lane of the shader's batch.
+    /// Adds a ray, for a lane of the shader's batch.
     pub fn push(&mut self, ray: Ray, parent: usize, key: SampleKey) {
         self.rays.push(ray);
         self.parent.push(parent as u32);
         self.key.push(key);
     }
 
-    /// Asks for no ray.
+    /// Removes all rays.
     pub fn clear(&mut self) {
         let Self { rays, parent, key, width, kinds } = self;
         rays.clear();
@@ -280,7 +288,7 @@ impl RayRequest {
     }
 }
 
-/// What a ray met first.
+/// The first hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceHit {
     /// How far away, world units.
@@ -299,7 +307,7 @@ pub struct SurfaceHit {
     pub ids: [u32; 4],
 }
 
-/// What a shader may ask the renderer for.
+/// Services of the renderer for shaders.
 pub trait Tracer {
     /// Lights of the scene.
     fn light_count(&self) -> usize;
@@ -310,24 +318,25 @@ pub trait Tracer {
         false
     }
 
-    /// Asks light `light` about all points of `hits` (facing shading normals are used); `out` is reset first.
+    /// Queries light `light` for all points of `hits` (facing shading normals are used); `out` is reset
+    /// first.
     fn illuminate(&mut self, light: usize, hits: &SurfaceBatch, out: &mut LightBatch);
 
-    /// Writes for each ray what share of light comes through between its near and far end: 1 = nothing is in between.
+    /// Writes for each ray the transmittance between its near and far end: 1 = unoccluded.
     fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s);
 
     /// Writes the radiance that comes against each ray, one bounce deeper than `hits` was.
     /// Beyond the depth limit the environment is seen.
     fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s);
 
-    /// Writes how far each ray goes until it meets a surface, see-through ones included: world units, infinite where it meets none.
-    /// Those who trace nothing meet nothing.
+    /// Writes the distance of each ray to the first surface, transparent ones included: world units, infinite
+    /// if there is none. The default finds nothing.
     fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {
         out.clear();
         out.resize(request.rays.len(), f32::INFINITY);
     }
 
-    /// Writes what each ray meets first; nothing for those who trace nothing.
+    /// Writes the first hit of each ray; the default finds none.
     fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
         out.clear();
         out.resize(request.rays.len(), None);

@@ -1,29 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures read at texture coordinates: nearest texels, means of four, and what happens at edges.
-//! Source: references/README point 3 (decode first, then bilinear; texel centres at (i + 0.5) / N; v upwards), glTF 2.0 section 3.8
-//! (wrap modes). Units: linear light. Tests: the tests of `texture`.
+//! Pictures read at texture coordinates: nearest texels, bilinear means, and wrapping at edges.
+//! Source: docs/reference/textures.md (decode first, then bilinear; texel centres at (i + 0.5) / N; v
+//! upwards), glTF 2.0 section 3.8 (wrap modes). Units: linear light. Tests: the tests of `texture`.
 
 use gnurt_image::Texels;
 
-/// What happens outside of [0, 1].
+/// Wrapping outside of [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The picture goes on from its other edge.
+    /// The picture repeats.
     #[default]
     Repeat,
-    /// The picture goes on mirrored.
+    /// The picture repeats mirrored.
     Mirror,
     /// The edge's texels go on.
     Clamp,
 }
 
-/// Where coordinates lie, in texels from the upper left corner.
+/// The position of coordinates, in texels from the upper left corner.
 #[inline]
 fn texel_position(texels: &Texels, [u, v]: [f32; 2], wrap: [Wrap; 2]) -> [f32; 2] {
     [fold(u, wrap[0]) * texels.width as f32, (1.0 - fold(v, wrap[1])) * texels.height as f32]
 }
 
-/// The texel that the coordinates lie in.
+/// The texel that contains the coordinates.
 pub(crate) fn nearest(texels: &Texels, uv: [f32; 2], wrap: [Wrap; 2]) -> [f32; 4] {
     let [x, y] = texel_position(texels, uv, wrap).map(|x| x as i32);
     texels.texel(wrap_index(x, texels.width, wrap[0]), wrap_index(y, texels.height, wrap[1]))

@@ -2,7 +2,8 @@
 //! Reading textures: transform, wrap, decode, interpolate.
 //! Source: references/README point 3 (decode first, then bilinear; texel centres at (i + 0.5) / N; v upwards), glTF 2.0
 //! section 3.8 (wrap modes). Units: linear light. A coordinate that is not finite reads as 0.
-//! Where a point stands for more than a texel, smaller copies are read (`mipmap`). Tests: `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
+//! For footprints of more than a texel, smaller copies are read (`mipmap`). Tests:
+//! `tests::{centres_are_exact_and_v_points_up, wraps, decodes_before_interpolating}`.
 
 use std::sync::Arc;
 
@@ -13,7 +14,7 @@ use crate::mipmap::{Minify, MipMap};
 pub use crate::texels::Wrap;
 use crate::texels::{bilinear, nearest};
 
-/// A picture that can be asked for its value anywhere.
+/// A picture that can be evaluated at any coordinates.
 #[derive(Clone, Debug)]
 pub struct TextureSampler {
     /// The texels; row 0 lies at v = 1.
@@ -22,13 +23,13 @@ pub struct TextureSampler {
     pub wrap: [Wrap; 2],
     /// Interpolate between texel centres, or take the nearest one.
     pub linear: bool,
-    /// What is read instead where a pixel stands for more than a texel; `None` = the same.
+    /// The reader for footprints of more than a texel; `None` = the same.
     pub minify: Option<(Minify, Arc<MipMap>)>,
     /// `uv' = (a u + c v + e, b u + d v + f)` as `[a, b, c, d, e, f]`.
     pub uv_from_mesh: [f32; 6],
 }
 
-/// Samplers are equal if they read the same texels, not others that look the same, in the same way.
+/// Samplers are equal if they read the same texels, in memory, in the same way.
 impl PartialEq for TextureSampler {
     fn eq(&self, other: &Self) -> bool {
         let Self { texels, wrap, linear, minify, uv_from_mesh } = self;
@@ -59,23 +60,23 @@ impl TextureSampler {
         self.read(self.own([u, v]), self.linear)
     }
 
-    /// The same for a point that stands for `width` of the mesh's coordinates in every direction: read as
-    /// [`minify`](Self::minify) says where that is more than a texel.
+    /// The same for a footprint of `width` of the mesh's coordinates in every direction: filtered by
+    /// [`minify`](Self::minify) if that is more than a texel.
     #[must_use]
     pub fn sample_wide(&self, uv: [f32; 2], width: f32) -> [f32; 4] {
         let Some((minify, mips)) = &self.minify else { return self.sample(uv) };
         let [a, b, c, d, ..] = self.uv_from_mesh;
         let texels = self.texels.width as f32 * self.texels.height as f32;
         let level = (width * ((a * d - b * c).abs() * texels).sqrt()).log2();
-        // A width of 0 is far below, one that is no number is not looked at.
+        // A width of 0 gives -infinity, and NaN counts as no filter.
         if level.is_nan() || level <= 0.0 {
             return self.sample(uv);
         }
         mips.sample(self.own(uv), self.wrap, level, *minify)
     }
 
-    /// The mean over what a point stands for: an ellipse around `uv` whose axes are two changes of the mesh's coordinates, from
-    /// rim to rim.
+    /// The mean over a footprint: an ellipse around `uv` whose axes are two changes of the mesh's
+    /// coordinates, as diameters.
     #[must_use]
     pub fn sample_over(&self, uv: [f32; 2], axes: [[f32; 2]; 2]) -> [f32; 4] {
         match &self.minify {
@@ -90,7 +91,7 @@ impl TextureSampler {
         }
     }
 
-    /// At lane `i` of a batch: the mean over what its ray stands for; where a broad lobe sent the ray, about that.
+    /// The mean over the footprint of lane `i` of a batch; an approximation if a broad lobe sent the ray.
     #[must_use]
     pub fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> [f32; 4] {
         let uv = hits.uv(i);
@@ -118,7 +119,7 @@ impl TextureSampler {
         read(&self.texels, uv, self.wrap)
     }
 
-    /// Mean of all texels: what a far-away viewer sees.
+    /// Mean of all texels, as seen from far away.
     #[must_use]
     pub fn mean(&self) -> [f32; 4] {
         let [w, h] = [self.texels.width, self.texels.height].map(|n| n as usize);

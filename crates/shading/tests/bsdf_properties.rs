@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What holds for BSDFs with any parameters, between any two directions: values and densities are numbers and not negative,
-//! samples say what `eval` and `pdf` say, reflection goes both ways, and nothing gives off more light than it gets.
-//! What holds on average (chi-square, furnaces) is in `bsdf::tests`, for chosen parameters.
+//! Properties of BSDFs with any parameters, between any two directions: values and densities are finite and
+//! not negative, samples agree with `eval` and `pdf`, reflection is reciprocal, and no light is created. Mean
+//! properties (chi-square, furnaces) are in `bsdf::tests`, for chosen parameters.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{Bsdf, BsdfSample, Film, Kind, Lobe, Lobes, Principled};
@@ -135,7 +135,7 @@ proptest! {
             prop_assert!(weight.max_element() <= most, "weight {weight}");
         } else {
             prop_assert!(pdf > 0.0 && pdf.is_finite(), "density {pdf}");
-            // What lies in the narrowest peaks turns on the last bits of directions.
+            // Values in the narrowest peaks depend on the last bits of directions.
             let again = bsdf.pdf(wo, wi);
             prop_assert!(pdf > 1e3 || (pdf - again).abs() <= 0.02 * pdf + 1e-5, "{pdf}, and asked again {again}");
             let (value, expected) = (bsdf.eval(wo, wi), weight * pdf);

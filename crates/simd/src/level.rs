@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 /// An instruction set that the kernels are compiled for, weakest first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
-    /// No SIMD instructions at all: lanes are arrays. Runs everywhere, and is what the others are compared with.
+    /// No SIMD instructions at all: lanes are arrays. Runs everywhere, and is the reference for the others.
     Scalar,
     /// x86-64-v2: SSE4.2, 4 lanes per register.
     Sse42,
@@ -59,7 +59,8 @@ impl Level {
         }
     }
 
-    /// What [`dispatch!`](crate::dispatch) matches on: this level, or the best one below it that the CPU has.
+    /// The token that [`dispatch!`](crate::dispatch) matches on: this level, or the best one below it that
+    /// the CPU has.
     #[must_use]
     #[inline]
     pub fn token(self) -> fearless_simd::Level {
@@ -68,7 +69,8 @@ impl Level {
         TOKENS.get_or_init(|| Self::ALL.map(Self::best_token_up_to))[self as usize]
     }
 
-    /// What [`dispatch_two!`](crate::dispatch_two) matches on: AVX2 or NEON, or no SIMD instructions.
+    /// The token that [`dispatch_two!`](crate::dispatch_two) matches on: AVX2 or NEON, or no SIMD
+    /// instructions.
     #[must_use]
     #[inline]
     pub fn token_of_two(self) -> fearless_simd::Level {
@@ -147,7 +149,8 @@ impl FromStr for Level {
     }
 }
 
-/// A name that is no level, or the name of one that this CPU lacks: the user's slip. Says what would work.
+/// A name that is no level, or the name of one that this CPU lacks: the user's mistake. Lists the valid
+/// names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownLevel {
     name: String,

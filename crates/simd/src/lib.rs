@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! SIMD lanes, masks and CPU levels: the only crate that names `core::arch` or a SIMD library.
-//! Source: a thin door around the library `fearless_simd`; docs/decisions/0001-simd-layer.md says why.
+//! Source: a thin layer around the library `fearless_simd`; reasons in docs/decisions/0001-simd-layer.md.
 //!
-//! From a query to its instructions it is three hops: a caller holds a [`Level`]; [`dispatch!`] turns it into a
-//! token type and enters a function that is compiled for that CPU; in there every function that is generic over
-//! `S: Simd` is `#[inline(always)]`, or the lane operations become calls and the kernel six times slower. Kernels that
-//! others choose among are kept in tables of functions, one for each level: [`by_level!`] picks the table.
+//! Three steps lead from a query to its instructions. A caller holds a [`Level`]. [`dispatch!`] turns it into
+//! a token type and enters a function that is compiled for that CPU. Every function in there that is generic
+//! over `S: Simd` is `#[inline(always)]`; otherwise the lane operations become calls and the kernel six times
+//! slower. Kernels that are chosen at run time are kept in tables of functions, one for each level:
+//! [`by_level!`] picks the table.
 //!
-//! Invariant: kernels whose numbers are results use plain `*` and `+`, never `mul_add`, so that every level gives the
-//! same bits. What only has to be on the safe side (boxes that a ray may meet) is free to fuse.
+//! Invariant: kernels whose numbers are results use plain `*` and `+`, never `mul_add`, so that every level
+//! gives the same bits. Conservative tests (boxes that a ray may hit) are free to fuse.
 //! Tests: `level::tests`, `stack::tests`.
 
 mod level;
@@ -24,7 +25,7 @@ pub use memory::{prefer_huge_pages, prefetch};
 pub use stack::{Stack, StackBuffer};
 pub use token::Simd;
 
-/// Proof that the CPU has a level's instructions, whichever that is: what [`Level::token`] answers with.
+/// Proof that the CPU has the instructions of some level: the result of [`Level::token`].
 pub use fearless_simd::Level as Token;
 
 #[doc(hidden)]
@@ -39,8 +40,8 @@ pub use fearless_simd::{Fallback as __Fallback, Simd as __Base};
 /// Runs an expression with the token of a [`Level`]: `dispatch!(level, simd => kernel(simd, rays))`.
 ///
 /// Enter once per batch. The expression is compiled once per level, so keep it to one call of an
-/// `#[inline(always)]` function. Unlike the library's own macro it leaves out what no [`Level`] names: on x86 that
-/// is SSE2, whose CPUs get the scalar code.
+/// `#[inline(always)]` function. Unlike the library's own macro it leaves out levels that [`Level`] lacks: on
+/// x86 that is SSE2, whose CPUs get the scalar code.
 #[macro_export]
 macro_rules! dispatch {
     ($level:expr, $simd:pat => $body:expr) => {
@@ -53,9 +54,10 @@ macro_rules! dispatch {
     };
 }
 
-/// As [`dispatch!`], but only for levels whose registers are wide enough for sixteen lanes to pay (AVX2, AVX-512, NEON); on
-/// others, and on none, the expression behind `else` is taken: lanes that are arrays take minutes to compile, and gain
-/// nothing. `dispatch_wide!(level, simd => kernel(simd, paths), else one_by_one(paths))`.
+/// As [`dispatch!`], but only for levels whose registers are wide enough for sixteen lanes to pay (AVX2,
+/// AVX-512, NEON). On others, and on none, the expression behind `else` is taken: lanes that are arrays take
+/// minutes to compile, and gain nothing. `dispatch_wide!(level, simd => kernel(simd, paths), else
+/// one_by_one(paths))`.
 #[macro_export]
 macro_rules! dispatch_wide {
     ($level:expr, $simd:pat => $body:expr, else $other:expr) => {
@@ -71,8 +73,8 @@ macro_rules! dispatch_wide {
     };
 }
 
-/// As [`dispatch!`], but compiled twice and not four times: with AVX2 or NEON where the CPU has them, and without SIMD
-/// instructions. For what is not a kernel of rays: builders.
+/// As [`dispatch!`], but compiled twice instead of four times: with AVX2 or NEON where the CPU has them, and
+/// without SIMD instructions. For code other than kernels of rays: builders.
 #[macro_export]
 macro_rules! dispatch_two {
     ($level:expr, $simd:pat => $body:expr) => {
@@ -87,8 +89,8 @@ macro_rules! dispatch_two {
     };
 }
 
-/// What belongs to the level of a [`Token`], by the type `S` of its own token: `by_level!(token, S => &For::<S>::TABLE)`.
-/// So tables of functions are chosen, one for each level, once for a call or a batch.
+/// The value for the level of a [`Token`], by the type `S` of its own token: `by_level!(token, S =>
+/// &For::<S>::TABLE)`. So tables of functions are chosen, one for each level, once for a call or a batch.
 #[macro_export]
 macro_rules! by_level {
     ($token:expr, $S:ident => $value:expr) => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Asking for memory: the system for large pages under arrays that rays jump about in (fewer misses of the address cache),
-//! the CPU for what is about to be read.
+//! Memory hints: large pages from the system for arrays with random access (fewer misses of the address
+//! cache), and prefetches by the CPU.
 //! Source: madvise(2), without effect where the system has no such pages to give or is not Linux; PREFETCHT0.
 
 /// Arrays below this many bytes are not worth a request.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What kernels are generic over: a token type for each level, with what this project asks of it.
-//! Source: the library's trait, and two answers more. Tests: `level::tests::every_level_runs`.
+//! The traits of kernels' type parameters: a token type for each level, with the operations that this project
+//! needs.
+//! Source: the library's trait, and two functions more. Tests: `level::tests::every_level_runs`.
 
 use fearless_simd::Level as Token;
 

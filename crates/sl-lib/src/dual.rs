@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Dual numbers: a value with its derivatives along the two directions of the screen.
 //! The rules are those of every forward-mode differentiation.
-//! Invariant: a value does not depend on whether derivatives are carried along, to the bit. OSL's does, in `pow`, `smoothstep`
-//! and four-dimensional noise, by a rounding; here asking for a derivative cannot change a picture.
+//! Invariant: a value does not depend on whether derivatives are carried along, to the bit. In OSL it does,
+//! by a rounding, in `pow`, `smoothstep` and four-dimensional noise; here a request for derivatives cannot
+//! change a picture.
 //! Tests: `tests/derivatives.rs`, against finite differences.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -35,7 +36,7 @@ impl<T> Dual<T> {
 }
 
 impl<T: Copy> Dual<[T; 3]> {
-    /// A triple with derivatives as a triple of numbers with derivatives, which is what functions take.
+    /// A triple with derivatives as a triple of numbers with derivatives, the form that functions take.
     #[inline(always)]
     pub fn components(self) -> [Dual<T>; 3] {
         let [v, dx, dy] = [self.value, self.dx, self.dy];

@@ -5,10 +5,11 @@
 //! of the program that calls it or of renderers. Values are `f32`, `[f32; 3]`, `[[f32; 4]; 4]`, `&str` and `i32`; derivatives
 //! come as [`Dual`].
 //!
-//! Most functions are generic over [`Number`]: the same text is compiled for a float, for a float with derivatives, and for
-//! for whatever else is a number (the compiler of shaders has one that records what is done to it), and gives the same bits in all of them. Functions that have no derivative
-//! (`floor`, `step`, hashes) take a [`Real`]. Triples go through such a function component by component, and those that mix
-//! components (`math` of vectors) take `[N; 3]`.
+//! Most functions are generic over [`Number`]: the same text is compiled for a float, for a float with
+//! derivatives, and for any other number, with the same bits in all of them. The compiler of shaders has a
+//! number that records operations. Functions that have no derivative (`floor`, `step`, hashes) take a
+//! [`Real`]. Triples go through such a function component by component, and those that mix components (`math`
+//! of vectors) take `[N; 3]`.
 //!
 //! ```
 //! use gnurt_sl_lib::{Dual, math};
@@ -19,7 +20,7 @@
 //! ```
 //!
 //! Where OSL's documentation leaves a choice, its implementation at commit ad63273a decides, approximations included: shaders
-//! print the digits that they print there. Differences are said where they are.
+//! print the digits that they print there. Differences are stated at each function.
 
 pub mod color;
 pub mod dictionary;

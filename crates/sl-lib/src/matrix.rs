@@ -13,7 +13,7 @@ pub type Matrix = [[f32; 4]; 4];
 /// The matrix that changes nothing.
 pub const IDENTITY: Matrix = diagonal(1.0);
 
-/// A number along the diagonal, which is what the language makes of `matrix(x)`.
+/// A number along the diagonal, as the language defines `matrix(x)`.
 #[must_use]
 pub const fn diagonal(x: f32) -> Matrix {
     [[x, 0.0, 0.0, 0.0], [0.0, x, 0.0, 0.0], [0.0, 0.0, x, 0.0], [0.0, 0.0, 0.0, x]]
@@ -122,12 +122,12 @@ pub fn transform_normal<N: Number>(m: &Matrix, n: [N; 3]) -> [N; 3] {
     transform_vector(&transpose(&inverse(m)), n)
 }
 
-/// Named spaces: what `transform("from", "to", ..)` and `matrix("from", ..)` ask.
+/// Named spaces, for `transform("from", "to", ..)` and `matrix("from", ..)`.
 pub trait Spaces {
-    /// The matrix from `space` to the common space; `None` where nobody knows that space.
+    /// The matrix from `space` to the common space; `None` for an unknown space.
     fn common_from(&self, space: &str) -> Option<Matrix>;
 
-    /// The matrix back, for who has it at hand.
+    /// The inverse matrix, for callers that have it stored.
     fn to_common_inverse(&self, space: &str) -> Option<Matrix> {
         self.common_from(space).map(|m| inverse(&m))
     }

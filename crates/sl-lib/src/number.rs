@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the library's functions are written over: a float, what stands for one while a shader is compiled, or either with derivatives.
-//! [`Real`] is a float or what stands for one; [`Number`] is that or a [`Dual`](crate::Dual) of it. A function that takes any
-//! [`Number`] is written once and serves the interpreter, derivatives and machine code for lanes.
-//! Invariant: an operation gives the same bits alone and in lanes; nothing is fused.
+//! Numbers of the library's functions: a float, its substitute while a shader is compiled, or either with
+//! derivatives. [`Real`] is a float or its substitute; [`Number`] is that or a [`Dual`](crate::Dual) of it. A
+//! function that takes any [`Number`] is written once and serves the interpreter, derivatives and machine
+//! code for lanes.
+//! Invariant: an operation gives the same bits by itself and in lanes; nothing is fused.
 //! Tests: the tests of `gnurt-jit`.
 
 use std::ops::{Add, BitAnd, BitOr, BitXor, Div, Mul, Neg, Not, Shl, Shr, Sub};
@@ -49,7 +50,7 @@ pub trait UInts:
     + Shl<u32, Output = Self>
     + Shr<u32, Output = Self>
 {
-    /// What a comparison gives.
+    /// The result of a comparison.
     type Mask: Mask;
 
     /// `x`, as one of these.
@@ -60,26 +61,26 @@ pub trait UInts:
     fn below(self, x: u32) -> Self::Mask;
     /// `a` where the mask is set, else `b`.
     fn pick(mask: Self::Mask, a: Self, b: Self) -> Self;
-    /// Bit `self` of `bits`: 0 or 1. The places are below 32.
+    /// Bit `self` of `bits`: 0 or 1. The bit numbers are below 32.
     fn bit_of(self, bits: u32) -> Self;
     /// The remainder in `[0, period)` of signed division; periods are at least 1.
     fn wrapped(self, period: Self) -> Self;
     /// The larger of each pair, with signs.
     fn signed_max(self, other: Self) -> Self;
 
-    /// The bits turned to the left.
+    /// The bits rotated to the left.
     #[inline(always)]
     fn rotated(self, by: u32) -> Self {
         (self << by) | (self >> (32 - by))
     }
 }
 
-/// What comparisons give: yes or no, or what stands for that.
+/// Results of comparisons: a boolean, or its substitute.
 pub trait Mask: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {}
 
 impl<T: Copy + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self>> Mask for T {}
 
-/// A float, or what stands for one.
+/// A float, or its substitute.
 pub trait Real: Arithmetic + Div<f32, Output = Self> {
     /// As many words.
     type UInts: UInts<Mask = Self::Mask>;
@@ -110,7 +111,8 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
     fn copysign(self, sign: Self) -> Self;
     /// The bits of the floats.
     fn bits(self) -> Self::UInts;
-    /// The same for who looks at them: all NaNs have the bits of one, for nobody says which bits an operation gives to a NaN.
+    /// The same for operations on bits: all NaNs get the bits of one, because the bits of a NaN result are
+    /// unspecified.
     #[inline(always)]
     fn known_bits(self) -> Self::UInts {
         Self::choose(self.equal(self), self, self.of(f32::NAN)).bits()
@@ -123,7 +125,7 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
     fn from_int(x: Self::UInts) -> Self;
     /// The floats nearest to whole numbers without sign.
     fn from_unsigned(x: Self::UInts) -> Self;
-    /// Does what is large: for a float in a function of its own, so that callers stay small; when it is recorded, where it is called.
+    /// Calls large code: for a float out of line, so that callers stay small; during recording, inline.
     fn outline<T>(work: impl FnOnce() -> T) -> T;
 
     /// `low` where below it or NaN, `high` where above.
@@ -154,7 +156,7 @@ pub trait Real: Arithmetic + Div<f32, Output = Self> {
 pub trait Number: Arithmetic {
     /// The kind of value.
     type Real: Real<Mask = Self::Mask>;
-    /// What comparisons of values give.
+    /// The result of a comparison of values.
     type Mask: Mask;
 
     /// Without derivatives.
@@ -172,9 +174,9 @@ pub trait Number: Arithmetic {
     ) -> Self;
     /// `a` where the mask is set, else `b`.
     fn pick(mask: Self::Mask, a: Self, b: Self) -> Self;
-    /// With the sign turned where the lowest bit of a word is set.
+    /// With the sign flipped where the lowest bit of a word is set.
     fn negated_where(self, bit: <Self::Real as Real>::UInts) -> Self;
-    /// This value with another value and the same derivatives: what subtracting a whole number leaves.
+    /// This value with another value and the same derivatives, as after the subtraction of a whole number.
     fn with_value(self, value: Self::Real) -> Self;
 
     /// `x`, as one of these.

@@ -48,7 +48,7 @@ impl Basis {
         }
     }
 
-    /// How many segments so many knots make; 0 where there are fewer than four.
+    /// How many segments this many knots make; 0 where there are fewer than four.
     #[must_use]
     pub fn segments(self, knots: usize) -> usize {
         if knots < 4 { 0 } else { (knots - 4) / self.step() + 1 }
@@ -80,11 +80,11 @@ impl Basis {
     }
 }
 
-/// The knots as the function wants them: knot `i` of lane by lane different segments.
+/// The knots in the form that the function needs: knot `i` of segments that differ by lane.
 pub trait Knots<N: Number> {
     /// How many.
     fn count(&self) -> usize;
-    /// Those at these places, all of which are below the count.
+    /// The knots at these indices, all of which are below the count.
     fn at(&self, indices: <N::Real as Real>::UInts) -> N;
 }
 
@@ -230,7 +230,7 @@ where
     x
 }
 
-/// A place between two where a function is `y`, and whether it is so there at all.
+/// A position between two where a function is `y`, and whether there is one.
 fn invert<N: Number<Real = f32, Mask = bool>>(
     function: impl Fn(N) -> N,
     y: N,

@@ -17,7 +17,7 @@ fn near(found: [f32; 3], expected: [f32; 3], by: f32, what: &str) {
 fn known_colors_convert() {
     let system = ColorSystem::default();
     let to = |space, c: [f32; 3]| system.transform("rgb", space, c).expect("a known space");
-    // What OSL's test suite prints, to three digits.
+    // Values printed by OSL's test suite, to three digits.
     let lime = [0.5, 1.0, 0.0];
     near(to("hsv", lime), [0.25, 1.0, 1.0], 5e-4, "hsv");
     near(to("hsl", lime), [0.25, 1.0, 0.5], 5e-4, "hsl");
@@ -82,7 +82,7 @@ proptest! {
         let system = ColorSystem::default();
         for from in SPACES {
             for to in SPACES {
-                // Hues of grey are lost, and what is too bright to be a lightness.
+                // Hues of grey are lost, and so are lightnesses above 1.
                 prop_assume!(c[0] != c[1] || c[1] != c[2]);
                 let start = system.transform("rgb", from, c).expect("known");
                 let back = system.transform(to, from, system.transform(from, to, start).expect("known")).expect("known");

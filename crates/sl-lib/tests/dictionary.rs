@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Dictionaries: queries, values, and what is no XML.
+//! Dictionaries: queries, values, and invalid XML.
 
 use gnurt_sl_lib::dictionary::*;
 use gnurt_sl_lib::text::{stof, stoi};

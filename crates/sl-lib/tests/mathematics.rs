@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Mathematics against `f64`, within the errors that the modules state, and the language's meaning of what has no result.
+//! Mathematics against `f64`, within the errors that the modules state, and the language's definitions of
+//! undefined results.
 
 use gnurt_sl_lib::math::*;
 use proptest::prelude::*;

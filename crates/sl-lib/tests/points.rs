@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Point clouds: the tree against all points one by one, files, and what is none.
+//! Point clouds: the tree against brute force, files, and invalid files.
 
 use gnurt_sl_lib::points::*;
 
@@ -88,14 +88,14 @@ fn what_is_no_cloud_is_refused_by_its_line() {
     let good = "PGEOMETRY V5\nNPoints 2 NPrims 0\nNPointGroups 0 NPrimGroups 0\nNPointAttrib 1 NVertexAttrib 0 NPrimAttrib 0 NAttrib 0\nPointAttrib\nu 1 float 0\n0 0 0 1 (0.5)\n0 0 2 2 (1)\n";
     assert_eq!(read_cloud(good).expect("a cloud").positions()[1], [0.0, 0.0, 1.0], "by their last number");
     for (from, to, said) in [
-        ("PGEOMETRY", "GEOMETRY", "line 1: 'GEOMETRY' stands where 'PGEOMETRY' should"),
+        ("PGEOMETRY", "GEOMETRY", "line 1: 'GEOMETRY' in place of 'PGEOMETRY'"),
         ("NPoints 2", "NPoints two", "line 2: 'two' is no count"),
-        ("NPoints 2", "NPoints 2000000000000", "more than the file has room for"),
+        ("NPoints 2", "NPoints 2000000000000", "exceed the length of the file"),
         ("NPoints 2", "NPoints 3", "line 9: the file ends too early"),
         ("u 1 float", "u 0 float", "line 6: an attribute of 0 values"),
         ("u 1 float", "u 1 quark", "of the kind 'quark'"),
         ("(0.5)", "(half)", "line 7: 'half' is no number"),
-        ("(0.5)", "(0.5 7)", "line 7: '7' stands where ')' should"),
+        ("(0.5)", "(0.5 7)", "line 7: '7' in place of ')'"),
     ] {
         let why = read_cloud(&good.replace(from, to)).expect_err(to);
         assert!(why.contains(said), "{why}");

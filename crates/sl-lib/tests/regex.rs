@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Regular expressions against what OSL's test suite prints, what ECMAScript says, and a matcher by definition.
+//! Regular expressions against the output of OSL's test suite, the rules of ECMAScript, and a matcher by
+//! definition.
 
 use gnurt_sl_lib::regex::Regex;
 use proptest::prelude::*;
@@ -9,7 +10,7 @@ fn spans(pattern: &str, subject: &str) -> Option<Vec<Option<(usize, usize)>>> {
     regex.find(subject, false).expect("few steps")
 }
 
-/// What the whole match is.
+/// The whole match.
 fn found<'a>(pattern: &str, subject: &'a str) -> Option<&'a str> {
     let (start, end) = spans(pattern, subject)?[0]?;
     Some(&subject[start..end])
@@ -93,9 +94,9 @@ fn syntax_means_what_it_should() {
 fn what_is_no_pattern_says_why() {
     let wrong = [
         ("(a", 0, "not closed"),
-        ("a)", 1, "closes nothing"),
-        ("*a", 0, "repeated"),
-        ("a**", 2, "repeated"),
+        ("a)", 1, "unmatched closing parenthesis"),
+        ("*a", 0, "repeat"),
+        ("a**", 2, "repeat"),
         ("[a", 0, "not closed"),
         ("a{2", 3, "brace"),
         ("a{3,1}", 2, "below"),
@@ -107,7 +108,7 @@ fn what_is_no_pattern_says_why() {
         ("\\2(a)", 5, "group"),
         ("[[:none:]]", 0, "name"),
         ("\\xZ", 2, "hexadecimal"),
-        ("^*", 1, "repeated"),
+        ("^*", 1, "repeat"),
         ("((a{999}){999}){999}", 0, "too large"),
     ];
     for (pattern, at, reason) in wrong {
@@ -161,7 +162,7 @@ impl Tree {
     }
 }
 
-/// What is compared and copied counts, not steps alone.
+/// Comparisons and copies of characters count, too, beside steps.
 #[test]
 fn long_groups_are_not_compared_for_ever() {
     let subject = "a".repeat(1 << 20);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Splines against de Casteljau's and Cox and de Boor's rules, and their inverse against what OSL prints.
+//! Splines against de Casteljau's and Cox and de Boor's rules, and their inverse against the output of OSL.
 
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::spline::*;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Strings and numbers as text, against what OSL's test suite and C print.
+//! Strings and numbers as text, against the output of OSL's test suite and of C.
 
 use gnurt_sl_lib::text::*;
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ fn filled(format: &str, arguments: &[Argument]) -> String {
 fn hashes_are_farmhashs() {
     assert_eq!([hash_string(""), hash_string("Hello World!")], [0, -16_050_688]);
     let text: String = (0..300_u32).map(|i| char::from(b'a' + (i * 7 % 26) as u8)).collect();
-    // What OpenImageIO's hash of the first so many letters is.
+    // OpenImageIO's hash of the first letters.
     let known: [(usize, u64); 22] = [
         (1, 0xb3454265b6df75e3),
         (2, 0x65c94e7de3fd684f),

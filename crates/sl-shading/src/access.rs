@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which files shaders may name: those that they include and the pictures that they read, which may be in memory; and where their code is kept.
+//! Which files shaders may name: included files and pictures, which may be in memory; and the cache of their
+//! machine code.
 //! Tests: `tests/scripts.rs`.
 
 use std::collections::HashMap;
@@ -21,11 +22,11 @@ const LONGEST: u64 = 16 << 20;
 pub struct Access {
     /// Only from below this folder; from anywhere if there is none.
     pub confined_to: Option<PathBuf>,
-    /// Folders that `#include` looks through after the shader's own.
+    /// Folders that `#include` searches after the shader's own.
     pub includes: Vec<String>,
     /// Pictures in memory, by the names that shaders call them. They come before files.
     pub pictures: Arc<HashMap<String, Arc<TextureSampler>>>,
-    /// Where code is kept that was made of them.
+    /// The cache of their machine code.
     pub codes: Codes,
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Camera shaders as cameras.
-//! Space: world; the shader's space `camera` is that of a camera that stands somewhere, looks along its -z and has y up.
+//! Space: world; the shader's space `camera` is that of a camera that looks along its -z and has y up.
 //! Tests: `tests/scripts/kinds.rs`.
 
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use gnurt_sl_lib::Dual;
 
 use crate::world::{Common, World, vector};
 
-/// Where a camera stands.
+/// Position and axes of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraFrame {
     /// Where it is.
@@ -22,15 +22,15 @@ pub struct CameraFrame {
     pub right: [f32; 3],
     /// Unit, upwards.
     pub up: [f32; 3],
-    /// Unit, towards the viewer: it looks the other way.
+    /// Unit, towards the viewer: the camera looks along its opposite.
     pub back: [f32; 3],
     /// Pixels of the picture, across and down.
     pub pixels: [u32; 2],
 }
 
 impl CameraFrame {
-    /// The place at a moment from 0 to 1 of the way along places evenly spaced over that time: the eye goes straight from one to the
-    /// next, axes are mixed and made units again. Panics if there is none.
+    /// The frame at a time from 0 to 1, along frames evenly spaced over that time: the eye moves straight
+    /// from one to the next, axes are mixed and normalised. Panics if there is none.
     fn along(frames: &[Self], time: f32) -> Self {
         let interval = KeyInterval::of(time, frames.len());
         let (a, b) = (&frames[interval.key], &frames[interval.next]);
@@ -52,7 +52,7 @@ impl CameraFrame {
     }
 }
 
-/// A camera's shader, ready to stand anywhere. Cheap to clone.
+/// A camera's shader without its frame. Cheap to clone.
 #[derive(Clone)]
 pub struct CameraScript {
     pub(crate) common: Arc<Common>,
@@ -60,7 +60,8 @@ pub struct CameraScript {
 }
 
 impl CameraScript {
-    /// The camera where it is while the shutter is open: at places evenly spaced over that time, one or more; `None` if there is none.
+    /// The camera with its frames while the shutter is open: evenly spaced over that time, one or more;
+    /// `None` if there is none.
     #[must_use]
     pub fn at(&self, frames: &[CameraFrame]) -> Option<Arc<dyn CameraShader>> {
         let Self { common, has_lens } = self.clone();

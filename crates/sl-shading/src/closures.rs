@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The closures that the renderer knows: all of OSL's, MaterialX's among them, and `radiance`.
-//! Source: the OSL specification, chapter 7.10, and its MaterialX closures; what becomes of each is in `parts`.
+//! The closures that the renderer supports: all of OSL's, MaterialX's among them, and `radiance`.
+//! Source: the OSL specification, chapter 7.10, and its MaterialX closures; `parts` converts each of them.
 //! Tests: `tests/scripts/closures.rs`.
 
 use std::sync::LazyLock;
@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use gnurt_sl::exec::{ClosureDecl, ClosureParam};
 use gnurt_sl::types::{Base, Type};
 
-/// What the renderer makes a closure to be.
+/// The renderer's counterpart of a closure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Known {
     Emission,
@@ -33,12 +33,13 @@ pub(crate) enum Known {
     Dielectric,
     Conductor,
     Schlick,
-    /// Hair, volumes and what shows nothing.
+    /// Hair, volumes and closures without an appearance.
     Nothing,
 }
 
-/// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure; given by name: `~` a thin film's thickness (nanometres)
-/// and index, `+` whether light is kept that goes between facets more than once, `?` which model it is.
+/// `V` is a vector, `F` a float, `I` an int, `C` a colour, `S` a text, `K` a closure. Keyword arguments: `~`
+/// a thin film's thickness (nanometres) and index, `+` whether multiple scattering between microfacets is
+/// added, `?` the name of the model.
 const TABLE: [(Known, &str, &str); 29] = [
     (Known::Emission, "emission", ""),
     (Known::Emission, "background", ""),
@@ -113,7 +114,7 @@ static ALL: LazyLock<(Vec<ClosureDecl>, Vec<Shape>)> = LazyLock::new(|| {
     TABLE.into_iter().map(decl).unzip()
 });
 
-/// All of them, and what each is made to be.
+/// All of them, and their counterparts.
 pub(crate) fn all() -> (&'static [ClosureDecl], &'static [Shape]) {
     (&ALL.0, &ALL.1)
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Machine code of shaders, kept for all that mean the same: of materials, lights, cameras, skies and pixels.
-//! What counts as the same is in `gnurt_jit`'s `fingerprint`. The process has one for all who ask for no other: it is
-//! known by what the code is made of, so nobody can see from a picture whether somebody was there before.
+//! Machine code of shaders, cached by contents: of materials, lights, cameras, skies and pixels. The key is
+//! `gnurt_jit`'s `fingerprint`. By default there is one cache for the process. The key covers everything that
+//! determines the code, so a picture cannot depend on earlier uses of the cache.
 //! Tests: `tests/scripts/lanes.rs`.
 
 use std::sync::{Arc, LazyLock};

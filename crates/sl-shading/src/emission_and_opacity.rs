@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What points do to light that they do not scatter: how closures that give off light or let it through change what scatters beside them.
+//! Emission and transparency of points: how closures that emit light or transmit it straight change the
+//! scattering of the others.
 //! Tests: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
@@ -8,10 +9,10 @@ use gnurt_sl::exec::LANES;
 
 use crate::parts::Lights;
 
-/// Least share of light that a surface stops where it scatters some, so that what it scatters is not drawn too seldom.
+/// The least opacity of a scattering surface, so that its scattered light is not sampled too seldom.
 const THERE: f32 = 1.0 / 16.0;
 
-/// What a point does to light that it does not scatter.
+/// Emission and opacity of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct EmissionAndOpacity {
     /// Light that it gives off, over the share that it stops.
@@ -27,7 +28,8 @@ impl EmissionAndOpacity {
         let through = lights.through.get(lane).clamp(Vec3::ZERO, Vec3::ONE);
         let shared = through.min_element();
         let is_lit = lists.lit() >> lane & 1 != 0 || emission != Vec3::ZERO;
-        // What all channels let through is a hole; what is left of colours goes on as through a pane.
+        // The transmittance common to all channels is transparency; the coloured rest is transmitted as
+        // through a pane.
         let mut transparent = if is_lit { shared.min(1.0 - THERE) } else { shared };
         if transparent < 1e-3 {
             transparent = 0.0;
@@ -44,7 +46,7 @@ impl EmissionAndOpacity {
         Self { emission, there }
     }
 
-    /// Says so of point `i`.
+    /// Writes it for point `i`.
     pub(crate) fn write(self, i: usize, out: &mut ClosureBatch) {
         if self.there < 1.0 {
             out.cover(i, self.there);

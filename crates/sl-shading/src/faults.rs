@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What shaders said while they ran: each line once, and not without end.
+//! Output of shaders during their runs: each line once, up to a limit.
 //! Tests: `tests/scripts/wrong.rs`.
 
 use std::sync::Mutex;
@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use gnurt_sl::exec::Event;
 
-/// Lines that are kept.
+/// Limit of stored lines.
 const MOST: usize = 16;
 
 /// Lines of all threads.
@@ -18,7 +18,7 @@ pub(crate) struct Faults {
 }
 
 impl Faults {
-    /// Notes a line, if there is room and it is new.
+    /// Records a line, if the limit is not reached and it is new.
     pub(crate) fn note(&self, line: &str) {
         if self.is_full.load(Ordering::Relaxed) {
             return;
@@ -33,24 +33,24 @@ impl Faults {
             return;
         }
         if lines.len() == MOST {
-            lines.push("and more, which is not told".to_owned());
+            lines.push("and more, which is not printed".to_owned());
             self.is_full.store(true, Ordering::Relaxed);
             return;
         }
         lines.push(line.to_owned());
     }
 
-    /// Notes what a shader said.
+    /// Notes the output of a shader.
     pub(crate) fn hear(&self, name: &str, event: &Event) {
         if self.is_full.load(Ordering::Relaxed) {
             return;
         }
         match event {
-            Event::Print(text) => self.note(&format!("{name} says: {text}")),
+            Event::Print(text) => self.note(&format!("{name} prints: {text}")),
             Event::Error(text) => self.note(&format!("{name}: {text}")),
             Event::Warning(text) => self.note(&format!("{name}: warning: {text}")),
             // Shaders write no files.
-            Event::File(file, text) => self.note(&format!("{name} says to \"{file}\": {text}")),
+            Event::File(file, text) => self.note(&format!("{name} prints to \"{file}\": {text}")),
         }
     }
 

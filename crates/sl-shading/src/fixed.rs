@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Surfaces that do the same to light at all points: lobes, light that they give off and let through are worked out once, from the front
-//! and from behind.
-//! A forward data-flow over cells, once all values that are known are put in. Lobes may lie around the points' own
-//! normals; along what equally wide facets are brushed does not count. Everything else that a closure takes must be known, every choice
-//! on the way, too; and nothing may be asked or said.
-//! Invariant: lobes and normals are those that running the group at the points would give. Tests: `tests/scripts/lanes.rs`.
+//! Surfaces with constant scattering: lobes, emission and transparency are computed once, for the front and
+//! for the back. A forward data-flow analysis over cells, after all known values are inserted. Lobes may lie
+//! around the points' own normals; the direction of anisotropy is irrelevant for isotropic microfacets. All
+//! other arguments of closures must be known, and so must every condition; and the shader may neither query
+//! nor print.
+//! Invariant: lobes and normals equal the result of running the group at the points. Tests:
+//! `tests/scripts/lanes.rs`.
 
 use std::collections::HashMap;
 
@@ -25,7 +26,7 @@ use crate::emission_and_opacity::EmissionAndOpacity;
 use crate::parts::{Flattened, column};
 use crate::properties::Nobody;
 
-/// What all points do to light.
+/// The closures of all points.
 #[derive(Debug)]
 pub(crate) struct Fixed {
     front: Side,
@@ -35,7 +36,7 @@ pub(crate) struct Fixed {
 /// Seen from one side.
 #[derive(Debug)]
 struct Side {
-    /// As closures say it.
+    /// In the form of closures.
     lobes: Lobes,
     /// Light that goes straight through.
     through: Vec3,
@@ -75,14 +76,15 @@ impl Fixed {
                 false => EmissionAndOpacity { emission: Vec3::ZERO, there: 1.0 },
             };
             let stopped = lists.lobes(0);
-            // A pane that colours what goes straight through lies around the points' normals even where lobes of closures do not.
+            // A pane for coloured transmission lies around the points' normals even where lobes of closures
+            // do not.
             let is_pane = stopped.as_slice().len() > lobes.as_slice().len();
             (is_plain && !is_pane).then_some(Side { lobes, through, stopped, emission_and_opacity })
         };
         Some(Self { front: flatten_lists(0)?, back: flatten_lists(1)? })
     }
 
-    /// What a point scatters by, and what goes straight through, as closures say it, from the side that its ray came from.
+    /// The lobes of a point, and its straight transmittance, by closures, for the side of its ray.
     pub(crate) fn at(&self, hits: &SurfaceBatch, i: usize) -> (&Lobes, Vec3) {
         let side = if hits.front(i) { &self.front } else { &self.back };
         (&side.lobes, side.through)
@@ -105,7 +107,7 @@ impl Fixed {
             for i in 0..LANES {
                 let [x, y, z] = &mut normals;
                 let side = x[i] * ng[0][i] + y[i] * ng[1][i] + z[i] * ng[2][i];
-                // As `normal`; where there are no lobes nobody asks.
+                // As `normal`; unused where there are no lobes.
                 let turned = side < 0.0 && !is_dark[(back >> i & 1) as usize];
                 let sign = if turned { -1.0 } else { 1.0 };
                 (x[i], y[i], z[i]) = (x[i] * sign, y[i] * sign, z[i] * sign);
@@ -129,7 +131,7 @@ impl Fixed {
     }
 }
 
-/// Operations that make a result of what they read, and ask nobody; those on components by themselves are of this kind, too.
+/// Pure operations, without queries; those on components are of this kind, too.
 const PURE: [&str; 60] = [
     "add",
     "sub",
@@ -192,7 +194,7 @@ const PURE: [&str; 60] = [
     "spline",
     "arraylength",
 ];
-/// The same, but they say so where an index is wrong: it must be known.
+/// The same, but operations that report a wrong index: it must be constant.
 const INDEXED: [&str; 6] = ["aref", "aassign", "compref", "compassign", "mxcompref", "mxcompassign"];
 
 /// Goes through a group until nothing is added.
@@ -202,7 +204,7 @@ struct Walk<'p> {
     varies: Vec<bool>,
     changed: bool,
     fits: bool,
-    /// By first cell, of what globals but `Ci` hold.
+    /// The contents of globals other than `Ci`, by first cell.
     globals: HashMap<u32, &'p str>,
     shapes: &'static [Shape],
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shaders written in the shading language, as shaders of the renderer.
 //!
-//! A [`Script`] is a shader's file, compiled, with values for its parameters; it makes what `gnurt_shading` knows: a surface, a light,
-//! a camera, a sky. `access` says which files may be read, `closures` which closures there are, `parts` makes lobes of them,
-//! `world` answers what a shader asks while it runs, `stored` reads pictures for the tools, `surface`, `light`, `camera`, `sky` and `pixel` are the kinds.
+//! A [`Script`] is a compiled shader file with values for its parameters; it makes shaders of
+//! `gnurt_shading`: a surface, a light, a camera, a sky. `access` defines the readable files, `closures` the
+//! closures. `parts` makes lobes of them, `world` answers a running shader's queries, `stored` reads pictures
+//! for the tools. `surface`, `light`, `camera`, `sky` and `pixel` are the kinds.
 #![forbid(unsafe_code)]
 
 mod access;

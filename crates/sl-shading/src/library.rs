@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The shader library, as the program carries it: `builtin/wood.osl` is `shaders/surfaces/wood.osl`, wherever somebody is.
-//! A file that is there wins. Tests: `tests`.
+//! The shader library, embedded in the program: `builtin/wood.osl` is `shaders/surfaces/wood.osl`, in every
+//! directory. An existing file of that name takes precedence. Tests: `tests`.
 
 use std::path::Path;
 
-/// The folder that names say.
+/// The folder of carried texts.
 const FOLDER: &str = "builtin";
 
 macro_rules! carried {
@@ -24,7 +24,7 @@ const FILES: &[(&str, &str)] = carried! {
     "pixels": "distances.osl" "ink.osl" "plain.osl";
 };
 
-/// The text of a file that the program carries, if its name says one: `builtin/NAME`, and no file is there.
+/// The text of a file that the program carries, if its name is `builtin/NAME` and there is no such file.
 pub(crate) fn text(path: &Path) -> Option<&'static str> {
     let is_named = path.parent().and_then(Path::file_name).is_some_and(|folder| folder == FOLDER);
     if !is_named || path.exists() {
@@ -45,7 +45,10 @@ pub(crate) fn unknown(path: &Path) -> Option<String> {
     let is_named = path.parent().is_some_and(|folder| folder == Path::new(FOLDER));
     let shaders: Vec<&str> = FILES.iter().filter_map(|(name, _)| name.strip_suffix(".osl")).collect();
     is_named.then(|| {
-        format!("there is no such file, and the program has none of that name; it has {}", shaders.join(", "))
+        format!(
+            "the file does not exist, and no built-in shader has that name; valid are: {}",
+            shaders.join(", ")
+        )
     })
 }
 

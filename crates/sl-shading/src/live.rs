@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parameters that change while shaders run, without compiling: numbers that all threads read where they stand.
-//! The shader asks for them as for what geometry carries, whose place nobody folds away.
-//! A picture that is rendered meanwhile holds some of both values. Tests: `tests/scripts/live.rs`.
+//! Live parameters, which change while shaders run, without compiling: numbers that all threads read from
+//! shared memory. The shader requests them like attributes of geometry, whose values are never folded. A
+//! picture rendered during a change mixes both values. Tests: `tests/scripts/live.rs`.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -41,7 +41,7 @@ impl Live {
         Some(self.slot(name)?.numbers.iter().map(read).collect())
     }
 
-    /// Writes the numbers of a parameter that is one of them; says whether it is.
+    /// Writes the numbers of a parameter that is one of them; returns whether it is.
     pub(crate) fn set(&self, name: &str, numbers: &[f32]) -> bool {
         let Some(slot) = self.slot(name).filter(|slot| slot.numbers.len() == numbers.len()) else {
             return false;

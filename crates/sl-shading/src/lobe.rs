@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! From one closure of a point to its lobes.
-//! What the closures are is in the OSL specification and MaterialX, the lobes' models are in docs/reference/materials.md.
-//! Differs from other renderers: facets of MaterialX's closures are GGX whatever the distribution's name; light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered where it enters; hair and volumes are not drawn.
+//! The closures are defined by the OSL specification and MaterialX, the lobes' models by
+//! docs/reference/materials.md. Differs from other renderers: microfacets of MaterialX's closures are GGX
+//! under any distribution's name; light below the surface (`subsurface`, `subsurface_bssrdf`) is scattered
+//! where it enters; hair and volumes are not drawn.
 //! Space: world. Tests: `tests/scripts/closures.rs`.
 
 use glam::Vec3;
@@ -10,10 +12,10 @@ use gnurt_sl::exec::{Cells, Part, WELL_KNOWN};
 
 use crate::closures::{Known, Shape};
 
-/// Widths of facets below this are mirrors.
+/// Microfacets of less roughness are mirrors.
 pub(crate) const SMOOTH: f32 = 1e-3;
 
-/// The parameters of a component at a point, by their places.
+/// The parameters of a component at a point, by index.
 pub(crate) struct Params<'a> {
     shape: &'a Shape,
     part: &'a Part<'a>,
@@ -21,7 +23,7 @@ pub(crate) struct Params<'a> {
 }
 
 impl Shape {
-    /// The place of the normal among the parameters.
+    /// The index of the normal among the parameters.
     pub(crate) fn normal(&self) -> Option<usize> {
         match self.known {
             Known::Subsurface => None,
@@ -30,7 +32,7 @@ impl Shape {
         }
     }
 
-    /// The place of what facets are brushed along, and those of the widths.
+    /// The slots of the direction of anisotropy and of the widths.
     pub(crate) fn anisotropy_slots(&self) -> Option<[usize; 3]> {
         match self.known {
             Known::Ward | Known::Conductor => Some([1, 2, 3]),
@@ -46,13 +48,13 @@ impl<'a> Params<'a> {
         Self { shape, part, lane }
     }
 
-    /// Whether all that says what the lobe is, but for its normal, is the same for all points.
+    /// Whether all parameters of the lobe, except its normal, are the same for all points.
     pub(crate) fn are_one(shape: &Shape, part: &Part<'_>) -> bool {
         let one = |slot: usize| {
             let mut numbers = shape.firsts[slot]..shape.firsts[slot + 1];
             numbers.all(|i| matches!(part.cells(i), Cells::One(_)))
         };
-        // Nobody asks along what facets are as wide as across it.
+        // The direction is irrelevant if both widths are equal.
         let along = shape.anisotropy_slots().filter(|[_, x, y]| {
             matches!((part.cells(shape.firsts[*x]), part.cells(shape.firsts[*y])), (Cells::One(x), Cells::One(y)) if x == y)
         });
@@ -84,13 +86,13 @@ impl<'a> Params<'a> {
         self.bits_of(i, 0) as i32
     }
 
-    /// Whether a distribution of facets is Beckmann's, which is that of `default`, too.
+    /// Whether a microfacet distribution is Beckmann's, which is that of `default`, too.
     fn is_beckmann(&self, i: usize) -> bool {
         let number = self.bits_of(i, 0) as usize;
         number.checked_sub(1).is_some_and(|slot| slot < WELL_KNOWN.len())
     }
 
-    /// Widths of facets.
+    /// Roughness of microfacets.
     fn slopes(&self) -> Slopes {
         let Some([tangent, x, y]) = self.shape.anisotropy_slots() else { return Slopes::even(0.0) };
         let (along, across) = (self.float(x).clamp(0.0, 1.0), self.float(y).clamp(0.0, 1.0));
@@ -125,7 +127,7 @@ impl Slopes {
         self.along.max(self.across) < SMOOTH
     }
 
-    /// The lobe that is made for one width, with both. Where nobody says along what, slopes are as wide on average.
+    /// The lobe made for one width, with both. Without a direction, slopes have the mean width.
     fn of(self, make: impl FnOnce(f32) -> Lobe) -> Lobe {
         let (along, across) = (self.along.clamp(SMOOTH, 1.0), self.across.clamp(SMOOTH, 1.0));
         match self.tangent.try_normalize() {
@@ -167,7 +169,7 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
         Known::Translucent => Lobe::translucent(Vec3::ONE),
         Known::TranslucentBsdf => Lobe::translucent(p.share(1)),
         Known::Sheen if p.int(3) == 1 => Lobe::fibres(p.share(1), p.float(2).clamp(0.0, 1.0).sqrt()),
-        // Its roughness is what glTF's is squared to be.
+        // Its roughness is the square of glTF's.
         Known::Sheen => Lobe::sheen(p.share(1), p.float(2).clamp(0.0, 1.0).sqrt()),
         Known::Phong => Lobe::phong(p.float(1)),
         Known::Ward => p.slopes().of(Lobe::ward),
@@ -198,7 +200,7 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
     [Some(one), None]
 }
 
-/// Facets that mirror, refract or both, by the number of the last parameter.
+/// Microfacets that reflect, refract or both, by the number of the last parameter.
 fn microfacet(p: &Params) -> Lobe {
     let (slopes, eta) = (p.slopes(), p.float(5));
     let [mirrored, through] = match p.int(6) {
@@ -208,7 +210,7 @@ fn microfacet(p: &Params) -> Lobe {
     }
     .map(Vec3::splat);
     if eta <= 0.0 && p.int(6) == 0 {
-        // What has no index mirrors all.
+        // Without an index all light is reflected.
         return if p.is_beckmann(0) {
             slopes.of(|alpha| Lobe::beckmann(alpha, 0.0, mirrored, through))
         } else {
@@ -222,7 +224,8 @@ fn microfacet(p: &Params) -> Lobe {
     glass(slopes, eta, mirrored, through)
 }
 
-/// Facets under Schlick's reflectances; where light goes through, too, a lobe for what is mirrored and one for what is not.
+/// Microfacets under Schlick's reflectances; with transmission, a lobe for each of reflection and
+/// transmission.
 fn schlick(p: &Params, front: bool) -> [Option<Lobe>; 2] {
     let (slopes, [f0, f90], power, tint) = (p.slopes(), [p.share(6), p.share(7)], p.float(8), p.share(2));
     let through = p.share(3);

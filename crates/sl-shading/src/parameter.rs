@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parameters of scripts: what there is, and values as programs and people give them.
-//! Labels and ranges are OSL's metadata.
+//! Parameters of scripts: declarations, and values given by programs and users. Labels and ranges are OSL's
+//! metadata.
 //! Tests: `tests/scripts/wrong.rs`.
 
 use gnurt_sl::group::Value;
@@ -38,23 +38,24 @@ pub struct Parameter {
     pub name: String,
     /// Its type as it is written: `float`, `color`, `int[2]`.
     pub ty: String,
-    /// Its default, as far as the text says it without being run.
+    /// Its default, as far as the text states it as a constant.
     pub default: ParameterValue,
-    /// What people call it; empty if nobody says.
+    /// The label in user interfaces; empty if there is none.
     pub label: String,
-    /// What the text says it is for; empty if nothing.
+    /// The help text of the source; empty if there is none.
     pub help: String,
     /// The least and the greatest value that is useful.
     pub range: Option<[f32; 2]>,
     /// The least change that is useful: `step`, or `sensitivity` as OSL's manual has it.
     pub step: Option<f32>,
-    /// How people set it: `number`, `checkBox`, `boolean`, `mapper`, `popup`, `null` for not at all; empty if nobody says.
+    /// The widget in user interfaces: `number`, `checkBox`, `boolean`, `mapper`, `popup`, `null` for none;
+    /// empty if not given.
     pub widget: String,
-    /// What `mapper` and `popup` offer, between bars: `off:0|on:1`.
+    /// The choices of `mapper` and `popup`, between bars: `off:0|on:1`.
     pub options: String,
     /// Whether it can be changed without compiling: numbers whose value is known before the shader runs.
     pub is_tunable: bool,
-    /// How often the mesh has one, as the text says: `vertex`, `triangle`, or nothing.
+    /// How often the mesh has one, in the text's words: `vertex`, `triangle`, or empty.
     pub rate: String,
     /// Whether the mesh may give it: by vertex or triangle, under its name.
     pub is_of_mesh: bool,
@@ -111,7 +112,7 @@ impl Parameter {
     }
 }
 
-/// A value for a parameter of type `ty`: as many as it has, or one number for all of a single one.
+/// A value for a parameter of type `ty`: all its components, or one number for all of a single element.
 pub(crate) fn value(ty: Type, given: &ParameterValue) -> Result<Value, String> {
     let size = if ty.array < 0 { usize::MAX } else { ty.size() };
     let (data, count): (Data, usize) = match (given, ty.base) {
@@ -147,7 +148,7 @@ pub(crate) fn value(ty: Type, given: &ParameterValue) -> Result<Value, String> {
     Err(format!("{count} values are given, it is {size} number{plural} ({ty})"))
 }
 
-/// A value that somebody wrote: numbers between commas, or a text.
+/// Parses a written value: numbers between commas, or a text.
 pub(crate) fn read(ty: Type, text: &str) -> Result<ParameterValue, String> {
     let wrong = |what: &str| {
         let size = ty.size();
@@ -174,6 +175,6 @@ pub(crate) fn read(ty: Type, text: &str) -> Result<ParameterValue, String> {
             let fits = ty.array < 0 || list.len() == 1 && !ty.is_array() || list.len() == ty.size();
             if fits { Ok(ParameterValue::Floats(list)) } else { Err(wrong("numbers")) }
         }
-        _ => Err(format!("no text stands for a {ty}")),
+        _ => Err(format!("a {ty} cannot be given as text")),
     }
 }

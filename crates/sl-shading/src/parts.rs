@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From closures to what points do to light: weighted lobes, light that they give off, light that goes straight through; all points of a
-//! batch at once, and lobes whose numbers are the same for all of them once.
-//! What the closures are is in `lobe`. Space: world.
+//! From closures to scattering: weighted lobes, emission and transparency; all points of a batch at once, and
+//! lobes of constant numbers once for all points. The closures are defined in `lobe`. Space: world.
 //! Tests: `tests/scripts/{closures,lanes}.rs`.
 
 use glam::Vec3;
@@ -13,7 +12,7 @@ use crate::lobe::{Params, lobes};
 
 /// Layers may lie on each other this deep.
 const DEEPEST: u32 = 16;
-/// Nodes that are looked at for a batch; the rest of a closure that has more is left out.
+/// Limit of visited nodes of a batch; the rest of a closure that has more is left out.
 const MOST_NODES: u32 = 1 << 14;
 
 /// A number of each point.
@@ -53,14 +52,14 @@ impl Light {
     }
 }
 
-/// What points do to light beside scattering it.
+/// Emission and transparency of points, separate from scattering.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Lights {
     /// Light that they give off.
     pub(crate) emission: Light,
     /// Share of light that goes straight through.
     pub(crate) through: Light,
-    /// What the shader has worked out itself.
+    /// Radiance that the shader has computed itself.
     pub(crate) radiance: Light,
 }
 
@@ -75,7 +74,7 @@ pub(crate) fn column(rows: &Rows, i: usize) -> Vec3 {
     Vec3::new(rows[0][i], rows[1][i], rows[2][i])
 }
 
-/// A node that is still to be looked at, for some points, with its weight.
+/// A node still to be visited, for some points, with its weight.
 #[derive(Debug)]
 pub(crate) struct Open {
     number: u32,
@@ -83,7 +82,7 @@ pub(crate) struct Open {
     weight: Rows,
 }
 
-/// Looks at the closures of a batch.
+/// Visits the closures of a batch.
 pub(crate) struct Flattened<'a> {
     nodes: &'a Closures,
     pub(crate) points: &'a Points,
@@ -94,7 +93,7 @@ pub(crate) struct Flattened<'a> {
     shapes: &'static [Shape],
     open: &'a mut Vec<Open>,
     left: u32,
-    /// What becomes of the points' shading normals as normals of lobes, if not all are zero; once somebody has asked.
+    /// The points' shading normals as normals of lobes, if not all are zero; computed at first use.
     own: Option<Option<Rows>>,
 }
 
@@ -127,7 +126,7 @@ impl<'a> Flattened<'a> {
         self.left == 0 || self.lists.full() != 0
     }
 
-    /// Notes closures to look at, each for the points that share it.
+    /// Records closures to visit, each for the points that share it.
     fn spread(&mut self, numbers: Cells, lanes: u32, weight: &Rows) {
         let mut left = lanes;
         while left != 0 {
@@ -188,7 +187,7 @@ impl<'a> Flattened<'a> {
         let mut heaviest = Row::default();
         for (retained, weight) in retained.iter_mut().zip(weight) {
             for ((retained, weight), heaviest) in retained.iter_mut().zip(weight).zip(&mut heaviest) {
-                // What is no number is none.
+                // NaN becomes zero.
                 *retained = weight.max(0.0);
                 *heaviest = heaviest.max(*retained);
             }
@@ -214,14 +213,14 @@ impl<'a> Flattened<'a> {
         }
     }
 
-    /// A layer, and what lies below it.
+    /// A layer, and the closures below it.
     fn layer(&mut self, part: &Part<'a>, lanes: u32, weight: &Rows, depth: u32) {
         // They are large: not moved about for nothing.
         let before = (!self.lights.are_out()).then(|| std::mem::take(&mut self.lights));
         let top = self.lists.ends();
         self.tree(part.cells(0), lanes, depth + 1);
         let base = self.lists.ends();
-        // What the layer lets through arrives at what lies below.
+        // The transmittance of the layer applies to the closures below.
         if self.lights.through.some != 0 {
             self.lights.through = Light::default();
         }

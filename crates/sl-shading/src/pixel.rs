@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pixel shaders: what samples of pixels show.
-//! `P` and `I` are the camera's ray, with its changes from pixel to pixel; `(color) trace (P, I)` along it is what
-//! the integrator has found, without another ray. Space: world; `raster` is in pixels from the upper left corner.
+//! Pixel shaders: the colours of samples of pixels. `P` and `I` are the camera's ray, with its changes from
+//! pixel to pixel; `(color) trace (P, I)` along it is the integrator's result, without another ray. Space:
+//! world; `raster` is in pixels from the upper left corner.
 //! Tests: `tests/scripts/pixels.rs`.
 
 use glam::Vec3;
@@ -16,7 +16,7 @@ use crate::world::{Common, World, vector};
 /// The parameter that pixels show.
 pub(crate) const SHOWN: &str = "Cpixel";
 
-/// What pixels show.
+/// The colours of pixels.
 pub(crate) struct ScriptPixel {
     pub(crate) common: Common,
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a surface may do, as far as its group says so once all values that are known are put in: whether light goes straight through,
-//! whether it shines, whether it asks for light itself.
-//! Invariant: what is said not to happen does not. Tests: `tests/scripts/lanes.rs`.
+//! Properties of a surface, derived from its group after all known values are inserted: transparency,
+//! emission, and queries for light.
+//! Invariant: excluded properties never occur. Tests: `tests/scripts/lanes.rs`.
 
 use std::collections::HashSet;
 
@@ -13,7 +13,7 @@ use gnurt_sl_lib::color::ColorSystem;
 use crate::closures::{Known, all};
 use crate::lobe::SMOOTH;
 
-/// What a surface may do.
+/// Properties of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Properties {
     /// Light goes straight through where nothing is.
@@ -22,7 +22,7 @@ pub(crate) struct Properties {
     pub(crate) is_glass: bool,
     /// It gives off light.
     pub(crate) is_light: bool,
-    /// It works out what it sends back, by rays and lights of its own.
+    /// It computes its radiance by its own rays and light loops.
     pub(crate) is_radiance: bool,
 }
 
@@ -57,12 +57,12 @@ impl Host for Nobody<'_> {
     }
 }
 
-/// Goes through a group, and works out what is made of known values alone.
+/// Traverses a group, and evaluates values that depend on known ones only.
 struct Reader<'a> {
     properties: Properties,
     plan: &'a Plan,
     machine: Machine<'a>,
-    /// First cells of what has been worked out.
+    /// First cells of the evaluated values.
     known: HashSet<u32>,
 }
 
@@ -93,7 +93,8 @@ impl Reader<'_> {
             "closure" => self.closure(number, step),
             _ => {
                 let layer = &self.plan.layers[number];
-                // What is written once, in all runs before it is read: in inner blocks that is only sure of what has no name.
+                // A value written once, before all reads in every run: in inner blocks only temporaries are
+                // sure to be.
                 let is_plain = |id: u32| {
                     let kind = layer.shader.symbol(id).kind;
                     let is_constant = layer.constant.get(id as usize).is_some_and(|&known| known);
@@ -120,7 +121,7 @@ impl Reader<'_> {
             (is_known && k < slot.size as usize).then(|| (slot.ty.base, cells[slot.at as usize + k]))
         };
         let Some((Base::String, name)) = bits_of(1, 0) else {
-            // Nobody knows.
+            // Unknown.
             *properties = Properties { is_holey: true, is_glass: true, is_light: true, ..*properties };
             return;
         };

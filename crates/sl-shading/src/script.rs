@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A shader's file with values for its parameters, and the shaders of the renderer that it makes.
-//! `.osl` is source text, `.oso` what OSL's compiler makes of it, `.oslgroup` OSL's text for groups:
-//! `param float scale 2 ; shader noise.osl pattern ; shader matte.osl base ; connect pattern.out base.Kd ;`, names of files beside it.
+//! `.osl` is source text, `.oso` the output of OSL's compiler, `.oslgroup` OSL's text for groups: `param
+//! float scale 2 ; shader noise.osl pattern ; shader matte.osl base ; connect pattern.out base.Kd ;`, with
+//! file names relative to it.
 //! Tests: `tests/scripts.rs`.
 
 use std::cell::RefCell;
@@ -38,21 +39,21 @@ use crate::surface_state::{CAMERA, DIFFUSE, Needs};
 use crate::textures::Textures;
 use crate::world::Common;
 
-/// Turns of loops that a point may take.
+/// Iterations of loops that a point may take.
 const ITERATIONS: u64 = 1 << 20;
 
-/// What a script is for.
+/// The kind of a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The look of a surface: `surface` and `shader`.
+    /// The appearance of a surface: `surface` and `shader`.
     Surface,
     /// A light.
     Light,
     /// A camera.
     Camera,
-    /// What rays see that hit nothing.
+    /// Radiance of rays that hit nothing.
     Environment,
-    /// What a pixel shows.
+    /// The colour of a pixel.
     Pixel,
 }
 
@@ -87,10 +88,11 @@ pub struct Script {
 }
 
 impl Script {
-    /// Reads and compiles a file; `builtin/wood.osl` is one that the program carries, unless there is a file of that name.
+    /// Reads and compiles a file; `builtin/wood.osl` is an embedded one, unless there is a file of that name.
     ///
     /// # Errors
-    /// The file cannot be read, or what the compiler says: file, line, column and the source line of each error.
+    /// The file cannot be read, or the compiler's messages: file, line, column and the source line of each
+    /// error.
     pub fn open(path: &Path, access: &Access) -> Result<Self, String> {
         if let Some(text) = library::text(path) {
             return Self::made(path, text, access, Vec::new());
@@ -102,7 +104,7 @@ impl Script {
         Self::from_text(path, &text, access)
     }
 
-    /// Compiles a text as if it stood in a file of this name.
+    /// Compiles a text as if a file of this name held it.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -138,10 +140,7 @@ impl Script {
             let hint = closures.next().map_or_else(String::new, |(_, symbol)| {
                 format!("; in a group, connect its output {} to a layer that does", symbol.name)
             });
-            reader
-                .warnings
-                .borrow_mut()
-                .push(format!("{name}: it does not write Ci, and shows nothing{hint}"));
+            reader.warnings.borrow_mut().push(format!("{name}: it does not write Ci, and is black{hint}"));
         }
         Ok(Self {
             name,
@@ -157,8 +156,8 @@ impl Script {
         })
     }
 
-    /// Reads and compiles its file again, and gives the parameters the values that they were given here; what they do not take any more
-    /// becomes a warning.
+    /// Reads and compiles its file again, and sets the parameters to their values here; values that no longer
+    /// fit become warnings.
     ///
     /// # Errors
     /// As [`open`](Self::open).
@@ -182,7 +181,7 @@ impl Script {
         let is_elsewhere = |name: &str| {
             others.iter().any(|layer| layer.shader.find(name).is_some_and(|id| layer.interpolated(id)))
         };
-        // A camera's `aspect` that nobody has given is the picture's.
+        // A camera's `aspect` without a value is the picture's.
         let is_given = |name: &str| self.given.iter().any(|(known, _)| known == name);
         let is_of_picture = |name: &str| self.kind == Kind::Camera && name == "aspect" && !is_given(name);
         let tunable: Vec<Parameter> =
@@ -220,7 +219,7 @@ impl Script {
         }
     }
 
-    /// What it is for.
+    /// Its kind.
     #[must_use]
     pub fn kind(&self) -> Kind {
         self.kind
@@ -244,13 +243,13 @@ impl Script {
         &self.files
     }
 
-    /// What the compiler warned of.
+    /// Warnings of the compiler.
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// What it said while it ran, and what went wrong: each line once.
+    /// Output and faults of its runs: each line once.
     #[must_use]
     pub fn faults(&self) -> Vec<String> {
         self.faults.lines()
@@ -287,7 +286,7 @@ impl Script {
         Ok(())
     }
 
-    /// The same of a value that somebody wrote: numbers between commas, or a text.
+    /// The same for a written value: numbers between commas, or a text.
     ///
     /// # Errors
     /// As [`set`](Self::set).
@@ -315,7 +314,7 @@ impl Script {
             .max_by(|a, b| strsim::jaro_winkler(name, a).total_cmp(&strsim::jaro_winkler(name, b)));
         let near = near.filter(|near| strsim::jaro_winkler(name, near) > 0.8);
         let meant = near.map_or_else(String::new, |near| format!("; did you mean '{near}'?"));
-        Err(format!("no parameter '{name}'; {list}{meant}"))
+        Err(format!("unknown parameter '{name}'; {list}{meant}"))
     }
 
     /// As a surface.
@@ -327,7 +326,7 @@ impl Script {
         let plan = self.plan(&self.group, &[])?;
         let fixed = Fixed::of(&plan, &colors()?);
         let common = match &fixed {
-            // Nobody runs it but who asks for its variables.
+            // It runs only for callers that request its variables.
             Some(_) => self.common_of(&self.group, &plan, plan.clone())?,
             None => self.compiled(&self.group, &plan)?,
         };
@@ -344,16 +343,17 @@ impl Script {
         Ok(Arc::new(ScriptLight { common }))
     }
 
-    /// As a camera that stands somewhere. A parameter `aspect` that nobody has set is the picture's width over its height.
+    /// As a camera with a position. A parameter `aspect` without a value is the picture's width over its
+    /// height.
     ///
     /// # Errors
     /// It is none, or too large.
     pub fn camera(&self, frame: CameraFrame) -> Result<Arc<dyn CameraShader>, String> {
         let camera = self.camera_anywhere()?.at(&[frame]);
-        camera.ok_or_else(|| format!("{}: it stands nowhere", self.name))
+        camera.ok_or_else(|| format!("{}: it has no position", self.name))
     }
 
-    /// The same before anybody knows where it stands.
+    /// The same, but without a frame.
     ///
     /// # Errors
     /// As [`camera`](Self::camera).
@@ -372,31 +372,31 @@ impl Script {
         Ok(CameraScript { common, has_lens })
     }
 
-    /// As what rays see that hit nothing.
+    /// As the environment of rays that hit nothing.
     ///
     /// # Errors
     /// It is none, or too large.
     pub fn environment(&self) -> Result<Arc<dyn EnvironmentShader>, String> {
         self.is(Kind::Environment)?;
-        // Who asks for kinds of rays is asked for those that light things, too.
-        let ray_kinds = if self.asks_ray_kind() { DIFFUSE } else { CAMERA };
+        // A shader that queries kinds of rays must be evaluated for light rays, too.
+        let ray_kinds = if self.reads_ray_kind() { DIFFUSE } else { CAMERA };
         Ok(Arc::new(ScriptSky { common: self.common(&self.group, &[])?, ray_kinds }))
     }
 
-    /// The same as rays of the camera see it, if it asks for kinds of rays.
+    /// The same as rays of the camera see it, if it queries kinds of rays.
     ///
     /// # Errors
     /// As [`environment`](Self::environment).
     pub fn backdrop(&self) -> Result<Option<Arc<dyn EnvironmentShader>>, String> {
         self.is(Kind::Environment)?;
-        if !self.asks_ray_kind() {
+        if !self.reads_ray_kind() {
             return Ok(None);
         }
         Ok(Some(Arc::new(ScriptSky { common: self.common(&self.group, &[])?, ray_kinds: CAMERA })))
     }
 
     /// Whether some layer calls `raytype`.
-    fn asks_ray_kind(&self) -> bool {
+    fn reads_ray_kind(&self) -> bool {
         let mut queries = false;
         self.group
             .layers
@@ -405,7 +405,7 @@ impl Script {
         queries
     }
 
-    /// As what pixels show.
+    /// As a pixel shader.
     ///
     /// # Errors
     /// It is none, has no `output color Cpixel`, or is too large.
@@ -430,10 +430,10 @@ impl Script {
             return Ok(());
         }
         let (is, expected) = (self.kind.kind_name(), expected.kind_name());
-        Err(format!("{}: its shader is of type {is}; one of type {expected} is wanted here", self.name))
+        Err(format!("{}: its shader is of type {is}; one of type {expected} is expected here", self.name))
     }
 
-    /// As it is run, with values that are kept of each point.
+    /// Ready to run, with the values to store of each point.
     fn common(&self, group: &Group, outputs: &[&str]) -> Result<Common, String> {
         self.compiled(group, &self.plan(group, outputs)?)
     }
@@ -470,7 +470,7 @@ impl Script {
         })
     }
 
-    /// What meshes and instances are asked for: values of parameters, attributes by names that are written out, matrices.
+    /// Requests to meshes and instances: values of parameters, attributes with constant names, matrices.
     fn requests(&self, group: &Group) -> Vec<AttributeRequest> {
         let mut found: Vec<AttributeRequest> = Vec::new();
         let mut query = |name: &str, components: usize| {
@@ -546,14 +546,14 @@ fn each_op(shader: &Shader, with: &mut dyn FnMut(&Op)) {
     ops(&shader.code, &mut with);
 }
 
-/// Reads files, and remembers which.
+/// Reads files, and records which.
 struct Reader<'a> {
     access: &'a Access,
     files: RefCell<Vec<PathBuf>>,
     warnings: RefCell<Vec<String>>,
 }
 
-/// What the compiler says, and what would be right, in one line: `wood.osl:3:7: ...`.
+/// The compiler's message and remedy, in one line: `wood.osl:3:7: ...`.
 fn headline(messages: &Diagnostic, sources: &Sources) -> String {
     let words: Vec<&str> = messages.message.split_whitespace().collect();
     let help = messages.help.as_ref().map_or_else(String::new, |help| format!("; {help}"));
@@ -576,7 +576,7 @@ impl Reader<'_> {
         };
         match unknown_operation(&shader) {
             None => Ok(shader),
-            Some(op) => Err(format!("{shown}: the operation {op} is not known")),
+            Some(op) => Err(format!("{shown}: unknown operation {op}")),
         }
     }
 
@@ -600,7 +600,7 @@ impl Reader<'_> {
             let drawn: String =
                 of(Severity::Error).take(5).map(|d| d.render(sources, Style::Drawn)).collect();
             let first = first.unwrap_or_else(|| format!("{} does not compile", path.display()));
-            // Whoever has one line shows what stands before the blank one.
+            // Callers with one line show the text before the blank one.
             format!("{first}\n\n{}", drawn.trim_end())
         })
     }
@@ -613,7 +613,7 @@ impl Reader<'_> {
                 .map(|name| folder.join(name))
                 .find(|file| file.is_file());
             let made = match file {
-                None => Err(format!("no shader {name}, {name}.osl or {name}.oso is beside it")),
+                None => Err(format!("shader {name} missing: the folder has no {name}.osl or {name}.oso")),
                 Some(file) => self.access.text(&file).and_then(|text| {
                     self.files.borrow_mut().push(file.clone());
                     self.shader(&file, &text)

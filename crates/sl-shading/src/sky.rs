@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Environment shaders: asked for directions, or made a picture once, which integrators can sample.
+//! Environment shaders: run for directions, or made a picture once, which integrators can sample.
 //! Space: world.
 //! Tests: `tests/scripts/kinds.rs`.
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Surfaces: points of a batch to points of a group, closures to lobes.
-//! What the globals hold is OSL's. Space: world; normals face the ray, as OSL's renderers have them.
-//! A shader that asks for rays or lights itself (`trace`, `illuminance`, `radiance`) is shaded as Whitted's renderer does: what it has
-//! worked out counts as if the surface emitted it, its other closures are lit by all lights. Others' closures are what integrators scatter.
+//! The globals have OSL's meaning. Space: world; normals face the ray, as OSL's renderers have them. A shader
+//! with its own rays or light queries (`trace`, `illuminance`, `radiance`) is shaded as by Whitted's
+//! renderer: its computed radiance counts as emission, and its other closures are lit by all lights.
+//! Integrators scatter the closures of all other shaders.
 //! Tests: `tests/scripts.rs`.
 
 use glam::Vec3;
@@ -21,7 +22,7 @@ use crate::world::{Common, World};
 /// A surface.
 pub(crate) struct ScriptSurface {
     pub(crate) common: Common,
-    /// What it does to light, where that is the same at all points: it need not be run then.
+    /// Its closures, if they are the same at all points: then it need not run.
     pub(crate) fixed: Option<Fixed>,
 }
 
@@ -81,7 +82,8 @@ impl ScriptSurface {
         });
     }
 
-    /// Writes what sixteen points from `first` on do to light; what they do beside scattering it goes to `emission_and_opacity`.
+    /// Writes the scattering of sixteen points from `first` on; their emission and opacity go to
+    /// `emission_and_opacity`.
     fn write(
         hits: &SurfaceBatch,
         first: usize,
@@ -178,7 +180,7 @@ impl SurfaceShader for ScriptSurface {
         let world = World::around(&self.common, hits, None);
         let mut all = Points::default();
         points(hits, lane / LANES * LANES, Caller::Rays, self.common.needs.with_all(), &mut all);
-        self.common.program.tell_point(&world, &all.point(lane % LANES))
+        self.common.program.describe_point(&world, &all.point(lane % LANES))
     }
 }
 
@@ -195,7 +197,7 @@ impl RadianceShader for ScriptSurface {
                         out.add(first + lane, radiance);
                     }
                 }
-                // What goes straight through is followed by who asks.
+                // The caller follows the straight transmission.
                 flattened.lights = Lights::default();
                 Self::write(hits, first, flattened, &mut Vec::new());
             });

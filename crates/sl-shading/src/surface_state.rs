@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Points of surfaces as shaders see them.
-//! What the globals hold is OSL's. Space: world; normals face the ray.
+//! Points of surfaces as input of shaders. The globals have OSL's meaning. Space: world; normals face the
+//! ray.
 //! Tests: `tests`, `tests/scripts/floor.rs`.
 
 use gnurt_shading::real::{Real, Vector};
@@ -9,16 +9,16 @@ use gnurt_simd::{Level, dispatch_wide, f32x16, prelude::*};
 use gnurt_sl::exec::{LANES, Plan, Points, Row};
 use gnurt_sl::ir::SymbolKind;
 
-/// What a shader reads that is not for nothing; what it does not need holds anything.
+/// Costly inputs of a shader; those that it does not need are undefined.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Needs {
-    /// How places change from pixel to pixel.
+    /// The derivatives of positions from pixel to pixel.
     pub(crate) derivatives: bool,
-    /// How places change with texture coordinates.
+    /// The derivatives of positions by texture coordinates.
     pub(crate) frame: bool,
     /// Areas of meshes, which are this attribute.
     pub(crate) area: Option<usize>,
-    /// Moments, which are this one.
+    /// Times, which are this one.
     pub(crate) time: Option<usize>,
 }
 
@@ -41,12 +41,12 @@ impl Needs {
     }
 }
 
-/// Who asks what a point does to light.
+/// The purpose of an evaluation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Caller {
     /// The rays that met it.
     Rays,
-    /// Rays that ask for shadow.
+    /// Shadow rays.
     Shadow,
 }
 
@@ -167,7 +167,8 @@ fn store_vector<R: Real>([x, y, z]: [&mut Row; 3], lane: usize, v: Vector<R>) {
     store(z, lane, v.z);
 }
 
-/// How the places of points change, from pixel to pixel and with texture coordinates: of as many as `like` has, from `lane` on.
+/// Derivatives of the points' positions, from pixel to pixel and with texture coordinates, for the lanes of
+/// `like`, from `lane` on.
 #[inline(always)]
 fn changes<R: Real>(
     like: R,
@@ -191,7 +192,7 @@ fn changes<R: Real>(
         // Across the ray, carried along it to the surface.
         let width = like.load(&hits.footprint, at);
         let is_wide = width.above(zero) & width.is_number();
-        // Grazing rays would see all the way to the horizon.
+        // Grazing rays would see as far as the horizon.
         let cos = dir.dot(ng).or_less(like.all(-1e-2));
         let [right, down] = around(dir).map(
             #[inline(always)]
@@ -205,7 +206,7 @@ fn changes<R: Real>(
         store(&mut out.u.dy, lane, uy);
         store(&mut out.v.dx, lane, vx);
         store(&mut out.v.dy, lane, vy);
-        // Pixels may go around the other way.
+        // Pixels may have the other orientation.
         out.flipped |= (R::bits(zero.above(right.cross(down).dot(n))) << lane) as u16;
     }
     if needs.frame {

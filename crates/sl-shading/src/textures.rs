@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures that shaders read, each file once.
-//! Wrap modes and options are OSL's. Colours of pictures of whole numbers are decoded to linear light, as everywhere in
-//! GNU RT, but where a shader says that they are linear, or no colours (`"colorspace"`). Where a
-//! point stands for more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as materials of files do.
+//! Wrap modes and options are OSL's. Colours of pictures of integers are decoded to linear light, as
+//! everywhere in GNU RT, except where a shader declares them linear, or no colours (`"colorspace"`). Where a
+//! point covers more than a texel, smaller copies are read: over the ellipse of the changes of s and t, as
+//! materials of files do.
 //! Tests: `tests/scripts/{kinds,relief}.rs`.
 
 use std::borrow::Cow;
@@ -20,7 +21,7 @@ use gnurt_sl_lib::points::{PointCloud, read_cloud};
 use crate::access::Access;
 use crate::volumes::{Volumes, color_at_place};
 
-/// Different names that are kept, those that are no pictures among them.
+/// Limit of stored names, those that are no pictures among them.
 const MOST: usize = 4096;
 
 type Found = Result<Arc<TextureSampler>, Arc<str>>;
@@ -30,7 +31,7 @@ type FoundCloud = Result<Arc<PointCloud>, Arc<str>>;
 #[derive(Debug, Default)]
 pub(crate) struct Textures {
     access: Access,
-    /// Where names are looked for after the current folder.
+    /// The folder to search after the current folder.
     folder: PathBuf,
     /// Those whose values are decoded; those whose values are as they are stored.
     known: [RwLock<HashMap<String, Found>>; 2],
@@ -105,7 +106,7 @@ impl Textures {
         if self.access.allows(&path) {
             return Ok(path.into());
         }
-        let why = "not there, or outside of the folder that files may come from";
+        let why = "missing, or outside of the folder that files may come from";
         Err(format!("texture {}: {why}", path.display()))
     }
 
@@ -117,7 +118,7 @@ impl Textures {
         }
     }
 
-    /// Four channels of a volume at a place.
+    /// Four channels of a volume at a position.
     pub(crate) fn sample3d(
         &self,
         file: &str,
@@ -128,7 +129,7 @@ impl Textures {
         color_at_place(&volume, file, at, options)
     }
 
-    /// Four channels at `s` and `t`, t downwards, and how they change if that is asked for.
+    /// Four channels at `s` and `t`, t downwards, with derivatives if those are requested.
     pub(crate) fn sample(
         &self,
         file: &str,
@@ -175,7 +176,7 @@ fn is_raw(color_space: &str) -> Result<bool, Arc<str>> {
         "" | "auto" | "srgb" | "srgb_texture" | "srgb_rec709_scene" => Ok(false),
         "raw" | "data" | "linear" | "scene_linear" | "lin_rec709" | "lin_srgb" | "lin_rec709_scene" => Ok(true),
         _ => Err(format!(
-            "texture: the colour space \"{color_space}\" is not known: \"srgb\" (what is usual), \"linear\" and \"raw\" are"
+            "texture: unknown colour space \"{color_space}\"; valid are \"srgb\" (the default), \"linear\" and \"raw\""
         )
         .into()),
     }
@@ -207,7 +208,7 @@ impl<'a> WrapOptions<'a> {
         Self { sampler, options, is_bordered: [is_black(0), is_black(1)] }
     }
 
-    /// What is there, and its changes from pixel to pixel by the picture's slopes.
+    /// The texel, and its derivatives from pixel to pixel by the picture's slopes.
     fn read(&self, [s, t]: [Dual<f32>; 2]) -> [Dual<f32>; 4] {
         let Self { options, is_bordered, .. } = self;
         let outside = |k: usize, x: f32| is_bordered[k] && !(0.0..=1.0).contains(&x);
@@ -231,8 +232,8 @@ impl<'a> WrapOptions<'a> {
         })
     }
 
-    /// How channels change with s and t around a place: over a texel, or over what is read where that is more, so that slopes do not leap
-    /// at texels' borders. Bump maps of materials do the same.
+    /// Derivatives of channels by s and t around a position: over a texel, or over a larger footprint, so
+    /// that slopes have no steps at texels' borders. Bump maps of materials do the same.
     fn slopes(&self, [u, v]: [f32; 2], axes: [[f32; 2]; 2]) -> [[f32; 4]; 2] {
         let [[ux, vx], [uy, vy]] = axes;
         let stands_for = (ux * vy - uy * vx).abs().sqrt();
@@ -248,7 +249,7 @@ impl<'a> WrapOptions<'a> {
         [by_s, by_t]
     }
 
-    /// The channels that are asked for, over an ellipse.
+    /// The requested channels, over an ellipse.
     fn channels(&self, uv: [f32; 2], axes: [[f32; 2]; 2]) -> [f32; 4] {
         let Self { sampler, options, .. } = self;
         let texel = sampler.sample_over(uv, axes);

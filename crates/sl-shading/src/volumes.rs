@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Volumes that shaders read by `texture3d`: each file once, between eight voxels or the nearest one.
-//! Grids, options and what is seen beyond a grid's leaves are as OpenImageIO's textures have it, but maps that turn or shear are right. Nothing is filtered: a voxel is a voxel, however far away. Space: world, which is the file's.
+//! Grids, options and values beyond a grid's leaves follow OpenImageIO's textures, except that transforms
+//! with rotation or shear are right. There is no filtering: a voxel stays a voxel at any distance. Space:
+//! world, which is the file's.
 //! Tests: `tests/scripts/volumes.rs`.
 
 use std::collections::HashMap;
@@ -14,7 +16,7 @@ use gnurt_sl_lib::Dual;
 
 use crate::wrap::Wrap;
 
-/// Different names that are kept.
+/// Limit of stored names.
 const MOST: usize = 4096;
 /// Bytes that a file's voxels may take.
 const MOST_BYTES: usize = 1 << 31;
@@ -42,7 +44,8 @@ impl Volumes {
     }
 }
 
-/// Four channels of a volume at a place, and how they change from pixel to pixel; how many of them the grid has. The others are filled.
+/// Four channels of a volume at a position, with derivatives from pixel to pixel; how many of them the grid
+/// has. The others are filled.
 ///
 /// # Errors
 /// A line for people: the file has no such grid.
@@ -97,12 +100,12 @@ pub(crate) fn color_at_place(
     Ok(if is_grey { [texel[0], texel[0], texel[0], texel[3]] } else { texel })
 }
 
-/// What a grid has at a place.
+/// The values of a grid at a position.
 struct Read {
     values: DVec3,
     /// How they change with the coordinates of voxels: a row for each value.
     gradients: DMat3,
-    /// How much of the place lies within the grid, and how that changes.
+    /// How much of the footprint lies within the grid, and how that changes.
     inside: f64,
     inside_gradient: DVec3,
 }
@@ -116,7 +119,7 @@ impl Read {
         let share = index - low;
         let voxel = |k: usize, up: i64| {
             let size = (i64::from(last[k]) - i64::from(first[k]) + 1) as usize;
-            // Beyond what is here there is no voxel.
+            // There is no voxel outside of this range.
             let at = low[k].clamp(-1e15, 1e15) as i64 + up - i64::from(first[k]);
             wrap[k].texel(at, size).map(|i| (i as i64 + i64::from(first[k])) as i32)
         };

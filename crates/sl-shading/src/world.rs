@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a shader asks while it runs: spaces, values that the mesh has, pictures, and rays and lights where there is a tracer.
+//! Queries of a running shader: spaces, attributes of the mesh, pictures, and rays and lights if there is a
+//! tracer.
 //! Space: world is the common space; `object` and `shader` are the instance's; matrices have points as rows.
-//! Lights are asked for all points of a batch when the first one asks, so that shadow rays are traced side by side.
+//! The first query for lights traces them for all points of a batch, so that shadow rays are traced together.
 //! Tests: `tests/scripts.rs`; crates/render/tests/appearance.rs for the matrices.
 
 use std::cell::RefCell;
@@ -32,23 +33,23 @@ use crate::properties::Properties;
 use crate::surface_state::{Needs, RAYS};
 use crate::textures::Textures;
 
-/// Branches of a point's key from here on are rays that a shader asks for.
+/// Branches of a point's key from here on are rays that a shader traces.
 const BRANCH: u32 = 64;
 
-/// What all points of a shader share.
+/// State shared by all points of a shader.
 pub(crate) struct Common {
     pub(crate) name: String,
     pub(crate) program: Arc<dyn Program>,
     pub(crate) textures: Arc<Textures>,
     pub(crate) faults: Arc<Faults>,
-    /// What is asked of the mesh.
+    /// The requests to the mesh.
     pub(crate) requests: Vec<AttributeRequest>,
     pub(crate) colors: ColorSystem,
     /// Parameters that may change while it runs.
     pub(crate) live: Live,
-    /// What it reads of points.
+    /// The inputs that it reads.
     pub(crate) needs: Needs,
-    /// What it may do.
+    /// Its properties.
     pub(crate) properties: Properties,
     #[expect(clippy::vec_box, reason = "four kilobytes would be moved in and out for each batch")]
     pub(crate) scratch: Mutex<Vec<Box<Scratch>>>,
@@ -63,12 +64,12 @@ pub(crate) struct Scratch {
 }
 
 impl Common {
-    /// The first row of a value that is kept, in [`Results::rows`]; the others of a triple follow.
+    /// The first row of a stored value, in [`Results::rows`]; the others of a triple follow.
     pub(crate) fn row(&self, name: &str) -> Option<usize> {
         self.program.retained().iter().find(|retained| retained.name == name).map(|retained| retained.row)
     }
 
-    /// Lends memory that nobody uses now. What it held before was of the same shader.
+    /// Lends unused memory. Its former contents belong to the same shader.
     pub(crate) fn with_scratch(&self, with: impl FnOnce(&mut Scratch)) {
         let retained = self.scratch.lock().ok().and_then(|mut list| list.pop());
         let mut scratch = retained.unwrap_or_default();
@@ -78,7 +79,7 @@ impl Common {
         }
     }
 
-    /// Runs the shader, and passes on what it says.
+    /// Runs the shader, and forwards its output.
     pub(crate) fn run(&self, world: &World, points: &Points, results: &mut Results) {
         self.program.run(world, points, results);
         for (_, event) in &results.events {
@@ -98,29 +99,29 @@ pub(crate) struct World<'a> {
     hits: Option<&'a SurfaceBatch>,
     pixels: Option<&'a PixelSamples<'a>>,
     queries: Option<RefCell<Queries<'a>>>,
-    /// From a camera's space, at a moment.
+    /// From a camera's space, at a time.
     pub(crate) world_from_camera: Option<&'a dyn Fn(f32) -> [[f32; 4]; 4]>,
     /// Width over height of the picture.
     pub(crate) aspect: f32,
 }
 
-/// A tracer, and what it has answered.
+/// A tracer, and its answers so far.
 struct Queries<'a> {
     tracer: &'a mut (dyn Tracer + 'a),
-    /// Light and what comes through, by lights.
+    /// Light and transmittance, by lights.
     lights: HashMap<i32, (LightBatch, Option<Vec3s>)>,
-    /// Rays that each point has asked for.
+    /// The number of rays that each point has traced.
     rays: Vec<u32>,
     /// The last ray of each point.
     last: Vec<Option<Last>>,
 }
 
-/// A ray that was sent, and what is known of it.
+/// A traced ray, and its results.
 struct Last {
     request: RayRequest,
     /// How far it went; infinite if it met nothing.
     distance: f32,
-    /// What it met, once somebody has asked.
+    /// Its hit, computed at first use.
     met: Option<Option<SurfaceHit>>,
 }
 
@@ -157,7 +158,7 @@ impl<'a> World<'a> {
         Self { pixels: Some(pixels), queries, ..Self::empty(common) }
     }
 
-    /// The batch and the point's place in it.
+    /// The batch and the point's index in it.
     fn lane(&self, point: &Point) -> Option<(&'a SurfaceBatch, usize)> {
         let hits = self.hits?;
         Some((hits, usize::try_from(point.index).ok().filter(|&i| i < hits.len())?))
@@ -192,7 +193,7 @@ impl<'a> World<'a> {
         Some(ray.within(near, ray.t_far))
     }
 
-    /// The number of the point among those that are asked about, its key, and how wide its rays begin.
+    /// The index of the point in its batch, its key, and how wide its rays begin.
     fn asker(&self, point: &Point) -> Option<(usize, SampleKey, f32)> {
         let lane = usize::try_from(point.index).ok()?;
         let key = match (self.hits, self.pixels) {
@@ -219,14 +220,15 @@ impl<'a> World<'a> {
         Some((request, queries))
     }
 
-    /// What is known of a ray before it is sent, if it is the one of the camera: radiance, and how far it went.
+    /// The known result of a camera ray: radiance, and distance; `None` for other rays.
     fn own(&self, ray: &Ray, lane: usize) -> Option<(Vec3, f32)> {
         let pixels = self.pixels?;
         let is_own = lane < pixels.rays.len() && pixels.rays.get(lane) == *ray;
         is_own.then(|| (pixels.radiance.get(lane), pixels.distances[lane]))
     }
 
-    /// What was read of a texture; nobody else tells why nothing was where the shader has said what to take then.
+    /// The result of a texture lookup; a failure is reported only if the shader gives no replacement, because
+    /// no other message follows.
     fn reported<T>(&self, found: Result<T, String>, options: &TextureOptions) -> Result<T, String> {
         if let (Err(why), true) = (&found, options.missing.is_some()) {
             self.common.faults.note(&format!("{}: {why}", self.common.name));
@@ -494,7 +496,7 @@ impl Host for World<'_> {
     }
 }
 
-/// What a shader may know of what a ray met.
+/// The properties of a ray's hit that a shader may query.
 fn message_of(met: &SurfaceHit, name: &str, ty: Type) -> Option<Given> {
     let SurfaceHit { p, ng, ns, uv, albedo, ids, .. } = met;
     if ty == Type::INT {
@@ -514,7 +516,7 @@ fn message_of(met: &SurfaceHit, name: &str, ty: Type) -> Option<Given> {
     (ty.base.is_float_based() && list.len() == ty.size()).then(|| Given::from(Data::Float(list)))
 }
 
-/// Light that arrives at a point of a batch; `known` is what was found for the batch before.
+/// Light at a point of a batch; `known` caches the result for the batch.
 fn arriving(
     tracer: &mut dyn Tracer,
     light: i32,

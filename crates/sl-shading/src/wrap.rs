@@ -2,7 +2,7 @@
 //! How pictures and volumes go on beyond their borders: OSL's wrap modes.
 //! Source: the OSL specification, "Texture"; original. Tests: `tests/scripts/stored.rs`.
 
-/// How a picture goes on beyond its border.
+/// How a picture continues beyond its border.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wrap {
     Black,
@@ -23,13 +23,13 @@ impl Wrap {
         })
     }
 
-    /// What a file says of both directions: `black,clamp`, or one word for both.
+    /// The file's wrap modes of both directions: `black,clamp`, or one word for both.
     pub(crate) fn of_file(text: &str) -> [Self; 2] {
         let (s, t) = text.split_once(',').unwrap_or((text, text));
         [s, t].map(|wrap_name| Self::named(wrap_name.trim()).unwrap_or(Self::Black))
     }
 
-    /// The texel that stands at place `i` of `n`, of which there is at least one; none where all is black.
+    /// The texel of index `i` of `n`, of which there is at least one; none where all is black.
     pub(crate) fn texel(self, i: i64, n: usize) -> Option<usize> {
         let n = n as i64;
         let inside = match self {

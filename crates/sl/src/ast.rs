@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What was written, as a tree: names are not looked up yet, types not checked.
-//! The grammar is OSL's.
+//! The syntax tree: names are not resolved yet, types not checked. The grammar is OSL's.
 
 use crate::source::Loc;
 use crate::types::Base;
@@ -137,7 +136,7 @@ pub enum TypeName {
     Named(Arc<str>),
 }
 
-/// A type and its place.
+/// A type and its position.
 #[derive(Clone, Debug)]
 pub struct TypeRef {
     /// The type.
@@ -149,7 +148,7 @@ pub struct TypeRef {
 /// An expression.
 #[derive(Clone, Debug)]
 pub struct Expr {
-    /// What it is.
+    /// Its kind.
     pub kind: ExprKind,
     /// Where its operator, or its first token, is.
     pub loc: Loc,
@@ -184,7 +183,7 @@ pub enum ExprKind {
     Before(bool, Box<Expr>),
     /// `a++`, or `a--` if false.
     After(bool, Box<Expr>),
-    /// `a, b`, and whether it stands in parentheses.
+    /// `a, b`, and whether it is in parentheses.
     Comma(Vec<Expr>, bool),
     /// `f(a, b)`
     Call(Arc<str>, Vec<Expr>),
@@ -205,7 +204,7 @@ pub struct Declarator {
     pub loc: Loc,
     /// Length in brackets; -1 for empty ones.
     pub array: Option<i32>,
-    /// What it starts with.
+    /// Its initial value.
     pub init: Option<Expr>,
 }
 
@@ -234,7 +233,7 @@ pub struct Parameter {
 /// A function.
 #[derive(Clone, Debug)]
 pub struct Function {
-    /// What it returns.
+    /// Its return type.
     pub returns: TypeRef,
     /// Its name.
     pub name: Arc<str>,
@@ -244,7 +243,7 @@ pub struct Function {
     pub parameters: Vec<Parameter>,
     /// Its metadata.
     pub metadata: Vec<Metadatum>,
-    /// What it does; none for a mere declaration.
+    /// Its body; `None` for a mere declaration.
     pub body: Option<Vec<Stmt>>,
 }
 
@@ -268,7 +267,7 @@ pub struct Shader {
     pub function: Function,
 }
 
-/// What stands in a file.
+/// An item of a file.
 #[derive(Clone, Debug)]
 pub enum Item {
     /// A function.
@@ -282,7 +281,7 @@ pub enum Item {
 /// A statement.
 #[derive(Clone, Debug)]
 pub struct Stmt {
-    /// What it is.
+    /// Its kind.
     pub kind: StmtKind,
     /// Where it starts.
     pub loc: Loc,
@@ -311,7 +310,7 @@ pub enum StmtKind {
     Declare(TypeRef, Vec<Declarator>),
     /// A function inside a function.
     Function(Function),
-    /// An expression for what it does.
+    /// An expression for its side effects.
     Expr(Expr),
     /// `;`
     Empty,

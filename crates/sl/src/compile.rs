@@ -11,18 +11,18 @@ use crate::preprocess::{Loader, Macros, Preprocessor};
 use crate::source::{Loc, Sources};
 use std::sync::OnceLock;
 
-/// What every shader can call: declarations and functions, before the user's text.
+/// Declarations and functions available to every shader, before the user's text.
 const STANDARD: &str = include_str!("../include/stdosl.h");
 /// The name that messages show for it.
 const STANDARD_NAME: &str = "stdosl.h";
 
-/// What it leaves to the texts after it.
+/// The state that it leaves to later texts.
 struct Library {
     macros: Macros,
     known: Known,
 }
 
-/// It is read and checked once in a process, and once more for those who only want what OSL has.
+/// It is read and checked once in a process, and once more for strict compilation.
 fn library(strict: bool) -> &'static Library {
     static LIBRARIES: [OnceLock<Library>; 2] = [const { OnceLock::new() }; 2];
     LIBRARIES[usize::from(strict)].get_or_init(|| {
@@ -44,29 +44,29 @@ fn library(strict: bool) -> &'static Library {
 pub struct Options {
     /// `NAME=TEXT` of macros to define.
     pub defines: Vec<String>,
-    /// Macros to forget again.
+    /// Macros to undefine.
     pub undefines: Vec<String>,
-    /// Folders that `#include` looks through.
+    /// Folders that `#include` searches.
     pub includes: Vec<String>,
     /// Warnings count as errors.
     pub warnings_are_errors: bool,
-    /// Only what OSL has is known: no shader types `light`, `camera`, `environment` and `pixel`, no `illuminance`, no colour
-    /// from `trace`, no closure `radiance`.
+    /// Whether extensions to OSL are unknown: shader types `light`, `camera`, `environment` and `pixel`,
+    /// `illuminance`, colour from `trace`, closure `radiance`.
     pub strict: bool,
 }
 
-/// What became of a text.
+/// The result of compiling a text.
 #[derive(Debug)]
 pub struct Compiled {
     /// The shader, if there were no errors.
     pub shader: Option<Shader>,
-    /// What was found.
+    /// The messages.
     pub diagnostics: Diagnostics,
     /// The files that were read, the compiler's own first.
     pub sources: Sources,
 }
 
-/// The tokens of a text, macros expanded, as text again; and what was found wrong.
+/// The tokens of a text, macros expanded, as text again; and the messages.
 #[must_use]
 pub fn preprocess(name: &str, text: &str, options: &Options, load: &Loader<'_>) -> (String, Compiled) {
     let mut source = start(name, text, options, load);
@@ -124,7 +124,8 @@ fn start<'a>(name: &str, text: &str, options: &Options, load: &'a Loader<'a>) ->
     source
 }
 
-/// Before the text, after the library. Macros that somebody defines may change what that says: then it is read with the text.
+/// Before the text, after the library. Macros defined by the caller may change its meaning: then it is read
+/// with the text.
 fn start_after<'a>(
     name: &str,
     text: &str,

@@ -21,16 +21,16 @@ pub struct Diagnostic {
     pub severity: Severity,
     /// Where.
     pub loc: Loc,
-    /// What is wrong, in OSL's words where OSL has words for it; may have several lines.
+    /// The fault, in OSL's words where OSL has words for it; may have several lines.
     pub message: String,
-    /// What would be right.
+    /// The remedy.
     pub help: Option<String>,
 }
 
 /// The form in which messages are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Style {
-    /// File, line, column, the source line and what would be right.
+    /// File, line, column, the source line and the remedy.
     #[default]
     Drawn,
     /// `file:line: error: message`, as OSL's compiler prints it.
@@ -39,7 +39,7 @@ pub enum Style {
     Json,
 }
 
-/// The place (file, line) of a message is kept this often at most: a broken file must not fill the disk.
+/// A message of one position (file, line) is stored this often at most: a broken file must not fill the disk.
 pub const LIMIT: usize = 200;
 
 impl Diagnostic {
@@ -55,7 +55,7 @@ impl Diagnostic {
         Self { severity: Severity::Warning, loc, message: message.into(), help: None }
     }
 
-    /// With what would be right.
+    /// With a remedy.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
@@ -170,7 +170,7 @@ impl Diagnostics {
         }
     }
 
-    /// Adds messages that were collected apart.
+    /// Adds messages that were collected separately.
     pub fn append(&mut self, other: Self) {
         let dropped = other.errors - other.list.iter().filter(|d| d.severity == Severity::Error).count();
         for diagnostic in other.list {

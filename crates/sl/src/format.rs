@@ -4,7 +4,7 @@
 
 pub use gnurt_sl_lib::text::general;
 
-/// A text with what cannot be printed, and quotes, written as in source text.
+/// A text with unprintable characters and quotes escaped, as in source text.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The checked program as a tree: every name looked up, every expression with its type, every call with its function.
+//! The checked program as a tree: every name resolved, every expression with its type, every call with its
+//! function.
 
 use crate::ast::{Binary, Unary};
 use crate::source::Loc;
@@ -11,7 +12,7 @@ pub type VarId = u32;
 /// Number of a function.
 pub type FuncId = u32;
 
-/// What a variable is.
+/// The kind of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum VarKind {
     /// Given by the renderer.
@@ -65,9 +66,9 @@ pub struct Var {
     pub name: Arc<str>,
     /// Its type.
     pub ty: Type,
-    /// What it is.
+    /// Its kind.
     pub kind: VarKind,
-    /// What it starts with.
+    /// Its initial value.
     pub init: Option<Expr>,
     /// Metadata.
     pub meta: Vec<Meta>,
@@ -80,11 +81,11 @@ pub struct Var {
 pub struct Func {
     /// Its name.
     pub name: Arc<str>,
-    /// What it returns.
+    /// Its return type.
     pub returns: Type,
     /// Its parameters, and whether each is written to.
     pub formals: Vec<(VarId, bool)>,
-    /// What it does; none if only declared.
+    /// Its body; `None` if only declared.
     pub body: Option<Vec<Stmt>>,
 }
 
@@ -105,14 +106,14 @@ pub struct Program {
     pub meta: Vec<Meta>,
     /// The shader's parameters in order.
     pub params: Vec<VarId>,
-    /// What the shader does.
+    /// The body of the shader.
     pub body: Vec<Stmt>,
 }
 
 /// An expression.
 #[derive(Clone, Debug)]
 pub struct Expr {
-    /// What it is.
+    /// Its kind.
     pub kind: ExprKind,
     /// Its type.
     pub ty: Type,
@@ -127,7 +128,7 @@ pub struct Builtin {
     pub name: Arc<str>,
     /// Its arguments.
     pub args: Vec<Expr>,
-    /// What each argument must become; unknown where any type goes.
+    /// The type that each argument is converted to; unknown where any type is valid.
     pub formals: Vec<Type>,
     /// Which arguments it writes; bit 0 is the first.
     pub writes: u64,
@@ -160,7 +161,7 @@ pub enum ExprKind {
     Ternary(Box<[Expr; 3]>),
     /// Target and value.
     Assign(Box<Expr>, Box<Expr>),
-    /// What the target of the assignment around it was before.
+    /// The value of the assignment's target before the assignment.
     Old,
     /// `++a` or `--a`
     Before(bool, Box<Expr>),
@@ -187,7 +188,7 @@ pub enum ExprKind {
 /// A statement.
 #[derive(Clone, Debug)]
 pub struct Stmt {
-    /// What it is.
+    /// Its kind.
     pub kind: StmtKind,
     /// Where it starts.
     pub loc: Loc,
@@ -208,19 +209,19 @@ pub enum StmtKind {
         init: Vec<Stmt>,
         /// Whether to go on.
         condition: Expr,
-        /// Done after each turn.
+        /// Run after each iteration.
         step: Option<Expr>,
-        /// Done each turn.
+        /// The body of each iteration.
         body: Vec<Stmt>,
     },
     /// Leaves the loop.
     Break,
-    /// Goes to the loop's next turn.
+    /// Goes to the loop's next iteration.
     Continue,
     /// Leaves the function.
     Return(Option<Expr>),
     /// Gives variables their first value.
     Declare(Vec<VarId>),
-    /// For what it does.
+    /// For its side effects.
     Expr(Expr),
 }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Cuts a file's text into tokens. Comments are white space; a backslash at a line's end joins it with the next.
-//! What counts as a number is OSL's.
+//! The syntax of numbers is OSL's.
 //!
-//! Invariant: every call either moves on or returns [`Tok::End`].
+//! Invariant: every call either advances or returns [`Tok::End`].
 
 use crate::source::Loc;
 use crate::token::{SIGNS, Tok, Token};
 use std::sync::Arc;
 
-/// A place in a text that is being read.
+/// A position in a text that is being read.
 #[derive(Clone, Debug)]
 pub struct Lexer {
     text: Arc<str>,
@@ -18,7 +18,7 @@ pub struct Lexer {
     /// The line, as `#line` counts.
     pub line: u32,
     first: bool,
-    /// White space that was skipped while looking for the line's end.
+    /// White space that was skipped in the search for the line's end.
     spaced: bool,
 }
 
@@ -80,7 +80,7 @@ impl Lexer {
         self.at > start
     }
 
-    /// Whether nothing more stands on this line.
+    /// Whether the rest of this line is empty.
     pub fn at_line_end(&mut self) -> bool {
         self.spaced |= self.skip_space(true);
         self.at >= self.text.len() || self.byte(0) == b'\n'
@@ -173,7 +173,8 @@ impl Lexer {
                     self.line += 1;
                 }
                 Some(b'\\') if self.text.as_bytes().get(at + 1).is_some() => at += 2,
-                // The rest of the line belongs to it: another quote there would look for its end as far again.
+                // The rest of the line belongs to it: another quote there would search for its end as far
+                // again.
                 Some(b'\n') | None => {
                     self.at = at;
                     return Tok::Other('"');

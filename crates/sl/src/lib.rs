@@ -2,9 +2,9 @@
 //! The shading language of GNU RT: OSL 1.14, from source text to an interpreter.
 //! Source: the OSL specification 1.14; original code.
 //!
-//! The way of a shader: `preprocess` (files to tokens), `parse` (to a tree, `ast`), `check` (names, types and overloads, to
-//! `hir`), `lower` (to the intermediate form, `ir`, whose text form is `.oso`), `passes` (what is found out and changed).
-//! [`compile()`] does all of it.
+//! Stages of a shader: `preprocess` (files to tokens), `parse` (to a tree, `ast`), `check` (names, types and
+//! overloads, to `hir`), `lower` (to the intermediate form, `ir`, whose text form is `.oso`), `passes`
+//! (analyses and optimisations). [`compile()`] does all of it.
 #![forbid(unsafe_code)]
 
 pub mod ast;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Source files and places in them.
+//! Source files and positions in them.
 //!
-//! A place is a file's number in the [`Sources`] and a byte in that file; lines and columns are worked out when they are printed.
+//! A position is a file's number in the [`Sources`] and a byte in that file; lines and columns are computed
+//! when they are printed.
 
 use std::sync::Arc;
 
@@ -19,7 +20,7 @@ pub struct Loc {
 }
 
 impl Loc {
-    /// No place.
+    /// No position.
     pub const NONE: Self = Self { file: u16::MAX, len: 0, start: 0, line: 0 };
 }
 
@@ -74,7 +75,7 @@ impl Sources {
         self.get(loc.file).map_or("", |f| &f.name)
     }
 
-    /// The whole line that a place is on, and the byte it starts at.
+    /// The whole line of a position, and the byte it starts at.
     #[must_use]
     pub fn line_text(&self, loc: Loc) -> Option<(&str, usize)> {
         let text = &*self.get(loc.file)?.text;

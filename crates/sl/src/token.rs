@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The words of the language.
-//! What counts as a number is OSL's.
+//! The syntax of numbers is OSL's.
 
 use crate::source::Loc;
 use std::sync::Arc;
 
-/// What a token is.
+/// The kind of a token.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tok {
     /// A name or keyword.
@@ -20,16 +20,16 @@ pub enum Tok {
     Sign(&'static str),
     /// A character that means nothing.
     Other(char),
-    /// What follows `#pragma` on its line.
+    /// The rest of a line after `#pragma`.
     Pragma(Arc<str>),
     /// End of the text.
     End,
 }
 
-/// A token and its place.
+/// A token and its position.
 #[derive(Clone, Debug)]
 pub struct Token {
-    /// What it is.
+    /// Its kind.
     pub tok: Tok,
     /// Where it is; inside a macro's text, where the macro is used.
     pub loc: Loc,

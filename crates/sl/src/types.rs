@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Types of the language and the rules by which one value may stand for another.
-//! The rules are OSL's.
+//! Types of the language and the rules by which one value may replace another. The rules are OSL's.
 //!
 //! A type is a base and an array length; structs are named by their number in a [`Structs`] table.
 
 use std::fmt;
 
-/// What a value is, arrays aside.
+/// The element type of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Base {
     /// Not known, because of an error before.
@@ -25,11 +24,11 @@ pub enum Base {
     Vector,
     /// Surface normal.
     Normal,
-    /// 4x4 matrix, rows first; points are rows that stand left of it.
+    /// 4x4 matrix, rows first; points are rows on its left.
     Matrix,
     /// Text.
     String,
-    /// What a surface does with light: a weighted sum of named parts.
+    /// Scattering of a surface: a weighted sum of named parts.
     Closure,
     /// A struct, by its number.
     Struct(u16),
@@ -38,7 +37,7 @@ pub enum Base {
 /// A base and an array length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Type {
-    /// What one element is.
+    /// The type of one element.
     pub base: Base,
     /// 0: no array; -1: an array whose length the caller gives; else the length.
     pub array: i32,
@@ -221,7 +220,7 @@ impl Base {
         matches!(self, Self::Color | Self::Point | Self::Vector | Self::Normal)
     }
 
-    /// Point, vector or normal: what lies in space.
+    /// Point, vector or normal: a quantity in space.
     #[must_use]
     pub const fn is_spatial(self) -> bool {
         matches!(self, Self::Point | Self::Vector | Self::Normal)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Messages: what is wrong, where, and what would be right.
+//! Messages: fault, place and remedy.
 
 use crate::common::messages;
 use gnurt_sl::diagnostics::Style;

@@ -59,7 +59,7 @@ fn mutated(text: &str, dice: &mut Dice) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// What a shader gives and says at a point, stopped soon.
+/// The results and output of a shader at a point, stopped soon.
 fn given(shader: gnurt_sl::ir::Shader) -> String {
     if unknown_operation(&shader).is_some() {
         return "refused".into();
@@ -437,7 +437,7 @@ fn structs_are_connected_by_their_types() {
     }
 }
 
-/// Files say what they like of their symbols' types: nothing is read or written beside them.
+/// Files may declare any types of their symbols: no access leaves a symbol.
 #[test]
 fn operations_of_wrong_types_stay_within_their_symbols() {
     let file = "OpenShadingLanguage 1.00\nsurface t\nglobal normal N\nlocal float y\nlocal float x\ncode ___main___\nOPERATION\nend\n";
@@ -469,7 +469,7 @@ fn operations_of_wrong_types_stay_within_their_symbols() {
     }
 }
 
-/// Seconds that this thread has worked, or that have passed where nobody counts.
+/// Seconds of work of this thread, or elapsed seconds if unknown.
 fn worked(start: std::time::Instant) -> f64 {
     let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
     let nanoseconds = told.as_deref().and_then(|told| told.split(' ').next()?.parse::<f64>().ok());
@@ -552,7 +552,7 @@ fn files_of_shaders_name_many_files() {
     soon("files", || assert!(read(&text).is_ok()));
 }
 
-/// What a loop says of its mistakes is not kept without an end.
+/// Error messages of a loop are kept up to a limit.
 #[test]
 fn mistakes_in_loops_are_not_all_kept() {
     let text =

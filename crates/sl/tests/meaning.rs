@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What programs mean: each prints something that the specification, or arithmetic, says.
+//! Meaning of programs: each prints a result that the specification, or arithmetic, defines.
 
 #[path = "meaning/clouds.rs"]
 mod clouds;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Passes: what they find and leave out, and that the shader's meaning stays.
+//! Passes: their results, and the unchanged meaning of the shader.
 
 use crate::common::{diagnostics_of, shader};
 use gnurt_sl::group::{Group, parse_value};

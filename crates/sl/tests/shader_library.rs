@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The shaders that come with GNU RT compile without a warning, and say what their parameters are.
+//! The shaders that come with GNU RT compile without a warning, and document their parameters.
 
 use std::path::{Path, PathBuf};
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What rays hit, found by testing every triangle in double precision.
+//! Hits of rays, found by testing every triangle in double precision.
 //! Source: \[MT97\], written out; so simple that it is unlikely to be wrong.
 //! Space: world; instances carry triangles there. Tests: `tests::finds_the_closest`.
 
@@ -15,7 +15,7 @@ pub struct OracleInstance<'a> {
 }
 
 impl<'a> OracleInstance<'a> {
-    /// Meshes that lie in the world as they are.
+    /// Meshes in world space.
     #[must_use]
     pub fn identity(meshes: &'a [Soup]) -> Self {
         Self { meshes, world_from_object: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]] }
@@ -39,9 +39,9 @@ pub struct OracleHit {
     pub inst_id: u32,
 }
 
-/// All hits with `t` in `[t_near, t_far]`, closest first. Triangles count as larger by `margin`, in barycentric
-/// weights: with a positive margin the list holds all that rounding could make a hit, with a negative one only what
-/// must be one.
+/// All hits with `t` in `[t_near, t_far]`, closest first. Triangles are enlarged by `margin`, in barycentric
+/// weights: with a positive margin the list holds all possible hits under rounding, with a negative one only
+/// certain ones.
 #[must_use]
 pub fn all_hits(
     instances: &[OracleInstance],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles without any order: what trees must survive.
-//! The kinds are those of the degenerate-input reports of other tracers.
+//! Triangles without any order: hard input for trees. The kinds are those of the degenerate-input reports of
+//! other tracers.
 
 use crate::Random;
 
@@ -57,7 +57,7 @@ impl Soup {
         soup
     }
 
-    /// Axis-aligned triangles on a coarse grid: many lie in one plane, share corners, overlap or are equal.
+    /// Axis-aligned triangles on a coarse grid: many are in one plane, share corners, overlap or are equal.
     #[must_use]
     pub fn grid(seed: u64, n: usize) -> Self {
         let mut random = Random::new(seed);
@@ -86,7 +86,8 @@ impl Soup {
         soup
     }
 
-    /// Tables whose corners lie at one of two neighbouring floats in height: what modellers export as flat.
+    /// Tables whose corners are at one of two neighbouring floats in height: typical "flat" exports of
+    /// modelling programs.
     #[must_use]
     pub fn flat_but_for_one_bit(seed: u64, n: usize) -> Self {
         let mut random = Random::new(seed);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Solids of unit cubes on a grid: closed meshes, also with edges and vertices at which more than two sheets meet, of which
-//! whole numbers tell what is inside and how often a line goes in and out.
-//! Unit of questions: half a cube's side, so that odd coordinates are middles and even ones corners, edges and faces.
+//! Solids of unit cubes on a grid: closed meshes, also with edges and vertices at which more than two sheets
+//! meet; integer arithmetic gives the inside and the crossings of a line. Unit of queries: half a cube's
+//! side, so that odd coordinates are centres and even ones corners, edges and faces.
 //! Tests: `tests`.
 
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What keys and mouse mean: state and event make the next state, and perhaps something to do outside of it.
+//! The meaning of keys and mouse: state and event make the next state, and possibly an effect outside of it.
 //! Keys after pbrt, Embree, Cycles, OSPRay and tev where those agree. `docs/reference/viewer.md` lists them.
-//! Q and S fly, as games have it: leaving is Escape or Ctrl-Q, a picture is F12 or Ctrl-S.
+//! Q and S fly, as in games: exit is Escape or Ctrl-Q, a picture is F12 or Ctrl-S.
 //! Tests: `tests`, and `crates/cli/tests/program/window.rs` with a real window.
 
 use std::f64::consts::PI;
@@ -15,12 +15,12 @@ use crate::playing::Playing;
 use crate::shader_controls::ShaderControls;
 use crate::shown::Shown;
 
-/// What the controls ask of the world around them.
+/// Requests of the controls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Effect {
     /// Leave.
     Quit,
-    /// Say what is seen at this pixel.
+    /// Report the object at this pixel.
     Pick([u32; 2]),
     /// Write the picture to a file.
     Screenshot,
@@ -39,7 +39,7 @@ pub enum Effect {
 pub struct Controls {
     /// Where it is seen from.
     pub flight: Flight,
-    /// What is shown.
+    /// The displayed quantity.
     pub shown: Shown,
     /// From light to bytes.
     pub exposure: Exposure,
@@ -53,7 +53,7 @@ pub struct Controls {
     pub denoised: bool,
     /// Whether pictures are written as they come.
     pub recording: bool,
-    /// What is played, where something moves.
+    /// The animation, if there is one.
     pub playing: Option<Playing>,
     /// Parameters of shaders.
     pub shader_controls: ShaderControls,
@@ -86,7 +86,7 @@ const CLICK: f64 = 4.0;
 const SECONDS_TO_TARGET: f64 = 2.0;
 /// Radians per second of an arrow key.
 const TURNING: f64 = 1.0;
-/// What a notch of the wheel leaves of the distance.
+/// The factor of the distance for a notch of the wheel.
 const NOTCH: f64 = 0.9;
 const FASTER: f64 = 1.5;
 const STOPS: f32 = 0.25;
@@ -161,7 +161,7 @@ impl Controls {
         self.drag.is_some() || self.is_flying()
     }
 
-    /// Takes note of what happened.
+    /// Processes an event.
     pub fn handle(&mut self, input: Input) -> Option<Effect> {
         match input {
             Input::Modifiers { shift, control } => (self.shift, self.control) = (shift, control),
@@ -321,7 +321,7 @@ impl Controls {
     }
 }
 
-/// Shift changes characters, not what a key that is held means.
+/// Shift changes characters, but not the meaning of a held key.
 fn lower(key: Key) -> Key {
     match key {
         Key::Char(c) => Key::Char(c.to_ascii_lowercase()),

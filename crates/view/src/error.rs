@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What may go wrong between a picture and the eye.
+//! Errors between a picture and the screen.
 
 /// Why nothing is seen.
 #[derive(Debug, thiserror::Error)]

@@ -8,7 +8,7 @@ use gnurt::image::ToneCurve;
 pub struct Exposure {
     /// Each stop doubles the light.
     pub stops: f32,
-    /// What happens above white.
+    /// The curve above white.
     pub tone: ToneCurve,
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture in the making, as somebody looks at it: samples, then colours of what is shown.
-//! Memory is used again from picture to picture. Tests: `tests`.
+//! A progressive picture for display: samples, then displayed colours. Memory is reused from picture to
+//! picture. Tests: `tests`.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::screen::{self, Part};
 use crate::shown::Shown;
 use crate::temporal_filter::TemporalFilter;
 
-/// What is looked at, from where.
+/// The content and the camera of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ViewRequest {
     pub(crate) camera: Camera,
@@ -34,7 +34,7 @@ pub(crate) struct ViewRequest {
 /// Virtual lights that a pixel gathers while the camera moves, at most, as far as patterns are wide enough.
 const MOST_LIGHTS: u32 = 64;
 
-/// Share of the pixels that get a fresh sample of light unless somebody measures time.
+/// Fraction of the pixels with a fresh sample of light, without a measured time.
 pub(crate) const FRESH: f32 = 1.0 / 16.0;
 
 /// Width of the pattern of interleaved pixels while the camera moves.
@@ -44,15 +44,15 @@ fn pattern_in_motion(vpls: u32) -> u32 {
 
 /// A picture in the making.
 pub(crate) struct Eye {
-    /// What does not change from sight to sight.
+    /// Options that are constant from picture to picture.
     options: RenderOptions,
     making: Option<Making>,
-    /// What looks in passing leave to the next one.
+    /// State that previews leave to the next one.
     history: PictureHistory,
     /// Share of the pixels for which looks in passing take a fresh sample of light, where they remember the others.
     pub(crate) fresh: f32,
     pub(crate) colors: Vec<[f32; 4]>,
-    /// What is shown of a picture at rest.
+    /// The displayed colours of a picture at rest.
     temporal_filter: TemporalFilter,
 }
 
@@ -80,7 +80,7 @@ impl Eye {
         }
     }
 
-    /// Begins a picture; a shader may stand in the camera's place.
+    /// Begins a picture; a shader may replace the camera.
     pub(crate) fn begin(
         &mut self,
         view_request: &ViewRequest,
@@ -126,12 +126,12 @@ impl Eye {
         Ok(())
     }
 
-    /// Samples of each pixel that complete what rests, from the next picture on.
+    /// Samples of each pixel that complete a picture at rest, from the next one on.
     pub(crate) fn aim_at(&mut self, spp: u32) {
         self.options.spp = spp;
     }
 
-    /// What is shown at first of a picture at rest: what was shown of the same view in passing.
+    /// The first displayed colours of a picture at rest: those of the same view's preview.
     fn begin_filter(&mut self, view_request: &ViewRequest, pool: &ThreadPool) {
         let is_same = self.making.as_ref().is_some_and(|making| {
             let RenderOptions { width, height, .. } = *making.accumulation.options();
@@ -170,7 +170,7 @@ impl Eye {
             || self.temporal_filter.is_there()
     }
 
-    /// What was shown last, row by row.
+    /// The last displayed colours, row by row.
     pub(crate) fn shown(&mut self, pool: &ThreadPool) -> &[[f32; 4]] {
         match &self.making {
             Some(making) if !making.preview && !making.shown.needs_layers() => self.temporal_filter.shown(),
@@ -181,7 +181,7 @@ impl Eye {
         }
     }
 
-    /// Adds samples; says whether nobody stopped it.
+    /// Adds samples; returns false if it was stopped.
     pub(crate) fn pass(
         &mut self,
         world: &World,
@@ -196,7 +196,7 @@ impl Eye {
         accumulation.pass(world, &**rays, samples, pool, progress)
     }
 
-    /// What the last look in passing took that was made of those before.
+    /// The cost of the last preview made from earlier ones.
     pub(crate) fn motion_cost(&self) -> MotionCost {
         self.history.cost()
     }
@@ -241,8 +241,8 @@ impl Eye {
         Ok(used)
     }
 
-    /// Brings a screen of that size up to date with the samples, and `colors` as well, but for looks in passing.
-    /// `clean`: what was denoised last is shown, if anything was.
+    /// Updates a screen of that size from the samples, and `colors` as well, except for previews. `clean`:
+    /// the last denoised picture is displayed, if there is one.
     pub(crate) fn develop(
         &mut self,
         exposure: Exposure,

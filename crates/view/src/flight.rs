@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a camera moves: around its target, sideways, nearer, straight on, by turning its head.
-//! Turntable orbit: yaw about a fixed up, pitch between the poles. Space: world; double precision, so
-//! that thousands of small moves add no drift that is seen.
-//! Invariants: eye and target never meet; the view never reaches the poles; what goes there and back ends where it began
-//! within rounding. Tests: `tests`.
+//! Motion of a camera: orbit, pan, dolly, flight, and rotation in place. Turntable orbit: yaw about a fixed
+//! up, pitch between the poles. Space: world; double precision, so that thousands of small moves add no
+//! visible drift. Invariants: eye and target never coincide; the view never reaches the poles; a move and its
+//! reverse cancel within rounding. Tests: `tests`.
 
 use glam::{DQuat, DVec3};
 use gnurt::scene::{Camera, Projection};
@@ -17,7 +16,7 @@ pub struct Flight {
     up: DVec3,
     /// All of it but its place.
     like: Camera,
-    /// The camera that it began with, while nothing has moved: what was given is printed and rendered as it was.
+    /// The initial camera, while nothing has moved: it is printed and rendered unchanged.
     untouched: Option<Camera>,
 }
 
@@ -86,7 +85,8 @@ impl Flight {
         }
     }
 
-    /// Moves the eye to `factor` times its distance from the target; where all rays are parallel, what is seen is so many times as large.
+    /// Moves the eye to `factor` times its distance from the target; for parallel rays, scales the height of
+    /// the view.
     pub fn dolly(&mut self, factor: f64) {
         let farthest = 1.0 / NEAREST;
         let scale = self.scale();
@@ -106,8 +106,8 @@ impl Flight {
         self.set_position(self.eye + direction, self.target + direction);
     }
 
-    /// Moves eye and target so that what is at the target's distance follows a cursor that moves by `pixels` (right, down)
-    /// in a picture of `height` pixels.
+    /// Moves eye and target so that a point at the target's distance follows a cursor that moves by `pixels`
+    /// (right, down) in a picture of `height` pixels.
     pub fn pan(&mut self, pixels: [f64; 2], height: f64) {
         let half_angle = f64::from(self.like.fov_y).to_radians() / 2.0;
         let view_height = match self.like.projection {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Frames without a window: a turn around the scene, or the same view again and again, as fast as they come.
-//! A frame is what a window would show: samples, tone curve, bytes of the screen.
+//! Frames without a window: an orbit around the scene, or the same view repeatedly, at full speed. A frame is
+//! the same as in a window: samples, tone curve, bytes of the screen.
 //! Tests: `crates/cli/tests/program/viewing.rs`.
 
 use std::f64::consts::TAU;
@@ -22,7 +22,7 @@ use crate::temporal_filter::flicker;
 /// Samples of a pass, at most.
 const MOST_SAMPLES: u32 = 16;
 
-/// What is rendered without a window.
+/// Options of frames without a window.
 #[derive(Clone, Debug)]
 pub struct HeadlessOptions {
     /// Size, samples per frame, seed, integrator, filter, level: as `render` takes them.
@@ -49,7 +49,7 @@ pub struct FrameTimes {
     pub rays: u64,
     /// Threads of the pool.
     pub threads: usize,
-    /// What was seen after the last frame, if anything was.
+    /// The picture after the last frame, if any.
     pub rest: Option<Rest>,
 }
 
@@ -100,7 +100,8 @@ pub struct ShownFrame<'a> {
 }
 
 impl ShownFrame<'_> {
-    /// The frame in linear light: what its samples say, or what a window shows of them if it rests.
+    /// The frame in linear light: the mean of its samples, or the window's displayed colours if it is at
+    /// rest.
     pub fn picture(&mut self) -> &Picture {
         self.eye.catch_up(self.pool);
         let colors = if self.rests { self.eye.shown(self.pool) } else { &self.eye.colors };
@@ -132,7 +133,7 @@ pub fn run_headless(
     for frame in 0..options.frames {
         let mut begin = Instant::now();
         let (camera, shown, size) = (flight.camera(), Shown::Light(integrator), [width, height]);
-        // One sample in motion is what a window shows while the camera moves.
+        // A window, too, displays one sample in motion.
         let preview = spp == 1 && options.orbit != 0.0;
         let view_request = ViewRequest { camera, shown, size, preview, denoised: false };
         eye.begin(&view_request, stage.scripts.camera.as_ref(), pool)?;

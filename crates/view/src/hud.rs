@@ -5,7 +5,7 @@
 use crate::controls::Controls;
 use crate::text;
 
-/// What was measured of the picture that is seen.
+/// Measurements of the displayed picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Readings {
     /// Seconds that the last pass and its way to the screen took.
@@ -83,7 +83,7 @@ pub(crate) fn lines(
     lines
 }
 
-/// Draws what the controls ask for.
+/// Draws the overlays that the controls enable.
 pub(crate) fn draw(screen: &mut [u32], size: [u32; 2], controls: &Controls, lines: &[String]) {
     // Letters stay readable on screens with many pixels.
     let scale = (size[1] as usize / 800 + 1).min(4);

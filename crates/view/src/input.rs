@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What people do with keys and mouse, in words that no window system has a say in.
-//! Places are pixels of the window from its upper left corner.
+//! Keys and mouse, independent of any window system. Positions are pixels of the window from its upper left
+//! corner.
 
 /// A key that means something here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +63,7 @@ pub enum Input {
     Wheel(f64),
     /// The window has this many pixels now.
     Size([u32; 2]),
-    /// Keys and buttons are somebody else's now: none is held.
+    /// Keys and buttons go to another window now: none is held.
     FocusLost,
     /// The window is to be closed.
     Close,

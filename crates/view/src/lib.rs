@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Looking at pictures while they grow: a window to fly through a scene, a turntable without a window, and tev.
 //!
-//! Flow: window events -> [`Input`] -> [`Controls`] (pure) -> what to look at -> a thread that renders -> bytes of the
-//! screen -> window. Nothing here is known to the renderer; nothing but `window` knows that there are displays, and
-//! display libraries are opened only when a window is.
+//! Flow: window events -> [`Input`] -> [`Controls`] (pure) -> request -> render thread -> bytes of the screen
+//! -> window. The renderer does not depend on it; only `window` depends on displays, and display libraries
+//! are opened only with a window.
 #![forbid(unsafe_code)]
 
 mod camera_options;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How many pixels can be rendered while the camera moves: as many as keep the picture moving smoothly.
-//! Cost per pixel is smoothed over frames, quickly upwards and slowly downwards, so that the size does
-//! not flicker. Tests: `tests`.
+//! The number of pixels to render while the camera moves: the most that keeps the motion smooth. Cost per
+//! pixel is smoothed over frames, quickly upwards and slowly downwards, so that the size does not flicker.
+//! Tests: `tests`.
 
 use gnurt::render::MotionCost;
 
@@ -17,7 +17,7 @@ pub(crate) struct Pace {
     divisor: u32,
 }
 
-/// A cost that follows what is measured, quickly upwards and slowly downwards.
+/// A cost that follows the measurements, quickly upwards and slowly downwards.
 fn smoothed(before: f64, now: f64) -> f64 {
     before + if now < before { 0.2 } else { 0.5 } * (now - before)
 }
@@ -53,8 +53,9 @@ impl Pace {
         self.remembering = Some(self.remembering.map_or(costs, smooth));
     }
 
-    /// What to divide the sides by, 1 to 8, and the share of the pixels that are to get a fresh sample of light: a whole picture, as long as
-    /// it takes no longer than `SLOWEST` with the least of them; more samples as far as that takes `BRISK`.
+    /// The divisor of the sides, 1 to 8, and the fraction of the pixels with a fresh sample of light. The
+    /// picture is whole if it takes no longer than `SLOWEST` with the least of them; more samples are added
+    /// up to the time `BRISK`.
     pub(crate) fn remembering(&self, [width, height]: [u32; 2]) -> (u32, f32) {
         let Some([settle_time, sample]) = self.remembering else { return (FIRST_REMEMBERING, LEAST_FRESH) };
         let pixels = |divisor: u32| f64::from(width.div_ceil(divisor)) * f64::from(height.div_ceil(divisor));
@@ -65,7 +66,7 @@ impl Pace {
         (divisor, fresh.clamp(f64::from(LEAST_FRESH), f64::from(MOST_FRESH)) as f32)
     }
 
-    /// What to divide the sides of a picture by, 1 to 8.
+    /// The divisor of the sides of a picture, 1 to 8.
     pub(crate) fn divisor(&mut self, [width, height]: [u32; 2]) -> u32 {
         if let Some(cost) = self.cost {
             let seconds = |divisor: u32| {
@@ -80,7 +81,7 @@ impl Pace {
         self.divisor
     }
 
-    /// Forgets what was measured: another integrator, another scene.
+    /// Drops the measurements: another integrator, another scene.
     pub(crate) fn forget(&mut self) {
         *self = Self::new(self.target);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is under the cursor: numbers and names of instance, object, mesh, triangle and material.
+//! The element under the cursor: numbers and names of instance, object, mesh, triangle and material.
 //! Space: world. Tests: `tests`.
 
 use std::fmt;
@@ -16,7 +16,7 @@ use crate::stage::Stage;
 pub struct Pick {
     /// Number and name of the instance.
     pub instance: (u32, String),
-    /// Number and name of the object that was hit: what it shows, or an object in that.
+    /// Number and name of the hit object: the instance's object, or one nested in it.
     pub object: (u32, String),
     /// The mesh, as a place within the object.
     pub mesh: u32,
@@ -31,7 +31,7 @@ pub struct Pick {
 }
 
 impl Pick {
-    /// What a camera sees in the middle of a pixel of a picture of `size`; `None` if that is nothing.
+    /// The element in the middle of a pixel of a picture of `size`; `None` if there is none.
     #[must_use]
     pub fn at(stage: &Stage, camera: &Camera, [x, y]: [u32; 2], [width, height]: [u32; 2]) -> Option<Self> {
         let rays = camera_rays(camera, stage.scripts.camera.as_ref(), [width, height])?;
@@ -43,7 +43,7 @@ impl Pick {
         let hit = stage.world.intersect(&ray)?;
         let scene = &stage.scene;
         let instance = scene.instances().get(hit.inst_id as usize)?;
-        // Within what the instance shows, where that holds others.
+        // Within the instance's object, if that holds others.
         let object_id = stage.world.object_of(&hit);
         let object = scene.objects().get(object_id.index())?;
         let mesh = scene.meshes().get(object.meshes.get(hit.geom_id as usize)?.index())?;

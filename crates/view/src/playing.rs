@@ -14,7 +14,7 @@ const INK: u32 = 0x00f4_f4f4;
 pub struct Playing {
     /// The moments of its first and of its last key.
     range: [f64; 2],
-    /// What is shown; `None` = the scene at rest.
+    /// The displayed time; `None` = the scene at rest.
     clip_time: Option<f64>,
     runs: bool,
 }
@@ -32,7 +32,7 @@ impl Playing {
         self.range
     }
 
-    /// What is shown; `None` = the scene at rest.
+    /// The displayed time; `None` = the scene at rest.
     #[must_use]
     pub fn clip_time(&self) -> Option<f64> {
         self.clip_time

@@ -35,7 +35,7 @@ impl Recorder {
     /// Begins a take.
     pub(crate) fn begin(folder: &Path) -> Result<Self, String> {
         let is_free = |&take: &u32| !file(folder, take, 1).exists();
-        let take = (1..u32::MAX).find(is_free).ok_or("no name is left")?;
+        let take = (1..u32::MAX).find(is_free).ok_or("all file names are in use")?;
         let (sender, shots) = sync_channel(WAITING);
         let to = folder.to_owned();
         let thread = std::thread::Builder::new().name("gnurt-recorder".into());
@@ -44,7 +44,7 @@ impl Recorder {
         Ok(Self { folder: folder.to_owned(), take, count: 0, shots: Some(sender), thread: Some(thread) })
     }
 
-    /// Adds a picture; says whether it can still be written. What went wrong is told by [`end`](Self::end).
+    /// Adds a picture; returns whether it can still be written. [`end`](Self::end) reports a failure.
     pub(crate) fn add(&mut self, size: [u32; 2], pixels: &[u32]) -> bool {
         let Some(shots) = &self.shots else { return false };
         let is_taken = shots.send(Shot { size, pixels: pixels.to_vec() }).is_ok();
@@ -52,12 +52,12 @@ impl Recorder {
         is_taken
     }
 
-    /// What people read while it runs: the take, and how many pictures it has.
+    /// The status line during a recording: the take, and its number of pictures.
     pub(crate) fn status(&self) -> String {
         format!("recording take {}: {}", self.take, self.count)
     }
 
-    /// Waits until all is written; the line says what was, or what went wrong.
+    /// Waits for all writes; returns a line about the files, or the failure.
     pub(crate) fn end(mut self) -> Result<String, String> {
         self.finish()?;
         let name = |number| file(&self.folder, self.take, number);
@@ -79,12 +79,12 @@ impl Recorder {
 
 impl Drop for Recorder {
     fn drop(&mut self) {
-        // Who wants to know asks for the end.
+        // A caller that needs the result calls `end`.
         let _ = self.finish();
     }
 }
 
-/// Writes what comes until nobody can send any more, or something goes wrong.
+/// Writes pictures until the channel closes, or a write fails.
 fn write_all(folder: &Path, take: u32, shots: &Receiver<Shot>) -> Result<(), String> {
     for (number, Shot { size, pixels }) in (1..).zip(shots) {
         let bytes = encode_screen(size, &pixels).map_err(|error| error.to_string())?;
@@ -131,7 +131,7 @@ mod tests {
     fn what_cannot_be_written_is_told() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let mut recorder = Recorder::begin(&folder.path().join("none")).expect("a thread");
-        // It is told to one who adds pictures at the latest when those that wait fill the queue.
+        // A caller that adds pictures notices at the latest when the queue is full.
         let ended = (0..100).any(|_| !recorder.add([1, 1], &[0]));
         assert!(ended, "it stops");
         assert!(recorder.end().is_err_and(|why| why.contains("none")), "the file is named");

@@ -62,7 +62,7 @@ impl Table {
     /// Bytes of values in 0..=1 from the film; NaN is 0.
     #[inline]
     fn piece(&self, curve: impl Fn(f32) -> f32, gain: f32, colors: &[[f32; 4]; PIECE]) -> [u32; PIECE] {
-        // First what is done to all alike, then what is looked up: the former goes by several at once.
+        // First the arithmetic common to all pixels, then the table lookups: the former is vectorised.
         let (mut values, mut bins) = ([0.0; 4 * PIECE], [0; 4 * PIECE]);
         for (value, &light) in values.iter_mut().zip(colors.as_flattened()) {
             *value = curve(light * gain);
@@ -99,7 +99,7 @@ impl Table {
 pub(crate) enum Part<'a> {
     /// These are there.
     Colors { rows: Range<u32>, colors: &'a [[f32; 4]] },
-    /// These come from the film, and nobody keeps them.
+    /// These come from the film, and are not kept.
     Passing(FilmBand<'a>),
 }
 
@@ -122,8 +122,8 @@ impl<'a> Part<'a> {
     }
 }
 
-/// Writes the pixels of a `from[0]` x `from[1]` picture into a screen of `to[0]` x `to[1]` pixels; each becomes as many as are
-/// needed. On the threads of `pool`, if there is one. What no part shows is black.
+/// Writes the pixels of a `from[0]` x `from[1]` picture into a screen of `to[0]` x `to[1]` pixels, each
+/// repeated as needed. On the threads of `pool`, if there is one. Pixels outside of all parts are black.
 pub(crate) fn develop(
     exposure: Exposure,
     parts: Vec<Part>,

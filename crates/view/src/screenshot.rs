@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures of what is seen, without the numbers over it: view-0001.png, view-0002.png, ...
-//! Old files are kept; a file appears whole or not at all. Tests: `tests`.
+//! Screenshots, without the overlay: view-0001.png, view-0002.png, ... Old files are kept; a file appears
+//! whole or not at all. Tests: `tests`.
 
 use std::path::{Path, PathBuf};
 
@@ -21,7 +21,7 @@ pub(crate) fn write(
     let options = WriteOptions { tone: exposure.tone, exposure: exposure.stops, ..WriteOptions::default() };
     let bytes = encode(&picture, PictureFormat::PNG, &options).map_err(|error| error.to_string())?;
     let name = |number: u32| folder.join(format!("view-{number:04}.png"));
-    let free = (1..u32::MAX).map(name).find(|path| !path.exists()).ok_or("no name is left")?;
+    let free = (1..u32::MAX).map(name).find(|path| !path.exists()).ok_or("all file names are in use")?;
     replace_file(&free, &bytes).map_err(|error| error.to_string())?;
     Ok(free)
 }

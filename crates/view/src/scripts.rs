@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Shaders of a stage that are files in the shading language: read again one by one when they are saved, and turned by knobs.
-//! A commit afterwards does what the new shader makes due; trees, textures and other shaders stay. Where a file does
-//! not compile nothing changes. Tests: `tests`, and `render_thread`'s.
+//! Shaders of a stage from files in the shading language: read again one by one when they are saved, and
+//! adjusted by controls. A later commit updates the parts that depend on a new shader; trees, textures and
+//! other shaders stay. If a file does not compile, nothing changes. Tests: `tests`, and `render_thread`'s.
 
 use std::path::PathBuf;
 
@@ -10,16 +10,16 @@ use gnurt::render::ShaderTable;
 
 use crate::shader_controls::ShaderControl;
 
-/// What a script is for.
+/// The purpose of a script.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScriptRole {
     /// The surface of this number in the shader table.
     Surface(usize),
     /// The light of this number there.
     Light(usize),
-    /// What stands in the camera's place.
+    /// A camera shader.
     Camera,
-    /// What pixels show.
+    /// A pixel shader.
     Pixel,
 }
 
@@ -33,7 +33,7 @@ pub struct StageScript {
 }
 
 impl StageScript {
-    /// A script with its values, and what it is for.
+    /// A script with its values, and its purpose.
     #[must_use]
     pub fn new(script: Script, role: ScriptRole) -> Self {
         Self { first: script.parameters(), script, role }
@@ -63,7 +63,7 @@ fn set<T>(list: &mut [T], number: usize, shader: T) {
 pub struct Scripts {
     /// The files.
     pub list: Vec<StageScript>,
-    /// What the world is committed with.
+    /// The shader table of the world's commit.
     pub table: ShaderTable,
     /// The shader that stands in the camera's place, if one does.
     pub camera: Option<CameraScript>,
@@ -79,10 +79,10 @@ impl Scripts {
         files
     }
 
-    /// The same with those shaders read again that come from `changed` files, and what to say of it, a line each.
+    /// The same with the shaders of `changed` files read again, and the messages about it, a line each.
     ///
     /// # Errors
-    /// What the compiler says of the first that does not compile.
+    /// The compiler's message about the first that does not compile.
     pub(crate) fn again(&self, changed: &[PathBuf]) -> Result<(Self, Vec<String>), String> {
         let (mut next, mut messages) = (self.clone(), Vec::new());
         for shader in &mut next.list {
@@ -109,10 +109,10 @@ impl Scripts {
     /// The value does not fit, or there is no such parameter.
     pub(crate) fn tune(&mut self, script: usize, name: &str, value: &ParameterValue) -> Result<bool, String> {
         let Self { list, table, camera } = self;
-        let shader = list.get_mut(script).ok_or("there is no such shader any more")?;
+        let shader = list.get_mut(script).ok_or("the shader does not exist any more")?;
         if shader.script.is_tunable(name) {
             shader.script.tune(name, value)?;
-            // What gives off light is looked at by a commit.
+            // A commit processes emissive surfaces.
             let number = if let ScriptRole::Surface(number) = shader.role { number } else { usize::MAX };
             if !table.surfaces.get(number).is_some_and(|surface| surface.emits()) {
                 return Ok(false);
@@ -131,7 +131,7 @@ impl Scripts {
         self.list.iter().enumerate().flat_map(of).collect()
     }
 
-    /// What they did wrong, or said: each line once, as long as they stay.
+    /// Their faults and output: each line once, while they stay.
     pub(crate) fn faults(&self) -> Vec<String> {
         self.list.iter().flat_map(|shader| shader.script.faults()).collect()
     }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parameters of shaders as knobs: what can be turned, in which steps, between which ends.
-//! Labels, ranges, steps and widgets are OSL's metadata. A colour or point has a knob for each number.
+//! Parameters of shaders as controls: adjustable values, their steps, and their ranges. Labels, ranges, steps
+//! and widgets are OSL's metadata. A colour or point has a control for each number.
 //! Tests: `tests`.
 
 use gnurt::osl::{Parameter, ParameterValue, Script};
 
-/// Steps from one end of a range to the other, where nobody says how wide one is.
+/// Steps from one end of a range to the other, if their size is not given.
 const STEPS: f32 = 50.0;
 /// Lines that are shown of all knobs.
 const LINES: usize = 9;
@@ -107,7 +107,7 @@ impl ShaderControl {
 /// The width of a step.
 fn step(parameter: &Parameter, value: f32, is_int: bool) -> f32 {
     let wide = |[min, max]: [f32; 2]| ((max - min) / STEPS).max(f32::MIN_POSITIVE);
-    // A decimal number near a twentieth of what it is.
+    // A decimal number near a twentieth of the value.
     let near = |x: f32| 10.0_f32.powf((x.abs() / 20.0).max(1e-6).log10().round());
     match (parameter.step, parameter.range) {
         _ if is_int => parameter.step.map_or(1.0, |step| step.round().max(1.0)),
@@ -118,7 +118,7 @@ fn step(parameter: &Parameter, value: f32, is_int: bool) -> f32 {
     }
 }
 
-/// What a widget offers.
+/// The choices of a widget.
 fn options(parameter: &Parameter) -> Vec<(String, f32)> {
     match &parameter.widget[..] {
         "checkBox" | "boolean" => vec![("off".into(), 0.0), ("on".into(), 1.0)],
@@ -173,7 +173,7 @@ impl ShaderControls {
         self.all.get_mut(self.at).is_some_and(|control| control.adjust_control(steps))
     }
 
-    /// Puts the chosen one back to what it was at first; says whether it moved.
+    /// Resets the chosen one to its first value; returns whether it changed.
     pub(crate) fn reset(&mut self) -> bool {
         let Some(control) = self.all.get_mut(self.at) else { return false };
         let moved = control.value != control.first;
@@ -199,7 +199,7 @@ impl ShaderControls {
             return Vec::new();
         }
         if self.all.is_empty() {
-            return vec!["no shader has numbers to turn".into()];
+            return vec!["no shader has adjustable parameters".into()];
         }
         let begin = self.at.saturating_sub(LINES / 2).min(self.all.len().saturating_sub(LINES));
         let near = self.all.iter().enumerate().skip(begin).take(LINES);

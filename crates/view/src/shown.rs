@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What of the scene is shown: light by an integrator, or what the camera's rays hit, as colours.
-//! Depth is shown as r / (r + d), r = the distance from eye to target: near is white. Numbers of things
-//! are shown as colours that are the same each time. Tests: `tests`.
+//! The displayed quantity: light by an integrator, or properties of the camera rays' hits, as colours. Depth
+//! is shown as r / (r + d), r = the distance from eye to target: near is white. Ids are shown as colours that
+//! are the same each time. Tests: `tests`.
 
 use std::fmt;
 
@@ -17,7 +17,7 @@ pub enum Shown {
     Albedo,
     /// Distances from the eye.
     Depth,
-    /// A colour for each of what is called so in the picture's layer `id`.
+    /// A colour for each id of this channel in the picture's layer `id`.
     Ids(&'static str),
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is looked at, and those who bring it and hear about it.
+//! The stage of a viewer: scene, world and shaders, with the functions that load them and report faults.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -13,30 +13,30 @@ use crate::scripts::Scripts;
 
 /// A scene that can be rendered, and where it came from.
 pub struct Stage {
-    /// The description: names of what is picked.
+    /// The description: names of picked objects.
     pub scene: Scene,
     /// The scene, committed.
     pub world: World,
     /// Files that it was read from: if one changes, it is read again.
     pub files: Vec<PathBuf>,
-    /// What is played, where something moves: a place among the clips.
+    /// The clip, if something moves: its index.
     pub clip: Option<usize>,
-    /// What the world was committed with.
+    /// The options of the world's commit.
     pub how: CommitOptions,
-    /// Likewise; files in the shading language are read again one by one.
+    /// Files in the shading language, which are read again one by one.
     pub scripts: Scripts,
-    /// Tells what other shaders have done wrong since it was asked last, a line each.
+    /// Returns new faults of other shaders, a line each.
     pub faults: Faults,
 }
 
 impl Stage {
-    /// The moments of the first and of the last key of what is played.
+    /// The times of the first and the last key of the clip.
     #[must_use]
     pub fn range(&self) -> Option<[f64; 2]> {
         self.scene.animation()?.clips.get(self.clip?).map(|clip| clip.range())
     }
 
-    /// What shaders of all kinds have done wrong.
+    /// Faults of shaders of all kinds.
     #[must_use]
     pub fn all_faults(&self) -> Vec<String> {
         let mut faults = (self.faults)();
@@ -44,10 +44,10 @@ impl Stage {
         faults
     }
 
-    /// Shows a moment of its clip, or the scene at rest.
+    /// Shows a time of its clip, or the scene at rest.
     ///
     /// # Errors
-    /// What the commit says; the world stays as it was.
+    /// The commit's error; the world stays unchanged.
     pub(crate) fn show(&mut self, clip_time: Option<f64>, pool: &ThreadPool) -> Result<(), String> {
         let Some(clip) = self.clip else { return Ok(()) };
         match clip_time {
@@ -62,10 +62,10 @@ impl Stage {
         committed.map(drop).map_err(|error| error.to_string())
     }
 
-    /// Reads shaders again that come from `changed` files; what to say of it, a line each.
+    /// Reads the shaders of `changed` files again; returns the messages about it, a line each.
     ///
     /// # Errors
-    /// What the compiler says; all stays as it was.
+    /// The compiler's message; all stays unchanged.
     pub(crate) fn read_again(
         &mut self,
         changed: &[PathBuf],
@@ -126,7 +126,7 @@ impl fmt::Debug for Stage {
 /// Reads and commits the scene, in the beginning and whenever a file has changed; the error is one line.
 pub type Loader = Box<dyn Fn(&ThreadPool) -> Result<Stage, String> + Send>;
 
-/// Told what people should read.
+/// The receiver of messages for the user.
 pub trait Listener: Send + Sync {
     /// The camera as options of the command line.
     fn camera(&self, options: &str);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures at rest that do not flicker: what is shown goes to what is known by steps too small to be seen, block by block.
-//! A block is 8 x 8 pixels. Its mean brightness changes by no more than `STEP` of itself from picture to picture, or of
-//! `DARK` of the whole picture's where it is darker, and its pixels by no more than `NOISE_STEP` times the root of the samples: noise of few
-//! samples comes in little by little. Where that is enough the colours that are known are shown, bit for bit. At the end all are. Linear
-//! light. Tests: `tests`.
+//! Pictures at rest without flicker: the displayed colours approach the known ones by steps too small to
+//! notice, block by block. A block is 8 x 8 pixels. Its mean brightness changes by no more than `STEP` of
+//! itself from picture to picture, or of `DARK` of the whole picture's if it is darker. Its pixels change by
+//! no more than `NOISE_STEP` times the root of the samples, so that noise of few samples fades in. If the
+//! steps suffice, the known colours are displayed, bit for bit. At the end all are. Linear light. Tests:
+//! `tests`.
 
 use gnurt::image::srgb::luminance;
 
@@ -16,7 +17,7 @@ const NOISE_STEP: f32 = 0.06;
 /// Share of the whole picture's brightness, below which blocks count as so bright.
 const DARK: f32 = 0.05;
 
-/// What is shown of a picture at rest.
+/// The displayed colours of a picture at rest.
 #[derive(Default)]
 pub(crate) struct TemporalFilter {
     /// Columns; 0 = nothing was shown.
@@ -26,7 +27,7 @@ pub(crate) struct TemporalFilter {
 }
 
 impl TemporalFilter {
-    /// Nothing was shown of what comes.
+    /// Starts over: nothing of the next picture was displayed.
     pub(crate) fn forget(&mut self) {
         (self.width, self.is_there) = (0, false);
     }
@@ -38,7 +39,7 @@ impl TemporalFilter {
         self.shown.extend_from_slice(colors);
     }
 
-    /// Goes on towards what is known, by so many samples of each pixel.
+    /// Approaches the known colours, which have this number of samples per pixel.
     pub(crate) fn follow(&mut self, width: usize, known: &[[f32; 4]], samples: u32) {
         if self.width != width || self.shown.len() != known.len() {
             self.begin(width, known);
@@ -46,7 +47,7 @@ impl TemporalFilter {
             return;
         }
         self.is_there = true;
-        // What is shown may be darker all over than what is known.
+        // The display may be darker everywhere than the known colours.
         let dark = DARK * mean(known.iter()).min(mean(self.shown.iter()));
         let noise_step = NOISE_STEP * (samples.max(1) as f32).sqrt();
         for top in (0..known.len() / width.max(1)).step_by(BLOCK) {
@@ -69,12 +70,12 @@ impl TemporalFilter {
         }
     }
 
-    /// What is shown, row by row.
+    /// The displayed colours, row by row.
     pub(crate) fn shown(&self) -> &[[f32; 4]] {
         &self.shown
     }
 
-    /// Whether that is what is known.
+    /// Whether they are the known ones.
     pub(crate) fn is_there(&self) -> bool {
         self.is_there
     }

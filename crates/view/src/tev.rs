@@ -25,7 +25,7 @@ pub struct TevAddress {
 
 /// Where tev listens unless it was told otherwise.
 const PORT: u16 = 14158;
-/// How long to wait for somebody who may not be there.
+/// The time to wait for a viewer that may be absent.
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Rows per packet: tev takes a packet as a whole.
 const ROWS: u32 = 64;
@@ -71,13 +71,13 @@ pub struct TevImage {
 }
 
 impl TevImage {
-    /// Asks tev for a picture of this name and size; it stays there until somebody closes it.
+    /// Opens a picture of this name and size in tev; it stays there until the user closes it.
     ///
     /// # Errors
-    /// [`ViewError::Tev`] if nobody listens at the address.
+    /// [`ViewError::Tev`] if no program listens at the address.
     pub fn create(address: &TevAddress, name: &str, [width, height]: [u32; 2]) -> Result<Self, ViewError> {
         let failed = |why: std::io::Error| error(address, &why);
-        let mut last = std::io::Error::other("the name of the host is not known");
+        let mut last = std::io::Error::other("unknown host");
         let mut stream = None;
         let tile_pixels = (&address.host[..], address.port).to_socket_addrs().map_err(failed)?;
         for index in tile_pixels {
@@ -204,7 +204,7 @@ mod tests {
         }
     }
 
-    /// What tev does with a connection: each packet's kind and the rest.
+    /// The packets that tev receives on a connection: kind and contents.
     fn packets(listener: &TcpListener) -> Vec<(u8, Vec<u8>)> {
         let (mut stream, _) = listener.accept().expect("somebody calls");
         let mut bytes = Vec::new();

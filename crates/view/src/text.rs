@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Letters drawn into the pixels of a screen: white on a darkened ground.
-//! Source: the public-domain 8x8 font of the crate `font8x8`. What the font lacks is drawn as `?`; what lies outside of the
-//! screen is not drawn. Tests: `tests`.
+//! Source: the public-domain 8x8 font of the crate `font8x8`. Characters missing from the font are drawn as
+//! `?`; parts outside of the screen are not drawn. Tests: `tests`.
 
 use font8x8::legacy::BASIC_LEGACY;
 

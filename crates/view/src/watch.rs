@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Notices when files change, by looking at their times and sizes again and again.
-//! Polling sees files on any file system, and those that editors replace instead of writing into them.
-//! A change counts only once two looks agree: what is still being written is not read. Tests: `tests`.
+//! Notices changes of files, by polling their times and sizes. Polling sees files on any file system, and
+//! those that editors replace instead of writing into them. A change counts only after two equal polls, so
+//! that a file is not read during a write. Tests: `tests`.
 
 use std::path::PathBuf;
 use std::time::SystemTime;

@@ -37,7 +37,7 @@ use crate::shown::Shown;
 use crate::stage::{Listener, Loader, Stage};
 use crate::watch::Watch;
 
-/// What a window begins with.
+/// The initial state of a window.
 pub struct WindowOptions {
     /// Size, samples, seed, integrator, filter, level: as `render` takes them.
     pub render: RenderOptions,
@@ -51,15 +51,15 @@ pub struct WindowOptions {
     pub frames: Option<u64>,
     /// Where pictures are written.
     pub folder: PathBuf,
-    /// What people should read once there is a window.
+    /// A message for the user once the window is open.
     pub note: Option<String>,
     /// How noise is taken out of pictures.
     pub denoiser: denoise::Options,
-    /// Whether it is taken out of what rests until somebody wants otherwise.
+    /// Whether pictures at rest are denoised initially.
     pub is_denoised: bool,
 }
 
-/// How long a camera that nobody holds counts as moving.
+/// The time for which a released camera counts as moving.
 const REST: Duration = Duration::from_millis(120);
 /// Between two steps of a flight.
 const STEP: Duration = Duration::from_millis(10);
@@ -72,10 +72,10 @@ const MESSAGES: Duration = Duration::from_secs(12);
 /// Pixels of a touch pad per notch of a wheel.
 const NOTCH: f64 = 40.0;
 
-/// Shows a window until somebody closes it.
+/// Shows a window until the user closes it.
 ///
 /// # Errors
-/// [`ViewError::NoDisplay`] if there is nowhere to show it; others if there is nothing to show.
+/// [`ViewError::NoDisplay`] if there is no display; others if there is nothing to show.
 pub fn run_window(
     options: WindowOptions,
     stage: Stage,
@@ -137,7 +137,7 @@ fn notify(proxy: EventLoopProxy<RenderEvent>) -> Box<dyn Fn(RenderEvent) + Send>
 }
 
 struct App {
-    /// What the render_thread needs, until there is a window.
+    /// The input of the render thread, until there is a window.
     begin: Option<(RenderThreadParts, [u32; 2])>,
     options: WindowOptions,
     controls: Controls,
@@ -145,7 +145,7 @@ struct App {
     watch: Watch,
     /// Files of shaders that are read again by themselves.
     shader_watch: Watch,
-    /// What keeps a shader from being read again, until it is mended.
+    /// The reason that a shader cannot be read again, until it is fixed.
     bad_shader: Vec<String>,
     /// Faults of shaders that were told.
     reported: Vec<String>,
@@ -264,7 +264,7 @@ impl App {
         self.controls.shader_controls.replace(stage.scripts.shader_controls());
     }
 
-    fn say(&mut self, lines: Vec<String>) {
+    fn report(&mut self, lines: Vec<String>) {
         self.messages = Some((Instant::now(), lines));
         if let Some(open) = &self.open {
             open.window.request_redraw();
@@ -277,7 +277,7 @@ impl App {
             Ok(what) => self.listener.note(what),
             Err(why) => self.listener.warning(why),
         }
-        self.say(vec![reported.unwrap_or_else(|why| why)]);
+        self.report(vec![reported.unwrap_or_else(|why| why)]);
     }
 
     fn begin_recording(&mut self) {
@@ -297,7 +297,7 @@ impl App {
         }
     }
 
-    /// Tells what shaders did wrong, once.
+    /// Reports faults of shaders, once.
     fn report_faults(&mut self) {
         let Some(open) = &self.open else { return };
         let stage = open.render_thread.stage();
@@ -305,11 +305,11 @@ impl App {
         let all = stage.scripts.faults();
         drop(stage);
         faults.extend(all.iter().filter(|line| !self.reported.contains(line)).cloned());
-        // A shader that was read again begins anew.
+        // A reloaded shader starts over.
         self.reported = all;
         if !faults.is_empty() {
             faults.iter().for_each(|fault| self.listener.warning(fault));
-            self.say(faults);
+            self.report(faults);
         }
     }
 
@@ -321,11 +321,11 @@ impl App {
         match pick {
             Some(pick) => {
                 self.listener.note(&format!("pixel {x},{y}: {pick}"));
-                self.say(pick.lines().to_vec());
+                self.report(pick.lines().to_vec());
             }
             None => {
                 self.listener.note(&format!("pixel {x},{y}: nothing"));
-                self.say(vec!["nothing".into()]);
+                self.report(vec!["nothing".into()]);
             }
         }
     }
@@ -337,7 +337,7 @@ impl App {
         let stops = self.controls.exposure.stops;
         let options = format!("{} --exposure {stops}", camera_options(&camera));
         self.listener.camera(&options);
-        self.say(vec![format!("--eye {}", point(eye)), format!("--target {}", point(target))]);
+        self.report(vec![format!("--eye {}", point(eye)), format!("--target {}", point(target))]);
     }
 
     /// Writes the picture that was asked for, as soon as there is one with all its pixels.
@@ -365,7 +365,7 @@ impl App {
         if front.size == size && front.screen.len() == buffer.len() {
             buffer.copy_from_slice(&front.screen);
         } else {
-            // A picture of another size: what of it fits, until there is one.
+            // A picture of another size: the part that fits, until the right one arrives.
             buffer.fill(0);
             let [width, height] = front.size.map(|side| side as usize);
             let rows = buffer.chunks_exact_mut(size[0] as usize).zip(front.screen.chunks_exact(width.max(1)));
@@ -424,13 +424,13 @@ impl ApplicationHandler<RenderEvent> for App {
                     self.controls.playing = range.map(Playing::new);
                 }
                 self.listener.note("the scene was read again");
-                self.say(vec!["the scene was read again".into()]);
+                self.report(vec!["the scene was read again".into()]);
             }
             RenderEvent::Shaders(lines) => {
                 self.check_shaders();
                 self.bad_shader.clear();
                 lines.iter().for_each(|line| self.listener.note(line));
-                self.say(lines);
+                self.report(lines);
             }
             RenderEvent::BadShader(why) => {
                 self.listener.warning(&why);
@@ -440,7 +440,7 @@ impl ApplicationHandler<RenderEvent> for App {
             }
             RenderEvent::Trouble(why) => {
                 self.listener.warning(&why);
-                self.say(vec!["not read again, the old scene stays:".into(), why]);
+                self.report(vec!["not read again, the old scene stays:".into(), why]);
             }
             RenderEvent::Denoised(how) => self.notify(Ok(how)),
         }

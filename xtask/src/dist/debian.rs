@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The Debian packages gnurt, libopenrt0 and libopenrt-dev, out of an installed tree. The split and the files that every package has after the Debian policy, chapters 8 and 12. `lintian` finds no error in them. dpkg-shlibdeps
-//! says what they depend on, where it is installed.
+//! The Debian packages gnurt, libopenrt0 and libopenrt-dev, out of an installed tree. The split and the files that every package has after the Debian policy, chapters 8 and 12. `lintian` finds no error in them.
+//! dpkg-shlibdeps finds their dependencies, if it is installed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -16,9 +16,9 @@ struct Package {
     section: &'static str,
     about: &'static str,
     more: &'static str,
-    /// What it needs beside the system's libraries.
+    /// Further dependencies beside the system's libraries.
     needs: &'static [&'static str],
-    /// What it opens only when it shows a window.
+    /// Libraries that it opens only with a window.
     window: bool,
     holds: fn(&str) -> bool,
 }
@@ -155,7 +155,7 @@ fn set_mode(file: &Path, mode: u32) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What the files below a folder take.
+/// Size of the files below a folder.
 fn kilobytes(root: &Path) -> Result<u64, Failure> {
     let size = |path: PathBuf| root.join(path).symlink_metadata().map_or(0, |file| file.len());
     Ok(tree(root)?.into_iter().map(size).sum::<u64>().div_ceil(1024))
@@ -193,7 +193,7 @@ On Debian systems the whole license is in /usr/share/common-licenses/GPL-3.
 
 ";
 
-/// What changed: the project keeps its own list.
+/// The changelog: the project keeps its own.
 const CHANGES: &str = "See CHANGELOG.md, which the package gnurt has in its folder of documents.";
 
 /// The packages that have the libraries which `binaries` are linked with.

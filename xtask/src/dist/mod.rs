@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask dist`: what is given away, in target/dist: the source and the program with its libraries as tarballs, and
-//! three Debian packages (gnurt, libopenrt0, libopenrt-dev). The split after the Debian policy, chapter 8.
-//! Needs git, tar and, for the packages, dpkg-deb and gzip.
+//! `cargo xtask dist`: the release files in target/dist: the source and the program with its libraries as
+//! tarballs, and three Debian packages (gnurt, libopenrt0, libopenrt-dev). The split after the Debian policy,
+//! chapter 8. Needs git, tar and, for the packages, dpkg-deb and gzip.
 
 mod debian;
 
@@ -16,7 +16,7 @@ use crate::workspace::Workspace;
 
 const USAGE: &str = "usage: cargo xtask dist [--built DIR] [--no-strip]";
 
-/// Makes everything; `--built DIR` takes what cargo has built there.
+/// Makes everything; `--built DIR` uses cargo's output there.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if arguments == ["--help"] {
         eprintln!("{USAGE}");
@@ -77,7 +77,7 @@ fn locations(arguments: &[String], destdir: &Path, prefix: &str, lib: &str) -> R
     parse(&tokens)
 }
 
-/// What is committed.
+/// The committed files.
 fn source_tarball(dist: &Path, version: &str) -> Result<(), Failure> {
     let name = format!("gnurt-{version}");
     let to = dist.join(format!("{name}.tar.gz"));

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The static library: one object that holds what the calls of OpenRT reach, and shows nothing but those calls.
-//! By GNU binutils. Why not the archive that rustc makes: it carries all of the standard library and of
-//! every crate (and their code for LLVM), ten times as large, and its symbols clash with those of another Rust library in the same program.
+//! The static library: one object with everything that the calls of OpenRT reach, and only those calls as
+//! symbols. By GNU binutils. Rustc's archive would carry all of the standard library and of every crate (and
+//! their code for LLVM), ten times as large, and its symbols would clash with those of another Rust library
+//! in the same program.
 
 use std::path::Path;
 use std::process::Command;
@@ -10,7 +11,7 @@ use super::files;
 use crate::command;
 use crate::failure::Failure;
 
-/// Its name among what was built.
+/// Its name in the build folder.
 pub(super) const NAME: &str = "libOpenRT-static.a";
 
 /// One section of each kind: their thousands of names are a quarter of the file.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Putting files in their places: what is there is replaced, folders are made.
+//! Installation of files: existing ones are replaced, folders are made.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -42,7 +42,7 @@ pub(crate) fn read(path: &Path) -> Result<String, Failure> {
     std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
-/// What is in a folder, in the order of names.
+/// The contents of a folder, in the order of names.
 pub(crate) fn files_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
     let entries = std::fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();

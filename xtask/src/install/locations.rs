@@ -20,9 +20,9 @@ pub(crate) struct Locations {
     pub(crate) lib: PathBuf,
     pub(crate) include: PathBuf,
     pub(crate) man: PathBuf,
-    /// Where files go instead, until somebody moves them.
+    /// A staging folder, from which files are moved later.
     pub(crate) destdir: Option<PathBuf>,
-    /// What cargo has built already; else it builds.
+    /// A folder of built files; without it cargo builds.
     pub(crate) built: Option<PathBuf>,
     /// Whether the static library is installed, which is a third of all files.
     pub(crate) has_static: bool,
@@ -86,7 +86,7 @@ impl Locations {
         }
     }
 
-    /// Makes the folders, and complains of what cannot be written or was not built.
+    /// Makes the folders, and reports unwritable ones and missing files.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         for folder in [&self.bin, &self.lib, &self.include, &self.man].map(|folder| self.put(folder)) {
             let failed = |error| format!("{} cannot be written: {error}", folder.display());
@@ -113,7 +113,7 @@ impl Locations {
         self.lib.join("cmake")
     }
 
-    /// Fills in what a template leaves open.
+    /// Fills in the variables of a template.
     pub(crate) fn fill(&self, template: &str, version: &str) -> String {
         let of_prefix = |folder: &Path| match folder.strip_prefix(&self.prefix) {
             Ok(below) => format!("${{prefix}}/{}", below.display()),

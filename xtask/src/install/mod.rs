@@ -20,7 +20,8 @@ use files::{copy, files_in, link, read, write};
 pub(crate) use locations::{Locations, parse};
 use locations::{PROGRAM, USAGE};
 
-/// A library with its run-time name, which rises when programs must be linked anew, and its pkg-config template.
+/// A library with its run-time name, which rises when programs must be linked again, and its pkg-config
+/// template.
 struct Library {
     /// As cargo names it.
     built: &'static str,
@@ -63,7 +64,7 @@ const LIBRARIES: [Library; 3] = [
         package: "gnurt.pc",
     },
 ];
-/// Templates, and what becomes of them where CMake looks.
+/// Templates, and their names in CMake's folder.
 const CMAKE: [(&str, &str); 4] = [
     ("bindings/openrt/OpenRTConfig.cmake.in", "OpenRT/OpenRTConfig.cmake"),
     ("bindings/openrt/OpenRTConfigVersion.cmake.in", "OpenRT/OpenRTConfigVersion.cmake"),
@@ -223,7 +224,7 @@ mod tests {
         let to = root.join("to").display().to_string();
         let tokens = ["--prefix=/opt/rt", "--no-strip", "--static", "--libdir=lib/multi", "--destdir", &to];
         let locations = parse(&tokens.map(String::from)).expect("these are folders");
-        // Twice: what is there must be replaced.
+        // Twice: existing files must be replaced.
         for _ in 0..2 {
             install(&built, &source, "1.2.3", &locations).expect("all files are there");
             install_manuals(&root.join("manuals"), &locations).expect("all are known");

@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     Err(format!("{FILE} is out of date; `cargo xtask notices` writes it again"))
 }
 
-/// The file is what the lock file gives.
+/// The file is up to date with the lock file.
 pub(crate) fn check() -> Result<(), Failure> {
     run(&["--check".to_owned()])
 }

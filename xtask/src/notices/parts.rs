@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The packages by others that end up in what we give away, after `cargo metadata`: what our programs and libraries depend on,
-//! directly or not. What only builds (build scripts, what procedural macros are made of) is in no file of ours.
+//! Third-party packages in our releases, after `cargo metadata`: direct and indirect dependencies of our
+//! programs and libraries. Build dependencies (build scripts, dependencies of procedural macros) are in none
+//! of our files.
 //! Tests: `tests`.
 
 use std::collections::BTreeSet;
@@ -28,7 +29,7 @@ pub(super) struct Part {
 /// Our packages that are given away as programs and libraries.
 const GIVEN: [&str; 5] = ["gnurt-cli", "openrt", "rtut", "gnurt-rays", "gnurt-python"];
 
-/// The parts of what is built for a machine, by name and version.
+/// The parts of a build for a machine, by name and version.
 pub(super) fn of_packages(target: &str) -> Result<Vec<Part>, Failure> {
     let mut cargo = command::cargo();
     cargo.args(["metadata", "--format-version", "1", "--locked", "--filter-platform", target]);
@@ -62,7 +63,7 @@ fn of_metadata(metadata: &Value) -> Result<Vec<Part>, Failure> {
         if !found["source"].is_null() {
             parts.push(part(found)?);
         }
-        // What a procedural macro is made of runs in the compiler only.
+        // Dependencies of a procedural macro run in the compiler only.
         let is_macro = |target: &Value| list(&target["kind"]).iter().any(|kind| kind == "proc-macro");
         if list(&found["targets"]).iter().any(is_macro) {
             continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The machine that results are measured on, and whether it is idle. Tests: none; Linux says what is read here.
+//! The machine that results are measured on, and whether it is idle. Tests: none; the data comes from Linux.
 
 use serde_json::{Value, json};
 

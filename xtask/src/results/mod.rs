@@ -18,7 +18,7 @@ use crate::workspace::Workspace;
 
 const USAGE: &str = "results SCENES [--only ROW,...] [--all] [--quick] [--busy]; SCENES holds the folders conference, dragon, ...";
 
-/// What is asked for.
+/// The requested measurements.
 struct Request {
     scenes: PathBuf,
     only: Option<Vec<String>>,

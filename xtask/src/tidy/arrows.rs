@@ -31,7 +31,7 @@ const ARROWS: [(&str, &[&str]); 24] = [
     ("examples", &["accel", "gnurt"]),
 ];
 
-/// Packages without arrows of their own: tests and chores, which nobody may use in turn.
+/// Packages outside of the table: tests and chores, on which no crate may depend.
 const FREE: [&str; 2] = ["testkit", "xtask"];
 
 fn short(name: &str) -> &str {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! No file imports, directly or around a corner, one that imports it. Strongly connected components after Tarjan, "Depth-first search and linear graph algorithms", SIAM Journal on Computing 1 (1972).
-//! `modules.rs` says what an import is. Circles that stand are listed, file by file, in `known_circles.rs`, and the list
-//! only gets shorter: a file that has left its circle must leave the list, and no other may come in.
+//! `modules.rs` defines an import. Remaining circles are listed, file by file, in `known_circles.rs`, and the
+//! list only gets shorter: a file that has left its circle must leave the list, and no other may come in.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -168,7 +168,7 @@ mod tests {
         texts.iter().map(|(path, text)| SourceFile::new(&format!("crates/x/src/{path}"), text)).collect()
     }
 
-    /// The files that stand in a circle, below `src`.
+    /// The files in a circle, below `src`.
     fn standing(texts: &[(&str, &str)]) -> Vec<String> {
         let complaints = compare(&sources(texts), &[]);
         let path = |complaint: &String| complaint.split(':').next().map(|p| p.replace("crates/x/src/", ""));
@@ -230,7 +230,7 @@ mod tests {
         let light = "use super::Mesh;\npub struct Light(Mesh);";
         assert_eq!(tree(list, light), [""; 0], "the list is not on the way");
         assert_eq!(tree(list, "use crate::Mesh; pub struct Light(Mesh);"), [""; 0], "nor are two");
-        // A list with an item that uses what it passes on.
+        // A list with an item that uses a re-exported name.
         let own = format!("{list}pub struct Scene(Light);");
         assert_eq!(tree(&own, light), [""; 0], "from above to below only");
         let back = "use super::Scene;\npub struct Light(Scene);";

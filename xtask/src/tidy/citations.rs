@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What file heads cite is in the bibliography.
+//! Citations of file heads are in the bibliography.
 
 use super::files::SourceFile;
 

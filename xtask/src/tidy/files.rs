@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The files that we wrote: all below the root but build products and what is generated.
+//! Our own files: all below the root except build products and generated files.
 
 use std::path::Path;
 

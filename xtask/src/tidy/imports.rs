@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a Rust file says about other files: the modules that it declares, what it imports, what it defines, and the
-//! paths that it names. From the text alone, without a compiler.
-//! Tests (`#[cfg(test)]`) are free: they are not read. Tests: `tests`.
+//! A Rust file's references to other files: its modules, imports, definitions and paths. From the text alone,
+//! without a compiler. Tests (`#[cfg(test)]`) are free: they are not read. Tests: `tests`.
 
 use std::collections::BTreeSet;
 
@@ -39,7 +38,7 @@ pub(super) struct Imports {
     pub(super) mentions: Vec<Mention>,
     /// Names of items, at any depth.
     pub(super) defined: BTreeSet<String>,
-    /// Macros by `macro_rules!`, which need no import in what follows.
+    /// Macros by `macro_rules!`, which need no import in later code.
     pub(super) macros: BTreeSet<String>,
     /// Calls of macros without a path, with their lines.
     pub(super) macro_calls: Vec<(usize, String)>,
@@ -170,12 +169,12 @@ impl<'a> Reader<'a> {
                 self.found.macro_calls.push((line, name_end.into()));
             }
         }
-        // What a name defines is no use of it.
+        // A definition of a name is no use of it.
         let defines = matches!(self.before(), Some(Token::Name(before)) if ITEMS.contains(&before));
         if !defines {
             self.found.names.insert(name_end.into());
         }
-        // `pub(in a::b)` says who may look, not where to.
+        // `pub(in a::b)` gives a visibility, not an import.
         let looks = !matches!(self.before(), Some(Token::Name("in")) if self.at >= 2 && self.tokens[self.at - 2].1 == Token::Sign('('));
         if starts && looks && self.token(1) == Some(Token::Within) {
             let mut path = vec![name_end.to_string()];

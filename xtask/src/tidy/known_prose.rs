@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pages with more long sentences and avoided words than `prose.rs` allows. This list only ever gets shorter.
+//! Files with more long sentences and avoided words than `prose.rs` allows. This list only ever gets shorter.
 
 /// Paths from the root, and how many complaints are known.
 #[rustfmt::skip]

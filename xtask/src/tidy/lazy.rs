@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! No work of a pool's threads inside of what makes a value once (`OnceLock::get_or_init` and the like).
-//! A thread that waits for others takes up other work of the pool; where that asks for the same value, the
-//! thread waits for itself. Values are made outside and put in afterwards: who comes second drops its own.
-//! The rule knows words, not types: what is called with a pool, or with what has one, is taken for parallel.
+//! No work of a pool's threads inside of a lazy initialization (`OnceLock::get_or_init` and the like). A
+//! thread that waits for others executes other tasks of the pool; if one of these needs the same value, the
+//! thread waits for itself. Values are made outside and stored afterwards: a second thread drops its own. The
+//! rule knows words, not types: a call with a pool, or with a value that has one, counts as parallel.
 
 use super::files::SourceFile;
 
-/// What runs its argument while others wait.
+/// Functions that run their argument while others wait.
 const ONCE: [&str; 4] = ["get_or_init(", "get_or_try_init(", "call_once(", "LazyLock::new("];
 
-/// Names of what hands out work; those of values that can, unless they are fields.
+/// Names of functions that start parallel work; those of values that can, unless they are fields.
 const CALLS: [&str; 4] = ["install", "broadcast", "in_place_scope", "Pool"];
 const VALUES: [&str; 3] = ["threads", "pool", "job"];
 
 /// No word of parallel work between the parentheses.
 pub(super) fn check(file: &SourceFile) -> Vec<(usize, String)> {
     let mut complaints = Vec::new();
-    // What is no library knows who else has work for its pool.
+    // A fuzz target has no other user of its pool.
     if file.path.starts_with("fuzz/") {
         return complaints;
     }

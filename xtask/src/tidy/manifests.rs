@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What crates.io and its readers want of a crate: words to find it by, a page, the licence's text. //! the limits are those of crates.io.
+//! Metadata that crates.io requires of a crate: keywords, a page, the licence's text. //! the limits are
+//! those of crates.io.
 
 use std::path::Path;
 
 use serde_json::Value;
 
-/// Complains about what the manifests of crates that are published lack, as `cargo metadata` tells it.
+/// Complains about missing metadata of published crates, from `cargo metadata`.
 pub(super) fn check(metadata: &Value) -> Vec<String> {
     let empty = Vec::new();
     let packages = metadata["packages"].as_array().unwrap_or(&empty);
@@ -43,7 +44,7 @@ fn lacks(package: &Value, unpublished: &[&str]) -> Vec<String> {
             found.push(format!("{file} is not beside the manifest"));
         }
     }
-    // A version of a crate that nobody can have would be asked for.
+    // A dependency on an unpublished version cannot be satisfied.
     let empty = Vec::new();
     let dependencies = package["dependencies"].as_array().unwrap_or(&empty);
     let versioned = dependencies.iter().filter(|d| d["path"].is_string() && d["req"] != "*");

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask tidy`: what the compiler does not check of ARCHITECTURE.md and CONTRIBUTING.md.
-//! One file per rule; each rule is a function from plain text to complaints and has a test in which it fails.
+//! `cargo xtask tidy`: rules of ARCHITECTURE.md and CONTRIBUTING.md that the compiler does not check. One
+//! file per rule; each rule is a function from plain text to complaints and has a test in which it fails.
 
 mod arrows;
 mod attributes;
 mod circles;
 mod citations;
+mod comments;
 mod files;
 mod heads;
 mod imports;
@@ -28,7 +29,7 @@ use crate::failure::Failure;
 use crate::workspace::Workspace;
 use files::SourceFile;
 
-/// Checks one file; gives line numbers (from 1) and what is wrong there.
+/// Checks one file; returns line numbers (from 1) and faults.
 type Rule = fn(&SourceFile) -> Vec<(usize, String)>;
 
 const RULES: [Rule; 7] = [
@@ -62,8 +63,9 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     complaints.extend(circles::check(&files));
     complaints.extend(proofs::check(&files));
     complaints.extend(test_files::check(&files));
-    let pages = files::pages(&root)?;
+    let mut pages = files::pages(&root)?;
     complaints.extend(pages::check(&root, &pages));
+    pages.extend(files.iter().filter(|file| file.is_rust()).map(comments::page));
     complaints.extend(prose::check(&pages));
     for file in &files {
         let found = RULES.iter().flat_map(|rule| rule(file)).chain(citations::check(file, &keys));

@@ -21,7 +21,7 @@ struct File {
     read: Imports,
 }
 
-/// What a path leads to.
+/// The target of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Target {
     /// A module that has a file.
@@ -88,14 +88,14 @@ impl Crate {
         for import in &read.imports {
             let target = self.resolve(file, &import.within, &import.path, 0);
             match (&import.name, target) {
-                // What is only passed on is not used here.
+                // A re-export is no use here.
                 (Some(name), Target::Item(to)) if !import.is_public || read.names.contains(name) => {
                     note(to, import.line);
                 }
                 (None, Target::Item(to)) => note(to, import.line),
                 (None, Target::Module(to)) => {
                     let names = self.names(to);
-                    // A star brings everything: what is used of it can be seen only where the names are known.
+                    // A glob imports everything: its uses can be found only where the names are known.
                     let used = read.names.iter().filter(|used| names.contains(used));
                     for used in used {
                         if let Target::Item(to) = self.walk(to, &[used], 0) {
@@ -169,7 +169,7 @@ impl Crate {
         }
         let names: Vec<&String> = rest.iter().collect();
         if !within.is_empty() {
-            // A module of the file itself: its imports, or what it defines.
+            // A module of the file itself: its imports, or its definitions.
             let imported = self.import(at, within, rest);
             return match imported {
                 Some(path) => self.follow(at, within, path, &names[1..], steps),

@@ -17,7 +17,7 @@ const OUTSIDE: [&str; 4] =
 /// Pages that name the shared scenes, which tests use where they are present.
 const MAY_NAME_SHARED: [&str; 2] = ["CONTRIBUTING.md", "bench/record/"];
 
-/// Dead links and anchors, and references to what is not in the repository.
+/// Dead links and anchors, and references to files outside of the repository.
 pub(super) fn check(root: &Path, pages: &[Page]) -> Vec<String> {
     let anchors: BTreeMap<&str, BTreeSet<String>> =
         pages.iter().map(|page| (&page.path[..], anchors(&page.text))).collect();

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sentences of the pages in docs/: their length, relative clauses with "what" and "who", and words to avoid.
+//! Sentences of pages and of comments in Rust: their length, relative clauses with `what` and `who`, words to avoid.
 //!
-//! CONTRIBUTING.md has the style sheet. `known_prose.rs` lists pages with more than the rules allow; it only gets shorter.
+//! CONTRIBUTING.md has the style sheet. `known_prose.rs` lists files with more than the rules allow; it only gets shorter.
 
 use super::known_prose::KNOWN;
 use super::pages::{Page, prose_lines};
 
 /// A sentence of more words is read twice.
 const MOST_WORDS: usize = 40;
-/// "what" and "who" on a page: at most this many, and one more for each 400 words.
+/// `what` and `who` in a file: at most this many, and one more for each 400 words.
 const FREE_CLAUSES: usize = 1;
 const WORDS_A_CLAUSE: usize = 400;
 
@@ -30,7 +30,7 @@ const AVOIDED: [&str; 14] = [
     "as many as",
 ];
 
-/// Complaints about pages of docs/ and of the root, records and the history left out.
+/// Complaints about pages of docs/ and of the root, without records and the history, and about comments.
 pub(super) fn check(pages: &[Page]) -> Vec<String> {
     let mut complaints = Vec::new();
     for page in pages.iter().filter(|page| is_checked(&page.path)) {
@@ -52,7 +52,9 @@ pub(super) fn check(pages: &[Page]) -> Vec<String> {
 }
 
 fn is_checked(path: &str) -> bool {
-    path.starts_with("docs/") || ["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md"].contains(&path)
+    path.starts_with("docs/")
+        || path.ends_with(".rs")
+        || ["README.md", "CONTRIBUTING.md", "ARCHITECTURE.md"].contains(&path)
 }
 
 fn complaints_of(page: &Page) -> Vec<String> {
@@ -81,7 +83,7 @@ fn complaints_of(page: &Page) -> Vec<String> {
     let most = FREE_CLAUSES + words / WORDS_A_CLAUSE;
     let over = clauses.into_iter().skip(most);
     complaints.extend(over.map(|line| {
-        format!("{}:{line}: 'what' or 'who' again, {most} on a page of {words} words: use a noun", page.path)
+        format!("{}:{line}: 'what' or 'who' again, {most} in {words} words is enough: use a noun", page.path)
     }));
     complaints
 }

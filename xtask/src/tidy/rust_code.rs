@@ -19,6 +19,25 @@ pub(super) fn code_only(text: &str) -> String {
     code
 }
 
+/// Blanks all but line comments: the opposite of [`code_only`].
+pub(super) fn comments_only(text: &str) -> String {
+    let mut rest = text;
+    let mut before = None;
+    let mut comments = String::with_capacity(text.len());
+    while let Some(letter) = rest.chars().next() {
+        let blank = blank_length(rest, before);
+        before = Some(if blank == 0 { letter } else { ' ' });
+        let (part, after) = rest.split_at(blank.max(letter.len_utf8()));
+        if part.starts_with("//") {
+            comments.push_str(part);
+        } else {
+            comments.extend(part.chars().map(|c| if c == '\n' { '\n' } else { ' ' }));
+        }
+        rest = after;
+    }
+    comments
+}
+
 /// Blanks items that are for tests alone (`#[cfg(test)]`), of code without comments and strings.
 pub(super) fn without_tests(code: &str) -> String {
     const MARK: &str = "#[cfg(test)]";

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where `unsafe` may live: behind the SIMD crate's safe functions, where C calls in, where
-//! the benchmark calls Embree and the denoiser OIDN, where plugins and their host meet, where machine code is kept and
-//! entered, and where arrays are put into a file.
+//! Allowed places of `unsafe`: behind the SIMD crate's safe functions, in the C APIs, in the benchmark's
+//! calls of Embree and the denoiser's of OIDN. Also in plugins and their host, in memory and calls of machine
+//! code, and in the heap with arrays in a file.
 
 use super::files::SourceFile;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the next vertex takes (rtNormal*, rtTexCoord*, rtColor*): legal everywhere.
+//! Attributes of the next vertex (rtNormal*, rtTexCoord*, rtColor*): legal everywhere.
 //! Source: OpenGL 1.x. Tests: tests/c/scene.c.
 
 use crate::context::Context;

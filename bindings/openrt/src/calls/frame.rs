@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use gnurt::memory::{check_more, picture_bytes};
 use gnurt::render::RenderOptions;
-use gnurt_plugins::host::say;
+use gnurt_plugins::host::print_line;
 
 use crate::context::Context;
 use crate::frame::{FrameThread, Job, reported};
@@ -67,12 +67,12 @@ impl Context {
         check_more([target.width, target.height], more).map_err(|error| reported(&error, Error::OutOfMemory))
     }
 
-    /// Tells what was wrong with plugins: an error if anything was.
+    /// Reports faults of plugins; returns an error if there were any.
     pub(super) fn notify(&mut self, lines: &[String]) -> Result<()> {
         if lines.is_empty() {
             return Ok(());
         }
-        lines.iter().for_each(say);
+        lines.iter().for_each(print_line);
         self.classes.set_info_log(&lines.join("\n"));
         Err(Error::InvalidOperation)
     }
@@ -88,7 +88,8 @@ impl Context {
         outcome.and(self.notify(&faults))
     }
 
-    /// The frame in flight, if the calls that end it are legal now: what callers wait for without keeping others out.
+    /// The frame in flight, if the calls that end it are legal now: callers wait for it without blocking
+    /// others.
     #[must_use]
     pub(crate) fn flight(&self) -> Option<Arc<Flight>> {
         self.outside_block().and(self.no_open_object()).ok()?;

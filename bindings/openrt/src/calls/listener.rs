@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who hears of errors (rtDebugCallback). Source: after OpenGL's KHR_debug. Tests: tests/c/debug.c.
+//! The listener for errors (rtDebugCallback). Source: after OpenGL's KHR_debug. Tests: tests/c/debug.c.
 
 use std::sync::Arc;
 

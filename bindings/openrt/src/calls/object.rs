@@ -87,7 +87,7 @@ impl Context {
         Ok(())
     }
 
-    /// Stores what an open object has taken in. Returns the instance that its mode asks for.
+    /// Stores the contents of an open object. Returns the instance, if its mode creates one.
     fn close(&mut self, open: OpenObject) -> Result<Option<u32>> {
         let (geometry, nested) = (open.assembly.geometry, open.nested);
         if open.mode == ObjectMode::Update {

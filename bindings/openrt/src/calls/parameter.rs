@@ -82,7 +82,7 @@ impl Context {
         Ok(())
     }
 
-    /// What a handle names, if it is of the bound class.
+    /// The handle, if it is of the bound class.
     fn handle_of_bound_class(&self, handle: u32) -> Result<Handle> {
         let handle = self.classes.handle(handle)?;
         if self.bound.class_id() == Some(handle.class) { Ok(handle) } else { Err(Error::InvalidOperation) }

@@ -9,7 +9,7 @@ use crate::state::enums::{FrameFormat, SceneMode};
 use crate::state::error::{Error, Result, not_null};
 use crate::state::framebuffer::{FrameBuffer, FrameMemory, RT_IN_FLIGHT_BIT, RT_NEXT_FRAME_BIT};
 
-/// As many as the renderer counts.
+/// The limit of the renderer.
 const MOST_PIXELS: u64 = 1 << 31;
 
 impl Context {
@@ -31,7 +31,7 @@ impl Context {
         Ok(())
     }
 
-    /// rtFrameBufferUse: what frames, present and future, do with the memory at this address.
+    /// rtFrameBufferUse: the use of the memory at this address by frames, present and future.
     pub(crate) fn frame_buffer_use(&self, address: usize) -> u32 {
         let next = self.frame_buffer.as_ref().is_some_and(|buffer| buffer.address() == address);
         let in_flight = self.frame.as_ref().is_some_and(|frame| frame.target() == address);

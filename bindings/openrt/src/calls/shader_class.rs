@@ -16,7 +16,7 @@ impl Context {
         self.outside_block()?;
         let text = |s: &CStr| s.to_string_lossy().into_owned();
         let outcome = match name {
-            None => Err(LoadError::Missing("no shader class name: the name is NULL".to_owned())),
+            None => Err(LoadError::Missing("shader class name missing: the name is NULL".to_owned())),
             Some(name) => self.classes.load(&text(name), &file.map(text).unwrap_or_default()),
         };
         self.classes.set_info_log(&outcome.as_ref().err().map_or_else(String::new, ToString::to_string));

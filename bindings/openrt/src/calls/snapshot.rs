@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a frame takes along when it starts: the stage brought up to date, shaders, plugins, threads.
-//! Source: \[DWBS03\] (frame semantics). Invariant: nothing of it is shared with what the program goes on to edit.
+//! The input of a frame at its start: the updated stage, shaders, plugins, threads.
+//! Source: \[DWBS03\] (frame semantics). Invariant: later edits of the program affect nothing of it.
 //! Tests: tests/c/scene.c, tests/c/frames.c.
 
 use std::sync::Arc;
@@ -130,7 +130,7 @@ impl Context {
         Ok(pool)
     }
 
-    /// Whether the frame that starts shows what the last one showed, so that their samples may be added.
+    /// Whether the starting frame shows the same as the last one, so that their samples may be added.
     pub(super) fn continues(&mut self, stage: &Stage, size: [u32; 2]) -> bool {
         if !self.sampling.progressive {
             self.recorded = None;
@@ -176,7 +176,7 @@ mod tests {
         context.prune();
         context.update(&mut stage);
         let edit = |i: u32| {
-            // One is defined anew, one holds another, one goes and is still shown.
+            // One is redefined, one holds another, one is removed and still shown.
             context.new_object(first + i, 0x200).expect("it is there");
             context.nest_object(first + i + 20, u32::MAX).expect("it is there");
             context.end_object().expect("it is open");

@@ -53,7 +53,8 @@ impl Context {
         Ok(())
     }
 
-    /// rtUseRenderingObject. One in the shading language says what pixels show; the integrator stays beside it.
+    /// rtUseRenderingObject. One in the shading language computes the colours of pixels; the integrator
+    /// stays.
     pub(crate) fn use_rendering_object(&mut self, id: u32) -> Result<()> {
         let id = self.shader_of_kind(id, Kind::RenderingObject)?;
         let is_script =

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What frames find to do: what the program has changed since the one before, and nothing else; and that the scene shows what the
-//! program has, whatever it did before.
+//! Work of frames: exactly the program's changes since the one before; and the scene shows the program's
+//! state after any sequence of calls.
 
 use std::ffi::CStr;
 
@@ -11,14 +11,14 @@ use crate::state::parameter::GivenValue;
 use gnurt::render::CommitReport;
 use proptest::prelude::*;
 
-/// What a frame did.
+/// Renders a frame; returns the work of its commit.
 fn frame(context: &mut Context) -> CommitReport {
     context.start_rendering().expect("a frame starts");
     context.end_rendering().expect("and ends");
     work_of(&context.stage.report)
 }
 
-/// A report without what is no work.
+/// A report without the fields that are no work.
 fn work_of(report: &CommitReport) -> CommitReport {
     CommitReport { dropped_triangles: 0, dropped_instances: 0, build_seconds: 0.0, ..report.clone() }
 }
@@ -126,7 +126,7 @@ fn immediate_frames_find_what_they_showed() {
     }
 }
 
-/// The scene shows what the program has.
+/// Checks that the scene shows the program's state.
 fn check(context: &Context) {
     let stage = &context.stage;
     let mut shown = 0;

@@ -18,7 +18,7 @@ use crate::state::matrix::Matrix;
 use crate::state::parameter::GivenValue;
 use crate::state::texture::ImageDescription;
 
-/// Pixels that nobody looks at.
+/// Pixels that are dropped.
 pub(crate) struct Nowhere;
 
 impl FrameMemory for Nowhere {
@@ -134,7 +134,7 @@ pub(crate) fn perform(context: &mut Context, (call, n, x): Call) -> Result<()> {
     }
 }
 
-/// What pictures are made of: as much as the largest takes.
+/// Texels of all pictures: enough for the largest.
 static TEXELS: LazyLock<Vec<u8>> = LazyLock::new(|| vec![77; 8 * (1 << 15) * 16]);
 
 /// A small picture, or one that is refused.
@@ -150,7 +150,7 @@ fn image(n: u32, x: f32) -> ImageDescription {
     }
 }
 
-/// What can be asked between blocks.
+/// The state that queries between blocks return.
 pub(crate) fn visible_state(context: &Context) -> Option<Vec<f32>> {
     let mut state = Vec::new();
     for name in [0x0700, 0x0701, 0x0702, 0x0B00, 0x0B02, 0x0B03, 0x0BA0, 0x0BA6, 0x0BA7, 0x0BA8] {

@@ -16,7 +16,7 @@ impl FrameMemory for Nowhere {
     fn write(&self, _offset: usize, _bytes: &[u8]) {}
 }
 
-/// What a program may say; numbers are arguments.
+/// A call of a program; numbers are arguments.
 #[derive(Clone, Copy, Debug)]
 enum Call {
     Class(usize),
@@ -70,7 +70,7 @@ struct Model {
     deleted: BTreeSet<u32>,
     last_object: u32,
     objects: BTreeSet<u32>,
-    /// Vertices and triangles of what was defined.
+    /// Vertices and triangles of defined objects.
     defined: BTreeMap<u32, (usize, usize)>,
     open: Option<(u32, u32, Assembly)>,
     unnamed: Assembly,
@@ -162,7 +162,7 @@ impl Model {
         id
     }
 
-    /// What a call gives: an id where it returns one, else 0.
+    /// Makes a call; returns its id, or 0 if it has none.
     fn call(&mut self, call: Call) -> Result<u32> {
         match call {
             Call::Class(number) => {

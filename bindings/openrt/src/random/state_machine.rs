@@ -62,7 +62,7 @@ fn thirty_thousand_calls() {
     (0..10).for_each(|seed| super::run(&noise(seed, 7 * 3000)));
 }
 
-/// What the fuzz target does, without a fuzzer.
+/// The work of the fuzz target, without a fuzzer.
 #[test]
 #[ignore = "takes a minute"]
 fn a_million_calls() {

@@ -3,7 +3,7 @@
 //! Source: OpenGL 1.x for blocks; the fragment rule is original: it lets the paper's Figure 1, which wraps each single
 //! vertex in rtBegin and rtEnd, make triangles, and leaves programs in OpenGL's manner alone.
 //! A block with fewer vertices than one independent primitive takes is a fragment; its vertices wait for the next
-//! fragment of the same mode, object and shader. Any other block with vertices discards what waits.
+//! fragment of the same mode, object and shader. Any other block with vertices discards the fragment.
 //! Tests: tests/c/fragments.c; `random::state_machine`.
 
 use std::sync::Arc;
@@ -43,9 +43,9 @@ struct Waiting {
 /// Values that shaders vary by, current at a vertex.
 #[derive(Default)]
 pub(crate) struct CurrentValues {
-    /// What the next triangle takes.
+    /// Values of the next triangle.
     pub(crate) triangle: Vec<f32>,
-    /// What the next vertex takes.
+    /// Values of the next vertex.
     pub(crate) vertex: Vec<f32>,
 }
 

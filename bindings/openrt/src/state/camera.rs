@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where the default camera stands, and what it becomes with a projection.
+//! The default camera's transform, and the camera with a projection.
 //! Source: after OpenGL 1.x and its utility library. Space: world; right-handed, the eye looks along -z.
 //! Tests: tests/c/scene.c, tests/c/errors.c.
 

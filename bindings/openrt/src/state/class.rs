@@ -48,7 +48,7 @@ impl ClassCode {
         }
     }
 
-    /// What its shaders are for.
+    /// The purpose of its shaders.
     #[must_use]
     pub(crate) fn kind(&self) -> Kind {
         match self {

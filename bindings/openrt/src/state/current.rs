@@ -8,7 +8,7 @@ use super::geometry::Vertex;
 use super::matrix::Matrix;
 use super::stacks::Stacks;
 
-/// What the next vertex takes.
+/// Attributes of the next vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Current {
     /// Red, green, blue, alpha.

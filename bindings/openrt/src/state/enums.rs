@@ -35,7 +35,7 @@ macro_rules! codes {
 }
 
 codes! {
-    /// What the vertices of a block make.
+    /// The primitives of a block's vertices.
     Primitive {
         Triangles = 0x100,
         TriangleStrip = 0x101,
@@ -46,7 +46,7 @@ codes! {
     }
     /// How an object is opened.
     ObjectMode { Define = 0x200, DefineAndInstantiate = 0x201, Update = 0x202 }
-    /// How pixels lie in the frame buffer.
+    /// The layout of pixels in the frame buffer.
     FrameFormat {
         Bgr32 = 0x300,
         Rgb32 = 0x301,
@@ -57,7 +57,7 @@ codes! {
         Bgr8 = 0x312,
         Bgra8 = 0x313,
     }
-    /// Whether a frame's start empties the lists of what it shows.
+    /// Whether a frame's start clears its lists.
     SceneMode { Retained = 0x600, Immediate = 0x601 }
     /// A matrix stack.
     MatrixMode { Modelview = 0x1700, Projection = 0x1701, Texture = 0x1702 }
@@ -88,7 +88,7 @@ codes! {
         NearestMipmapLinear = 0x2702,
         LinearMipmapLinear = 0x2703,
     }
-    /// What happens outside a texture.
+    /// Wrapping outside of a texture.
     TextureWrap { Clamp = 0x2900, Repeat = 0x2901, ClampToEdge = 0x812F, MirroredRepeat = 0x8370 }
     /// Strings that can be asked for.
     StringName { Vendor = 0x1F00, Renderer = 0x1F01, Version = 0x1F02, Extensions = 0x1F03 }

@@ -27,7 +27,7 @@ pub(crate) enum Error {
     OutOfMemory = 0xFFFF_FE06,
 }
 
-/// What most calls return.
+/// The result of most calls.
 pub(crate) type Result<T> = std::result::Result<T, Error>;
 
 impl Error {
@@ -54,7 +54,7 @@ impl Error {
     }
 }
 
-/// Where numbers go: what copies them to the program's memory.
+/// The destination of numbers: a function that copies them to the program's memory.
 pub(crate) type Writer<'a, T> = &'a mut dyn FnMut(&[T]);
 
 /// The pointer's value, or the error that a null pointer gives.

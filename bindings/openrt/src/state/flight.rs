@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What program and frame tell each other while the frame is in flight: cancel, and that it has landed.
+//! The state that program and frame share while the frame is in flight: cancellation, and completion.
 //! Tests: tests/c/frames.c.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,7 +7,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 
 use gnurt::render::Progress;
 
-/// Shared by a frame's thread and those who wait for it.
+/// Shared by a frame's thread and its waiting threads.
 #[derive(Debug, Default)]
 pub(crate) struct Flight {
     cancelled: AtomicBool,
@@ -36,7 +36,7 @@ impl Progress for Flight {
     }
 }
 
-/// Tells those who wait when it is dropped, however the thread ends.
+/// Wakes the waiting threads when dropped, however the thread ends.
 pub(crate) struct Landing(pub Arc<Flight>);
 
 impl Drop for Landing {

@@ -33,7 +33,7 @@ pub(crate) struct FrameBuffer {
     pub(crate) width: u32,
     /// Rows.
     pub(crate) height: u32,
-    /// How pixels lie in it.
+    /// The layout of pixels in it.
     pub(crate) format: FrameFormat,
 }
 

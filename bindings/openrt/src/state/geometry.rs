@@ -180,7 +180,8 @@ impl Part {
         Ok(())
     }
 
-    /// Room for twice as many vertices, what goes with them, and as many triangles, which is the most that they make.
+    /// Reserves memory for twice the vertices with their attributes, and for the same number of triangles,
+    /// the most that they make.
     #[cold]
     fn make_room(&mut self) -> Result<()> {
         fn grow<T>(channel: &mut Vec<T>, more: usize) -> std::result::Result<(), TryReserveError> {
@@ -223,7 +224,7 @@ impl Part {
         is_kept
     }
 
-    /// A divisor that all vertices share is divided by here; what is left is for where rays hit.
+    /// A divisor common to all vertices is divided out here; others are left to the hit points.
     fn divide_texcoords(&mut self) {
         let Some(&[_, q]) = self.texcoords_rq.first() else { return };
         if self.texcoords_rq.iter().any(|rq| rq[1] != q) {

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use super::error::{Error, Result};
 
-/// What id-returning calls give when they fail.
+/// The result of id-returning calls on failure.
 pub(crate) const RT_INVALID: u32 = u32::MAX;
 
 /// A supply of ids.
@@ -143,7 +143,7 @@ mod tests {
             let first = ids.reserve(3, free).expect("there are many");
             [1, 0, 2].iter().for_each(|k| ids.remove(first + k).expect("it exists"));
         }
-        // The forbidden ones lie in between.
+        // The forbidden ones are between.
         assert_eq!(ids.removed.len(), 2, "runs of removed ids");
         // In fast motion: as if all ids had been used.
         let retained = ids.next;

@@ -23,7 +23,7 @@ pub(crate) struct Instance {
 /// Ids that instances may have; beyond them is `RT_INVALID`.
 const FIRST: u32 = 1;
 const LAST: u32 = RT_INVALID - 1;
-/// As many as there are.
+/// The size of the range of ids.
 const MOST: usize = (LAST - FIRST + 1) as usize;
 
 /// All instances. Ids are given out in a circle, so that one that is gone comes back as late as possible.
@@ -36,7 +36,7 @@ pub(crate) struct Instances {
     changes: Changes,
 }
 
-/// What has changed since a frame last looked.
+/// The changes since the last frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Changes {
     /// Whether any may have changed.
@@ -63,7 +63,7 @@ impl Instances {
         self.all.len()
     }
 
-    /// Adds one and returns its id: the next one after the last that was given out which nobody has.
+    /// Adds one and returns its id: the next free one after the last.
     pub(crate) fn add(&mut self, instance: Instance) -> Result<u32> {
         if self.all.len() >= MOST {
             return Err(Error::OutOfMemory);
@@ -122,7 +122,7 @@ impl Instances {
         self.changes = Changes { any: true, ids: BTreeSet::new() };
     }
 
-    /// What has changed since the last time that this was asked.
+    /// The changes since the last call.
     pub(crate) fn take_changes(&mut self) -> Changes {
         std::mem::take(&mut self.changes)
     }
@@ -130,7 +130,7 @@ impl Instances {
 
 impl Changes {
     fn note(&mut self, id: u32) {
-        // Who looks at all needs no list.
+        // A full pass needs no list.
         if !self.any {
             self.ids.insert(id);
         }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who hears of errors, and the calls of it that are under way: whoever replaces it waits for them.
-//! Invariant: after [`Listener::wait`] the function is not called any more, if no [`Hearing`] of it is made.
+//! The listener for errors, and its running calls: its replacement waits for them.
+//! Invariant: after [`Listener::wait`] the function is not called any more, if no new [`Hearing`] is made.
 //! Tests: tests/c/debug_threads.c, tests/exceptions.rs.
 
 use std::ffi::CStr;
@@ -19,7 +19,7 @@ pub(crate) struct Listener {
     ended: Condvar,
 }
 
-/// The right to call a listener once: until it is dropped, whoever waits for the listener waits.
+/// The right to call a listener once: until it is dropped, waits for the listener block.
 pub(crate) struct Hearing(Arc<Listener>);
 
 impl Listener {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the context is made of: types that know nothing of the context, nor of each other in a circle.
+//! Parts of the context: types without references to the context, nor cyclic ones among each other.
 //! Tests: in each file.
 
 pub(crate) mod block;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects: ids, what was defined under them, which hold which, and the one that is open.
-//! Source: \[DWBS03\], the paper's Figure 1; display lists of OpenGL 1.x for what an id is.
-//! Invariants: instances name objects by id; geometry waits here until the next frame takes it. No object holds itself, and no
-//! more lie in one another than a scene may have.
+//! Objects: ids, their definitions, their nesting, and the open one.
+//! Source: \[DWBS03\], [SIP06], Figure 1; ids as those of OpenGL 1.x display lists. Invariants: instances
+//! name objects by id; geometry is stored here until the next frame takes it. No object holds itself, and the
+//! nesting is no deeper than a scene allows.
 //! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -30,7 +30,7 @@ pub(crate) struct Nested {
     pub(crate) mask: u32,
 }
 
-/// What has been defined under an id.
+/// The definition of an id.
 pub(crate) struct Definition {
     /// Vertices that the program gave.
     pub(crate) vertices_given: usize,
@@ -45,7 +45,7 @@ pub(crate) struct Definition {
 }
 
 impl Definition {
-    /// What a closed object holds.
+    /// The contents of a closed object.
     pub(crate) fn of(geometry: Geometry, nested: Vec<Nested>) -> Self {
         let (vertices_given, triangles) = (geometry.vertices_given, geometry.triangle_count());
         let meshes = geometry.finish();
@@ -60,7 +60,7 @@ pub(crate) struct OpenObject {
     pub(crate) id: u32,
     /// How it was opened.
     pub(crate) mode: ObjectMode,
-    /// What it takes in.
+    /// Its vertices and triangles so far.
     pub(crate) assembly: Assembly,
     /// Objects in it.
     pub(crate) nested: Vec<Nested>,
@@ -70,7 +70,7 @@ pub(crate) struct OpenObject {
 pub(crate) struct Objects {
     /// Which ids there are.
     pub(crate) ids: Ids,
-    /// What has been defined; an id that was removed stays here while something shows it.
+    /// Definitions; a removed id stays here while an instance shows it.
     defined: BTreeMap<u32, Definition>,
     /// For each object that lies in others, which these are.
     holders: BTreeMap<u32, BTreeSet<u32>>,
@@ -101,7 +101,7 @@ impl Objects {
         self.ids.reserve(count, |id| !self.defined.contains_key(&id))
     }
 
-    /// What has been defined under an id.
+    /// The definition of an id.
     #[must_use]
     pub(crate) fn get(&self, id: u32) -> Option<&Definition> {
         self.defined.get(&id)
@@ -140,7 +140,7 @@ impl Objects {
         }
     }
 
-    /// Removes an id. What was defined under it stays while something shows it.
+    /// Removes an id. Its definition stays while an instance shows it.
     pub(crate) fn remove(&mut self, id: u32) -> Result<()> {
         self.ids.remove(id)?;
         if self.defined.contains_key(&id) {
@@ -161,7 +161,7 @@ impl Objects {
         !self.removed.is_empty()
     }
 
-    /// Whether a frame needs what is under this id: it is defined, or lies in an object, empty.
+    /// Whether a frame needs this id: it is defined, or an empty member of another object.
     pub(crate) fn is_needed(&self, id: u32) -> bool {
         self.defined.contains_key(&id) || self.holders.contains_key(&id)
     }
@@ -171,7 +171,8 @@ impl Objects {
         std::mem::take(&mut self.left)
     }
 
-    /// Calls `take` with each object whose meshes no frame has taken yet, ascending, with these and what it holds.
+    /// Calls `take` with each object whose meshes no frame has taken yet, ascending, with its meshes and
+    /// members.
     pub(crate) fn take_fresh(&mut self, mut take: impl FnMut(u32, Vec<ShaderMesh>, &[Nested])) {
         for id in std::mem::take(&mut self.fresh) {
             if let Some(object) = self.defined.get_mut(&id)
@@ -182,7 +183,7 @@ impl Objects {
         }
     }
 
-    /// All these objects and what they hold, and that holds.
+    /// All these objects and everything that they hold, transitively.
     fn with_held(&self, mut objects: BTreeSet<u32>) -> BTreeSet<u32> {
         let mut new: Vec<u32> = objects.iter().copied().collect();
         while let Some(id) = new.pop() {
@@ -192,7 +193,8 @@ impl Objects {
         objects
     }
 
-    /// Whether an object may hold these: none of them holds it, and no more than [`DEEPEST`] lie in one another.
+    /// Whether an object may hold these: none of them holds it, and the nesting stays within [`DEEPEST`]
+    /// levels.
     pub(crate) fn may_hold(&self, id: u32, nested: &[Nested]) -> bool {
         let inner: BTreeSet<u32> = nested.iter().map(|nested| nested.object).collect();
         if inner.is_empty() {
@@ -216,7 +218,7 @@ impl Objects {
         false
     }
 
-    /// How many objects lie in one another here, without the outermost.
+    /// The nesting depth of an object, without itself.
     fn level(&self, id: u32, known: &mut BTreeMap<u32, u32>) -> u32 {
         if let Some(&level) = known.get(&id) {
             return level;
@@ -228,7 +230,7 @@ impl Objects {
         level
     }
 
-    /// Frees what was removed and is neither `shown` nor lies in something that is there.
+    /// Frees removed objects that are neither `shown` nor held by another one.
     pub(crate) fn prune(&mut self, shown: impl Fn(u32) -> bool) {
         let mut known = BTreeMap::new();
         let gone: Vec<u32> =

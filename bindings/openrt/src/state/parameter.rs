@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a call brings for a shader's parameter, as the numbers or bytes that the parameter takes.
+//! The argument of a call for a shader's parameter, as the numbers or bytes of the parameter's type.
 //! Source: \[DWBS03\]; the paper's Figure 1 (one family of calls for all rates).
 //! Tests: tests/c/scene.c, tests/c/errors.c.
 
@@ -9,7 +9,7 @@ use gnurt_plugins::host::{DataType, Parameter};
 
 use super::error::{Error, Result};
 
-/// What a call brings.
+/// The argument of a call.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum GivenValue<'a> {
     /// rtParameter*f, rtParameter*fv.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a progressive frame showed, so that the next one knows whether it goes on (rtProgressive).
-//! Invariant: samples of two frames are only added if everything that the picture depends on is equal.
+//! The contents of a progressive frame, so that the next one knows whether it continues it (rtProgressive).
+//! Invariant: samples of two frames are only added if all inputs of the picture are equal.
 //! Tests: tests/c/frames.c.
 
 use gnurt::scene::edit::Cursor;

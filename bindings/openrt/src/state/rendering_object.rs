@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rendering objects: classes that say how a picture is made (rtUseRenderingObject).
+//! Rendering objects: classes that define the rendering method (rtUseRenderingObject).
 //! Source: \[DWBS03\] for the kind; one class per integrator of the renderer, under its name there.
 //!
 //! | parameter | default | meaning |
 //! |---|---|---|
-//! | samplesPerPixel | 0 | samples of each pixel; 0 = as rtSetSamplesPerPixel says |
+//! | samplesPerPixel | 0 | samples of each pixel; 0 = as set by rtSetSamplesPerPixel |
 //! | maxDepth | -1 | bounces of a path; negative = that of rtSetMaxRayRecursionDepth |
 //! | vplCount | 0 | virtual lights of a pass; 0 = the renderer's own number |
-//! | clamp | 0 | largest geometry term, one over area, that virtual lights bring light over; 0 = the renderer's own |
+//! | clamp | 0 | bound on the geometry term of virtual lights, one over area; 0 = the renderer's own |
 //! | seed | 0 | of the random numbers |
-//! | interleave | 0 | width of the pattern of pixels that share virtual lights out; 0 = each has all |
-//! | white | 1 | what a white diffuse surface of a shader that loops over lights shows where light 1 arrives |
+//! | interleave | 0 | width of the pattern of pixels that share virtual lights; 0 = each has all |
+//! | white | 1 | radiance of a white diffuse surface under light 1, if its shader loops over lights |
 //!
-//! A class is there as soon as the renderer has its integrator. Tests: tests/c/rendering_objects.c.
+//! Each integrator of the renderer has a class. Tests: tests/c/rendering_objects.c.
 
 use gnurt::render::{Integrator, RenderOptions};
 use gnurt::shading::classes::ParameterRate;
@@ -68,7 +68,8 @@ impl RenderingClass {
         PARAMETERS.iter().map(parameter).collect()
     }
 
-    /// What a rendering object with these values, in the order of [`parameters`](Self::parameters), asks for.
+    /// Applies the values of a rendering object, in the order of [`parameters`](Self::parameters), to the
+    /// options.
     pub(crate) fn apply(&self, values: &[ParameterValue], options: &mut RenderOptions) {
         let values = Values(values);
         options.integrator = self.integrator.parse().unwrap_or_default();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a failed call is told to the person who wrote it: the call, its arguments, the error (rtDebugCallback, OPENRT_DEBUG).
+//! The report of a failed call to the program's author: the call, its arguments, the error (rtDebugCallback,
+//! OPENRT_DEBUG).
 //! Source: after OpenGL's KHR_debug. Tests: `tests`; tests/c/debug.c, tests/c_programs.rs.
 
 use std::ffi::CStr;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a program may choose about rendering: samples, depth, where rays begin.
+//! The program's choices for rendering: samples, depth, origin of rays.
 //! Tests: tests/c/frames.c, tests/c/errors.c.
 
 /// How many samples frames take, and whether they add up.

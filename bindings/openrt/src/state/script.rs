@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Shader classes in the shading language: `rtGenNewShaderClass("wood", "wood.osl")`.
-//! Parameters of floats and ints have the calls of their numbers, texts have rtParameterString; one that is marked
-//! `interpolated` is of vertices, or of triangles where `rate = "triangle"` stands beside it. What C has no call for keeps its default.
+//! Parameters of floats and ints have the calls of their numbers, texts have rtParameterString; one that is
+//! marked `interpolated` belongs to vertices, or to triangles with `rate = "triangle"`. A parameter without a
+//! call in C keeps its default.
 //! Tests: tests/c/script.c.
 
 use std::path::Path;
@@ -30,7 +31,9 @@ impl ScriptClass {
         let script = Script::open(Path::new(file), &Access::default()).map_err(LoadError::Unfit)?;
         if script.shader_name() != name {
             let found = script.shader_name();
-            return Err(LoadError::Missing(format!("no shader \"{name}\" in {file}; it holds \"{found}\"")));
+            return Err(LoadError::Missing(format!(
+                "unknown shader \"{name}\" in {file}; it holds \"{found}\""
+            )));
         }
         let kind = match script.kind() {
             ScriptKind::Surface => Kind::Surface,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Shaders: instances of classes with their values, and what is bound.
-//! Source: \[DWBS03\]; the paper's Figure 1. Invariant: `Bound`'s values are as many as its class says.
+//! Shaders: instances of classes with their values, and the bound ones.
+//! Source: \[DWBS03\]; the paper's Figure 1. Invariant: the number of `Bound`'s values is that of its class.
 //! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,7 +26,7 @@ pub(crate) struct Shader {
     pub(crate) class: Arc<LoadedClass>,
     /// One value per parameter of the class; none if it is a plugin's.
     pub(crate) values: Vec<ParameterValue>,
-    /// What a plugin keeps its parameters in.
+    /// The parameter block of a plugin's shader.
     pub(crate) block: Option<Arc<PluginBlock>>,
     /// Its id is gone; it lives on while something uses it.
     pub(crate) deleted: bool,
@@ -51,7 +51,7 @@ impl Shader {
         Ok(Self { class_id, class, values, block, deleted: false, made: None, made_script: None })
     }
 
-    /// What it is for.
+    /// Its purpose.
     #[must_use]
     pub(crate) fn kind(&self) -> Kind {
         self.class.kind
@@ -103,8 +103,9 @@ impl Shader {
 pub(crate) struct Shaders {
     last_id: u32,
     all: BTreeMap<u32, Shader>,
-    /// Blocks of plugins whose shaders are gone, but which a frame may hold: they end here, so that `fini` runs on a thread that
-    /// is in a call of the program, as `init` and `prepare` do, and never beside one of these.
+    /// Blocks of deleted plugin shaders that a frame may still hold. They end here, so that `fini` runs on a
+    /// thread in a call of the program, as `init` and `prepare` do, and never at the same time as one of
+    /// these.
     ending: Vec<Arc<PluginBlock>>,
 }
 
@@ -171,7 +172,7 @@ impl Shaders {
 
     /// Ends the blocks that no frame holds any more.
     pub(crate) fn end_blocks(&mut self) {
-        // No frame takes a block from here: those that nobody else holds now are held by nobody else.
+        // No frame takes a block from here, so an unshared block stays unshared.
         self.ending.retain(|block| Arc::strong_count(block) > 1);
     }
 }
@@ -181,7 +182,7 @@ impl Shaders {
 pub(crate) struct Bound {
     class: Option<(u32, Arc<LoadedClass>)>,
     shader: Option<u32>,
-    /// What the next triangle and the next vertex take.
+    /// Values of the next triangle and the next vertex.
     pub(crate) values: CurrentValues,
 }
 

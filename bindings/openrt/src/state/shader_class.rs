@@ -20,7 +20,7 @@ pub(crate) struct LoadedClass {
     file: String,
     /// Where its code is.
     pub(crate) code: ClassCode,
-    /// What its shaders are for.
+    /// The purpose of its shaders.
     pub(crate) kind: Kind,
     /// Its parameters.
     pub(crate) parameters: Vec<Parameter>,
@@ -93,7 +93,7 @@ pub(crate) struct Handle {
 pub(crate) struct Classes {
     loaded: Vec<Arc<LoadedClass>>,
     handles: Vec<Handle>,
-    /// Why the last load failed, or what was wrong with plugins in a frame since; empty if nothing was.
+    /// The failure of the last load, or faults of plugins in a frame since; empty if there were none.
     pub(crate) info_log: CString,
 }
 
@@ -104,7 +104,7 @@ impl Classes {
         self.loaded.get((id as usize).checked_sub(1)?)
     }
 
-    /// What handle `id` names; [`Error::InvalidValue`] if nothing.
+    /// The handle `id`; [`Error::InvalidValue`] if there is none.
     pub(crate) fn handle(&self, id: u32) -> Result<Handle> {
         let parameter_index = (id as usize).checked_sub(1);
         parameter_index.and_then(|i| self.handles.get(i)).copied().ok_or(Error::InvalidValue)
@@ -120,7 +120,9 @@ impl Classes {
             ClassCode::built_in(name).ok_or_else(|| {
                 let names = ClassCode::built_in_names();
                 let (list, hint) = (names.join(", "), suggestion(name, &names));
-                LoadError::Missing(format!("no built-in shader class \"{name}\"; there are {list}{hint}"))
+                LoadError::Missing(format!(
+                    "unknown built-in shader class \"{name}\"; valid are: {list}{hint}"
+                ))
             })?
         } else if is_script(file) {
             ClassCode::Script(Arc::new(ScriptClass::load(name, file)?))

@@ -34,7 +34,7 @@ pub(crate) struct Texture {
 }
 
 impl Texture {
-    /// What lies outside of it along an axis.
+    /// Wrapping outside of it along an axis.
     pub(crate) fn set_wrap(&mut self, axis: usize, wrap: TextureWrap) {
         self.wrap[axis] = match wrap {
             TextureWrap::Clamp | TextureWrap::ClampToEdge => Wrap::Clamp,
@@ -63,7 +63,7 @@ pub(crate) struct Textures {
 }
 
 impl Textures {
-    /// What shaders see of texture `id`; nothing if it does not exist or has no image.
+    /// The sampler of texture `id`; `None` if it does not exist or has no image.
     #[must_use]
     pub(crate) fn sampler(&self, id: i32) -> Option<Arc<TextureSampler>> {
         let texture = self.changed.get(&u32::try_from(id).ok()?)?;
@@ -136,7 +136,7 @@ pub(crate) struct ImageDescription {
     pub(crate) texel_type: u32,
 }
 
-/// What rtTexImage2D was asked for, if that can be had.
+/// The valid request of an rtTexImage2D.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CheckedImage {
     size: [u32; 2],
@@ -194,7 +194,7 @@ impl TexelFormat {
         }
     }
 
-    /// What a texture with this internal format keeps of a texel.
+    /// The components of a texel that a texture with this internal format keeps.
     fn keep<T: Copy>(self, [r, g, b, a]: [T; 4], one: T) -> [T; 4] {
         match self {
             Self::Luminance => [r, r, r, one],
@@ -218,7 +218,7 @@ impl TexelFormat {
 }
 
 impl MinifyFilter {
-    /// What the sampler does.
+    /// The filter of the sampler.
     fn minify(self) -> Minify {
         let mipmap = |linear, interpolate_levels| Minify::Mipmap { linear, interpolate_levels };
         match self {

@@ -14,7 +14,8 @@ pub(crate) struct Usage {
     pub(crate) environment: Option<u32>,
     /// How pictures are made; `Whitted` with the context's limits if none.
     pub(crate) rendering_object: Option<u32>,
-    /// What pixels show, by a rendering object in the shading language; the radiance along their rays if none.
+    /// The rendering object in the shading language that computes the colours of pixels; without one, the
+    /// radiance along their rays.
     pub(crate) pixel: Option<u32>,
 }
 

@@ -8,6 +8,6 @@ pub(crate) enum ParameterValue {
     Floats(Vec<f32>),
     /// An integer; as a texture, 0, a negative or an unknown one is white.
     Integer(i32),
-    /// A text; the shader's own where nobody gave one.
+    /// A text; without a value the shader's default.
     Text(Option<String>),
 }

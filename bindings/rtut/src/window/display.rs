@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The main loop with a window. On winit and softbuffer. Tests: tests/window.rs.
-//! winit is asked for what has happened, and the program is told afterwards: a panic of winit ends in here, while an
-//! exception of the program passes by it on its way to the program's own handler.
+//! winit's events are collected first, and the program is notified afterwards: a panic of winit ends in here,
+//! while an exception of the program passes on to its own handler.
 
 use std::collections::VecDeque;
 use std::num::NonZeroU32;
@@ -23,7 +23,7 @@ use super::settings::Settings;
 use super::stage::{LARGEST, Waker};
 use crate::guard::guard;
 
-/// Shows the window until somebody closes it or the program wants to leave.
+/// Shows the window until the user closes it or the program leaves.
 pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
     let events = guard(EventLoop::new).ok_or_else(broken)?;
     let mut events = events.map_err(|error| characters(&error))?;
@@ -62,7 +62,7 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
         }
         let animates = program.idle();
         program.stage(&mut |stage| is_stale = stage.is_stale);
-        // Nobody will swap soon: the last frame is shown, too.
+        // No swap follows soon: the last frame is shown, too.
         if !is_stale && !animates {
             program.finish();
         }
@@ -80,7 +80,7 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
     }
 }
 
-/// While it lives, what a program asks for on other threads wakes the window.
+/// While it lives, requests of the program on other threads wake the window.
 struct Awake<'a>(&'a dyn Program);
 
 impl<'a> Awake<'a> {
@@ -104,7 +104,7 @@ fn broken() -> String {
     "the window broke down: this is a bug in librtut".to_owned()
 }
 
-/// What comes after each of the program's functions: pictures are kept; whether this is the end.
+/// The work after each of the program's functions: pictures are kept; returns whether the loop ends.
 fn settle(program: &dyn Program, settings: &Settings, displayed: &mut u64) -> Result<bool, String> {
     keep(program, settings, displayed)?;
     let mut is_over = settings.is_enough(*displayed);
@@ -123,7 +123,7 @@ fn resize(program: &dyn Program, size: [u32; 2]) {
     program.reshape(size);
 }
 
-/// What the program is told of.
+/// Events for the program.
 enum Event {
     Closed,
     Resized([u32; 2]),
@@ -269,7 +269,7 @@ impl App<'_> {
         Ok(())
     }
 
-    /// Puts the picture on the screen, or what of it fits.
+    /// Draws the picture on the screen, or the part that fits.
     fn draw(&mut self) -> Result<(), String> {
         let Some(open) = &mut self.open else { return Ok(()) };
         let size: [u32; 2] = open.window.inner_size().into();

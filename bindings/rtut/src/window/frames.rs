@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Frames of a window: one is rendered while the program prepares the next.
 //! Invariants: no lock is held while libOpenRT is called, which may tell the program of an error, which may call back or
-//! leave by an exception. What libOpenRT does with a buffer it is asked after each call, since calls fail: only a buffer
-//! that no frame uses, present or future, is freed, and only one that is not in flight is read. Tests: `tests`, and
-//! tests/c/window_hostile.c under AddressSanitizer.
+//! leave by an exception. After each call its use of a buffer is queried, because calls may fail: only a
+//! buffer that no frame uses, present or future, is freed, and only one that is not in flight is read. Tests:
+//! `tests`, and tests/c/window_hostile.c under AddressSanitizer.
 
 use super::program::Program;
 use super::stage::Flight;
 
-/// What libOpenRT does with a frame buffer (rtFrameBufferUse).
+/// libOpenRT's use of a frame buffer (rtFrameBufferUse).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Use {
     /// Frames that start from now on are written to it.
@@ -19,7 +19,7 @@ pub(crate) struct Use {
 
 /// libOpenRT's frames; each call may fail, and tells the program so.
 pub(crate) trait Renderer {
-    /// What it does with the buffer that begins there; calls nothing of the program.
+    /// The use of the buffer that begins there; calls nothing of the program.
     fn usage(&self, memory: usize) -> Use;
     /// Gives it a buffer of RGB bytes for the frames that start from now on.
     fn aim(&self, memory: usize, size: [u32; 2]);
@@ -99,8 +99,8 @@ mod tests {
         }
     }
 
-    /// What libOpenRT knows, with an open object, in which frames neither start nor end, and a block, in which not even
-    /// the buffer changes.
+    /// The state of libOpenRT, with an open object, in which frames neither start nor end, and a block, in
+    /// which even the buffer is fixed.
     #[derive(Default)]
     struct Late {
         next: usize,
@@ -179,7 +179,7 @@ mod tests {
     /// Whatever fails, no memory goes that libOpenRT may write to, and none is shown before it is whole.
     #[test]
     fn failed_calls_keep_memory() {
-        // Each digit of `way` is a step: what is open, and the size of the window.
+        // Each digit of `way` is a step: the open construct, and the size of the window.
         for way in 0..6_u32.pow(6) {
             let window = Window::default();
             let model = Model(RefCell::default(), Some(&window));
@@ -225,7 +225,7 @@ mod tests {
         assert!(window.0.borrow().flight().is_none(), "the program's own frame is in flight");
         let busy = model.0.borrow().in_flight.expect("in flight");
         assert!(window.0.borrow().memories().contains(&busy), "and keeps its memory");
-        // Who was told of an error at the start has left by an exception: the frame is there, but not known.
+        // The callback for an error at the start has left by an exception: the frame exists, but is unknown.
         let window = Window::default();
         let model = Model(RefCell::default(), Some(&window));
         swap(&window, &model);

@@ -19,7 +19,7 @@ pub(crate) use program::Program;
 pub(crate) use settings::{FRAME, Settings};
 pub(crate) use stage::{LARGEST, Stage};
 
-/// Runs until somebody wants to leave.
+/// Runs until the user or the program ends it.
 pub(crate) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
     if settings.headless { plain::run(program, settings) } else { display::run(program, settings) }
 }

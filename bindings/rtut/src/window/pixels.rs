@@ -17,7 +17,7 @@ pub(crate) struct Format {
 }
 
 impl Format {
-    /// `RT_RGB_8`: what the library's own buffers have.
+    /// `RT_RGB_8`: the format of the library's own buffers.
     pub(crate) const RGB_8: Self = Self { channels: 3, is_bgr: false, is_float: false };
 
     /// `None` if it is no format.

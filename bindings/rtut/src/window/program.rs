@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the main loop wants of the program. Source: names after GLUT. Tests: tests/window.rs.
+//! The program's side of the main loop. Source: names after GLUT. Tests: tests/window.rs.
 
 use super::stage::Stage;
 
-/// What the program wants to be told; each does nothing unless it has given a function for it. None is called while
-/// another one runs, and none while a lock is held: they may call everything, and may be left by an exception.
+/// Callbacks of the program; each does nothing unless the program has set a function for it. None is called
+/// during another one, and none under a lock: they may call everything, and may be left by an exception.
 pub(crate) trait Program {
     /// A frame is wanted.
     fn display(&self);
@@ -22,6 +22,6 @@ pub(crate) trait Program {
     fn idle(&self) -> bool;
     /// Waits for the frame in flight, if there is one, and shows it.
     fn finish(&self);
-    /// Runs `with` on what the window shows, alone; it calls nothing of the program or of libOpenRT.
+    /// Runs `with` on the window's state, exclusively; it calls nothing of the program or of libOpenRT.
     fn stage(&self, with: &mut dyn FnMut(&mut Stage));
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the environment says about windows, so that programs run without one, in tests and on servers.
+//! Environment variables about windows, so that programs run without one, in tests and on servers.
 //! Tests: `tests`.
 
 use std::path::{Path, PathBuf};
 
-/// Milliseconds that the clock goes on with each frame where there is no window: what is animated is the same each time.
+/// Milliseconds of the clock per frame without a window: animations are the same each time.
 pub(crate) const FRAME: i32 = 40;
 
 /// `RTUT_HEADLESS`, `RTUT_FRAMES` and `RTUT_SAVE`.

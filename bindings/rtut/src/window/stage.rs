@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a window shows, and the frame buffers that are rendered to for it while the program prepares the next frame.
-//! Invariant: memory that libOpenRT may write to is neither read, moved nor freed: only who has asked
-//! libOpenRT (`frames.rs`) says which that is. Tests: tests of `frames`.
+//! The contents of a window, and its frame buffers while the program prepares the next frame.
+//! Invariant: memory that libOpenRT may write to is neither read, moved nor freed: only a query of libOpenRT
+//! (`frames.rs`) determines which that is. Tests: tests of `frames`.
 
 use super::pixels::{Format, to_screen};
 
-/// What a window shows.
+/// The contents of a window.
 pub(crate) struct Stage {
     /// Of the window.
     pub(crate) size: [u32; 2],
@@ -26,7 +26,7 @@ pub(crate) struct Stage {
     flight: Option<Flight>,
 }
 
-/// What wakes a window, from any thread.
+/// The function that wakes a window, from any thread.
 pub(super) type Waker = Box<dyn Fn() + Send>;
 
 /// A frame buffer of RGB bytes.
@@ -40,7 +40,7 @@ struct Buffer {
 pub(crate) struct Flight {
     /// Where its buffer begins.
     pub(crate) memory: usize,
-    /// Whether it is known that it has begun: who was told of an error meanwhile may have left by an exception.
+    /// Whether its start is known: the callback for an error meanwhile may have left by an exception.
     pub(crate) has_begun: bool,
 }
 

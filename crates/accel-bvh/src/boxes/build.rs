@@ -13,12 +13,12 @@ use crate::treelet::{BoxesAt, NodesAtKeys, Treelet};
 /// Most boxes of a treelet when it is built: the fewer, the less an edit copies, and the more often rays change treelets.
 pub(super) const MOST: usize = 128;
 
-/// So many boxes or fewer are one treelet.
+/// The largest number of boxes in one treelet without an upper one.
 pub(super) const FEW: usize = 1024;
 
 impl BoxIndex {
-    /// Over boxes relative to `origin`, those that are not empty; `boxes_at` tells which of them move. High quality optimises
-    /// treelets; the upper one is built as `quality` says.
+    /// Over boxes relative to `origin`, those that are not empty; `boxes_at` returns the boxes of moving
+    /// ones. High quality optimises treelets; the upper one has the quality `quality`.
     ///
     /// # Errors
     /// That `watch` stopped it, or that there are too many boxes (some 2^30).
@@ -89,7 +89,7 @@ mod tests {
     use super::*;
     use gnurt_testkit::Random;
 
-    /// Boxes of all sizes, a few in one place, some empty.
+    /// Boxes of all sizes, a few in one position, some empty.
     fn boxes(count: usize) -> Vec<Aabb> {
         let mut random = Random::new(count as u64);
         let mut next = |i: usize| match i % 50 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One ray, or one point, through a top tree. Source: [WBB08] as `walk`, [RKV95] as `point`. Space: that of the boxes.
-//! Each treelet is walked by a function of its own: nested scenes of few instances are not to take the stack of two walks.
+//! Each treelet is traversed by a separate function: nested scenes of few instances must not take the stack
+//! of two traversals.
 //! Tests: `tests/instances.rs`, `tests/closest_point.rs` and `tests/limits.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
@@ -15,8 +16,9 @@ use crate::treelet::{DEEPEST_TREELET, NodesAtKeys, Treelet};
 use crate::walk::{Nodes, walk_with};
 
 impl BoxIndex {
-    /// Calls `enter` with the places of boxes that `ray`, which is regular and relative to the origin, meets before
-    /// `reach`, nearer ones first; it answers with the new reach. Returns the number of nodes visited. There are boxes.
+    /// Calls `enter` with the indices of boxes that `ray`, which is regular and relative to the origin, hits
+    /// before `reach`, nearer ones first; it returns the new reach. Returns the number of nodes visited.
+    /// There are boxes.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(
         &self,
@@ -35,8 +37,8 @@ impl BoxIndex {
         }
     }
 
-    /// Calls `enter` with the places of boxes within `radius` of `point`, which is relative to the origin, nearer ones
-    /// first; it answers with the new radius. There are boxes.
+    /// Calls `enter` with the indices of boxes within `radius` of `point`, which is relative to the origin,
+    /// nearer ones first; it returns the new radius. There are boxes.
     #[inline(always)]
     pub(crate) fn near<S: Simd>(
         &self,
@@ -53,10 +55,11 @@ impl BoxIndex {
     }
 }
 
-/// Where a ray starts that is alone from the start.
+/// The start of a single ray.
 const ROOT: Child = Child::node(0);
 
-/// What waits in the upper treelet, which is built as any tree, and in those below: scenes in one another hold one of these each.
+/// Stacks for the upper treelet, which is built as any tree, and for those below: nested scenes hold one of
+/// these each.
 type Long = StackBuffer<u64, { 8 * DEEPEST }>;
 type Short = StackBuffer<u64, { 8 * DEEPEST_TREELET }>;
 
@@ -99,7 +102,8 @@ fn search_nodes<S: Simd, const WAIT: usize>(
     (reach, visited)
 }
 
-/// Of the lanes in `bits`, which is not 0, the one that the ray comes to first: a hit there may spare it the others.
+/// Of the lanes in `bits`, which is not 0, the first along the ray: a hit there may make the others
+/// unnecessary.
 #[inline(always)]
 fn nearest(mut bits: u32, near: &[f32; WIDTH]) -> usize {
     let mut nearest = bits.trailing_zeros() as usize;
@@ -114,7 +118,7 @@ fn nearest(mut bits: u32, near: &[f32; WIDTH]) -> usize {
     nearest
 }
 
-/// The same at a moment, as a function of its own: for the treelets below the upper one.
+/// The same at one time, as a separate function: for the treelets below the upper one.
 #[inline(never)]
 pub(super) fn search_treelet<S: Simd>(
     simd: S,
@@ -181,7 +185,7 @@ pub(super) fn search_upper<S: Simd>(
     }
 }
 
-/// Treelets below the upper one, at a moment.
+/// Treelets below the upper one, at one time.
 pub(super) struct Below<'a> {
     pub(super) treelets: &'a [Treelet],
     pub(super) time: f32,
@@ -255,7 +259,7 @@ fn near_nodes<S: Simd>(
     radius
 }
 
-/// The same, as a function of its own: for the treelets below the upper one.
+/// The same, as a separate function: for the treelets below the upper one.
 #[inline(never)]
 fn near_treelet<S: Simd>(
     simd: S,

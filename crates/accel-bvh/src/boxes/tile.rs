@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tile of rays through a top tree.
-//! Source: [RSH05] for what rays share, masks as in `tiles.rs`: where intervals leave [`MANY`] boxes or more, rays are tested
-//! against each, sixteen to a step, and only those that meet it go on; a few that are left go on alone ([BWW*12]). Where rays
-//! part at once, as after a bounce, the interval of all is the whole scene.
-//! Space: that of the boxes. Tests: `tests/instances.rs` and `tests/counters.rs` of `gnurt-accel`, which ask at every level.
+//! Source: [RSH05] for intervals, masks as in `tiles.rs`: where intervals leave [`MANY`] boxes or more, rays
+//! are tested against each, sixteen to a step, and only those that hit it go on; a few remaining rays go on
+//! singly ([BWW*12]). Where rays diverge at once, as after a bounce, their interval is the whole scene.
+//! Space: that of the boxes. Tests: `tests/instances.rs` and `tests/counters.rs` of `gnurt-accel`, which run
+//! at every level.
 
 use gnurt_accel_core::beam::{Beam, Slopes};
 use gnurt_accel_core::bits::{TILE, all, each};
@@ -21,7 +22,7 @@ use crate::planes::{MovingMember, TilePlanes};
 use crate::treelet::Treelet;
 use crate::walk::farthest_first;
 
-/// What waits: a child, the rays that may meet it, and after how many steps the first of them may.
+/// A stack entry: a child, the rays that may hit it, and the number of steps to the first possible hit.
 #[derive(Clone, Copy)]
 struct Entry {
     steps: f32,
@@ -29,27 +30,28 @@ struct Entry {
     rays: u64,
 }
 
-/// So many may wait, also in tests where that is too few. The deepest treelets need four times as much, but scenes in one
-/// another hold some of these each: where there is no room, rays go on alone.
+/// The size of the stack, which tests exceed. The deepest treelets need four times as much, but nested scenes
+/// hold some of these each: without space, rays go on singly.
 const MOST_WAIT: usize = if cfg!(test) { 12 } else { 64 };
 
 /// Where a walk has come to.
 enum Stop {
     /// A block, with many rays.
     Block(usize),
-    /// A child, with rays that go on alone.
+    /// A child, with rays that go on singly.
     SingleRays(Child),
 }
 
 /// Where intervals leave this many boxes of a node, rays are tested one by one.
 const MANY: u32 = 2;
 
-/// So many rays or fewer go on alone.
+/// This number of rays or fewer go on singly.
 const FEW: u32 = 5;
 
 impl BoxIndex {
-    /// Calls `enter` with the places of boxes that a tile's first rays, all of them active and of one heading, may meet, and
-    /// with the trip of those rays that may meet it and still look for something. There are boxes.
+    /// Calls `enter` with the indices of boxes that a tile's first rays, all of them active and of one
+    /// direction class, may hit, and with the traversal state of those rays that may hit it and are not
+    /// finished. There are boxes.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,
@@ -82,7 +84,7 @@ impl BoxIndex {
     }
 }
 
-/// A tile's rays on their way through the boxes.
+/// A tile's rays during the traversal of boxes.
 struct Shot<'a> {
     index: &'a BoxIndex,
     beam: Beam,
@@ -90,9 +92,9 @@ struct Shot<'a> {
     /// How many rays there are.
     count: usize,
     direction_class: DirectionClass,
-    /// How many steps any ray still looks ahead.
+    /// The greatest remaining extent of any ray, in steps.
     farthest: f32,
-    /// Each ray by itself, once somebody asks. Not on the stack, which scenes in one another share.
+    /// Planes for each single ray, computed at first use. On the heap, because nested scenes share the stack.
     planes: Option<Box<TilePlanes>>,
     /// Nodes, once for each ray.
     visited: u64,
@@ -156,7 +158,7 @@ impl Shot<'_> {
         }
     }
 
-    /// Which of the rays, each at its moment, may meet the member at a place of a block that moves.
+    /// The rays, each at its time, that may hit a moving member of a block.
     #[inline(never)]
     fn at_ray_times<S: Simd>(&mut self, simd: S, member: MovingMember, traversal: &TileTraversal) -> u64 {
         let (count, direction_class) = (self.count, self.direction_class);
@@ -179,7 +181,7 @@ impl Shot<'_> {
         )
     }
 
-    /// Those that still look for something, which only any hits change.
+    /// The unfinished rays; only any-hit rays finish early.
     #[inline(always)]
     fn looking<S: Simd>(&self, simd: S, traversal: &TileTraversal) -> u64 {
         if traversal.kind == Kind::Any { traversal.nearest.looking(simd) } else { u64::MAX }
@@ -191,10 +193,10 @@ impl Shot<'_> {
         self.farthest = self.slopes.steps_ahead(simd, traversal.nearest, self.count);
     }
 
-    /// Each ray in `bits` by itself: `search` is given the ray, its moment, where it ends, and what to call for the places of
-    /// boxes that it meets, and answers with the number of nodes visited.
+    /// Each ray in `bits` by itself: `search` gets the ray, its time, its far end, and a callback for the
+    /// indices of hit boxes, and returns the number of visited nodes.
     #[inline(always)]
-    fn go_alone<S: Simd>(
+    fn go_singly<S: Simd>(
         &mut self,
         simd: S,
         bits: u64,
@@ -223,8 +225,8 @@ impl Shot<'_> {
     }
 }
 
-/// Goes through `nodes` with the rays in `bits`, and calls `stop` with those that come to a block, and with those that go on
-/// alone.
+/// Traverses `nodes` with the rays in `bits`, and calls `stop` with those that reach a block, and with those
+/// that go on singly.
 #[inline(always)]
 fn walk_masks<'a, S: Simd>(
     simd: S,
@@ -293,7 +295,7 @@ fn tile_treelet<S: Simd>(
                 #[inline(always)]
                 |shot, stop, bits, traversal| match stop {
                     Stop::Block(at) => enter_block(simd, treelet, at, bits, shot, traversal, enter),
-                    Stop::SingleRays(child) => shot.go_alone(
+                    Stop::SingleRays(child) => shot.go_singly(
                         simd,
                         bits,
                         traversal,
@@ -309,10 +311,12 @@ fn tile_treelet<S: Simd>(
     );
 }
 
-/// A member of a block: its place there, after how many steps the first ray may meet it, and which rays may.
+/// A member of a block: its slot, the number of steps to the first possible hit, and the rays that may hit
+/// it.
 type Met = (usize, f32, u64);
 
-/// What members are put in order by, not so finely that their order depends on the level, which rounds differently.
+/// The sort key of members, coarse enough that their order is independent of the level, which rounds
+/// differently.
 #[inline(always)]
 fn rank(&(_, steps, _): &Met) -> u32 {
     steps.to_bits() >> 12
@@ -401,7 +405,7 @@ fn tile_upper<S: Simd>(
                             tile_treelet(simd, &treelets[number], rays, shot, traversal, enter);
                         }
                     }
-                    Stop::SingleRays(child) => shot.go_alone(
+                    Stop::SingleRays(child) => shot.go_singly(
                         simd,
                         bits,
                         traversal,

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A top tree after some boxes moved, came or went, that shares what did not change with the one before.
+//! A top tree after some boxes moved, came or went, which shares unchanged parts with the previous one.
 //! Source: [WBS06] for refits and for rebuilding when the cost has risen; original for the rest.
-//! A box that stays within its treelet's is moved there; one that leaves goes to the treelet whose box grows least. Treelets that
-//! are touched are refitted; those that are worn or have no room are built again, parted where they are too large. The upper
-//! one is refitted, or built again where treelets came. Where all costs so much more than when it was built, all is.
-//! Invariant: as for any build; threads do not matter. Tests: `tests`, `tests/moving_instances.rs` of `gnurt-accel`.
+//! A box that stays within its treelet's box is moved there; one that leaves goes to the treelet whose box
+//! grows least. Edited treelets are refitted; degraded or full ones are rebuilt, split where they are too
+//! large. The upper one is refitted, or rebuilt after new treelets. If the total cost has grown too far since
+//! the build, all is rebuilt.
+//! Invariant: as for any build; independent of threads. Tests: `tests`, `tests/moving_instances.rs` of
+//! `gnurt-accel`.
 
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::{Aabb, Threads};
@@ -18,21 +20,21 @@ use crate::treelet::{BoxesAt, Treelet, growth};
 /// A tree that costs this much more than when all of it was built is built again.
 const WORN: f64 = 1.5;
 
-/// Where more than one of so many boxes is edited, all is built again: that takes less time.
+/// If more than one of this number of boxes is edited, all is rebuilt: that takes less time.
 const MANY: usize = 4;
 
-/// A box that is given, or taken away, at a place.
+/// A new or removed box at an index.
 pub type BoxEdit = (u32, Option<Aabb>);
 
-/// What is to be done in a treelet.
+/// The edits of a treelet.
 struct DirtyTreelet<'a> {
     number: usize,
     edits: &'a [BoxEdit],
 }
 
 impl BoxIndex {
-    /// The tree with other boxes at some places, which ascend: `None` and empty boxes are taken out. `boxes_at` tells which boxes
-    /// move, of all that are there then.
+    /// The tree with other boxes at some indices, which ascend: `None` and empty boxes are removed.
+    /// `boxes_at` returns the boxes of all members that move then.
     #[must_use]
     pub fn updated(&self, edits: &[BoxEdit], boxes_at: BoxesAt, threads: Threads) -> Self {
         let length = edits.last().map_or(0, |edit| edit.0 as usize + 1).max(self.owners.len());
@@ -72,7 +74,7 @@ impl BoxIndex {
         after
     }
 
-    /// The number of the treelet that has the box of a place.
+    /// The number of the treelet with the box of an index.
     fn owner(&self, member_index: u32) -> Option<usize> {
         self.owners.get(member_index as usize).and_then(|&owner| (owner as usize).checked_sub(1))
     }
@@ -92,7 +94,7 @@ impl BoxIndex {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// What is to be done: treelet, place and box, ascending.
+    /// The edits: treelet, index and box, ascending.
     fn orders(&self, edits: &[BoxEdit], parallel: bool) -> Vec<(u32, BoxEdit)> {
         let order = |&(member_index, bounds): &BoxEdit| {
             let bounds = bounds.filter(|bounds| !bounds.is_empty());
@@ -173,7 +175,7 @@ impl BoxIndex {
         build_parts(&boxes, options, Threads::Single, &watch, make).unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Enters the homes of what came and left.
+    /// Updates the owners of boxes that came and left.
     fn rehome(&mut self, orders: &[(u32, BoxEdit)], edits: &[BoxEdit], threads: Threads) {
         let mut owners: Vec<(u32, u32)> = orders
             .iter()
@@ -193,12 +195,12 @@ impl BoxIndex {
         self.count = self.count + self.owner_count(&indices) - before;
     }
 
-    /// How many of these places have a box.
+    /// The number of these indices with a box.
     fn owner_count(&self, indices: &[u32]) -> usize {
         indices.iter().filter(|&&member_index| self.owners[member_index as usize] != 0).count()
     }
 
-    /// Brings the upper treelet up to date, where there were so many treelets and these have other boxes.
+    /// Updates the upper treelet, given the former number of treelets and the changed boxes.
     fn settle(&mut self, before: usize, touched: &[(u32, Option<Aabb>)], threads: Threads) {
         if self.treelets.len() == 1 {
             self.measure();
@@ -270,7 +272,7 @@ mod tests {
             for member_index in 0..len as u32 {
                 let is_new = member_index as usize + 40 >= len && step % 3 == 0;
                 if is_new || random.below(100) == 0 {
-                    // Many come to one corner, whose treelets have no room soon.
+                    // Many come to one corner, whose treelets are soon full.
                     let near = random.point().map(|x| 0.05 * x);
                     let bounds = match random.below(4) {
                         0 => None,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A binary tree, built with care: by the cheaper of dividing references and dividing space, node by node.
 //! Source: [SFD09] section 4.3 for when space is tried; binned as in [Wald07].
-//! In: references with room for second parts behind them. Out: [`BinaryNode`]s, children before their parents.
-//! Invariant: subtrees get room by their numbers of references, so that threads do not matter.
+//! In: references with space for second parts behind them. Out: [`BinaryNode`]s, children before their
+//! parents.
+//! Invariant: subtrees get space by their numbers of references, so that threads do not matter.
 //! Tests: `super::tests`.
 
 use super::binary_node::{BinaryNode, Cluster};
@@ -31,15 +32,15 @@ pub(super) struct Workspace {
     right: Vec<Reference>,
 }
 
-/// What is built over, by whom.
+/// The input of a careful build, and its threads.
 pub(super) struct Careful<'a, P> {
     pub(super) primitives: &'a P,
     pub(super) tasks: TaskPool<'a>,
     /// Overlaps of children below this are good enough.
     least_overlap: f32,
-    /// From this depth on references are divided by number alone.
+    /// From this depth on references are divided by number only.
     by_number: usize,
-    /// What references are of; none if they are of primitives.
+    /// The clusters that references point to; empty if they point to primitives.
     clusters: &'a [Cluster],
 }
 
@@ -77,7 +78,8 @@ impl<'a, P: Primitives> Careful<'a, P> {
         nodes
     }
 
-    /// Appends to the last of `pieces`, or as further pieces; returns the number of nodes and what the last one costs.
+    /// Appends to the last of `pieces`, or as further pieces; returns the number of nodes and the cost of the
+    /// last one.
     fn subtree(
         &self,
         references: &mut [Reference],
@@ -134,7 +136,7 @@ impl<'a, P: Primitives> Careful<'a, P> {
         (left_size + right_size + 1, costs)
     }
 
-    /// Cuts `part`, the first of `references`, in two; the second starts where its room does.
+    /// Cuts `part`, the first of `references`, in two; the second starts at its own space.
     pub(super) fn divide(
         &self,
         references: &mut [Reference],
@@ -199,7 +201,7 @@ impl Workspace {
     }
 }
 
-/// Half the surface of what two boxes share; zero where they do not meet.
+/// Half the surface of the intersection of two boxes; zero if they are disjoint.
 fn overlap([a, b]: &[Lanes; 2], scale: f32) -> f32 {
     let mut shared = *a;
     shared.0.iter_mut().zip(b.0).for_each(|(a, b)| *a = a.min(b));

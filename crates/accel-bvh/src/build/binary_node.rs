@@ -10,15 +10,15 @@ use crate::node::{Child, WIDTH};
 /// Instead of a number of primitives.
 const MADE: u32 = u32::MAX;
 
-/// A node of a binary tree. It says where its children are seen from itself, so that trees may be put one behind another.
+/// A node of a binary tree. Its children are relative to itself, so that trees may be concatenated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BinaryNode {
     pub(super) bounds: Lanes,
-    /// In a leaf the numbers of primitives; else the first two say where the children are.
+    /// In a leaf the numbers of primitives; else the first two are the relative indices of the children.
     pub(super) numbers: [u32; WIDTH],
-    /// Primitives of a leaf; 0 if it is none, [`MADE`] if it stands for what was made before.
+    /// Primitives of a leaf; 0 for an inner node, [`MADE`] for a finished subtree.
     pub(super) count: u32,
-    /// How the children share the places of a wide node.
+    /// The division of a wide node's slots between the children.
     pub(super) shares: Shares,
 }
 
@@ -35,7 +35,7 @@ impl BinaryNode {
         node
     }
 
-    /// In the place of a wide node, or of a leaf block, that was made before.
+    /// Represents a finished wide node or leaf block.
     pub(super) fn made(bounds: Lanes, child: Child) -> Self {
         let mut numbers = [INVALID_ID; WIDTH];
         numbers[0] = child.0;
@@ -49,7 +49,7 @@ impl BinaryNode {
         Self { bounds, numbers, count: 0, shares }
     }
 
-    /// What it stands for, if that was made before.
+    /// The finished subtree that it represents, if any.
     pub(super) fn as_made(&self) -> Option<Child> {
         (self.count == MADE).then_some(Child(self.numbers[0]))
     }
@@ -65,7 +65,7 @@ impl BinaryNode {
     }
 }
 
-/// Some primitives near each other, and what was made of them.
+/// Some adjacent primitives, and the subtree over them.
 pub(super) struct Cluster {
     pub(super) child: Child,
     pub(super) costs: Costs,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where to divide references: the surface area heuristic at the borders of bins of their middles.
-//! Source: [Wald07]; the heuristic of [MB90]. Differs: counts blocks of eight, which cost the same however full.
+//! Source: [Wald07]; the heuristic of [MB90]. Differs: counts blocks of eight, which cost the same whether
+//! full or not.
 //! Space: that of the primitives; areas are scaled so that the root's sides are at most 1: a float would overflow.
 //! Invariant: both sides of a split get something; their boxes are exact. Tests: `super::tests`.
 
@@ -12,7 +13,7 @@ use crate::node::WIDTH;
 /// Bins of each axis, a power of two.
 pub(super) const BINS: usize = 16;
 
-/// What is before bin `border` along `axis` goes left.
+/// References before bin `border` along `axis` go left.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Split {
     pub(super) axis: usize,
@@ -47,7 +48,7 @@ impl Mapping {
     }
 }
 
-/// What is in the bins of all axes.
+/// The contents of the bins of all axes.
 #[derive(Clone)]
 pub(super) struct Bins {
     bounds: [[Lanes; BINS]; 3],
@@ -62,7 +63,7 @@ impl Bins {
     pub(super) fn add<S: Simd>(&mut self, simd: S, references: &[Reference], mapping: &Mapping) {
         let origin = f32x4::load_array(simd, mapping.origin);
         let scale = f32x4::load_array(simd, mapping.scale);
-        // Neighbours often share a bin, and one would have to wait for the other: both halves take turns.
+        // Neighbours often share a bin, and one would have to wait for the other: the two halves alternate.
         let (front, back) = references.split_at(references.len() / 2);
         for (a, b) in front.iter().zip(back) {
             self.put(simd, a, origin, scale);
@@ -86,7 +87,7 @@ impl Bins {
         }
     }
 
-    /// Adds what is in `other`.
+    /// Adds the contents of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         for axis in 0..3 {
             for bin in 0..BINS {
@@ -122,8 +123,8 @@ impl Bins {
     }
 }
 
-/// Looks for a border along `axis` that is cheaper than `best`. What begins before the border is on its left, what ends
-/// behind it is on its right; both together may be `most`.
+/// Searches for a border along `axis` that is cheaper than `best`. References that begin before the border
+/// are on its left, those that end behind it on its right; both together may be `most`.
 #[inline(always)]
 pub(super) fn scan<S: Simd>(
     simd: S,

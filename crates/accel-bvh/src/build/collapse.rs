@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Makes nodes of eight children from a binary tree, at the least cost that it allows.
-//! Source: [YKL17] section 3.1: for each node, from the leaves to the root, what it costs in so many places at most.
+//! Makes nodes of eight children from a binary tree, at the least possible cost.
+//! Source: [YKL17] section 3.1: for each node, from the leaves to the root, its least cost in a limited
+//! number of slots.
 //! Invariant: no node is deeper than [`DEEPEST`], or there is no tree. Tests: `super::tests`.
 
 use gnurt_simd::prefer_huge_pages;
@@ -11,10 +12,10 @@ use super::task_pool::TaskPool;
 use crate::node::{Child, Node8, WIDTH};
 use crate::tree::{DEEPEST, Tree};
 
-/// Nodes of this depth and what is below them are made by one thread.
+/// Nodes of this depth and their subtrees are made by one thread.
 const SINGLE_DEPTH: usize = 3;
 
-/// A node to be made of `node`, to hang at `lane` of node `parent`.
+/// A pending node, made of `from`, at `lane` of node `parent`.
 #[derive(Clone, Copy)]
 struct Pending {
     from: usize,
@@ -23,21 +24,21 @@ struct Pending {
     depth: usize,
 }
 
-/// What wide nodes are made from.
+/// The input of wide nodes.
 struct Source<'a> {
     binary: &'a [BinaryNode],
     made: &'a [Node8],
 }
 
-/// Some nodes and the blocks below them, with places of their own.
+/// Some nodes and the blocks below them, with indices of their own.
 #[derive(Default)]
 struct Piece {
     nodes: Vec<Node8>,
     blocks: Vec<[u32; WIDTH]>,
 }
 
-/// The wide tree; `None` where it would be too deep. `made` are nodes that binary ones stand for. Nodes come in the order of a walk that takes first children first,
-/// whoever made them.
+/// The wide tree; `None` if it would be too deep. `made` are the finished subtrees of binary leaves. Nodes
+/// are in depth-first order, first children first, independent of threads.
 pub(super) fn collapse(binary: &[BinaryNode], made: &[Node8], tasks: TaskPool) -> Option<Tree> {
     let source = Source { binary, made };
     let root = binary.last()?;
@@ -54,7 +55,7 @@ pub(super) fn collapse(binary: &[BinaryNode], made: &[Node8], tasks: TaskPool) -
         let mut piece = Piece::default();
         let from = waiting.len();
         piece.add(&source, next, &mut waiting);
-        // Parents of what is below are places among the parts, as long as these have none.
+        // Parents of pending subtrees are indices of the parts, as long as these have none.
         waiting[from..].iter_mut().for_each(|below| below.parent = parts.len());
         parts.push((next, Some(piece)));
     }
@@ -123,7 +124,7 @@ impl Piece {
         Some(piece)
     }
 
-    /// Makes a node and its leaves; what else is below it goes to `waiting`, the first child on top.
+    /// Makes a node and its leaves; its other subtrees go to `waiting`, the first child on top.
     fn add(
         &mut self,
         &Source { binary, made }: &Source,
@@ -152,8 +153,8 @@ impl Piece {
     }
 }
 
-/// Puts children in order, those that rays without an order should visit first last: leaves, where a ray may end, after what
-/// only leads to them, and large ones, which more rays meet, after small ones.
+/// Orders children for rays without an order, the first to visit last: leaves, where a ray may end, after
+/// inner nodes, and large ones, which more rays hit, after small ones.
 fn by_priority(binary: &[BinaryNode], children: &mut [usize]) {
     let priority = |child: usize| {
         let node = &binary[child];
@@ -174,7 +175,7 @@ fn by_priority(binary: &[BinaryNode], children: &mut [usize]) {
 /// The nodes that become children of the node made of `node`, and how many they are.
 fn open(binary: &[BinaryNode], from: usize) -> ([usize; WIDTH], usize) {
     let (mut children, mut count) = ([0; WIDTH], 0);
-    // What is not yet opened, with the places that it may take; these are eight in all.
+    // Unopened nodes, with their numbers of slots, eight in total.
     let (mut closed, mut left) = ([(from, WIDTH); WIDTH], 1);
     while left > 0 {
         left -= 1;

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What nodes of eight children will cost, made from a binary tree. Source: [YKL17] section 3.1: for each node of the binary
-//! tree, from the leaves to the root, what it costs in so many places at most. Tests: `super::tests`.
+//! Expected costs of nodes of eight children, made from a binary tree. Source: [YKL17] section 3.1: for each
+//! node of the binary tree, from the leaves to the root, its least cost in a limited number of slots. Tests:
+//! `super::tests`.
 
 use crate::node::WIDTH;
 
 /// Cost of a step through a node, in blocks.
 const NODE: f32 = 1.0;
 
-/// Least costs of what represents a node in at most 1, 2 ... 7 places of a node; the first element is not used.
+/// Least costs of a node's representation in at most 1, 2 ... 7 slots of a wide node; the first element is
+/// not used.
 pub(super) type Costs = [f32; WIDTH];
 
-/// Of so many places, those for the left child; 0 where one place less does as well. With 8 it is the node made of the node
-/// itself that has them.
+/// For each number of slots, the left child's; 0 if one slot less has the same cost. With 8 it is the node
+/// made of the node itself that has them.
 pub(super) type Shares = [u8; WIDTH + 1];
 
 /// Costs of a leaf of one block, given half its surface.
@@ -24,7 +26,7 @@ pub(super) fn made_costs(area: f32, below: f32) -> Costs {
     [NODE * area + below; WIDTH]
 }
 
-/// Costs of a node with two children, given half its surface, and how they share its places.
+/// Costs of a node with two children, given half its surface, and the division of its slots.
 pub(super) fn inner_costs(area: f32, left: &Costs, right: &Costs) -> (Costs, Shares) {
     let (mut costs, mut shares) = ([f32::INFINITY; WIDTH], [0; WIDTH + 1]);
     for slots in (2..=WIDTH).rev() {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Primitives in the order of a space-filling curve, eight to a leaf block, blocks that lie near each other in clusters of at
 //! most eight: the lower levels of a tree are a matter of comparing bits.
-//! Source: [PL10] section 3 for codes and how they part primitives. Differs: cells are cubes, whatever the shape of the whole;
-//! where one cell holds more than a cluster, its primitives get codes of their own, so that details much smaller than a
-//! scene are parted as well. Cost: O(n).
-//! In: middles of boxes. Out: numbers of primitives, block by block.
+//! Source: [PL10] section 3 for codes and how they part primitives. Differs: cells are cubes, for any shape
+//! of the whole. If one cell holds more than a cluster, its primitives get codes of their own, so that
+//! details much smaller than a scene are separated as well. Cost: O(n). In: middles of boxes. Out: numbers of
+//! primitives, block by block.
 //! Invariant: each primitive is in one block; threads do not matter. Tests: `tests`.
 
 use gnurt_accel_core::{Aabb, INVALID_ID};
@@ -16,7 +16,7 @@ use super::task_pool::TaskPool;
 use crate::node::WIDTH;
 use crate::pools::transposed;
 
-/// Most primitives of a cluster: what fits the blocks of a node.
+/// The largest number of primitives of a cluster: the capacity of a node's blocks.
 const CLUSTER: usize = WIDTH * WIDTH;
 
 /// Ranges of more primitives are cut by several threads. Tests have small scenes.

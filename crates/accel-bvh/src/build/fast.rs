@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The fast way: leaf blocks and the lowest nodes come from a curve through all primitives, without a binary tree; only the levels
-//! above these nodes are built by the heuristic.
+//! The fast builder: leaf blocks and the lowest nodes come from a curve through all primitives, without a
+//! binary tree; only the levels above these nodes are built by the heuristic.
 //! Source: [PL10] section 3 for the lower levels ([`Curve`]), [Wald07] for the upper ones. Cost: O(n), for the heuristic sees a
 //! fiftieth of the primitives.
 //! In: a curve, and the boxes of its blocks. Out: nodes; a leaf is a block of the curve.
@@ -18,7 +18,7 @@ use super::task_pool::TaskPool;
 use crate::node::{Child, Node8, WIDTH};
 use crate::tree::{DEEPEST, Tree};
 
-/// From this depth on the tree over the clusters is divided by number alone,
+/// From this depth on the tree over the clusters is divided by number only,
 const BY_NUMBER: usize = 48;
 
 /// and from this one where it became too deep: 2^27 blocks are reached after as many levels, and below them is a node.
@@ -27,7 +27,7 @@ const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
 /// Clusters are not split.
 const NOTHING: &[Aabb] = &[];
 
-/// What of a tree is there before the heuristic starts.
+/// The part of a tree that exists before the heuristic starts.
 struct Made {
     nodes: Vec<Node8>,
     clusters: Vec<Cluster>,
@@ -49,7 +49,7 @@ pub(super) fn over_curve(tasks: TaskPool, curve: &Curve, boxes: &[Lanes]) -> Res
     let above = |by_number| {
         let mut references = references.clone();
         let binary = Careful::over(&clusters, &NOTHING, tasks, &root, by_number).build(&mut references, root);
-        // What was stopped is no tree.
+        // A stopped build gives no tree.
         if tasks.watch.go_on() { collapse(&binary, &nodes, tasks) } else { None }
     };
     let tree = above(BY_NUMBER).or_else(|| above(BY_NUMBER_WHEN_DEEP));
@@ -85,8 +85,8 @@ fn lowest(tasks: TaskPool, curve: &Curve, boxes: &[Lanes]) -> Made {
     made
 }
 
-/// A node over leaves of one block each, the first of which is block `first`: those that rays without an order should visit
-/// first are last, the large ones. Its box, and the surfaces of the leaves together.
+/// A node over leaves of one block each, the first of which is block `first`: large ones are last, so that
+/// rays without an order visit them first. Its box, and the surfaces of the leaves together.
 fn node_over(boxes: &[Lanes], first: usize, scale: f32) -> (Node8, Lanes, f32) {
     let mut order = [(0.0, 0); WIDTH];
     let (mut whole, mut below) = (Lanes::EMPTY, 0.0);

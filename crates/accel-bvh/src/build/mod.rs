@@ -42,13 +42,13 @@ use reinsert::{QUICK, THOROUGH, reinsert};
 use stages::Stages;
 use task_pool::TaskPool;
 
-/// From this depth on a binary tree is divided by number alone.
+/// From this depth on a binary tree is divided by number only.
 const BY_NUMBER: usize = 64;
 
 /// As above, where the wide tree became too deep: with 2^30 primitives halves of halves reach blocks after 28 more levels.
 const BY_NUMBER_WHEN_DEEP: usize = DEEPEST - 28;
 
-/// A tree with parts of primitives has to be so much cheaper, since it is larger.
+/// A tree with spatial splits must be cheaper by this factor, because it is larger.
 const WORTH_PARTS: f32 = 0.99;
 
 /// Builds over all primitives, uncontrolled.
@@ -63,7 +63,8 @@ pub(crate) fn build(
     try_build(primitives, Vec::new(), quality, threads, &Watch::new(&()))
 }
 
-/// The same under control; with references where they are there already, which are counted from here on. What the tree takes stays counted.
+/// The same under control; with references where they are there already, which are counted from here on. The
+/// tree's memory stays counted.
 pub(crate) fn try_build(
     primitives: &impl Primitives,
     references: Vec<Reference>,
@@ -88,7 +89,7 @@ fn build_with(
     if quality == Quality::Fast {
         return build_fast(primitives, parallel, watch);
     }
-    // What cannot be split has no parts.
+    // Primitives that cannot be split have no parts.
     let first = primitives.bounds(0);
     let middle = 0.5 * first.min[0] + 0.5 * first.max[0];
     let try_parts = quality == Quality::High && primitives.split(0, &first, 0, middle).is_some();
@@ -178,7 +179,7 @@ fn build_fast(primitives: &impl Primitives, parallel: bool, watch: &Watch) -> Re
     Ok(build_along_curve(middles, make, parallel, watch)?.0)
 }
 
-/// The fast way; `make` makes something of all leaf blocks, and their boxes.
+/// The fast builder; `make` converts all leaf blocks, and returns their boxes.
 ///
 /// # Errors
 /// That `watch` stopped it, or that there are too many blocks.
@@ -213,7 +214,7 @@ pub(crate) fn build_along_curve<T>(
     Ok((tree, made))
 }
 
-/// Whether leaves can number so many blocks.
+/// Whether leaves can number this many blocks.
 fn within_numbers(blocks: usize) -> Result<(), BuildError> {
     if blocks > Child::MOST_NUMBERS {
         let (blocks, most) = (blocks as u64, Child::MOST_NUMBERS as u64);

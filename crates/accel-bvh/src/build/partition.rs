@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Moves the references of one side of a split to the front, in place and without a branch that depends on them.
-//! Every reference is written to both ends of what is free, and one end moves on. So that there is
-//! always room, some of both ends are held in a buffer, and the next to be moved are taken from the side with less room.
-//! Invariant: the order depends on the references alone. Tests: `tests::each_side_gets_its_own`, `super::tests`.
+//! Every reference is written to both ends of the free range, and one end advances. A buffer holds some
+//! references of both ends, so that there is always space, and the next to be moved come from the side with
+//! less space.
+//! Invariant: the order depends only on the references. Tests: `tests::each_side_gets_its_own`,
+//! `super::tests`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 
@@ -30,7 +32,7 @@ pub(super) struct Parted {
 }
 
 struct Mover<S: Simd> {
-    /// What is free lies from `left` on and before `right`.
+    /// The free range is from `left` to before `right`.
     left: usize,
     right: usize,
     axis: usize,

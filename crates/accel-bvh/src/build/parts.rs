@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Boxes that lie near each other, in parts of limited size, with a tree for each part: what a top tree is made of, so that an
-//! edit makes few of them anew. Parts come of the binned heuristic [Wald07] from the whole on downwards.
-//! Invariant: each box is in one part; threads do not matter. Tests: `boxes::build::tests`.
+//! Adjacent boxes in parts of limited size, with a tree for each part: the pieces of a top tree, of which an
+//! edit rebuilds few. The binned heuristic [Wald07] makes the parts from the whole downwards.
+//! Invariant: each box is in one part; independent of threads. Tests: `boxes::build::tests`.
 
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::{Aabb, BuildError, Quality, Threads};
@@ -26,7 +26,8 @@ pub(crate) struct PartOptions {
     pub(crate) quality: Quality,
 }
 
-/// The trees of all parts, made into something by `make`; empty boxes are in none. Numbers are places in `boxes`.
+/// The trees of all parts, made into something by `make`; empty boxes are in none. Numbers are indices of
+/// `boxes`.
 ///
 /// # Errors
 /// That `watch` stopped it.

@@ -2,7 +2,8 @@
 //! Sorts numbers of 64 bits whose upper halves are codes of 30 bits and whose lower halves ascend: first by the highest bits
 //! into buckets, by all threads, then each bucket by the others, while it is in the cache.
 //! Source: radix sort of [PL10] section 4, from the highest digit on. Cost: O(n).
-//! Invariant: the order is that of the codes, equal ones as they came, whatever the threads. Tests: `tests`.
+//! Invariant: the order is that of the codes, equal ones in their original order, for any threads. Tests:
+//! `tests`.
 
 use rayon::prelude::*;
 
@@ -64,7 +65,7 @@ fn distribute(tasks: TaskPool, entries: &[u64], into: &mut [u64]) -> Vec<usize> 
         true => entries.par_chunks(piece).map(count).collect(),
         false => vec![count(entries)],
     };
-    // Each piece has a place of its own in each bucket.
+    // Each piece has a separate range in each bucket.
     let mut targets: Vec<Vec<&mut [u64]>> = counts.iter().map(|_| Vec::with_capacity(BUCKETS)).collect();
     let mut rest = into;
     for bucket in 0..BUCKETS {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the builder moves about: a box and the number of the primitive that it is of.
+//! The builder's reference: a box and the number of its primitive.
 //! Space: that of the primitives.
 //!
 //! ```text
@@ -7,10 +7,10 @@
 //!       | -x | -y | -z | number | +x | +y | +z | 0 |     least coordinates negated, then the greatest
 //! ```
 //!
-//! Boxes grow by one maximum of eight lanes. Middles (twice the middle, to be exact) are the same twice: negated in the
+//! Boxes grow by one maximum of eight lanes. Centres (exactly, twice the centre) occur twice: negated in the
 //! lower lanes, so that a maximum finds their range.
-//! Invariant: numbers are stored as floats that are neither NaN nor so small that arithmetic on them, which nobody
-//! looks at, takes the slow path of the CPU. Tests: `tests::what_goes_in_comes_out`.
+//! Invariant: numbers are stored as floats that are neither NaN nor denormal, because unused arithmetic on
+//! them would take the slow path of the CPU. Tests: `tests::what_goes_in_comes_out`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 
@@ -46,7 +46,7 @@ impl Lanes {
         Self([x, y, z, f32::from_bits(number + NORMAL), xx, yy, zz, 0.0])
     }
 
-    /// The same box under a number so much greater.
+    /// The same box with a number increased by this.
     #[inline(always)]
     pub(crate) fn moved(&self, by: u32) -> Self {
         let mut moved = *self;

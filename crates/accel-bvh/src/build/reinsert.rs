@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Makes a binary tree cheaper: nodes are taken out and put in again where they add the least surface.
-//! Source: [MB18], with the searches of [BHH13]. Differs: all searches of a round see the tree as it was at its start; then
-//! moves are made one after the other, the most promising first, and each only if the tree as it is by then gets
-//! cheaper. Large nodes are searched for only, fewer in each round: they bring almost all that there is to gain.
+//! Makes a binary tree cheaper: nodes are removed and inserted again where they add the least surface.
+//! Source: [MB18], with the searches of [BHH13]. Differs: all searches of a round see the tree at its start.
+//! Then moves are made in succession, the greatest gain first, and each only if it still makes the tree
+//! cheaper. Only large nodes are searched for, fewer in each round: they bring almost all of the gain.
 //!
 //! ```text
 //!        g              g             a               a
@@ -14,8 +14,9 @@
 //!    saved: area(p), and what boxes from g on upwards lose      added: area(t and x), and what boxes from a on upwards win
 //! ```
 //!
-//! Space: areas are scaled as in `bins`. Invariants: leaves stay as they are and boxes hold what is below; the sum of areas never rises;
-//! no path gets longer than the longest was, or than [`DEEPEST`]; threads do not matter. Tests: `tests`, `super::tests`.
+//! Space: areas are scaled as in `bins`. Invariants: leaves are unchanged and boxes enclose their subtrees;
+//! the sum of areas never rises; no path gets longer than the longest was, or than [`DEEPEST`]; independent
+//! of threads. Tests: `tests`, `super::tests`.
 
 mod cost;
 #[cfg(test)]
@@ -35,20 +36,20 @@ pub(super) const QUICK: &[f32] = &[0.05];
 /// and for those of high quality behind it.
 pub(super) const THOROUGH: &[f32] = &[0.5, 0.25, 0.12];
 
-/// In place of a node that there is not.
+/// Represents an absent node.
 const NONE: u32 = u32::MAX;
 
 /// Searches that are done by one thread. Tests have small scenes.
 const PIECE: usize = if cfg!(test) { 1 << 4 } else { 1 << 10 };
 
-/// Steps of progress for each node that is searched for, one for the search and one for its move; every two nodes take
-/// another step for what is done once. A step is what building over one primitive takes; measured with conference and dragon.
+/// Steps of progress for each search, one for the search and one for its move; every two nodes take another
+/// step for the setup. A step is the time to build over one primitive; measured with conference and dragon.
 const STEPS: usize = 2;
 
-/// One of so many areas is looked at to learn how large the largest are.
+/// One of this many areas is sampled to find the largest ones.
 const SAMPLE: usize = 16;
 
-/// What there is to know of a node while it may move: a cache line.
+/// The state of a node that may move: a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 struct MovableNode {
@@ -57,7 +58,7 @@ struct MovableNode {
     children: [u32; 2],
     /// None of the root.
     parent: u32,
-    /// Nodes on the longest way down; 0 of a leaf.
+    /// Nodes on the longest path down; 0 for a leaf.
     height: u32,
 }
 
@@ -78,8 +79,8 @@ struct MovableTree<'a> {
     tasks: TaskPool<'a>,
 }
 
-/// Improves the tree whose root is the last of `nodes`; returns what the wide tree made of it will cost. Nothing is done once
-/// the build was stopped.
+/// Improves the tree whose root is the last of `nodes`; returns the expected cost of its wide tree. Does
+/// nothing after the build was stopped.
 pub(super) fn reinsert(nodes: &mut [BinaryNode], rounds: &[f32], tasks: TaskPool) -> f32 {
     let bytes = nodes.len() * size_of::<MovableNode>();
     if nodes.is_empty() || !tasks.watch.take(bytes) {
@@ -116,7 +117,7 @@ impl<'a> MovableTree<'a> {
         let movable = |at: usize| {
             let node = &nodes[at];
             let mut bounds = node.bounds;
-            // Nobody looks at these lanes, but small numbers would slow down arithmetic.
+            // These lanes are unused, but denormals would slow down arithmetic.
             (bounds.0[3], bounds.0[7]) = (0.0, 0.0);
             let children =
                 if node.is_leaf() { [NONE; 2] } else { node.children(at).map(|child| child as u32) };
@@ -128,7 +129,7 @@ impl<'a> MovableTree<'a> {
             let children = movables[at].children.into_iter().filter(|&child| child != NONE);
             children.for_each(|child| movables[child as usize].parent = at as u32);
         }
-        // From each leaf upwards, as long as that is the longest way.
+        // From each leaf upwards, while that is the longest path.
         for leaf in 0..movables.len() {
             let (mut at, mut height) = (movables[leaf].parent, 1);
             while movables[leaf].is_leaf() && at != NONE && movables[at as usize].height < height {
@@ -195,8 +196,8 @@ impl<'a> MovableTree<'a> {
         }
     }
 
-    /// The best place for a node. From its parent upwards, what hangs on the other side is searched as long as it may be better
-    /// than what was found; `waiting` is empty before and after.
+    /// The best position for a node. From its parent upwards, the sibling's subtree is searched as long as it
+    /// may beat the best result; `waiting` is empty before and after.
     #[inline(always)]
     fn best_move<S: Simd>(&self, simd: S, node: u32, waiting: &mut Vec<(f32, u32)>) -> Move {
         let scale = self.tasks.scale;
@@ -206,12 +207,12 @@ impl<'a> MovableTree<'a> {
         let mut best = Move { gain: 0.0, node, target: NONE };
         let parent = self.movable(node).parent;
         let sibling = self.movable(parent).other_than(node);
-        // What is saved by boxes up to `above`, and the box of all below it without the node.
+        // The area saved by boxes up to `above`, and the box of its subtree without the node.
         let (mut above, mut other) = (parent, sibling);
         let mut saved = area(simd, bounds_of(parent), scale);
         let mut without = bounds_of(sibling);
         loop {
-            // What is added to boxes above a node, and that node.
+            // The area added to boxes above a node, and that node.
             waiting.push((0.0, other));
             while let Some((added, at)) = waiting.pop() {
                 // It costs at least its own area, wherever it is.
@@ -253,7 +254,7 @@ impl<'a> MovableTree<'a> {
             piece.iter().for_each(|&Move { node, target, .. }| self.try_move(node, target));
             self.tasks.watch.advance(piece.len());
         }
-        // Those that had no good place.
+        // Nodes without a better position.
         self.tasks.watch.advance(searched - moves.len());
     }
 
@@ -285,15 +286,15 @@ impl<'a> MovableTree<'a> {
         }
     }
 
-    /// `child` takes the place of its parent. Returns how much larger areas above are for it.
+    /// `child` replaces its parent. Returns how much larger areas above are for it.
     fn take_out(&mut self, parent: u32, child: u32) -> f64 {
         let above = self.movable(parent).parent;
         self.replace(above, parent, child);
         self.fit(above)
     }
 
-    /// `parent` takes the place of `target`, which hangs below it from now on, as `node` does. Returns how much larger areas
-    /// are for it, that of `parent` included.
+    /// `parent` replaces `target`, which becomes its child, as does `node`. Returns how much larger areas are
+    /// for it, that of `parent` included.
     fn put_in(&mut self, parent: u32, node: u32, target: u32) -> f64 {
         let above = self.movable(target).parent;
         self.replace(above, target, parent);

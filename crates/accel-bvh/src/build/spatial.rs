@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where space is better divided than a set of references: those on a plane are cut in two.
-//! Source: [SFD09] sections 4.1 and 4.2. Differs: counts blocks of eight; no references are put together again.
+//! Spatial splits: space is divided instead of a set of references; those on a plane are cut in two.
+//! Source: [SFD09] sections 4.1 and 4.2. Differs: counts blocks of eight; parts of a reference are never
+//! merged again.
 //! Space: that of the primitives; areas are scaled as in `bins`.
-//! Invariant: the parts of a reference cover what it covered. Tests: `super::tests::parts_cover_the_whole`.
+//! Invariant: the parts of a reference cover its box. Tests: `super::tests::parts_cover_the_whole`.
 
 use gnurt_simd::{Simd, f32x8, prelude::*};
 
@@ -34,10 +35,10 @@ pub(super) struct Grid {
     width: [f32; 3],
 }
 
-/// What is in the slabs of all axes.
+/// The contents of the slabs of all axes.
 #[derive(Clone)]
 pub(super) struct Slabs {
-    /// Around what is seen of references in each slab, taking boxes for what they hold.
+    /// Bounds of the parts of references in each slab, taking boxes for their contents.
     bounds: [[Lanes; BINS]; 3],
     /// References whose first, or last, slab it is.
     begins: [[u32; BINS]; 3],
@@ -112,7 +113,7 @@ impl Slabs {
         }
     }
 
-    /// Adds what is in `other`.
+    /// Adds the contents of `other`.
     pub(super) fn merge(&mut self, other: &Self) {
         for axis in 0..3 {
             for slab in 0..BINS {
@@ -140,7 +141,7 @@ impl Slabs {
 }
 
 impl Plane {
-    /// On which sides a reference is: as it was counted, so that there is room for all parts.
+    /// The sides of a reference, as counted, so that there is space for all parts.
     #[inline]
     fn sides(&self, reference: &Reference) -> [bool; 2] {
         let slab = |x: f32| ((x - self.origin) * self.per_unit) as i32;
@@ -148,8 +149,8 @@ impl Plane {
     }
 }
 
-/// Sorts `references` by `plane`: what is left of it stays in front, others go behind what is in `right`; those on both
-/// sides are cut. Returns how many are left.
+/// Sorts `references` by `plane`: the left ones stay in front, others go to the end of `right`; those on both
+/// sides are cut. Returns the number of left ones.
 pub(super) fn cut(
     primitives: &impl Primitives,
     references: &mut [Reference],
@@ -173,7 +174,7 @@ pub(super) fn cut(
     left
 }
 
-/// What is on either side of a plane; what cannot be cut goes where its middle is.
+/// The parts on either side of a plane; a reference that cannot be cut goes to the side of its centre.
 fn parts(
     primitives: &impl Primitives,
     reference: &Reference,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How a build's work is shared out among its stages, for progress.
-//! A step is what it takes to put one primitive into a tree. Tests: `tests/control.rs`, and `super::reinsert::tests`.
+//! A step is the time to insert one primitive into a tree. Tests: `tests/control.rs`, and
+//! `super::reinsert::tests`.
 
 use super::reinsert::{self, QUICK, THOROUGH};
 use gnurt_accel_core::Quality;
@@ -9,7 +10,7 @@ use gnurt_accel_core::control::Watch;
 /// Nodes of a binary tree over ten primitives, about.
 const NODES_PER_TEN: usize = 3;
 
-/// What a build does one after the other, as progress counts it.
+/// The stages of a build in succession, as progress counts them.
 pub(super) struct Stages<'a> {
     watch: &'a Watch<'a>,
     /// Steps that are done when each is over, the last one first.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Steps of a build that are worth several threads: binning and parting many references.
 //! Pieces that are binned on their own are those of [Wald07]'s parallel build.
-//! Invariant: what is cut where depends on numbers of references, not of threads, so that all build the same tree.
+//! Invariant: cuts depend on numbers of references, never of threads, so that any number of threads builds
+//! the same tree.
 //! Tests: `super::tests`.
 
 use gnurt_simd::{Level, dispatch_two};
@@ -18,7 +19,7 @@ use gnurt_accel_core::threads::extend;
 /// More references than this are binned and parted in pieces. Tests have small scenes.
 const PIECE: usize = if cfg!(test) { 1 << 9 } else { 1 << 15 };
 
-/// Who builds, and how large things are.
+/// Threads of a build, and thresholds of sizes.
 #[derive(Clone, Copy)]
 pub(super) struct TaskPool<'a> {
     pub(super) parallel: bool,
@@ -52,7 +53,7 @@ impl TaskPool<'_> {
         if self.parallel { rayon::join(a, b) } else { (a(), b()) }
     }
 
-    /// Puts `count` values behind what is in `all`.
+    /// Appends `count` values to `all`.
     pub(super) fn extend<T: Send>(
         self,
         all: &mut Vec<T>,
@@ -91,7 +92,7 @@ impl TaskPool<'_> {
         all.par_extend(copies);
     }
 
-    /// What there is to know of `references`: of pieces on their own, then of two neighbours together.
+    /// A fold over `references`: pieces first, then pairs of neighbours.
     pub(super) fn fold<R: Sync, T: Send>(
         self,
         references: &[R],
@@ -118,7 +119,7 @@ impl TaskPool<'_> {
         self.fold(references, &piece, &joint)
     }
 
-    /// What is in the bins.
+    /// The contents of the bins.
     fn bin(self, references: &[Reference], mapping: &Mapping) -> Bins {
         let piece = |piece: &[Reference]| {
             let mut bins = Bins::EMPTY;
@@ -138,7 +139,8 @@ impl TaskPool<'_> {
             let mut buffer = Buffer::EMPTY;
             return dispatch_two!(self.level, simd => partition(simd, references, mapping, split, &mut buffer));
         }
-        // Each half is parted; then what the first has on its right changes places with the second's left.
+        // Each half is partitioned; then the right side of the first half is swapped with the left side of
+        // the second.
         let (first, second) = references.split_at_mut(references.len() / 2);
         let (a, b) =
             self.both(|| self.partition(first, mapping, split), || self.partition(second, mapping, split));
@@ -174,7 +176,7 @@ impl TaskPool<'_> {
         })
     }
 
-    /// Parts `references` by what was found.
+    /// Partitions `references` by a split.
     pub(super) fn part(self, references: &mut [Reference], found: &Found, buffer: &mut Buffer) -> Parted {
         let Found { mapping, split, .. } = found;
         if references.len() > PIECE {
@@ -183,7 +185,7 @@ impl TaskPool<'_> {
         dispatch_two!(self.level, simd => partition(simd, references, mapping, split, buffer))
     }
 
-    /// What is in the slabs.
+    /// The contents of the slabs.
     fn slabs(self, references: &[Reference], grid: &Grid) -> Slabs {
         let piece = |piece: &[Reference]| {
             let mut slabs = Slabs::EMPTY;
@@ -209,8 +211,8 @@ impl TaskPool<'_> {
         dispatch_two!(self.level, simd => slabs.best_plane(simd, &grid, capacity, self.scale))
     }
 
-    /// Cuts `references` by a plane: what is left of it stays in front, `right` takes the others. Returns how many are
-    /// left.
+    /// Cuts `references` by a plane: the left ones stay in front, `right` takes the others. Returns the
+    /// number of left ones.
     pub(super) fn cut(
         self,
         primitives: &impl Primitives,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What must hold of every tree, whatever it is built over.
+//! Properties of every tree, for any input.
 
 use super::*;
 use crate::node::Child;
@@ -30,8 +30,8 @@ fn holds(outer: &Aabb, inner: &Aabb) -> bool {
     (0..3).all(|k| outer.min[k] <= inner.min[k] && outer.max[k] >= inner.max[k])
 }
 
-/// Walks the whole tree: boxes hold what is below, each primitive is in one leaf, nodes and blocks are all used once,
-/// children come after parents.
+/// Visits the whole tree: boxes enclose their subtrees, each primitive is in one leaf, nodes and blocks are
+/// all used once, children come after parents.
 fn check(boxes: &[Aabb], tree: &Tree) {
     if boxes.is_empty() {
         assert_eq!((tree.nodes.len(), tree.blocks.len()), (0, 0), "nothing is built over nothing");
@@ -106,7 +106,7 @@ fn random_boxes_are_all_found() {
     assert!(tree.blocks.len() < 20_000 / 4, "{} blocks are at least half full", tree.blocks.len());
 }
 
-/// Says no when it is asked so often.
+/// Stops after this number of calls.
 struct Patience(std::sync::atomic::AtomicU32);
 
 impl gnurt_accel_core::control::BuildControl for Patience {
@@ -118,7 +118,7 @@ impl gnurt_accel_core::control::BuildControl for Patience {
 #[test]
 fn what_is_stopped_is_no_tree() {
     let all = random_boxes(&mut Random::new(7), 20_000, 0.01);
-    // So many that several threads would build the tree over clusters, too.
+    // Large enough that several threads would build the tree over clusters, too.
     for (quality, boxes) in [(Quality::Fast, &all[..]), (Quality::Medium, &all[..3000])] {
         let mut stopped = 0;
         for no in 1.. {
@@ -166,14 +166,14 @@ fn flat_and_huge_and_tiny_boxes() {
 
 #[test]
 fn piles_stay_shallow() {
-    // Each box is a bit larger than the one before: a split takes few from one end.
+    // Each box is a bit larger than its predecessor: a split takes few from one end.
     let nested = (0..3000).map(|i| 1.05f32.powi(i % 800) * 1e-10);
     check_all(nested.map(|x| Aabb { min: [-x; 3], max: [x; 3] }).collect());
     let row = (0..2000).map(|i| 2.0f32.powi(i % 200 - 100));
     check_all(row.map(|x| Aabb { min: [x, 0.0, 0.0], max: [1.5 * x, x, x] }).collect());
 }
 
-/// Long triangles in all directions: what spatial splits are for.
+/// Long triangles in all directions, which need spatial splits.
 fn needles(random: &mut Random, count: usize) -> Corners {
     let mut needle = || {
         let (from, to, by) = (random.point(), random.point(), random.point());
@@ -254,7 +254,7 @@ fn care_pays() {
 
 #[test]
 fn halves_are_as_good_as_thirds() {
-    // The heuristic finds the two clusters, whatever their sizes.
+    // The heuristic finds the two clusters, for any sizes.
     let mut boxes = random_boxes(&mut Random::new(5), 300, 0.1);
     for bounds in &mut boxes[..100] {
         bounds.min[0] += 50.0;
@@ -266,7 +266,7 @@ fn halves_are_as_good_as_thirds() {
     assert_eq!(near + far, WIDTH, "no child of the root holds some of both");
 }
 
-/// Least cost of a node in so many places of a node, by trying everything; nodes as in `binary`.
+/// Least cost of a node in this many slots of a wide node, by trying everything; nodes as in `binary`.
 fn least_cost(nodes: &[BinaryNode], at: usize, slots: usize) -> f64 {
     let node = &nodes[at];
     let area = node.bounds.bounds().half_area();

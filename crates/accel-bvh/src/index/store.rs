@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A wide BVH's way into a file and back. The format is that of `crate::store`.
-//! Invariant: what is loaded is one tree of nodes in the order of a walk, each block in one leaf, none deeper than a build would put it. Tests: `tests/saved.rs`.
+//! Saving and loading of a wide BVH. The format is that of `crate::store`.
+//! Invariant: a loaded tree has its nodes in depth-first order, each block in one leaf, and no node deeper
+//! than a build would put it. Tests: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 use std::sync::Arc;
@@ -35,7 +36,7 @@ impl StoredRecord for Node8 {
     }
 }
 
-/// A compact node with what is in it, as files have it: steps are floats there.
+/// A compact node with its contents, as files have it: steps are floats there.
 struct Whole(CompactNode, Children);
 
 impl StoredRecord for Whole {
@@ -61,7 +62,7 @@ impl StoredRecord for Whole {
         let (counts, children) = rest.split_at(3 * 2 * WIDTH / 4);
         get_floats(&mut node.origin, origin);
         for (exponent, &step) in node.exponents.iter_mut().zip(step) {
-            // What is no power of two becomes none, which the check finds.
+            // A value other than a power of two becomes zero, which the check finds.
             let is_power = step & !(0xff << 23) == 0;
             *exponent = if is_power { (step >> 23) as u8 } else { 0 };
         }
@@ -74,7 +75,7 @@ impl StoredRecord for Whole {
 impl CompactNode {
     /// Whether planes can be computed.
     pub(crate) fn check(&self) -> Result<(), LoadError> {
-        // At most twice what takes 255 steps from the farthest plane to the farthest on the other side.
+        // At most twice the step that divides the greatest extent by 255.
         let steps = f32::MIN_POSITIVE..=4.0 * FARTHEST_PLANE / 255.0;
         if (0..3).all(|k| steps.contains(&self.step(k))) {
             return Ok(());
@@ -156,18 +157,17 @@ impl BvhIndex {
         Ok(Self { leaves, ..Self::of_tree(tree, TreeStats::default()) })
     }
 
-    /// Whether all that a walk relies on is so, where there are `count` triangles. Then the tree is measured: what a file
-    /// says of its cost is not believed.
+    /// Checks all properties that a traversal relies on, for `count` triangles. Then measures the tree,
+    /// because a cost from a file is not trusted.
     ///
     /// # Errors
-    /// What is not so.
+    /// The violated property.
     pub fn check(&mut self, count: u32) -> Result<(), LoadError> {
         self.leaves.blocks.iter().try_for_each(|block| block.check(count))?;
         self.leaves.pools.check(count)?;
         self.tree.check(self.leaves.count())?;
         let measured = self.tree.measure();
-        // As it was measured when it was built: with the numbers only of what is in the blocks, places that are left over
-        // repeat the first.
+        // As measured at the build: with the numbers of used slots only; spare slots repeat the first.
         let tree_bytes = (self.tree.node_bytes() + size_of::<[u32; WIDTH]>() * self.leaves.count()) as u64;
         let fast = self.leaves.blocks.iter().map(|block| &block.numbers);
         let numbers = fast.chain(self.leaves.pools.blocks.iter().map(|block| &block.numbers));
@@ -190,7 +190,7 @@ impl Tree {
         }
     }
 
-    /// Nodes as they are, without what they are built over.
+    /// The stored nodes, without their primitives.
     pub(crate) fn load(
         reader: &mut Reader<'_, impl Read>,
         memory: Memory,
@@ -212,7 +212,7 @@ impl Tree {
 }
 
 impl Tree {
-    /// Whether all that a walk relies on is so, where leaves are of so many blocks.
+    /// Checks all properties that a traversal relies on, for leaves of this many blocks.
     pub(crate) fn check(&self, blocks: usize) -> Result<(), LoadError> {
         let damaged = |what| Err(LoadError::Damaged(what));
         let count = self.count();

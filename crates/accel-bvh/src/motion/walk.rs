@@ -32,7 +32,7 @@ fn mix_block<S: Simd>(
 }
 
 impl MotionIndex {
-    /// Offers what `ray` meets at its moment; it is sound and regular.
+    /// Offers the hits of `ray` at its time; it is valid and regular.
     #[inline(always)]
     pub(crate) fn search<S: Simd, C: Collect>(
         &self,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What poses of a tree have in common, found in the tree. Space: none.
+//! The common part of a tree's poses, extracted from the tree. Space: none.
 //! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
@@ -16,10 +16,10 @@ use crate::node::WIDTH;
 const NONE: u32 = u32::MAX;
 
 impl BvhIndex {
-    /// What its poses have in common, for geometry with these triangles.
+    /// The common part of its poses, for geometry with these triangles.
     ///
     /// # Errors
-    /// That it is not the geometry that the tree is over.
+    /// The geometry differs from that of the tree.
     pub(super) fn find_structure(&self, surfaces: &Surfaces) -> Result<Structure, RefitError> {
         let tree = &self.tree;
         let children = match tree.is_compact() {

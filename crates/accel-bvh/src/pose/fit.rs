@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Fitting a shared structure to a pose: corners are gathered, boxes follow from the leaves to the root.
+//! Fits a shared structure to a pose: corners are gathered, boxes follow from the leaves to the root.
 //! Source: [WBS06] section 4. Space: object. Cost: O(n), each vertex, block and node once: blocks and
 //! compact nodes by all threads, corners and the boxes of nodes by one.
-//! Invariant: what cannot be traced in the pose is what could not be when the structure was built; else it asks for a build.
+//! Invariant: the untraceable triangles of the pose are those of the structure's build; otherwise it requests
+//! a build.
 //! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
@@ -27,7 +28,7 @@ const PIECE: usize = if cfg!(test) { 1 << 2 } else { 1 << 9 };
 
 impl BvhIndex {
     /// A tree that shares its structure with this one, and holds nothing until it is [refitted](Self::refit) to a pose.
-    /// `surfaces` says which vertices triangles have; it is asked for once.
+    /// `surfaces` gives the vertices of triangles; it is read once.
     ///
     /// # Errors
     /// That triangles have other vertices than when it was built.
@@ -37,7 +38,7 @@ impl BvhIndex {
             (None, Some(structure)) => structure,
             (None, None) => {
                 let structure = Arc::new(self.find_structure(surfaces)?);
-                // Who comes second takes that of the first.
+                // A second thread takes the structure of the first.
                 self.structure.get_or_init(|| structure)
             }
         };
@@ -53,7 +54,7 @@ impl BvhIndex {
         self.leaves.posed.is_some()
     }
 
-    /// Bytes of what it has in common with other poses, if it is one.
+    /// Bytes shared with other poses, if it is one.
     #[must_use]
     pub fn shared_bytes(&self) -> u64 {
         self.leaves.posed.as_ref().map_or(0, |posed| posed.structure.memory_bytes() as u64)
@@ -171,7 +172,7 @@ fn boxes_of_piece<S: Simd>(
     }
 }
 
-/// Boxes around what is below each node, and what a ray that meets the root is expected to do there.
+/// Boxes around each node's subtree, and the expected cost of a ray that hits the root.
 fn boxes_of_nodes(nodes: &[Children], blocks: &[Aabb]) -> (Vec<Aabb>, f32) {
     let mut bounds = vec![Aabb::EMPTY; nodes.len()];
     let mut costs = vec![0.0; nodes.len()];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The leaf blocks of a pose: triangles that it shares, over corners of its own. Space: object.
+//! The leaf blocks of a pose: shared triangles, over its own corners. Space: object.
 //! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
@@ -102,7 +102,7 @@ impl PosedLeaves {
         filling.finish()
     }
 
-    /// Of its own.
+    /// Without shared memory.
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(&self.corners[..])
     }

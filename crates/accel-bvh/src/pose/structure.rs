@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What all poses of an object have in common. Space: none; it knows no coordinates.
-//! Invariant: corners are numbered in the order in which blocks first ask for them, so that a block's lie near each other.
+//! The common part of all poses of an object. Space: none; it holds no coordinates.
+//! Invariant: corners are numbered in the order of their first use by blocks, so that a block's corners are
+//! adjacent.
 //! Tests: `tests/poses.rs` of `gnurt-accel`.
 
 use std::sync::Arc;
@@ -11,11 +12,11 @@ use gnurt_accel_core::surfaces::Surfaces;
 use crate::compact::Children;
 use crate::node::WIDTH;
 
-/// The triangles of a leaf block, whatever the pose.
+/// The triangles of a leaf block, for all poses.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct VertexBlock {
-    /// Corners by their numbers in a pose; places that are left over repeat the first triangle.
+    /// Corners by their numbers in a pose; spare slots repeat the first triangle.
     pub(crate) vertices: [[u32; WIDTH]; 3],
     /// Numbers in the object.
     pub(crate) numbers: [u32; WIDTH],
@@ -26,15 +27,15 @@ pub(crate) struct VertexBlock {
 pub(crate) struct Structure {
     pub(crate) children: Arc<Vec<Children>>,
     pub(crate) blocks: Vec<VertexBlock>,
-    /// Which vertex a corner of a pose is: geometry, and place among its positions.
+    /// The vertex of a pose's corner: geometry, and index among its positions.
     pub(crate) sources: Vec<[u32; 2]>,
     /// Vertices of all triangles and quads, geometry by geometry.
     pub(super) topology: Vec<Vec<u32>>,
-    /// Triangles that are in no block, ascending: those that could not be traced.
+    /// Triangles that are in no block, ascending: untraceable ones.
     pub(crate) strays: Vec<u32>,
     /// Triangles, good and bad.
     pub(crate) count: u64,
-    /// What a ray was expected to do below the root when the tree was built, in steps and blocks.
+    /// The expected cost of a ray below the root at the build, in steps and blocks.
     pub(crate) built: f32,
     /// Of the tree that was built.
     pub(crate) stats: TreeStats,

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Fitting a wide BVH to primitives that have moved: the same nodes and leaves, with other boxes.
+//! Refit of a wide BVH to primitives that have moved: the same nodes and leaves, with other boxes.
 //! Source: [WBS06] section 4. Cost: O(n), each block and each node once, by all threads.
-//! Invariant: hits are those of a tree that is built anew, whatever has become of the boxes. Tests: `tests/refit.rs` of
-//! `gnurt-accel`.
+//! Invariant: hits are those of a new tree, for any boxes. Tests: `tests/refit.rs` of `gnurt-accel`.
 
 mod nodes;
 mod others;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Boxes of nodes from boxes of leaf blocks, from the last node to the root, and what each subtree costs.
+//! Boxes of nodes from boxes of leaf blocks, from the last node to the root, and the cost of each subtree.
 //! Source: [WBS06] section 4; the cost is that of [MB90]. Space: that of the primitives.
-//! Invariant: nodes lie in the order of a walk, so that a subtree is one range of them. Tests: `tests`.
+//! Invariant: nodes are in depth-first order, so that a subtree is one range of them. Tests: `tests`.
 
 use gnurt_accel_core::float::{least, most};
 use gnurt_accel_core::{Aabb, Memory};
@@ -10,21 +10,21 @@ use crate::compact::Children;
 use crate::node::{Child, Node8, WIDTH};
 use crate::tree::Tree;
 
-/// Subtrees of at most so many nodes are fitted by one thread. Tests have small scenes.
+/// Subtrees of at most this many nodes are fitted by one thread. Tests have small scenes.
 const PIECE: usize = if cfg!(test) { 1 << 3 } else { 1 << 8 };
 
 /// Some subtrees side by side.
 struct Subtree<'a> {
     nodes: &'a mut [Node8],
     costs: &'a mut [f32],
-    /// The first node's place in the tree.
+    /// The first node's index in the tree.
     base: usize,
     bounds: Aabb,
 }
 
 impl Tree {
-    /// Fits all nodes, given boxes of the leaf blocks, and returns what the tree costs. Leaves in `costs` what a ray that
-    /// meets a node's box is expected to do below it, in steps and blocks, node by node.
+    /// Fits all nodes, given boxes of the leaf blocks, and returns the cost of the tree. Leaves in `costs`
+    /// the expected cost of a ray that hits a node's box, below it, in steps and blocks, node by node.
     pub(crate) fn refit(&mut self, boxes: &[Aabb], parallel: bool, costs: &mut Vec<f32>) -> f64 {
         costs.clear();
         costs.resize(self.count(), 0.0);
@@ -51,7 +51,7 @@ impl Tree {
         1.0 + costs.first().map_or(0.0, |&cost| f64::from(cost))
     }
 
-    /// What [`refit`](Self::refit) would leave in `costs` if nothing had moved.
+    /// The result of [`refit`](Self::refit) in `costs` without any motion.
     pub(crate) fn costs(&self) -> Vec<f32> {
         let mut costs = vec![0.0; self.count()];
         for at in (0..self.count()).rev() {
@@ -124,7 +124,8 @@ fn side_by_side<T: Send>(all: &mut [T], each: &(impl Fn(&mut T) + Sync)) {
     }
 }
 
-/// The boxes of a node's children, the nodes among which are asked for in order; returns the box around all and the cost.
+/// The boxes of a node's children, the nodes among which are requested in order; returns the box around all
+/// and the cost.
 #[inline(always)]
 fn fit_node(node: &mut Node8, boxes: &[Aabb], mut below: impl FnMut(usize) -> (Aabb, f32)) -> (Aabb, f32) {
     let mut sum = Sum::NONE;
@@ -147,7 +148,7 @@ fn fit_node(node: &mut Node8, boxes: &[Aabb], mut below: impl FnMut(usize) -> (A
     (sum.whole, sum.cost())
 }
 
-/// What is done below a node, times half the surface of boxes.
+/// The cost below a node, times half the surface of boxes.
 pub(crate) struct Sum {
     steps: f64,
     /// Around all.
@@ -192,7 +193,7 @@ mod tests {
     use gnurt_accel_core::{Quality, Threads};
     use gnurt_testkit::Random;
 
-    /// Against the definition: a box holds what is below it, no more.
+    /// Against the definition: a box is the tightest around its subtree.
     #[test]
     fn boxes_are_tight_and_costs_are_measured() {
         let mut random = Random::new(1);

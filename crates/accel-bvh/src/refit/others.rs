@@ -34,7 +34,7 @@ impl<B: Send> Blocked<B> {
     }
 }
 
-/// Whether a tree over so many holds all that is there of the geometries that are `accept`.
+/// Whether a tree over this many primitives holds all those of the accepted geometries.
 fn holds_all(
     held: u64,
     geometries: &[Geometry],
@@ -86,7 +86,7 @@ impl SphereIndex {
 }
 
 impl UserIndex {
-    /// Fits the tree to user geometry that says other boxes than before, or to others with as many primitives.
+    /// Fits the tree to user geometry with new boxes, or to others with the same number of primitives.
     ///
     /// # Errors
     /// That it has to be built again. It is of no use then.

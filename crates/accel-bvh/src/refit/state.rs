@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a tree that is refitted knows besides its nodes and blocks.
+//! State of a refitted tree besides its nodes and blocks.
 
 use gnurt_accel_core::Aabb;
 
-/// What a tree that moves knows besides.
+/// State of a moving tree besides its nodes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Moving {
     /// Triangles, good and bad.
     pub(crate) count: u64,
     /// Triangles that could not be traced when the tree was built, ascending.
     pub(crate) strays: Vec<u32>,
-    /// Blocks, and a triangle in each that cannot for the time being. One that lies in several blocks is here for each.
+    /// Blocks, and a triangle in each that cannot for the time being. One in several blocks occurs for each.
     pub(crate) absent: Vec<(u32, u32)>,
-    /// Boxes of leaf blocks: room.
+    /// Memory for boxes of leaf blocks.
     pub(crate) boxes: Vec<Aabb>,
-    /// What each subtree cost when it was built, and costs now; see [`Tree::refit`](crate::tree::Tree::refit).
+    /// The cost of each subtree at the build, and now; see [`Tree::refit`](crate::tree::Tree::refit).
     pub(crate) built: Vec<f32>,
     pub(crate) costs: Vec<f32>,
 }
@@ -28,7 +28,7 @@ impl Moving {
         numbers
     }
 
-    /// Of what it keeps.
+    /// Of its state.
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(&self.boxes[..]) + size_of_val(&self.built[..]) + size_of_val(&self.costs[..])
     }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Fitting a tree over triangles: corners of all blocks are gathered anew, boxes come with them.
-//! Source: [WBS06] section 4; what becomes of triangles that cannot be traced for a while is original. Space: object.
-//! Invariant: the tree holds what a build would take. A triangle that is bad for a while leaves its block, and comes back;
-//! where one comes that was bad when the tree was built, or a whole block goes, there is no refit.
+//! Refit of a tree over triangles: corners of all blocks are gathered again, boxes come with them.
+//! Source: [WBS06] section 4; the treatment of temporarily untraceable triangles is original. Space: object.
+//! Invariant: the tree holds the triangles that a build would take. A triangle that is bad for a while leaves
+//! its block, and returns. If a triangle becomes good that was bad at the build, or if a whole block becomes
+//! empty, the refit fails.
 //! Tests: `tests/refit.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::TriangleBlock;
@@ -21,11 +22,11 @@ use crate::refit::state::Moving;
 /// Blocks that one thread takes at a time.
 const PIECE: usize = if cfg!(test) { 1 << 2 } else { 1 << 9 };
 
-/// What came of a refit.
+/// The result of a refit.
 pub struct Refitted {
-    /// What cannot be traced, as a build counts it.
+    /// Untraceable primitives, as a build counts them.
     pub bad: BadPrimitives,
-    /// What can.
+    /// Traceable primitives.
     pub primitives: u64,
     /// Whether all triangles are where they were in their blocks.
     pub same_slots: bool,
@@ -148,7 +149,7 @@ impl BvhIndex {
         Ok(())
     }
 
-    /// The same for a compact tree, whose blocks are filled anew.
+    /// The same for a compact tree, whose blocks are filled again.
     fn gather_compact(&mut self, surfaces: &Surfaces, boxes: &mut [Aabb]) -> Result<(), RefitError> {
         let old = std::mem::take(&mut self.leaves);
         let mut filling = Filling::new(old.pools.blocks.len());
@@ -168,7 +169,7 @@ impl BvhIndex {
     }
 }
 
-/// How far ahead indices are asked for, in blocks.
+/// Distance of prefetches of indices, in blocks.
 const AHEAD: usize = 6;
 
 /// Corners and boxes of some blocks; notes those of which some triangle may be bad, counted from `first`.
@@ -195,7 +196,7 @@ fn gather_piece<S: Simd>(
     }
 }
 
-/// What is known before the first refit.
+/// The state before the first refit.
 fn first(index: &BvhIndex, surfaces: &Surfaces) -> Moving {
     let mut is_there = vec![false; surfaces.starts.last().map_or(0, |&end| end as usize)];
     index.numbers(&mut |_, numbers| {

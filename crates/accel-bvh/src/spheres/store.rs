@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Spheres and their tree on their way into a file and back.
-//! The format is that of `crate::store`. Tests: `tests/saved.rs`.
+//! Saving and loading of spheres and their tree. The format is that of `crate::store`. Tests:
+//! `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 
@@ -70,10 +70,10 @@ impl SphereIndex {
         Ok(Self(Blocked::of_parts(tree, blocks)))
     }
 
-    /// Whether all that a walk relies on is so, where there are `count` primitives. Then the tree is measured.
+    /// Checks all properties that a traversal relies on, for `count` primitives. Then the tree is measured.
     ///
     /// # Errors
-    /// What is not so.
+    /// The violated property.
     pub fn check(&mut self, count: u32) -> Result<(), LoadError> {
         if !self.0.blocks.iter().all(|block| block.is_sound(count)) {
             return Err(LoadError::Damaged("a sphere is none"));

@@ -4,7 +4,7 @@
 
 use crate::node::{Child, Node8, WIDTH};
 
-/// Lanes of a node that have a child, and the place of that.
+/// Lanes of a node that have a child, and its index.
 pub(super) fn below(node: &Node8) -> impl Iterator<Item = (usize, usize)> {
     let taken = (0..WIDTH).map(|lane| (lane, node.child(lane))).filter(|(_, child)| *child != Child::NONE);
     taken.map(|(lane, child)| (lane, if child.is_leaf() { child.blocks().start } else { child.index() }))

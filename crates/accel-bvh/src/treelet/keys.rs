@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The nodes of a treelet whose members move while the shutter is open: with other boxes at keys, which are moments evenly spaced
-//! from 0 to 1. A ray mixes those of the two keys next to its moment, so that it meets where a member is, not all of its way.
-//! Boxes that are mixed, not unions, are those of Embree's `AABBNodeMB`. Keys are one more than a power of two
-//! in each treelet, so that one over others has some key at each of theirs.
-//! Space: that of the boxes. Invariant: what lies in all boxes of a member, mixed, lies in those above it, mixed: mixing never
-//! reverses an order. Tests: `tests`, `tests/surfaces/motion.rs` of `gnurt-accel`.
+//! The nodes of a treelet whose members move during an open shutter: with other boxes at keys, which are
+//! times evenly spaced from 0 to 1. A ray interpolates those of the two keys next to its time, so that it
+//! tests a member's position instead of its whole path. Boxes that are interpolated, instead of unions, are
+//! those of Embree's `AABBNodeMB`. Keys are one more than a power of two in each treelet, so that an upper
+//! one has a key at each time of its lower ones.
+//! Space: that of the boxes. Invariant: the interpolated box of a member lies in the interpolated boxes above
+//! it, because interpolation never reverses an order. Tests: `tests`, `tests/surfaces/motion.rs` of
+//! `gnurt-accel`.
 
 use gnurt_accel_core::{Aabb, KeyInterval};
 
@@ -12,7 +14,7 @@ use super::fit::refit;
 use crate::interpolated::{InterpolatedNodes, hide_nothing};
 use crate::node::{Child, Node8, WIDTH};
 
-/// What is at a place at keys, one more than a power of two; `None` of what stands still.
+/// Boxes of a slot at keys, one more than a power of two; `None` for a static one.
 pub type BoxesAt<'a> = &'a (dyn Fn(usize) -> Option<Vec<Aabb>> + Sync);
 
 /// Nodes and blocks at each key.
@@ -27,7 +29,7 @@ pub(crate) struct NodesAtKeys {
 }
 
 impl NodesAtKeys {
-    /// Of nodes whose boxes are around all ways; `None` where no member moves.
+    /// Of nodes whose boxes enclose all paths; `None` if no member moves.
     pub(super) fn new(
         nodes: &[Node8],
         first_block: usize,
@@ -76,14 +78,14 @@ impl NodesAtKeys {
         &self.nodes[key * count..][..count]
     }
 
-    /// The nodes at a moment.
+    /// The nodes at a time.
     #[inline(always)]
     pub(crate) fn interpolated(&self, time: f32) -> InterpolatedNodes<'_> {
         let KeyInterval { key, next, weights } = KeyInterval::of(time, self.keys);
         InterpolatedNodes { from: self.nodes(key), to: self.nodes(next), weights }
     }
 
-    /// Whether a member moves: that at a place of a block, which is counted with the nodes.
+    /// Whether a member of a block moves; the block is counted with the nodes.
     #[inline(always)]
     pub(crate) fn moves(&self, block: usize, child_lane: usize) -> bool {
         self.moving[block - self.first_block] >> child_lane & 1 != 0
@@ -142,7 +144,7 @@ mod tests {
             let time = step as f32 / 64.0;
             let InterpolatedNodes { from, to, weights: [a, b] } = keys.interpolated(time);
             let mix = |from: f32, to: f32| f64::from(a) * f64::from(from) + f64::from(b) * f64::from(to);
-            // From below: what is in the boxes of a node's child is in that child's box.
+            // From below: the boxes in a node's child are within that child's box.
             let boxed = |at: usize, lane: usize| {
                 let (from, to) = (from[at].bounds(lane), to[at].bounds(lane));
                 [0, 1, 2].map(|k| [mix(from.min[k], to.min[k]), mix(from.max[k], to.max[k])])

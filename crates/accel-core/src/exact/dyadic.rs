@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Numbers that are an integer times a power of two, of any size: sums, differences and products are exact.
-//! Schoolbook multiplication. Cost: about a hundred nanoseconds an operation, so this is for what doubles
-//! cannot tell. Invariant: no leading zero words; zero has no word and sign 0. Tests: `tests`.
+//! Schoolbook multiplication. Cost: about a hundred nanoseconds an operation, so this is for cases that
+//! doubles cannot decide. Invariant: no leading zero words; zero has no word and sign 0. Tests: `tests`.
 
 /// `sign * limbs * 2^exponent`, lowest word first.
 #[derive(Clone, Debug)]

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Whether a line crosses a triangle, decided without rounding, and without ties.
-//! Source: the signs of the three edges as in Plücker's coordinates; ties are broken by moving the line as [EM90] move points:
-//! by an amount beyond all numbers along one axis, and by another beyond the first along the next one.
-//! Space: that which is asked about; directions of any length but zero.
+//! Source: the signs of the three edges as in Plücker's coordinates; ties are broken by moving the line as
+//! [EM90] move points: by an infinitesimal along one axis, and by a smaller one along the next.
+//! Space: that of the query; directions of any length but zero.
 //!
-//! A line that is moved for all triangles alike is a line. It passes through no vertex and no edge and lies in no plane of a
-//! triangle, so of triangles that meet in a vertex or an edge it crosses as many as a line beside it: an even number of any
-//! closed surface, wherever the line goes through it, however the surface is cut into triangles, whether they share corners or
-//! only positions. What is compared with the ends of the ray is where the line that was not moved meets the plane.
+//! A line moved equally for all triangles is a line. It passes through no vertex and no edge and lies in no
+//! plane of a triangle. So of triangles that meet in a vertex or an edge it crosses the same number as a
+//! parallel line: an even number of any closed surface. That holds wherever the line goes through it, for any
+//! triangulation, whether triangles share corners or only positions. The ends of the ray are compared with
+//! the intersection of the unmoved line and the plane.
 //!
 //! The sign of an edge from `p` to `q`, on which side the line passes, is that of `dir . ((p - org) x (q - p))`. Doubles decide
 //! it where the value is above the bound of its error; exact numbers do elsewhere.
@@ -54,8 +55,8 @@ impl Line {
         Self { org, dir, near, far, axes: [(last + 1) % 3, (last + 2) % 3, last], size: x + y + z }
     }
 
-    /// Whether the line, moved as the head says, crosses the triangle between its ends; and if so, whether it goes the way
-    /// of the normal `(b - a) x (c - a)`.
+    /// Whether the line, moved as described in the head, crosses the triangle between its ends; and if so,
+    /// whether it goes along the normal `(b - a) x (c - a)`.
     pub fn crosses(&self, triangle: &Triangle) -> Option<bool> {
         let edges = [(1, 2), (2, 0), (0, 1)];
         let mut signs = edges.map(|(i, j)| self.edge(triangle, i, j));
@@ -71,7 +72,7 @@ impl Line {
         if a == 0 || a != b || a != c {
             return None;
         }
-        // In front of the triangle's plane, as seen along the line, lies what comes before it.
+        // Points before the plane along the line are in front of it.
         let is_before = |t: f64| t == f64::NEG_INFINITY || t.is_finite() && a * self.plane(triangle, t) >= 0;
         let is_behind = |t: f64| t == f64::INFINITY || t.is_finite() && a * self.plane(triangle, t) <= 0;
         (is_before(self.near) && is_behind(self.far)).then_some(a > 0)
@@ -91,7 +92,7 @@ impl Line {
         [t.clamp(self.near, self.far), u, weight(cross_of(to_b, from)).min(1.0 - u)]
     }
 
-    /// The sign of an edge if doubles tell.
+    /// The sign of an edge, if doubles decide it.
     fn edge(&self, triangle: &Triangle, i: usize, j: usize) -> i8 {
         let (p, q) = (triangle.near[i], triangle.near[j]);
         let (r, w) = (away(p, self.org), away(q, p));
@@ -103,7 +104,7 @@ impl Line {
         certain(value, self.size * off * 1.01 + f64::MIN_POSITIVE)
     }
 
-    /// The same by exact numbers, never 0 but for an edge along the line.
+    /// The same by exact numbers, never 0 except for an edge along the line.
     #[cold]
     fn edge_exactly(&self, triangle: &Triangle, i: usize, j: usize) -> i8 {
         let moved = |along: usize| sign(&Tilt { line: self, triangle, i, j, along });
@@ -228,7 +229,7 @@ impl Formula for Height<'_> {
     }
 }
 
-/// Which way one turns from edge `i`-`j` to a point, or to the third corner, as seen along axis `k`.
+/// The orientation of edge `i`-`j` and a point, or the third corner, seen along axis `k`.
 struct Orientation<'a> {
     triangle: &'a Triangle<'a>,
     k: usize,

@@ -4,12 +4,12 @@
 
 mod ball;
 mod dyadic;
+mod exact_hit;
 mod line;
-mod meeting;
 mod number;
 mod path;
 
 pub use ball::side_of_sphere;
+pub(crate) use exact_hit::ExactHit;
 pub use line::Line;
-pub(crate) use meeting::ExactMeeting;
 pub use path::{InstancePath, Triangle};

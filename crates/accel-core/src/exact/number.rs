@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arithmetic that is exact or says that it is not: doubles as long as nothing is rounded, then [`Dyadic`] numbers.
-//! Source: [Dek71] for what rounding takes off a sum and a product. Meshes on a grid, where lines do pass through vertices,
-//! need no more than doubles. Tests: `tests::doubles_say_when_they_round`.
+//! Arithmetic that is exact or reports that it is not: doubles until a result is rounded, then [`Dyadic`]
+//! numbers.
+//! Source: [Dek71] for the rounding errors of a sum and a product. Meshes on a grid, where lines do pass
+//! through vertices, need no more than doubles. Tests: `tests::doubles_say_when_they_round`.
 
 use super::dyadic::Dyadic;
 
@@ -14,7 +15,7 @@ pub(super) trait Number: Sized + Clone {
     fn sign(&self) -> i8;
 }
 
-/// Beyond these, what rounding takes off is not a double itself.
+/// Outside of these, the rounding error is not a double itself.
 const LEAST: f64 = 1e-140;
 const GREATEST: f64 = 1e140;
 

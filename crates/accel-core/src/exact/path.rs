@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles where they are in the space that is asked about, through all instances on the way: rounded, with a bound of the
-//! error, and exactly. Spaces: corners come in that of their object and go out in that of the question.
+//! Triangles transformed to the space of the query, through all instances on the path: rounded, with a bound
+//! of the error, and exactly. Spaces: corners come in that of their object and go out in that of the
+//! question.
 //! Tests: `tests/surfaces/crossings.rs`.
 
 use super::number::{Number, V3, of};
 
-/// The maps from an object out to the space that is asked about.
+/// The maps from an object out to the space of the query.
 #[derive(Clone, Copy, Debug)]
 pub struct InstancePath<'a> {
     /// Images of the axes, then of the origin, in the next space outwards.
@@ -14,7 +15,7 @@ pub struct InstancePath<'a> {
     pub outer: Option<&'a InstancePath<'a>>,
 }
 
-/// The unit in the last place of 1, twice what rounding takes off.
+/// The unit in the last place of 1, twice the rounding error.
 pub(super) const UNIT: f64 = f64::EPSILON;
 
 impl InstancePath<'_> {
@@ -50,7 +51,7 @@ impl InstancePath<'_> {
     }
 }
 
-/// A triangle in the space that is asked about.
+/// A triangle in the space of the query.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle<'a> {
     corners: &'a [[f32; 3]; 3],
@@ -62,7 +63,7 @@ pub struct Triangle<'a> {
 }
 
 impl<'a> Triangle<'a> {
-    /// From corners in the space of an object that is at `path`, or in the space that is asked about.
+    /// From corners in the space of an object at `path`, or in the space of the query.
     pub fn new(corners: &'a [[f32; 3]; 3], path: Option<&'a InstancePath<'a>>) -> Self {
         let plain = corners.map(|corner| corner.map(f64::from));
         let (mut near, mut error) = (plain, 0.0f64);

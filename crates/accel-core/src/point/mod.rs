@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The nearest point of a surface to a given point.
-//! What Embree's point queries and parry's point projections are used for.
-//! Spaces: distances are measured in the space of the tree that is asked. Inside of an instance a [`Probe`] carries the
-//! linear map to that space along, so that turned, scaled and sheared instances are all exact; trees are searched in
-//! their own space, by the least factor that lengths grow with.
-//! Invariant: all arithmetic that decides is in double precision; floats only skip what is surely farther. So every
-//! level and structure gives the same answer. Tests: `tests/closest_point.rs`.
+//! The purpose of Embree's point queries and parry's point projections. Spaces: distances are measured in the
+//! space of the queried tree. Inside of an instance a [`Probe`] carries the linear map to that space, so that
+//! rotated, scaled and sheared instances are all exact; trees are searched in their own space, with the least
+//! factor by which lengths grow.
+//! Invariant: all decisive arithmetic is in double precision; floats only skip primitives that are surely
+//! farther. So every level and structure gives the same answer. Tests: `tests/closest_point.rs`.
 
 mod probe;
 mod shapes;
@@ -21,7 +21,7 @@ use crate::nearest::Nearest;
 pub struct PointHit {
     /// How far away it is.
     pub distance: f64,
-    /// Where it is, in the space of the tree that was asked.
+    /// Its position, in the space of the queried tree.
     pub point: [f64; 3],
     /// First parameter on the primitive; see [`Hit`].
     pub u: f32,
@@ -31,19 +31,19 @@ pub struct PointHit {
     pub prim_id: u32,
     /// Geometry within its object, counted from 0.
     pub geom_id: u32,
-    /// Instance within the scene that was asked; 0 where an object's tree is asked directly.
+    /// Instance within the queried scene; 0 for a direct query of an object's tree.
     pub inst_id: u32,
     /// See [`Hit::leaf_id`].
     pub leaf_id: u32,
 }
 
-/// What a search for near points looks for, and what it has found so far. Called through a pointer, so that trees are compiled
-/// once for all of them.
+/// The state of a search for near points. Called through a pointer, so that trees are compiled once for all
+/// of them.
 pub trait NearestPoint {
     /// Nothing farther counts.
     fn distance(&self) -> f64;
-    /// Takes a point of a primitive: the way to it from the given one, in the space of the tree that was asked, and its
-    /// parameters. The same primitive may come several times.
+    /// Takes a point of a primitive: the offset to it from the given one, in the space of the queried tree,
+    /// and its parameters. The same primitive may come several times.
     fn offer(&mut self, offset: [f64; 3], uv: [f64; 2], number: u32, slot: u32);
 }
 
@@ -63,7 +63,7 @@ impl Near {
         Self { distance, offset, uv, number, slot }
     }
 
-    /// What was found near `point`; `resolve` tells the ids.
+    /// The hit near `point`; `resolve` returns the ids.
     pub fn hit(&self, point: [f64; 3], resolve: impl FnOnce(&Nearest) -> Hit) -> PointHit {
         let [u, v] = self.uv.map(|x| x as f32);
         let Hit { u, v, prim_id, geom_id, inst_id, leaf_id, .. } =
@@ -85,7 +85,7 @@ impl ClosestPoint {
         Self { radius, best: None }
     }
 
-    /// What was found near `point`; `resolve` tells the ids.
+    /// The hit near `point`; `resolve` returns the ids.
     pub fn hit(&self, point: [f64; 3], resolve: impl FnOnce(&Nearest) -> Hit) -> Option<PointHit> {
         self.best.map(|best| best.hit(point, resolve))
     }

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A point that looks for the nearest surface, carried into the space of an object.
-//! Eigenvalues by the method of Jacobi [GL13]. Tests: `tests::eigenvectors_span_the_map`,
-//! `tests/closest_point.rs`.
+//! The point of a nearest-point query, transformed into the space of an object. Eigenvalues by the method of
+//! Jacobi [GL13]. Tests: `tests::eigenvectors_span_the_map`, `tests/closest_point.rs`.
 
-/// A point and the way back to the space in which distances count.
+/// A point and the map back to the space in which distances count.
 #[derive(Clone, Copy, Debug)]
 pub struct Probe {
     /// In the space of the tree that is searched.
     pub point: [f64; 3],
     /// Images of that space's axes where distances count.
     pub axes: [[f64; 3]; 3],
-    /// Lengths grow by at least this factor on the way back.
+    /// Lengths grow by at least this factor in the map back.
     pub least_growth: f64,
     /// Which masks it sees.
     pub mask: u32,
@@ -27,7 +26,7 @@ impl Probe {
     pub fn inside(&self, point: [f64; 3], axes: &[[f64; 3]; 3]) -> Self {
         let axes = axes.map(|axis| self.vector(axis));
         let (values, _) = eigen(&square(&axes));
-        // What the method leaves of the greatest one in the least is taken off.
+        // Subtracts the possible error of the method, relative to the greatest value.
         let least = values[0] - 1e-14 * values[2];
         Self { point, axes, least_growth: least.max(0.0).sqrt() * (1.0 - 1e-12), mask: self.mask }
     }
@@ -38,7 +37,7 @@ impl Probe {
         [0, 1, 2].map(|k| x[k] * v[0] + y[k] * v[1] + z[k] * v[2])
     }
 
-    /// The way from the probe to a point of the searched space, where distances count.
+    /// The offset from the probe to a point of the searched space, where distances count.
     pub fn offset(&self, to: [f64; 3]) -> [f64; 3] {
         self.vector([0, 1, 2].map(|k| to[k] - self.point[k]))
     }
@@ -58,7 +57,7 @@ pub(super) fn square(axes: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
 pub(super) fn eigen(matrix: &[[f64; 3]; 3]) -> ([f64; 3], [[f64; 3]; 3]) {
     let mut m = *matrix;
     let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    // Each sweep squares what is left beside the diagonal.
+    // Each sweep squares the remaining off-diagonal elements.
     for _ in 0..12 {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             if m[p][q] == 0.0 {

@@ -48,11 +48,12 @@ pub fn on_triangle([a, b, c]: [[f64; 3]; 3]) -> ([f64; 3], [f64; 2]) {
     at(vb / sum, vc / sum)
 }
 
-/// The way from the probe to the nearest point of a sphere of the searched space, where distances count: there the
-/// sphere may be an ellipsoid.
+/// The offset from the probe to the nearest point of a sphere of the searched space, where distances count:
+/// there the sphere may be an ellipsoid.
 ///
-/// With `y` from the centre to the point sought and `w` to the probe, `|axes * (y - w)|` is least under `|y| = r` where
-/// `(M - l) y = M w` for `M = axes^T axes` and the one `l` below all eigenvalues of `M` that gives `y` its length.
+/// With `y` from the centre to the target point and `w` to the probe, `|axes * (y - w)|` is least under `|y|
+/// = r` where `(M - l) y = M w`. Here `M = axes^T axes`, and `l` is the one value below all eigenvalues of
+/// `M` that gives `y` its length.
 pub fn on_sphere(probe: &Probe, center: [f64; 3], radius: f64) -> [f64; 3] {
     let from_center = minus(probe.point, center);
     let (m, vectors) = eigen(&square(&probe.axes));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Blocks of triangles on their way into a file and back. The format is that of [`super`].
+//! Saving and loading of blocks of triangles. The format is that of [`super`].
 //! Tests: `tests/saved.rs` of `gnurt-accel`.
 
 use super::data::{StoredRecord, get_floats, put_floats};
@@ -35,19 +35,19 @@ impl TriangleBlock {
     }
 }
 
-/// Whether these can be what a block holds.
+/// Whether these can be the numbers of a block.
 ///
 /// # Errors
-/// That they cannot.
+/// They are invalid.
 pub fn check_numbers(numbers: &[u32; WIDTH], count: u32) -> Result<(), LoadError> {
     let all = numbers.iter().all(|&number| number < count);
     if all { Ok(()) } else { Err(LoadError::Damaged("a block names a triangle that does not exist")) }
 }
 
-/// Whether these can be what a block holds.
+/// Whether these can be the corners of a block.
 ///
 /// # Errors
-/// That they cannot.
+/// They are invalid.
 pub fn check_corners(corners: &[f32]) -> Result<(), LoadError> {
     // The greatest as bits, which NaN is as well.
     let greatest = corners.iter().fold(0, |most, x| most.max(x.abs().to_bits()));

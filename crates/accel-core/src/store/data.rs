@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What files of trees are made of: words of 32 bits, and a sum over them.
+//! The elements of tree files: words of 32 bits, and a checksum over them.
 //! Tests: `tests/saved.rs` of `gnurt-accel`.
 
 /// The first two words of a file.
 pub(super) const MAGIC: [u32; 2] = [u32::from_le_bytes(*b"GNUR"), u32::from_le_bytes(*b"TACC")];
 
-/// What is written. To be raised with every change of what any list of any kind holds.
+/// The version of the format. Increase it with every change of the contents of any list of any kind.
 pub(super) const VERSION: u32 = 1;
 
 /// Words that are read and written at a time.
 pub(super) const PIECE: usize = 1 << 14;
 
-/// What a list consists of.
+/// A record of a list.
 pub trait StoredRecord: Sized {
     /// How many words one takes.
     const LENGTH: usize;
     /// Writes all of them.
     fn put(&self, data: &mut [u32]);
-    /// From so many words, whatever they are.
+    /// From this many words, of any contents.
     fn get(data: &[u32]) -> Self;
 }
 

@@ -12,13 +12,13 @@ pub enum LoadError {
     Io(io::Error),
     /// It does not start as a tree does.
     NotATree,
-    /// It is of a version that this crate does not know: the tree is to be built again.
+    /// A version that this crate does not support: the tree must be built again.
     Version(u32),
     /// It ends too early.
     Truncated,
-    /// Its checksum is not that of what it holds.
+    /// Its checksum does not match its contents.
     Checksum,
-    /// What it holds is no tree that could have been built; the text says what is wrong.
+    /// Its contents are no tree that could have been built; the text names the fault.
     Damaged(&'static str),
     /// The crate was built without the feature of this name, which its structure needs.
     MissingFeature(&'static str),
@@ -28,13 +28,9 @@ impl fmt::Display for LoadError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Io(error) => write!(f, "a saved tree cannot be read: {error}"),
-            Self::NotATree => f.write_str("this is no saved tree"),
+            Self::NotATree => f.write_str("not a saved tree"),
             Self::Version(version) => {
-                write!(
-                    f,
-                    "a saved tree of version {version}, but only version {} is known",
-                    super::data::VERSION
-                )
+                write!(f, "unsupported version {version} of a saved tree; valid is {}", super::data::VERSION)
             }
             Self::Truncated => f.write_str("a saved tree ends too early"),
             Self::Checksum => f.write_str("a saved tree does not have the checksum that it should have"),

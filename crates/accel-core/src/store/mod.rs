@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Built trees in files: what `ObjectTree::save` writes and `ObjectTree::load` accepts.
+//! Built trees in files, written by `ObjectTree::save` and read by `ObjectTree::load`.
 //!
 //! ```text
 //! "GNURTACC" | version | 0                                                        two data, one, one
@@ -14,12 +14,13 @@
 //! checksum                                                                        a number
 //! ```
 //!
-//! All is made of words of 32 bits, lowest byte first on every machine. A number is two words, lower one first; a list
-//! is the number of its records, then the records, word for word as in memory.
-//! Cost: that of copying, and one look at each record.
-//! Invariant: nothing is allocated for records that have not arrived, and a tree is handed out only if no walk through
-//! it can leave its arrays, its stack, or go on for longer than its size explains. Whether boxes hold what is below
-//! them is not looked at: against accidents there is the checksum, and a file made with bad intent gives wrong hits.
+//! Everything consists of words of 32 bits, lowest byte first on every machine. A number is two words, lower
+//! one first; a list is the number of its records, then the records, word for word as in memory. Cost: that
+//! of copying, and one check of each record.
+//! Invariant: nothing is allocated for records that have not arrived, and a tree is returned only if no
+//! traversal can leave its arrays or its stack, or run longer than its size explains. Boxes are not compared
+//! with their contents: the checksum finds accidental damage, and a file made with bad intent gives wrong
+//! hits.
 //! Tests: `tests/saved.rs`, and the fuzz target `accel_tree`.
 
 pub mod blocks;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Words on their way in.
-//! Invariant: memory grows with what has been read, never with what a file says that is to come.
+//! Words read from a file.
+//! Invariant: memory grows with the bytes read so far, never with a count in a file.
 //! Tests: `tests/saved.rs`.
 
 use std::io::Read;
@@ -12,7 +12,7 @@ use super::error::LoadError;
 use crate::aabb::Aabb;
 use crate::geometry::FARTHEST_PLANE;
 
-/// Reads from `from`, piece by piece, and sums up what was read.
+/// Reads from `from`, piece by piece, and updates the checksum.
 pub struct Reader<'a, R> {
     from: &'a mut R,
     sum: Checksum,
@@ -49,7 +49,7 @@ impl<'a, R: Read> Reader<'a, R> {
         Ok(u64::from(data[0]) | u64::from(data[1]) << 32)
     }
 
-    /// A box that is empty, or has finite sides the right way round.
+    /// A box that is empty, or has finite ordered sides.
     pub fn bounds(&mut self) -> Result<Aabb, LoadError> {
         let mut sides = [0.0; 6];
         get_floats(&mut sides, self.data(6)?);
@@ -58,10 +58,10 @@ impl<'a, R: Read> Reader<'a, R> {
         if bounds == Aabb::EMPTY || is_sound(&bounds) {
             return Ok(bounds);
         }
-        Err(LoadError::Damaged("its bounds are no box"))
+        Err(LoadError::Damaged("its bounds are invalid"))
     }
 
-    /// A list of at most so many records.
+    /// A list of at most this many records.
     pub fn list<T: StoredRecord>(&mut self, most: usize) -> Result<Vec<T>, LoadError> {
         let count = self.number()?;
         if count > most as u64 {
@@ -74,7 +74,7 @@ impl<'a, R: Read> Reader<'a, R> {
             let now = at_once.min(count - records.len());
             let data = self.data(now * T::LENGTH)?;
             if records.capacity() < records.len() + now {
-                // Twice as much as there is, but for the last time.
+                // Twice the existing number, except for the last time.
                 let additional = (2 * records.len()).max(now).min(count) - records.len();
                 records.reserve_exact(additional);
                 prefer_huge_pages(&records);
@@ -91,7 +91,7 @@ impl<'a, R: Read> Reader<'a, R> {
     }
 }
 
-/// Whether a box is not empty and its planes are what a build may make.
+/// Whether a box is not empty and its planes are within the range of a build.
 pub fn is_sound(bounds: &Aabb) -> bool {
     (0..3).all(|k| {
         -FARTHEST_PLANE <= bounds.min[k] && bounds.min[k] <= bounds.max[k] && bounds.max[k] <= FARTHEST_PLANE

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Words on their way out. Tests: `tests/saved.rs`.
+//! Words written to a file. Tests: `tests/saved.rs`.
 
 use std::io::{self, Write};
 
 use super::data::{Checksum, MAGIC, PIECE, StoredRecord, VERSION};
 use crate::aabb::Aabb;
 
-/// Writes to `to`, piece by piece, and sums up what was written.
+/// Writes to `to`, piece by piece, and updates the checksum.
 pub struct Writer<'a, W> {
     to: &'a mut W,
     sum: Checksum,

@@ -8,7 +8,7 @@ use gnurt_simd::{Simd, SimdFloat, f32x16, prelude::*};
 
 use super::precise::in_double_lanes;
 use super::triangle_hit::TriangleHit;
-use super::watertight::{DOUBTFUL, HUGE, LoneRay, SURELY, TINY};
+use super::watertight::{DOUBTFUL, HUGE, SURELY, SingleRay, TINY};
 
 /// Floats in lanes.
 pub trait Lanes<S: Simd>: SimdFloat<S, Element = f32> {}
@@ -24,7 +24,7 @@ pub struct TriangleHits<S: Simd, V: Lanes<S>> {
     pub hit: V::Mask,
 }
 
-/// Lanes that pass all three edges, and what that took.
+/// Lanes that pass all three edges, and their edge values.
 #[derive(Clone, Copy)]
 pub struct Edges<S: Simd, V: Lanes<S>> {
     depth: [V; 3],
@@ -59,8 +59,9 @@ pub fn relative_to<S: Simd, V: Lanes<S>>([a, b, c]: [[V; 3]; 3], org: &[V; 3]) -
     ]
 }
 
-/// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers look at `inside`
-/// before they go on to `Edges::reach`: a test that returned all at once would be merged from two ways by copies.
+/// The first half of the test: on which side of the edges rays pass. Most lanes end here, so callers test
+/// `inside` before they continue with `Edges::reach`: a test that returned all at once would merge two paths
+/// by copies.
 ///
 /// `corners` have their coordinates along the axes of the sheared space, [relative](relative_to) to the origins.
 #[inline(always)]
@@ -71,8 +72,8 @@ pub fn pass_edges<S: Simd, V: Lanes<S>>(simd: S, [a, b, c]: [[V; 3]; 3], shear: 
     let w0 = px[2] * py[1] - py[2] * px[1];
     let w1 = px[0] * py[2] - py[0] * px[2];
     let w2 = px[1] * py[0] - py[1] * px[0];
-    // Least and greatest of the three: two operations each where signs would take five. A NaN on the way may be lost
-    // or kept; lanes with one are not certain below.
+    // Least and greatest of the three: two operations each where signs would take five. A NaN may be lost or
+    // kept; lanes with one are not certain below.
     let least = w0.min(w1).min(w2);
     let most = w0.max(w1).max(w2);
     let zero = V::splat(simd, 0.0);
@@ -93,8 +94,8 @@ impl<S: Simd, V: Lanes<S>> Edges<S, V> {
 }
 
 impl<S: Simd, V: Lanes<S>> Reached<S, V> {
-    /// The last part, by floats: where the lanes meet the triangles; and the lanes that floats cannot decide, which are for
-    /// [`meet_single`]. Whoever asks where goes on to [`Reached::doubtful`].
+    /// The last part, in floats: the lanes' hits; and the lanes that floats cannot decide, which are for
+    /// [`meet_single`]. Callers that need the exact position continue with [`Reached::doubtful`].
     #[inline(always)]
     pub fn meet(&self, simd: S) -> (TriangleHits<S, V>, V::Mask) {
         let Self { edges: Edges { w: [w0, w1, w2], .. }, ts, first, last, t_near, t_far, lanes, .. } = *self;
@@ -136,18 +137,18 @@ impl<S: Simd, V: Lanes<S>> Reached<S, V> {
 #[inline(never)]
 pub fn meet_single(
     corners: &[[f32; 3]; 3],
-    ray: &LoneRay,
-    asks_where: bool,
+    ray: &SingleRay,
+    needs_position: bool,
     t_near: f32,
     t_far: f32,
 ) -> Option<TriangleHit> {
-    ray.meet(corners, asks_where, t_near, t_far)
+    ray.meet(corners, needs_position, t_near, t_far)
 }
 
-/// One lane of those that are doubtful (`Reached::doubtful`): it passes inside.
+/// One lane of the doubtful ones (`Reached::doubtful`): it passes inside.
 #[cold]
 #[inline(never)]
-pub fn meet_inside(corners: &[[f32; 3]; 3], ray: &LoneRay, t_near: f32, t_far: f32) -> Option<TriangleHit> {
+pub fn meet_inside(corners: &[[f32; 3]; 3], ray: &SingleRay, t_near: f32, t_far: f32) -> Option<TriangleHit> {
     ray.meet_inside(corners, t_near, t_far)
 }
 

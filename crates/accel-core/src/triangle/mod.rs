@@ -11,4 +11,4 @@ mod watertight;
 
 pub use lanes::{TriangleHits, meet_inside, meet_inside_in_lanes, meet_single, pass_edges, relative_to};
 pub use triangle_hit::TriangleHit;
-pub use watertight::{LoneRay, Sheared, ShearedRay, axes_from, shear};
+pub use watertight::{Sheared, ShearedRay, SingleRay, axes_from, shear};

@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where a ray that passes inside of a triangle meets it, from what is not rounded: in double precision, and in exact
-//! arithmetic where that is not enough either (slivers a ten-millionth as wide as they are long, seen edge on from close by).
+//! The exact intersection of a ray with a triangle that it passes inside of, from unrounded input: in double
+//! precision, or in exact arithmetic where that is insufficient. An example is a sliver a ten-millionth as
+//! wide as it is long, seen edge on from close by.
 //! Source: [WBW13] without the division: sheared positions times the ray's longest component; [She97] for the plan.
-//! Space: along the axes of the sheared space. Invariant: `t` is off by 2^-21 of itself at most. A ray that floats let pass
-//! inside, though it passes beside the triangle, meets it at its edge: weights of the wrong sign are none.
-//! In sixteen lanes it is done with the same bits. Tests: `tests`, `tests/parameters.rs` of `gnurt-accel`.
+//! Space: along the axes of the sheared space. Invariant: the relative error of `t` is at most 2^-21. A ray
+//! that passes the float test although it misses the triangle hits it at its edge: weights of the wrong sign
+//! become zero. Sixteen lanes give the same bits. Tests: `tests`, `tests/parameters.rs` of `gnurt-accel`.
 
 use gnurt_simd::{Simd, f32x16, f64x8, prelude::*};
 
-use crate::exact::ExactMeeting;
+use crate::exact::ExactHit;
 
 /// A triangle and a ray before anything is rounded, along the axes of the sheared space.
 pub(super) struct Corners {
@@ -25,14 +26,14 @@ pub(super) struct Weighed {
     pub(super) v: f64,
 }
 
-/// As `DOUBTFUL` of `watertight.rs`, for doubles and 2^-21, with twice the room.
+/// As `DOUBTFUL` of `watertight.rs`, for doubles and 2^-21, with twice the margin.
 const DOUBTFUL: f64 = (1u64 << 29) as f64;
 
 /// `None` where the ray is in the triangle's plane.
 pub(super) fn meet(triangle: &Corners) -> Option<Weighed> {
     in_doubles(triangle).or_else(|| {
         let Corners { corners, org, dir } = triangle;
-        let ExactMeeting { t, u, v } = ExactMeeting::of(corners, org, dir)?;
+        let ExactHit { t, u, v } = ExactHit::of(corners, org, dir)?;
         Some(Weighed { t, u, v })
     })
 }
@@ -158,7 +159,7 @@ mod tests {
         let (mut sure_ones, mut unsure) = (0, 0);
         for round in 0..900 {
             let triangle = sliver(&mut random, round);
-            // The same triangle from sixteen places on the way to it.
+            // The same triangle from sixteen origins along the ray.
             let org: [[f32; 16]; 3] = std::array::from_fn(|k| {
                 std::array::from_fn(|i| triangle.org[k] + triangle.dir[k] * i as f32 / 17.0)
             });
@@ -190,7 +191,7 @@ mod tests {
         let (mut sure, mut unsure) = (0, 0);
         for round in 0..20_000 {
             let triangle = sliver(&mut random, round);
-            let exact = ExactMeeting::of(&triangle.corners, &triangle.org, &triangle.dir);
+            let exact = ExactHit::of(&triangle.corners, &triangle.org, &triangle.dir);
             let (Some(found), Some(exact)) = (in_doubles(&triangle), exact) else {
                 unsure += 1;
                 continue;

@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The watertight ray-triangle test: no ray passes between triangles that share an edge or a corner.
 //! Source: [WBW13]: translate to the ray's origin, shear so that the ray is the z axis, decide by the signs of three
-//! 2D edge functions. Differs: the fallback to double precision is taken for any edge function that is too small or
-//! too large for a float, not only for zeros, and ends in double precision; `t` is clamped to the corners' own; and where `t`
-//! in floats may be off by more than 1e-5 of itself, which is so in slivers, at grazing rays and close to large triangles, it
-//! is found anew from what is not rounded (`precise.rs`).
+//! 2D edge functions. Differs: the fallback to double precision is taken for any edge function that is too
+//! small or too large for a float, instead of only for zeros, and ends in double precision. `t` is clamped to
+//! the corners' own. If `t` in floats may have a relative error above 1e-5, as in slivers, at grazing rays
+//! and close to large triangles, it is computed again from unrounded input (`precise.rs`).
 //!
-//! Why it holds: a corner's sheared position depends on ray and corner alone, so both triangles at an edge see the
-//! same two points. Rounding is monotonic, so `fl(a*b) - fl(c*d)` never has the wrong sign, it can only be zero; then
-//! products in double precision are exact and their difference has the right sign. NaN (from infinities that cancel)
-//! is on neither side and goes to double precision too.
+//! Correctness: a corner's sheared position depends only on ray and corner, so both triangles at an edge have
+//! the same two points. Rounding is monotonic, so `fl(a*b) - fl(c*d)` never has the wrong sign, it can only
+//! be zero; then products in double precision are exact and their difference has the right sign. NaN (from
+//! infinities that cancel) is on neither side and goes to double precision too.
 //!
-//! How exact `t` is: a corner's sheared position is off by roundings of itself (at most `wide`) and of the depth that it is
-//! sheared by (at most `away + long`, times the direction), an edge function by that times `wide`, a weight by that over
-//! their sum, and `t` by that times how far apart the corners' own `t` are (`long`): by
-//! `k * 2^-24 * long * wide * (wide + (|t| + long) * |dir|) / |sum|`, `k` being 2.7 in the worst of 4 million hits of all kinds.
-//! [`DOUBTFUL`] lets pass what is below 1e-5 of `t` for a `k` of 3.5; what is out of reach by [`SURELY`], a `k` of 16, is not
-//! looked at again: so is the triangle that a ray starts on. Whoever asks for any hit gets no `t`, and
-//! the answer of floats. What floats decide depends on ray and triangle alone, so
-//! that which of two hits is nearer never depends on the order of visits.
+//! Error of `t`: a corner's sheared position has the rounding error of itself (at most `wide`) and of its
+//! depth (at most `away + long`, times the direction). An edge function has that times `wide`; a weight that
+//! over their sum; and `t` that times the range of the corners' own `t` (`long`). Together: `k * 2^-24 * long
+//! * wide * (wide + (|t| + long) * |dir|) / |sum|`, `k` being 2.7 in the worst of 4 million hits of all
+//! kinds. [`DOUBTFUL`] accepts an error below 1e-5 of `t` for a `k` of 3.5. Hits out of reach by [`SURELY`],
+//! a `k` of 16, are not computed again; the triangle at a ray's origin is an example. Any-hit queries return
+//! no `t`, and use the decision of floats. The decision of floats depends only on ray and triangle, so the
+//! nearer of two hits never depends on the order of visits.
 //! Tests: `tests::agrees_with_double_precision`, `tests/watertight.rs`, `tests/parameters.rs` of `gnurt-accel`.
 
 use super::precise::{self, Corners, Weighed};
@@ -28,12 +28,12 @@ use crate::ray::Ray;
 
 /// Edge functions of a smaller magnitude are computed again in double precision.
 pub(super) const TINY: f32 = 1e-30;
-/// Sums of edge functions of a greater magnitude likewise.
+/// The same for sums of edge functions of a greater magnitude.
 pub(super) const HUGE: f32 = 1e30;
 
-/// `t` in floats counts where what its error is measured by (see the head) is less than this many times itself.
+/// `t` in floats is accepted if the error measure (see the head) is less than this many times `t`.
 pub(super) const DOUBTFUL: f32 = 48.0;
-/// And `t` is never off by more than this many times what its error is measured by.
+/// And the error of `t` is never more than this many times the error measure.
 pub(super) const SURELY: f32 = 16.0 * f32::EPSILON / 2.0;
 
 /// Rays prepared for the test: origins along the axes of the sheared space (z is the axis along which the ray moves
@@ -46,7 +46,7 @@ pub struct Sheared<V> {
 
 /// One ray along the axes of the sheared space: prepared, and its direction, which is not rounded.
 #[derive(Clone, Copy, Debug)]
-pub struct LoneRay {
+pub struct SingleRay {
     pub sheared: Sheared<f32>,
     pub dir: [f32; 3],
 }
@@ -55,10 +55,10 @@ pub struct LoneRay {
 #[derive(Clone, Copy, Debug)]
 pub struct ShearedRay {
     axes: [usize; 3],
-    alone: LoneRay,
+    single: SingleRay,
 }
 
-/// What takes a ray's direction, which is along the axes of the sheared space, to its z axis.
+/// The shear that maps a ray's direction, along the axes of the sheared space, to its z axis.
 #[inline(always)]
 pub fn shear<V: Number>([x, y, z]: [V; 3], one: V) -> [V; 3] {
     [x / z, y / z, one / z]
@@ -71,38 +71,38 @@ pub fn axes_from(z: usize) -> [usize; 3] {
 }
 
 impl ShearedRay {
-    /// `ray` must be sound and of regular length.
+    /// `ray` must be valid and of regular length.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
         let axes = axes_from(ray.longest_axis());
         let [x, y, z] = axes;
         let dir = [ray.dir[x], ray.dir[y], ray.dir[z]];
         let sheared = Sheared { org: [ray.org[x], ray.org[y], ray.org[z]], shear: shear(dir, 1.0) };
-        Self { axes, alone: LoneRay { sheared, dir } }
+        Self { axes, single: SingleRay { sheared, dir } }
     }
 
-    /// Where the ray meets a triangle in `[t_near, t_far]`; or, unless one `asks_where`, whether it does by floats.
+    /// Where the ray meets a triangle in `[t_near, t_far]`; or, unless one `needs_position`, whether it does by floats.
     #[inline(always)]
     pub fn meet(
         &self,
         [a, b, c]: &[[f32; 3]; 3],
-        asks_where: bool,
+        needs_position: bool,
         t_near: f32,
         t_far: f32,
     ) -> Option<TriangleHit> {
         let [x, y, z] = self.axes;
         let corners = [[a[x], a[y], a[z]], [b[x], b[y], b[z]], [c[x], c[y], c[z]]];
-        self.alone.meet(&corners, asks_where, t_near, t_far)
+        self.single.meet(&corners, needs_position, t_near, t_far)
     }
 }
 
-impl LoneRay {
+impl SingleRay {
     /// As [`ShearedRay::meet`], of corners along the axes of the sheared space.
     #[inline(always)]
     pub(super) fn meet(
         &self,
         corners: &[[f32; 3]; 3],
-        asks_where: bool,
+        needs_position: bool,
         t_near: f32,
         t_far: f32,
     ) -> Option<TriangleHit> {
@@ -138,7 +138,7 @@ impl LoneRay {
         let t = (w0 * over) * ts[0] + u * ts[1] + v * ts[2];
         let t = least(most(t, first), last) + 0.0;
 
-        if asks_where {
+        if needs_position {
             let (away, scale, long) = (t.abs(), shear[2].abs(), last - first);
             let widest = |p: [f32; 3]| most(most(p[0].abs(), p[1].abs()), p[2].abs());
             let wide = most(widest(px), widest(py));
@@ -158,7 +158,7 @@ impl LoneRay {
     }
 }
 
-impl LoneRay {
+impl SingleRay {
     /// As [`meet`](Self::meet) of a ray of which floats have decided that it passes inside.
     #[inline(always)]
     pub(super) fn meet_inside(
@@ -181,7 +181,7 @@ impl Weighed {
     #[inline(always)]
     fn within(self, ts: [f32; 3], t_near: f32, t_far: f32) -> Option<TriangleHit> {
         let (first, last) = (least(least(ts[0], ts[1]), ts[2]), most(most(ts[0], ts[1]), ts[2]));
-        // Adding zero turns -0.0 into 0.0.
+        // The addition of zero converts -0.0 to 0.0.
         let t = least(most(self.t as f32, first), last) + 0.0;
         let (u, v) = ((self.u + 0.0) as f32, (self.v + 0.0) as f32);
         (t >= t_near && t <= t_far).then_some(TriangleHit { t, u, v })
@@ -194,8 +194,8 @@ fn sheared(corners: [f32; 3], org: f32, shear: f32, depth: [f32; 3]) -> [f32; 3]
     [a - org - shear * depth[0], b - org - shear * depth[1], c - org - shear * depth[2]]
 }
 
-/// The same decision in double precision, from the sheared corners and their ray parameters; where the ray meets the triangle
-/// follows from what is not rounded. NaN misses.
+/// The same decision in double precision, from the sheared corners and their ray parameters; the hit is
+/// computed from unrounded input. NaN misses.
 #[cold]
 #[inline(never)]
 pub(super) fn meet_exactly(

@@ -21,7 +21,7 @@ const PIECE: usize = 1 << 14;
 pub(super) struct Slice {
     /// Where the list of each cell begins, and one past the last of all.
     pub(super) starts: Vec<u32>,
-    /// Places of triangles.
+    /// Indices of triangles.
     pub(super) items: Vec<u32>,
 }
 
@@ -31,8 +31,9 @@ struct Piece {
     items: Vec<u32>,
 }
 
-/// A counting sort of `number` things into `bins`, each of which may go into many: `ranges(i)` says which. Returns where each bin begins and,
-/// bin by bin, the things in it under the names that `id` gives them, as they came.
+/// A counting sort of `number` elements into `bins`, each of which may go into many: `ranges(i)` returns
+/// them. Returns the start of each bin and, bin by bin, its elements under the names of `id`, in the original
+/// order.
 fn sort<R: Iterator<Item = Range<usize>>>(
     bins: usize,
     number: usize,
@@ -112,7 +113,7 @@ pub(super) fn slices(
     Ok(slices)
 }
 
-/// Puts `count` values, each worth a thread, behind what is in `all`.
+/// Appends `count` values to `all`, each by a thread.
 fn extend_each<T: Send>(
     parallel: bool,
     all: &mut Vec<T>,

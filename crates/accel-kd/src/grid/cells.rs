@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How a box is divided into cells of one size. Source: [WIK*06] section 4.4: the cube root rule. Space: object.
-//! Invariant: [`Cells::of`] never falls where coordinates rise. So a point of a triangle is in one of the cells from that of its box's least
-//! corner to that of its greatest; nothing is said of planes between cells, which are rounded. Tests: `tests`.
+//! Invariant: [`Cells::of`] never falls where coordinates rise. So a point of a triangle is in one of the
+//! cells from that of its box's least corner to that of its greatest; the rounded planes between cells are
+//! not used. Tests: `tests`.
 
 use gnurt_accel_core::Aabb;
 use gnurt_accel_core::float::{least, most};
 
-/// Most cells along one axis: what a [`Span`] can number.
+/// Most cells along one axis: the limit of a [`Span`].
 const MOST_ALONG: f64 = 65535.0;
 /// Most cells in all.
 const MOST: f64 = (1u64 << 30) as f64;
-/// Boxes are not divided along axes on which they are no longer than this: floats could not tell cells apart.
+/// Boxes are not divided along axes shorter than this: floats could not separate cells.
 const FLAT: f64 = 1e-30;
 
 /// A number of cells along each axis.
@@ -51,7 +52,7 @@ impl Cells {
             let sum: f64 = long.iter().map(|&k| extent[k].ln()).sum();
             let over_edge = ((expected.clamp(1.0, MOST).ln() - sum) / long.len() as f64).exp();
             let many = |k: usize| extent[k] * over_edge;
-            // What would be cut into less than one cell leaves more of them for others.
+            // An axis with less than one cell leaves its share to the others.
             let before = long.len();
             long.retain(|&k| many(k) >= 1.0 || !many(k).is_finite());
             if long.len() == before {
@@ -107,7 +108,7 @@ impl Cells {
         span
     }
 
-    /// What a cell costs by the surface area heuristic: how many of the rays that meet the box meet it.
+    /// Cost of a cell by the surface area heuristic: the share of the rays through the box that hit it.
     pub(super) fn share(&self, bounds: &Aabb) -> f64 {
         let whole = bounds.half_area();
         let [x, y, z] = self.size.map(f64::from);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object's triangles in a grid. Source: [WIK*06]. Space: object. Triangles are kept once, as they came; cells refer to them.
-//! Large triangles lie in many cells: where references would be more than [`BuildOptions::reference_budget`] allows, cells are larger.
+//! An object's triangles in a grid. Source: [WIK*06]. Space: object. Triangles are stored once, in the
+//! caller's order; cells refer to them. Large triangles are in many cells: if references would exceed
+//! [`BuildOptions::reference_budget`], cells are larger.
 //! Tests: `tests/grids.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::TriangleBlock;
@@ -117,7 +118,7 @@ impl GridIndex {
         self.stats
     }
 
-    /// Places of a cell's triangles.
+    /// Indices of a cell's triangles.
     #[inline(always)]
     pub(super) fn items(&self, cell: [u32; 3]) -> &[u32] {
         let [x, y] = [(self.along + 1) % 3, (self.along + 2) % 3];
@@ -141,7 +142,7 @@ impl GridIndex {
     /// By how much a point may be off that rays which start `away` from the origin are found to hit, the planes between cells among it.
     #[inline(always)]
     pub(super) fn slack(&self, away: f32) -> f32 {
-        // Twice what it is for boxes, which are not rounded.
+        // Twice the value of boxes, which are not rounded.
         SLACK * (4.0 * self.greatest + away)
     }
 }

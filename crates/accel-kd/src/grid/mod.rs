@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Grids: space in cells of one size, each with a list of its triangles. For what is built anew each frame.
+//! Grids: space in cells of one size, each with a list of its triangles. For geometry that is rebuilt each
+//! frame.
 //! Source: [WIK*06].
 //!
-//! `cells.rs` says how many cells there are and which one a point is in; `build.rs` puts triangles into cells by a counting sort;
-//! `walk.rs` is how a ray passes, `slices.rs` how a tile does.
+//! `cells.rs` chooses the number of cells and finds the cell of a point; `build.rs` puts triangles into cells
+//! by a counting sort; `walk.rs` traverses single rays, `slices.rs` tiles.
 
 mod build;
 mod cells;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What lies near a point, or may meet a region, in a grid; and what it holds by numbers. Boxes of cells are halved on the way down to one
-//! cell. Space: object. Tests: `tests/grids.rs`, `tests/surfaces/{crossings,overlaps,normals}.rs` of `gnurt-accel`.
+//! Primitives near a point, or in a region, in a grid; and its contents by numbers. Boxes of cells are halved
+//! in the descent to one cell. Space: object. Tests: `tests/grids.rs`,
+//! `tests/surfaces/{crossings,overlaps,normals}.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::{TriangleBlock, WIDTH};
 use gnurt_accel_core::filter_region::NOTHING;
@@ -19,7 +20,7 @@ struct Part {
 }
 
 impl GridIndex {
-    /// What points of triangles in the cells may be in, up to rounding.
+    /// The region that points of triangles in the cells may be in, up to rounding.
     fn region(&self, part: &Part) -> Aabb {
         let slack = self.slack(0.0);
         let end = |k: usize, cell: u32| self.cells.plane(k, cell);
@@ -29,8 +30,8 @@ impl GridIndex {
         }
     }
 
-    /// Calls `leaf` with triangles of cells whose region, and that of all boxes of cells around it, is `expected`, eight at most at a time;
-    /// of two halves the one with the lesser `rank` first.
+    /// Calls `leaf` with triangles of cells whose region, and that of all boxes of cells around it, is
+    /// `expected`, eight at most at a time; of two halves first the one with the lesser `rank`.
     fn descend(
         &self,
         expected: &mut dyn FnMut(&Aabb) -> bool,

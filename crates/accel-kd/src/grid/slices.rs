@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A tile of rays through a grid: slice by slice along the axis on which its rays move most, in each slice the cells that the tile's frustum
 //! meets there. Source: [WIK*06] section 4: the frustum's box in each slice, early exit, mailboxes, triangles against the frustum before rays.
-//! Differs: the frustum is made of intervals of origins and slopes, so that rays need not start in one point, and triangles of a slice go in
-//! blocks of eight, against the whole tile and each sixteen rays of it, as in `tiles.rs`.
+//! Differs: the frustum is made of intervals of origins and slopes, so that rays need not start in one point.
+//! Triangles of a slice are tested in blocks of eight, against the whole tile and each sixteen rays of it, as
+//! in `tiles.rs`.
 //! Invariant: a cell that one of the rays may meet before its hit is visited. Tests: `tests/grids.rs` of `gnurt-accel`.
 
 use std::cell::Cell;
@@ -25,10 +26,10 @@ use crate::mailbox::Mailbox;
 /// Tiles may be this wide at the grid's other end, as a part of its size; rays of wider ones go one by one.
 const FARTHEST_SPREAD: f32 = 1.0 / 16.0;
 
-/// Rays of one heading as intervals.
+/// Rays of one direction class as intervals.
 struct Frustum {
     org: [[f32; 2]; 3],
-    /// Along x and y of the sheared space: what a step along z adds.
+    /// Change along x and y of the sheared space per step along z.
     slope: [[f32; 2]; 2],
     axes: [usize; 3],
     back: bool,
@@ -42,9 +43,9 @@ struct Window {
     cells: [[u32; 2]; 2],
 }
 
-/// What a frustum does in a slice.
+/// The relation of a frustum to a slice.
 enum Passage {
-    /// It has not come there yet, or is beside the grid.
+    /// It has not reached the grid yet, or is outside of it.
     Nothing,
     /// It ends before.
     Over,
@@ -104,7 +105,7 @@ impl Frustum {
 }
 
 impl GridIndex {
-    /// Improves the hits of a tile's first rays, all of them active and of one heading.
+    /// Improves the hits of a tile's first rays, all of them active and of one direction class.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,

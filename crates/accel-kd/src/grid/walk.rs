@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One ray through a grid, cell by cell, nearest first: a 3D-DDA of intervals.
-//! Source: [AW87] for the walk; intervals are original, as in the kd-tree's `slab.rs`. Where a ray passes within rounding of a plane it visits
-//! the cells on both sides: it knows of each slice of cells when it may be in it, of each row of the slice that it may meet meanwhile
-//! likewise, and so of each cell. Without rounding these are the cells of the classic walk, in its order.
-//! Invariant: what a triangle test can hit is in a cell that is visited. Tests: `tests/grids.rs` of `gnurt-accel`.
+//! Source: [AW87] for the traversal; intervals are original, as in the kd-tree's `slab.rs`. Where a ray
+//! passes within rounding of a plane it visits the cells on both sides: for each slice of cells it has an
+//! interval of distances, within that for each row, and so for each cell. Without rounding these are the
+//! cells of the classic traversal, in its order.
+//! Invariant: every triangle that the test can hit is in a visited cell. Tests: `tests/grids.rs` of
+//! `gnurt-accel`.
 
 use gnurt_accel_core::Ray;
 use gnurt_accel_core::blocks::{BlockRay, TriangleBlock, WIDTH};
@@ -36,7 +38,7 @@ struct Run {
 }
 
 impl<'a> CellRay<'a> {
-    /// The ray is sound and regular.
+    /// The ray is valid and regular.
     #[inline(always)]
     fn new(grid: &'a GridIndex, ray: &Ray) -> Self {
         let [x, y, z] = ray.org.map(f32::abs);
@@ -159,11 +161,12 @@ impl Iterator for Steps {
     }
 }
 
-/// So many triangles of a cell are tested one after the other: putting them side by side takes longer.
+/// This number of triangles of a cell are tested one after the other: collecting them into a block takes
+/// longer.
 const FEW: usize = 2;
 
 impl GridIndex {
-    /// Offers what the ray meets; it is sound and regular.
+    /// Offers the ray's hits; it is valid and regular.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
         let RayTraversal { ray, slot, .. } = *traversal;
@@ -185,7 +188,7 @@ impl GridIndex {
                         for &position in &unknown[..count] {
                             let Triangle { corners, number } = &self.triangles[position as usize];
                             if let Some(hit) =
-                                single.meet(corners, traversal.asks_where(), t_near, traversal.reach())
+                                single.meet(corners, traversal.needs_position(), t_near, traversal.reach())
                             {
                                 traversal.offer(hit, *number, slot);
                             }

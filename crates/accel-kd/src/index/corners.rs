@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What leaf blocks hold, by block and place; projected triangles lie by number instead.
+//! The contents of leaf blocks, by block and slot; projected triangles are stored by number instead.
 //! Tests: `tests/surfaces/normals.rs`.
 
 use gnurt_accel_core::INVALID_ID;

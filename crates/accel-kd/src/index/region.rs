@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The triangles of a kd-tree that may meet a region.
-//! Projected triangles keep no corners: theirs are as good as what is kept. Tests: `tests/surfaces/crossings.rs`.
+//! Projected triangles keep no corners: theirs are reconstructed with the precision of the stored form.
+//! Tests: `tests/surfaces/crossings.rs`.
 
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::RegionFilter;

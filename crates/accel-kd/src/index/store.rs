@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A kd-tree and its triangles on their way into a file and back.
-//! The format is that of `crate::store`. Tests: `tests/saved.rs`.
+//! Saving and loading of a kd-tree and its triangles. The format is that of `crate::store`. Tests:
+//! `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 

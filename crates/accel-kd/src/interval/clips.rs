@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From boxes in boxes to nodes, with clips where a child does not fill what a ray knows of it: what is done about empty space.
-//! [WK06] and [WMS06] know nothing of it, and the paper's section 6 says what comes of that: a teapot in a stadium.
+//! From nested boxes to nodes, with clips where a child does not fill its region: the treatment of empty
+//! space. [WK06] and [WMS06] lack it; [SIP06], section 6, shows the consequence: a teapot in a stadium.
 //!
-//! A ray that goes down knows a *region*: the root's box, cut by the planes that it has passed. A BIH cuts one side of one axis at a
-//! time, so that a small thing in a large room is entered by all rays that pass it on five sides of six. So, before a node, its box is
-//! held against its region: along each axis, how much smaller would the region be if both of its sides were those of the box? By the
-//! surface area heuristic [MB90] that is how many rays would be turned away. A clip, a node with two planes and one child, costs each of
-//! them a step, and saves those that are turned away what is below: it is put in where that is more.
+//! A descending ray has a *region*: the root's box, cut by the planes that it has passed. A BIH cuts one side
+//! of one axis at a time, so that a small object in a large room is entered by all rays that pass it on five
+//! sides of six. So each node's box is compared with its region: along each axis, by how much would the
+//! region shrink if both of its sides were those of the box? By the surface area heuristic [MB90] that gives
+//! the share of rays that would miss. A clip, a node with two planes and one child, costs each ray a step,
+//! and saves the subtree for those that miss: it is inserted if the savings are greater.
 //!
 //! ```text
 //! (1 - area(clipped region) / area(region)) * cost below  >  one step
 //! ```
 //!
-//! A refit moves clips as it moves all planes; none comes or goes. Tests: `tests/intervals.rs` of `gnurt-accel`.
+//! A refit moves clips as it moves all planes; none are added or removed. Tests: `tests/intervals.rs` of
+//! `gnurt-accel`.
 
 use gnurt_accel_core::Aabb;
 
@@ -28,7 +30,7 @@ pub(super) struct Laid<N> {
 }
 
 impl<N: Layout> Laid<N> {
-    /// Puts a tree into nodes; rays know its box.
+    /// Puts a tree into nodes; rays start with its box.
     pub(super) fn new(tree: Binary, clips: bool) -> Self {
         let mut laid = Self { nodes: Vec::new(), blocks: Vec::new(), clips };
         let region = *tree.bounds();
@@ -74,15 +76,16 @@ fn worth_a_clip(tree: &Binary, region: &Aabb) -> Option<usize> {
     if area <= 0.0 {
         return None;
     }
-    // Rays that come into the region are as many more than those that meet the box as it is larger; these have less to do below.
+    // The number of rays that enter the region, relative to those that hit the box, is the ratio of the
+    // sizes; these have less work below.
     let below = f64::from(tree.cost().max(BLOCK));
     let saved = |axis: usize| (1.0 - clipped(region, axis, tree.bounds()).half_area() / area) * below;
     let axis = (0..3).max_by(|&a, &b| saved(a).total_cmp(&saved(b)))?;
     (saved(axis) > STEP).then_some(axis)
 }
 
-/// What a clip costs, in steps through splits: it meets as many planes, but turns few rays away, whose way on is hard to foresee.
-/// Anything from 0.8 to 1.6 traces as fast; more puts fewer clips in.
+/// The cost of a clip, in steps through splits: it tests as many planes, but few rays miss, and their branch
+/// is hard to predict. All values from 0.8 to 1.6 trace equally fast; greater ones insert fewer clips.
 const STEP: f64 = 1.6;
 
 fn clipped(region: &Aabb, axis: usize, to: &Aabb) -> Aabb {

@@ -30,7 +30,7 @@ pub struct IntervalIndex {
     /// The greatest coordinate.
     pub(super) greatest: f32,
     pub(super) stats: TreeStats,
-    /// What a ray was expected to do when it was built.
+    /// The expected cost of a ray at the build.
     pub(super) built: f64,
 }
 
@@ -41,7 +41,7 @@ pub(super) enum Nodes {
     Bkd(Vec<BkdNode>),
 }
 
-/// Runs `$body` on the nodes, whatever their layout.
+/// Runs `$body` on the nodes, in any layout.
 macro_rules! with_nodes {
     ($nodes:expr, $list:ident => $body:expr) => {
         match $nodes {
@@ -53,7 +53,8 @@ macro_rules! with_nodes {
 pub(super) use with_nodes;
 
 impl IntervalIndex {
-    /// Builds over the good triangles, one or more. `structure` says which nodes, and whether with clips.
+    /// Builds over the good triangles, one or more. `structure` selects the nodes, and whether there are
+    /// clips.
     ///
     /// # Errors
     /// That `watch` stopped it, or that there are too many nodes.
@@ -131,7 +132,7 @@ impl IntervalIndex {
         self.stats.sah_cost / self.built
     }
 
-    /// Offers what the ray meets; it is sound and regular.
+    /// Offers the ray's hits; it is valid and regular.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
         with_nodes!(&self.nodes, nodes => self.search_in(simd, nodes, traversal));
@@ -164,7 +165,7 @@ impl IntervalIndex {
         traversal.counters.triangles += tested;
     }
 
-    /// The same for a tile's first rays, all of them active and of one heading.
+    /// The same for a tile's first rays, all of them active and of one direction class.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,

@@ -19,7 +19,7 @@
 
 use gnurt_accel_core::Aabb;
 
-/// What a node is.
+/// The kind of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Leaf { block: usize },
@@ -27,7 +27,7 @@ pub(super) enum Kind {
     Split { axis: usize, right: usize },
 }
 
-/// Most nodes, and most blocks: what 29 bits can number.
+/// Most nodes, and most blocks: the limit of 29 bits.
 pub(super) const MOST_NODES: usize = 1 << 29;
 
 const LEAF: u32 = 3;
@@ -81,7 +81,7 @@ pub(super) trait Layout: Copy + Send + Sync {
     fn set_clip(&mut self, axis: usize, child: &Aabb);
     /// Between which planes the child of a clip lies.
     fn ends(&self) -> [f32; 2];
-    /// What is known of a split's children where `region` is known of their parent.
+    /// The regions of a split's children, given the `region` of their parent.
     fn regions(&self, axis: usize, region: &Aabb) -> [Aabb; 2];
     /// When rays may be in the nearer child of a split, and in the farther one.
     fn children<M: OverlapTest>(&self, rays: &M, axis: usize) -> [[f32; 2]; 2];

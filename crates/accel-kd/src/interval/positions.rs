@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What lies near a point, or may meet a region, under an interval hierarchy; and what leaf blocks hold. Regions of nodes are kept on
-//! the way down, cut by the planes that were passed. Source: [Ben75] for the search. Space: object.
+//! Primitives near a point, or in a region, under an interval hierarchy; and the contents of leaf blocks.
+//! Regions of nodes are maintained in the descent, cut by the passed planes. Source: [Ben75] for the search.
+//! Space: object.
 //! Tests: `tests/closest_point.rs`, `tests/surfaces/{crossings,overlaps,normals}.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::Aabb;
@@ -13,8 +14,8 @@ use gnurt_accel_core::region::{RegionFilter, Rows};
 use super::index::{IntervalIndex, Nodes, with_nodes};
 use super::node::{Kind, Layout};
 
-/// Calls `leaf` with blocks of those leaves whose region, and whose parents', is `expected`; of two children the one with the lesser
-/// `rank` first.
+/// Calls `leaf` with blocks of those leaves whose region, and whose parents', is `expected`; of two children
+/// first the one with the lesser `rank`.
 fn descend<N: Layout>(
     nodes: &[N],
     bounds: Aabb,

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An interval hierarchy over triangles that have moved: the same nodes, with planes where the boxes are now; and what it costs.
-//! Source: [WMS06] section 4, [WK06]: from the last node to the first, which is from below. Cost: O(n), by all threads over the leaves.
-//! Invariant: planes are those of the boxes below, exactly, so that hits are those of a tree that is built. Tests: `tests/refit.rs` of
-//! `gnurt-accel`.
+//! Refit of an interval hierarchy over moved triangles: the same nodes, with the planes of the current boxes;
+//! and its cost.
+//! Source: [WMS06] section 4, [WK06]: from the last node to the first, which is bottom-up. Cost: O(n), by all
+//! threads over the leaves.
+//! Invariant: planes are exactly those of the boxes below, so that hits are those of a new tree. Tests:
+//! `tests/refit.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::blocks::TriangleBlock;
 use gnurt_accel_core::surfaces::Surfaces;
@@ -87,7 +89,8 @@ fn fit<N: Layout>(nodes: &mut [N], boxes: &[Aabb]) -> Aabb {
     bounds.first().copied().unwrap_or(Aabb::EMPTY)
 }
 
-/// What a ray that meets the bounds is expected to do: a node is visited with the probability that its region is met.
+/// The expected cost of a ray that hits the bounds: the probability of a visit is that of hitting the node's
+/// region.
 fn measure<N: Layout>(nodes: &[N], boxes: &[Aabb], bounds: Aabb) -> TreeStats {
     let mut stats =
         TreeStats { nodes: nodes.len() as u64, leaves: boxes.len() as u64, ..TreeStats::default() };

@@ -35,13 +35,13 @@ pub(super) enum Binary {
 /// How triangles are shared out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    /// Space is halved, whatever is in it.
+    /// Space is halved, for any contents.
     Halves,
     /// Where a ray is expected to do least.
     Cost,
 }
 
-/// What a test of a block costs, in steps through nodes.
+/// The cost of a block, in steps through nodes.
 pub(super) const BLOCK: f32 = 2.0;
 
 /// From this depth on triangles are shared out in equal parts, which ends soon: there are fewer than 2^30.
@@ -50,7 +50,7 @@ const DEEP: usize = DEEPEST - 32;
 /// Bins along each axis.
 const BINS: usize = 24;
 
-/// So many triangles are worth a task of their own.
+/// This many triangles are worth a task of their own.
 const PIECE: usize = 1 << 12;
 
 impl Binary {
@@ -71,7 +71,7 @@ impl Binary {
         }
     }
 
-    /// What a ray that meets its box is expected to do, in steps through nodes.
+    /// The expected cost of a ray that hits its box, in steps through nodes.
     pub(super) fn cost(&self) -> f32 {
         match self {
             Self::Leaf { .. } => BLOCK,
@@ -87,7 +87,7 @@ struct Sharing<'a, 'b> {
 }
 
 impl Sharing<'_, '_> {
-    /// All of `references`, which lie in `bounds`; their middles lie in `cell`.
+    /// A subtree over all of `references`, which are in `bounds`, with their centres in `cell`.
     fn below(
         &self,
         references: &mut [Reference],
@@ -154,8 +154,8 @@ fn partition(references: &mut [Reference], is_left: impl Fn(&Reference) -> bool)
     left
 }
 
-/// In the middle of the cell, along its longest side; of one that is empty on one side, the other goes on alone. `None` where the
-/// middles lie too near each other to tell.
+/// In the middle of the cell, along its longest side; if one side is empty, the other is halved again. `None`
+/// if the centres are too close to each other.
 fn halve(references: &mut [Reference], mut cell: Aabb) -> Option<Shared> {
     for _ in 0..3 * 64 {
         let axis = longest(&cell);
@@ -181,7 +181,8 @@ fn equal_parts(references: &mut [Reference], bounds: &Aabb, cell: Aabb) -> Share
     (axis, half, [cell; 2])
 }
 
-/// Where the surface area heuristic expects least; `None` where a leaf is as good, or middles tell nothing.
+/// At the least expected cost by the surface area heuristic; `None` if a leaf costs the same, or centres
+/// coincide.
 fn cheapest(references: &mut [Reference], bounds: &Aabb) -> Option<Shared> {
     let mut low = [f32::INFINITY; 3];
     let mut high = [f32::NEG_INFINITY; 3];
@@ -230,7 +231,7 @@ fn cheapest(references: &mut [Reference], bounds: &Aabb) -> Option<Shared> {
     Some((axis, at, [*bounds; 2]))
 }
 
-/// Blocks that so many triangles are thought to need: none is full.
+/// Expected blocks of this many triangles: none is full.
 fn blocks(count: usize) -> f64 {
     (count as f64 / 6.0).max(1.0)
 }
@@ -267,7 +268,7 @@ mod tests {
             (0..n).map(|_| one()).collect()
         };
         let same = vec![boxes(1, 1.0)[0]; 500];
-        // Each half as far from the origin as the one before: halving takes them one by one.
+        // Each half as far from the origin as its predecessor: halving takes them one by one.
         let row: Vec<Aabb> = (0..120).map(|i| Aabb::around(&[[0.5f32.powi(i), 0.0, 0.0]])).collect();
         for all in [boxes(1, 0.1), boxes(9, 1.0), boxes(3000, 0.05), same, row] {
             for rule in [Rule::Halves, Rule::Cost] {

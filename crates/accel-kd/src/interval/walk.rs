@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays through an interval hierarchy, one or all of a tile: the same walk, since both meet planes in an interval of their own measure.
+//! Rays through an interval hierarchy, one or all of a tile: the same traversal, because both hit planes in
+//! an interval of their own width.
 //! Source: [WK06] section 4; intervals as in the kd-tree's `slab.rs` and in [RSH05] for tiles.
 //!
-//! What a ray knows of a node is when it is in it, `[t_min, t_max]`. A split cuts that for each child by itself: children may overlap, so
-//! that a hit in the nearer one does not end the walk, but what lies beyond it is skipped. A clip cuts it for its only child.
-//! Invariant: what a triangle test can hit is in no node that is skipped. Tests: `tests/brute_force.rs`, `tests/intervals.rs` of `gnurt-accel`.
+//! A ray is in a node during the interval `[t_min, t_max]`. A split cuts that for each child separately:
+//! children may overlap, so that a hit in the nearer one does not end the traversal, but later nodes are
+//! skipped. A clip cuts it for its only child.
+//! Invariant: no triangle that the test can hit is in a skipped node. Tests: `tests/brute_force.rs`,
+//! `tests/intervals.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::beam::PlaneBeam;
 use gnurt_accel_core::float::{least, most};
@@ -14,7 +17,7 @@ use gnurt_simd::StackBuffer;
 
 use super::node::{Kind, Layout, OverlapTest};
 
-/// No node has so many splits above it.
+/// No node has this many splits above it.
 pub(super) const DEEPEST: usize = 88;
 
 /// A child that is still to be visited.
@@ -36,7 +39,7 @@ pub(super) struct PlaneRay {
 }
 
 impl PlaneRay {
-    /// For a tree, not empty, whose greatest coordinate is `greatest`; the ray is sound and regular.
+    /// For a tree, not empty, whose greatest coordinate is `greatest`; the ray is valid and regular.
     #[inline(always)]
     pub(super) fn new(ray: &Ray, greatest: f32) -> Self {
         let Slabs { inv, near, far } = Slabs::new(ray.org, ray.dir, greatest, |x| x);

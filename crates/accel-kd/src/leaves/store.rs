@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Leaves of blocks on their way into a file and back. The format is that of `crate::store`.
+//! Saving and loading of leaves of blocks. The format is that of `crate::store`.
 //! Invariant: each block is in one leaf, and leaves are numbered in the order of their nodes. Tests: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
@@ -21,7 +21,7 @@ impl Leaves {
         Ok(Self { starts, blocks })
     }
 
-    /// Whether these are sound leaves of a sound tree, over `count` triangles.
+    /// Checks that these are valid leaves of a valid tree, over `count` triangles.
     pub(crate) fn check(&self, tree: &KdTree, count: u32) -> Result<(), LoadError> {
         let damaged = |what| Err(LoadError::Damaged(what));
         let Self { starts, blocks } = self;

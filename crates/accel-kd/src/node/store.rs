@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A kd-tree's nodes on their way into a file and back. The format is that of `crate::store`.
-//! Invariant: what is loaded is one tree, children behind their parents, none deeper than a stack holds; the lists of
-//! its leaves take no more room than there is. Tests: `tests/saved.rs`.
+//! Saving and loading of a kd-tree's nodes. The format is that of `crate::store`.
+//! Invariant: a loaded tree has children after their parents, none deeper than the stack allows; the lists of
+//! its leaves stay within bounds. Tests: `tests/saved.rs`.
 
 use super::{DEEPEST, EMPTY_LEAF, KdTree, Node};
 use gnurt_accel_core::store::{LoadError, StoredRecord};
@@ -21,8 +21,8 @@ impl StoredRecord for Node {
 }
 
 impl KdTree {
-    /// Whether all that a walk relies on is so, but for the leaves that are not empty: `leaf` looks at those, in the order
-    /// of their nodes.
+    /// Checks all properties that a traversal relies on, except for non-empty leaves: `leaf` checks those, in
+    /// the order of their nodes.
     pub(crate) fn check(&self, mut leaf: impl FnMut(Node) -> Result<(), LoadError>) -> Result<(), LoadError> {
         let damaged = |what| Err(LoadError::Damaged(what));
         let Self { nodes, bounds, .. } = self;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Projected triangles on their way into a file and back.
-//! The format is that of `crate::store`. Tests: `tests/saved.rs`.
+//! Saving and loading of projected triangles. The format is that of `crate::store`. Tests: `tests/saved.rs`.
 
 use std::io::{self, Read, Write};
 

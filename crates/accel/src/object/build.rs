@@ -30,11 +30,11 @@ impl ObjectTree {
         Self::build_from(&geometries, options, threads)
     }
 
-    /// The same under control: may be cancelled, tells how far it is and what memory it takes, and stays within a budget.
-    /// The tree does not depend on who listens.
+    /// The same under control: it may be cancelled, reports progress and memory, and stays within a budget.
+    /// The tree does not depend on the control.
     ///
     /// # Errors
-    /// That `control` stopped it: see [`BuildError`]. Bad triangles are no errors, but counted.
+    /// `control` stopped it: see [`BuildError`]. Bad triangles are counted without an error.
     pub fn try_build(
         meshes: &[Triangles],
         options: &BuildOptions,
@@ -45,13 +45,15 @@ impl ObjectTree {
         Self::try_build_from(&geometries, options, threads, control)
     }
 
-    /// Builds over geometries of any kinds. What cannot be traced is left out and counted; nothing at all is fine.
+    /// Builds over geometries of any kinds. Untraceable primitives are dropped and counted; an empty input is
+    /// valid.
     ///
-    /// Spheres, user geometry and meshes that move always get a BVH; `options.structure` is for triangles and quads that stand
-    /// still, and so is `options.memory`: trees whose boxes move are never compact.
+    /// Spheres, user geometry and moving meshes always get a BVH; `options.structure` is for static triangles
+    /// and quads, and so is `options.memory`: trees with moving boxes are never compact.
     ///
     /// # Panics
-    /// If there are too many primitives for one tree (some 900 million): [`try_build_from`](Self::try_build_from) says so.
+    /// If there are too many primitives for one tree (some 900 million):
+    /// [`try_build_from`](Self::try_build_from) returns that as an error.
     #[must_use]
     pub fn build_from(geometries: &[Geometry], options: &BuildOptions, threads: Threads) -> Self {
         Self::try_build_from(geometries, options, threads, &()).unwrap_or_else(|error| panic!("{error}"))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Primitives by their numbers: what leaves hold, found from outside.
-//! The way from a number to a leaf is not kept by a tree; it is written down when it is first asked for, in one pass over the
-//! leaves: 4 bytes a primitive. Invariant: a primitive that lies in several leaves is found in one of them.
+//! Primitives by their numbers: the contents of leaves, for queries from outside. A tree has no map from
+//! numbers to leaves; the first query makes it, in one pass over the leaves: 4 bytes a primitive. Invariant:
+//! a primitive that lies in several leaves is found in one of them.
 //! Tests: `tests/surfaces/normals.rs`.
 
 use gnurt_accel_core::blocks::WIDTH;
@@ -60,7 +60,7 @@ impl ObjectTree {
         })
     }
 
-    /// A triangle, half of a quad or sphere, at a moment; `None` of user geometry, and where there is none that can be traced.
+    /// A triangle, half of a quad or sphere, at a time; `None` for user geometry, and for untraceable ones.
     fn primitive(&self, number: u32, time: f32) -> Option<Primitive<'_>> {
         let locations = self.locations();
         let location = *locations.of_number.get(number as usize)?;
@@ -72,8 +72,9 @@ impl ObjectTree {
         self.parts[part].index.primitive(number, within / WIDTH, within % WIDTH, time)
     }
 
-    /// The normal of what was hit at a moment, in the object's space and of any length: of triangles and quads on the side from which
-    /// their vertices go around counter-clockwise, of spheres outwards, if the point is given where they were hit.
+    /// The normal of a hit at a time, in the object's space and of any length: of triangles and quads on the
+    /// side from which their vertices go around counter-clockwise, of spheres outwards, if the hit point is
+    /// given.
     pub(crate) fn raw_normal(&self, hit: &Hit, at: Option<[f64; 3]>, time: f32) -> Option<[f64; 3]> {
         let geometry = hit.geom_id as usize;
         let &[start, end] = self.numbering.starts.get(geometry..geometry + 2)? else { return None };

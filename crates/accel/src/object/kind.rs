@@ -5,11 +5,11 @@ use gnurt_accel_core::geometry::GeometryKind;
 
 use crate::Geometry;
 
-/// What trees are told apart by.
+/// The kinds of trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Surfaces,
-    /// Meshes that move, with so many keys.
+    /// Moving meshes, with this many keys.
     Moving(u32),
     Spheres,
     User,

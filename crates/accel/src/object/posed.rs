@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One object in several poses, whose trees share their structure. What is shared is in the `pose` module of `gnurt-accel-bvh`. Space: object. Tests: `tests/poses.rs`.
+//! One object in several poses, whose trees share their structure. The shared part is in the `pose` module of
+//! `gnurt-accel-bvh`. Space: object. Tests: `tests/poses.rs`.
 
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::surfaces::Surfaces;
@@ -9,17 +10,18 @@ use super::{Index, ObjectTree, Part};
 use crate::{Geometry, RefitError, Threads, Triangles};
 
 impl ObjectTree {
-    /// A tree over the same meshes in another pose: other positions, the same triangles. It shares with this one, and with all
-    /// other poses of it, what a pose does not change, and owns 64 bytes for each node and 12 for each vertex: a sixth of a tree
-    /// by itself, or less. It takes the time of a refit, and gives the hits of a tree that is built; rays are some
-    /// 30 % slower, as in [compact](crate::Memory::Compact) trees, and the slower the more poses differ
-    /// ([`cost_growth`](Self::cost_growth) says how much). A pose can be refitted like any tree.
+    /// A tree over the same meshes in another pose: other positions, the same triangles. It shares with this
+    /// one, and with all its other poses, everything that a pose leaves unchanged, and owns 64 bytes for each
+    /// node and 12 for each vertex: a sixth of a separate tree, or less. It takes the time of a refit, and
+    /// gives the hits of a new tree; rays are some 30 % slower, as in [compact](crate::Memory::Compact)
+    /// trees, and slower the more poses differ (see [`cost_growth`](Self::cost_growth)). A pose can be
+    /// refitted like any tree.
     ///
-    /// The first call on a tree that was built writes down what is to be shared.
+    /// The first call on a built tree extracts the shared part.
     ///
     /// # Errors
-    /// [`RefitError`] where it has to be built: for meshes with other triangles, where other triangles than before cannot be
-    /// traced, and for structures other than BVHs.
+    /// [`RefitError`] if it needs a build: for meshes with other triangles, for another set of untraceable
+    /// triangles, and for structures other than BVHs.
     ///
     /// ```
     /// use gnurt_accel::{BuildOptions, ObjectTree, Ray, Threads, Triangles};
@@ -73,8 +75,8 @@ impl ObjectTree {
         self.parts.iter().any(|part| matches!(&part.index, Index::Bvh(index) if index.is_posed()))
     }
 
-    /// Bytes of what a pose has in common with the others: not counted by [`stats`](Self::stats), which tells its own. 0 of
-    /// what is no pose.
+    /// Bytes shared with other poses: [`stats`](Self::stats) excludes them and counts only the pose's own. 0
+    /// if it is no pose.
     #[must_use]
     pub fn shared_bytes(&self) -> u64 {
         let shared = |part: &Part| match &part.index {

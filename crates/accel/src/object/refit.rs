@@ -13,10 +13,10 @@ use super::{Index, ObjectTree};
 use crate::{Aabb, BadPrimitives, Geometry, RefitError, Threads, TreeStats, Triangles};
 
 impl ObjectTree {
-    /// Fits the tree to meshes that have moved: other positions, the same numbers of meshes and triangles. Takes a small part of the
-    /// time of a build, and gives the same hits; rays are the slower the farther triangles have moved apart that were
-    /// neighbours ([`cost_growth`](Self::cost_growth) says how much). The memory is that of the tree, which is why it is taken: keep a
-    /// clone of one that is still asked.
+    /// Fits the tree to meshes that have moved: other positions, the same numbers of meshes and triangles.
+    /// Takes a small part of the time of a build, and gives the same hits; rays are slower the farther former
+    /// neighbours have moved apart (see [`cost_growth`](Self::cost_growth)). It reuses the memory of the
+    /// tree, which is why it takes it: keep a clone of one that is still queried.
     ///
     /// # Errors
     /// [`RefitError`] where it has to be built again: for other geometry, where triangles can be traced that could not, and
@@ -41,8 +41,8 @@ impl ObjectTree {
     }
 
     /// The same for geometries of any kinds: quads with other positions, spheres with other centres and radii, user
-    /// geometry with other boxes. Trees over spheres and over user geometry are only refitted if nothing was left out of
-    /// them, and a quad's half that becomes flat asks for a build.
+    /// geometry with other boxes. Trees over spheres and over user geometry are only refitted if nothing was
+    /// dropped from them, and a quad's half that becomes flat needs a build.
     ///
     /// # Errors
     /// As [`refit`](Self::refit).
@@ -88,7 +88,7 @@ impl ObjectTree {
         Ok(self)
     }
 
-    /// Whether its structure knows refits at all.
+    /// Whether its structure supports refits.
     pub(crate) fn knows_refits(&self) -> bool {
         self.parts.iter().all(|part| match &part.index {
             Index::Research(index) => index.knows_refits(),
@@ -97,8 +97,8 @@ impl ObjectTree {
         })
     }
 
-    /// What a ray is expected to cost, as a multiple of what it was expected to cost when the trees over triangles were
-    /// built: 1 for trees that never were refitted, and more the worse boxes fit.
+    /// The expected cost of a ray, relative to that at the build of the trees over triangles: 1 for trees
+    /// without a refit, and more for worse boxes.
     #[must_use]
     pub fn cost_growth(&self) -> f64 {
         let growth = |part: &super::Part| match &part.index {
@@ -109,8 +109,7 @@ impl ObjectTree {
         self.parts.iter().map(growth).fold(1.0, f64::max)
     }
 
-    /// Whether geometries of these groups are in the trees that they would be built into. What is not known of a tree that
-    /// was loaded is found there.
+    /// Whether the trees match the groups of these geometries. Missing data of a loaded tree is filled in.
     pub(super) fn are_groups(&self, groups: &[Group]) -> bool {
         groups.len() == self.groups.len()
             && groups.iter().zip(&self.groups).all(|(now, then)| then.is_none_or(|then| then == *now))

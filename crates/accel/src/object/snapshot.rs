@@ -13,8 +13,8 @@ impl ObjectTree {
         self.parts.iter().any(|part| matches!(part.index, Index::Moving(_)))
     }
 
-    /// The object as it is at a moment, which every question is of then. Costs a pass over what moves; what does not move is
-    /// given back as it is.
+    /// The object at one time; all its queries refer to that time. Costs a pass over the moving parts; an
+    /// object without any is returned as it is.
     #[must_use]
     pub fn at(self: &Arc<Self>, time: f32) -> Arc<Self> {
         if !self.moves() {

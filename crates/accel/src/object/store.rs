@@ -84,14 +84,14 @@ impl ObjectTree {
         writer.end()
     }
 
-    /// Reads what [`save`](Self::save) wrote, and nothing behind it. Reads in large pieces: `from` needs no buffer.
+    /// Reads the output of [`save`](Self::save), and nothing behind it. Reads in large pieces: `from` needs
+    /// no buffer.
     ///
-    /// What is damaged by accident is found by a checksum. Whatever a file holds, there is no panic, memory stays below
-    /// three times its length, and rays through a tree that was loaded come to an end; but hits are right only if it
-    /// was saved by this crate.
+    /// A checksum finds accidental damage. For any file there is no panic, memory stays below three times its
+    /// length, and rays through the loaded tree end; but hits are right only if this crate saved it.
     ///
     /// # Errors
-    /// Whatever keeps it from being a tree: see [`LoadError`].
+    /// The contents are no valid tree: see [`LoadError`].
     ///
     /// ```
     /// use gnurt_accel::{LoadError, ObjectTree};
@@ -151,7 +151,7 @@ impl ObjectTree {
         let (mut bounds, mut measured) = (Aabb::EMPTY, TreeStats::default());
         for Part { index, .. } in &mut parts {
             if index.bounds().is_empty() {
-                return Err(LoadError::Damaged("a tree is over nothing"));
+                return Err(LoadError::Damaged("a tree has no geometry"));
             }
             match index {
                 Index::Research(index) => index.check(count)?,
@@ -177,7 +177,7 @@ impl ObjectTree {
                 }
             });
         }
-        // Who refits a tree looks for its primitives in the geometries of its own group.
+        // A refit looks for a tree's primitives in the geometries of its own group.
         if is_shared {
             return Err(LoadError::Damaged("a geometry is in several trees"));
         }
@@ -185,7 +185,7 @@ impl ObjectTree {
     }
 }
 
-/// But for bytes, which are counted anew.
+/// Without bytes, which are counted again.
 fn save_stats(writer: &mut Writer<'_, impl Write>, stats: &TreeStats) -> io::Result<()> {
     let TreeStats { primitives, nodes, leaves, empty_leaves, references, depth, sah_cost, .. } = *stats;
     for number in [primitives, nodes, leaves, empty_leaves, references, u64::from(depth), sah_cost.to_bits()]

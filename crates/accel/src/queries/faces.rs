@@ -10,19 +10,21 @@ macro_rules! queries {
         /// Normals and sides.
         impl $Tree {
             /// The geometric normal of the triangle or quad that was hit, of unit length, towards the side from which its
-            /// vertices go around counter-clockwise in its object; in the space of this tree. `None` of spheres, whose
-            /// [`normal_at`](Self::normal_at) needs the point, of user geometry, and of hits of other trees.
+            /// vertices go around counter-clockwise in its object; in the space of this tree. `None` for
+            /// spheres, whose [`normal_at`](Self::normal_at) needs the point, for user geometry, and for hits
+            /// of other trees.
             ///
-            /// Of what moves it is the normal at moment 0: [`normals`](Self::normals) takes each ray's, [`at`](Self::at) stops what moves.
+            /// For moving geometry it is the normal at time 0: [`normals`](Self::normals) uses each ray's
+            /// time, [`at`](Self::at) gives a static copy.
             ///
-            /// The first call writes down where each primitive is, in one pass over the tree: 4 bytes a primitive, which are
-            /// kept and are not counted by `stats`.
+            /// The first call maps primitives to leaves, in one pass over the tree: 4 bytes a primitive,
+            /// which are kept and are not counted by `stats`.
             #[must_use]
             pub fn normal(&self, hit: &Hit) -> Option<[f32; 3]> {
                 self.target().normal(hit, None, 0.0)
             }
 
-            /// The same for a hit at a point, which tells a sphere's normal.
+            /// The same for a hit at a point, which determines a sphere's normal.
             #[must_use]
             pub fn normal_at(&self, hit: &Hit, point: [f64; 3]) -> Option<[f32; 3]> {
                 self.target().normal(hit, Some(point), 0.0)
@@ -39,8 +41,9 @@ macro_rules! queries {
                 self.target().normals(rays, hits, threads, normals);
             }
 
-            /// The closest hit on this face of a surface; the others are looked through. Which face it is does not depend
-            /// on mirroring instances. What is in the plane of the ray has both, user geometry, too.
+            /// The closest hit on this face of a surface; the other face is transparent. Which face it is
+            /// does not depend on mirroring instances. A surface in the plane of the ray has both faces, and
+            /// so has user geometry.
             #[must_use]
             pub fn intersect_face(&self, query: &Query, ray: &impl AnyRay, face: Face) -> Option<Hit> {
                 self.target().closest_face(query, ray, face)

@@ -34,7 +34,7 @@ macro_rules! queries {
             /// Closest hits of rays in borrowed arrays, into borrowed arrays.
             ///
             /// # Errors
-            /// [`SliceError`] where an array for hits has not a place for each ray.
+            /// [`SliceError`] if the length of an array for hits is not the number of rays.
             pub fn intersect_slices(
                 &self,
                 query: &Query,
@@ -48,7 +48,7 @@ macro_rules! queries {
             /// Whether anything is hit, for rays in borrowed arrays.
             ///
             /// # Errors
-            /// [`SliceError`] where `occluded` has not a place for each ray.
+            /// [`SliceError`] if the length of `occluded` is not the number of rays.
             pub fn occluded_slices(
                 &self,
                 query: &Query,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What an object and a scene can be asked: the same, in the same words. Each file says it once, for both.
-//! See docs/reference/queries.md.
+//! Queries of objects and scenes: the same methods for both. Each file defines them once, for both. See
+//! docs/reference/queries.md.
 
 mod faces;
 mod many;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays, one by one and in batches. See docs/reference/queries.md names Embree's calls beside these. Bodies are in `query.rs`
-//! and `batch.rs`. Space: the tree's.
+//! Rays, one by one and in batches. docs/reference/queries.md compares these with Embree's calls. Bodies are
+//! in `query.rs` and `batch.rs`. Space: the tree's.
 //! Tests: `tests/brute_force.rs`, `tests/all_hits.rs`, `tests/instances.rs`, `tests/nested.rs`, `tests/filters.rs`, `tests/masks.rs`.
 
 use crate::{
@@ -42,8 +42,8 @@ macro_rules! queries {
 
             /// The closest hit that `accept` lets pass.
             ///
-            /// It is asked for hits in any order, more than once where a tree lists a primitive in several leaves, and
-            /// not for what cannot be part of the answer.
+            /// The callback gets hits in any order, more than once where a tree lists a primitive in several
+            /// leaves, and only possible parts of the answer.
             #[must_use]
             pub fn intersect_filtered(
                 &self,
@@ -88,8 +88,8 @@ macro_rules! queries {
                 self.first_hits(query, ray, usize::MAX, hits);
             }
 
-            /// The first `n` hits, or all where there are fewer; as [`all_hits`](Self::all_hits), but what lies
-            /// behind the `n` is not searched.
+            /// The first `n` hits, or all where there are fewer; as [`all_hits`](Self::all_hits), but the
+            /// search ends behind the `n`th.
             pub fn first_hits(&self, query: &Query, ray: &impl AnyRay, n: usize, hits: &mut Vec<Hit>) {
                 self.target().first_hits(query, ray, n, hits);
             }
@@ -146,8 +146,8 @@ macro_rules! queries {
                 batch::occluded(self.target(), query, rays, occluded, record);
             }
 
-            /// The closest hits of a packet's rays: `report` gets the place of each ray that has one, counted from 0 as they were pushed, and
-            /// its hit. `query.coherence` says whether the rays have something in common.
+            /// The closest hits of a packet's rays: `report` gets the index of each ray that has one, in the
+            /// order of `push`, and its hit. `query.coherence` tells whether the rays are coherent.
             pub fn intersect_packet(&self, query: &Query, packet: Packet, report: impl FnMut(usize, Hit)) {
                 self.target().closest_of_packet(query, packet, report);
             }
@@ -158,8 +158,9 @@ macro_rules! queries {
                 self.target().any_of_packet(query, packet)
             }
 
-            /// Which rays of a pencil hit anything, as bits. They are traced together, whatever `query` says of
-            /// coherence; what each costs is not noted. Directions of lanes without a ray are lost.
+            /// Which rays of a pencil hit anything, as bits. They are traced together, for any coherence in
+            /// `query`; costs of single rays are not recorded. Directions of lanes without a ray are
+            /// overwritten.
             pub fn occluded_pencil(&self, query: &Query, pencil: &mut Pencil, record: &mut Record) -> u64 {
                 batch::occluded_pencil(self.target(), query, pencil, record)
             }

@@ -10,20 +10,21 @@ use crate::{AnyRay, Hit, ObjectTree, PointHit, PrimitiveId, Query, SceneTree, Th
 
 macro_rules! queries {
     ($Tree:ident) => {
-        /// Questions about surfaces. Answers to many at once are those to each, whatever threads there are.
+        /// Questions about surfaces. Results of many queries at once equal those of each, on any threads.
         impl $Tree {
-            /// How often a ray crosses the surfaces: a number that is even for every closed mesh around which the ray begins
-            /// and ends outside.
+            /// Number of crossings of a ray with surfaces: even for every closed mesh if the ray begins and
+            /// ends outside of it.
             ///
-            /// Counted is what a line crosses that lies beside the ray, by less than any number, on a side that depends on
-            /// its direction alone. So a ray through an edge or a vertex crosses the surface there once, however many
-            /// triangles meet there, and whether they share corners, only positions, or lie in several geometries. Sheets
-            /// that lie on each other are crossed one by one. A ray that touches a surface at an edge or a vertex crosses
-            /// it there twice or not at all; one in the plane of a triangle does not cross that; one through the rim of an
-            /// open mesh crosses it once or not at all, and of two meshes that meet at their rims exactly one. Ends of the
-            /// ray belong to it. Decisions are exact, far away and through instances, too; only spheres and user
-            /// geometry are as good as their arithmetic, and trees of
-            /// [projected](crate::TriangleTest::Projected) triangles as the corners that they keep.
+            /// The count is that of a line infinitesimally beside the ray, on a side that depends on its
+            /// direction alone. So a ray through an edge or a vertex crosses the surface there once, for any
+            /// number of triangles, whether they share corners, only positions, or belong to several
+            /// geometries. Coincident sheets are crossed one by one. A ray that touches a surface at an edge
+            /// or a vertex crosses it there twice or not at all. One in the plane of a triangle does not
+            /// cross that. One through the rim of an open mesh crosses it once or not at all, and of two
+            /// meshes that meet at their rims exactly one. Ends of the ray belong to it. Decisions are exact,
+            /// far away and through instances, too; only spheres and user geometry are as good as their
+            /// arithmetic, and trees of [projected](crate::TriangleTest::Projected) triangles as the corners
+            /// that they keep.
             #[must_use]
             pub fn crossings(&self, ray: &impl AnyRay) -> u32 {
                 self.crossings_with(&Query::default(), ray)
@@ -48,16 +49,17 @@ macro_rules! queries {
                 answer_each(threads, rays, counts, Crossed::default, count);
             }
 
-            /// What [`crossings`](Self::crossings) counts, in the order in which the ray meets it: of triangles that meet at an edge or a
-            /// corner there is one, where [`all_hits`](Self::all_hits) has all of them. `hits` is emptied first. Distances are worked out in
-            /// double precision, then rounded.
+            /// The crossings of [`crossings`](Self::crossings), in the order along the ray: of triangles that
+            /// meet at an edge or a corner there is one, where [`all_hits`](Self::all_hits) has all of them.
+            /// `hits` is emptied first. Distances are worked out in double precision, then rounded.
             pub fn crossing_hits(&self, query: &Query, ray: &impl AnyRay, hits: &mut Vec<Hit>) {
                 crossings::list(self.target(), query, ray, hits);
             }
 
-            /// Where a point lies with respect to closed meshes: inside where a ray from there crosses an odd number of an
-            /// object's triangles, or where it is in a sphere. Decided without rounding, so it is right however near
-            /// the surface the point is; meshes with holes have no inside, and what is said of them means little.
+            /// The side of a point with respect to closed meshes: inside if a ray from there crosses an odd
+            /// number of an object's triangles, or if it is in a sphere. The decision has no rounding, so it
+            /// is right at any distance from the surface; for meshes with holes, which have no inside, it
+            /// means little.
             #[must_use]
             pub fn side(&self, point: [f64; 3]) -> Side {
                 self.side_with(&Query::default(), point)
@@ -191,10 +193,10 @@ macro_rules! queries {
                 hits.answer_each(threads, points, nearest);
             }
 
-            /// Shows primitives no farther than `radius` from `point` to `visit`, in any order, some of them several times, with the
-            /// point of each that is nearest. It answers with the radius from then on, which only ever gets less; what is not
-            /// farther than the last one has been shown in the end. User geometry is seen as far as it
-            /// [answers](crate::UserGeometry::closest_point).
+            /// Calls `visit` for primitives no farther than `radius` from `point`, in any order, some of them
+            /// several times, with the nearest point of each. It returns the new radius, which may only
+            /// decrease; at the end every primitive within the last radius has been visited. User geometry is
+            /// included if it [answers](crate::UserGeometry::closest_point).
             pub fn visit_near(
                 &self,
                 query: &Query,
@@ -207,9 +209,9 @@ macro_rules! queries {
 
             /// All primitives that touch a box, its sides included, in the order of their ids; `ids` is emptied first.
             ///
-            /// Surfaces are meant: a box inside of a sphere or a mesh touches nothing. What touches the box from outside,
-            /// up to rounding, is there. User geometry is judged by its boxes, and spheres likewise in instances that are
-            /// turned or scaled.
+            /// Only surfaces count: a box inside of a sphere or a mesh touches nothing. Primitives that touch
+            /// the box from outside, up to rounding, are included. User geometry is tested by its boxes, and
+            /// so are spheres in rotated or scaled instances.
             pub fn touching_box(
                 &self,
                 query: &Query,
@@ -237,18 +239,18 @@ macro_rules! queries {
             /// All primitives with a point no farther than `radius` from `center`, in the order of their ids; `ids` is
             /// emptied first. User geometry is seen as far as it answers
             /// [`closest_point`](crate::UserGeometry::closest_point).
-            pub fn touching_ball(
+            pub fn touching_sphere(
                 &self,
                 query: &Query,
                 center: [f64; 3],
                 radius: f64,
                 ids: &mut Vec<PrimitiveId>,
             ) {
-                self.target().touching_ball(query, center, radius, ids);
+                self.target().touching_sphere(query, center, radius, ids);
             }
 
             /// The same for many balls, centres and radii, a list each.
-            pub fn touching_ball_batch(
+            pub fn touching_sphere_batch(
                 &self,
                 query: &Query,
                 balls: &[([f64; 3], f64)],
@@ -256,7 +258,7 @@ macro_rules! queries {
                 ids: &mut Lists<PrimitiveId>,
             ) {
                 let touching = |ball: &([f64; 3], f64), ids: &mut _| {
-                    self.touching_ball(query, ball.0, ball.1, ids);
+                    self.touching_sphere(query, ball.0, ball.1, ids);
                 };
                 ids.answer_each(threads, balls, touching);
             }

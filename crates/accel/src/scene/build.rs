@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Places instances and builds the top tree over them. Source: [WBS03a]. Space: world; where the scene is far away for its
-//! size, the top tree is relative to a point near it, so that its boxes stay as precise as near the origin.
+//! Transforms instances and builds the top tree over them. Source: [WBS03a]. Space: world; where the scene is
+//! far away for its size, the top tree is relative to a point near it, so that its boxes stay as precise as
+//! near the origin.
 //! Invariant: threads do not matter. Tests: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`, `tests/control.rs`.
 
 use gnurt_accel_bvh::BoxIndex;
@@ -15,8 +16,8 @@ use super::types::{DEEPEST_SCENE, Instance, PlacedInstance, SceneTree, Slot};
 use crate::{Aabb, BuildOptions, INVALID_ID, SharedList, Threads};
 
 impl SceneTree {
-    /// Builds over `instances`; their places in the list are the `inst_id`s of hits. Those that
-    /// [`try_build`](Self::try_build) would refuse are left out and counted; no instance at all is fine.
+    /// Builds over `instances`; their indices in the list are the `inst_id`s of hits. Those that
+    /// [`try_build`](Self::try_build) would reject are dropped and counted; an empty list is valid.
     ///
     /// Of the options it is `quality` that counts, for this and for all that is [`updated`](Self::updated) from it.
     ///
@@ -28,11 +29,11 @@ impl SceneTree {
         built.unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Builds over `instances`, all of them, under control: may be cancelled, tells how far it is and what memory it takes,
-    /// and stays within a budget. What instances show does not count.
+    /// Builds over `instances`, all of them, under control: it may be cancelled, reports progress and memory,
+    /// and stays within a budget. The memory of the shown objects does not count.
     ///
     /// # Errors
-    /// See [`SceneError`]: the first instance that cannot be placed, or that `control` stopped it.
+    /// See [`SceneError`]: the first instance that cannot be placed, or a stop by `control`.
     pub fn try_build(
         instances: &[Instance],
         options: &BuildOptions,
@@ -53,18 +54,18 @@ impl Default for SceneTree {
     }
 }
 
-/// What there is to know of an instance once it is placed.
+/// Properties of a placed instance.
 #[derive(Clone, Copy)]
 pub(super) struct InstanceProperties {
     /// Around it, relative to the origin of boxes; empty where there is nothing to see.
     pub(super) bounds: Aabb,
-    /// Objects in what it shows.
+    /// Number of objects in its shape.
     pub(super) leaves: u32,
-    /// Of what can be seen of it.
+    /// Nesting depth of its visible part.
     pub(super) depth: u32,
-    /// Whether it moves while the shutter is open, or shows what does.
+    /// Whether it moves during an open shutter, or shows something that does.
     pub(super) moves: bool,
-    /// Why it is refused.
+    /// The reason of its rejection.
     pub(super) error: Option<SceneError>,
 }
 
@@ -165,7 +166,7 @@ pub(super) fn is_near(bounds: &Box64, origin: [f32; 3]) -> bool {
     bounds.is_empty() || !(0..3).any(far)
 }
 
-/// What boxes within `bounds` are to be relative to.
+/// The origin of boxes within `bounds`.
 pub(super) fn origin_for(bounds: &Box64) -> [f32; 3] {
     if is_near(bounds, [0.0; 3]) {
         return [0.0; 3];

@@ -7,7 +7,7 @@ use std::fmt;
 use super::types::DEEPEST_SCENE;
 use crate::BuildError;
 
-/// What is wrong; `inst_id` is an instance's place in the list.
+/// The fault; `inst_id` is an instance's index in the list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SceneError {
     /// Its transform has no inverse in floats, or a value that is not finite.
@@ -15,7 +15,7 @@ pub enum SceneError {
         /// The instance.
         inst_id: u32,
     },
-    /// More than [`DEEPEST_SCENE`](crate::DEEPEST_SCENE) scenes would lie in one another.
+    /// More than [`DEEPEST_SCENE`](crate::DEEPEST_SCENE) levels of scenes.
     TooDeep {
         /// The instance.
         inst_id: u32,
@@ -42,7 +42,7 @@ impl fmt::Display for SceneError {
                 write!(f, "the transform of instance {inst_id} cannot be inverted")
             }
             Self::TooDeep { inst_id } => {
-                write!(f, "with instance {inst_id} more than {DEEPEST_SCENE} scenes lie in one another")
+                write!(f, "instance {inst_id}: scenes are nested more than {DEEPEST_SCENE} levels deep")
             }
             Self::TooManyObjects { inst_id } => {
                 write!(f, "with instance {inst_id} the scene shows more than 2^32 - 2 objects")

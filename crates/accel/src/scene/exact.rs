@@ -21,13 +21,13 @@ impl Exact {
         Some(Self { rows: inverse(columns)?, columns: *columns })
     }
 
-    /// What rays need of it.
+    /// The data for rays.
     pub(super) fn stand(&self) -> Stand {
         Stand { rows: self.rows, translation: self.columns[3] }
     }
 }
 
-/// What rays need of a map: rows of the linear part of its inverse, and where the object's origin is.
+/// A transform as rays need it: rows of the linear part of its inverse, and the object's origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stand {
     pub(super) rows: [[f64; 3]; 3],

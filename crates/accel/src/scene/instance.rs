@@ -2,8 +2,9 @@
 //! An object or a scene placed in the world, and rays carried into its space.
 //! Source: two levels after [WBS03a].
 //! Spaces: rays come in world space and leave in object space; `t` is the same in both, directions keep their scale.
-//! The origin is carried relative to the object's place, split in two floats, so that objects far from the world's
-//! origin lose no precision near themselves. Rays with origins in double precision are carried in double precision.
+//! The origin is transformed relative to the object's position, split in two floats, so that objects far from
+//! the world's origin lose no precision near themselves. Rays with origins in double precision are carried in
+//! double precision.
 //! Tests: `tests::carries_rays`, `tests/watertight.rs`, `tests/far_away.rs`.
 
 use std::sync::Arc;
@@ -17,7 +18,7 @@ use super::types::{At, Instance, PlacedInstance, SceneTree, Shape, Slot};
 use crate::{Aabb, ObjectTree};
 
 impl Instance {
-    /// An object or a scene at a place, seen by all rays.
+    /// An object or a scene with a transform, visible to all rays.
     #[must_use]
     pub fn new(shape: impl Into<Shape>, world_from_object: [[f64; 3]; 4]) -> Self {
         Self { shape: shape.into(), world_from_object, motion: None, mask: u32::MAX }
@@ -29,7 +30,7 @@ impl Instance {
         Self { motion: Some(motion.clone()), ..Self::new(shape, motion.at(0.0)) }
     }
 
-    /// One that lies in the world as it is, seen by all rays.
+    /// A shape with the identity transform, visible to all rays.
     #[must_use]
     pub fn identity(shape: impl Into<Shape>) -> Self {
         Self::new(shape, IDENTITY)
@@ -55,7 +56,7 @@ impl From<Arc<SceneTree>> for Shape {
 }
 
 impl Shape {
-    /// How many scenes lie in one another here.
+    /// Levels of scenes in this shape.
     pub(super) fn depth(&self) -> u32 {
         match self {
             Self::Object(_) => 0,
@@ -129,7 +130,7 @@ impl PlacedInstance {
         carry_box(&exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
     }
 
-    /// Whether it moves while the shutter is open, or shows what does.
+    /// Whether it moves during an open shutter, or shows something that does.
     pub(super) fn moves(&self) -> bool {
         self.motion().is_some() || self.shape.moves()
     }
@@ -142,12 +143,12 @@ impl PlacedInstance {
         }
     }
 
-    /// Whether world and object space are the same at every moment.
+    /// Whether world and object space are the same at all times.
     pub(super) fn is_identity(&self) -> bool {
         matches!(&self.at, At::Still { object_from_world: None, .. })
     }
 
-    /// Where it is at a moment.
+    /// Its transform at a time.
     pub(super) fn columns(&self, time: f32) -> [[f64; 3]; 4] {
         match &self.at {
             At::Still { exact, .. } => exact.columns,
@@ -155,7 +156,7 @@ impl PlacedInstance {
         }
     }
 
-    /// The same with the inverse; `None` at a moment at which the object is flat.
+    /// The same with the inverse; `None` at a time at which the object is flat.
     pub(super) fn exact(&self, time: f32) -> Option<Exact> {
         match &self.at {
             At::Still { exact, .. } => Some(*exact),
@@ -186,8 +187,9 @@ impl Slot {
         }
     }
 
-    /// Boxes of what moves at moments evenly spaced from 0 to 1, relative to `origin`: mixed between two of them, they hold it.
-    /// One more than a power of two; `None` where it stands still or cannot be seen.
+    /// Boxes of a moving instance at times evenly spaced from 0 to 1, relative to `origin`: interpolated
+    /// between two of them, they enclose it. One more than a power of two; `None` if it is static or
+    /// invisible.
     pub(super) fn boxes_at(&self, origin: [f32; 3]) -> Option<Vec<Aabb>> {
         let Self::PlacedInstance(placed) = self else { return None };
         boxes_along(placed.motion()?, &placed.shape.bounds(), origin.map(f64::from))
@@ -197,7 +199,7 @@ impl Slot {
 /// The map in floats; `None` where these cannot hold it.
 #[inline]
 pub(super) fn rounded(stand: &Stand) -> Option<ObjectFromWorld> {
-    // Written out: rays through what moves come here.
+    // Written out for speed: rays through moving instances come here.
     let floats = |v: [f64; 3]| [v[0] as f32, v[1] as f32, v[2] as f32];
     let is_finite = |v: [f32; 3]| v[0].is_finite() & v[1].is_finite() & v[2].is_finite();
     let spans = |v: [f32; 3]| (v[0] != 0.0) | (v[1] != 0.0) | (v[2] != 0.0);
@@ -231,15 +233,16 @@ fn carry_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<
     whole.filter(is_held)
 }
 
-/// Boxes at keys that, mixed, hold an object's box on its way, relative to `origin`; `None` where there is nothing to see.
+/// Boxes at keys whose interpolation encloses the path of an object's box, relative to `origin`; `None` if
+/// there is nothing visible.
 ///
-/// Between two keys both boxes grow by what the object leaves their mixture by, side by side.
+/// Between two keys both boxes grow by the object's distance outside of their interpolation, side by side.
 fn boxes_along(motion: &MotionPath, object: &Box64, origin: [f64; 3]) -> Option<Vec<Aabb>> {
     if object.is_empty() {
         return None;
     }
     let pieces = motion.straight_pieces();
-    // By piece: where on it, and around what.
+    // By piece: position within it, and box.
     let mut samples: Vec<Vec<(f64, Box64)>> = vec![Vec::new(); pieces];
     let mut held = true;
     motion.steps_of(object, pieces, |piece, ends, bulge| {
@@ -309,7 +312,7 @@ mod tests {
 
     #[test]
     fn carries_rays() {
-        // Scaled by 2 along x, turned a quarter around z, then moved far away.
+        // Scaled by 2 along x, rotated by a quarter around z, then moved far away.
         let columns = [[0.0, 2.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [1e6 + 0.125, 0.3, -7.0]];
         let exact = Exact::new(&columns).expect("invertible");
         let map = rounded(&exact.stand()).expect("in the range of floats");
@@ -350,7 +353,7 @@ mod tests {
                 let mixed =
                     Aabb { min: interval.mix3(from.min, to.min), max: interval.mix3(from.max, to.max) };
                 let there = carry_box(&path.at(time), &object, [0.5; 3]).expect("near");
-                // As much as the slabs of rays allow for.
+                // The slack of the slabs of rays.
                 let slack = 1e-6 * f64::from(mixed.greatest());
                 for k in 0..3 {
                     let holds = f64::from(mixed.min[k]) - slack <= there.min[k]

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Numbers of the objects of a scene, those of nested scenes too, in the order of the instances on the way to them.
-//! An instance that shows an object takes one number, as does one that is not there; one that shows a scene
-//! takes as many as that has. Where no instance shows a scene, an object's number is its instance's place, and nothing is stored.
+//! Numbers of the objects of a scene, those of nested scenes too, in the order of the instances on the path
+//! to them. An instance of an object takes one number, and so does an absent one; an instance of a scene
+//! takes one for each of its objects. If no instance shows a scene, an object's number is its instance's
+//! index, and nothing is stored.
 //! Tests: `tests`, `tests/nested.rs`.
 
 use std::sync::Arc;
@@ -15,7 +16,7 @@ pub(super) struct Leaves {
 }
 
 impl Leaves {
-    /// Of instances with so many objects, less than 2^32 in all.
+    /// Of instances with these numbers of objects, less than 2^32 in all.
     pub(super) fn new(counts: impl ExactSizeIterator<Item = u32> + Clone) -> Self {
         if counts.clone().all(|count| count == 1) {
             return Self { firsts: Arc::default(), count: counts.len() as u32 };
@@ -28,7 +29,7 @@ impl Leaves {
         Self { firsts: Arc::new(counts.map(first).collect()), count: next }
     }
 
-    /// With other numbers of objects at some places, which ascend, of `len` in all.
+    /// With other numbers of objects at some indices, which ascend, of `len` in all.
     pub(super) fn updated(&self, before: usize, len: usize, changed: &[(u32, u32)]) -> Self {
         let end = before.min(len);
         let is_as_before = |&(index, count): &(u32, u32)| match (index as usize) < end {
@@ -89,7 +90,7 @@ impl Leaves {
 mod tests {
     use super::*;
 
-    /// Against a list of who has each number.
+    /// Against a list of the owner of each number.
     fn check(leaves: &Leaves, counts: &[u32]) {
         let owners: Vec<usize> =
             counts.iter().enumerate().flat_map(|(index, &count)| vec![index; count as usize]).collect();

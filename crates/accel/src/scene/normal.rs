@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Normals of what was hit in a scene, carried out through all instances.
+//! Normals of hits in a scene, transformed outward through all instances.
 //! Space: that of the scene. Tests: `tests/surfaces/normals.rs`.
 
 use super::types::{SceneTree, Shape};
 use crate::Hit;
 
 impl SceneTree {
-    /// As that of an object, in the scene's space: by the transposed inverse of each instance's map, so that a normal looks
-    /// to the side that it looks to inside, mirrored or not.
+    /// As that of an object, in the scene's space: by the transposed inverse of each instance's map, so that
+    /// a normal stays on its side, mirrored or not.
     pub(crate) fn raw_normal_at(
         &self,
         hit: &Hit,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How an instance moves while the shutter is open: matrices at moments that are evenly spaced, and what lies between two.
-//! What turns is in `rotation.rs`.
-//! Space: world. Invariant: keys are met exactly, and the box of a path holds the object at every moment.
+//! Motion of an instance during an open shutter: matrices at evenly spaced times, and their interpolation.
+//! Rotations are in `rotation.rs`.
+//! Space: world. Invariant: keys are reproduced exactly, and the box of a path encloses the object at every
+//! time.
 //! Tests: `tests`, `tests/surfaces/motion.rs`.
 
 use gnurt_accel_core::affine::inverse;
@@ -10,14 +11,14 @@ use super::box64::Box64;
 use super::exact::Stand;
 use super::rotation::{Columns, Rotation};
 
-/// Where an instance is at each moment from 0 to 1.
+/// The transform of an instance at each time from 0 to 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MotionPath {
     keys: Vec<[[f64; 3]; 4]>,
     pieces: Vec<Piece>,
 }
 
-/// The way from one key to the next: all that a ray needs between the two, side by side in memory.
+/// The piece between two keys: all data for a ray between them, contiguous in memory.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Piece {
     /// Where the object's origin is at both ends; it goes straight.
@@ -25,7 +26,7 @@ pub(super) struct Piece {
     linear: Linear,
 }
 
-/// What becomes of the linear part.
+/// Interpolation of the linear part.
 #[derive(Clone, Debug, PartialEq)]
 enum Linear {
     /// It stays: the rows of its inverse.
@@ -42,7 +43,7 @@ impl Piece {
         Some(Self { translations: [from[3], to[3]], linear })
     }
 
-    /// Where the object is at a share of the way that is neither 0 nor 1; `None` where it is flat.
+    /// The object's transform at a fraction of the piece that is neither 0 nor 1; `None` if it is flat.
     #[inline(always)]
     pub(super) fn stand(&self, share: f64) -> Option<Stand> {
         let translation = self.translation(share);
@@ -80,9 +81,10 @@ impl Piece {
 }
 
 impl MotionPath {
-    /// Through these places, columns as of [`Instance::world_from_object`](super::Instance::world_from_object), one or more, at
-    /// moments evenly spaced from 0 to 1. Of each turn between two the shorter way is taken: give more places where an
-    /// object turns by more than half a circle. `None` where there is no place, or one is flat or not finite.
+    /// Through these transforms, columns as of
+    /// [`Instance::world_from_object`](super::Instance::world_from_object), one or more, at times evenly
+    /// spaced from 0 to 1. Rotations follow the shorter arc: give more transforms if an object rotates by
+    /// more than half a circle. `None` if there is no transform, or if one is flat or not finite.
     #[must_use]
     pub fn new(translations: &[[[f64; 3]; 4]]) -> Option<Self> {
         let first = translations.first()?;
@@ -98,13 +100,13 @@ impl MotionPath {
         Some(Self { keys, pieces })
     }
 
-    /// How many places it was made from, two at least.
+    /// The transforms that it was made from, two at least.
     #[must_use]
     pub fn keys(&self) -> &[[[f64; 3]; 4]] {
         &self.keys
     }
 
-    /// Where the instance is at a moment; other times than 0 to 1 are clamped, NaN is 0.
+    /// The instance's transform at a time; times outside of 0 to 1 are clamped, NaN is 0.
     #[must_use]
     pub fn at(&self, time: f32) -> [[f64; 3]; 4] {
         let (piece, share) = share_of(time, self.pieces.len());
@@ -128,7 +130,7 @@ impl MotionPath {
         [x, y, z, translation]
     }
 
-    /// The same for rays; `None` at a moment at which the object is flat.
+    /// The same for rays; `None` at a time at which the object is flat.
     pub(super) fn stand(&self, time: f32) -> Option<Stand> {
         let (number, share) = share_of(time, self.pieces.len());
         if share == 0.0 || share == 1.0 {
@@ -143,8 +145,8 @@ impl MotionPath {
         if let [only] = &self.pieces[..] { Some(only) } else { None }
     }
 
-    /// Calls `visit` with places, two and two neighbours on the way, and by how much at most a point of the box leaves the
-    /// straight line between them.
+    /// Calls `visit` with successive pairs of transforms along the path, and a bound on the distance of the
+    /// box's points from the straight line between them.
     pub(super) fn steps(&self, object: &Box64, mut visit: impl FnMut(&[[f64; 3]; 4], &[[f64; 3]; 4], f64)) {
         for (i, piece) in self.pieces.iter().enumerate() {
             let (count, bulge) = piece.steps(object);
@@ -156,7 +158,8 @@ impl MotionPath {
     }
 }
 
-/// The piece, of so many, that a moment is in, and what share of it lies behind; other times than 0 to 1 are clamped, NaN is 0.
+/// The piece, of this many, that contains a time, and the fraction of it before the time; times outside of 0
+/// to 1 are clamped, NaN is 0.
 #[inline(always)]
 pub(super) fn share_of(time: f32, pieces: usize) -> (usize, f64) {
     let at = f64::from(if time > 0.0 { time.min(1.0) } else { 0.0 }) * pieces as f64;
@@ -167,7 +170,7 @@ pub(super) fn share_of(time: f32, pieces: usize) -> (usize, f64) {
 /// Pieces between which boxes go straight: two keys more for each.
 const MOST_PIECES: usize = 8;
 
-/// The object turns by so much at most, in radians, while a box goes straight, where so many pieces do.
+/// The greatest rotation of an object, in radians, per straight piece of its box's path.
 const STRAIGHT: f64 = 0.35;
 
 impl MotionPath {
@@ -179,8 +182,9 @@ impl MotionPath {
         expected.next_power_of_two().min(MOST_PIECES)
     }
 
-    /// As [`steps`](Self::steps), cut where one of so many pieces of the time ends. `visit` is called with the number of that
-    /// piece, with two places and where on that piece they are (0 to 1), and with the bulge; pieces and places ascend.
+    /// As [`steps`](Self::steps), cut at the ends of this many pieces of the time. `visit` is called with the
+    /// number of that piece, with two transforms and their positions on that piece (0 to 1), and with the
+    /// bulge; pieces and positions ascend.
     pub(super) fn steps_of(
         &self,
         object: &Box64,
@@ -209,7 +213,7 @@ impl MotionPath {
 mod tests {
     use super::*;
 
-    /// Turned by `angle` around z, scaled, moved.
+    /// Rotated by `angle` around z, scaled, moved.
     fn turned(angle: f64, scale: [f64; 3], translation: [f64; 3]) -> [[f64; 3]; 4] {
         let (s, c) = angle.sin_cos();
         let [x, y, z] = scale;

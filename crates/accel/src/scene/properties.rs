@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What there is to know of a scene, and which instance was hit. Source: [WBS03a]. Space: world.
+//! Properties of a scene, and the instance of a hit. Source: [WBS03a]. Space: world.
 //! Tests: `tests/instances.rs`, `tests/nested.rs`, `tests/far_away.rs`.
 
 use gnurt_accel_core::bits::each;
@@ -31,7 +31,7 @@ impl SceneTree {
         self.dropped
     }
 
-    /// Scenes on the longest way down, this one included.
+    /// Levels of scenes on the longest path down, this one included.
     #[must_use]
     pub fn depth(&self) -> u32 {
         1 + self.depths.iter().rposition(|&count| count > 0).unwrap_or(0) as u32
@@ -43,8 +43,8 @@ impl SceneTree {
         self.leaves.count()
     }
 
-    /// The instances on the way to the object that [`Hit::leaf_id`] stands for, outermost first: places in the lists
-    /// that the scenes were built from. `None` where there is no such object.
+    /// The instances on the path to the object of [`Hit::leaf_id`], outermost first: indices of the lists of
+    /// the scenes' builds. `None` where there is no such object.
     #[must_use]
     pub fn instance_path(&self, leaf_id: u32) -> Option<Vec<u32>> {
         let (mut scene, mut leaf, mut path) = (self, leaf_id, Vec::new());
@@ -58,8 +58,8 @@ impl SceneTree {
         }
     }
 
-    /// The outermost instance on the way to the object that [`Hit::leaf_id`] stands for, and the object's number in the scene
-    /// which that shows, 0 where it shows an object. `None` where there is no such object.
+    /// The outermost instance on the path to the object of [`Hit::leaf_id`], and the object's number in the
+    /// instance's scene, 0 if it shows an object. `None` where there is no such object.
     #[must_use]
     pub fn instance_at(&self, leaf_id: u32) -> Option<(u32, u32)> {
         if leaf_id >= self.leaves.count() {
@@ -69,7 +69,7 @@ impl SceneTree {
         Some((index as u32, leaf_id - self.leaves.first(index)))
     }
 
-    /// The number of the first object of an instance, what [`instance_at`](Self::instance_at) undoes.
+    /// The number of the first object of an instance, the inverse of [`instance_at`](Self::instance_at).
     ///
     /// # Panics
     /// If there is no such instance.
@@ -101,7 +101,7 @@ impl SceneTree {
         }
     }
 
-    /// The instance that holds an object, and its place.
+    /// The instance that holds an object, and its index.
     #[inline]
     pub(super) fn located_instance(&self, leaf: u32) -> Option<(usize, &PlacedInstance)> {
         if leaf >= self.leaves.count() {
@@ -111,7 +111,7 @@ impl SceneTree {
         self.placed(index).map(|placed| (index, placed))
     }
 
-    /// The outermost instance on the way to an object that was hit, and that.
+    /// The outermost instance on the path to a hit object, and that object.
     fn object_at(&self, leaf: u32) -> (u32, &ObjectTree) {
         let (mut scene, mut left, mut outermost) = (self, leaf, None);
         loop {
@@ -124,14 +124,14 @@ impl SceneTree {
         }
     }
 
-    /// Ids of what was hit.
+    /// Ids of a hit.
     #[inline]
     pub(crate) fn resolve(&self, nearest: &Nearest) -> Hit {
         let (inst_id, object) = self.object_at(nearest.slot);
         object.resolve(nearest, inst_id, nearest.slot)
     }
 
-    /// Writes what those rays of a tile that are in `bits` have hit, the tile's first ray to lane `first`.
+    /// Writes the hits of those rays of a tile that are in `bits`, the tile's first ray to lane `first`.
     pub(crate) fn write(&self, nearest: &NearestTile, bits: u64, first: usize, hits: &mut HitBatch) {
         // Neighbours often hit the same object.
         let mut last: Option<(u32, (u32, &ObjectTree))> = None;

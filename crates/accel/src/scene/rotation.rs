@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A turn from one place to the next, with what is stretched on the way.
-//! Source: turns follow the shorter arc at constant speed [Sho85], as glTF's do; a matrix is taken apart into a place, a
-//! turn and a stretch by Gram and Schmidt, which for a translation, a turn and a scale finds those.
-//! Space: columns are images of the object's axes. Invariant: between two moments points leave the straight line by less than the
-//! square of the time between them, times an eighth of their greatest acceleration. Tests: `path::tests`.
+//! A rotation between two transforms, with the interpolation of the stretch.
+//! Source: rotations follow the shorter arc at constant speed [Sho85], as glTF's do; a matrix is decomposed
+//! into translation, rotation and stretch by Gram and Schmidt, which recovers these three.
+//! Space: columns are images of the object's axes. Invariant: between two times points leave the straight
+//! line by less than the square of the time between them, times an eighth of their greatest acceleration.
+//! Tests: `path::tests`.
 
 use super::box64::Box64;
 use super::exact::Exact;
@@ -14,28 +15,28 @@ pub(super) type Columns = [[f64; 3]; 4];
 /// An upper triangular matrix, by columns: of the first one number, of the second two.
 type Stretch = [f64; 6];
 
-/// A turn, and what is done before it.
+/// A rotation, and the stretch before it.
 type Parts = (Quaternion, Stretch);
 
 /// How the linear part of a matrix becomes another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Rotation {
-    /// The first turn, and the unit quaternion a quarter of a circle on along the arc.
+    /// The first rotation, and the unit quaternion a quarter of a circle further along the arc.
     from: Quaternion,
     beyond: Quaternion,
-    /// How long the arc is: half the angle by which the object turns.
+    /// The length of the arc: half the angle of the rotation.
     arc: f64,
-    /// What is done before the turn, at both ends.
+    /// The stretch before the rotation, at both ends.
     stretch: [Stretch; 2],
-    /// Whether these two are the same but for rounding: then the first counts.
+    /// Whether these two are equal except for rounding: then the first counts.
     is_rigid: bool,
 }
 
-/// The object turns by so much at most, in radians, between two boxes of which one around its way is made.
+/// The greatest rotation, in radians, between two of the boxes that bound an object's path.
 const STEP: f64 = 0.05;
 
 impl Rotation {
-    /// The shorter way; `None` where one of the places is flat or not finite.
+    /// The shorter arc; `None` if one of the transforms is flat or not finite.
     pub(super) fn new(from: &Columns, to: &Columns) -> Option<Self> {
         let ((from, stretch), (to, stretch_to)) = (decompose(from)?, decompose(to)?);
         let dot: f64 = (0..4).map(|k| from[k] * to[k]).sum();
@@ -48,14 +49,14 @@ impl Rotation {
         Some(Self { from, beyond, arc, stretch: [stretch, stretch_to], is_rigid })
     }
 
-    /// By how much the object turns, in radians.
+    /// The angle of the rotation, in radians.
     pub(super) fn angle(&self) -> f64 {
         2.0 * self.arc
     }
 
-    /// The linear part at a share of the way, as columns.
+    /// The linear part at a fraction of the piece, as columns.
     pub(super) fn linear(&self, share: f64) -> [[f64; 3]; 3] {
-        // Written out: rays come here, each at its moment.
+        // Written out for speed: rays come here, each at its time.
         let (sine, cosine) = (share * self.arc).sin_cos();
         let (from, beyond) = (&self.from, &self.beyond);
         let along = |k: usize| cosine * from[k] + sine * beyond[k];
@@ -71,7 +72,7 @@ impl Rotation {
         [a, b, c]
     }
 
-    /// What is done before the turn.
+    /// The stretch before the rotation.
     #[inline(always)]
     fn stretch_at(&self, share: f64) -> Stretch {
         let [from, to] = &self.stretch;
@@ -90,7 +91,8 @@ impl Rotation {
         (count, acceleration / (8.0 * count * count))
     }
 
-    /// How far corners of a box are from the origin that they turn around, and how much they move by stretching.
+    /// The greatest distance of a box's corners from the centre of rotation, and their greatest motion by
+    /// stretching.
     fn reach(&self, object: &Box64) -> [f64; 2] {
         let mut most = [0.0_f64; 2];
         for corner in 0..8 {
@@ -108,7 +110,7 @@ impl Rotation {
     }
 }
 
-/// Whether two stretches differ by what taking apart rounds, no more.
+/// Whether two stretches differ only by the rounding of the decomposition.
 fn is_same(a: &Stretch, b: &Stretch) -> bool {
     let size = a.iter().chain(b).fold(0.0_f64, |most, x| most.max(x.abs()));
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-14 * size)
@@ -118,7 +120,7 @@ fn length(v: &[f64]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// A turn, and what is done before it. `None` where the columns are in one plane or not finite.
+/// A rotation, and the stretch before it. `None` if the columns are in one plane or not finite.
 fn decompose(columns: &Columns) -> Option<Parts> {
     Exact::new(columns)?;
     let dot = |p: [f64; 3], q: [f64; 3]| p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
@@ -128,7 +130,7 @@ fn decompose(columns: &Columns) -> Option<Parts> {
         v.map(|x| x / length)
     };
     let x = unit(a);
-    // Twice is enough: what one subtraction leaves over is lost in the second.
+    // Twice is enough: the second subtraction removes the error of the first.
     let without_x = |v: [f64; 3]| -> [f64; 3] {
         let along = dot(v, x);
         std::array::from_fn(|k| v[k] - along * x[k])
@@ -141,7 +143,8 @@ fn decompose(columns: &Columns) -> Option<Parts> {
     finite.then_some((rotation, stretch))
 }
 
-/// The unit quaternion, the real part last, of a turn whose columns these are. Source: Shepperd, 1978: by the greatest part.
+/// The unit quaternion, the real part last, of a rotation with these columns. Source: Shepperd, 1978: by the
+/// greatest part.
 fn quaternion([x, y, z]: [[f64; 3]; 3]) -> Quaternion {
     let trace = x[0] + y[1] + z[2];
     let greatest = trace.max(x[0]).max(y[1]).max(z[2]);
@@ -158,7 +161,7 @@ fn quaternion([x, y, z]: [[f64; 3]; 3]) -> Quaternion {
     q.map(|x| x / length)
 }
 
-/// The columns of a turn.
+/// The columns of a rotation.
 #[inline(always)]
 fn axes(&[x, y, z, w]: &Quaternion) -> [[f64; 3]; 3] {
     [

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A scene as it is at one moment of an open shutter. Space: world.
-//! Invariant: what many instances show is stopped once, and is shared afterwards as it was before.
+//! A scene at one time of an open shutter. Space: world.
+//! Invariant: shared objects are frozen once, and are shared afterwards as before.
 //! Tests: `tests/surfaces/motion.rs`, `tests/nested.rs`.
 
 use std::collections::HashMap;
@@ -16,15 +16,15 @@ impl SceneTree {
         self.moving > 0
     }
 
-    /// The scene as it is at a moment, which every question is of then. Costs a build of its top tree, and of that of each scene
-    /// in it that moves, and a pass over each object that does.
+    /// The scene at one time; all its queries refer to that time. Costs a build of its top tree, and of that
+    /// of each scene in it that moves, and a pass over each object that does.
     #[must_use]
     pub fn at(&self, time: f32, threads: Threads) -> Self {
         Stopped::new(time, threads).scene(self)
     }
 }
 
-/// What was stopped at a moment, by what it was before, which is held by the scene meanwhile.
+/// The frozen shapes of one time, by their originals, which the scene holds meanwhile.
 struct Stopped<'a> {
     time: f32,
     threads: Threads<'a>,

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What scenes are made of. In one file, since scenes hold instances and instances show scenes. Source: [WBS03a].
-//! Space: world, unless it says otherwise. Invariant: objects are numbered in the order of the instances on the way to them, so
-//! the lowest number is the lowest path. Tests: `tests/instances.rs`, `tests/nested.rs`, `tests/moving_instances.rs`.
+//! The types of scenes. In one file, since scenes hold instances and instances show scenes. Source: [WBS03a].
+//! Space: world, unless stated otherwise. Invariant: objects are numbered in the order of the instances on
+//! the path to them, so the lowest number is the lowest path. Tests: `tests/instances.rs`, `tests/nested.rs`,
+//! `tests/moving_instances.rs`.
 
 use std::sync::Arc;
 
@@ -13,34 +14,34 @@ use super::leaves::Leaves;
 use super::path::{MotionPath, Piece};
 use crate::{ObjectTree, SharedList};
 
-/// Most scenes that may lie in one another, the outermost included.
+/// The largest number of levels of scenes, the outermost included.
 pub const DEEPEST_SCENE: u32 = 16;
 
-/// A scene of instances. When some of them move, come or go, [`updated`](Self::updated) makes the next one, which shares
-/// with it what did not change.
+/// A scene of instances. After some of them moved, came or went, [`updated`](Self::updated) makes the next
+/// one, which shares unchanged parts with it.
 #[derive(Clone, Debug)]
 pub struct SceneTree {
     /// Over the world boxes of instances, relative to a point near them where the scene is far away for its size.
     pub(super) top: BoxIndex,
-    /// The place of the only one that can be hit, where there is one only.
+    /// The index of the only instance that can be hit, if there is just one.
     pub(super) only: Option<usize>,
-    /// By place in the list that the scene was built from.
+    /// By index in the list of the build.
     pub(super) slots: SharedList<Slot>,
     /// The numbers of objects.
     pub(super) leaves: Leaves,
-    /// Instances by the depth of what can be seen of them: 0 of objects.
+    /// Instances by the depth of their visible part: 0 for objects.
     pub(super) depths: [u32; DEEPEST_SCENE as usize],
     pub(super) dropped: u64,
-    /// How many instances move while the shutter is open, or show what does.
+    /// Number of instances that move during an open shutter, or show something that does.
     pub(super) moving: u32,
 }
 
-/// What an instance shows.
+/// The object or scene that an instance shows.
 #[derive(Clone, Debug)]
 pub enum Shape {
     /// An object.
     Object(Arc<ObjectTree>),
-    /// A scene with instances of its own.
+    /// A scene with its own instances.
     Scene(Arc<SceneTree>),
 }
 
@@ -50,15 +51,15 @@ pub struct Instance {
     /// Shared by all instances of it.
     pub shape: Shape,
     /// Columns of the affine map to the space of the scene that the instance is in: images of the x, y and z axes, then
-    /// of the origin. Of one that moves, at moment 0.
+    /// of the origin. For a moving one, at time 0.
     pub world_from_object: [[f64; 3]; 4],
-    /// How it moves while the shutter is open; `None` = it stands still. Counts for rays in the place of `world_from_object`.
+    /// Its motion during an open shutter; `None` = static. Replaces `world_from_object` for rays.
     pub motion: Option<Arc<MotionPath>>,
     /// Which rays see it: those whose mask has a bit in common with this one.
     pub mask: u32,
 }
 
-/// What there is of an instance.
+/// The state of an instance.
 #[expect(clippy::large_enum_variant, reason = "almost all are placed")]
 #[derive(Clone, Debug, Default)]
 pub(crate) enum Slot {
@@ -78,10 +79,10 @@ pub(crate) struct PlacedInstance {
     pub(super) at: At,
 }
 
-/// Where an instance is, side by side with what it shows: a ray that enters one of many waits for memory once.
+/// The transform of an instance, adjacent to its shape: a ray that enters one of many waits for memory once.
 #[derive(Clone, Debug)]
 pub(super) enum At {
-    /// It stands still.
+    /// Static.
     Still {
         /// `None` where world and object space are the same.
         object_from_world: Option<ObjectFromWorld>,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A scene after some of its instances moved, came or went. Source: [WBS06] for refits, [WBS03a] for the two levels.
-//! Space: world. Invariant: rays hit what they would in a scene built from the list as it is now.
+//! Space: world. Invariant: rays hit the same as in a scene built from the current list.
 //! Tests: `tests/moving_instances.rs`.
 
 use gnurt_accel_bvh::{BoxEdit, BoxIndex};
@@ -11,28 +11,28 @@ use super::build::{InstanceProperties, is_near, origin_for, place_instance};
 use super::types::{Instance, SceneTree, Slot};
 use crate::{INVALID_ID, SceneError, Threads};
 
-/// What becomes of a place: what is there afterwards, and what there is to know of it.
+/// A change of a slot: its new contents, and their properties.
 type Change = (u32, Slot, InstanceProperties);
 
 impl SceneTree {
-    /// The scene of `len` instances that differs from this one in those that are `changed`: places, and what is there now;
-    /// `None`: nothing. Of several changes of one place the last one counts. Places that are new and not among them show
-    /// nothing; places from `len` on are gone. Instances that cannot be placed are left out and counted, as by
-    /// [`build`](Self::build).
+    /// The scene of `len` instances that differs from this one in those that are `changed`: indices, and new
+    /// contents; `None` removes an instance. Of several changes of one index the last one counts. New indices
+    /// without a change show nothing; indices from `len` on are removed. Instances that cannot be placed are
+    /// dropped and counted, as by [`build`](Self::build).
     ///
-    /// It shares with this one what did not change, so it costs about the number of changes, and this one stays as it is for
-    /// frames that are under way. Boxes of the top tree are refitted; parts of it, or all, are built again where by the
-    /// surface area heuristic it costs much more than when it was built. Hits are those of a scene that was built from the
-    /// list, but for one thing: instances that were left out because there were too many objects
+    /// It shares unchanged parts with this one, so it costs about the number of changes, and this one stays
+    /// valid for frames in flight. Boxes of the top tree are refitted; parts of it, or all, are rebuilt if
+    /// their cost by the surface area heuristic has grown too far. Hits are those of a scene built from the
+    /// list, with one exception: instances that were dropped because there were too many objects
     /// ([`SceneError::TooManyObjects`]) stay out until they are changed.
     ///
     /// # Panics
-    /// If a place is not below `len`.
+    /// If an index is not below `len`.
     #[must_use]
     pub fn updated(&self, len: usize, changed: &[(u32, Option<Instance>)], threads: Threads) -> Self {
         let mut last: Vec<usize> = (0..changed.len()).collect();
         last.sort_by_key(|&i| changed[i].0);
-        // Stable: of equal places the last one is the last.
+        // Stable: of equal indices the last one is the last.
         let last: Vec<usize> =
             last.chunk_by(|&a, &b| changed[a].0 == changed[b].0).map(|same| same[same.len() - 1]).collect();
         if let Some(&i) = last.last() {
@@ -64,7 +64,7 @@ impl SceneTree {
         scene.slots.grow(len);
         scene.depths[0] += len.saturating_sub(before) as u32;
         for (index, ..) in &changes {
-            // Places that are new are absent, and so known as one object's.
+            // New indices are absent, and so count as one object's.
             scene.forget(self.slots.get(*index as usize).unwrap_or(&Slot::Absent));
         }
         scene.number(before, len, &mut changes);
@@ -104,7 +104,7 @@ impl SceneTree {
         self.dropped -= u64::from(matches!(slot, Slot::Refused));
     }
 
-    /// Numbers objects anew; what makes them too many is refused.
+    /// Renumbers objects; changes that would make them too many are rejected.
     fn number(&mut self, before: usize, len: usize, changes: &mut [Change]) {
         let counts = |changes: &[Change]| -> Vec<(u32, u32)> {
             changes.iter().map(|(index, _, properties)| (*index, properties.leaves)).collect()

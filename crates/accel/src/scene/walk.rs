@@ -14,12 +14,13 @@ use crate::Ray;
 use crate::coherent::{WORTH_A_TILE, by_direction_class};
 use crate::engine::Engine;
 
-/// Tiles go together through so many scenes in one another; what lies deeper is searched ray by ray, which takes less of the
-/// stack.
+/// Tiles pass together through this many levels of scenes; deeper levels are searched ray by ray, which takes
+/// less of the stack.
 const DEEPEST_TILE: u32 = 4;
 
 impl SceneTree {
-    /// Improves what the ray has found; it is sound. The trip's slot is the number of the scene's first object in the whole.
+    /// Improves the ray's result; the ray is valid. The state's slot is the number of the scene's first
+    /// object in the whole.
     pub(crate) fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
         if let Some(only) = self.only {
             return self.enter(engine, only, traversal);
@@ -27,7 +28,7 @@ impl SceneTree {
         if self.top.count() == 0 {
             return;
         }
-        // Boxes are met by the regular ray; what is compared are its parameters.
+        // Boxes are tested with the regular ray; comparisons use its parameters.
         let (regular, scale) = if traversal.ray.is_regular() {
             (*traversal.ray, 1.0)
         } else {
@@ -84,7 +85,7 @@ impl SceneTree {
         }
     }
 
-    /// Into one that moves: to where it is at the ray's moment, as if it stood there.
+    /// Into a moving one: at its transform at the ray's time.
     #[inline(never)]
     fn enter_moving(engine: &Engine, placed: &PlacedInstance, slot: u32, traversal: &mut RayTraversal) {
         let (ray, origin) = (traversal.ray, traversal.origin);
@@ -106,12 +107,12 @@ impl SceneTree {
         }
     }
 
-    /// Improves what a tile's active rays have found; they may be `incoherent`.
+    /// Improves the results of a tile's active rays; they may be `incoherent`.
     pub(crate) fn tile(&self, engine: &Engine, traversal: &mut TileTraversal, incoherent: bool) {
         self.tile_at(engine, traversal, incoherent, 1);
     }
 
-    /// The same where this is scene number `depth` on the way down.
+    /// The same for a scene at nesting level `depth`.
     fn tile_at(&self, engine: &Engine, traversal: &mut TileTraversal, incoherent: bool, depth: u32) {
         if self.top.count() == 0 || traversal.active == 0 {
             return;
@@ -130,7 +131,7 @@ impl SceneTree {
         traversal.only(single).one_by_one(|traversal| self.ray(engine, traversal));
     }
 
-    /// For a tile's first rays, all of them active and of one heading.
+    /// For a tile's first rays, all of them active and of one direction class.
     fn coherent(
         &self,
         engine: &Engine,
@@ -162,7 +163,7 @@ impl SceneTree {
         let stopped;
         let object_from_world = match &placed.at {
             At::Still { object_from_world, .. } => object_from_world,
-            // Where all rays are of one moment it stands still for them.
+            // If all rays have one time, the instance is static for them.
             At::Piece(..) | At::Path(_) => match only_interval(traversal) {
                 None => {
                     return traversal
@@ -192,7 +193,7 @@ impl SceneTree {
     }
 }
 
-/// The moment of all active rays of a tile, if they have the same one and are worth a tile.
+/// The common time of all active rays of a tile, if they have one and are worth a tile.
 fn only_interval(traversal: &TileTraversal) -> Option<f32> {
     let time = &traversal.rays.time;
     if traversal.active.count_ones() < WORTH_A_TILE {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the tests of this crate share: soups as objects, all kinds of queries, comparison with the oracle.
+//! Common parts of this crate's tests: soups as objects, all kinds of queries, comparison with the oracle.
 #![allow(dead_code, reason = "each test file uses a part of it")]
 
 use gnurt_accel::{
@@ -55,7 +55,7 @@ pub(crate) fn build_with(meshes: &[Soup], options: &BuildOptions, threads: Threa
     ObjectTree::build(&meshes, options, threads)
 }
 
-/// A scene by default options; what cannot be placed is left out.
+/// A scene by default options; instances that cannot be placed are dropped.
 pub(crate) fn scene_of(instances: &[Instance]) -> SceneTree {
     SceneTree::build(instances, &BuildOptions::default(), Threads::Single)
 }

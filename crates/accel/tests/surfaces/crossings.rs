@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Crossings of rays that are aimed at vertices and edges, equal to what whole numbers say, in every structure, far away, tiny,
-//! as soups, through instances; coincident sheets; ends of rays.
+//! Crossings of rays aimed at vertices and edges equal those of integer arithmetic, in every structure, far
+//! away, tiny, as soups, through instances; coincident sheets; ends of rays.
 
 use std::sync::Arc;
 
@@ -153,7 +153,8 @@ fn instances_are_exact() {
         let ray = Ray64::new(at, dir.map(|x| x as f32));
         assert_eq!(scene.crossings(&ray), voxels.crossings(org, dir), "{ray:?}");
     }
-    // Turned and sheared: corners are no floats any more, and rays through what is nearest to one still cross evenly.
+    // Rotated and sheared: corners are not exact floats any more, and rays through the nearest floats still
+    // cross evenly.
     let turned = [[0.36, 0.48, -0.8], [-0.8, 0.6, 0.01], [0.48, 0.64, 0.6], [1e5, 2e5, -7e4]];
     let cube = Arc::new(build(&[closed::cube(3)], WATERTIGHT[0]));
     let scene = scene_of(&[Instance::new(Arc::clone(&cube), turned), Instance::new(object, inner)]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sides of points, at corners, on edges and faces and beside them, equal to what whole numbers say; signed distances; batches
-//! with threads; solids that overlap.
+//! Sides of points, at corners, on edges and faces and beside them, equal those of integer arithmetic; signed
+//! distances; batches with threads; solids that overlap.
 
 use std::sync::Arc;
 
@@ -97,7 +97,7 @@ fn batches_and_threads_agree() {
         tree.closest_points(&query, &points, 0.2, threads, &mut hits);
         let mut inside = 0;
         for (i, &point) in points.iter().enumerate() {
-            // The ring itself, but for what its corners cut off.
+            // The ring itself, without the parts that its corners cut off.
             let from_ring = (point[0].hypot(point[1]) - 1.0).hypot(point[2]);
             if (from_ring - 0.4).abs() > 0.02 {
                 assert_eq!(contained[i], from_ring < 0.4, "{point:?}");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays with moments: they hit what rays hit in a tree that is built over everything as it is at their moment, bit for bit, in
-//! every way to ask and at every level.
+//! Rays with times have the hits of rays in a tree over all geometry at their time, bit for bit, in every
+//! kind of query and at every level.
 
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ fn some_rays(seed: u64, count: usize) -> Vec<Ray> {
     rays::random(seed, count).into_iter().enumerate().map(ray).collect()
 }
 
-/// Insists that rays of several moments find what `snapshot` has at each of them.
+/// Asserts that rays of several times find the contents of `snapshot` at each of them.
 fn compare<T: QueryTarget>(moving: &T, rays: &[Ray], mut snapshot: impl FnMut(f32) -> T) {
     let batch: RayBatch = rays.iter().copied().collect();
     let found = run_queries(moving, &batch);
@@ -112,7 +112,7 @@ fn meshes_are_seen_where_they_are_at_the_moment() {
         let stopped = tree.at(0.3);
         let (around, true_box) = (stopped.bounds(), fresh(0.3).bounds());
         assert_eq!(around.union(&true_box), around, "the box at a moment holds what is there");
-        // What is stopped is a tree like any other.
+        // A frozen tree is a tree like any other.
         let mut file = Vec::new();
         stopped.save(&mut file).expect("to memory");
         let loaded = ObjectTree::load(&mut &file[..]).expect("what was saved is a tree");
@@ -192,7 +192,8 @@ fn instances_are_seen_where_they_are_at_the_moment() {
     compare(&following, &rays, |time| snapshot(&instances, time));
 }
 
-/// So many that the top tree is in parts, some of which move; and what becomes of it when some of them go another way.
+/// Enough instances that the top tree has parts, some of which move; and updates in which some of them change
+/// direction.
 #[test]
 fn many_instances_are_met_where_they_are() {
     let mut random = Random::new(11);
@@ -226,7 +227,7 @@ fn many_instances_are_met_where_they_are() {
     };
     let rays: Vec<Ray> = rays::random(6, 900).into_iter().enumerate().map(ray).collect();
     compare(&scene, &rays, |time| scene.at(time, threads));
-    // All at one moment, in tiles: what moves stands still for them.
+    // All at one time, in tiles: geometry is static for them.
     let stopped = scene.at(0.734, threads);
     let joint = |random: &mut Random| {
         let to = random.point();

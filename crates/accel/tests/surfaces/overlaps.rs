@@ -12,8 +12,8 @@ use gnurt_testkit::{Random, Soup, closed};
 
 use crate::common::{WATERTIGHT, build, scene_of};
 
-/// What is left of a triangle in a box, cut side by side; whole multiples of small powers of two are cut exactly enough to tell
-/// nothing from something.
+/// The part of a triangle in a box, cut side by side; multiples of small powers of two are cut exactly enough
+/// to decide whether it is empty.
 fn is_in_box(corners: [[f32; 3]; 3], min: [f64; 3], max: [f64; 3]) -> bool {
     let mut polygon: Vec<[f64; 3]> = corners.map(|p| p.map(f64::from)).into();
     for k in 0..3 {
@@ -57,7 +57,7 @@ fn boxes_equal_brute_force() {
                 for i in 0..mesh.indices.len() {
                     let corners = mesh.corners(i).expect("a triangle");
                     let found = ids.iter().any(|id| id.prim_id == i as u32);
-                    // Where cutting rounds, what just touches may be either.
+                    // If cutting rounds, a primitive that just touches may be in either set.
                     let slack = 1e-9;
                     let (less, more) = (min.map(|x| x - slack), max.map(|x| x + slack));
                     if is_in_box(corners, min, max) {
@@ -117,7 +117,7 @@ fn the_nearest_primitives_equal_brute_force() {
             let nearest = tree.closest_point(point, 0.8);
             assert_eq!(lists.get(i).first().copied(), nearest, "the first is the nearest");
             let mut ids = Vec::new();
-            tree.touching_ball(&query, point, 0.3, &mut ids);
+            tree.touching_sphere(&query, point, 0.3, &mut ids);
             let mut near: Vec<u32> = all.iter().filter(|(d, _)| *d <= 0.3).map(|(_, i)| *i).collect();
             near.sort_unstable();
             assert!(ids.iter().map(|id| id.prim_id).eq(near), "within 0.3 of {point:?} in {kind:?}");
@@ -161,7 +161,7 @@ fn mixed_objects_and_instances() {
     scene.touching_box(&query, [8.5, 0.5, -0.1], [8.6, 0.6, 0.1], &mut ids);
     let leaves: Vec<(u32, u32)> = ids.iter().map(|id| (id.leaf_id, id.geom_id)).collect();
     assert_eq!(leaves, [(1, 0)], "the quad of the second; its triangle lies beside");
-    scene.touching_ball(&query, [9.0, 1.0, 3.0], 3.0, &mut ids);
+    scene.touching_sphere(&query, [9.0, 1.0, 3.0], 3.0, &mut ids);
     assert!(ids.iter().all(|id| id.leaf_id == 1) && ids.len() == 2, "{ids:?}");
 }
 
@@ -179,7 +179,7 @@ fn visitors_see_what_is_near() {
         });
         reported.sort_unstable();
         reported.dedup();
-        tree.touching_ball(&query, point, 0.5, &mut ids);
+        tree.touching_sphere(&query, point, 0.5, &mut ids);
         assert_eq!(reported, ids, "all within the radius, near {point:?}");
         let mut nearest = f64::INFINITY;
         tree.visit_near(&query, point, nearest, |hit| {

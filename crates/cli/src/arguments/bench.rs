@@ -21,7 +21,7 @@ pub(crate) struct BenchArguments {
     pub(crate) command: BenchCommand,
 }
 
-/// What can be measured.
+/// The measurements.
 #[derive(Debug, Subcommand)]
 pub(crate) enum BenchCommand {
     /// Measure ray queries, beside Embree's where EMBREE4_LIB names a library of Embree 4
@@ -227,7 +227,7 @@ pub(crate) struct BenchLightArguments {
     pub(crate) clamp: Option<f32>,
     /// Render each picture twice with the same virtual lights, to separate their error from that of rays
     #[arg(long)]
-    pub(crate) lights_apart: bool,
+    pub(crate) separate_lights: bool,
     /// Make every material a Lambertian reflector of its base colour
     #[arg(long)]
     pub(crate) force_diffuse: bool,

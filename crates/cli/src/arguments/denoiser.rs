@@ -6,7 +6,7 @@ use gnurt::denoise::{Method, Options};
 
 use super::value::{self, DenoiserChoice};
 
-/// The option of those who write pictures.
+/// The option of commands that write pictures.
 #[derive(Args, Clone, Copy, Debug, Default)]
 #[command(next_help_heading = "Quality")]
 pub(crate) struct DenoiserArguments {
@@ -30,7 +30,7 @@ pub(crate) struct DenoiserArguments {
 const OIDN: &str = "OIDN_LIB";
 
 impl DenoiserArguments {
-    /// How a picture is to be denoised of which only `region` was rendered, if somebody asks for it.
+    /// The filter for a picture of which only `region` was rendered, if one is requested.
     pub(crate) fn options(self, region: Option<[u32; 4]>) -> Option<Options> {
         match self.denoise? {
             DenoiserChoice::None => None,
@@ -38,7 +38,7 @@ impl DenoiserArguments {
         }
     }
 
-    /// The same, and by the built-in filter, whose bits are the same everywhere, if nobody says anything.
+    /// The same, with the built-in filter, whose bits are the same everywhere, as the default.
     pub(crate) fn options_or_built_in(self, region: Option<[u32; 4]>) -> Option<Options> {
         match self.denoise {
             None => Some(by(Method::BuiltIn, region)),

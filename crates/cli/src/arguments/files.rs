@@ -37,7 +37,7 @@ pub(crate) struct FileArguments {
 }
 
 impl FileArguments {
-    /// What a scene may do.
+    /// Permissions and limits of a scene.
     pub(crate) fn options(&self) -> Result<LoadOptions, Failure> {
         let failed = |error| Failure::data(format_args!("--texture-memory: {error}"));
         let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;

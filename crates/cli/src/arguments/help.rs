@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Two lengths of help for commands with many options: what most people need, and all; and the formats in help texts.
+//! Two lengths of help for commands with many options, the frequent options and all of them; and the formats
+//! in help texts.
 //! Tests: `tests/program/interface.rs`.
 
 use clap::{Arg, ArgAction, Args, Command};

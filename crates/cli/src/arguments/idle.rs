@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that were given and change nothing, so that nobody waits for what they would do: each is told, none is refused.
+//! Options without effect: each gets a warning, so that the user does not wait for its effect; none is
+//! rejected.
 //! Tests: `tests/program/arguments.rs::options_without_effect_are_told`.
 
 use std::ffi::OsStr;
@@ -52,7 +53,7 @@ pub(crate) fn without_effect(command: &Command, matches: &ArgMatches) -> Vec<Str
     reported
 }
 
-/// What integrators do not look at.
+/// Options that an integrator ignores.
 fn of_integrator(integrator: Integrator, tell: &mut impl FnMut(&[(&str, &str)], &str)) {
     let why = format!("with --integrator {integrator}");
     if !integrator.has_virtual_lights() {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The command line as types. Text becomes values here and nowhere else; what is refused here costs no work.
-//! See docs/reference/cli.md.
-//! An option given twice: the last one wins. Values may start with a minus. Tests: `tests/program/arguments.rs`.
+//! The command line as types. Only here text becomes values; a rejection here costs no work. See
+//! docs/reference/cli.md. An option given twice: the last one wins. Values may start with a minus. Tests:
+//! `tests/program/arguments.rs`.
 
 mod bench;
 mod denoiser;

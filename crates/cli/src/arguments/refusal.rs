@@ -9,7 +9,7 @@ use super::Arguments;
 use crate::command_line::command_line;
 use crate::nearest::unknown;
 
-/// What became of a command line that is no command.
+/// The outcome of an invalid command line.
 #[derive(Debug)]
 pub(crate) enum Refusal {
     /// Help or version: text for standard output, and success.
@@ -18,7 +18,7 @@ pub(crate) enum Refusal {
     Mistake(String),
 }
 
-/// Rewrites what the parser says.
+/// Rewrites the parser's messages.
 pub(crate) fn explain(error: &clap::Error) -> Refusal {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => Refusal::Answer(error.render().to_string()),
@@ -44,12 +44,12 @@ fn mistake(error: &clap::Error) -> String {
         }
         ErrorKind::MissingSubcommand | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
             let root = Arguments::command();
-            format!("no command given; give one of: {}", commands(used_command(&root)).join(", "))
+            format!("command missing; valid are: {}", commands(used_command(&root)).join(", "))
         }
         ErrorKind::MissingRequiredArgument => {
             format!("{} is missing; see --help", argument.replace('\n', ", "))
         }
-        ErrorKind::InvalidUtf8 => "an argument is no UTF-8 text; only file names may be anything else".into(),
+        ErrorKind::InvalidUtf8 => "an argument is invalid UTF-8; only file names may be other bytes".into(),
         _ => first_line(error),
     }
 }
@@ -75,9 +75,7 @@ fn unknown_argument(argument: &str) -> String {
     let is_short = |option: &clap::Arg| option.get_short().is_some() && option.get_short() == short;
     // It is known, but not where it stands.
     if options.contains(&written) || used_command(&root).get_arguments().any(is_short) {
-        return format!(
-            "{written}: options stand behind the command, as in 'gnurt render SCENE {written} ...'"
-        );
+        return format!("{written}: options follow the command, as in 'gnurt render SCENE {written} ...'");
     }
     unknown("option", written, &options)
 }
@@ -92,7 +90,7 @@ fn commands(root: &Command) -> Vec<&str> {
     visible.map(Command::get_name).chain(["help"]).collect()
 }
 
-/// `--spp <N>` without what stands behind the name.
+/// `--spp <N>` without the part after the name.
 fn name_of(argument: &str) -> &str {
     argument.split([' ', '=', '[']).next().unwrap_or(argument)
 }
@@ -107,7 +105,7 @@ fn text(error: &clap::Error, kind: ContextKind) -> String {
     }
 }
 
-/// What the parser says of its own accord, for kinds that this program's arguments do not bring about.
+/// The parser's own message, for kinds of errors that this program's arguments never cause.
 fn first_line(error: &clap::Error) -> String {
     let whole = error.render().to_string();
     let line = whole.lines().next().unwrap_or("bad arguments");
@@ -144,7 +142,7 @@ mod tests {
             message(&["info", "a.obj", "b.obj"]).contains("'b.obj' is one argument too many"),
             "a file too many"
         );
-        assert!(message(&[]).starts_with("no command given"), "{}", message(&[]));
+        assert!(message(&[]).starts_with("command missing"), "{}", message(&[]));
     }
 
     #[test]

@@ -7,10 +7,10 @@ use clap::Args;
 use super::value::{self, FrameRange};
 use crate::failure::Failure;
 
-/// Frames per second where nobody says: film's.
+/// Default frames per second: film's.
 const FPS: f64 = 24.0;
 
-/// `--at`, `--frames` and what goes with them: when, and for how long.
+/// `--at`, `--frames` and related options: time and duration.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Animation")]
 pub(crate) struct TimeArguments {
@@ -66,10 +66,10 @@ impl TimeArguments {
         (seconds * self.fps()).round() as u32
     }
 
-    /// What can be refused before the scene is read.
+    /// Checks that need no scene.
     pub(crate) fn check(&self, is_of_files: bool, has_checkpoint: bool) -> Result<(), Failure> {
         let without = |option: &str| {
-            let reason = "which moment is not said; give --at SECONDS or --frames FIRST..LAST, too";
+            let reason = "the time is missing; give --at SECONDS or --frames FIRST..LAST, too";
             Err(Failure::usage(format_args!("{option}: {reason}")))
         };
         if !self.is_given() {
@@ -87,12 +87,12 @@ impl TimeArguments {
         }
         if is_of_files && self.is_open() {
             return Err(Failure::usage(
-                "--shutter: the files of a sequence are single moments; what moves has to be an animation in one file",
+                "--shutter: unsupported for a sequence of files; motion blur needs an animation in one file",
             ));
         }
         if self.frames.is_some() && has_checkpoint {
             return Err(Failure::usage(
-                "--checkpoint does not go with --frames; --skip-existing goes on where a sequence was left",
+                "--checkpoint conflicts with --frames; --skip-existing continues an interrupted sequence",
             ));
         }
         Ok(())

@@ -21,7 +21,7 @@ pub(crate) struct VerbosityArguments {
 }
 
 impl VerbosityArguments {
-    /// What the options ask for; `None` if there are none.
+    /// The requested verbosity; `None` without an option.
     pub(crate) fn verbosity(self) -> Option<Verbosity> {
         match (self.quiet, self.verbose) {
             (true, _) => Some(Verbosity::Quiet),

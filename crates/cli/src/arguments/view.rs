@@ -15,7 +15,7 @@ use gnurt::{Override, Surroundings};
 
 use super::value::{self, CameraChoice, ExposureChoice, Resolution, ShaderChoice};
 
-/// What is computed for which pixels.
+/// The pixels to render, and their sampling.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FrameArguments {
     /// Size of the picture in pixels
@@ -148,7 +148,7 @@ pub(crate) struct ViewArguments {
     pub(crate) surroundings: SurroundingsArguments,
 }
 
-/// What is around the scene.
+/// The surroundings of the scene.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Light")]
 pub(crate) struct SurroundingsArguments {
@@ -187,7 +187,7 @@ impl SurroundingsArguments {
     }
 }
 
-/// What it is computed with.
+/// Threads and instruction set.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Time and machine")]
 pub(crate) struct MachineArguments {
@@ -202,7 +202,7 @@ pub(crate) struct MachineArguments {
     pub(crate) out_of_core: Option<PathBuf>,
 }
 
-/// What rays go through.
+/// The trees for rays.
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Time and machine")]
 pub(crate) struct TreeArguments {
@@ -237,7 +237,7 @@ pub(crate) struct LightArguments {
 }
 
 impl LightArguments {
-    /// The same where an exposure is known that suits the scene's light, and nobody gives another.
+    /// The same with the known exposure of the scene's light, unless another one is requested.
     pub(crate) fn suited(self, exposure: Option<f32>) -> Self {
         match (self.exposure, exposure) {
             (ExposureChoice::Auto, Some(stops)) => Self { exposure: ExposureChoice::Stops(stops), ..self },
@@ -245,7 +245,7 @@ impl LightArguments {
         }
     }
 
-    /// Curve and exposure of this picture; the note says what was chosen, if anything was.
+    /// Curve and exposure of this picture; the note reports a chosen exposure.
     pub(crate) fn display_options(self, picture: &Picture) -> (DisplayOptions, Option<String>) {
         match self.exposure {
             ExposureChoice::Stops(exposure) => (DisplayOptions { tone: self.tone, exposure }, None),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arguments of `view`. What `render` has, too, is called the same.
+//! Arguments of `view`. Options shared with `render` have the same names.
 
 use std::ffi::OsString;
 use std::path::PathBuf;

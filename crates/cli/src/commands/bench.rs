@@ -26,7 +26,7 @@ use crate::workers::machine;
 /// The variable that names the rival.
 const EMBREE: &str = "EMBREE4_LIB";
 
-/// Measures what was asked for.
+/// Runs the requested measurement.
 pub(crate) fn run(arguments: &BenchArguments, environment: &Environment, messages: Messages) -> Outcome {
     match &arguments.command {
         BenchCommand::Rays(arguments) => measure_rays(arguments, environment, messages),
@@ -42,8 +42,8 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
     filter.jobs().map_err(failure)?;
     check_outputs(&[&arguments.json, &arguments.record, &arguments.svg])?;
     let sources = find(&arguments.scenes, &arguments.files, environment)?;
-    let embree = rival(&filter, messages)?;
-    // One thread if nobody says how many: what others do disturbs it least.
+    let embree = embree_library(&filter, messages)?;
+    // One thread by default: other processes disturb it least.
     let threads = match arguments.machine.threads.or(environment.threads) {
         Some(0) => gnurt::cores(),
         given => given.unwrap_or(1),
@@ -68,7 +68,7 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
             BenchEvent::Built(what) => messages.detail(what),
             BenchEvent::Differs(what) => messages.note(what),
             BenchEvent::Class(rows) => {
-                // The first failure counts; a reader who has left hears nothing more.
+                // The first failure counts; after the reader has left, nothing more is printed.
                 if heard.is_ok() {
                     heard = print(table::of_class(rows));
                 }
@@ -92,7 +92,7 @@ fn measure_builds(arguments: &BenchBuildArguments, environment: &Environment, me
     builds::check_filter(&filter).map_err(failure)?;
     check_outputs(&[&arguments.json])?;
     let sources = find(&arguments.scenes, &arguments.files, environment)?;
-    let embree = rival(&filter, messages)?;
+    let embree = embree_library(&filter, messages)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let options = builds::Options { filter, rounds: arguments.rounds, level };
     let mut rows = Vec::new();
@@ -113,7 +113,7 @@ fn measure_motion(
 ) -> Outcome {
     check_outputs(&[&arguments.json, &arguments.svg])?;
     let sources = find(&arguments.scenes, &arguments.files, environment)?;
-    let embree = rival(&Filter::default(), messages)?;
+    let embree = embree_library(&Filter::default(), messages)?;
     let (pool, level) = machine(&arguments.machine, environment)?;
     let options =
         dynamic::Options { frames: arguments.frames, rounds: arguments.rounds, size: arguments.size, level };
@@ -188,7 +188,7 @@ fn find(
 }
 
 /// Embree, if it is wanted and there is any.
-fn rival(filter: &Filter, messages: Messages) -> Result<Option<EmbreeLibrary>, Failure> {
+fn embree_library(filter: &Filter, messages: Messages) -> Result<Option<EmbreeLibrary>, Failure> {
     if !filter.has_engine("embree4") {
         return Ok(None);
     }

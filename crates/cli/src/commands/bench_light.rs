@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
         picture,
         seconds,
         seeds: arguments.rounds as u64,
-        lights_apart: arguments.lights_apart,
+        separate_lights: arguments.separate_lights,
     };
     let mut retained = Ok(());
     let mut keep = |point: &light::Point, picture: &image::Picture| {
@@ -71,7 +71,10 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
     let name = source.stem();
     write(arguments.csv.as_deref(), || light::csv(&name, &points))?;
     write(arguments.svg.as_deref(), || light_plot::svg(&name, &points))?;
-    messages.detail(format_args!("the means of both truths are {:.3} % apart", 100.0 * truth.doubt()));
+    messages.detail(format_args!(
+        "the means of both reference pictures differ by {:.3} %",
+        100.0 * truth.doubt()
+    ));
     print(light::table(&light::summaries(&points, seconds)).trim_end())
 }
 
@@ -92,14 +95,14 @@ fn truth(
         let no_truth = || {
             let (file, size) = (first.display(), arguments.resolution);
             Failure::data(format_args!(
-                "{file}: both pictures of the truth must be {size}, as --resolution says"
+                "{file}: both reference pictures must be {size}, the size of --resolution"
             ))
         };
         return Truth::new(pictures).filter(|_| fits).ok_or_else(no_truth);
     }
     messages.detail(format_args!("two pictures by paths, {} samples per pixel each", arguments.truth_spp));
     let truth = Truth::by_paths(world, camera, options, arguments.truth_spp, pool).map_err(Failure::usage)?;
-    // What is read again is what was rendered, bit for bit.
+    // The file is read back as it was rendered, bit for bit.
     let how = WriteOptions { exr_pixels: ExrPixels::Float, ..WriteOptions::default() };
     for (file, picture) in files.iter().flatten().zip(truth.pictures()) {
         image::write(picture, file, &how).map_err(Failure::data)?;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt convert IN OUT`: pictures to pictures, scenes to scenes, by extension.
-//! What is written is checked before what is read is read. Tests: `tests/program/conversion.rs`.
+//! The output is checked before the input is read. Tests: `tests/program/conversion.rs`.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use crate::output::{Output, is_same_file};
 use crate::signals::{self, FirstSignal, while_writing};
 use crate::source::Source;
 
-/// What a file's name says it holds.
+/// The kind of a file by its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Picture,
@@ -47,14 +47,15 @@ pub(crate) fn run(arguments: &ConvertArguments, environment: &Environment, messa
             output.display()
         ))),
         (Kind::Picture, Kind::Scene) => Err(Failure::usage(format_args!(
-            "{} is a picture and {} a scene; there is no way from pictures to scenes",
+            "{} is a picture and {} a scene; pictures cannot be converted to scenes",
             input.display(),
             output.display()
         ))),
     }
 }
 
-/// Scenes are told by their names; whatever else it is will be read as a picture, whose bytes say what it is.
+/// Scenes are recognised by their names; any other file is read as a picture, whose bytes determine its
+/// format.
 fn kind(input: &OsStr) -> Kind {
     let is_builtin = input.to_str().is_some_and(|text| text.starts_with(gnurt::BUILTIN));
     if is_builtin || FORMATS.of(Path::new(input)).is_ok() { Kind::Scene } else { Kind::Picture }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt diff A B`: how far two pictures are apart, and whether that is too far.
 //! Source: after `idiff` of OpenImageIO. `--fail T` bounds the largest absolute difference of a linear value.
-//! Opacity counts only between two PNG or two EXR files: a PNG is opaque where an EXR says what share was hit, and the
-//! other formats have none. With `-q` only pictures that differ are worth a word. Tests: `tests/program/differences.rs`.
+//! Opacity counts only between two PNG or two EXR files: a PNG is opaque where an EXR has the share of hits,
+//! and the other formats have none. With `-q` only different pictures are reported. Tests:
+//! `tests/program/differences.rs`.
 
 use std::path::Path;
 

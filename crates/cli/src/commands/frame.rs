@@ -40,12 +40,12 @@ use crate::source::Source;
 use crate::statistics::Statistics;
 use crate::view::{self, CameraMotion, Chosen};
 
-/// What was decided before any work.
+/// Decisions made before any work.
 pub(super) struct Plan {
     pub(super) source: Source,
-    /// What is written at the end.
+    /// The files written at the end.
     pub(super) targets: Targets,
-    /// How the noise is to be taken out: as somebody asks, or because there are few samples.
+    /// The denoiser: requested, or chosen because there are few samples.
     filter: Option<Filter>,
 }
 
@@ -56,7 +56,7 @@ pub(super) struct Targets {
 }
 
 impl Targets {
-    /// Refuses to write over what was read: files of the scene, and those that arguments name.
+    /// Rejects output over input: files of the scene, and those that arguments name.
     pub(super) fn spare(&self, mut read: Vec<PathBuf>, arguments: &RenderArguments) -> Outcome {
         read.extend(arguments.view.surroundings.file().map(PathBuf::from));
         read.extend(shaders::other_files(&arguments.frame, &arguments.view));
@@ -67,7 +67,7 @@ impl Targets {
 
 struct Filter {
     options: denoise::Options,
-    /// Whether nobody has asked for it: many samples need none then.
+    /// Whether it was chosen by default: many samples need none then.
     is_default: bool,
     /// Whether it was said: once is enough for all frames of a film.
     is_reported: Cell<bool>,
@@ -82,7 +82,7 @@ pub(super) struct Ready {
     pub(super) motion: Option<CameraMotion>,
     pub(super) shaders: Shaders,
     pub(super) checkpoint: Option<Checkpoint>,
-    /// The fingerprint of the picture, if somebody needs it.
+    /// The fingerprint of the picture, if it is needed.
     pub(super) print: u64,
     pub(super) load_time: Duration,
     /// Curve and exposure of all frames; `None` = as asked for, chosen from the picture if that is left open.
@@ -101,7 +101,7 @@ pub(super) fn make(
 ) -> Outcome {
     let mut frame = render_frame(arguments, plan, ready, options, pool, messages)?;
     tell(&frame, arguments, messages);
-    ready.shaders.tell_faults(messages);
+    ready.shaders.report_faults(messages);
     let camera = ready.chosen.shader.iter();
     camera.flat_map(|shader| shader.script.faults()).for_each(|fault| messages.warning(fault));
     if signals::is_stopped() && arguments.times.frames.is_some() {
@@ -116,7 +116,7 @@ pub(super) fn make(
     report(arguments, begin, plan, ready, options, &frame, messages)
 }
 
-/// Renders, shows and keeps what it has on the way.
+/// Renders, shows and saves intermediate results.
 fn render_frame(
     arguments: &RenderArguments,
     plan: &Plan,
@@ -151,9 +151,9 @@ fn render_frame(
     Ok(frame)
 }
 
-/// As planned, but nobody is asked whether many samples need it.
+/// As planned; a default filter is skipped if there are many samples.
 fn take_noise_out(frame: &mut Frame, plan: &Plan, pool: &ThreadPool, messages: Messages) -> Outcome {
-    // Who stops a rendering does not want to wait for what nobody asked for.
+    // After a stop the user should not wait for a default filter.
     let is_welcome = frame.stats.spp_max < FEW_SAMPLES && !signals::is_stopped();
     let is_needed = |filter: &&Filter| !filter.is_default || is_welcome;
     let Some(filter) = plan.filter.as_ref().filter(is_needed) else { return Ok(()) };
@@ -171,7 +171,7 @@ fn take_noise_out(frame: &mut Frame, plan: &Plan, pool: &ThreadPool, messages: M
     Ok(())
 }
 
-/// What its file is to say and to show.
+/// Metadata and appearance of its file.
 fn finish(
     picture: &mut Picture,
     stats: &gnurt::render::RenderStats,
@@ -180,7 +180,7 @@ fn finish(
     ready: &Ready,
     options: &RenderOptions,
 ) {
-    // On a screen the background is part of the picture: only what lies outside the crop stays transparent.
+    // On a screen the background is part of the picture: only pixels outside the crop stay transparent.
     if !plan.targets.picture.has_layers() {
         picture.make_opaque(options.crop);
     }
@@ -191,7 +191,7 @@ fn finish(
     }
 }
 
-/// What was counted and measured, if somebody asks.
+/// Prints statistics, if requested.
 fn report(
     arguments: &RenderArguments,
     begin: Instant,
@@ -242,7 +242,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
         for (option, output) in [("--output", Some(&picture)), ("--heatmap", heatmap.as_ref())] {
             if let Some(output) = output.filter(|output| output.numbered().is_none()) {
                 return Err(Failure::usage(format_args!(
-                    "{option} {}: --frames makes more than one; give a place for the number, as in frame.####.png",
+                    "{option} {}: --frames makes more than one; mark the number by #, as in frame.####.png",
                     output.path().display()
                 )));
             }
@@ -263,7 +263,7 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
     }
     if arguments.frame.noise.is_some() && arguments.frame.integrator.has_virtual_lights() {
         return Err(Failure::usage(format_args!(
-            "--noise does not go with --integrator {}: its pixels share their noise; give --spp or --time",
+            "--noise is unsupported with --integrator {}: its pixels share their noise; give --spp or --time",
             arguments.frame.integrator
         )));
     }
@@ -277,14 +277,14 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
     let mut plan = Plan { source, targets, filter };
     let fits = |plan: &Plan| check_memory(&options(arguments, plan, Level::default()), plan.filter.is_some());
     if plan.filter.as_ref().is_some_and(|filter| filter.is_default) && fits(&plan).is_err() {
-        // What nobody asked for must not be what is too much.
+        // A default must not cause a failure for lack of memory.
         plan.filter = None;
     }
     fits(&plan).map_err(|why| Failure::data(format_args!("--resolution {resolution}: {why}")))?;
     Ok(plan)
 }
 
-/// How the noise is to be taken out, if somebody asks or the picture is one for screens that may have few samples.
+/// The denoiser, if requested, or if the picture is for screens and may have few samples.
 fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
     let crop = arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution));
     if let Some(options) = arguments.denoiser.options(crop) {
@@ -306,7 +306,8 @@ pub(super) fn commit_options(frame: &FrameArguments, trees: &TreeArguments, leve
     CommitOptions { force_diffuse: frame.force_diffuse, level, memory: trees.memory }
 }
 
-/// Says which picture of the scene it is, whose shutter is open like that, if somebody needs it; and the checkpoint, if there is to be one.
+/// Computes the fingerprint of the scene's picture with this shutter, if it is needed; and opens the
+/// checkpoint, if requested.
 pub(super) fn identify(
     arguments: &RenderArguments,
     scene: &Scene,
@@ -328,7 +329,7 @@ pub(super) fn identify(
     (print, checkpoint)
 }
 
-/// Builds the trees, and tells what had to be left out.
+/// Builds the trees, and reports dropped elements.
 pub(super) fn commit(
     scene: &Scene,
     shaders: &ShaderTable,
@@ -341,7 +342,7 @@ pub(super) fn commit(
     Ok((world, report))
 }
 
-/// The same for a world that may know the scene already, and for what moves while the shutter is open.
+/// The same for a world that may have a commit of the scene, and for motion during an open shutter.
 pub(super) fn commit_into(
     world: &mut World,
     (scene, exposure): (&Scene, &Exposure),
@@ -364,7 +365,7 @@ pub(super) fn commit_into(
     // A scene without any triangle was warned about when it was read.
     let has_triangles = scene.meshes().iter().any(|mesh| !mesh.indices.is_empty());
     if world.bounds().is_none() && has_triangles {
-        messages.warning("no triangle is left to be seen: only the background is");
+        messages.warning("no visible triangle is left: the picture shows only the background");
     }
     let stats = world.stats();
     messages.detail(format_args!(
@@ -409,7 +410,7 @@ pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptio
     }
 }
 
-/// What people should know about the picture.
+/// Warnings and notes about the picture.
 fn tell(frame: &Frame, arguments: &RenderArguments, messages: Messages) {
     let stats = &frame.stats;
     if stats.bad_samples > 0 {
@@ -453,7 +454,7 @@ fn save(
     let wrote = format!("wrote {}", targets.picture.path().display());
     match &arguments.output {
         Some(_) => messages.detail(wrote),
-        // A name that nobody gave.
+        // The name is a default.
         None => messages.note(wrote),
     }
     if let (Some(target), Some(heatmap)) = (&targets.heatmap, &frame.heatmap) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt info SCENE`: what is in a scene, as a table or as JSON.
-//! Triangles and vertices count once per mesh; `instanced` counts them once per instance.
+//! `gnurt info SCENE`: the contents of a scene, as a table or as JSON. Triangles and vertices count once per
+//! mesh; `instanced` counts them once per instance.
 //! Tests: `tests/program/info.rs`.
 
 use std::fmt::Write;
@@ -21,7 +21,7 @@ use crate::source::Source;
 use crate::workers::machine;
 use gnurt::memory::format_bytes as bytes;
 
-/// Tells what is in a scene.
+/// Prints the contents of a scene.
 pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages: Messages) -> Outcome {
     let source = Source::find(&arguments.scene, &arguments.files, environment)?;
     let scene = source.load(messages)?;
@@ -38,7 +38,7 @@ pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages
 const MOST_NAMES: usize = 48;
 const NAMES_OF_A_LINE: usize = 6;
 
-/// What the trees of a scene take.
+/// Size and time of the trees of a scene.
 struct Tree {
     stats: WorldStats,
     seconds: f64,
@@ -174,7 +174,7 @@ impl Inventory {
     }
 }
 
-/// What can be played, with the moments of its first and of its last key.
+/// The clips, with the times of their first and last keys.
 fn clips(scene: &Scene) -> impl Iterator<Item = (&Clip, [f64; 2])> {
     let clips = scene.animation().map_or(&[][..], |animation: &Animation| &animation.clips);
     // As the file writes them.

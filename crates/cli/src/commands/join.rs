@@ -28,7 +28,7 @@ struct Whole {
     /// The file of each piece, once it is there.
     files: Vec<Option<PathBuf>>,
     picture: Picture,
-    /// What the first file says of the picture's making.
+    /// Metadata of the first file.
     metadata: Vec<(String, String)>,
     /// Most samples of a pixel.
     spp_max: u32,
@@ -66,7 +66,7 @@ impl Whole {
             let packed = image::read(file).map_err(Failure::data)?;
             let header = Header::of(&packed).ok_or_else(|| {
                 Failure::data(format_args!(
-                    "{}: is no piece of a picture; `gnurt render --piece I/N` writes them",
+                    "{}: not a piece of a picture; `gnurt render --piece I/N` writes them",
                     file.display()
                 ))
             })?;
@@ -76,7 +76,7 @@ impl Whole {
             };
             whole.add(file, &header, packed)?;
         }
-        whole.ok_or_else(|| Failure::usage("no pieces are given"))
+        whole.ok_or_else(|| Failure::usage("pieces missing"))
     }
 
     fn begin(file: &Path, header: Header, packed: &Picture) -> Result<Self, Failure> {
@@ -179,7 +179,7 @@ impl Whole {
         Ok(Some(used.name().to_owned()))
     }
 
-    /// The picture with what its file is to say.
+    /// The picture with the metadata of its file.
     fn finished(&mut self, output: &Output, denoiser: Option<String>) -> Picture {
         let mut picture = std::mem::take(&mut self.picture);
         let is_clean = denoiser.is_some();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt render --piece I/N`: what goes with it, and the file of a piece.
-//! The file is an EXR with exact colours and all layers of the piece's tiles; its header says which piece of which
-//! picture it is: the fingerprint of scene, camera and options, the number of samples, the frame. What looks across pixels or is about
-//! the look is done by `join`. Tests: `tests/program/pieces.rs`.
+//! `gnurt render --piece I/N`: compatible options, and the file of a piece. The file is an EXR with exact
+//! colours and all layers of the piece's tiles; its header identifies the piece and the picture: the
+//! fingerprint of scene, camera and options, the number of samples, the frame. `join` runs the steps that
+//! read neighbouring pixels or set the appearance. Tests: `tests/program/pieces.rs`.
 
 use gnurt::image::Picture;
 use gnurt::render::{Frame, Integrator, Piece, RenderOptions, pack_piece, rendered_rects};
@@ -18,7 +18,7 @@ const CROP: &str = "gnurtCrop";
 const SAMPLES: &str = "gnurtSamples";
 const EXPOSURE: &str = "gnurtExposure";
 
-/// What the file of a piece says of itself.
+/// The header of a piece's file.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Header {
     pub(super) piece: Piece,
@@ -34,7 +34,7 @@ pub(super) struct Header {
     pub(super) exposure: Option<f32>,
 }
 
-/// Refuses what does not go with a piece.
+/// Rejects options that exclude a piece.
 pub(super) fn check(arguments: &RenderArguments) -> Outcome {
     let Some(piece) = arguments.piece else { return Ok(()) };
     let refuse = |why: String| Err(Failure::usage(format_args!("--piece {piece}: {why}")));
@@ -50,7 +50,7 @@ pub(super) fn check(arguments: &RenderArguments) -> Outcome {
     let frame = &arguments.frame;
     if frame.integrator.has_virtual_lights() && frame.interleave > 1 {
         return refuse(
-            "interleaved pixels look at their neighbours, which other pieces have; leave out --interleave"
+            "interleaved pixels read their neighbours, which are in other pieces; leave out --interleave"
                 .into(),
         );
     }
@@ -62,7 +62,8 @@ pub(super) fn check(arguments: &RenderArguments) -> Outcome {
     }
 }
 
-/// Writes a piece of the frame; `light` is what is known of curve and exposure, `print` the fingerprint of the picture.
+/// Writes a piece of the frame; `light` is the known curve and exposure, `print` the fingerprint of the
+/// picture.
 pub(super) fn save(
     frame: &Frame,
     piece: Piece,
@@ -92,7 +93,7 @@ pub(super) fn save(
 }
 
 impl Header {
-    /// What a picture's file says; `None` if it is no piece.
+    /// The header of a picture's file; `None` if it is no piece.
     pub(super) fn of(picture: &Picture) -> Option<Self> {
         let text = |name: &str| picture.metadata(name);
         let numbers = |text: &str, between: char| -> Option<Vec<u32>> {

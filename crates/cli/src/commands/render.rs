@@ -33,11 +33,11 @@ pub(crate) fn run(arguments: &RenderArguments, environment: &Environment, messag
         let ready = prepare(arguments, &plan, &options, &pool, messages)?;
         make(arguments, begin, &plan, &ready, &options, &pool, messages)
     };
-    source.tell_lost(messages);
+    source.warn_lost(messages);
     outcome
 }
 
-/// Reads the scene and builds what rays need.
+/// Reads the scene and builds its trees.
 fn prepare(
     arguments: &RenderArguments,
     plan: &Plan,
@@ -48,7 +48,7 @@ fn prepare(
     let begin = Instant::now();
     let (mut scene, files) = plan.source.load_with_files(messages)?;
     plan.targets.spare(files, arguments)?;
-    // What pieces are joined to may be for screens.
+    // The joined picture may be for screens.
     let is_for_screens = plan.targets.picture.is_for_screens() || arguments.piece.is_some();
     let (frame, stage) = (&arguments.frame, Stage::of(options.integrator, is_for_screens));
     let shaders = Shaders::put_into(&mut scene, frame, messages)?;

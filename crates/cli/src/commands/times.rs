@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt render --at` and `--frames`: moments of an animation, or files of a sequence.
-//! A frame is made from the scene and its moment alone, so that a sequence has the pictures, byte for byte, that `--at`
-//! has of its moments: the default camera, the lights and the exposure are chosen where every call can find them, from the clip's
-//! first moment and the room it takes, or from the first file of a sequence that is there.
+//! `gnurt render --at` and `--frames`: times of an animation, or files of a sequence. A frame depends only on
+//! the scene and its time, so that a sequence has the pictures, byte for byte, that `--at` gives. Default
+//! camera, lights and exposure come from data available to every call: the clip's first time and bounds, or
+//! the first existing file of a sequence.
 //! Tests: `tests/program/animation.rs`.
 
 use std::time::{Duration, Instant};
@@ -25,14 +25,14 @@ use crate::signals;
 use crate::source::Source;
 use crate::view::{self, Chosen, Stage};
 
-/// What is rendered once.
+/// One rendered frame.
 struct Frame {
     number: u32,
     seconds: f64,
     targets: Targets,
 }
 
-/// The first scene of a sequence, how it is seen, and what it lacked.
+/// The first scene of a sequence, its view, and its defaults.
 struct First {
     scene: Scene,
     shaders: Shaders,
@@ -66,7 +66,7 @@ pub(super) fn run(
         messages.note("all frames are there already");
         return Ok(());
     }
-    // What pieces are joined to may be for screens.
+    // The joined picture may be for screens.
     let is_for_screens = targets.picture.is_for_screens() || arguments.piece.is_some();
     let studio = Studio { arguments, options, pool, is_for_screens, messages };
     match plan.source.numbered().cloned() {
@@ -123,7 +123,7 @@ impl Studio<'_> {
             let begin = Instant::now();
             let closes = self.arguments.times.closes(frame.seconds);
             let exposure = scene.expose(clip, frame.seconds, closes);
-            self.tell_held(&exposure, &mut is_reported);
+            self.warn_held(&exposure, &mut is_reported);
             self.make(plan, &mut ready, (&scene, &exposure), frame, begin)?;
             if signals::is_stopped() {
                 break;
@@ -237,8 +237,8 @@ impl Studio<'_> {
         }
     }
 
-    /// Says once what an open shutter does not blur.
-    fn tell_held(&self, exposure: &Exposure, is_reported: &mut bool) {
+    /// Warns once about motion that an open shutter does not blur.
+    fn warn_held(&self, exposure: &Exposure, is_reported: &mut bool) {
         if exposure.held > 0 && !std::mem::replace(is_reported, true) {
             self.messages.warning(format_args!(
                 "{} materials or instances change or come and go while the shutter is open; they stay as they are when it opens",

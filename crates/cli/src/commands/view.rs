@@ -53,7 +53,7 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     let (pool, level) = machine(&arguments.machine, environment)?;
     if windowless {
         let outcome = run_windowless(arguments, &source, output.as_ref(), &pool, level, messages);
-        source.tell_lost(messages);
+        source.warn_lost(messages);
         return outcome;
     }
     signals::listen(FirstSignal::Leaves, messages)?;
@@ -80,8 +80,8 @@ pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messag
     run_window(options, stage, pool, loader, Arc::new(Speaker { messages })).map_err(Failure::data)
 }
 
-/// Curve and exposure of all frames, and what to say of it; the exposure is chosen once, from what is seen first, unless it is
-/// given.
+/// Curve and exposure of all frames, and the note about them; the exposure is chosen once, from the first
+/// view, unless it is given.
 fn show_view(
     light: LightArguments,
     stage: &Stage,
@@ -146,7 +146,7 @@ fn run_windowless(
         .map_err(Failure::data)?;
     let frames = arguments.frames.unwrap_or(1);
     let render = frame_options(&arguments.frame, level);
-    // Frames that nobody keeps need not look well.
+    // Frames that are not kept need no good exposure.
     let is_kept = output.is_some_and(Output::is_for_screens);
     let (show_view, note) = match arguments.light.exposure {
         ExposureChoice::Auto if !is_kept => {
@@ -254,14 +254,14 @@ fn report(
     }
 }
 
-/// What the window says goes where the program says things.
+/// Prints the window's messages as the program's.
 struct Speaker {
     messages: Messages,
 }
 
 impl Listener for Speaker {
     fn camera(&self, options: &str) {
-        // Who closed standard output does not want to know.
+        // A closed standard output is ignored.
         let _ = print(options);
     }
 

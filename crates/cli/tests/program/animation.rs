@@ -146,7 +146,7 @@ fn mistakes_are_told_before_any_work() {
     folder.write("still.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     for (line, status, expected) in [
         ("a.gltf --frames 3..1 -o f.#.png", 2, "did you mean 1..3?"),
-        ("a.gltf --frames 0..1 -o f.png", 2, "give a place for the number, as in frame.####.png"),
+        ("a.gltf --frames 0..1 -o f.png", 2, "mark the number by #, as in frame.####.png"),
         (
             "a.gltf --frames 0..1 -o f.#.png --heatmap h.png",
             2,
@@ -159,7 +159,7 @@ fn mistakes_are_told_before_any_work() {
         ("a.gltf --at 1 --animation slid", 2, "did you mean 'slide'? valid are: 0 'all', 1 'slide'"),
         ("a.gltf --at 1 --animation 2", 2, "no such animation"),
         ("still.obj --at 1", 2, "the scene has no animation"),
-        ("a.gltf --frames 0..1 -o f.#.png --checkpoint c", 2, "--skip-existing goes on"),
+        ("a.gltf --frames 0..1 -o f.#.png --checkpoint c", 2, "--skip-existing continues"),
     ] {
         let before = folder.contents();
         folder.gnurt(&format!("render {line} -q")).fails(status, expected);
@@ -212,8 +212,8 @@ fn an_open_shutter_blurs() {
         let run = folder.gnurt(&format!("render {arguments}"));
         assert!(run.status != Some(0) && run.stderr.contains(why), "{arguments}: {}", run.stderr);
     };
-    refused("a.gltf --shutter 1", "which moment is not said");
+    refused("a.gltf --shutter 1", "the time is missing");
     refused("a.gltf --at 1 --shutter -1", "0 or more");
     folder.write("m.01.ply", "ply");
-    refused("m.##.ply --frames 1..2 --shutter 0.5 -o f.#.png", "single moments");
+    refused("m.##.ply --frames 1..2 --shutter 0.5 -o f.#.png", "motion blur needs an animation");
 }

@@ -30,7 +30,7 @@ fn check(rows: &[(&str, i32, &str)]) {
 #[test]
 fn commands_and_their_words() {
     check(&[
-        ("", 2, "no command given"),
+        ("", 2, "command missing"),
         ("rendr ok.obj", 2, "unknown command 'rendr'; did you mean 'render'?"),
         ("draw ok.obj", 2, "valid are: render, join, view, info, diff, convert, trace, bench, scenes, help"),
         ("--frobnicate", 2, "unknown option '--frobnicate'"),
@@ -116,7 +116,7 @@ fn cameras() {
         ("render ok.obj --eye 0,0,1e39", 2, "not a finite number"),
         ("render ok.obj --target -inf,0,0", 2, "--target '-inf,0,0'"),
         ("render ok.obj --target ,,", 2, "three numbers"),
-        ("render ok.obj --up 0,0,0", 2, "points nowhere"),
+        ("render ok.obj --up 0,0,0", 2, "the zero vector has no direction"),
         ("render ok.obj --up 0,nan,0", 2, "not a finite number"),
         ("render ok.obj --eye 1,2,3 --target 1,2,3", 2, "the same point"),
         ("render ok.obj --eye=-1,0,0 --target=-1,0,0", 2, "the same point"),
@@ -220,8 +220,8 @@ fn variables() {
         ("GNURT_THREADS", "1025", "from 0 to 1024"),
         ("GNURT_ISA", "sse9", "GNURT_ISA: unknown instruction set 'sse9'"),
         ("GNURT_LOG", "loud", "GNURT_LOG: unknown level 'loud'"),
-        ("GNURT_PATH", "/no/such/folder", "GNURT_PATH: '/no/such/folder' is no folder"),
-        ("GNURT_PATH", "sub:ok.obj", "GNURT_PATH: 'ok.obj' is no folder"),
+        ("GNURT_PATH", "/no/such/folder", "GNURT_PATH: '/no/such/folder' is not a folder"),
+        ("GNURT_PATH", "sub:ok.obj", "GNURT_PATH: 'ok.obj' is not a folder"),
     ];
     for (name, value, expected) in rows {
         println!("{name}={value}");
@@ -302,7 +302,7 @@ fn values_may_begin_with_a_minus() {
     assert!(folder.at("-p.png").exists(), "a file's name may begin with a minus, too");
 }
 
-/// Who asks for something that changes nothing is told.
+/// An option without effect gets a warning.
 #[test]
 fn options_without_effect_are_told() {
     let folder = folder();

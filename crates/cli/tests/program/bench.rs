@@ -132,7 +132,8 @@ fn light_is_measured_against_a_truth_that_is_kept() {
     assert!(folder.read("light.svg").starts_with(b"<svg"), "curves");
     let truth = [folder.read("truth.exr"), folder.read("truth2.exr")];
     folder.gnurt(line).success();
-    // Integrator, seed, samples and error of a first sample, which do not hang on the clock; some pixels see nothing but the sky.
+    // Integrator, seed, samples and error of a first sample, which do not depend on the clock; some pixels
+    // see only the sky.
     let first = |points: &str| -> Vec<String> {
         let row = points.lines().nth(1).expect("a point").split(',').map(str::to_owned);
         row.enumerate().filter(|(k, _)| *k != 4).map(|(_, value)| value).collect()

@@ -65,7 +65,7 @@ fn what_does_not_match_is_refused() {
     folder.write("state", &state[..state.len() - 8]);
     folder.gnurt(&format!("{PICTURE} --spp 4 -o q.png --checkpoint state")).fails(1, "damaged");
     folder.write("state", "something else");
-    folder.gnurt(&format!("{PICTURE} --spp 4 -o q.png --checkpoint state")).fails(1, "no checkpoint");
+    folder.gnurt(&format!("{PICTURE} --spp 4 -o q.png --checkpoint state")).fails(1, "not a checkpoint");
     folder.gnurt(&format!("{PICTURE} -o state.png --checkpoint state.png")).fails(2, "give another");
     folder.gnurt(&format!("{PICTURE} --checkpoint-every 5s")).fails(2, "--checkpoint");
 }

@@ -19,12 +19,12 @@ fn scenes_stay_in_their_folder() {
         "bench light in/a.obj",
     ];
     for line in commands {
-        let outside = "in/a.obj:1: in/../scene.mtl lies outside of the folder that files may be in; expected a file below ";
+        let outside = "in/a.obj:1: in/../scene.mtl is outside of the folder that files may be in; expected a file below ";
         folder.gnurt(&format!("{line} --confine in")).fails(1, outside);
     }
     folder.gnurt("info in/a.obj --confine .").success();
     folder.gnurt("info in/good.obj --confine in").success();
-    folder.gnurt("info in/good.obj --confine none").fails(2, "--confine none: there is no such folder");
-    folder.gnurt("info in/good.obj --confine in/good.obj").fails(2, "there is no such folder");
+    folder.gnurt("info in/good.obj --confine none").fails(2, "--confine none: the folder does not exist");
+    folder.gnurt("info in/good.obj --confine in/good.obj").fails(2, "the folder does not exist");
     assert!(!folder.at("p.png").exists() && !folder.at("b.ply").exists(), "nothing was written");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--denoise`: which denoiser is used, what is said of it, and what is refused.
+//! `--denoise`: the choice of the denoiser, its note, and rejections.
 
 use super::harness::{Folder, finish};
 

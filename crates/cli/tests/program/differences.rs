@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `diff`: what is equal, what differs, and by how much.
+//! `diff`: equal and different pictures, and the size of differences.
 
 use super::harness::Folder;
 use super::samples;

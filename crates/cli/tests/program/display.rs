@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What pictures look like that nobody has said anything about: noise, curve, exposure, studio.
+//! Defaults of pictures: noise, curve, exposure, studio.
 
 use gnurt::image::{ChannelData, Picture, read};
 
@@ -88,7 +88,7 @@ fn things_without_light_stand_in_a_studio() {
         ChannelData::F32(values) => values,
         ChannelData::U32(_) => panic!("floats"),
     };
-    // The corner is floor or sky: nothing is there, and all of what lies behind is seen.
+    // The corner is floor or sky: empty, so that the whole background shows.
     assert_eq!(picture.color[0][3], 0.0, "{:?}", picture.color[0]);
     assert!((values("A")[0] - 1.0).abs() < 1e-3 && values("R")[0] > 0.1, "the backdrop");
     let opacities = || picture.color.iter().map(|pixel| pixel[3]);

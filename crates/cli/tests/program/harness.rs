@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Runs the program in an empty folder and looks at what it says and leaves behind.
-//! Invariants: no run is waited for longer than [`PATIENCE`]; no variable of the tester's
-//! environment reaches the program.
+//! Runs the program in an empty folder and inspects its output and its files. Invariants: no run takes longer
+//! than [`PATIENCE`]; no variable of the tester's environment reaches the program.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -12,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Longer than any run may take, even on a machine that is busy with other things.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// What a run said and how it ended.
+/// Output and status of a run.
 #[derive(Debug)]
 pub(crate) struct Run {
     /// `None` if a signal ended it.
@@ -120,13 +119,13 @@ impl Folder {
     }
 }
 
-/// Runs a command to its end and collects what it says.
+/// Runs a command to its end and collects its output.
 pub(crate) fn finish(mut command: Command) -> Run {
     command.stdout(Stdio::piped()).stderr(Stdio::piped());
     collect(command.spawn().expect("the program can be started"))
 }
 
-/// Waits for a program, and collects what it says.
+/// Waits for a program, and collects its output.
 pub(crate) fn collect(mut child: Child) -> Run {
     let [stdout, stderr] = [reader(child.stdout.take()), reader(child.stderr.take())];
     let begin = Instant::now();

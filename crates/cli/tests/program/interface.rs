@@ -22,7 +22,7 @@ fn help_and_version_go_to_standard_output() {
     }
 }
 
-/// What most people need on one screen, and all of it on demand, by what they want to do.
+/// Frequent options on one screen, and all on request, grouped by task.
 #[test]
 fn help_has_two_lengths() {
     let folder = Folder::new();

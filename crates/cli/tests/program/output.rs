@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures are put in place whole, under the right name, with what their headers say.
+//! Pictures are put in place whole, under the right name, with their headers.
 
 use super::harness::Folder;
 

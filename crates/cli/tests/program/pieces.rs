@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `render --piece` and `join`: the bytes of the single run, whatever the pieces were made with; what does not fit is refused.
+//! `render --piece` and `join`: the bytes of the single run, for pieces made with any settings; mismatches
+//! are rejected.
 
 use gnurt::image::{Picture, read};
 
@@ -82,8 +83,8 @@ fn what_does_not_go_with_pieces() {
         ("--piece 1/2 -o p.exr --time 1s", "give --spp"),
         ("--piece 1/2 -o p.exr --heatmap h.png", "no heat map"),
         ("--piece 1/2 -o p.exr --denoise", "give --denoise to `gnurt join`"),
-        ("--piece 1/2 -o p.exr --integrator ir --interleave 3", "look at their neighbours"),
-        ("--piece 3/2 -o p.exr", "there is no piece 3 of 2"),
+        ("--piece 1/2 -o p.exr --integrator ir --interleave 3", "read their neighbours"),
+        ("--piece 3/2 -o p.exr", "piece 3 of 2 is out of range"),
         ("--piece 0/2 -o p.exr", "like 2/8"),
         ("--piece 2 -o p.exr", "like 2/8"),
     ] {
@@ -112,7 +113,7 @@ fn what_does_not_fit_is_not_joined() {
         ("p.1.exr p.3.exr eye.exr", "eye.exr is of another picture"),
         ("p.1.exr p.3.exr spp.exr", "spp.exr has 3 samples per pixel, p.1.exr has 4"),
         ("p.1.exr p.3.exr four.exr", "four.exr is one of 4 pieces, p.1.exr one of 3"),
-        ("p.1.exr p.2.exr whole.exr", "whole.exr: is no piece"),
+        ("p.1.exr p.2.exr whole.exr", "whole.exr: not a piece"),
         ("p.1.exr p.2.exr nowhere.exr", "nowhere.exr"),
     ] {
         folder.gnurt(&format!("join {pieces} -o out.png")).fails(1, message);

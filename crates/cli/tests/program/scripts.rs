@@ -115,9 +115,9 @@ fn wrong_scripts_are_refused() {
             "bad.osl: bad.osl:3:10: function 'diffus' was not declared in this scope; did you mean 'diffuse'?\n",
         ),
         ("*=none.osl", "none.osl: no such file"),
-        ("*=matte.osl:tnt=1", "no parameter 'tnt'"),
+        ("*=matte.osl:tnt=1", "unknown parameter 'tnt'"),
         ("*=matte.osl:tint=red", "'red' is not numbers"),
-        ("*=lamp.osl", "of type light; one of type surface is wanted"),
+        ("*=lamp.osl", "of type light; one of type surface is expected"),
         ("matte.osl", "give MATERIAL=matte.osl"),
         ("eye.osl", "give --camera eye.osl"),
     ] {
@@ -126,7 +126,7 @@ fn wrong_scripts_are_refused() {
         assert!(run.stderr.contains(message), "{choice}: '{message}' must be said: {}", run.stderr);
         assert!(!run.stderr.contains("panicked") && !folder.at("p.png").exists(), "{choice}");
     }
-    // What does not end is stopped, and the picture goes on.
+    // An endless shader is stopped, and the picture continues.
     folder.write("endless.osl", "surface endless () { while (1) { } }");
     let run = folder.gnurt("render builtin:cornell -r 8x8 --spp 1 --shader *=endless.osl -o p.pfm").success();
     assert!(run.stderr.contains("did not end"), "{}", run.stderr);
@@ -159,9 +159,9 @@ fn cameras_in_the_language_see() {
     for (options, message) in [
         ("--camera eye.osl --fov 30", "give its parameters as eye.osl:NAME=VALUE"),
         ("--camera none.osl", "--camera: none.osl: no such file"),
-        ("--camera eye.osl:fv=1", "no parameter 'fv'"),
+        ("--camera eye.osl:fv=1", "unknown parameter 'fv'"),
         ("--camera nobody=eye.osl", "no such camera"),
-        ("--pixel-shader eye.osl", "of type camera; one of type pixel is wanted"),
+        ("--pixel-shader eye.osl", "of type camera; one of type pixel is expected"),
         ("--pixel-shader *=eye.osl", "give FILE.osl"),
     ] {
         let run = folder.gnurt(&format!("render builtin:cornell -r 8x8 -o p.png {options}"));

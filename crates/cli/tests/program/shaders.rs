@@ -95,10 +95,10 @@ fn wrong_shaders_are_refused() {
     folder.write("text.so", "no library");
     for (status, choice, message) in [
         (2, "red", "give MATERIAL=CLASS"),
-        (2, "*=MatteShader:color", "'color' is no parameter"),
+        (2, "*=MatteShader:color", "'color' is not a parameter"),
         (2, "nosuch=MatteShader", "unknown material 'nosuch'"),
         (1, "*=MateShader", "did you mean \"MatteShader\"?"),
-        (1, "*=MatteShader:colour=1", "no parameter 'colour'"),
+        (1, "*=MatteShader:colour=1", "unknown parameter 'colour'"),
         (1, "*=diffuse@none.so", "none.so"),
         (1, "*=diffuse@text.so", "text.so"),
         (1, "*=difuse@diffuse.so", "did you mean \"diffuse\"?"),

@@ -22,7 +22,7 @@ fn pictures_are_the_same_with_little_memory() {
         folder.gnurt(&line).success();
         folder.read(to)
     };
-    // Two megabytes twice, as colours and as heights, and what is smaller: in one.
+    // Two megabytes twice, as colours and as heights, and a smaller one: all in one megabyte.
     assert!(render("", "a.png") == render("--texture-memory 1", "b.png"), "the same, byte for byte");
     let convert = |more: &str, to: &str| {
         folder.gnurt(&format!("convert a.obj {to} {more}")).success();

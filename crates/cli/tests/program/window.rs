@@ -42,7 +42,8 @@ impl Display {
         Some(Self { server, name: format!(":{}", number.trim()) })
     }
 
-    /// What xdotool says, if it succeeds. Never with its `--sync`: that waits for ever for a window that has gone.
+    /// The output of xdotool, if it succeeds. Never with its `--sync`: that waits for ever for a closed
+    /// window.
     fn ask(&self, arguments_given: &str) -> Result<String, String> {
         let mut command = Command::new("xdotool");
         command.env("DISPLAY", &self.name).args(arguments_given.split_whitespace());
@@ -59,7 +60,7 @@ impl Display {
         }
     }
 
-    /// Gives the keys to the window as soon as it is there: nobody manages windows here, so nobody else does.
+    /// Gives the keyboard focus to the window as soon as it exists, because there is no window manager here.
     #[track_caller]
     fn focus(&self) {
         let begin = Instant::now();
@@ -224,7 +225,7 @@ fn hands_move_the_camera() {
     assert!(viewer.picture() == first, "home is where it was, bit for bit");
     display.act("key c");
     assert_eq!(viewer.hears("--eye"), home, "in numbers, too");
-    // What was printed leads there from the command line.
+    // The printed options restore the view on the command line.
     display.act("key Escape");
     viewer.ends(0);
     let arguments_given = format!("render builtin:materials -r 320x240 --spp 1 -o there.png {away}");
@@ -316,7 +317,7 @@ fn plugins_that_change_are_loaded_again() {
     viewer.ends(0);
 }
 
-/// What a plugin does wrong is told while the window is open, once.
+/// Faults of a plugin are reported while the window is open, once.
 #[test]
 fn faults_of_plugins_are_told() {
     let Some(display) = Display::new() else { return };
@@ -342,7 +343,7 @@ fn faults_of_plugins_are_told() {
 fn noise_goes_and_comes_back() {
     let Some(display) = Display::new() else { return };
     let folder = Folder::new();
-    // A view meters what it sees first and a rendering its last picture: both are told the exposure.
+    // A view meters its first picture and a rendering its last one: both get the exposure as an option.
     let line = "builtin:cornell -r 80x60 --spp 1 --integrator path --exposure 0";
     let mut viewer = Viewer::open(&display, &folder, &format!("view {line} --denoise=none --frames 100000"));
     let noisy = viewer.picture();
@@ -373,7 +374,7 @@ fn pictures_are_recorded_while_asked_for() {
         std::thread::sleep(Duration::from_millis(5));
     }
     display.act("keyup w");
-    // When it is written the camera rests, and what is seen then was recorded, too.
+    // At the write the camera rests, and the picture then was recorded, too.
     let shown = viewer.picture();
     display.act("sleep 0.2 key ctrl+r");
     let reported = viewer.hears("recorded");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What was added to one scene of a sequence, to be added to the others, so that camera and light stay from frame to frame.
-//! What is added stands at the end of its list, and names what was there before by nothing but itself.
+//! Defaults added to one scene of a sequence, for the other scenes, so that camera and light stay from frame
+//! to frame. Added elements are at the end of their lists, and refer only to each other.
 //! Tests: `tests::frames_get_what_the_first_one_got`.
 
 use crate::scene::{Camera, Instance, Light, Material, Mesh, Object, Scene, Surface, Texture};
@@ -34,7 +34,7 @@ impl Stock {
         }
     }
 
-    /// What was added since.
+    /// The elements added since then.
     #[must_use]
     pub fn added_to(self, scene: &Scene) -> Added {
         Added {

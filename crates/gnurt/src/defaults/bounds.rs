@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The box around a scene, from the description alone. Space: world; double precision.
-//! Corners of triangles only: points that no triangle uses do not count, nor does what is not finite.
+//! Only corners of triangles count: unused points and points that are not finite are ignored.
 //! Invariant: `min <= max` in each axis. Tests: `tests::counts_what_is_seen`.
 
 use crate::scene::{Affine, Mesh, Scene};

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How far one sees from a point, from the description alone: every triangle is tried, so that no tree is needed.
-//! Signs of the volumes that eye and edges span. Space: world; double precision. What is not finite is not seen.
-//! Cost: triangles of visible instances times directions; few directions are asked for. Tests: `tests`.
+//! Distances of visible surfaces from a point, from the description alone: every triangle is tested, so that
+//! no tree is needed. Signs of the volumes that eye and edges span. Space: world; double precision. Triangles
+//! that are not finite are invisible. Cost: triangles of visible instances times directions, of which there
+//! are few.
+//! Tests: `tests`.
 
 use crate::scene::{Affine, Mesh, Scene};
 
@@ -10,7 +12,7 @@ type Point = [f64; 3];
 /// Objects that are looked at, where very many are unfolded.
 const MOST_MEASURED: usize = 1 << 20;
 
-/// Distance to what is nearest in each direction (unit), infinite where nothing is.
+/// Distance to the nearest triangle in each direction (unit), infinite if there is none.
 pub(super) fn distances(scene: &Scene, eye: Point, directions: &[Point]) -> Vec<f64> {
     let mut nearest = vec![f64::INFINITY; directions.len()];
     for found in scene.occurrences().take(MOST_MEASURED) {

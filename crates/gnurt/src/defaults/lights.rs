@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light for scenes that have none (`own_light`). A camera that stands within the scene gets a lamp there,
-//! because walls and roof would stop light from far away; all others stand in a studio (`studio`), or, where only rays are
-//! counted, under a key light from over the camera's left shoulder and a grey background.
+//! Light for scenes that have none (`own_light`). A camera within the scene gets a light there, because walls
+//! and roof would block distant light. All others get a studio (`studio`), or, if only rays are counted, a
+//! key light from over the camera's left shoulder and a grey background.
 //! Space: world; linear light. A white matte surface that faces the key light shows about 1.
 //! Tests: `tests`.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a scene gets that lacks a camera or any light, so that every scene can be looked at.
-//! The key light over the left shoulder is the custom of scan repositories and of photographers.
+//! Defaults for a scene without a camera or any light, so that every scene can be shown. The key light over
+//! the left shoulder is the custom of scan repositories and of photographers.
 //! Space: world, y upwards unless another axis is given. Tests: `tests` of the submodules.
 
 mod added;
@@ -67,13 +67,13 @@ impl fmt::Display for Note {
         match self {
             Self::Camera => f.write_str("the scene has no camera; one that shows all of it is used"),
             Self::Studio { .. } => {
-                write!(f, "{own}; it stands in a studio: soft light from a plain sky, a floor that only catches shadow")
+                write!(f, "{own}; a default studio is used: soft light from a plain sky, and a shadow-catcher floor")
             }
             Self::Lights => {
                 write!(f, "{own}; a light over the camera's left shoulder and a grey background are used")
             }
             Self::Lamp { .. } => {
-                write!(f, "{own}; a lamp beside the camera, which is inside, and a grey background are used")
+                write!(f, "{own}; a light near the camera, which is inside, and a grey background are used")
             }
             Self::DisplaysOnly => f.write_str(
                 "the scene has no light but displays (emissive textures of radiance up to 1), and a file of floats gets no other; --environment builtin:day adds a sky",
@@ -110,8 +110,8 @@ pub fn complete_camera_around(scene: &mut Scene, bounds: Option<Bounds>, aspect:
     Some(Note::Camera)
 }
 
-/// Puts a scene that needs light (`own_light`) into a studio, seen by `camera`; `up` is what is up there, +y unless it is clearly
-/// another axis. A camera that stands in a room gets a lamp instead.
+/// Puts a scene that needs light (`own_light`) into a studio, seen by `camera`; `up` is the up direction
+/// there, +y unless it is clearly another axis. A camera that stands in a room gets a lamp instead.
 pub fn complete_lights(
     scene: &mut Scene,
     shaders: &ShaderTable,
@@ -150,7 +150,7 @@ pub fn complete_lights_around(
     Some(Note::Studio { displays })
 }
 
-/// Adds lights without extent, and nothing else, to a scene in which nothing emits: for those who measure.
+/// Adds lights without extent, and nothing else, to a scene in which nothing emits: for measurements.
 pub fn complete_plain_lights(scene: &mut Scene, shaders: &ShaderTable, camera: &Camera) -> Option<Note> {
     if !Purpose::Numbers.needs_light(own_light(scene, shaders)) {
         return None;

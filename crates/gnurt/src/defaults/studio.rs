@@ -26,7 +26,7 @@ const TOWARDS_KEY: [f64; 3] = [0.75, 0.65, 1.0];
 const TOP: (f64, [f64; 2]) = (0.5, [10.0, 60.0]);
 /// Half the floor's side, in halves of the diagonal of the scene's box.
 const REACH: f64 = 14.0;
-/// How far it lies below the scene, likewise: what lies in its plane is not to flicker.
+/// Its distance below the scene, relative to that: geometry in its plane must not flicker.
 const GAP: f64 = 2e-4;
 /// Columns and rows of the sky.
 const SIZE: [u32; 2] = [256, 128];
@@ -88,11 +88,11 @@ fn floor(bounds: &Bounds, camera: &Camera, up: [f64; 3]) -> Option<Mesh> {
     (is_sound && is_above).then_some(mesh)
 }
 
-/// Over the left shoulder of who looks at the scene, from above; unit.
+/// Over the camera's left shoulder, from above; unit.
 fn towards_key(camera: &Camera, up: [f64; 3]) -> [f64; 3] {
     let ahead = camera.frame().map_or([0.0, 0.0, -1.0], |frame| frame.forward.map(f64::from));
     let flat = less(ahead, up, dot(ahead, up));
-    // Who looks straight down has their head somewhere.
+    // A camera that looks straight down has its own up direction.
     let ahead = unit(flat).or_else(|| {
         let head = camera.frame().map(|frame| frame.up.map(f64::from))?;
         unit(less(head, up, dot(head, up)))
@@ -104,7 +104,7 @@ fn towards_key(camera: &Camera, up: [f64; 3]) -> [f64; 3] {
     unit(to).unwrap_or(up)
 }
 
-/// What the studio's walls send in.
+/// Radiance of the studio's walls.
 struct Sky {
     up: [f64; 3],
     key: [f64; 3],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Panics of the libraries that decode pictures: they become an error of the file.
-//! Who prints panics asks [`expects_panics`] first: those of a decoder are no bugs of the program, and are told as errors.
+//! Panics of the libraries that decode pictures, converted to errors of the file. Panic hooks call
+//! [`expects_panics`] first: panics of a decoder are reported as errors instead of bugs.
 //! Tests: `tests`.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -11,8 +11,8 @@ use crate::Error;
 /// Decoders that run.
 static DECODERS: AtomicUsize = AtomicUsize::new(0);
 
-/// Whether a panic may become an error, since a picture is being decoded. For hooks of panics, which run before anybody
-/// catches them: what comes from elsewhere meanwhile is to be told by who catches it.
+/// Whether a panic may become an error, since a picture is being decoded. For panic hooks, which run before
+/// the panic is caught: a panic from other code meanwhile is reported where it is caught.
 #[must_use]
 pub fn expects_panics() -> bool {
     DECODERS.load(Ordering::Relaxed) > 0

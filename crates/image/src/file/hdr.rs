@@ -122,7 +122,7 @@ fn decode(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<Pictu
 struct Header {
     width: u32,
     height: u32,
-    /// What the values of each channel were multiplied with.
+    /// The factors of each channel's values.
     exposure: [f32; 3],
 }
 
@@ -153,7 +153,7 @@ fn read_header(source: &mut dyn Source) -> Result<Header, Error> {
         }
     }
     let line = read_line(source, &mut rest)?;
-    let bad_size = || Error::corrupt("HDR", format!("'{line}' is no size like '-Y height +X width'"));
+    let bad_size = || Error::corrupt("HDR", format!("'{line}' is not a size like '-Y height +X width'"));
     let parts: Vec<&str> = line.split_whitespace().collect();
     let ["-Y", height, "+X", width] = parts[..] else { return Err(bad_size()) };
     let number = |token: &str| token.parse::<u32>().map_err(|_| bad_size());

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! How large a picture may be, from its declared size and the length of its file, before memory is taken.
-//! Invariant: what a picture takes while it is read, its decoder's buffers included, stays below
-//! [`Budget::of_picture`] or what the caller allows. Tests: `tests`, `tests/growth.rs`, and the corruption tests of each format.
+//! Invariant: the memory of a picture during reading, its decoder's buffers included, stays below
+//! [`Budget::of_picture`] or the caller's limit. Tests: `tests`, `tests/growth.rs`, and the corruption tests
+//! of each format.
 
 use crate::{Budget, Error};
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Picture files: which format a file has, and the way from bytes to a picture and back.
 //! One file of this folder per format; `raster` holds those that the `image` library decodes.
-//! In and out: linear light, row 0 = top. Invariants: no panic on any bytes; declared sizes are checked against the
-//! file's length before memory is taken, and the memory against what it may become (`limits`); a failed write leaves everything as it was.
+//! In and out: linear light, row 0 = top. Invariants: no panic on any bytes; declared sizes are checked
+//! against the file's length before memory is taken, and the memory against the final size (`limits`); a
+//! failed write changes nothing.
 //! Tests: `tests` (crate folder `tests/`): round trips, truncation at every length, corruption of every byte.
 
 mod exr;

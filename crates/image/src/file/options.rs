@@ -9,7 +9,7 @@ pub enum ExrPixels {
     /// Half where all values fit, else float: a sun that is seen is not cut off.
     #[default]
     Fitting,
-    /// 16-bit floats: off by at most 1/2048, up to 65504; what is above becomes that.
+    /// 16-bit floats: off by at most 1/2048, up to 65504; greater values become that.
     Half,
     /// 32-bit floats: exact.
     Float,

@@ -101,14 +101,16 @@ impl Header<'_> {
         let token = self.token()?;
         token
             .parse()
-            .map_err(|_| Error::corrupt("PFM", format!("the {what} '{token}' is no number of pixels")))
+            .map_err(|_| Error::corrupt("PFM", format!("the {what} '{token}' is not a number of pixels")))
     }
 
     fn scale(&mut self) -> Result<f32, Error> {
         let token = self.token()?;
         match token.parse::<f32>() {
             Ok(scale) if scale.is_finite() && scale != 0.0 => Ok(scale),
-            _ => Err(Error::corrupt("PFM", format!("the scale '{token}' is no finite number other than 0"))),
+            _ => {
+                Err(Error::corrupt("PFM", format!("the scale '{token}' is not a finite number other than 0")))
+            }
         }
     }
 }

@@ -51,7 +51,7 @@ fn check_header(header: &[u8; 13], length: u64) -> Result<u64, Error> {
         4 => 2,
         2 => 3,
         6 => 4,
-        _ => return Err(Error::corrupt("PNG", format!("there is no colour type {color_type}"))),
+        _ => return Err(Error::corrupt("PNG", format!("unknown colour type {color_type}"))),
     };
     let row_bytes = (width * channels * u64::from(depth)).div_ceil(8) + 1;
     check_bytes("PNG", [width, height], row_bytes * height, length.saturating_mul(MAX_INFLATION))?;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! PNG, JPEG, TGA, BMP and WebP, decoded by the `image` library behind checks of our own.
 //! In: bytes. Out: texels, rows from the top: 8-bit values as they are, 16-bit ones of measures too, those of colours as linear floats.
-//! Invariants: sizes are checked against `limits` before pixels are decoded, and so is what they take; a panic of the library becomes an error.
-//! Colour profiles and orientation tags are not read. Tests: `tests/{round_trip,broken}.rs`.
+//! Invariants: sizes and memory are checked against `limits` before pixels are decoded; a panic of the
+//! library becomes an error. Colour profiles and orientation tags are not read. Tests:
+//! `tests/{round_trip,broken}.rs`.
 
 use std::io::SeekFrom;
 
@@ -155,12 +156,12 @@ fn stored(
         DynamicImage::ImageLumaA16(image) => StoredValues::U16(image.into_raw()),
         DynamicImage::ImageRgb16(image) => StoredValues::U16(image.into_raw()),
         DynamicImage::ImageRgba16(image) => StoredValues::U16(image.into_raw()),
-        _ => return Err(Error::corrupt(format.name(), "its pixels have a form that is not known")),
+        _ => return Err(Error::corrupt(format.name(), "its pixel format is unsupported")),
     };
     Ok(Stored::plain(size, channels, values))
 }
 
-/// What is to become of a picture, and what that may take.
+/// The requested form of a picture, and its budget.
 #[derive(Clone, Copy)]
 struct Request<'a> {
     /// Whether bytes become floats in the end.
@@ -215,7 +216,7 @@ fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
     [u64::from(width), u64::from(height)]
 }
 
-/// What a decoder takes beside what it gives.
+/// Memory of a decoder beside its output.
 #[derive(Clone, Copy)]
 struct Sidecar {
     /// For each pixel.
@@ -230,7 +231,7 @@ impl Sidecar {
     }
 }
 
-/// Decodes what may take the memory that it needs.
+/// Decodes within the memory budget.
 fn decode_within(
     decoder: impl ImageDecoder,
     beside: Sidecar,
@@ -240,7 +241,7 @@ fn decode_within(
     let color = decoder.color_type();
     let native = u64::from(color.bytes_per_pixel());
     let texel = if is_wide(color) { request.wide } else { 4 };
-    // First the decoder's own and what it gives, then that and the texels, then those and the floats.
+    // First the decoder's memory and its output, then the output and the texels, then those and the floats.
     let last = if request.floats && texel < PICTURE_BYTES { texel + PICTURE_BYTES } else { 0 };
     let size = size_of(&decoder);
     let decoded = (native + texel).max(last);
@@ -272,7 +273,7 @@ fn check_tga(source: &mut dyn Source, length: u64) -> Result<(), Error> {
     match image_type {
         1..=3 => check_bytes("TGA", size, 18 + size[0] * size[1] * u64::from(depth).div_ceil(8), length),
         9..=11 => check_density("TGA", size, length, RUN_PIXELS_PER_BYTE),
-        _ => Err(Error::corrupt("TGA", format!("there is no image type {image_type}"))),
+        _ => Err(Error::corrupt("TGA", format!("unknown image type {image_type}"))),
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Writing a file whole or not at all: under a temporary name beside the target, synced, then renamed over it.
-//! Symbolic links are followed, so that a link stays one. Invariants: after a failure the old file
-//! is as it was and nothing new is left; the file's permissions are those of the old one, or what the umask gives.
+//! Writing of a file as a whole: under a temporary name beside the target, synced, then renamed over it.
+//! Symbolic links are followed, so that a link stays one. Invariants: after a failure the old file is
+//! unchanged and no new one is left; the file's permissions are those of the old one, or the umask's.
 //! Tests: `tests`.
 
 use std::io::Write;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
-/// Links that are followed before they are taken for a circle, as many as Linux follows.
+/// The limit of links before they count as a cycle, equal to Linux's.
 const MAX_LINKS: usize = 40;
 
 /// Whether a picture can be written to this path, to fail before the work instead of after it.
@@ -26,7 +26,7 @@ pub fn check_writable(path: &Path) -> Result<(), Error> {
 /// Replaces a file by these bytes, or makes it.
 ///
 /// # Errors
-/// [`Error::File`] says what could not be done; then nothing has changed.
+/// [`Error::File`] names the failed operation; then nothing has changed.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     replace_file_if(path, bytes, || true).map(drop)
 }
@@ -75,7 +75,7 @@ fn check_target(path: &Path, target: &Path) -> Result<(), Error> {
     }
     let folder = folder_of(target);
     if !folder.is_dir() {
-        let state = if folder.exists() { "is no folder" } else { "does not exist" };
+        let state = if folder.exists() { "is not a folder" } else { "does not exist" };
         return refuse(format!("cannot be written: {} {state}", folder.display()));
     }
     match std::fs::metadata(target) {

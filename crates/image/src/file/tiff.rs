@@ -23,7 +23,7 @@ const TAG_BYTES: usize = 16 << 20;
 const MAX_CHANNELS: usize = 64;
 /// Levels of the largest picture.
 const MAX_LEVELS: usize = 32;
-/// What the tag for further channels calls opacity that colours are multiplied with.
+/// The tag's value for opacity that colours are multiplied with.
 const ASSOCIATED: u16 = 1;
 
 /// The format.
@@ -155,7 +155,8 @@ fn read(source: &mut dyn Source, length: u64, budget: &Budget, all: bool) -> Res
         let first = shape(&mut reader)?;
         let size = first.size.map(|n| n as u64);
         check_density("TIFF", size, length, MOST_DENSE)?;
-        // Values of at most 8 bytes, what is kept of them, and what that becomes; smaller copies are a third more of what is kept.
+        // Values of at most 8 bytes, the kept ones, and the result; smaller copies are a third more of the
+        // kept ones.
         let copies = if all { 2 } else { 0 };
         budget.check("TIFF", size, first.channels as u64 * (8 + 4 + copies) + PICTURE_BYTES)?;
         let values_of_first = values(&mut reader, first)?;
@@ -189,7 +190,7 @@ fn tile(reader: &mut Reader<'_>) -> Option<[usize; 2]> {
     Some([width as usize, height as usize])
 }
 
-/// Divides colours by their opacity, which is the last channel. What is not there at all keeps its colour.
+/// Divides colours by their opacity, which is the last channel. Fully transparent colours are unchanged.
 fn straighten(values: &mut StoredValues, channels: usize) {
     fn divide<T: Copy>(list: &mut [T], channels: usize, by: impl Fn(T, T) -> T) {
         for pixel in list.chunks_exact_mut(channels) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The lossless codes of WebP: a walk along them up to the pixels, which tells what a decoder's tables take.
-//! From RFC 9649, section 3. A picture may have 65,536 groups of five codes; two hundred bytes of a file make a
-//! group of which the decoder makes 120 KiB. Nothing is kept here but the codes of one small picture.
-//! Invariant: what the decoder would make is counted in full, unless the walk ends where the decoder ends, with an error.
+//! The lossless codes of WebP: traversed up to the pixels, to find the memory of a decoder's tables. From RFC
+//! 9649, section 3. A picture may have 65,536 groups of five codes; two hundred bytes of a file make a group
+//! of which the decoder makes 120 KiB. Only the codes of one small picture are kept here.
+//! Invariant: the decoder's tables are counted in full, unless both end with the same error.
 //! Tests: `tests`, `tests/growth.rs`.
 
 use std::io::Result;
@@ -16,7 +16,7 @@ const LENGTH_ORDER: [usize; 19] = [17, 18, 0, 1, 2, 3, 4, 5, 16, 6, 7, 8, 9, 10,
 
 /// Longest code that the decoder finds by one look into its table of 4 bytes an entry.
 const TABLE_BITS: usize = 10;
-/// What the decoder takes for each symbol with a longer code.
+/// The decoder's memory for each symbol with a longer code.
 const LONG_SYMBOL_BYTES: u64 = 32;
 /// And for a group, whatever its codes are.
 const GROUP_BYTES: u64 = 1024;
@@ -30,7 +30,7 @@ pub(super) fn table_bytes(source: &mut dyn Source, length: u64, size: [u32; 2], 
     Ok(codes.tables)
 }
 
-/// What is read bit by bit, the lowest bit of each byte first.
+/// Input bit by bit, the lowest bit of each byte first.
 struct Codes<'a> {
     source: &'a mut dyn Source,
     /// Bytes that are left.
@@ -38,7 +38,7 @@ struct Codes<'a> {
     hold: u64,
     /// Bits in `hold`.
     held: u32,
-    /// What the tables take, in bytes.
+    /// Memory of the tables, in bytes.
     tables: u64,
     most: u64,
 }
@@ -122,7 +122,7 @@ impl Codes<'_> {
                     some!(self.prefixed(from)?);
                     left = some!(left.checked_sub(length.into()));
                 }
-                // What was there before, or 0.
+                // The value before, or 0.
                 _ => left -= 1,
             }
         }
@@ -266,7 +266,7 @@ impl Code {
         }
     }
 
-    /// What the decoder makes of it.
+    /// The decoder's memory for it.
     fn table_bytes(&self) -> u64 {
         if self.symbols.len() == 1 {
             return 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! WebP: a walk along its chunks before it is decoded: whether they are there, how large frames are, and what the tables of
-//! lossless codes take, which a decoder makes as a file asks for them.
-//! From RFC 9649, section 2. Invariant: what the decoder reads of a file is looked at here. Tests: `tests/{broken,growth}.rs`.
+//! WebP: its chunks are traversed before it is decoded, to check their presence, the size of frames, and the
+//! memory of lossless codes' tables, which a decoder makes as a file requests them. From RFC 9649, section 2.
+//! Invariant: every part that the decoder reads is checked here. Tests: `tests/{broken,growth}.rs`.
 
 use std::io::SeekFrom;
 
@@ -29,7 +29,7 @@ impl Chunk {
     }
 }
 
-/// Checks the lengths and sizes that a file declares; tells what the tables of its codes take, in bytes.
+/// Checks the lengths and sizes that a file declares; returns the memory of its codes' tables, in bytes.
 pub(super) fn check(source: &mut dyn Source, length: u64, budget: &Budget) -> Result<u64, Error> {
     let head: [u8; HEAD as usize] = read(source, 0)?.ok_or_else(|| truncated(length, HEAD))?;
     let declared = u64::from(u32::from_le_bytes([head[4], head[5], head[6], head[7]])) + CHUNK_HEAD;

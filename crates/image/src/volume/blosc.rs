@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Unpacks what the library Blosc, version 1, has packed with LZ4 or zlib, as OpenVDB does by default.
-//! Source: the chunk format of c-blosc (README_CHUNK_FORMAT.rst); original code. A chunk is a head of 16 bytes, where its
-//! blocks begin, and the blocks, each of one or more packed streams, whose bytes may be sorted by their place in a number.
+//! Unpacks the output of the library Blosc, version 1, with LZ4 or zlib, as OpenVDB uses it by default.
+//! Source: the chunk format of c-blosc (README_CHUNK_FORMAT.rst); original code. A chunk is a head of 16
+//! bytes, the starts of its blocks, and the blocks, each of one or more packed streams, whose bytes may be
+//! sorted by their position in a number.
 //! Tests: `tests/volumes.rs`.
 
 use super::bytes::{Bytes, corrupt};
@@ -66,7 +67,7 @@ fn stream_of(format: u8, packed: &[u8], out: &mut [u8]) -> Result<(), Error> {
             if filled == Some(out.len()) { Ok(()) } else { Err(corrupt("broken LZ4 data")) }
         }
         3 => inflate(packed, out),
-        _ => Err(corrupt(format!("packed in Blosc's way number {format}; LZ4 and zlib are read"))),
+        _ => Err(corrupt(format!("unsupported Blosc format {format}; LZ4 and zlib are supported"))),
     }
 }
 

@@ -7,19 +7,19 @@ use crate::{Budget, Error};
 /// Characters of a message: names that a file holds may be as long as it.
 const LONGEST: usize = 300;
 
-/// An error that says what is wrong with a file, on one line.
+/// An error about the contents of a file, on one line.
 pub(super) fn corrupt(what: impl Into<String>) -> Error {
     let printable = |c: char| if c.is_control() { '\u{fffd}' } else { c };
     let what: String = what.into().chars().take(LONGEST).map(printable).collect();
     Error::corrupt("OpenVDB", what)
 }
 
-/// What is said of a file that takes too much.
+/// The error for a file that takes too much memory.
 pub(super) fn too_large(limit: usize) -> Error {
     corrupt(format!("it takes more than the {} MiB allowed", limit >> 20))
 }
 
-/// What is left of a file.
+/// The rest of a file.
 pub(super) struct Bytes<'a> {
     all: &'a [u8],
     at: usize,
@@ -33,18 +33,18 @@ impl<'a> Bytes<'a> {
     /// Goes on at another place.
     pub(super) fn seek(&mut self, at: i64) -> Result<(), Error> {
         let inside = usize::try_from(at).ok().filter(|&at| at <= self.all.len());
-        self.at = inside.ok_or_else(|| corrupt(format!("a part lies at byte {at}, behind the end")))?;
+        self.at = inside.ok_or_else(|| corrupt(format!("a part at byte {at} is behind the end")))?;
         Ok(())
     }
 
-    /// The bytes from one place to another, both behind what was read; what is behind them comes next.
+    /// The bytes between two positions, both behind the bytes read so far; reading continues after them.
     pub(super) fn part(&mut self, start: i64, end: i64) -> Result<Self, Error> {
         let before = self.at;
-        // Of a file that was cut off, what is there is read first.
+        // Of a truncated file, the existing part is read first.
         self.seek(end.min(self.all.len() as i64))?;
         match usize::try_from(start).ok().filter(|&start| before <= start && start <= self.at) {
             Some(at) => Ok(Self { all: &self.all[..self.at], at }),
-            None => Err(corrupt(format!("a part lies from byte {start} to {end}, behind byte {before}"))),
+            None => Err(corrupt(format!("a part from byte {start} to {end} is not behind byte {before}"))),
         }
     }
 

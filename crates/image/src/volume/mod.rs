@@ -51,11 +51,12 @@ impl std::fmt::Debug for Grid {
 }
 
 impl Volume {
-    /// Reads a regular file of at most `limit` bytes; at most as many bytes of memory are taken for what it holds, and no more than its
-    /// length accounts for, beside the file itself.
+    /// Reads a regular file of at most `limit` bytes; its contents take at most the same number of bytes of
+    /// memory, and no more than its length accounts for, in addition to the file itself.
     ///
     /// # Errors
-    /// If it cannot be read, is no regular file, is none of OpenVDB's, is broken, holds no numbers, or takes too much memory.
+    /// The file cannot be read, is no regular file, is no OpenVDB file, is broken, holds no numbers, or takes
+    /// too much memory.
     pub fn read(path: &Path, limit: usize) -> Result<Self, Error> {
         let (source, length) =
             open_regular(path).map_err(|fault| fault.in_file(path, "a file of OpenVDB"))?;
@@ -84,7 +85,7 @@ impl Volume {
         for _ in 0..bytes.u32()? {
             let [name, kind, parent] = [bytes.text()?, bytes.text()?, bytes.text()?];
             if !has_offsets {
-                return Err(corrupt("it does not say where its grids are"));
+                return Err(corrupt("the positions of its grids are missing"));
             }
             let [start, _, end] = [bytes.i64()?, bytes.i64()?, bytes.i64()?];
             // Each grid lies behind the one before, so that no byte is read for more than one of them.
@@ -106,7 +107,7 @@ impl Volume {
         }
     }
 
-    /// Reads one of the grids, which may show what the grid named `parent` holds.
+    /// Reads one of the grids, which may share the contents of the grid named `parent`.
     fn grid_of(
         &self,
         bytes: &mut Bytes<'_>,
@@ -119,14 +120,14 @@ impl Volume {
         let world_from_index = map(bytes)?;
         let index_from_world = world_from_index.inverse();
         if !index_from_world.is_finite() {
-            return Err(corrupt(format!("the map of the grid \"{name}\" cannot be turned around")));
+            return Err(corrupt(format!("the map of the grid \"{name}\" has no inverse")));
         }
         let tree = if parent.is_empty() {
             Arc::new(Tree::read(&mut Reader { bytes, budget, format })?)
         } else {
             let known = self.grids.iter().find(|grid| grid.name == parent);
-            let known =
-                known.ok_or_else(|| corrupt(format!("no grid \"{parent}\" for \"{name}\" to show")))?;
+            let known = known
+                .ok_or_else(|| corrupt(format!("grid \"{parent}\" missing, which \"{name}\" shares")))?;
             known.tree.clone()
         };
         Ok(Grid { name, channels: format.channels, index_from_world, tree })
@@ -165,7 +166,8 @@ impl Grid {
         self.index_from_world
     }
 
-    /// The numbers of a voxel; those beyond [`channels`](Self::channels) are 0. What no voxel was stored for has the background.
+    /// The numbers of a voxel; those beyond [`channels`](Self::channels) are 0. A voxel that was not stored
+    /// has the background.
     #[must_use]
     #[inline]
     pub fn voxel(&self, at: [i32; 3]) -> [f32; 3] {
@@ -178,7 +180,7 @@ impl Grid {
         self.tree.active
     }
 
-    /// The same, rounded to whole leaves of the tree: what other programs take for the picture's size.
+    /// The same, rounded to whole leaves of the tree: the picture's size in other programs.
     #[must_use]
     pub fn window(&self) -> Option<[[i32; 3]; 2]> {
         let mask = LEAF_SIZE - 1;
@@ -235,12 +237,12 @@ fn format_of(kind: &str) -> Option<Format> {
     Some(Format { number, listed, channels, compression: 0 })
 }
 
-/// Reads how voxels lie in the world.
+/// Reads the transform from voxels to the world.
 fn map(bytes: &mut Bytes<'_>) -> Result<DAffine3, Error> {
     let kind = bytes.text()?;
     let mut vector = || Ok::<_, Error>(DVec3::new(bytes.f64()?, bytes.f64()?, bytes.f64()?));
     Ok(match &*kind {
-        // What can be worked out of the scale follows it.
+        // Values derived from the scale follow it.
         "UniformScaleMap" | "ScaleMap" => {
             let scale = vector()?;
             (0..4).try_for_each(|_| vector().map(drop))?;
@@ -259,6 +261,10 @@ fn map(bytes: &mut Bytes<'_>) -> Result<DAffine3, Error> {
             let [x, y, z, offset] = [row()?, row()?, row()?, row()?];
             DAffine3 { matrix3: DMat3::from_cols(x, y, z), translation: offset }
         }
-        _ => return Err(corrupt(format!("a map of the kind {kind}; scales, ways and affine ones are read"))),
+        _ => {
+            return Err(corrupt(format!(
+                "unsupported map {kind}; scales, translations and affine maps are supported"
+            )));
+        }
     })
 }

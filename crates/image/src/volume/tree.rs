@@ -59,7 +59,7 @@ fn corner(first: [i32; 3], child_index: usize, outer: u32, inner: u32) -> [i32; 
     std::array::from_fn(|k| first[k].wrapping_add(strides[k]))
 }
 
-/// What a tree is read from.
+/// The input of a tree.
 pub(super) struct Reader<'a, 'b> {
     pub(super) bytes: &'b mut Bytes<'a>,
     pub(super) budget: &'b Budget,
@@ -92,7 +92,7 @@ impl Reader<'_, '_> {
     }
 }
 
-/// The first voxel of what holds a voxel and has 2^`log` along an edge.
+/// The first voxel of the node that contains a voxel and has 2^`log` voxels along an edge.
 fn aligned(voxel: [i32; 3], log: u32) -> [i32; 3] {
     voxel.map(|x| x & !((1 << log) - 1))
 }
@@ -175,7 +175,7 @@ impl Tree {
         Ok(node)
     }
 
-    /// Takes a box of voxels, as long as `size` and one along each axis, into what is active.
+    /// Adds a box of voxels, of extent `size` along each axis, to the active bounds.
     fn activate(&mut self, first: [i32; 3], size: [i32; 3]) {
         let last = [0, 1, 2].map(|k| first[k].saturating_add(size[k]));
         let [lower, upper] = self.active.unwrap_or([first, last]);

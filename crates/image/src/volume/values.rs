@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The values of one node of a tree: what kind of numbers they are, how they are packed, and which of them are not stored.
-//! Source: the format of OpenVDB's files, versions 222 to 224 [Mus13]; original code. Where only active values are stored, a byte
-//! says what the others are: the background, its negative, one or two values that follow.
+//! The values of one node of a tree: their type, their packing, and the unstored ones.
+//! Source: the format of OpenVDB's files, versions 222 to 224 [Mus13]; original code. If only active values
+//! are stored, a byte determines the others: the background, its negative, one or two values that follow.
 //! Tests: `tests/volumes.rs`.
 
 use half::f16;
@@ -20,12 +20,12 @@ pub(super) enum Number {
     I64,
 }
 
-/// What the values of a grid are and how they are stored.
+/// Type and packing of a grid's values.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Format {
     /// As single values are stored; the background is one.
     pub(super) number: Number,
-    /// As lists of values are stored: may be halves of what single ones are.
+    /// Type in stored lists: may be halves for floats.
     pub(super) listed: Number,
     /// Numbers of a value: 1 or 3.
     pub(super) channels: usize,
@@ -83,7 +83,7 @@ impl Format {
         let stored = if self.compression & 5 == 0 {
             bytes.take(length)?
         } else {
-            // What did not shrink is stored as it is, with a negative length.
+            // Incompressible data is stored unchanged, with a negative length.
             let stored = bytes.i64()?;
             let part = usize::try_from(stored.unsigned_abs()).unwrap_or(usize::MAX);
             let part = bytes.take(part)?;
@@ -165,7 +165,7 @@ impl Values {
             1 | 3 => inactive[0] = background.map(|x| -x),
             2 | 4 => inactive[0] = format.value(bytes)?,
             5 => inactive = [format.value(bytes)?, format.value(bytes)?],
-            _ => return Err(corrupt(format!("values are stored in a way numbered {how}; 0 to 6 are known"))),
+            _ => return Err(corrupt(format!("unknown storage {how} of values; 0 to 6 are valid"))),
         }
         let second = if matches!(how, 3..=5) { Some(Mask::read(bytes, cells)?) } else { None };
         let sparse = format.compression & 2 != 0 && how != ALL;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What may differ from point to point, and which variables are always written before they are read.
-//! A variable is known by its first cell.
-//! Invariants: what does not vary is written only where all lanes that run agree, from what does not vary. A clean variable is
-//! read only where every lane that reads it has passed a write in the same run of the block that holds all its uses, so lanes
-//! that do not run may be overwritten.
-//! Each pass over the text takes time that grows with its length, however deep loops nest.
+//! Variables that may differ from point to point, and variables that are always written before they are read.
+//! A variable is identified by its first cell. Invariants: a uniform variable is written only where all
+//! running lanes agree, from uniform values. A clean variable is read only where every lane that reads it has
+//! passed a write in the same run of the block that holds all its uses, so lanes that do not run may be
+//! overwritten. Each pass over the text takes time in proportion to its length, for any depth of loops.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use std::collections::HashSet;
@@ -26,7 +25,7 @@ pub(crate) struct Variable {
     pub(crate) uses: u32,
 }
 
-/// What was found out.
+/// The results.
 #[derive(Default)]
 pub(crate) struct Analysis {
     /// By cell.
@@ -115,7 +114,7 @@ impl Uses<'_> {
     }
 }
 
-/// Marks what varies, until nothing is added.
+/// Marks varying variables, until nothing is added.
 fn vary(plan: &Plan, known: &[&dyn Known], analysis: &mut Analysis) {
     let mark = |varying: &mut [bool], slot: &Slot| {
         let cells = &mut varying[slot.at as usize..][..slot.cells()];
@@ -168,12 +167,13 @@ const PASSES: usize = 100;
 
 struct Vary<'a> {
     varying: &'a mut Vec<bool>,
-    /// Loops, by where they lie, whose lanes may go different ways somewhere in a turn: what comes late in one comes before what is early in the next.
+    /// Loops, by address, whose lanes may diverge within an iteration: late operations of one iteration
+    /// precede early ones of the next.
     split_loops: &'a mut HashSet<*const Loop>,
     changed: bool,
 }
 
-/// What a block does to the lanes that run it.
+/// The effect of a block on its running lanes.
 #[derive(Clone, Copy, Default)]
 struct Ways {
     /// Lanes may have left it at different times.

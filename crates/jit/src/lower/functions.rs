@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The library's functions by name, over whatever numbers: what a shader calls is recorded by calling it.
+//! The library's functions by name, over any numbers: a shader's call is recorded by calling the function.
 //! The names are those of `gnurt_sl::exec`'s table.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
@@ -160,7 +160,7 @@ pub(crate) fn int_abs(x: Bits) -> Bits {
 }
 
 impl Bits {
-    /// The least whole number stays what it is.
+    /// The smallest whole number stays unchanged.
     fn or_least(self, x: Self) -> Self {
         Self::pick(x.equal(1 << 31), x, self)
     }

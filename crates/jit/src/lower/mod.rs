@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group that is ready to run, as a program for lanes: control on masks, computing in regions.
-//! `analyse` finds what varies and what may be overwritten, `native` says what becomes code, `steps` and
-//! `functions` record it, `values` knows what cells hold.
+//! `analyse` finds varying and overwritable variables, `native` chooses the operations with code, `steps` and
+//! `functions` record them, `values` tracks the contents of cells.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 mod analyse;
@@ -33,7 +33,7 @@ const DEPTH: usize = 200;
 /// Operations of code; each has some ten bytes, and as much again while it is made.
 const SIZE: usize = 2_000_000;
 
-/// What never changes, for the analysis and for operations whose meaning hangs on it.
+/// Constants, for the analysis and for operations whose meaning depends on them.
 struct Constants<'p> {
     plan: &'p Plan,
     cells: Vec<bool>,
@@ -57,7 +57,7 @@ impl Known for Constants<'_> {
 /// Why the interpreter must run it.
 pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
     if plan.debug_layers {
-        return Err("layers that say when they start are run by the interpreter".into());
+        return Err("layers that print their start need the interpreter".into());
     }
     if plan.layers.len() > LAYERS {
         return Err(format!("the group has more than {LAYERS} layers"));
@@ -107,7 +107,7 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
     Ok(program)
 }
 
-/// Notes the first cells of what a block writes.
+/// Notes the first cells that a block writes.
 fn note_written(list: &[Instruction], written: &mut HashSet<u32>) {
     for instruction in list {
         match instruction {
@@ -196,7 +196,7 @@ impl Lowerer<'_> {
         Ok(())
     }
 
-    /// Variables that may be read before they are written start anew each time a layer runs.
+    /// Variables that may be read before they are written are reset at each run of a layer.
     fn reset(&mut self) -> Result<(), String> {
         let plan = self.values.plan;
         let layer = &plan.layers[self.layer];
@@ -307,7 +307,7 @@ impl Lowerer<'_> {
         }
     }
 
-    /// The nodes of a block; with a condition, what it sends on is tested at its end.
+    /// The nodes of a block; with a condition, the remaining lanes are tested at its end.
     fn block(
         &mut self,
         list: &[Instruction],
@@ -326,7 +326,7 @@ impl Lowerer<'_> {
         for (i, instruction) in list.iter().enumerate() {
             self.instruction(instruction)?;
             if let Instruction::Leave(_) = instruction {
-                // What follows is never done, but its blocks are counted.
+                // The rest is never executed, but its blocks are counted.
                 for dead in &list[i + 1..] {
                     self.skip_blocks(std::slice::from_ref(dead));
                     self.blocks -= 1;
@@ -423,7 +423,7 @@ impl Lowerer<'_> {
 
     fn step(&mut self, step: &Step) -> Result<(), String> {
         if !is_honest(step) {
-            return Err(format!("'{}' does not say what it writes", step.name));
+            return Err(format!("'{}' has undeclared writes", step.name));
         }
         self.fetch(&step.pulls);
         let native = is_native(step, self.known);
@@ -465,7 +465,7 @@ impl Lowerer<'_> {
         Ok(())
     }
 
-    /// Fetches what is connected to parameters, for lanes that have not.
+    /// Evaluates the connections of parameters, for lanes that have not done so.
     fn fetch(&mut self, pulls: &[u32]) {
         for &symbol in pulls {
             if self.pulled.contains(&symbol) {

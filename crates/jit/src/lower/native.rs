@@ -8,7 +8,7 @@ use gnurt_sl_lib::noise::NoiseKind;
 
 use super::functions;
 
-/// What is known of symbols while a group is compiled.
+/// Known symbols during the compilation of a group.
 pub(crate) trait Known {
     /// An int that is the same always.
     fn constant_int(&self, slot: &Slot) -> Option<i32>;
@@ -238,7 +238,7 @@ pub(crate) fn touches(step: &Step, native: bool, mut visit: impl FnMut(usize, To
         && (out.ty.is_array() || a.ty.is_array())
         && matches!(&*step.name, "arraycopy" | "assign" | "int" | "float")
     {
-        // A shorter array leaves what lies behind its end.
+        // A shorter array leaves the elements behind its end.
         parts |= a.size < out.size;
     }
     for i in 0..step.args.len() {
@@ -254,7 +254,7 @@ pub(crate) fn touches(step: &Step, native: bool, mut visit: impl FnMut(usize, To
     }
 }
 
-/// Whether what an operation says that it writes is what it writes: files may hold anything.
+/// Whether the declared writes of an operation are its real ones: files may hold anything.
 pub(crate) fn is_honest(step: &Step) -> bool {
     let expected: u64 = match &*step.name {
         "printf" | "error" | "warning" | "fprintf" | "setmessage" | "useparam" | "nop" | "end" => 0,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Operations as records of what they compute.
-//! Each does what `gnurt_sl::exec` does, in its order, for arguments that `native` accepts.
+//! Operations as records of their computation. Each computes the same as `gnurt_sl::exec`, in its order, for
+//! arguments that `native` accepts.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Slot, Step};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values of symbols while a region is recorded: what a cell holds now, and what must be stored at the region's end.
-//! Conversions are those of `gnurt_sl::exec`'s values.
+//! Values of symbols while a region is recorded: the current contents of cells, and the stores at the
+//! region's end. Conversions are those of `gnurt_sl::exec`'s values.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Plan, Slot};
@@ -16,13 +16,13 @@ use crate::term::{Bits, QuickMap, Term, Which, binary, constant, count, op_of, p
 struct Cell {
     value: Id,
     changed: bool,
-    /// Whether lanes that do not run keep what they have.
+    /// Whether lanes that do not run keep their values.
     keep: bool,
     /// The first cell of its variable.
     owner: u32,
 }
 
-/// What the region that is recorded knows.
+/// The state of the recorded region.
 pub(crate) struct Values<'p> {
     pub(crate) plan: &'p Plan,
     pub(crate) analysis: Analysis,
@@ -65,7 +65,7 @@ impl<'p> Values<'p> {
         count() > LONGEST
     }
 
-    /// What a cell holds.
+    /// The contents of a cell.
     pub(crate) fn bits(&mut self, cell: u32) -> Id {
         if self.constant[cell as usize] {
             return constant(self.plan.memory[cell as usize]);

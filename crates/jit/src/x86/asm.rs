@@ -2,7 +2,7 @@
 //! Encodes the instructions that are used: a few on whole registers, and some forty on lanes.
 //! Source: Intel's Software Developer's Manual, volume 2, chapters 2 and 3; original code.
 //! Lanes are 4 or 8 with the VEX prefix and 16 with EVEX. All memory is addressed as `rbx` plus a distance of 32 bits.
-//! Tests: `tests::*` (bytes that an assembler gives), `tests/agreement.rs` (what they do).
+//! Tests: `tests::*` (bytes of an assembler), `tests/agreement.rs` (their effects).
 
 /// How many lanes an instruction has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,7 +60,7 @@ pub(crate) enum Gpr {
     Ecx = 1,
 }
 
-/// What is done to a register and a word of memory.
+/// The access to a register and a word of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Access {
     Load = 0x8b,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Machine code for x86-64 with AVX2 or AVX-512.
-//! Control is on masks in memory, sixteen bits each, with branches that skip what no lane does; computing is
-//! in regions. A layer is a function; `rbx` is the memory, `r12` what calls are given, `r13` where calls go.
-//! `asm` encodes, `region` gives registers.
+//! Control is on masks in memory, sixteen bits each, with branches that skip code without running lanes;
+//! computation is in regions. A layer is a function; `rbx` is the memory, `r12` the argument of calls, `r13`
+//! their target. `asm` encodes, `region` allocates registers.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 mod asm;

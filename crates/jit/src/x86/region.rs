@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The instructions of a region, and which register holds what.
-//! Source: \[Bel66\] for what leaves a register (the value that is needed last); original code.
-//! A region has no branches, so one pass over it is enough. Constants and cells are loaded where they are needed.
+//! The instructions of a region, and its register allocation.
+//! Source: \[Bel66\] for the choice of a register to evict (the value that is needed last); original code. A
+//! region has no branches, so one pass over it is enough. Constants and cells are loaded where they are
+//! needed.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use crate::layout::{CellAddress, Layout};
@@ -12,7 +13,7 @@ use super::asm::{Access, Asm, Code, Gpr, Rm, When, Width};
 /// No register, no place.
 const NONE: u32 = u32::MAX;
 
-/// Where memory has what regions need beside cells.
+/// The memory areas of regions beside cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Areas {
     /// Values that found no register, 64 bytes each.
@@ -189,7 +190,7 @@ impl Emitter<'_> {
         let (mut best, mut far) = (0, 0);
         for r in 0..self.holds.len() {
             if let (Some(id), 0) = (self.holds[r], self.locked & 1 << r) {
-                // What can be loaded again costs less.
+                // A value that can be loaded again costs less.
                 let next = u64::from(self.next_use(id)) * 2 + u64::from(self.can_reload(id));
                 if next >= far {
                     (best, far) = (r, next);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Base colours lit from the eye: the cosine between ray and shading normal. Looks at geometry without any light.
-//! Misses are black.
+//! Base colours lit from the eye: the cosine between ray and shading normal. Shows geometry without any
+//! light. Misses are black.
 
 use glam::Vec3;
 use gnurt_shading::Vec3s;

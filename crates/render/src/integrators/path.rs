@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Path tracing: the reference. From the eye, one scattered ray per vertex, lights sampled at each.
-//! Source: [Kaj86] (path tracing), [VG95] (both samples combined by the power heuristic), [AK90] (Russian roulette);
-//! wavefronts after the paper's section 8: all paths of a batch take a step together, those that met one shader side by side
-//! (`transport::step`).
-//! A floor that only catches shadow shows what lies behind, less the light that a light sample finds kept from it, plus what
-//! scattered rays bring from other surfaces: no noise where nothing is kept away [Deb98].
-//! Space: world. An edge is a way between two vertices, the eye being one: light found at the end of edge k was scattered
-//! k - 1 times. Straight on through holes is no new edge.
-//! Invariants: unbiased without `clamp`; what a lane gets depends on its ray and key only.
+//! Source: [Kaj86] (path tracing), [VG95] (both samples combined by the power heuristic), [AK90] (Russian
+//! roulette); wavefronts after [SIP06], section 8: all paths of a batch take a step together, grouped by
+//! shader (`transport::step`). A shadow catcher shows the background, minus the light that its light samples
+//! find occluded, plus the light that scattered rays bring from other surfaces; unshadowed parts have no
+//! noise [Deb98].
+//! Space: world. An edge is a path segment between two vertices, the eye included: light found at the end of
+//! edge k was scattered k - 1 times. A ray that passes through transparent parts stays on its edge.
+//! Invariants: unbiased without `clamp`; the result of a lane depends on its ray and key only.
 //! Tests: crates/render/tests/{path,agreement,references,lanes}.rs.
 
 use glam::Vec3;
@@ -22,7 +22,7 @@ use crate::transport::absorption::absorb;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
-    Asking, Known, Offer, Wavefront, add, ask_plugin_lights, panes, power_heuristic, shadow_ray,
+    Known, LightQuery, Offer, Wavefront, add, panes, power_heuristic, query_plugin_lights, shadow_ray,
 };
 use crate::world::HitLanes;
 
@@ -58,7 +58,8 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
 /// Takes the light at the ends of the paths' rays, then scatters them.
 fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, radiance: &mut Vec3s) {
     let options = tracer.options;
-    // Those of what the camera sees start side by side and aim at few lamps; later ones start wherever paths went.
+    // Shadow rays from directly visible points start close together and aim at few lights; later ones start
+    // anywhere.
     tracer.shadows = if from.depth == 0 { Coherence::Fanned } else { Coherence::Incoherent };
     environment(tracer, from, wavefront, radiance);
     wavefront.radiance_only.clear();
@@ -94,7 +95,8 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         let is_final = tracer.closures_of(shader, points, closures) == Known::Shown;
         absorb(options, (&mut *paths, from), numbers, points, closures);
         let backdrop = shader.backdrop();
-        // The backdrop of a shadow catcher stands for scattered light, and light is taken from it.
+        // The backdrop of a shadow catcher represents scattered light, and occluded light is subtracted from
+        // it.
         if is_final || backdrop.is_some() {
             radiance_only.extend(numbers.iter().map(|&number| paths.lane[number as usize]));
         }
@@ -106,23 +108,23 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
             else step::step(One, &met, &mut onward)
         );
         if !(is_final || world.lights().plugins.is_empty()) {
-            ask_plugins(&met, &mut onward);
+            query_plugins(&met, &mut onward);
         }
     });
 }
 
-/// Light of lights that only know `illuminate`.
-fn ask_plugins(met: &Met, onward: &mut Onward) {
+/// Light of lights that only have `illuminate`.
+fn query_plugins(met: &Met, onward: &mut Onward) {
     let paths: Vec<_> = (0..met.numbers.len()).map(|k| met.path(k)).collect();
     let there = |&k: &usize| paths[k].edges < met.options.max_depth && met.is_there(k, &paths[k]);
     let alive: Vec<usize> = (0..paths.len()).filter(there).collect();
     let vertices: Vec<_> =
         alive.iter().map(|&k| (k, met.points.point(k), met.closures.point(k).bsdf)).collect();
-    let asking: Vec<Asking> = vertices
+    let queries: Vec<LightQuery> = vertices
         .iter()
-        .map(|(k, point, bsdf)| Asking { point, bsdf, key: paths[*k].key, edges: paths[*k].edges })
+        .map(|(k, point, bsdf)| LightQuery { point, bsdf, key: paths[*k].key, edges: paths[*k].edges })
         .collect();
-    ask_plugin_lights(met.world, met.options.seed, &asking, |i, Offer { dir, dist, arriving }| {
+    query_plugin_lights(met.world, met.options.seed, &queries, |i, Offer { dir, dist, arriving }| {
         let (k, point, bsdf) = &vertices[i];
         let wo = -met.points.ray_dir.get(*k);
         let absorption = bsdf.absorption(dir);
@@ -137,14 +139,14 @@ fn ask_plugins(met: &Met, onward: &mut Onward) {
     });
 }
 
-/// Keeps what camera rays see without anything scattered, for a layer of its own: all light there is before lamps are asked.
-/// What surfaces send back whose shaders do not tell why is none of that.
+/// Copies the directly visible light to a layer of its own, before lights are sampled. The radiance of
+/// radiance-only shaders is excluded.
 fn note_direct(tracer: &mut BatchTracer, radiance_only: &[u32], radiance: &Vec3s) {
     tracer.direct.clone_from(radiance);
     radiance_only.iter().for_each(|&lane| tracer.direct.set(lane as usize, Vec3::ZERO));
 }
 
-/// What paths see that left the scene.
+/// Radiance of paths that left the scene.
 fn environment(tracer: &mut BatchTracer, from: HitLanes, wavefront: &Wavefront, radiance: &mut Vec3s) {
     let missed: Vec<usize> = (0..from.hits.len()).filter(|&i| from.hits.prim_id[i] == INVALID_ID).collect();
     if missed.is_empty() || tracer.world.lights().environment.is_none() {

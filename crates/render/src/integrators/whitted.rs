@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Whitted's integrator: emission seen directly, direct light once scattered, recursion through mirrors and glass.
-//! Source: [Whi80]; lights with extent by sampling [CPC84]. All of it happens in the shaders: they ask the tracer.
+//! Source: [Whi80]; lights with extent by sampling [CPC84]. All work happens in the shaders, which query the
+//! tracer.
 
 use gnurt_shading::Vec3s;
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Bidirectional instant radiosity: many candidates from both sides, of which the ones that matter become virtual lights.
-//! Source: [SIMP06]; resampling [TCE05] by what a candidate brings to pilots, with the exact probability of its choice as
-//! weight, so that the mean does not change. Space: world.
-//! A candidate that is chosen more than once becomes one light, as many times as strong.
+//! Bidirectional instant radiosity: many candidates from both sides, of which the important ones become
+//! virtual lights.
+//! Source: [SIMP06]; resampling [TCE05] by a candidate's contribution to the pilot points, weighted by the
+//! exact probability of the choice, so that the mean does not change. Space: world. A candidate that is
+//! chosen n times becomes one light of n times the power.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::borrow::Borrow;
@@ -23,13 +24,13 @@ use crate::job::Job;
 use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
 
-/// Paths per virtual light that was asked for, each with several candidates, and how many there are to be at most for more
+/// Paths per requested virtual light, each with several candidates, and the largest number of paths for more
 /// than one per light.
 const PATHS_PER_LIGHT: u32 = 4;
 const ENOUGH: u32 = 8192;
 /// Paths whose sides are joined each to each.
 const CROWD: u32 = 4;
-/// Says that a number is for resampling.
+/// Marks numbers for resampling.
 pub(super) const RESAMPLING: u32 = 0x4e5a_3b00;
 
 /// The virtual lights of a pass.
@@ -45,7 +46,8 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     spread(&all, count, start).into_iter().map(|(i, weight)| all[i].0.vpl.scaled(weight / paths)).collect()
 }
 
-/// Chooses virtual lights by what they bring, each as often as it says, spread evenly: places and weights.
+/// Chooses virtual lights in proportion to their weights, by stratified sampling; returns positions in the
+/// list and weights.
 pub(super) fn spread(all: &[(impl Borrow<Candidate>, f32)], count: usize, u: f32) -> Vec<(usize, f32)> {
     let positions: Vec<Vec3> = all.iter().map(|(own, _)| own.borrow().vpl.point.p).collect();
     let order = neighbours::in_order(&positions, 1);
@@ -64,7 +66,7 @@ pub(super) struct Candidates {
     pub(super) paths: u32,
     pub(super) light: Vec<LightSide>,
     pub(super) eye: Vec<EyeSide>,
-    /// By the number of the path from the lamp, and of that from the eye.
+    /// By the number of the path from the light, and of that from the eye.
     pub(super) joined: Vec<([u32; 2], Candidate)>,
 }
 
@@ -100,7 +102,7 @@ impl Candidates {
         crowd_of(path, self.paths)
     }
 
-    /// What each of them counts.
+    /// The weight of each of them.
     pub(super) fn share_of_pair(&self, path: u32) -> f32 {
         1.0 / self.crowd_of(path).len() as f32
     }

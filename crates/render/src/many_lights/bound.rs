@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who brings the light of an edge between two surfaces: virtual lights, or rays that the eye's BSDF chooses.
-//! Source: [KK06] bounds the geometry term G and gives the rest to rays. Differs: what is bounded is the density, per
-//! area, with which either end's BSDF would choose the other: for two Lambertian surfaces that is G / pi, on glossy ones
-//! it is large where their peak is, too. Both sides of the split ask the same function, so nothing is lost or twice.
+//! Split of the light along an edge between virtual lights and rays that the eye's BSDF chooses.
+//! Source: [KK06] bounds the geometry term G and gives the rest to rays. Differs: the bound is on the
+//! density, per area, with which either end's BSDF would choose the other. For two Lambertian surfaces that
+//! is G / pi; on glossy ones it is large at their peaks, too. Both sides of the split use the same function,
+//! so no light is lost or counted twice.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::PI;
@@ -34,7 +35,7 @@ impl Bound {
         Self { density: if area > 0.0 { vpls as f32 / (CROWD * area) } else { f32::INFINITY } }
     }
 
-    /// A bound so many times as large.
+    /// A bound larger by this factor.
     pub(crate) fn times(self, factor: f32) -> Self {
         Self { density: self.density * factor }
     }
@@ -51,7 +52,7 @@ impl Bound {
     }
 }
 
-/// The bound that options ask for, or one that fits the scene.
+/// The bound of the options, or one that suits the scene.
 pub(crate) fn bound_of(world: &World, options: &RenderOptions) -> Bound {
     match (options.clamp, world.bounds()) {
         (Some(g), _) => Bound::on_geometry_term(g),

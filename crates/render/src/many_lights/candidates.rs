@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Complete paths from a lamp to the camera, and the virtual lights on them: standard ones, where a light path meets a
-//! surface, and reverse ones, where a ray from a point that the camera sees does; the latter are joined to all vertices
-//! of the light path, and to a lamp.
-//! Source: [SIMP06]; the two ways are weighted by the balance heuristic [VG95]. Differs: densities of reverse virtual lights
-//! are exact, see `pilots`. Space: world.
-//! Invariant: for uniform numbers the sum over a path's virtual lights of what they bring has the mean of all light that
-//! virtual lights may bring, whatever the pilots. Tests: crates/render/tests/many_lights.rs.
+//! Complete paths from a light to the camera, and the virtual lights on them. Standard virtual lights lie
+//! where a light path hits a surface, reverse ones where a ray from a visible point hits one; reverse ones
+//! are joined to all vertices of the light path, and to a light.
+//! Source: [SIMP06]; the two strategies are weighted by the balance heuristic [VG95]. Differs: densities of
+//! reverse virtual lights are exact, see `pilots`. Space: world.
+//! Invariant: for uniform random numbers the summed contribution of a path's virtual lights has the mean of
+//! all light in their share, for any pilot points. Tests: crates/render/tests/many_lights.rs.
 
 use std::borrow::Borrow;
 use std::f32::consts::FRAC_1_PI;
@@ -30,7 +30,8 @@ use crate::transport::walks::Walks;
 pub(super) const EYE_EDGE: u32 = 1;
 /// Pairs of it that choose the camera's side of a path.
 pub(super) const EYE_PAIRS: Range<u32> = pair::PILOT..pair::POSITION + 1;
-/// Pairs of that edge: which pilot, two for a direction, two for a lamp. Others of edge 1 belong to the light path.
+/// Pairs of that edge: the choice of a pilot point, two for a direction, two for a light. Others of edge 1
+/// belong to the light path.
 mod pair {
     pub(super) const PILOT: u32 = 4;
     pub(super) const DIRECTION: u32 = 5;
@@ -45,18 +46,18 @@ pub(super) struct Candidate {
     pub(super) importance: f32,
 }
 
-/// A path from a lamp, and the virtual lights on it.
+/// A path from a light, and the virtual lights on it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LightSide {
     vertices: Vec<LightVertex>,
     pub(super) own: Vec<Candidate>,
 }
 
-/// The end of a ray from a pilot: a place for reverse virtual lights.
+/// The end of a ray from a pilot point: a position for reverse virtual lights.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EyeSide {
     end: Option<End>,
-    /// The light that a lamp makes there.
+    /// The virtual light by direct light there.
     pub(super) own: Option<Candidate>,
 }
 
@@ -70,7 +71,7 @@ struct End {
     density: f32,
 }
 
-/// Two surfaces, or a surface and a lamp, that shall see each other.
+/// Two surfaces, or a surface and a light, that need mutual visibility.
 struct Join {
     ray: gnurt_accel::Ray,
     /// Whose light it is.
@@ -84,13 +85,13 @@ pub(super) fn total<'a>(found: impl IntoIterator<Item = &'a Candidate>) -> f32 {
     found.into_iter().map(|candidate| candidate.importance).sum()
 }
 
-/// Whether paths may be made from both sides: what only covers a share of the light makes the densities of the reverse way
-/// unknown.
+/// Whether both strategies are possible: partly transparent surfaces make the densities of the reverse
+/// strategy unknown.
 fn both_ways(tracer: &BatchTracer, pilots: &Pilots) -> bool {
     tracer.world.materials().all_solid() && !pilots.points.is_empty() && pilots.max_depth > 2
 }
 
-/// Paths from lamps.
+/// Paths from lights.
 pub(super) fn light_sides(
     tracer: &mut BatchTracer,
     pilots: &Pilots,
@@ -124,7 +125,7 @@ fn judged(pilots: &Pilots, vpl: Vpl, mask: &VisibleMask, scratch: &mut Scratch) 
     (importance > 0.0 && vpl.power.is_finite()).then_some(Candidate { vpl, importance })
 }
 
-/// Ends of rays from pilots, one for each of the paths that `numbers` knows.
+/// Ends of rays from pilot points, one for each of the paths of `numbers`.
 pub(super) fn eye_sides(
     tracer: &mut BatchTracer,
     pilots: &Pilots,
@@ -139,7 +140,7 @@ pub(super) fn eye_sides(
     let (ends, pilot_of) = ends(tracer, pilots, paths, numbers);
     let points: Vec<_> = ends.iter().map(|(_, vertex)| (vertex.point, &vertex.scattering.bsdf)).collect();
     let mut mask = pilots.visible_from(tracer, &points, &mut scratch);
-    // By rounding a ray may meet what a shadow ray between the same points does not.
+    // By rounding a ray may hit a surface that a shadow ray between the same points misses.
     mask.iter_mut().zip(&pilot_of).for_each(|(mask, &k)| mask[k / BLOCK] |= 1 << (k % BLOCK));
     let mut joins = Vec::new();
     for ((path, vertex), mask) in ends.iter().zip(mask) {
@@ -174,7 +175,7 @@ pub(super) fn joined(
     settle(tracer, pilots, joins, &mut Scratch::default())
 }
 
-/// Those that see each other, judged.
+/// The visible ones, with their contributions.
 fn settle(
     tracer: &mut BatchTracer,
     pilots: &Pilots,
@@ -221,7 +222,7 @@ fn ends(
     (ends, pilot_of)
 }
 
-/// The reverse virtual light that a lamp shines on.
+/// The reverse virtual light that a light illuminates.
 fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numbers) -> Option<Join> {
     let lights = tracer.world.light_set();
     let [emitter_choice, _] = numbers(path, EYE_EDGE, pair::LAMP);
@@ -233,7 +234,7 @@ fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numb
         return None;
     }
     let cos = point.ng.dot(sample.dir);
-    // Per solid angle of the lamp, and per area of the virtual light.
+    // Per solid angle of the light, and per area of the virtual light.
     let share = light_path::share_of_light_set(tracer.world);
     let standard = share * lights.pdf_emit_position(triangle) * cos * FRAC_1_PI;
     let left = left_after(sample.dist, [end.bsdf.absorption(sample.dir), Vec3::ZERO]);
@@ -244,13 +245,13 @@ fn to_lamp(tracer: &BatchTracer, path: u32, of: usize, end: &End, numbers: &Numb
     Some(Join { ray, of, vpl, mask: end.mask })
 }
 
-/// The reverse virtual light that a vertex of the light path shines on.
+/// The reverse virtual light that a vertex of the light path illuminates.
 fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
     let offset = end.point.p - z.vpl.point.p;
     let distance2 = offset.length_squared();
     let to = offset / distance2.sqrt();
     let point = end.point;
-    // A light path goes on to either side, but does not cheat its facet.
+    // A light path may continue to either side, but must be consistent with its face.
     let through = z.vpl.point.ng.dot(to) < 0.0;
     if !(distance2 > 0.0 && to.is_finite() && is_lit(&point, -to))
         || through != (z.vpl.bsdf.normal().dot(to) < 0.0)
@@ -274,7 +275,7 @@ fn to_vertex(of: usize, z: &LightVertex, end: &End) -> Option<Join> {
     Some(Join { ray, of, vpl, mask: end.mask })
 }
 
-/// Whether light from `from` shines on the side of a point that was met.
+/// Whether light from `from` reaches the side of a hit point.
 fn is_lit(point: &SurfacePoint, from: Vec3) -> bool {
     is_open(point, from) && point.ng.dot(from) > 0.0
 }

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which virtual lights a block of points asks: a sample of them, by what they would bring to its points if nothing were in between,
-//! and by how much of that came through to the blocks of its tile before.
-//! Source: [TCE05] (resampling); [GKPS12] (what is learned from neighbours, visibility included, guides the choice). Differs:
-//! what is promised is judged anew at all points of the block, only visibility is taken over, and from the same pass.
+//! The choice of virtual lights for a block of points: a sample in proportion to their estimated unoccluded
+//! contribution, and to the fraction that reached earlier blocks of its tile.
+//! Source: [TCE05] (resampling); [GKPS12] (neighbours guide the choice, visibility included). Differs: the
+//! unoccluded contribution is computed at all points of the block; only visibility is reused, and only from
+//! the same pass.
 //! Space: world.
-//! Invariant: a light that may shine on the block is never impossible; what blocks before found guides the choice alone, and
-//! numbers of blocks are their own, so the mean does not change, and neighbours do not err alike.
+//! Invariant: a light that may reach the block has a nonzero probability. Earlier blocks guide only the
+//! choice, and random numbers differ between blocks, so the mean does not change, and errors of neighbours
+//! are uncorrelated.
 //! Tests: `tests`, crates/render/tests/many_lights.rs.
 
 use super::cut::resample;
@@ -13,21 +15,23 @@ use super::lanes::{BLOCK, Lanes};
 
 /// Lights whose luck is thought alike, neighbours in their list.
 const CLUSTER: usize = 8;
-/// As if so many rays of a cluster had met nothing before any was asked for, and so many of a light had fared as its cluster's.
+/// Prior counts: unoccluded rays of a cluster before any query, and rays of a light with the cluster's
+/// result.
 const OF_CLUSTER: f32 = 16.0;
 const OF_LIGHT: f32 = 32.0;
-/// What a light is thought to bring through at least, as share of its promise.
+/// The least fraction of its unoccluded contribution that a light is assumed to bring.
 const HOPE: f32 = 0.05;
 
-/// How much of what virtual lights promised came through, light by light, in the order of a list in which neighbours are neighbours.
+/// The unoccluded fraction of the contribution, light by light, in the order of a list that keeps neighbours
+/// adjacent.
 pub(super) struct Learned {
-    /// Rays that were asked for, and those of them that met nothing.
+    /// Traced rays, and the unoccluded ones.
     lights: Vec<[f32; 2]>,
     clusters: Vec<[f32; 2]>,
 }
 
 impl Learned {
-    /// Nothing, of so many lights.
+    /// Zero counts for this number of lights.
     pub(super) fn new(lights: usize) -> Self {
         Self { lights: vec![[0.0; 2]; lights], clusters: vec![[0.0; 2]; lights.div_ceil(CLUSTER)] }
     }
@@ -40,7 +44,7 @@ impl Learned {
         }
     }
 
-    /// The share that comes through, by what is known of the light and of its cluster.
+    /// The expected unoccluded fraction, from the records of the light and of its cluster.
     fn share(&self, light: usize) -> f32 {
         let ([requests, came], [of_all, came_of_all]) = (self.lights[light], self.clusters[light / CLUSTER]);
         let of_cluster = (came_of_all + OF_CLUSTER) / (of_all + OF_CLUSTER);
@@ -48,10 +52,10 @@ impl Learned {
     }
 }
 
-/// What lights promise to the points of a block.
+/// Unoccluded contributions of lights to the points of a block.
 #[derive(Default)]
 pub(super) struct Rows {
-    /// Lights that promise something, by their places in the list, and how much to each point.
+    /// Lights with a contribution, by their indices in the list, and the contribution to each point.
     rows: Vec<(usize, Lanes)>,
 }
 
@@ -66,8 +70,8 @@ impl Rows {
         }
     }
 
-    /// The lights that the block asks, `most` at most, in the order of the list, and what each counts: by the mean square of their shares
-    /// of what points may get. `u` in [0, 1).
+    /// The lights for the block, `most` at most, in the order of the list, with their weights. The
+    /// probability follows the mean square of their shares of the points' light. `u` in [0, 1).
     pub(super) fn chosen(&self, learned: &Learned, most: usize, u: f32) -> Vec<(usize, f32)> {
         if self.rows.len() <= most {
             return self.rows.iter().map(|(light, _)| (*light, 1.0)).collect();
@@ -101,8 +105,8 @@ mod tests {
     use super::super::vpl::Vpl;
     use super::*;
 
-    /// What a part of the lights brings has the mean of what all bring, whatever has been learned, with less noise where the
-    /// lights that nobody sees are known.
+    /// A subset of the lights has the mean of all lights, with any record of visibility, and less noise where
+    /// invisible lights are known.
     #[test]
     fn a_part_stands_for_all() {
         let bound = Bound::on_geometry_term(3.0);
@@ -125,7 +129,7 @@ mod tests {
         each_contribution(Level::default(), requests, &sources, (&bound, 6), &mut scratch, |i, row, _| {
             rows.push(i, row)
         });
-        // Lights in one half of the room are hidden.
+        // Lights in one half of the space are hidden.
         let is_hidden = |i: usize| sources[i].vpl.point.p.x > 0.5;
         let brings = |i: usize| -> f32 {
             let brought = eyes.iter().filter_map(|eye| sources[i].vpl.brings(eye, &bound, 6));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the virtual lights of all passes of a picture have in common: learned by the first pass that asks, and kept for the others.
-//! Invariant: a function of world, camera and options, whichever pass learns it.
+//! State that the virtual lights of all passes of a picture share: the first pass computes it, and later
+//! passes reuse it.
+//! Invariant: a function of world, camera and options, independent of the pass that computes it.
 //! Tests: crates/render/tests/accumulation.rs.
 
 use std::sync::OnceLock;
@@ -10,8 +11,8 @@ use super::light_choice::LightChoice;
 /// Learned once for a world, a camera and options.
 #[derive(Debug, Default)]
 pub(crate) struct Common {
-    /// Lamps that matter, where it is worth asking.
+    /// The important lights, if the choice is learned.
     pub(super) light_choices: OnceLock<Option<LightChoice>>,
-    /// How many light paths bring the lights that are wanted.
+    /// The number of light paths for the requested number of virtual lights.
     pub(super) paths: OnceLock<u32>,
 }

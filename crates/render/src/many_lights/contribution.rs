@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which virtual lights promise most to a point: what each would bring if nothing were in between, by lanes, and a choice
-//! in proportion.
+//! Unoccluded contributions of virtual lights to points, by lanes, and a choice of lights in proportion.
 //! Source: resampling [TCE05], of all virtual lights. Space: world.
 //! Invariant: a light is chosen in proportion to the difference of two stored sums and weighted by one over that, so rounding
 //! does not change the mean. Tests: `tests`, crates/render/tests/many_lights.rs.
@@ -14,12 +13,12 @@ use super::eye::EyePoint;
 use super::lanes::{BLOCK, Block, Color, Lanes, Light, Source};
 use super::vpl::Vpl;
 
-/// What virtual lights promise to a block of points.
+/// Unoccluded contributions of virtual lights to a block of points.
 pub(super) struct Contributions<'a> {
     sources: &'a [Source],
     bound: Bound,
     max_edges: u32,
-    /// Sums over the lights up to each, and what each brings if nothing is in between.
+    /// Prefix sums over the lights, and the unoccluded contribution of each.
     sums: Vec<Lanes>,
     brought: Vec<Color>,
     light: Box<Light>,
@@ -32,7 +31,7 @@ impl<'a> Contributions<'a> {
         Self { sources, bound, max_edges, sums, brought, light: Box::default() }
     }
 
-    /// Asks all lights what they bring to these points, `BLOCK` at most.
+    /// Computes the contributions of all lights to these points, `BLOCK` at most.
     pub(super) fn query(&mut self, level: Level, points: &[&EyePoint]) {
         let Self { sources, bound, max_edges, sums, brought, light } = self;
         let block = Block::new(points, *max_edges);
@@ -53,8 +52,8 @@ impl<'a> Contributions<'a> {
         );
     }
 
-    /// Chooses `count` lights for a point, evenly along the sum of their promises; `with` gets those that were chosen and
-    /// what they bring if nothing is in between, times what they count.
+    /// Chooses `count` lights for a point, evenly along the sum of their contributions; calls `with` for each
+    /// with its unoccluded contribution times its weight.
     pub(super) fn choose(&self, lane: usize, count: u32, u: f32, mut with: impl FnMut(&Vpl, Vec3)) {
         let total = self.sums.last().map_or(0.0, |sum| sum[lane]);
         if !(total > 0.0 && total < f32::INFINITY) {
@@ -79,8 +78,9 @@ impl<'a> Contributions<'a> {
     }
 }
 
-/// Calls `with(position in the list, contribution to each point, the same in colour)` for each light: what it brings to the points of a block if
-/// nothing is in between, and the luminance of that. Colours where there is no promise are any.
+/// Calls `with(position in the list, contribution to each point, the same in colour)` for each light: the
+/// unoccluded contribution to the points of a block, as luminance and as colour. Colours of points without a
+/// contribution are undefined.
 pub(super) fn each_contribution(
     level: Level,
     (block, points): (&Block, &[&EyePoint]),
@@ -121,7 +121,7 @@ fn finite(contribution: f32) -> f32 {
     if contribution < f32::INFINITY { contribution } else { 0.0 }
 }
 
-/// How bright is what a light brings, lane by lane.
+/// Luminances of a light's contribution, lane by lane.
 #[inline(always)]
 fn luminances(light: &Light, out: &mut Lanes) {
     let [r, g, b] = &light.color.0;

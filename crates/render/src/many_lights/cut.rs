@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Fewer virtual lights for some points than there are: a sample of them, in proportion to what they may bring there.
-//! Source: in the spirit of [WFA*05] (light cuts), but by chance with known probability, so that the mean does not change.
-//! Space: world. What may be brought is judged without visibility: strength, the cosine at the light, distance to the points.
-//! Invariant: a light that shines is never impossible; a function of the points and of one random number.
+//! A sample of the virtual lights for some points, in proportion to their possible contribution there.
+//! Source: in the spirit of [WFA*05] (light cuts), but random with known probability, so that the mean does
+//! not change.
+//! Space: world. The estimate ignores visibility: it uses power, the cosine at the light, and the distance to
+//! the points.
+//! Invariant: the probability of a light with power is above 0; a function of the points and of one random
+//! number.
 //! Tests: `tests::samples_keep_the_sum`, crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
@@ -12,10 +15,10 @@ use super::lanes::Source;
 
 /// Virtual lights that neighbouring points gather from, at most.
 pub(super) const MOST: usize = 2048;
-/// Points that stand for all.
+/// The number of points that represent all.
 const WITNESSES: usize = 4;
 
-/// The lights for `points`, weighted; `None` if they may ask all of them. `u` in [0, 1).
+/// The lights for `points`, weighted; `None` if they may use all of them. `u` in [0, 1).
 pub(super) fn cut(points: &[&EyePoint], sources: &[Source], most: usize, u: f32) -> Option<Vec<Source>> {
     if sources.len() <= most || points.is_empty() {
         return None;
@@ -24,7 +27,7 @@ pub(super) fn cut(points: &[&EyePoint], sources: &[Source], most: usize, u: f32)
     Some(chosen.into_iter().map(|(i, weight)| sources[i].scaled(weight)).collect())
 }
 
-/// The same as places in the list, and what each counts, of one point or more.
+/// The same as positions in the list and weights, for one point or more.
 pub(super) fn cut_of(points: &[&EyePoint], sources: &[Source], most: usize, u: f32) -> Vec<(usize, f32)> {
     let step = points.len().div_ceil(WITNESSES);
     let witnesses: Vec<Vec3> = points.iter().step_by(step).map(|point| point.point.p).collect();
@@ -42,8 +45,8 @@ pub(super) fn cut_of(points: &[&EyePoint], sources: &[Source], most: usize, u: f
     resample(sources.iter().map(contribution), most, u)
 }
 
-/// Chooses `count` times among weights, evenly spaced along their sum: places and one over how often each is chosen on
-/// average, times how often it was.
+/// Chooses `count` times among weights, evenly spaced along their sum: returns positions, and the number of
+/// choices of each over its expected number.
 pub(super) fn resample(weights: impl Iterator<Item = f64>, count: usize, u: f32) -> Vec<(usize, f32)> {
     let weights: Vec<f64> = weights.map(|w| if w > 0.0 && w.is_finite() { w } else { 0.0 }).collect();
     let total: f64 = weights.iter().sum();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light that comes straight from lamps: light samples where walks stop, side by side those of one point or of many, and lights that only know
-//! `illuminate`.
+//! Direct light: light samples where walks stop, for one point or for many at a time, and lights that only
+//! have `illuminate`.
 //! Source: [VG95] (weighed against the rays that leave the point). Space: world.
-//! Invariant: the light samples of a point are the same however many are looked at at once.
+//! Invariant: the light samples of a point are the same for any number of points at a time.
 //! Tests: crates/render/tests/{determinism,many_lights,agreement}.rs.
 
 use glam::Vec3;
@@ -19,12 +19,12 @@ use super::walk::{Stop, purpose};
 use crate::tracer::BatchTracer;
 use crate::transport::mis::balance_heuristic;
 use crate::transport::width::{One, Sixteen, Width};
-use crate::transport::{Asking, Offer, ask_plugin_lights, sampling_normal, shadow_ray};
+use crate::transport::{LightQuery, Offer, query_plugin_lights, sampling_normal, shadow_ray};
 
 /// Light samples of a point from which on they are taken side by side.
 const MANY: u32 = 4;
 
-/// Light that comes straight from lamps.
+/// Direct light.
 pub(super) fn light_samples(
     tracer: &mut BatchTracer,
     pass: &PassLights,
@@ -64,29 +64,29 @@ pub(super) fn light_samples(
         );
     }
     rounds.for_each(|round| offers.append(&round));
-    let asking: Vec<Asking> = there
+    let queries: Vec<LightQuery> = there
         .iter()
-        .map(|stop| Asking {
+        .map(|stop| LightQuery {
             point: &stop.eye.point,
             bsdf: &stop.eye.bsdf,
             key: stop.walk.key,
             edges: stop.walk.edges,
         })
         .collect();
-    ask_plugin_lights(tracer.world, seed, &asking, |i, Offer { dir, dist, arriving }| {
+    query_plugin_lights(tracer.world, seed, &queries, |i, Offer { dir, dist, arriving }| {
         let Stop { walk, eye, light_gain, .. } = there[i];
         let absorption = eye.bsdf.absorption(dir);
         let left = left_after(dist, [absorption, Vec3::ZERO]);
         let scattered = eye.throughput * eye.bsdf.eval(eye.wo, dir) * arriving * left;
         if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
             let offer = scattered * (light_gain * there[i].rest(dir));
-            offers.push_of_lamp(ray, walk, offer, absorption == Vec3::ZERO);
+            offers.push_of_light(ray, walk, offer, absorption == Vec3::ZERO);
         }
     });
     offers.settle(tracer, radiance);
 }
 
-/// So many light samples of a point: what the nth offers is added to the nth of the rounds.
+/// The light samples of one round: the nth offer of a point is added to the nth of the rounds.
 #[inline(always)]
 fn sample<W: Width>(
     width: W,
@@ -155,7 +155,7 @@ fn sample_each<W: Width>(width: W, lights: &LightSet, seed: u64, stops: &[&Stop]
     }
 }
 
-/// What one of `count` light samples of a point offers.
+/// The offer of one of `count` light samples of a point.
 #[inline(always)]
 fn offer<R: Real>(
     stop: &Stop,
@@ -174,6 +174,6 @@ fn offer<R: Real>(
     let left = left_after(dist, [absorption, Vec3::ZERO]);
     let offer = offer * left * (light_gain * stop.rest(dir));
     if let Some(ray) = shadow_ray(&eye.point, &eye.bsdf, dir, dist) {
-        offers.push_of_lamp(ray, walk, offer, is_delta && absorption == Vec3::ZERO);
+        offers.push_of_light(ray, walk, offer, is_delta && absorption == Vec3::ZERO);
     }
 }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Radiance against camera rays, given the virtual lights of a pass: what all integrators of many lights share.
-//! Source: [Kel97]; the energy that the bound takes from virtual lights comes back by rays [KK06]; light from lamps by
-//! light samples and scattered rays, weighted [VG95]. Space: world.
-//! A path ends at a lamp. Its last edge but one, seen from the eye, is the first whose ends both scatter smoothly:
-//! virtual lights bring its share of that edge, a few rays that the eye's BSDF chooses bring the rest, and from there on the
-//! same again, with one ray and few virtual lights chosen by chance. Mirrors and smooth glass are followed: no virtual light
-//! is there.
+//! Radiance along camera rays, given the virtual lights of a pass: the common part of all integrators with
+//! virtual lights.
+//! Source: [Kel97]; rays return the energy that the bound removes from virtual lights [KK06]; direct light by
+//! light samples and scattered rays, weighted [VG95]. Space: world. A path ends at a light. The last segment
+//! but one, seen from the eye, is the first whose ends both scatter smoothly. Virtual lights bring their
+//! share of that segment; a few rays that the eye's BSDF chooses bring the rest. From their hits the same is
+//! repeated, with one ray and few randomly chosen virtual lights. Mirrors and smooth glass are followed,
+//! because virtual lights never lie on them.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::FRAC_1_PI;
@@ -38,8 +39,9 @@ use crate::world::HitLanes;
 /// Share of light that a surface must scatter to be averaged.
 const LEAST_SHARE: f32 = 1e-3;
 
-/// How many rays may go on from a point that the eye sees, and the chance of each: several where it only scatters smoothly; and less
-/// than one where it looks the same from all sides and pictures are remembered, for there virtual lights bring nearly all.
+/// The number of rays from a visible point, and the probability of each. Several rays leave a point that only
+/// scatters smoothly. If the point is matte and pictures are reused, the number is below one, because virtual
+/// lights bring nearly all light there.
 fn rays_from(pass: &PassLights, eye: &EyePoint) -> (u32, f32) {
     let bsdf = &eye.bsdf;
     let has_branches = || bsdf.has_deltas() && bsdf.delta_branches(eye.wo).iter().any(Option::is_some);
@@ -98,7 +100,7 @@ fn all_radiance(
         carried,
         ..Walks::default()
     };
-    // What the eye sees of shaders that only know `shade` is what they show.
+    // The radiance of directly visible radiance-only shaders is used as it is.
     let probes = std::mem::replace(&mut tracer.probes, false);
     let vertices = tracer.stopped(camera, &[]);
     tracer.probes = probes;
@@ -106,8 +108,8 @@ fn all_radiance(
     tracer.sharing = Sharing::All;
 }
 
-/// The same, light and surfaces apart, each pixel with its share of the virtual lights.
-pub(crate) fn radiance_apart(
+/// The same, with light and surfaces separate, each pixel with its subset of the virtual lights.
+pub(crate) fn split_radiance(
     tracer: &mut BatchTracer,
     pass: &PassLights,
     camera: HitLanes,
@@ -122,7 +124,7 @@ pub(crate) fn radiance_apart(
             continue;
         }
         for k in 0..3 {
-            // What a surface sends that scatters nothing is not light on it.
+            // The emission of a surface that scatters nothing is not irradiance.
             if texel.share[k] > LEAST_SHARE {
                 texel.light[k] = radiance_there[k] / texel.share[k];
             } else {
@@ -132,7 +134,8 @@ pub(crate) fn radiance_apart(
     }
 }
 
-/// Follows walks from what they met to their ends. `keys` are those of the camera rays, `depth` the bounces so far.
+/// Continues walks from their hits to their ends. `keys` are those of the camera rays, `depth` the bounces so
+/// far.
 fn go_on(
     tracer: &mut BatchTracer,
     pass: &PassLights,
@@ -143,17 +146,17 @@ fn go_on(
 ) {
     for depth in depth.. {
         if let Some(texels) = &mut texels {
-            take_finals_apart(tracer, &walks.carried, &vertices, texels);
+            split_radiance_only(tracer, &walks.carried, &vertices, texels);
         }
         let stops = arrive(tracer, pass, &walks, vertices, radiance);
         if let Some(texels) = &mut texels {
-            take_apart(tracer, &stops, radiance, texels);
+            split_texels(tracer, &stops, radiance, texels);
         }
         light_samples(tracer, pass, &stops, radiance);
         let radiance_there: Vec<&EyePoint> =
             stops.iter().filter(|stop| stop.walk.is_directly_visible).map(|stop| &stop.eye).collect();
         if pass.is_few {
-            // What the eye sees asks a few by chance, too.
+            // Visible points of this kind use a random subset, too.
         } else if texels.is_none() {
             gather(tracer, &radiance_there, keys, pass.whole(), &pass.bound, radiance);
         } else if let Some(n) = tracer.options.pattern() {
@@ -173,8 +176,8 @@ fn go_on(
     }
 }
 
-/// From the first surface on that scatters smoothly, what a pixel sees is light on that surface.
-fn take_apart(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels: &mut [Texel]) {
+/// From the first smoothly scattering surface on, the light of a pixel counts as light on that surface.
+fn split_texels(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels: &mut [Texel]) {
     for stop in stops.iter().filter(|stop| stop.walk.is_directly_visible && stop.eye.bsdf.is_smooth()) {
         let lane = stop.walk.lane as usize;
         if texels[lane].instance != INVALID_ID {
@@ -195,8 +198,8 @@ fn take_apart(tracer: &BatchTracer, stops: &[Stop], radiance: &mut Vec3s, texels
     }
 }
 
-/// Likewise where a shader has looped over lights itself: what it showed is light on its surface.
-fn take_finals_apart(
+/// The same for radiance-only shaders: their radiance counts as light on their surface.
+fn split_radiance_only(
     tracer: &BatchTracer,
     walks: &[Walk],
     vertices: &[Option<Vertex>],
@@ -221,7 +224,7 @@ fn take_finals_apart(
     }
 }
 
-/// What walks meet: where the eye sees it by mirrors alone, shaders that only know `shade` show what they show.
+/// The hits of walks; radiance-only shaders seen directly or by mirrors show their own radiance.
 fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option<Vertex>> {
     let first_is_seen = walks.carried.first().is_some_and(|walk| walk.is_directly_visible);
     if walks.carried.iter().all(|walk| walk.is_directly_visible == first_is_seen) {
@@ -246,7 +249,7 @@ fn next(tracer: &mut BatchTracer, walks: &Walks<Walk>, depth: u32) -> Vec<Option
     vertices
 }
 
-/// What walks meet that are all seen by the eye, or none.
+/// The hits of walks of which all, or none, are directly visible.
 fn meet<W>(
     tracer: &mut BatchTracer,
     walks: &Walks<W>,
@@ -259,7 +262,7 @@ fn meet<W>(
     found
 }
 
-/// What virtual lights leave to rays, found by one ray.
+/// The light that virtual lights leave to rays, found by one ray.
 pub(super) struct Rest {
     /// Unit, where it was found; chosen by the cosine.
     pub(super) dir: Vec3,
@@ -270,8 +273,8 @@ pub(super) struct Rest {
     pub(super) radiance: Vec3,
 }
 
-/// One ray from each point of a shader that loops over lights itself, and the light against it that neither lamps nor
-/// virtual lights bring there.
+/// One ray from each point of a shader that loops over lights itself, and the light along it that neither
+/// lights nor virtual lights bring there.
 pub(super) fn rest_at(
     tracer: &mut BatchTracer,
     pass: &PassLights,
@@ -306,7 +309,7 @@ pub(super) fn rest_at(
                 edges: edges + 1,
                 last: Some(last),
                 is_directly_visible: false,
-                // The shader asks lamps itself.
+                // The shader samples lights itself.
                 light_gain: 0.0,
                 siblings: 1.0,
             },
@@ -329,7 +332,7 @@ pub(super) fn rest_at(
     found
 }
 
-/// Adds what is met at the end of each ray, and says which walks may go on.
+/// Adds the light at the end of each ray; returns the walks that may continue.
 fn arrive(
     tracer: &mut BatchTracer,
     pass: &PassLights,
@@ -369,7 +372,7 @@ fn arrive(
                     lights.pdf_triangle(last.point.p, last.side, light, -vertex.wo, dist)
                 })
             });
-            // Light samples find what the description lets shine, not what a shader that was probed shows beside it.
+            // Light samples find the described emission, without the additional radiance of a probed shader.
             let shown = vertex.shown;
             let gain = if light.is_some() { walk.light_gain } else { 1.0 };
             radiance.add(lane, walk.throughput * (emission - shown) * (gain * share(pdf)));
@@ -389,7 +392,7 @@ fn arrive(
     stops
 }
 
-/// What walks see that left the scene, where a shader alone knows it.
+/// Radiance of walks that left the scene, if only a shader knows the environment.
 fn environment_of_shaders(
     tracer: &mut BatchTracer,
     walks: &[Walk],
@@ -409,33 +412,34 @@ fn environment_of_shaders(
 }
 
 /// Whether all that virtual lights bring there is brought by a few of them.
-fn asks_few(pass: &PassLights, stop: &Stop) -> bool {
+fn uses_few(pass: &PassLights, stop: &Stop) -> bool {
     pass.is_few || !stop.walk.is_directly_visible
 }
 
-/// Light from a few virtual lights on what scattered rays met: chosen by what they bring if nothing is in between [TCE05],
-/// which lanes find out, from a share of all, another for each block, or from those that the pixel gathers itself.
+/// Light from a few virtual lights at the hits of scattered rays. They are chosen by unoccluded contribution
+/// [TCE05], computed in lanes, from a subset that differs from block to block, or from the lights that the
+/// pixel itself gathers.
 fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop], radiance: &mut Vec3s) {
     let there: Vec<&Stop> =
-        stops.iter().filter(|stop| asks_few(pass, stop) && stop.eye.bsdf.is_smooth()).collect();
+        stops.iter().filter(|stop| uses_few(pass, stop) && stop.eye.bsdf.is_smooth()).collect();
     if there.is_empty() || pass.vpls.is_empty() {
         return;
     }
     let mut offers = Offers::default();
     let shares = pass.unseen();
-    // In patterns each asks the share of its pixel, else what its block asks: so that blocks are full.
+    // In patterns each point uses its pixel's subset, else its block's, so that blocks are full.
     let (own, mut others) = match tracer.sharing {
         Sharing::Pattern => (there, Vec::new()),
         Sharing::All | Sharing::Chance => (Vec::new(), there),
     };
     if let Some(first) = others.first() {
-        // Blocks take turns, and chance says who begins.
+        // Blocks use the subsets in rotation, from a random start.
         let Walk { key, edges, .. } = first.walk;
         let [u, v] = sample_pair(tracer.options.seed, key, edges, purpose::SHARE);
         let begin = (u * shares.len() as f32) as usize;
         mix(&mut others, v.to_bits());
         for (n, stops) in others.chunks(BLOCK).enumerate() {
-            ask_few(tracer, pass, &shares[(begin + n) % shares.len()], stops, &mut offers);
+            query_few(tracer, pass, &shares[(begin + n) % shares.len()], stops, &mut offers);
         }
     }
     if !own.is_empty() {
@@ -445,15 +449,21 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
         }
         for (share, of_share) in shares.iter().zip(&by_share) {
             for stops in of_share.chunks(BLOCK) {
-                ask_few(tracer, pass, share, stops, &mut offers);
+                query_few(tracer, pass, share, stops, &mut offers);
             }
         }
     }
     offers.settle(tracer, radiance);
 }
 
-/// The same for neighbours that ask some of the virtual lights, `BLOCK` at most.
-fn ask_few(tracer: &BatchTracer, pass: &PassLights, share: &[Source], stops: &[&Stop], offers: &mut Offers) {
+/// The same for neighbours that use some of the virtual lights, `BLOCK` at most.
+fn query_few(
+    tracer: &BatchTracer,
+    pass: &PassLights,
+    share: &[Source],
+    stops: &[&Stop],
+    offers: &mut Offers,
+) {
     let (seed, level, max_edges) = (tracer.options.seed, tracer.options.level, tracer.options.max_depth);
     let eyes: Vec<&EyePoint> = stops.iter().map(|stop| &stop.eye).collect();
     let [u, _] = sample_pair(seed, stops[0].walk.key, stops[0].walk.edges, purpose::CUT);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Points that the eye sees, at the end of nothing but mirrors and glass: what virtual lights shine on.
+//! Points visible from the eye, directly or by mirrors and glass: receivers of virtual lights.
 //! Source: [Kel97]. Space: world. Tests: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
@@ -16,7 +16,7 @@ pub(crate) struct EyePoint {
     /// Unit, towards the eye.
     pub(crate) wo: Vec3,
     pub(crate) bsdf: Bsdf,
-    /// What its light is multiplied with on the way to the eye.
+    /// Factor of its light along the path to the eye.
     pub(crate) throughput: Vec3,
     /// Edges of the path from the eye to it.
     pub(crate) edges: u32,
@@ -30,7 +30,7 @@ impl EyePoint {
         Self { point, wo, bsdf: scattering.bsdf, throughput, edges, lane }
     }
 
-    /// Where a walk goes on from it.
+    /// The next ray of a walk from it.
     pub(super) fn scatter(&self, u: [f32; 3]) -> Option<(Ray, BsdfSample)> {
         walks::scatter(&self.point, &self.bsdf, (self.wo, self.throughput), u)
     }

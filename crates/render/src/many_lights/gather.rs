@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! All virtual lights on all points that a tile of camera rays sees.
-//! Source: [Kel97]; rays that share the virtual light and neighbouring ends are traced together, as [WKB*02] and the paper's
-//! section 7 want it. Space: world.
-//! Flow: points that lie near each other become blocks of arrays; block by block, for each virtual light that the block asks
-//! (`chosen.rs`), neighbours after neighbours: one pass over the block in lanes (`lanes.rs`), its shadow rays as one pencil from the light, sums in lanes. What
-//! lanes do not know (BSDFs, surfaces with holes, costs) goes ray by ray.
-//! Invariant: what a point gets depends on the points of its tile only by which lights are asked, of which the mean knows nothing.
+//! Source: [Kel97]; rays with a common virtual light and neighbouring ends are traced together, as in
+//! [WKB*02] and [SIP06], section 7. Space: world. Flow: neighbouring points become blocks of arrays. For each
+//! block and each virtual light chosen for it (`chosen.rs`), in spatial order: one pass over the block in
+//! lanes (`lanes.rs`), its shadow rays as one pencil from the light, sums in lanes. Cases without lanes
+//! (other BSDFs, transparent surfaces, costs) go ray by ray.
+//! Invariant: the light of a point depends on the other points of its tile only through the choice of lights,
+//! which does not change the mean.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::time::Instant;
@@ -62,12 +63,12 @@ fn gather_all(
     radiance: &mut Vec3s,
 ) {
     let mut scratch = Scratch::default();
-    let most = asked_of(sources.len());
+    let most = lights_of(sources.len());
     let SampleKey { pixel, sample, .. } = keys[points[0].lane as usize];
     let mixed = (sources.len() > most).then(|| hash_combine(pixel, sample));
     let mut parts: Vec<Part> = blocks(points, mixed).map(|eyes| Part::new(tracer, eyes, keys)).collect();
     if sources.len() <= most {
-        // Neighbours shine on one block after the other: what lies in between stays in caches.
+        // Neighbouring lights serve one block in succession, so that the geometry between stays in caches.
         for near in sources.chunks(NEAR) {
             for part in &mut parts {
                 for source in near {
@@ -92,30 +93,30 @@ fn gather_all(
     }
 }
 
-/// Virtual lights that shine on one block, then on the next.
+/// Number of virtual lights that serve one block, then the next.
 const NEAR: usize = 8;
 
-/// How many of so many virtual lights a block asks, at most: a part, for that takes a ray from each of its points, and to know which promise
-/// most takes none.
-fn asked_of(lights: usize) -> usize {
+/// The limit of virtual lights for a block, of this number of lights: a part, because each takes a ray from
+/// each of its points, and their contributions take none.
+fn lights_of(lights: usize) -> usize {
     (lights / 4).clamp(256, MOST)
 }
 
-/// Memory for one virtual light on one block, and for what all promise to it.
+/// Memory for one virtual light on one block, and for the contributions of all lights to it.
 #[derive(Default)]
 struct Scratch {
     light: Box<Light>,
     rows: Rows,
 }
 
-/// Points that are one block, and what they get.
+/// The points of one block, and their light.
 struct Part<'a> {
     eyes: Vec<&'a EyePoint>,
     keys: Vec<SampleKey>,
     block: Block,
     sums: Color,
     single: Single,
-    /// Whether its rays may go by pencils, which know neither holes nor costs.
+    /// Whether its rays may go by pencils, which support neither transparency nor costs.
     by_pencils: bool,
 }
 
@@ -131,7 +132,7 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// The lights that it asks: places in the list, and what each counts.
+    /// The lights for the block: positions in the list, and weights.
     fn choice(
         &self,
         tracer: &BatchTracer,
@@ -142,7 +143,7 @@ impl<'a> Part<'a> {
     ) -> Vec<(usize, f32)> {
         let [u, _] = sample_pair(tracer.options.seed, self.keys[0], 0, CUT);
         if self.block.other.len() == self.eyes.len() {
-            // Lanes do not know them, and who asks one by one asks as many as he can.
+            // These points are not in lanes; each uses as many lights as the limit allows.
             return match sources.len() {
                 few if few <= MOST => (0..few).map(|i| (i, 1.0)).collect(),
                 _ => cut_of(&self.eyes, sources, MOST, u),
@@ -158,8 +159,8 @@ impl<'a> Part<'a> {
         rows.chosen(learned, most, u)
     }
 
-    /// Adds what one virtual light brings, times a weight; says how many rays asked for it in lanes, and how many of them met
-    /// nothing.
+    /// Adds the light of one virtual light, times a weight; returns the number of shadow rays in lanes, and
+    /// how many of them were unoccluded.
     fn gather(
         &mut self,
         tracer: &mut BatchTracer,
@@ -213,24 +214,25 @@ fn blocks<'a>(points: &[&'a EyePoint], seed: Option<u32>) -> impl Iterator<Item 
     let in_order = |kind: Vec<&'a EyePoint>| {
         let positions: Vec<Vec3> = kind.iter().map(|eye| eye.point.p).collect();
         let order = neighbours::in_order(&positions, BLOCK);
-        let mut turns: Vec<usize> = (0..order.len()).collect();
+        let mut positions_in_order: Vec<usize> = (0..order.len()).collect();
         if let Some(seed) = seed {
-            for near in turns.chunks_mut(MIXED * BLOCK) {
+            for near in positions_in_order.chunks_mut(MIXED * BLOCK) {
                 mix(near, hash_combine(seed, near[0] as u32));
                 // Lanes side by side stay near each other.
                 near.chunks_mut(BLOCK).for_each(<[_]>::sort_unstable);
             }
         }
-        turns.into_iter().map(move |angle_change| kind[order[angle_change] as usize])
+        positions_in_order.into_iter().map(move |i| kind[order[i] as usize])
     };
     let all: Vec<&EyePoint> = kinds.into_iter().flat_map(in_order).collect();
     (0..all.len()).step_by(BLOCK).map(move |first| all[first..all.len().min(first + BLOCK)].to_vec())
 }
 
-/// Blocks that follow each other and exchange points by chance where each asks lights of its own: what these err then is no block.
+/// Number of successive blocks that exchange points at random where each uses its own lights, so that errors
+/// do not show as blocks.
 const MIXED: usize = 4;
 
-/// Lambertian, another, or one that light goes through, which lanes do not know.
+/// Lambertian, another, or a transmitting one, which lanes do not support.
 fn kind_of(eye: &EyePoint) -> usize {
     if eye.bsdf.lambertian().is_some() {
         0
@@ -248,7 +250,7 @@ const ENOUGH: usize = 1024;
 #[derive(Default)]
 struct Single {
     request: RayRequest,
-    /// Which lane of the block each belongs to, and what arrives if nothing is in between.
+    /// The lane of each in the block, and its unoccluded light.
     lanes: Vec<(usize, Vec3)>,
     through: Vec3s,
 }
@@ -261,7 +263,7 @@ impl Single {
         self.lanes.push((lane, color));
     }
 
-    /// What a virtual light brings to lane `i`, whatever its BSDF, times a weight.
+    /// Light of a virtual light at lane `i`, with any BSDF, times a weight.
     fn query(
         &mut self,
         (vpl, weight): (&Vpl, f32),
@@ -278,7 +280,7 @@ impl Single {
         self.push((start, vpl::end(&vpl.point, -offset) - start), keys[i], i, color * weight);
     }
 
-    /// Adds what arrives.
+    /// Adds the unoccluded light.
     fn settle(&mut self, tracer: &mut BatchTracer, sums: &mut Color) {
         if self.lanes.is_empty() {
             return;

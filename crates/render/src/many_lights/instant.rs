@@ -17,7 +17,8 @@ use crate::stats::RenderStats;
 /// Paths that the mean number of vertices per path is learned from.
 const PILOTS: u32 = 256;
 
-/// Vertices of some light paths of a set, path by path, edge by edge; `light_choices` are those that matter.
+/// Vertices of some light paths of a set, path by path, edge by edge; `light_choices` are the important
+/// lights.
 pub(super) fn vertices(
     job: &Job,
     light_choices: Option<&LightChoice>,
@@ -28,7 +29,7 @@ pub(super) fn vertices(
     let (first, paths) = (paths.start, paths.len() as u32);
     let of_set = numbers(job.options.seed_of_lights(), set);
     let plain = |path: u32, edge: u32, which: u32| of_set(first + path, edge, which);
-    // Only the number that chooses a lamp is bent towards those that matter.
+    // Only the number that chooses a light is warped towards the important ones.
     let bent = |path: u32| {
         let [choice, rest] = plain(path, 0, pair::LOBE);
         let (choice, weight) =
@@ -38,7 +39,7 @@ pub(super) fn vertices(
     let numbers = |path: u32, edge: u32, which: u32| {
         if (edge, which) == (0, pair::LOBE) { bent(path).0 } else { plain(path, edge, which) }
     };
-    // The eye's own edge and the one to the virtual light are not the path's.
+    // The eye's own edge and the one to the virtual light are not part of the path.
     let max_edges = job.options.max_depth.saturating_sub(2);
     let chunks =
         in_chunks(job, paths, stats, |tracer, range| light_path::trace(tracer, range, &numbers, max_edges));
@@ -48,7 +49,7 @@ pub(super) fn vertices(
     all
 }
 
-/// How many paths have about `vertices` vertices that shine: a property of world and options alone.
+/// The number of paths with about `vertices` emitting vertices: a property of world and options alone.
 pub(super) fn paths_for(
     job: &Job,
     light_choices: Option<&LightChoice>,

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Interleaved sampling: each pixel of an N x N pattern gathers its own share of the virtual lights, then light is averaged
-//! over N x N pixels where they show the same surface, so that each pixel has light of all of them.
-//! Source: [WKB*02] (interleaved sampling with a discontinuity buffer), [KH01] (the pattern). Light is taken without the
-//! share that the surface scatters, so that textures stay sharp. Differs: light straight from lamps and by scattered rays is
-//! averaged, too, and takes fewer samples, with numbers that belong to places of the pattern: no noise, and the same numbers
-//! from frame to frame.
-//! Space: world. Biased: light is blurred over N pixels of a surface, and next to edges it lacks some of the virtual lights.
-//! Invariant: pixels that see other surfaces, or none, bring nothing to a pixel.
+//! Interleaved sampling: each pixel of an N x N pattern gathers its own subset of the virtual lights. Light
+//! is then averaged over N x N pixels of the same surface, so that each pixel has light of all of them.
+//! Source: [WKB*02] (interleaved sampling with a discontinuity buffer), [KH01] (the pattern). Light is
+//! averaged without the surface's albedo, so that textures stay sharp. Differs: direct light and light by
+//! scattered rays is averaged, too, and takes fewer samples, with random numbers that belong to positions of
+//! the pattern: no noise, and the same numbers from frame to frame.
+//! Space: world. Biased: light is blurred over N pixels of a surface, and near its edges some of the virtual
+//! lights are missing.
+//! Invariant: a pixel receives nothing from pixels of other surfaces or of the background.
 //! Tests: `tests`, crates/render/tests/interleave.rs.
 
 use glam::Vec3;
@@ -17,19 +18,19 @@ use super::vpl::Vpl;
 use crate::film::TileFilm;
 use crate::tracer::Sharing;
 
-/// Says that a number is for a place of the pattern.
+/// Marks numbers for a position of the pattern.
 const PATTERN: u32 = 0x1e4f_0000;
 /// Cosine between normals of one surface, at least.
 const SAME_NORMAL: f32 = 0.95;
-/// Sine of the angle between a surface and the way to another of its points, at most.
+/// Greatest sine of the angle between a surface and the direction to another of its points.
 const SAME_PLANE: f32 = 0.2;
 /// Distance of neighbouring pixels on one surface, at most, in widths of pixels: it is foreshortened.
 const NEAR: f32 = 16.0;
 
-/// What a pixel sees, light and surface apart.
+/// The light and the surface of a pixel, separately.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Texel {
-    /// What counts as it is: what is seen of lamps, and of surfaces that are not averaged.
+    /// Radiance that is not averaged: directly visible lights, and surfaces that are excluded.
     pub(crate) plain: Vec3,
     /// Share of light that goes from the surface to the eye.
     pub(crate) share: Vec3,
@@ -80,21 +81,23 @@ impl Texel {
     }
 }
 
-/// The share of the virtual lights that a pixel gathers: the number of its place in the pattern.
+/// The subset of the virtual lights that a pixel gathers: the number of its position in the pattern.
 pub(crate) fn place_of(pixel: u32, width: u32, n: u32) -> usize {
     (pixel % width % n + pixel / width % n * n) as usize
 }
 
-/// The key of a pixel's random numbers: all pixels at one place of the pattern have the same, so that neighbours differ by
-/// their places alone, which are averaged, and not by noise; together the places are one stratified set.
+/// The key of a pixel's random numbers. All pixels at one position of the pattern have the same key, so that
+/// neighbours differ only by their positions, which are averaged, and not by noise; together the positions
+/// are one stratified set.
 pub(super) fn key_of_place(key: SampleKey, width: u32, n: u32) -> SampleKey {
     let position = place_of(key.pixel, width, n) as u32;
-    // Within 32 bits the last samples of a long rendering may use numbers again, but never leave their places.
+    // Within 32 bits the last samples of a long rendering may reuse numbers, but never those of other
+    // positions.
     let sample = key.sample % (u32::MAX / (n * n));
     SampleKey { pixel: PATTERN, sample: sample * (n * n) + position, ..key }
 }
 
-/// The share that a key belongs to, of so many.
+/// The subset of a key, of this number.
 pub(super) fn share_of_key(sharing: Sharing, key: SampleKey, shares: usize) -> usize {
     let number = match sharing {
         Sharing::All => 0,
@@ -104,7 +107,7 @@ pub(super) fn share_of_key(sharing: Sharing, key: SampleKey, shares: usize) -> u
     number as usize % shares.max(1)
 }
 
-/// The virtual lights of each of so many shares, each as strong as all of them.
+/// The virtual lights of each of this number of subsets, each with the power of all of them.
 pub(super) fn shares(vpls: &[Vpl], pattern_size: usize) -> Vec<Vec<Vpl>> {
     let share = |position: usize| {
         vpls.iter().skip(position).step_by(pattern_size).map(|vpl| vpl.scaled(pattern_size as f32)).collect()
@@ -112,11 +115,11 @@ pub(super) fn shares(vpls: &[Vpl], pattern_size: usize) -> Vec<Vec<Vpl>> {
     (0..pattern_size).map(share).collect()
 }
 
-/// What the pixels of a picture's part saw, by tiles of the film.
+/// The texels of a picture's part, by tiles of the film.
 pub(crate) struct PatternTexels<'a> {
     /// Row by row in each tile.
     tiles: Vec<(&'a [u32; 4], &'a [Texel])>,
-    /// Tiles beside each other.
+    /// Adjacent tiles.
     columns: usize,
     /// Width of tiles, and number of the first tile's column and row.
     grid: [u32; 3],
@@ -148,7 +151,7 @@ impl<'a> PatternTexels<'a> {
     pub(crate) fn filtered(&self, tile: &TileFilm, radiance: &mut Vec3s) {
         let [x0, y0, x1, y1] = self.region;
         let n = self.n;
-        // The window lies inside, so that it has each place of the pattern.
+        // The window is inside, so that it has each position of the pattern.
         let window = |at: u32, low: u32, high: u32| {
             let begin = at.saturating_sub(n / 2).clamp(low, high.saturating_sub(n).max(low));
             begin..(begin + n).min(high)
@@ -180,12 +183,12 @@ mod tests {
     use super::*;
     use crate::options::RenderOptions;
 
-    /// A floor left of `edge`, and beside it another thing.
+    /// A floor left of `edge`, and another object right of it.
     fn texel(x: u32, y: u32, edge: u32, neighbours: fn(&mut Texel)) -> Texel {
         let light = if x < edge { 1.0 } else { 100.0 };
         let mut texel = Texel {
             share: Vec3::splat(0.5),
-            // Nine times as much at one place of the pattern.
+            // Nine times the light at one position of the pattern.
             light: Vec3::splat(if (x % 3, y % 3) == (1, 2) { 9.0 * light } else { 0.0 }),
             p: Vec3::new(x as f32, y as f32, 0.0),
             ns: Vec3::Z,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One virtual light on a block of points, as many at a time as the CPU's registers hold: geometry, both ends' BSDFs, the bound.
 //! Source: [Kel97]. Space: world.
-//! What light goes through is left to `Vpl::brings`. Shadow rays start at the light: as a cone from one point they are narrower
-//! than as a bundle to it.
-//! Invariant: lanes compute what `Vpl::brings` computes, up to rounding; every CPU level gives the same bits.
+//! Transmitting lights are left to `Vpl::brings`. Shadow rays start at the light: a cone from one point is
+//! narrower than a bundle to it.
+//! Invariant: lanes compute the same as `Vpl::brings`, up to rounding; every CPU level gives the same bits.
 //! Tests: `tests::lanes_agree_with_single_points`.
 
 use glam::Vec3;
@@ -17,7 +17,7 @@ use super::bound::Bound;
 use super::eye::EyePoint;
 use super::vpl::{self, Vpl};
 
-/// Points per block: as many as rays that the tree takes at a time.
+/// Points per block: the largest pencil of the tree.
 pub(super) const BLOCK: usize = Pencil::MOST;
 
 pub(super) type Lanes = [f32; BLOCK];
@@ -28,8 +28,8 @@ pub(super) struct Block {
     p: Lanes3,
     /// Where rays end on the side of the normals.
     end: Lanes3,
-    /// Shading normals of the BSDFs, those of the mesh, geometric ones; where a point is lifted to the curved surface that
-    /// the mesh stands for, the latter do not count.
+    /// Shading normals of the BSDFs, those of the mesh, geometric ones; a point lifted to the curved surface
+    /// that the mesh approximates ignores the latter.
     bent: Lanes3,
     ns: Lanes3,
     ng: Lanes3,
@@ -37,11 +37,11 @@ pub(super) struct Block {
     throughput: Lanes3,
     /// Most edges that a virtual light's path may have.
     most_edges: Lanes,
-    /// What they do to light, seen from the eye, by sixteens.
+    /// Their lobes for the direction to the eye, in groups of sixteen.
     persistent: Vec<CachedLobes>,
     /// Lanes that light may go through.
     pub(super) other: Vec<usize>,
-    /// Least and greatest places and shading normals.
+    /// Least and greatest positions and shading normals.
     positions: Extent,
     normals: Extent,
 }
@@ -67,12 +67,12 @@ impl Extent {
     }
 }
 
-/// What one virtual light brings to a block.
+/// Light of one virtual light on a block.
 #[derive(Default)]
 pub(super) struct Light {
     /// Shadow rays from the light; where no light is to be tested for shadow there is none.
     pub(super) rays: Pencil,
-    /// What arrives if nothing is in between.
+    /// Unoccluded light.
     pub(super) color: Color,
 }
 
@@ -132,8 +132,8 @@ pub(crate) struct Source {
     edges: f32,
     /// On the density, per area.
     pub(super) bound: f32,
-    /// Its BSDF as the light asks it, and what to multiply to its value times the cosine of the geometric normal over that of the shading
-    /// normal; `None` where light goes through.
+    /// Its BSDF prepared for the light, and the factor of its value times the ratio of the cosines of the
+    /// geometric and the shading normal; `None` for transmitting surfaces.
     sender: Option<(Box<Carrying>, Vec3)>,
     pub(super) vpl: Vpl,
 }
@@ -212,8 +212,8 @@ impl Block {
         block
     }
 
-    /// Whether `source` may bring anything to lanes that they know: one test for all of them. Rounding may lose what is all but below a
-    /// horizon; one that light goes through may shine to either side.
+    /// Whether `source` may reach any of the lanes: one test for all of them. Rounding may lose lights just
+    /// below a horizon; a transmitting light may shine to either side.
     pub(super) fn may_get(&self, source: &Source) -> bool {
         if source.sender.is_none() {
             return true;
@@ -233,8 +233,8 @@ fn at<R: Real>(like: R, [x, y, z]: &Lanes3, first: usize) -> Vector<R> {
 }
 
 impl Block {
-    /// What `source` brings; the lanes of `other` are left dark. Says how many lanes get something, if lanes know what it
-    /// sends. `like` only tells how many points go at a time.
+    /// Light of `source`; the lanes of `other` stay dark. Returns the number of lit lanes, or `None` if the
+    /// light has no lanes. `like` only selects the number of points per step.
     #[inline(always)]
     pub(super) fn light<R: Real>(&self, like: R, source: &Source, light: &mut Light) -> Option<u32> {
         let (sender, power) = source.sender.as_ref()?;
@@ -266,8 +266,8 @@ impl Block {
                 let (value, pdf) = sender.eval_pdf_all(away);
                 let sent = value * Vector::all(zero, *power) * (vpl_g / bent_light.dot(away));
                 let pdf_vpl = R::pick(vpl_b.above(zero), pdf, zero);
-                let (got, pdf_eye) = self.kept_at(first, to);
-                // Both ways to choose the edge, as densities per area.
+                let (got, pdf_eye) = self.reflected_at(first, to);
+                // Both densities of the edge, per area.
                 let largest = (pdf_eye * vpl_g).or_more(pdf_vpl * eye_g.size()) * near;
                 let bound = zero.all(source.bound);
                 let share = R::pick(largest.above(bound), bound / largest, zero.all(1.0));
@@ -287,9 +287,10 @@ impl Block {
         Some(lit)
     }
 
-    /// What the points from `first` on make of light from the unit `to`, and the density with which they choose it.
+    /// Reflectance of the points from `first` on for light from the unit vector `to`, and the density with
+    /// which they choose it.
     #[inline(always)]
-    fn kept_at<R: Real>(&self, first: usize, to: Vector<R>) -> (Vector<R>, R) {
+    fn reflected_at<R: Real>(&self, first: usize, to: Vector<R>) -> (Vector<R>, R) {
         match self.persistent.get(first / LANES) {
             Some(persistent) => persistent.eval_pdf(first % LANES, to),
             None => (Vector::grey(to.x.all(0.0)), to.x.all(0.0)),
@@ -303,7 +304,7 @@ impl Block {
 
     /// Shadow rays from a point to the lanes that see its front; those of `other` count as others do, by their normals.
     #[inline(always)]
-    pub(super) fn ways_from<R: Real>(&self, like: R, point: &SurfacePoint, rays: &mut Pencil) {
+    pub(super) fn directions_from<R: Real>(&self, like: R, point: &SurfacePoint, rays: &mut Pencil) {
         let zero = like.all(0.0);
         let start = vpl::end(point, point.ng);
         let (p, n, from) =
@@ -333,7 +334,7 @@ impl Block {
             let near = zero.all(1.0) / offset.length_squared();
             let to = offset * near.root();
             let front = -n.dot(to);
-            let (_, chosen) = self.kept_at(first, to);
+            let (_, chosen) = self.reflected_at(first, to);
             let density = chosen * front * near;
             let good =
                 at(zero, &self.bent, first).dot(to).above(zero) & front.above(zero) & density.is_number();
@@ -406,7 +407,7 @@ mod tests {
 
     type Make = fn(u32, Vec3) -> Bsdf;
 
-    /// What the CPU's lanes say, which must have the bits of single points.
+    /// The result of the CPU's lanes, which must have the bits of single points.
     fn by_lanes(block: &Block, source: &Source, light: &mut Light) -> Option<u32> {
         let (mut one, lit) = (Light::default(), block.light(0.0_f32, source, light));
         for level in Level::available() {
@@ -498,7 +499,7 @@ mod tests {
             for n in 1000..1020 {
                 let point = point(n);
                 block.densities(0.0_f32, &point, &mut densities.0);
-                block.ways_from(0.0_f32, &point, &mut rays);
+                block.directions_from(0.0_f32, &point, &mut rays);
                 for (i, eye) in eyes.iter().enumerate() {
                     let offset = point.p - eye.point.p;
                     let to = offset.normalize();
@@ -550,7 +551,7 @@ mod tests {
             let other = Vpl::new(point, rough(1, point.ns), point.ns, Vec3::ONE, 1);
             let none = by_lanes(&block, &Source::new(&other, &bound), &mut light);
             assert!(none.is_none(), "lanes cannot know");
-            // It shines through, too: on points behind it.
+            // It also transmits light to points behind it.
             let brings =
                 |eye: &EyePoint| other.brings(eye, &bound, 6).is_some_and(|light| light != Vec3::ZERO);
             assert!(block.may_get(&Source::new(&other, &bound)) || !eyes.iter().any(brings), "light {n}");

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Learns which lamps matter to the camera: light paths of instant radiosity start there more often.
-//! Source: [WBS03b]: a first pass of particles finds the lamps whose light is seen. Differs: what is weighted is the number
-//! that chooses a lamp, cut into bins, so any kind of lamp will do; each bin keeps a share, so the mean does not change.
+//! Learns which lights matter to the camera: light paths of instant radiosity start there more often.
+//! Source: [WBS03b]: a first pass of particles finds the lights that contribute. Differs: the weights apply
+//! to the number that chooses a light, cut into bins, so any kind of light works; each bin keeps a minimum,
+//! so the mean does not change.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use super::bound::bound_of;
@@ -14,18 +15,19 @@ use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
 use crate::world::World;
 
-/// Parts of the range of numbers that choose a lamp.
+/// Parts of the range of numbers that choose a light.
 const BINS: usize = 256;
 /// Particles that the importance is learned from.
 const PARTICLES: u32 = 2048;
-/// Lamps below which nothing is to be learned.
+/// The number of lights below which nothing is learned.
 const FEW: usize = 4;
 
-/// Which lamps light paths are to start at, if that is worth asking; learned once for a job.
+/// The choice of lights for light paths, if it is worth learning; learned once for a job.
 pub(super) fn light_choice<'j>(job: &'j Job, stats: &mut RenderStats) -> Option<&'j LightChoice> {
     let light_choices = &job.common.light_choices;
     if light_choices.get().is_none() {
-        // Not inside of the lock: a thread that waits for others takes up their work. Who comes second has learned the same.
+        // Outside of the lock: a thread that waits in the pool executes other tasks, which may need the lock.
+        // A second thread has computed the same.
         let _ = light_choices.set(learned(job, stats));
     }
     light_choices.get().and_then(Option::as_ref)
@@ -33,7 +35,7 @@ pub(super) fn light_choice<'j>(job: &'j Job, stats: &mut RenderStats) -> Option<
 
 /// Learned by particles; `None` where all paths may start by power.
 pub(super) fn learned(job: &Job, stats: &mut RenderStats) -> Option<LightChoice> {
-    if !is_due(job.world) {
+    if !has_many_lights(job.world) {
         return None;
     }
     let mut tracer = BatchTracer::new(job.world, job.options, false);
@@ -59,7 +61,7 @@ pub(super) fn learned(job: &Job, stats: &mut RenderStats) -> Option<LightChoice>
     LightChoice::from_sums(&sums)
 }
 
-/// Whether there are so many lamps that some of them may matter more.
-pub(super) fn is_due(world: &World) -> bool {
+/// Whether there are so many lights that their importance may differ.
+pub(super) fn has_many_lights(world: &World) -> bool {
     world.light_set().len() + world.plugin_emitters().len() > FEW
 }

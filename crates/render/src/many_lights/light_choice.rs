@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which lamps light paths start at: the number that chooses a lamp is bent.
-//! Source: [WBS03b]; what is weighted is the number, cut into bins, so any kind of lamp will do; each bin keeps a share, so the mean
-//! does not change. Tests: `tests::weights_undo_the_choice`.
+//! Choice of lights for the starts of light paths: the number that chooses a light is warped.
+//! Source: [WBS03b]; the weights apply to the number, cut into bins, so any kind of light works; each bin
+//! keeps a minimum, so the mean does not change. Tests: `tests::weights_undo_the_choice`.
 
 use gnurt_shading::sampling::Distribution;
 
-/// Share of paths that is spread over all lamps by power.
+/// Fraction of paths that is spread over all lights by power.
 const EVENLY: f64 = 0.25;
 
-/// How numbers that choose lamps are bent.
+/// The warp of numbers that choose lights.
 #[derive(Clone, Debug)]
 pub(crate) struct LightChoice {
     bins: Distribution,
@@ -22,7 +22,7 @@ impl LightChoice {
         (total > 0.0).then(|| Distribution::new(sums.iter().map(share)))?.map(|bins| Self { bins })
     }
 
-    /// The number that chooses a lamp in place of `u`, and the weight of its path.
+    /// The number that chooses a light in place of `u`, and the weight of its path.
     pub(super) fn bend(&self, u: f32) -> (f32, f32) {
         let choice = self.bins.sample(u);
         let count = self.bins.len() as f32;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Paths that start at lights, many at a time: every surface that they meet is a virtual light.
 //! Source: [Kel97] (quasi-random walks); particles under shading normals [Vea97] section 5.3. Space: world.
-//! Invariant: a path is a function of its numbers, not of the paths beside it.
+//! Invariant: a path is a function of its numbers, independent of other paths.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
@@ -19,10 +19,10 @@ use crate::transport::walks::{Walks, scatter_light};
 use crate::transport::{Vertex, roulette};
 use crate::world::World;
 
-/// Where a path's random numbers come from: path, edge (0 = the lamp), and which pair of that edge.
+/// Source of a path's random numbers: path, edge (0 = the light), and the pair of that edge.
 pub(crate) type Numbers<'a> = dyn Fn(u32, u32, u32) -> [f32; 2] + 'a;
 
-/// Says that a number is for light paths.
+/// Marks numbers for light paths.
 const LIGHT_PATHS: u32 = 0x1166_7700;
 
 /// Random numbers of the light paths of a set: a (0, 2)-sequence over the paths for each pair.
@@ -42,25 +42,27 @@ pub(crate) struct LightVertex {
     /// Density per area with which the path's last vertex chose this one; infinite behind mirrors and smooth glass.
     /// For the first vertex that of start and direction.
     pub(crate) pdf: f32,
-    /// Whether other ways of making the same path can: its lamp has an extent, no mirror sent it here.
+    /// Whether the other strategies can make the same path: its light has an extent, and no mirror precedes
+    /// this vertex.
     pub(crate) connectable: bool,
     /// Density with which a lamp's sampling would have chosen the path's start, seen from here; 1 after the first edge.
     pub(crate) reverse: f32,
-    /// Probability that the path goes on from here.
+    /// Probability that the path continues from here.
     pub(crate) survival: f32,
 }
 
-/// Random numbers of an edge: which pair is for what.
+/// Purposes of the pairs of random numbers of an edge.
 pub(crate) mod pair {
     /// The direction.
     pub(crate) const DIRECTION: u32 = 0;
-    /// The lobe, and whether the path ends; on edge 0 the lamp, and which surfaces that are there in part the edge meets.
+    /// The lobe, and the end of the path; on edge 0 the light, and the partly transparent surfaces that the
+    /// edge hits.
     pub(crate) const LOBE: u32 = 1;
-    /// The place on a lamp; on other edges which surfaces they meet.
+    /// The position on a light; on other edges the surfaces that they hit.
     pub(crate) const POSITION: u32 = 2;
 }
 
-/// The number that decides which of the surfaces that are there in part an edge meets, after so many others.
+/// The number that decides whether an edge hits a partly transparent surface, after this number of others.
 fn probability(path: u32, before: u32, numbers: &Numbers) -> f32 {
     if before == 0 { numbers(path, 0, pair::LOBE)[1] } else { numbers(path, before, pair::POSITION)[0] }
 }
@@ -79,9 +81,10 @@ struct Walk {
     absorption: Vec3,
     /// The lamp's triangle and normal, on the first edge.
     emitter_choice: Option<(u32, Vec3)>,
-    /// On the first edge from a light of a shader plugin: which one; `power` then is what its light is multiplied with.
+    /// On the first edge from a light of a shader plugin: its source; `power` then is the factor of its
+    /// light.
     plugin: Option<Source>,
-    /// Whether it comes straight from a lamp, by nothing but mirrors and smooth glass.
+    /// Whether it comes directly from a light, by mirrors and smooth glass only.
     is_direct_light: bool,
 }
 
@@ -97,8 +100,8 @@ pub(super) fn share_of_light_set(world: &World) -> f32 {
     }
 }
 
-/// The start of a path at a light of a shader plugin, if that is where its numbers put it (`None` = it starts nowhere); else the number that
-/// chooses a lamp, and one over the probability that it is not at a plugin's.
+/// The start of a path at a light of a shader plugin, if its numbers select one (`None` = it starts nowhere).
+/// Otherwise the number that chooses a light, and one over the probability that it is not a plugin's.
 fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Option<Start>, (f32, f32)> {
     let [choice, _] = numbers(path, 0, pair::LOBE);
     let share = 1.0 - share_of_light_set(world);
@@ -113,8 +116,8 @@ fn start(world: &World, path: u32, numbers: &Numbers) -> Result<Option<Start>, (
     Ok(start.map(|start| Start { weight: start.weight / share, ..start }))
 }
 
-/// What arrives at the ends of first edges from lights and environments of shader plugins.
-fn ask_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[Option<Vertex>]) {
+/// Light from lights and environments of shader plugins at the ends of first edges.
+fn query_plugins(world: &World, rays: &RayBatch, walks: &mut [Walk], vertices: &[Option<Vertex>]) {
     let of = |source: Source, walks: &[Walk]| -> Vec<usize> {
         (0..walks.len()).filter(|&i| walks[i].plugin == Some(source) && vertices[i].is_some()).collect()
     };
@@ -176,7 +179,7 @@ pub(crate) fn trace(
                         absorption: Vec3::ZERO,
                         emitter_choice: None,
                         plugin: Some(start.source),
-                        // Shaders do not ask what is around the scene.
+                        // Shaders of surfaces do not query the environment.
                         is_direct_light: start.source != Source::Environment,
                     },
                 );
@@ -215,7 +218,7 @@ pub(crate) fn trace(
     let mut out = Vec::new();
     while let Some(first) = walks.carried.first() {
         let found = walks.meet(tracer, first.edges);
-        ask_plugins(world, &walks.rays, &mut walks.carried, &found);
+        query_plugins(world, &walks.rays, &mut walks.carried, &found);
         let mut next = Walks::default();
         for (walk, vertex) in walks.carried.iter().zip(found) {
             let Some(vertex) = vertex.filter(|vertex| !vertex.is_final) else { continue };
@@ -224,7 +227,7 @@ pub(crate) fn trace(
                 continue;
             }
             let per_area = if walk.is_far {
-                // A point light's density of place is a probability, a directional one's of direction.
+                // A point light's density of position is a probability, a directional one's of direction.
                 f32::INFINITY
             } else {
                 walk.pdf * point.ng.dot(from).abs() / (point.p - walk.origin).length_squared()
@@ -284,15 +287,15 @@ pub(crate) fn trace(
     out
 }
 
-/// Probability that a path goes on, which anybody can tell who joins it to another: by its albedo. The edge to the eye is sure
-/// to come.
+/// Probability that a path continues, from its albedo, so that joined paths can compute it, too. The edge to
+/// the eye has probability 1.
 fn survival(albedo: Vec3, edges: u32) -> f32 {
-    // No albedo is told too low by more than this, where it is only about right.
+    // No approximate albedo is too low by more than this.
     const LEAST: f32 = 0.05;
     if roulette::decides(edges + 1) { roulette::survival(albedo.max_element().max(LEAST)) } else { 1.0 }
 }
 
-/// What chance on a path beside its own numbers hangs on: these, so that no two sets share it.
+/// Seed of a path's further random choices, made of its own numbers, so that no two sets share it.
 fn key(path: u32, numbers: &Numbers) -> SampleKey {
     let [a, b] = numbers(path, 0, pair::DIRECTION).map(f32::to_bits);
     SampleKey { pixel: a, sample: b, branch: 0x5eed }
@@ -307,7 +310,8 @@ mod tests {
     use crate::options::RenderOptions;
     use crate::world::{CommitOptions, ShaderTable};
 
-    /// Lamps at z = 2 over veils at z = 1 and less over a floor at z = 0, all much wider than high; the veils stop half of the light each.
+    /// Lights at z = 2 over veils at z = 1 and less over a floor at z = 0, all much wider than high; the
+    /// veils stop half of the light each.
     fn veiled(veils: u32) -> World {
         let mut scene = Scene::new();
         let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Alpha };
@@ -343,7 +347,8 @@ mod tests {
         found.iter().map(|vertex| vertex.vpl.point.p.z > 0.05).collect()
     }
 
-    /// Each set decides anew which of its paths go through holes: the mean over sets is the picture.
+    /// Each set decides on its own which of its paths pass transparent surfaces: the mean over sets is the
+    /// picture.
     #[test]
     fn sets_decide_about_holes() {
         let share = |ends: &[bool]| ends.iter().filter(|&&veil| veil).count() as f64 / ends.len() as f64;

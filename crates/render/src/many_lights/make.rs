@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Makes the virtual lights of a pass, by the way that the integrator has. Source: see each file.
-//! Invariant: a function of world, camera, options and the number of the sample, whatever threads do.
+//! Makes the virtual lights of a pass, by the integrator's method. Source: see each file.
+//! Invariant: a function of world, camera, options and the number of the sample, on any number of threads.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use super::bound::bound_of;

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Metropolis instant radiosity: Markov chains over complete paths from lamps to the camera, in proportion to the light
-//! that they bring there; the vertex before the first one that the camera sees becomes a virtual light. All virtual
-//! lights bring the same light to the pilots.
-//! Source: [SIP07]; multiple tries of which all count: [Cal14], after [LLW00]; mutations of the numbers that a path is made of,
-//! small and large [KSKAC02]; chains start at paths resampled from those that estimate the total, so that no start-up bias is
-//! left [Vea97] section 11.3.1. Differs: a state's light is summed over all pilots and over all virtual lights on its path.
-//! A step: from the numbers of the state a point is drawn that nobody evaluates, and from there the tries, for the lamp's and
-//! the camera's side [VG97] apart; so the state and its tries are alike, and of all pairs of sides the next state is chosen in
-//! proportion to its light. The virtual lights of all pairs stand for the chain, in the same proportion.
-//! Invariant: the mean over passes is that of instant radiosity. Chains know nothing of each other and of threads.
+//! Metropolis instant radiosity: Markov chains over complete paths from lights to the camera, in proportion
+//! to their contribution there; the vertex before the first visible one becomes a virtual light. All virtual
+//! lights bring the same light to the pilot points.
+//! Source: [SIP07]; multiple-try proposals that all count: [Cal14], after [LLW00]; small and large mutations
+//! of a path's random numbers [KSKAC02]. Chains start at paths resampled from those that estimate the total,
+//! so that no start-up bias remains [Vea97] section 11.3.1. Differs: a state's light is summed over all
+//! pilots and over all virtual lights on its path. A step draws an intermediate point from the numbers of the
+//! state, without evaluating it, and the tries from that point, separately for the light's and the camera's
+//! side [VG97]. So the state and its tries are exchangeable, and the next state is chosen from all pairs of
+//! sides in proportion to light. The virtual lights of all pairs represent the chain, in the same proportion.
+//! Invariant: the mean over passes is that of instant radiosity. Chains are independent of each other and of
+//! threads.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::sync::Arc;
@@ -31,13 +33,13 @@ use crate::tracer::BatchTracer;
 
 /// Smallest and largest change of a number by a small step.
 const SMALL: [f32; 2] = [1.0 / 1024.0, 1.0 / 32.0];
-/// Edges whose numbers are changed, at most; those beyond keep what the chain started with.
+/// The number of edges whose numbers mutate; later edges keep the numbers of the chain's start.
 const EDGES: u32 = 24;
 /// Pairs of each edge of a light path.
 const PAIRS: u32 = light_path::pair::POSITION + 1;
 /// Pairs of the camera's side.
 const OF_EYE: usize = (EYE_PAIRS.end - EYE_PAIRS.start) as usize;
-/// Says that a number is for chains.
+/// Marks numbers for chains.
 const CHAINS: u32 = 0x3e70_5c00;
 
 /// Virtual lights of a chain's step: few, so that there are many chains and their starts spread.
@@ -53,7 +55,7 @@ const LARGE: [f32; 2] = [0.1, 0.3];
 /// Chains that go on together, in one thread.
 const TOGETHER: u32 = 64;
 
-/// A path's part from the lamp: the numbers it is made of, and what they make.
+/// The light's part of a path: its random numbers, and its vertices.
 #[derive(Clone)]
 struct OfLight {
     numbers: Vec<[f32; 2]>,
@@ -92,7 +94,7 @@ impl Dice {
 /// The virtual lights of a pass.
 pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut RenderStats) -> Vec<Vpl> {
     let all = Candidates::new(job, sample, bound, stats);
-    // What each pair brings, and counts.
+    // Contribution and weight of each pair.
     let lights: Vec<f32> = all.light.iter().map(|side| total(&side.own)).collect();
     let eyes: Vec<f32> = all.eye.iter().map(|side| total(&side.own)).collect();
     let mut weights = Vec::new();
@@ -109,7 +111,7 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
         }
     }
     let Some(choice) = Distribution::new(weights) else { return Vec::new() };
-    // What all of them together bring, on average: the total that chains only share out.
+    // The mean contribution of all paths together: the total, which chains only distribute.
     let mean = choice.total() / f64::from(all.paths);
     let count = job.options.vpls.div_ceil(STEPS * LIGHTS_PER_STEP);
     let seed = job.options.seed_of_lights();
@@ -146,7 +148,7 @@ pub(super) fn virtual_lights(job: &Job, sample: u32, bound: Bound, stats: &mut R
     chosen.into_iter().map(|(i, weight)| all[i].0.vpl.scaled(weight)).collect()
 }
 
-/// Purposes of the numbers of a chain's step; those of tries lie apart from each other.
+/// Purposes of the numbers of a chain's step; those of tries are separate.
 mod purpose {
     pub(super) const NEXT: u32 = 0;
     pub(super) const KINDS: u32 = 1;
@@ -171,13 +173,13 @@ fn changed(
     (0..).zip(from).map(change).collect()
 }
 
-/// The sides of all chains in this step: those of the states first, then tries that nobody has traced yet.
+/// The sides of all chains in this step: those of the states first, then untraced tries.
 fn sides(chains: &[Chain], step: u32, dice: &Dice) -> (Vec<[OfLight; SIDES]>, Vec<[OfEye; SIDES]>) {
     let (dark, nowhere) = (Arc::new(LightSide::default()), Arc::new(EyeSide::default()));
     let of_chain = |chain: &Chain| {
         let kinds = dice.pair(chain.number, step, purpose::KINDS);
         let [large_light, large_eye] = [0, 1].map(|k| kinds[k] < LARGE[k]);
-        // Around a point that is not asked itself, so that the state and its tries are alike.
+        // Around a point that is not evaluated, so that the state and its tries are exchangeable.
         let around = |purpose: u32, is_large: bool, from: &[[f32; 2]], attempt: usize| {
             let middle = changed(dice, chain.number, step, purpose, is_large, from);
             let purpose = purpose + attempt as u32 * purpose::OF_TRY;
@@ -202,12 +204,12 @@ fn sides(chains: &[Chain], step: u32, dice: &Dice) -> (Vec<[OfLight; SIDES]>, Ve
     chains.iter().map(of_chain).unzip()
 }
 
-/// What a step needs to know of the pass.
+/// The pass, as a step needs it.
 struct Pass<'a, F> {
     pilots: &'a Pilots,
     dice: &'a Dice,
     fresh: &'a F,
-    /// Light that a step stands for.
+    /// Light that a step represents.
     share: f32,
 }
 
@@ -249,7 +251,7 @@ fn advance<F: Fn(u32, u32, u32) -> [f32; 2] + Sync>(
     let mut joined = joined(tracer, pilots, pairs).into_iter().peekable();
     for (n, chain) in chains.iter_mut().enumerate() {
         let (lights, eyes) = (&lights[n], &eyes[n]);
-        // Those of one side alone are on all its pairs.
+        // Those of one side by itself are on all its pairs.
         let own = lights
             .iter()
             .flat_map(|light| &light.side.own)

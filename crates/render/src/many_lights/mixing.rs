@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An order by chance: points that share a choice of virtual lights err alike, and where they lie beside each other that shows as a block.
-//! The shuffle is Fisher's and Yates's. Invariant: a function of the number of items and of the seed. Tests: `tests`.
+//! A random order: points with a common choice of virtual lights have common errors, and adjacent ones would
+//! show as a block. The shuffle is Fisher's and Yates's. Invariant: a function of the number of items and of
+//! the seed. Tests: `tests`.
 
 use gnurt_shading::sampling::hash_combine;
 
@@ -15,7 +16,7 @@ pub(super) fn mix<T>(items: &mut [T], seed: u32) {
 mod tests {
     use super::*;
 
-    /// Each item comes to each place as often as to others.
+    /// Each item has each position with the same frequency.
     #[test]
     fn all_places_are_alike() {
         const N: usize = 8;

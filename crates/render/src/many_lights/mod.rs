@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light transport by many virtual lights: where they are put, how they shine, how what they cannot bring comes back.
+//! Light transport by many virtual lights: their placement, their shading, and the rays that replace their
+//! clamped part.
 //! Source: see each file.
 
 mod bidirectional;
@@ -36,7 +37,7 @@ mod vpl;
 mod walk;
 
 pub(crate) use common::Common;
-pub(crate) use estimate::{radiance, radiance_apart};
+pub(crate) use estimate::{radiance, split_radiance};
 pub(crate) use make::pass_lights;
 pub(crate) use pass::PassLights;
 pub use persistent::PersistentLights;

@@ -8,7 +8,7 @@ use glam::Vec3;
 /// Points are not parted further.
 const LEAF: usize = 8;
 
-/// Numbers of the points in order, parted in groups of `block`, which is a power of two, as far as there are so many.
+/// Numbers of the points in order, in groups of `block`, which is a power of two, as far as they are full.
 pub(super) fn in_order(points: &[Vec3], block: usize) -> Vec<u32> {
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
     part(points, &mut order, block.max(1));
@@ -24,7 +24,7 @@ fn part(points: &[Vec3], order: &mut [u32], block: usize) {
     let (low, high) = order.iter().fold(none, |(low, high), &i| (low.min(at(i)), high.max(at(i))));
     let size = high - low;
     let axis = if size.x >= size.y && size.x >= size.z { 0 } else { 2 - usize::from(size.y >= size.z) };
-    // Blocks are kept together; within one, rows of lanes.
+    // Blocks stay together; within one, rows of lanes.
     let unit = if order.len() > block { block } else { LEAF };
     let middle = (order.len() / 2).next_multiple_of(unit);
     if middle < order.len() {

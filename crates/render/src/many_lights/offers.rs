@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays towards light, and what each brings unless something is in between. Space: world.
+//! Shadow rays, with the unoccluded light of each. Space: world.
 //! Tests: crates/render/tests/{many_lights,panes}.rs.
 
 use glam::Vec3;
@@ -10,18 +10,18 @@ use super::walk::Walk;
 use crate::tracer::BatchTracer;
 use crate::transport::panes;
 
-/// Rays towards light and what they bring if nothing is in between.
+/// Shadow rays and their unoccluded light.
 #[derive(Default)]
 pub(super) struct Offers {
     request: RayRequest,
     offers: Vec<(u32, Vec3)>,
-    /// Rays whose lamps no scattered ray meets, and which begin where nothing is absorbed; and edges up to these lamps.
+    /// Rays to delta lights that begin outside of absorbing media, and edges up to these lights.
     delta_requests: Vec<(usize, u32)>,
 }
 
 impl Offers {
-    /// Light of a lamp, which is sought through glass if it says so.
-    pub(super) fn push_of_lamp(&mut self, ray: Ray, walk: &Walk, offer: Vec3, is_delta: bool) {
+    /// Light of a light, which is searched for through glass if `is_delta`.
+    pub(super) fn push_of_light(&mut self, ray: Ray, walk: &Walk, offer: Vec3, is_delta: bool) {
         let before = self.offers.len();
         self.push(ray, walk, offer);
         if is_delta && self.offers.len() > before {
@@ -47,7 +47,7 @@ impl Offers {
         });
     }
 
-    /// Adds what arrives.
+    /// Adds the unoccluded light.
     pub(super) fn settle(self, tracer: &mut BatchTracer, radiance: &mut Vec3s) {
         let mut through = Vec3s::default();
         tracer.occluded(&self.request, &mut through);

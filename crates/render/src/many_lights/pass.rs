@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The virtual lights of one pass: a fresh set for each sample per pixel, the same for all tiles.
 //! Independent sets make the mean of passes converge [Kel97].
-//! Invariant: a function of world, camera, options and the number of the sample, whatever threads do.
+//! Invariant: a function of world, camera, options and the number of the sample, on any number of threads.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::sync::OnceLock;
@@ -19,30 +19,31 @@ use crate::world::World;
 #[derive(Clone, Debug)]
 pub(crate) struct PassLights {
     pub(crate) vpls: Vec<Vpl>,
-    /// By place in the pattern of interleaved pixels, or by chance where samples ask few; else empty.
+    /// By position in the pattern of interleaved pixels, or random subsets if samples use few; else empty.
     pub(crate) shares: Vec<Vec<Vpl>>,
     /// The same, ready to be gathered.
     pub(super) sources: Vec<Vec<Source>>,
-    /// All of them, once somebody gathers all.
+    /// All of them, prepared at first use.
     whole: OnceLock<Vec<Source>>,
-    /// Those of each place, or shares of all of them where there is no pattern, once somebody asks for points that the eye does not see.
+    /// Those of each position of the pattern, or subsets of all of them without a pattern; prepared at the
+    /// first use by indirectly visible points.
     unseen: OnceLock<Vec<Vec<Source>>>,
     pub(crate) bound: Bound,
     /// Rays that leave a point that the eye sees, and the chance of each where that scatters alike to all sides.
     pub(crate) rays: u32,
     pub(super) chance_of_rays: f32,
-    /// How many are asked where such a ray ends: those that promise most.
+    /// The number of lights at the end of such a ray: those of the greatest contribution.
     few: u32,
     /// Light samples at each point that the eye sees.
     light_samples: u32,
-    /// Whether points that the eye sees ask no more lights than others: each sample few of a share that chance gives it.
+    /// Whether visible points use no more lights than others: each sample few of a random subset.
     pub(crate) is_few: bool,
-    /// What it took to put them there.
+    /// Cost of their creation.
     pub(crate) stats: RenderStats,
 }
 
 impl PassLights {
-    /// The pass with these lights, which took so much.
+    /// The pass with these lights, and their cost.
     pub(super) fn of(world: &World, options: &RenderOptions, vpls: Vec<Vpl>, stats: RenderStats) -> Self {
         let bound = bound_of(world, options);
         let few = (options.vpls / 64).clamp(1, 16);
@@ -70,8 +71,8 @@ impl PassLights {
         }
     }
 
-    /// The same for samples of which each asks few lights, those that promise most of a share of them: for pictures in motion, where
-    /// noise is averaged afterwards.
+    /// The same for samples that use few lights, those of the greatest contribution in a subset: for pictures
+    /// in motion, where noise is filtered afterwards.
     pub(super) fn few(world: &World, options: &RenderOptions, vpls: Vec<Vpl>, stats: RenderStats) -> Self {
         let shares = interleave::shares(&vpls, vpls.len().div_ceil(OF_SHARE).max(1));
         Self {
@@ -110,12 +111,13 @@ impl PassLights {
         })
     }
 
-    /// The bound on what virtual lights bring to a point.
+    /// The bound on virtual lights at a point.
     pub(crate) fn bound_at(&self, is_directly_visible: bool) -> Bound {
         if is_directly_visible && !self.is_few { self.bound } else { self.bound.times(UNSEEN) }
     }
 
-    /// How many virtual lights are asked at the end of a path of so many edges from the eye, where that does not see.
+    /// The number of virtual lights at the end of a path of this many edges from the eye, if the end is not
+    /// visible.
     pub(super) fn few_at(&self, edges: u32) -> u32 {
         match edges {
             1 if self.is_few => SEEN_FEW,
@@ -130,18 +132,19 @@ impl PassLights {
     }
 }
 
-/// Rays at most that leave a point that the eye sees: a ray costs little beside what virtual lights cost there, and brings
-/// most of the error where surfaces are glossy.
+/// The largest number of rays from a visible point: a ray costs little compared with the virtual lights
+/// there, and brings most of the error on glossy surfaces.
 const MOST_RAYS: u32 = 4;
 
-/// Rays from a matte point where pictures are remembered: they bring what the bound takes from virtual lights, which is little.
+/// Rays from a matte point if pictures are reused: they bring only the small part that the bound removes from
+/// virtual lights.
 const FEW_RAYS: f32 = 0.25;
 
-/// Lights of a share, about, of which a sample asks few; how many where the eye sees.
+/// Approximate number of lights in a subset, of which a sample uses few; the number for visible points.
 const OF_SHARE: usize = 32;
 const SEEN_FEW: u32 = 2;
 
-/// Lights of a share, about, that points ask which the eye does not see, where all pixels ask all lights.
+/// Approximate number of lights in a subset for invisible points, if all pixels use all lights.
 const OF_UNSEEN: usize = 128;
 
 /// How much more virtual lights bring where the eye does not see: spots blur there, and rays that go on are noisier.

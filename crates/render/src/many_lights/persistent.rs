@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Virtual lights that stay from picture to picture while only the camera moves: of several parts the oldest is made anew
-//! for each picture, from the same random numbers, so that the picture neither flickers nor lives in the past.
-//! Source: after [WBS03b] and [LSK*07] (virtual lights that are valid over frames); parts original.
-//! Space: world. A part alone is an unbiased estimate, whichever camera its lights were chosen for, with its own weights:
-//! so is the mean of all. Those that were chosen for a camera that looked elsewhere are let go: they are only noisy.
-//! Invariants: a function of the pictures before it; other options begin anew. Where lights do not hang on the camera all stay
-//! as they are; and for a camera that rests nothing changes once all parts were made for it.
-//! After an edit of the world all parts are made again, each from the numbers that it had, and from as many light paths,
-//! which start at the lamps that mattered before: a path that meets what it met before brings the lights that it brought, bit
-//! for bit, and lights of paths that meet other things are those of the world as it is. Which lamps matter and how many paths
-//! there are is only a choice of samples: good for any world, right in the mean. It is learned again where a light was
-//! edited, and where the number of lights that came has left what was wanted too far behind.
+//! Virtual lights that persist from picture to picture while only the camera moves. They form several parts;
+//! each picture replaces the oldest part, from the same random numbers, so that the picture neither flickers
+//! nor lags.
+//! Source: after [WBS03b] and [LSK*07] (virtual lights that are valid over frames); the division into parts
+//! is our own.
+//! Space: world. Each part is an unbiased estimate with its own weights, for any camera that it was chosen
+//! for: so is the mean of all. Parts for a camera with another view are dropped, because they are noisy.
+//! Invariants: a function of the previous pictures; a change of options starts over. Lights that do not
+//! depend on the camera persist; for a camera at rest nothing changes after all parts were made for it. After
+//! an edit of the world all parts are made again, each from its own random numbers and the same number of
+//! light paths, which start at the same lights. A path with the same hits brings the same lights, bit for
+//! bit; other paths see the edited world. The choice of lights and the number of paths are only a choice of
+//! samples: valid for any world, right in the mean. It is learned again after an edit of a light, and after
+//! the number of lights has drifted too far from the requested one.
 //! Tests: `tests`, crates/render/tests/persistent_lights.rs.
 
 use std::collections::VecDeque;
@@ -28,17 +30,17 @@ use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
 use crate::world::WorldMark;
 
-/// Parts that shine together.
+/// Parts in use together.
 const PARTS: u32 = 8;
-/// The same where pixels ask few lights: small ones, made now and then, so that no picture waits for many.
+/// The same if pixels use few lights: small ones, made occasionally, so that no picture waits for many.
 const SMALL_PARTS: u32 = 32;
-/// Of these so many are made at once for a first picture, and kept where the world changes.
+/// The number made at once for a first picture, and kept when the world changes.
 const FIRST_PARTS: usize = 4;
 /// Pictures between two of them, where nothing calls for more.
 const SELDOM: u32 = 4;
 /// Cosine between directions of view that are one view still, at least.
 const SAME_VIEW: f32 = 0.8;
-/// Way of the eye, as share of the scene's extent, after which it is elsewhere.
+/// Motion of the eye, relative to the scene's extent, after which it counts as elsewhere.
 const SAME_PLACE: f32 = 0.1;
 
 /// Virtual lights of the pictures before, for the next one; see [`Accumulation::pass_in_motion`].
@@ -51,10 +53,11 @@ pub struct PersistentLights {
     parts: VecDeque<Part>,
     /// Parts made so far.
     made: u32,
-    /// Parts that shine together once all are there; 0 = nothing was made yet. Pictures since then.
+    /// Parts in use once all exist; 0 = none yet. Pictures since then.
     size: u32,
     pictures: u32,
-    /// Which lamps matter, once somebody has asked, and how many light paths bring the lights that are wanted.
+    /// The learned choice of lights, after its first use, and the number of light paths that gives the
+    /// requested number of virtual lights.
     light_choices: Option<Option<LightChoice>>,
     paths: Option<u32>,
 }
@@ -62,7 +65,7 @@ pub struct PersistentLights {
 struct Part {
     vpls: Vec<Vpl>,
     number: u32,
-    /// What it was made for.
+    /// The view that it was made for.
     view: View,
 }
 
@@ -91,7 +94,7 @@ impl PersistentLights {
         Some(PassLights::of(job.world, job.options, vpls, stats))
     }
 
-    /// The same for pixels that ask few of them, each its own.
+    /// The same for pixels that use few of them, each its own.
     pub(crate) fn next_few(&mut self, job: &Job) -> Option<PassLights> {
         let mut stats = RenderStats::default();
         let vpls = self.next_vpls(job, SMALL_PARTS, &mut stats)?;
@@ -113,7 +116,7 @@ impl PersistentLights {
         let view = View::of(job);
         let extent = job.world.bounds().map_or(0.0, |(low, high)| Vec3::from(low).distance(Vec3::from(high)));
         let is_of_paths = options.integrator == Integrator::InstantRadiosity;
-        let hangs_on_view = !is_of_paths || learned_lights::is_due(job.world);
+        let hangs_on_view = !is_of_paths || learned_lights::has_many_lights(job.world);
         let are_small = size == SMALL_PARTS;
         if edited && are_small {
             self.parts.truncate(FIRST_PARTS);
@@ -124,7 +127,7 @@ impl PersistentLights {
         if edited {
             self.follow_edits(job, view, stats);
         } else {
-            // What lamps matter hangs on the view, too; it is looked at once in a round of parts.
+            // The importance of lights depends on the view, too; it is updated once in a round of parts.
             if self.made.is_multiple_of(size) || self.parts.is_empty() {
                 self.light_choices = None;
             }
@@ -243,7 +246,7 @@ mod tests {
     use crate::progress::Unwatched;
     use crate::world::{CommitOptions, ShaderTable, World};
 
-    /// Places of the lights of the next picture.
+    /// Positions of the lights of the next picture.
     fn light_positions(
         persistent: &mut PersistentLights,
         world: &World,
@@ -255,7 +258,7 @@ mod tests {
         pass.vpls.iter().map(|vpl| vpl.point.p.to_array().map(f32::to_bits)).collect()
     }
 
-    /// A thing goes and comes back: lights whose paths never met it stay where they are.
+    /// An object goes and comes back: lights whose paths never hit it stay in place.
     #[test]
     fn paths_that_meet_nothing_new_bring_the_same_lights() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads start");
@@ -269,7 +272,8 @@ mod tests {
             world.commit(scene, &ShaderTable::default(), &how, &pool).expect("the scene is sound");
         };
         commit(&mut world, &scene);
-        // So many lamps that which of them matter is learned: learned anew, all paths would start elsewhere.
+        // Enough lights that their importance is learned: if it were learned again, all paths would start
+        // elsewhere.
         let [low, high] = world.bounds().map(|(low, high)| [low, high]).expect("a room");
         for i in 1..6 {
             let at = |k: usize| low[k] + (high[k] - low[k]) * ((i * (k + 2)) as f32 * 0.37).fract();

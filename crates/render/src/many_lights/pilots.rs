@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A few points that the camera sees, fresh for each pass: how much a virtual light matters is what it brings to them.
-//! Source: [SIMP06] (virtual lights judged by what they bring to the camera). Differs: the same points also choose where
-//! reverse virtual lights lie, so that the density of that choice is a plain sum, and no density has to be estimated; and where
-//! much of a point's light is left to rays, as on gloss, the ends of some of these are pilots, too.
-//! Space: world. Invariant: a function of the set's number; the estimate stays unbiased whatever the points are.
+//! A few visible points, fresh for each pass: the importance of a virtual light is its contribution to them.
+//! Source: [SIMP06] (importance of virtual lights from their contribution to the camera). Differs: the same
+//! points also choose the positions of reverse virtual lights, so that the density of that choice is a plain
+//! sum and needs no estimate. Where rays bring much of a point's light, as on gloss, the ends of some of
+//! these rays are pilot points, too.
+//! Space: world. Invariant: a function of the set's number; the estimate stays unbiased for any points.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::f32::consts::FRAC_1_PI;
@@ -29,16 +30,16 @@ use crate::transport::walks::Walks;
 
 /// Points that the eye sees, at most.
 const SEEN: u32 = 64;
-/// Blocks of lanes that hold all pilots: as many points again may be where their rays end. One bit each in a mask of who sees
-/// whom.
+/// Blocks of lanes for all pilot points: rays may end at as many points again. One bit each in a mask of
+/// mutual visibility.
 const BLOCKS: usize = 2;
 /// Share of light that rays must bring from there.
 const LEAST_REST: f32 = 0.05;
-/// Says that a number is for pilots.
+/// Marks numbers for pilot points.
 const PURPOSE: u32 = 0x9107_0000;
 /// Mirrors that a pilot's path may meet.
 const MOST_MIRRORS: u32 = 8;
-/// Share of a virtual light's importance that does not ask whether any pilot sees it.
+/// Fraction of a virtual light's importance that is independent of its visibility to pilot points.
 const DEFENSIVE: f32 = 0.005;
 
 /// Which pilots see a point.
@@ -51,7 +52,7 @@ pub(super) struct Pilots {
     bound: Bound,
     /// All of them, by blocks.
     groups: Vec<Group>,
-    /// About what a unit of strength brings to a point somewhere in the scene.
+    /// Approximate contribution of unit power to a point somewhere in the scene.
     anywhere: f32,
     level: Level,
 }
@@ -59,11 +60,11 @@ pub(super) struct Pilots {
 /// Some pilots as lanes.
 struct Group {
     block: Block,
-    /// Which are none that lanes know.
+    /// Points without lanes.
     other: u64,
 }
 
-/// Room for what lanes compute.
+/// Memory for results of lanes.
 #[derive(Default)]
 pub(super) struct Scratch {
     light: Box<Light>,
@@ -93,7 +94,7 @@ impl Pilots {
         };
         let samples = CameraSamples { positions: &positions, lens: &lens, times: &times };
         job.camera.rays(&samples, options.width as f32 / options.height as f32, &mut rays);
-        // Each carries what light at its end is multiplied with.
+        // The factor of light at its end.
         let carried = vec![Vec3::ONE; rays.len()];
         let keys = keys[..rays.len()].to_vec();
         let mut walks = Walks { keys, rays, cones: Some(Cones::default()), carried, ..Walks::default() };
@@ -120,7 +121,7 @@ impl Pilots {
             walks = next;
         }
         points.extend(ends_of_rays(job, tracer, pixel, &points, &bound));
-        // Lanes side by side look the same way.
+        // Adjacent lanes face the same way.
         let positions: Vec<Vec3> = points.iter().map(|eye| eye.point.p).collect();
         let points: Vec<EyePoint> =
             neighbours::in_order(&positions, BLOCK).into_iter().map(|i| points[i as usize].clone()).collect();
@@ -157,8 +158,8 @@ impl Pilots {
                     let rays = &mut scratch.light.rays;
                     dispatch_wide!(
                         self.level,
-                        simd => group.block.ways_from(f32x16::splat(simd, 0.0), point, rays),
-                        else group.block.ways_from(0.0_f32, point, rays)
+                        simd => group.block.directions_from(f32x16::splat(simd, 0.0), point, rays),
+                        else group.block.directions_from(0.0_f32, point, rays)
                     );
                     let queried =
                         (0..BLOCK).filter(|&i| rays.t_far()[i] > 0.0).fold(0, |mask, i| mask | 1_u64 << i);
@@ -263,7 +264,8 @@ fn chances(seed: u64, keys: &[SampleKey], edges: u32) -> Vec<f32> {
     keys.iter().map(|&key| opacity::probability(seed, key, edges)).collect()
 }
 
-/// Where a ray from each point ends that brings what virtual lights leave to it, if that is much: on gloss it is most.
+/// The end of a ray from each point that finds the remainder of virtual lights, if that is large: on gloss it
+/// is most.
 fn ends_of_rays(
     job: &Job,
     tracer: &mut BatchTracer,
@@ -296,7 +298,7 @@ fn ends_of_rays(
     out
 }
 
-/// Places of the bits that are set.
+/// Positions of the set bits.
 fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let position = mask.trailing_zeros() as usize;

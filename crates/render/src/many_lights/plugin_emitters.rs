@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where light paths start at lights that only know `illuminate`, and at an environment that only knows `miss`: asked
-//! about some points, a light that is always seen at one place, or in one direction, is a point light or a directional one.
-//! What it sends is asked where a path arrives.
+//! Starts of light paths at lights that only have `illuminate`, and at an environment that only has `miss`.
+//! Queries at some points classify them: a light with a constant position or direction is a point light or a
+//! directional light. Its radiance is queried where a path arrives.
 //! Space: world. Units: as `LightBatch`.
-//! Invariant: unbiased for lights of these two kinds; others, and those that light none of the points, start no paths.
+//! Invariant: unbiased for lights of these two kinds; others, and those that light none of the points, start
+//! no paths.
 //! Tests: `tests`, crates/render/tests/shader_lights.rs.
 
 use std::f32::consts::PI;
@@ -14,11 +15,11 @@ use gnurt_image::srgb::luminance;
 use gnurt_shading::sampling::{Basis, Distribution, concentric_disk, sample_pair, uniform_sphere};
 use gnurt_shading::{EnvironmentShader, LightBatch, LightShader, SampleKey, Vec3s};
 
-/// Points that lights are asked about.
+/// Points at which lights are queried.
 const ASKED: u32 = 64;
 /// Share of the scene's extent, and of a unit direction, that answers may differ by.
 const SLACK: f32 = 1e-3;
-/// Says that a number is for those points.
+/// Marks numbers for those points.
 const PURPOSE: u32 = 0x1a3b_0000;
 
 /// Where a light is.
@@ -32,7 +33,7 @@ enum StartKind {
     Around,
 }
 
-/// Who is asked what it sends.
+/// The source of the light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Source {
     /// A light, by its number among those of the shader table.
@@ -49,7 +50,7 @@ struct PluginLight {
 #[derive(Default)]
 pub(crate) struct PluginEmitters {
     plugin_lights: Vec<PluginLight>,
-    /// By what they bring to the scene.
+    /// By their light in the scene.
     choice: Option<Distribution>,
     /// Centre and radius of a ball around the scene.
     ball: (Vec3, f32),
@@ -61,7 +62,7 @@ pub(super) struct Start {
     /// Unit.
     pub(super) dir: Vec3,
     pub(super) source: Source,
-    /// One over the density of place and direction.
+    /// One over the density of position and direction.
     pub(super) weight: f32,
 }
 
@@ -93,12 +94,12 @@ impl PluginEmitters {
         Self { plugin_lights, choice, ball }
     }
 
-    /// How many there are; none where nobody knows how to choose among them.
+    /// The number of lights; 0 if the choice among them is unknown.
     pub(super) fn len(&self) -> usize {
         self.plugin_lights.len()
     }
 
-    /// Starts a path, if there are lamps: `choice` chooses one, all numbers are in [0, 1).
+    /// Starts a path, if there are lights: `choice` chooses one, all numbers are in [0, 1).
     pub(super) fn start(&self, choice: f32, start_kind: [f32; 2], direction: [f32; 2]) -> Option<Start> {
         let chosen = self.choice.as_ref()?.sample(choice);
         let emitter_choice = &self.plugin_lights[chosen.index];
@@ -122,7 +123,7 @@ impl PluginEmitters {
     }
 }
 
-/// What arrives at points from a light, as intensity where it has a place.
+/// Light at points, as intensity if the light has a position.
 pub(super) fn arriving(light: &dyn LightShader, p: &Vec3s, normal: &Vec3s) -> Vec<Vec3> {
     let mut out = LightBatch::default();
     out.reset(p.len());
@@ -131,7 +132,7 @@ pub(super) fn arriving(light: &dyn LightShader, p: &Vec3s, normal: &Vec3s) -> Ve
     (0..p.len()).map(|i| out.radiance.get(i) * scale(i)).collect()
 }
 
-/// What an environment shows on average.
+/// Mean radiance of an environment.
 fn mean(environment: &dyn EnvironmentShader) -> f32 {
     let mut dirs = Vec3s::default();
     for sample in 0..ASKED {
@@ -141,7 +142,7 @@ fn mean(environment: &dyn EnvironmentShader) -> f32 {
     let mut visible = Vec3s::splat(dirs.len(), Vec3::ZERO);
     environment.miss(&dirs, &mut visible);
     let sum: f32 = (0..dirs.len()).map(|i| luminance(visible.get(i).into())).sum();
-    // One that shows itself to none of these may to others.
+    // One that is dark in all of these directions may be bright in others.
     if sum.is_finite() { (sum / ASKED as f32).max(f32::MIN_POSITIVE) } else { 0.0 }
 }
 
@@ -162,7 +163,7 @@ fn locate(light: &dyn LightShader, low: Vec3, high: Vec3) -> Option<(StartKind, 
         light.illuminate(&p, &Vec3s::splat(p.len(), normal), &random, &mut out);
         out
     });
-    // A light may give nothing to normals that look away from it.
+    // A light may be dark for normals that face away from it.
     for i in 0..p.len() {
         if out.radiance.get(i) != Vec3::ZERO {
             continue;
@@ -199,7 +200,8 @@ fn locate(light: &dyn LightShader, low: Vec3, high: Vec3) -> Option<(StartKind, 
 mod tests {
     use super::*;
 
-    /// Lights the half space z > 0: from a place, from a direction, or from a place that hangs on the random numbers.
+    /// Lights the half space z > 0: from a position, from a direction, or from a position that depends on the
+    /// random numbers.
     struct PluginLight(u32);
 
     impl LightShader for PluginLight {
@@ -215,7 +217,7 @@ mod tests {
         }
     }
 
-    /// An environment that says no number.
+    /// An environment without a finite radiance.
     struct Boundless;
 
     impl EnvironmentShader for Boundless {
@@ -224,7 +226,7 @@ mod tests {
         }
     }
 
-    /// Else light paths whose numbers put them there would start at other lights, as many as all others do.
+    /// Otherwise light paths with these numbers would start at other lights.
     #[test]
     fn lamps_that_cannot_be_chosen_are_none() {
         let bounds = Some(([-1.0; 3], [1.0; 3]));

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Virtual lights as surface shaders meet them that loop over lights themselves: behind the lamps of the scene come the
-//! virtual lights of the pass, one by one, and at last one light that stands for what their bound leaves to rays.
-//! Source: [Kel97], as the paper's section 7 has it in OpenRT; the bound [KK06]. Space: world.
-//! The surface counts as Lambertian where the bound is concerned: any other share would do, as long as both ask the same.
-//! Invariant: for diffuse shaders the sum over all lights has the mean of what paths show, whatever the bound.
+//! Virtual lights for surface shaders that loop over lights themselves: after the lights of the scene come
+//! the virtual lights of the pass, one by one, and then one light for the remainder that their bound leaves
+//! to rays.
+//! Source: [Kel97], as [SIP06], section 7, in OpenRT; the bound [KK06]. Space: world. The bound treats the
+//! surface as Lambertian: any other share would do, as long as both use the same.
+//! Invariant: for diffuse shaders the sum over all lights has the mean of path tracing, for any bound.
 //! Tests: bindings/openrt/tests/plugins.rs, crates/render/tests/shader_lights.rs.
 
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -32,7 +33,7 @@ impl FurtherLights for PassLights {
         vpl_count(tracer, self) + 1
     }
 
-    /// Where pixels share virtual lights out, light `number` is another one for each place.
+    /// If pixels share virtual lights, light `number` differs from position to position.
     fn illuminate(
         &self,
         tracer: &mut BatchTracer,
@@ -67,7 +68,8 @@ impl FurtherLights for PassLights {
     }
 }
 
-/// Direction, distance and what arrives at a surface that faces a virtual light, its bound applied; `None` if nothing.
+/// Direction, distance and light at a surface that faces a virtual light, with its bound applied; `None` if
+/// there is no light.
 fn brings(vpl: &Vpl, point: &SurfacePoint, bound: &Bound) -> Option<(Vec3, f32, Vec3)> {
     let offset = vpl.point.p - point.p;
     let distance2 = offset.length_squared();
@@ -87,7 +89,7 @@ fn brings(vpl: &Vpl, point: &SurfacePoint, bound: &Bound) -> Option<(Vec3, f32, 
     arriving.is_finite().then_some((to, distance, arriving))
 }
 
-/// A ray by the cosine from each point: what virtual lights do not bring of the light that it finds.
+/// A cosine-distributed ray from each point: the part of its light that virtual lights do not bring.
 fn the_rest(tracer: &mut BatchTracer, pass: &PassLights, points: &SurfaceBatch, out: &mut LightBatch) {
     for (i, found) in estimate::rest_at(tracer, pass, points).into_iter().enumerate() {
         let Some(found) = found.filter(|found| found.radiance != Vec3::ZERO) else { continue };

@@ -11,7 +11,7 @@ pub(super) fn random(seed: u64, n: u32, purpose: u32) -> [f32; 2] {
     sample_pair(seed, SampleKey { pixel: n, sample: 0, branch: 0 }, 0, purpose)
 }
 
-/// Matte, somewhere, looking anywhere.
+/// Matte, at a random position, with a random normal.
 pub(super) fn surface(seed: u64, n: u32) -> (SurfacePoint, Bsdf) {
     let ([x, y], [z, _]) = (random(seed, n, 0), random(seed, n, 1));
     let ng = uniform_sphere(random(seed, n, 2));

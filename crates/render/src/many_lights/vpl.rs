@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Virtual point lights: where a light path met a surface, and what it brought there.
-//! Source: [Kel97]; glossy ones send light by their BSDF, both ends count. Space: world.
+//! Virtual point lights: the vertices of light paths and their power.
+//! Source: [Kel97]; glossy ones emit by their BSDF, so the BSDFs of both ends count. Space: world.
 //! Invariant: the light that a point gets from a path's vertex, over the density of that path, is
 //! `eye BSDF |cos| * vpl BSDF |cos| * adjoint correction * power / distance^2` where both see each other.
 //! Tests: crates/render/tests/many_lights.rs.
@@ -25,9 +25,9 @@ pub(crate) struct Vpl {
     pub(crate) from: Vec3,
     /// Light that arrives, over the density of its path.
     pub(crate) power: Vec3,
-    /// Edges of its path, from the lamp to it.
+    /// Edges of its path, from the light to it.
     pub(crate) edges: u32,
-    /// For Lambertian surfaces, what a cosine of the geometric normal and the distance have to be applied to.
+    /// For Lambertian surfaces, the factor of the geometric cosine and the distance.
     pub(crate) diffuse: Option<Vec3>,
 }
 
@@ -54,7 +54,7 @@ impl Vpl {
             .map_or(self.bsdf.is_smooth() && self.power != Vec3::ZERO, |diffuse| diffuse != Vec3::ZERO)
     }
 
-    /// What leaves towards `to` (unit) per solid angle and projected area of the geometric surface.
+    /// Radiance towards `to` (unit) per solid angle and projected area of the geometric surface.
     pub(crate) fn sent(&self, to: Vec3) -> Vec3 {
         let (sent, came) = (self.point.ng.dot(to), self.point.ng.dot(self.from));
         if sent < 0.0 {
@@ -75,8 +75,8 @@ impl Vpl {
         }
     }
 
-    /// What it brings to a point seen from the eye if nothing is in between, and its share that virtual lights are to
-    /// bring; `None` if it brings nothing.
+    /// Unoccluded contribution to a visible point, limited to the share of virtual lights; `None` if there is
+    /// none.
     pub(crate) fn brings(&self, eye: &EyePoint, bound: &Bound, max_edges: u32) -> Option<Vec3> {
         if self.edges + 1 + eye.edges > max_edges {
             return None;
@@ -87,7 +87,7 @@ impl Vpl {
         if !(distance2 > 0.0 && to.is_finite() && eye.point.scatters_to(to, eye.bsdf.is_transmitted(to))) {
             return None;
         }
-        // What is cheap comes first: a Lambertian light shines to its front only.
+        // The cheap test comes first: a Lambertian light shines to its front only.
         let sent = self.sent(-to);
         if sent == Vec3::ZERO {
             return None;
@@ -104,8 +104,8 @@ impl Vpl {
     }
 }
 
-/// Density per solid angle with which a light path from `from` would have gone on to `to`, where both are on one side
-/// of the surface; 0 elsewhere, so that it can be asked from either side.
+/// Density per solid angle with which a light path from `from` would continue to `to`, if both are on one
+/// side of the surface; 0 elsewhere, so that it can be evaluated from either side.
 pub(crate) fn pdf_of_other_end(point: &SurfacePoint, bsdf: &Bsdf, from: Vec3, to: Vec3) -> f32 {
     if point.ng.dot(from) * point.ng.dot(to) <= 0.0 {
         0.0
@@ -116,8 +116,8 @@ pub(crate) fn pdf_of_other_end(point: &SurfacePoint, bsdf: &Bsdf, from: Vec3, to
     }
 }
 
-/// Whether light from `dir` (any length) may count at a point that is met, whatever its BSDF: above the horizon, or through the
-/// surface.
+/// Whether light from `dir` (any length) may count at a hit point, with any BSDF: above the horizon, or
+/// through the surface.
 pub(crate) fn is_open(point: &SurfacePoint, dir: Vec3) -> bool {
     let (above_ns, above_ng) = (point.ns.dot(dir), point.ng.dot(dir));
     if above_ns > 0.0 { above_ng > 0.0 || point.lift != Vec3::ZERO } else { above_ns < 0.0 && above_ng < 0.0 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Paths from the eye through virtual lights' share of the work: what they carry, where they stop.
-//! Source: [KK06] (what rays bring is what the bound takes from virtual lights), [VG95]. Space: world.
+//! Paths from the eye through the virtual lights' part of the light: their state, and their ends.
+//! Source: [KK06] (rays bring the part that the bound removes from virtual lights), [VG95]. Space: world.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use glam::Vec3;
@@ -34,33 +34,34 @@ pub(super) struct Last {
     pub(super) side: Vec3,
     /// How many light samples were taken there for each ray that left it.
     pub(super) light_samples: f32,
-    /// What virtual lights brought there.
+    /// The bound of virtual lights there.
     pub(super) bound: Bound,
 }
 
-/// A path from the eye that is under way.
+/// An active path from the eye.
 #[derive(Clone, Copy)]
 pub(super) struct Walk {
     pub(super) lane: u32,
     pub(super) key: SampleKey,
     pub(super) throughput: Vec3,
-    /// Where the edge under way begins, and how much is absorbed along it there.
+    /// Start of the current edge, and the absorption there.
     pub(super) start: Vec3,
     pub(super) absorption: Vec3,
-    /// Edges, that under way included.
+    /// Edges, the current one included.
     pub(super) edges: u32,
-    /// `None` if the edge under way comes from the eye, a mirror or smooth glass.
+    /// `None` if the current edge comes from the eye, a mirror or smooth glass.
     pub(super) last: Option<Last>,
     /// Whether all edges so far do.
     pub(super) is_directly_visible: bool,
-    /// What light straight from lamps counts where it left.
+    /// Factor of direct light at its origin.
     pub(super) light_gain: f32,
     /// How many walks share the light of its lane.
     pub(super) siblings: f32,
 }
 
 impl Walk {
-    /// It at the end of the edge under way: without what is absorbed along that. `None` = it leaves the scene.
+    /// The walk at the end of its current edge: without the light absorbed along it. `None` = it leaves the
+    /// scene.
     pub(super) fn absorbed(&self, vertex: Option<&Vertex>) -> Self {
         let (offset, there) = vertex.map_or((f32::INFINITY, Vec3::ZERO), |vertex| {
             ((vertex.point.p - self.start).length(), vertex.scattering.bsdf.medium().on(true))
@@ -69,16 +70,16 @@ impl Walk {
     }
 }
 
-/// Where a walk arrived and goes on from.
+/// The end of a walk's edge, where it continues.
 pub(super) struct Stop {
     pub(super) walk: Walk,
     pub(super) eye: EyePoint,
-    /// What light straight from lamps counts here.
+    /// Factor of direct light here.
     pub(super) light_gain: f32,
     /// How many rays may go on from here, and the chance that each of them does.
     pub(super) rays: u32,
     pub(super) probability: f32,
-    /// What was met, and how far the last edge was.
+    /// The hit, and the length of the last edge.
     pub(super) instance: u32,
     pub(super) distance: f32,
     /// How the ray's cone met it.
@@ -86,7 +87,7 @@ pub(super) struct Stop {
 }
 
 impl Stop {
-    /// Share of light from `to` that is left for rays that come this way; 1 where virtual lights bring none of it.
+    /// Fraction of light from `to` that is left for rays on this path; 1 if virtual lights bring none of it.
     pub(super) fn rest(&self, to: Vec3) -> f32 {
         let Some(last) = &self.walk.last else { return 1.0 };
         let point = &self.eye.point;
@@ -105,7 +106,7 @@ impl Stop {
 
     /// Whether virtual lights bring all that it could.
     pub(super) fn is_spent(&self) -> bool {
-        // Lambertian ends choose alike whatever the light's direction: one answer for all.
+        // Lambertian ends have the same density for any direction of the light: one answer for all.
         self.eye.bsdf.lambertian().is_some() && self.rest(self.eye.wo) <= 0.0
     }
 }

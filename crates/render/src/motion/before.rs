@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the picture before knows of the light on what a pixel sees now: the point is looked up where it was seen then, and what the
-//! four pixels around it knew is taken over as far as they showed the same surface.
-//! Source: temporal reprojection [NSL*07], light and surface apart, bilinear so that light stays where it is while the camera moves by
-//! parts of pixels. Differs: samples are counted, so that pixels that know nothing bring nothing. Space: world.
-//! Light that hangs on the direction of view is forgotten as fast as that turns against the width of the lobes.
-//! Invariant: nothing is taken over from another surface, nor from what has moved away by more than the pixels nearby show.
+//! Light of the previous picture at the point that a pixel shows. The point is projected to its previous
+//! position, and the four pixels around it contribute if they showed the same surface.
+//! Source: temporal reprojection [NSL*07], light and surface apart, bilinear so that light stays in place
+//! while the camera moves by fractions of pixels. Differs: samples are counted, so that pixels without
+//! samples bring nothing. Space: world. View-dependent light is forgotten at a rate given by the rotation of
+//! the view direction relative to the width of the lobes.
+//! Invariant: no light is reused from another surface, nor from a point that has moved further than the
+//! pixels nearby show.
 //! Tests: `super::tests`.
 
 use std::sync::Arc;
@@ -15,7 +17,8 @@ use gnurt_shading::CameraShader;
 use super::surface_key::{Light, SurfaceKey};
 use super::surface_sample::SurfaceSample;
 
-/// How much faster light of narrow lobes is forgotten than the view turns by their width.
+/// Rate at which light of narrow lobes is forgotten, relative to the rotation of the view in units of their
+/// width.
 const TURN: f32 = 4.0;
 /// Lobes as wide as this scatter to all sides.
 const WIDE: f32 = 0.99;
@@ -27,14 +30,14 @@ pub(super) struct Before {
     pub(super) eye: Vec3,
     pub(super) size: [u32; 2],
     /// Row by row.
-    pub(super) spots: Vec<SurfaceKey>,
+    pub(super) surface_keys: Vec<SurfaceKey>,
     pub(super) lights: Vec<Light>,
 }
 
 impl Before {
-    /// What it knows of the light that is seen there; `most` samples count at most.
+    /// The light at that point; `most` samples count at most.
     pub(super) fn recall(&self, sample: &SurfaceSample, most: f32) -> Light {
-        if !sample.spot.is_surface() {
+        if !sample.surface_key.is_surface() {
             return Light::default();
         }
         let [width, height] = self.size;
@@ -61,7 +64,7 @@ impl Before {
                 continue;
             }
             let i = row as usize * width as usize + column as usize;
-            if sample.spot.agrees(&self.spots[i], 1.5) {
+            if sample.surface_key.agrees(&self.surface_keys[i], 1.5) {
                 sum.add(&self.lights[i], weight);
                 weights += weight;
             }

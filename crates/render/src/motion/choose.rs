@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which pixels of a picture in motion get a fresh sample: those that know least first, the others in turns.
-//! Places by the R2 sequence [Rob18], turns by the golden section: each part of the picture and each span of frames gets its share. Invariant: a function of the counts and the number of the frame. Tests: `tests`.
+//! The pixels of a picture in motion that get a fresh sample: those with the least samples first, the others
+//! in rotation. Positions by the R2 sequence [Rob18], frames by the golden section: each part of the picture
+//! and each span of frames gets its share. Invariant: a function of the counts and the number of the frame.
+//! Tests: `tests`.
 
 use super::surface_key::{Light, SurfaceKey};
 
@@ -8,9 +10,9 @@ use super::surface_key::{Light, SurfaceKey};
 const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
 const TURN: f64 = 0.618_033_988_749_894_9;
 
-/// How much more a pixel needs a sample than one that knows its light.
-pub(super) fn need(spot: &SurfaceKey, light: &Light) -> f32 {
-    if !spot.is_surface() {
+/// The need of a pixel for a sample, relative to a pixel with known light.
+pub(super) fn need(surface_key: &SurfaceKey, light: &Light) -> f32 {
+    if !surface_key.is_surface() {
         return 0.0;
     }
     match light.count {
@@ -20,13 +22,14 @@ pub(super) fn need(spot: &SurfaceKey, light: &Light) -> f32 {
     }
 }
 
-/// A pixel's place in the turns of a frame, from 0 to 1.
+/// A pixel's rank in the rotation of a frame, from 0 to 1.
 pub(super) fn turn_of(x: u32, y: u32, frame: u32) -> f32 {
     let at = f64::from(x) * STEPS[0] + f64::from(y) * STEPS[1] + f64::from(frame) * TURN;
     at.fract() as f32
 }
 
-/// What needs are multiplied by, so that about `requested` pixels are chosen, of which so many have each of the needs 1, 2 and 4.
+/// The factor of needs at which about `requested` pixels are chosen; `counts` are the pixels with the needs
+/// 1, 2 and 4.
 pub(super) fn scale(counts: [u64; 3], requested: f64) -> f32 {
     let (mut low, mut high) = (0.0, 1.0);
     let chosen = |scale: f64| -> f64 {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures of a camera in motion, whole and full-size: all pixels are looked at anew, but light only by some of them; the others
-//! remember what the pictures before knew of the light on the surface that they see, and ask their neighbours.
-//! Flow: look (first surfaces) -> before (light remembered) -> choose -> fresh samples by the integrator -> smooth -> colours.
-//! Source: see each file; taken together as [NSL*07] (reprojection), [DSHL10] (filter), [WKB*02] (light and surface apart).
+//! Pictures of a camera in motion, at full size: all pixels find their surface, but only some sample its
+//! light. The others reuse the light of previous pictures on the same surface, and filter over their
+//! neighbours. Flow: first surfaces -> previous light (`before`) -> choice of pixels -> fresh samples by the
+//! integrator -> filter -> colours.
+//! Source: see each file; the combination as [NSL*07] (reprojection), [DSHL10] (filter), [WKB*02] (light and
+//! surface apart).
 
 mod before;
 mod choose;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture of a camera in motion, and what the next one needs of it.
+//! A picture of a camera in motion, and the state for the next one.
 //! Source: see `motion/mod.rs`. Space: world.
-//! Fresh samples go through the pixels' centres, as what is seen does, with random numbers of their own in each frame. One that is far
-//! brighter than all that is known is cut: a picture that is gone in a moment has no time to average sparks away.
-//! Invariant: a function of the pictures before it and their options, whatever threads do. Tests: crates/render/tests/motion.rs.
+//! Fresh samples go through the pixels' centres, as the first surfaces do, with their own random numbers in
+//! each frame. A sample far brighter than all known light is clamped, because a short-lived picture has no
+//! time to average fireflies.
+//! Invariant: a function of the previous pictures and their options, on any number of threads. Tests:
+//! crates/render/tests/motion.rs.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -31,45 +33,46 @@ use crate::stats::RenderStats;
 use crate::tracer::BatchTracer;
 use crate::world::{World, WorldMark};
 
-/// Samples of a pixel that are remembered at most.
+/// The largest number of remembered samples of a pixel.
 const MOST: f32 = 64.0;
-/// Share of them that is left with each frame while the world changes, and frames that this goes on after a change.
+/// Fraction of them that is kept per frame while the world changes, and the number of frames of this after a
+/// change.
 const CHANGING: f32 = 0.7;
 const UNREST: u32 = 8;
-/// Share of the mean light below which samples err as if there were so much.
+/// Fraction of the mean light below which the error of samples counts as constant.
 const DIM: f32 = 0.25;
-/// Share that a picture has in what is known of the noise.
+/// Weight of a new picture in the noise estimate.
 const NEW_NOISE: f32 = 0.2;
-/// How many more fresh samples a first picture has than those that remember one.
+/// Fresh samples of a first picture, relative to later ones.
 const FIRST: f32 = 4.0;
 /// Fresh samples that go together.
 const TOGETHER: usize = 1024;
 
-/// What pictures of a camera in motion leave to the next one: light on what they showed, and virtual lights; see
-/// [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
+/// State that pictures of a camera in motion leave to the next one: light on visible surfaces, and virtual
+/// lights; see [`Accumulation::pass_remembering`](crate::Accumulation::pass_remembering).
 #[derive(Default)]
 pub struct PictureHistory {
     pub(crate) lights: PersistentLights,
     of: Option<(WorldMark, RenderOptions)>,
     before: Option<Before>,
-    /// Pictures so far: each has random numbers of its own.
+    /// Pictures so far: each has its own random numbers.
     frame: u32,
-    /// Frames for which what is remembered fades.
+    /// Frames during which the history fades.
     unrest: u32,
-    /// Light on the mean pixel; 0 = nobody knows.
+    /// Light on the mean pixel; 0 = unknown.
     mean: f32,
-    /// How much samples err on surfaces that scatter widely and on shiny ones: mean squares, as shares of what they should tell; unknown
-    /// at first.
+    /// Error of samples on rough surfaces and on shiny ones: mean squares, relative to the true value;
+    /// unknown at first.
     noise: Option<[f32; 2]>,
     tints: Vec<Tint>,
     /// Light as it is shown.
     shown: Smooth,
     spare: Vec<Light>,
-    spare_spots: Vec<SurfaceKey>,
+    spare_surface_keys: Vec<SurfaceKey>,
     cost: MotionCost,
 }
 
-/// What the last picture in motion took.
+/// Cost of the last picture in motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MotionCost {
     /// Fresh samples of light.
@@ -81,8 +84,8 @@ pub struct MotionCost {
 }
 
 impl PictureHistory {
-    /// Whether pictures in motion by this integrator and this camera are made of earlier ones: where light is found by chance, and the
-    /// camera tells where points show. Other ones take one sample of each pixel.
+    /// Whether pictures in motion by this integrator and this camera reuse earlier ones: the integrator
+    /// samples light at random, and the camera can project points. Other ones take one sample of each pixel.
     #[must_use]
     pub fn suits(world: &World, camera: &dyn CameraShader, options: &RenderOptions) -> bool {
         let by_chance = options.integrator == Integrator::Path || options.integrator.has_virtual_lights();
@@ -93,13 +96,14 @@ impl PictureHistory {
         }
     }
 
-    /// What the last picture took.
+    /// Cost of the last picture.
     #[must_use]
     pub fn cost(&self) -> MotionCost {
         self.cost
     }
 
-    /// Makes the next picture, with fresh samples for this share of the pixels, and writes it to `tiles`; says whether nobody stopped it.
+    /// Makes the next picture, with fresh samples for this share of the pixels, and writes it to `tiles`;
+    /// returns false if it was stopped.
     pub(crate) fn next(
         &mut self,
         job: &Job,
@@ -112,7 +116,7 @@ impl PictureHistory {
         let size = [job.options.width, job.options.height];
         self.follow(job);
         let mut frame =
-            Frame::new(size, std::mem::take(&mut self.spare_spots), std::mem::take(&mut self.spare));
+            Frame::new(size, std::mem::take(&mut self.spare_surface_keys), std::mem::take(&mut self.spare));
         let fading = self.fading();
         let Self { lights, before, tints, .. } = self;
         // Few paths bring virtual lights: they would not be work for all threads.
@@ -126,7 +130,7 @@ impl PictureHistory {
         if let Some(pass) = &pass {
             stats.add(&pass.stats);
         }
-        // The first one has nothing to remember.
+        // The first one has no history.
         let fresh = if self.before.is_some() { fresh } else { FIRST * fresh };
         let requested = f64::from(fresh.clamp(0.0, 1.0)) * f64::from(size[0]) * f64::from(size[1]);
         let scale = scale(counts, requested);
@@ -136,32 +140,37 @@ impl PictureHistory {
             frame.sample(job, pass.as_ref(), (&chosen, self.frame), &self.tints, cut, stats)
         });
         let Some(brightness) = sampled else {
-            // The picture before stays the one before.
-            (self.spare_spots, self.spare) = (frame.spots, frame.lights);
+            // The previous picture stays the previous one.
+            (self.spare_surface_keys, self.spare) = (frame.surface_keys, frame.lights);
             return false;
         };
         let sampled = Instant::now();
         pool.install(|| {
             let level = job.options.level;
-            let Frame { spots, lights, .. } = &frame;
-            let given = Given { width: size[0] as usize, spots, tints: &self.tints, lights };
+            let Frame { surface_keys, lights, .. } = &frame;
+            let given = Given { width: size[0] as usize, surface_keys, tints: &self.tints, lights };
             let strength = Strength::of(self.noise.unwrap_or_default());
             self.shown.smooth(&given, strength, level);
-            self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
+            self.mean = mean_of(&frame.surface_keys, &self.shown, size[0] as usize);
             let noise = noise_of((&chosen, &brightness), &given, &self.shown, self.mean);
             if self.noise.is_none() && Strength::of(noise) != strength {
-                // Nobody knew how noisy the first one is.
+                // The noise of the first picture was unknown.
                 self.shown.smooth(&given, Strength::of(noise), level);
-                self.mean = mean_of(&frame.spots, &self.shown, size[0] as usize);
+                self.mean = mean_of(&frame.surface_keys, &self.shown, size[0] as usize);
             }
             let before = self.noise.unwrap_or(noise);
             self.noise = Some([0, 1].map(|k| before[k] + (noise[k] - before[k]) * NEW_NOISE));
             self.write(tiles, size[0] as usize);
         });
-        let next =
-            Before { camera: camera.clone(), eye: job.eye, size, spots: frame.spots, lights: frame.lights };
+        let next = Before {
+            camera: camera.clone(),
+            eye: job.eye,
+            size,
+            surface_keys: frame.surface_keys,
+            lights: frame.lights,
+        };
         if let Some(old) = self.before.replace(next) {
-            (self.spare_spots, self.spare) = (old.spots, old.lights);
+            (self.spare_surface_keys, self.spare) = (old.surface_keys, old.lights);
         }
         self.frame = self.frame.wrapping_add(1);
         self.unrest = self.unrest.saturating_sub(1);
@@ -171,7 +180,7 @@ impl PictureHistory {
         true
     }
 
-    /// Forgets what other options or another world have made wrong.
+    /// Drops the history that other options or another world have invalidated.
     fn follow(&mut self, job: &Job) {
         match &self.of {
             Some((_, of)) if !alike(of, job.options) => {
@@ -184,7 +193,7 @@ impl PictureHistory {
         self.of = Some((job.world.mark(), job.options.clone()));
     }
 
-    /// The share of what is remembered that is left in this frame.
+    /// The fraction of the history that this frame keeps.
     fn fading(&self) -> f32 {
         if self.unrest > 0 { CHANGING } else { 1.0 }
     }
@@ -205,19 +214,19 @@ impl PictureHistory {
 }
 
 /// Luminance of light on the mean pixel that shows a surface.
-fn mean_of(spots: &[SurfaceKey], shown: &Smooth, width: usize) -> f32 {
-    let of_row = |(y, spots): (usize, &[SurfaceKey])| {
-        let surfaces = (0..width).filter(|&x| spots[x].is_surface()).map(|x| shown.light(x, y));
+fn mean_of(surface_keys: &[SurfaceKey], shown: &Smooth, width: usize) -> f32 {
+    let of_row = |(y, surface_keys): (usize, &[SurfaceKey])| {
+        let surfaces = (0..width).filter(|&x| surface_keys[x].is_surface()).map(|x| shown.light(x, y));
         let known = surfaces.filter(|light| light.count > 0.0);
         known.fold((0.0, 0.0), |(sum, count), light| (sum + luminance(light.mean.into()), count + 1.0))
     };
-    let rows: Vec<(f32, f32)> = spots.par_chunks(width).enumerate().map(of_row).collect();
+    let rows: Vec<(f32, f32)> = surface_keys.par_chunks(width).enumerate().map(of_row).collect();
     let total = |k: fn(&(f32, f32)) -> f32| rows.iter().map(|row| f64::from(k(row))).sum::<f64>();
     (total(|row| row.0) / f64::max(total(|row| row.1), 1.0)) as f32
 }
 
-/// The mean square of what samples are off by what is shown, as shares of that, or of `DIM` of the mean where that is darker; on surfaces
-/// that scatter widely and on shiny ones.
+/// The mean square of the relative errors of samples, with `DIM` times the mean as the least reference; on
+/// rough surfaces and on shiny ones.
 fn noise_of(
     (chosen, brightness): (&[[u32; 2]], &[f32]),
     given: &Given,
@@ -243,20 +252,21 @@ type Band<'a> = (usize, ((&'a mut [SurfaceKey], &'a mut [Light]), &'a mut [Tint]
 /// A picture in the making, row by row.
 struct Frame {
     size: [u32; 2],
-    spots: Vec<SurfaceKey>,
+    surface_keys: Vec<SurfaceKey>,
     lights: Vec<Light>,
 }
 
 impl Frame {
     /// In this memory.
-    fn new(size: [u32; 2], mut spots: Vec<SurfaceKey>, mut lights: Vec<Light>) -> Self {
+    fn new(size: [u32; 2], mut surface_keys: Vec<SurfaceKey>, mut lights: Vec<Light>) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
-        spots.resize(pixels, SurfaceKey::default());
+        surface_keys.resize(pixels, SurfaceKey::default());
         lights.resize(pixels, Light::default());
-        Self { size, spots, lights }
+        Self { size, surface_keys, lights }
     }
 
-    /// Looks at all pixels, and remembers light; how many pixels have each of the needs 1, 2 and 4.
+    /// Finds the surfaces of all pixels, and their remembered light; returns the number of pixels with each
+    /// of the needs 1, 2 and 4.
     fn sample_surfaces(
         &mut self,
         job: &Job,
@@ -266,20 +276,20 @@ impl Frame {
         stats: &mut RenderStats,
     ) -> [u64; 3] {
         let [width, height] = self.size;
-        tints.resize(self.spots.len(), Tint::default());
+        tints.resize(self.surface_keys.len(), Tint::default());
         let band = (width * ROWS) as usize;
-        let bands = self.spots.par_chunks_mut(band).zip(self.lights.par_chunks_mut(band));
+        let bands = self.surface_keys.par_chunks_mut(band).zip(self.lights.par_chunks_mut(band));
         let bands = bands.zip(tints.par_chunks_mut(band)).enumerate();
         let sampler = Sampler { job, pass: None };
-        let see = |tracer: &mut BatchTracer, (n, ((spots, lights), tints)): Band| {
+        let see = |tracer: &mut BatchTracer, (n, ((surface_keys, lights), tints)): Band| {
             let top = n as u32 * ROWS;
             let mut counts = [0; 3];
             sample_surfaces(job, tracer, [top, (top + ROWS).min(height)], &mut |x, y, surface_key| {
                 let i = ((y - top) * width + x) as usize;
                 let mut light = before.map_or_else(Light::default, |before| before.recall(surface_key, MOST));
                 light.count *= fading;
-                (spots[i], tints[i], lights[i]) = (surface_key.spot, surface_key.tint, light);
-                match need(&surface_key.spot, &light) {
+                (surface_keys[i], tints[i], lights[i]) = (surface_key.surface_key, surface_key.tint, light);
+                match need(&surface_key.surface_key, &light) {
                     need if need >= 4.0 => counts[2] += 1,
                     need if need >= 2.0 => counts[1] += 1,
                     need if need > 0.0 => counts[0] += 1,
@@ -304,7 +314,7 @@ impl Frame {
             for [x0, y0, x1, y1] in film::blocks([0, top, width, (top + ROWS).min(height)]) {
                 for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
                     let i = (y * width + x) as usize;
-                    if turn_of(x, y, frame) < scale * need(&self.spots[i], &self.lights[i]) {
+                    if turn_of(x, y, frame) < scale * need(&self.surface_keys[i], &self.lights[i]) {
                         chosen.push([x, y]);
                     }
                 }
@@ -314,8 +324,8 @@ impl Frame {
         bands.par_iter().flat_map(of_band).collect()
     }
 
-    /// Adds a fresh sample to some pixels; how bright each of them counts, unless somebody stopped it. None counts more than `most` times
-    /// the light that is known there, or that of the mean pixel.
+    /// Adds a fresh sample to some pixels; returns their brightness, or `None` if stopped. A sample counts at
+    /// most `most` times the known light there, or that of the mean pixel.
     fn sample(
         &mut self,
         job: &Job,
@@ -345,7 +355,7 @@ impl Frame {
         };
         let fresh_radiance = found.iter().flat_map(|(fresh_radiance, _)| fresh_radiance);
         let mut samples: Vec<Vec3> = chosen.iter().zip(fresh_radiance).map(light_of).collect();
-        // Nobody knew how bright the first picture is.
+        // The brightness of the first picture was unknown.
         let mean = if mean > 0.0 { mean } else { mean_brightness(&samples) };
         let mut count_in = |(&[x, y], sample): (&[u32; 2], &mut Vec3)| {
             if !sample.is_finite() {
@@ -368,7 +378,7 @@ impl Frame {
     }
 }
 
-/// The mean luminance of those that are numbers.
+/// The mean luminance of the finite ones.
 fn mean_brightness(samples: &[Vec3]) -> f32 {
     let finite = samples.iter().filter(|sample| sample.is_finite());
     let (sum, count) = finite

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light of neighbours on one surface is averaged until enough samples have come together: in steps that double, so that few
-//! neighbours are asked for a wide circle.
-//! Source: [DSHL10] (steps that double, edges kept). Differs: samples are counted, and noise is known of the whole picture only; pixels
-//! that have enough stay as they are, so that light gets sharper the longer it is seen. Rows go through all steps one after the other, in
-//! bands, so that what steps ask stays in a cache.
-//! Invariant: no light comes from another surface; the mean over a surface stays; bands do not show. Tests: `tests`, and
-//! crates/render/tests/motion.rs (any number of threads).
+//! Averages light of neighbours on one surface until enough samples contribute: in steps of doubling
+//! distance, so that few neighbours cover a wide circle.
+//! Source: [DSHL10] (steps that double, edges kept). Differs: samples are counted, and the noise is known
+//! only for the whole picture; pixels with enough samples stay unchanged, so that light becomes sharper over
+//! time. Rows go through all steps in succession, in bands, so that the data of a step stays in a cache.
+//! Invariant: no light comes from another surface; the mean over a surface stays; bands are invisible. Tests:
+//! `tests`, and crates/render/tests/motion.rs (any number of threads).
 
 use glam::Vec3;
 use gnurt_shading::real::{Real, Vector};
@@ -14,27 +14,28 @@ use rayon::prelude::*;
 
 use super::surface_key::{Light, Same, SurfaceKey, Tint};
 
-/// Samples that make a pixel good enough where they err as much as what they tell, in the mean of squares, or less.
+/// Sufficient samples of a pixel, at a mean square error of one.
 const ENOUGH: f32 = 100.0;
-/// So many times as many are wanted at most where they err more.
+/// Largest factor of the number of samples for greater errors.
 const MOST_TIMES: f32 = 64.0;
-/// Samples count no more than so many times the light that is known where 100 are enough; where more are wanted as many times more, up
-/// to this factor: farther than steps go they do not come together.
+/// Samples count at most this many times the known light if 100 samples are enough. If more are needed, the
+/// limit rises by the same factor, up to this one: samples farther away than the steps reach never
+/// contribute.
 const SPARK: f32 = 16.0;
 const MOST_SPARKS: f32 = 8.0;
-/// A step in pixels, and the weights of neighbours beside a pixel and of those at its corners.
+/// A step in pixels, and the weights of the direct and of the diagonal neighbours.
 type Step = (usize, [f32; 2]);
-/// Steps of pictures by how many times as many samples they want: the more, the farther they ask.
+/// Steps of pictures by the factor of their number of samples: the greater it is, the farther they reach.
 const STEPS: [(f32, &[usize]); 3] =
     [(1.5, &[1, 2, 4]), (4.0, &[1, 2, 4, 8]), (f32::INFINITY, &[1, 2, 4, 8, 16])];
 /// Weights of a half and a quarter in all but the last step: so they fall evenly from pixel to pixel, and no pattern shows.
 const EVEN: [f32; 2] = [0.5, 0.25];
 const LAST: [f32; 2] = [0.75, 0.4];
-/// Steps for pixels alone that know nothing then.
+/// Further steps for pixels without samples.
 const FAR: [Step; 2] = [(8, LAST), (16, LAST)];
-/// What squares of errors are of little noise.
+/// Mean squares of relative errors that count as little noise.
 const LITTLE: f32 = 1.0;
-/// Where lobes are narrower than this so few samples are good enough: what they show is blurred first, and sharp the longer it is seen.
+/// Below this width of lobes, few samples suffice: the pixel is blurred first and becomes sharp over time.
 const SHINY: f32 = 0.25;
 const ENOUGH_OF_SHINY: f32 = 4.0;
 /// Neighbours by row and column, of three each.
@@ -42,12 +43,12 @@ const AROUND: [[usize; 2]; 8] = [[0, 0], [0, 1], [0, 2], [1, 0], [1, 2], [2, 0],
 
 /// Columns on each side of a row that show nothing, so that all neighbours of a pixel are there.
 const MARGIN: usize = 16;
-/// Rows are as long as so many lanes, or as a multiple.
+/// Rows have this number of lanes, or a multiple.
 const LANES: usize = 16;
 /// Rows of a band, at least: those around it are averaged by its neighbours as well.
 const LEAST_ROWS: usize = 32;
 
-/// Numbers of a row of pixels that are beside each other, one after the other.
+/// Numbers of adjacent pixels of a row, one after the other.
 mod shape {
     pub(super) const P: usize = 0;
     pub(super) const NS: usize = 3;
@@ -63,7 +64,7 @@ mod light {
     pub(super) const COUNT: usize = 4;
 }
 
-/// Whether what a pixel shows is blurred first, and sharp the longer it is seen.
+/// Whether a pixel is blurred first and becomes sharp over time.
 pub(super) fn is_shiny(tint: &Tint) -> bool {
     tint.roughness < SHINY
 }
@@ -77,10 +78,10 @@ pub(super) struct Strength {
 }
 
 impl Strength {
-    /// For samples that err so much on surfaces of both kinds: the mean square of errors as shares of what they should tell.
+    /// For samples with these errors on surfaces of both kinds: mean squares of relative errors.
     pub(super) fn of(noise: [f32; 2]) -> Self {
         let times = noise.map(|noise| (noise / LITTLE).clamp(1.0, MOST_TIMES));
-        // Where they err much, little is seen of what narrow lobes show.
+        // Under large errors, the image in narrow lobes is hardly visible.
         let enough = [times[0] * ENOUGH, (times[1] * times[1] * ENOUGH_OF_SHINY).min(MOST_TIMES * ENOUGH)];
         let most_times = enough[0].max(enough[1]) / ENOUGH;
         let (_, steps) = STEPS.into_iter().find(|&(most, _)| most_times <= most).unwrap_or(STEPS[0]);
@@ -99,16 +100,16 @@ impl Strength {
     }
 }
 
-/// What is averaged, row by row.
+/// The input of the filter, row by row.
 #[derive(Clone, Copy)]
 pub(super) struct Given<'a> {
     pub(super) width: usize,
-    pub(super) spots: &'a [SurfaceKey],
+    pub(super) surface_keys: &'a [SurfaceKey],
     pub(super) tints: &'a [Tint],
     pub(super) lights: &'a [Light],
 }
 
-/// Averaged light as rows of numbers of each kind, so that pixels beside each other are lanes.
+/// Averaged light as rows of numbers of each kind, so that adjacent pixels are lanes.
 #[derive(Default)]
 pub(super) struct Smooth {
     /// Numbers of one kind in a row.
@@ -117,10 +118,10 @@ pub(super) struct Smooth {
 }
 
 impl Smooth {
-    /// Averages light over surfaces; pixels have no samples where nobody knows anything. Call within a pool of threads.
+    /// Averages light over surfaces; pixels without any data keep no samples. Call within a pool of threads.
     pub(super) fn smooth(&mut self, given: &Given, strength: Strength, level: Level) {
         let stride = given.width.next_multiple_of(LANES) + 2 * MARGIN;
-        let height = given.spots.len() / given.width.max(1);
+        let height = given.surface_keys.len() / given.width.max(1);
         self.stride = stride;
         self.light.resize(height * stride * light::COUNT, 0.0);
         let rows = height.div_ceil(2 * rayon::current_num_threads()).max(LEAST_ROWS);
@@ -129,10 +130,10 @@ impl Smooth {
             || Near::new(stride, height, strength),
             |near, (n, out)| near.band(given, n * rows, out, level),
         );
-        FAR.into_iter().for_each(|step| self.ask_far(given, step));
+        FAR.into_iter().for_each(|step| self.average_far(given, step));
     }
 
-    /// Light on a pixel, of so many samples.
+    /// Light on a pixel, with its number of samples.
     #[inline(always)]
     pub(super) fn light(&self, x: usize, y: usize) -> Light {
         let at = |k: usize| self.light[(y * light::COUNT + k) * self.stride + MARGIN + x];
@@ -140,23 +141,23 @@ impl Smooth {
         Light { mean, count: at(light::SAMPLES) }
     }
 
-    /// Averages what neighbours so many pixels away know, for pixels of surfaces that know nothing.
-    fn ask_far(&mut self, given: &Given, (step, [neighbours, corner]): Step) {
-        let Given { width, spots, .. } = *given;
-        let of_row = |(y, spots_of_row): (usize, &[SurfaceKey])| -> Vec<(usize, Light)> {
+    /// Averages neighbours at this distance, for pixels of surfaces that have no samples.
+    fn average_far(&mut self, given: &Given, (step, [neighbours, corner]): Step) {
+        let Given { width, surface_keys, .. } = *given;
+        let of_row = |(y, keys_of_row): (usize, &[SurfaceKey])| -> Vec<(usize, Light)> {
             let first = (y * light::COUNT + light::SAMPLES) * self.stride + MARGIN;
             let counts = &self.light[first..first + width];
-            let unknown = |x: &usize| spots_of_row[*x].is_surface() && counts[*x] <= 0.0;
+            let unknown = |x: &usize| keys_of_row[*x].is_surface() && counts[*x] <= 0.0;
             let query = |x: usize| {
                 let mut sum = Light::default();
                 for [row, column] in AROUND {
                     // Beyond all where it would be left of or above all.
                     let (left, above) =
                         ((x + column * step).wrapping_sub(step), (y + row * step).wrapping_sub(step));
-                    if left >= width || above >= spots.len() / width {
+                    if left >= width || above >= surface_keys.len() / width {
                         continue;
                     }
-                    if spots_of_row[x].agrees(&spots[above * width + left], step as f32) {
+                    if keys_of_row[x].agrees(&surface_keys[above * width + left], step as f32) {
                         let weight = if row == 1 || column == 1 { neighbours } else { corner };
                         sum.add(&self.light(left, above), weight);
                     }
@@ -165,7 +166,8 @@ impl Smooth {
             };
             (0..width).filter(unknown).map(|x| (x, query(x))).filter(|(_, light)| light.count > 0.0).collect()
         };
-        let found: Vec<Vec<(usize, Light)>> = spots.par_chunks(width).enumerate().map(of_row).collect();
+        let found: Vec<Vec<(usize, Light)>> =
+            surface_keys.par_chunks(width).enumerate().map(of_row).collect();
         for (y, found) in found.iter().enumerate() {
             for (x, light) in found {
                 for (k, number) in light.mean.to_array().into_iter().chain([light.count]).enumerate() {
@@ -176,14 +178,15 @@ impl Smooth {
     }
 }
 
-/// Rows that steps ask of each other, so few that they stay in a cache: each goes where the one was that nobody asks any more.
+/// Rows that steps read from each other, so few that they stay in a cache: each new row replaces one that is
+/// no longer needed.
 struct Near {
     strength: Strength,
     stride: usize,
     height: usize,
-    /// Rows before and behind a band that its steps ask.
+    /// Rows before and behind a band that its steps read.
     ahead: usize,
-    /// From the first row that is asked to the last that was made.
+    /// From the first row in use to the last finished one.
     shape: Vec<f32>,
     /// Light before each step.
     light: Vec<Vec<f32>>,
@@ -203,8 +206,8 @@ impl Near {
         }
     }
 
-    /// Averages the rows of `out`, the first of which is row `top` of all: one row after the other goes through all steps, each as soon
-    /// as the rows are there that it asks.
+    /// Averages the rows of `out`, the first of which is row `top` of all: one row after the other goes
+    /// through all steps, each as soon as its input rows exist.
     fn band(&mut self, given: &Given, top: usize, out: &mut [f32], level: Level) {
         let bottom = top + out.len() / (self.stride * light::COUNT);
         let all = self.ahead;
@@ -215,7 +218,7 @@ impl Near {
             let mut ahead = 0;
             for (k, step) in self.strength.steps().enumerate() {
                 ahead += step.0;
-                // Rows around the band that later steps ask for.
+                // Rows around the band that later steps read.
                 let around = all - ahead;
                 let Some(y) = last.checked_sub(ahead) else { break };
                 if y + around >= top && y < (bottom + around).min(self.height) {
@@ -232,10 +235,12 @@ impl Near {
         let row = y * width..(y + 1) * width;
         let [x, y_, z, u, v, w, wide, id, enough] =
             planes_of(row_mut(shape, y, stride * shape::COUNT), stride, width);
-        for (i, (spot, tint)) in given.spots[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate() {
-            [x[i], y_[i], z[i]] = spot.p.to_array();
-            [u[i], v[i], w[i]] = spot.ns.to_array();
-            (wide[i], id[i]) = (spot.width, number_of(spot.id));
+        for (i, (surface_key, tint)) in
+            given.surface_keys[row.clone()].iter().zip(&given.tints[row.clone()]).enumerate()
+        {
+            [x[i], y_[i], z[i]] = surface_key.p.to_array();
+            [u[i], v[i], w[i]] = surface_key.ns.to_array();
+            (wide[i], id[i]) = (surface_key.width, number_of(surface_key.id));
             enough[i] = strength.enough[usize::from(is_shiny(tint))];
         }
         let [r, g, b, n] = planes_of(row_mut(&mut light[0], y, stride * light::COUNT), stride, width);
@@ -264,7 +269,7 @@ impl Near {
     }
 }
 
-/// Row `y` of all, where some of so many numbers each are kept in turn.
+/// Row `y` of all, in a ring buffer of rows of this many numbers.
 fn row_of(some: &[f32], y: usize, numbers: usize) -> &[f32] {
     &some[y % (some.len() / numbers) * numbers..][..numbers]
 }
@@ -274,7 +279,7 @@ fn row_mut(some: &mut [f32], y: usize, numbers: usize) -> &mut [f32] {
     &mut some[first..][..numbers]
 }
 
-/// A number for a thing, for comparing: never NaN, and that of nothing is nothing's alone.
+/// A number for an id, for comparisons: never NaN, and that of no id is unique.
 fn number_of(id: u32) -> f32 {
     let fraction = (id ^ id >> 9) & 0x7f_ffff;
     if id == 0 { 0.0 } else { f32::from_bits(fraction | 1.0_f32.to_bits()) }
@@ -286,7 +291,7 @@ fn planes_of<const N: usize>(row: &mut [f32], stride: usize, width: usize) -> [&
     std::array::from_fn(|_| &mut planes.next().expect("as many as there are")[MARGIN..MARGIN + width])
 }
 
-/// Rows that a step asks.
+/// Rows that a step reads.
 struct From<'a> {
     stride: usize,
     /// Of all rows.
@@ -296,7 +301,8 @@ struct From<'a> {
 }
 
 impl From<'_> {
-    /// A row after a step; after the first one pixels stay as they are that have enough. `like` only tells how many go at a time.
+    /// A row after a step; after the first one pixels stay as they are that have enough. `like` only selects
+    /// the number of lanes.
     #[inline(always)]
     fn row<R: Real>(
         &self,
@@ -369,28 +375,28 @@ fn light_at<R: Real>(like: R, row: &[f32], stride: usize, at: usize) -> (Vector<
 mod tests {
     use super::*;
 
-    /// A floor, and from column 20 on another thing; each sixteenth pixel has a sample.
+    /// A floor, and from column 20 on another object; each sixteenth pixel has a sample.
     fn smoothed(strength: Strength, noise: impl Fn(usize) -> f32) -> Vec<Light> {
         let width = 40;
         let at = |i: usize| ((i % width) as f32, (i / width) as f32);
-        let spot = |i: usize| {
+        let surface_key = |i: usize| {
             let (x, y) = at(i);
             SurfaceKey { p: Vec3::new(x, y, 0.0), ns: Vec3::Z, id: if x < 20.0 { 1 } else { 3 }, width: 1.0 }
         };
-        let spots: Vec<SurfaceKey> = (0..40 * 32).map(spot).collect();
-        let tints = vec![Tint { roughness: 1.0, ..Tint::default() }; spots.len()];
+        let surface_keys: Vec<SurfaceKey> = (0..40 * 32).map(surface_key).collect();
+        let tints = vec![Tint { roughness: 1.0, ..Tint::default() }; surface_keys.len()];
         let light = |i: usize| {
             let (x, y) = at(i);
             let count = if (x as u32 + 4 * (y as u32 % 4)).is_multiple_of(16) { 1.0 } else { 0.0 };
             let mean = if x < 20.0 { noise(i) } else { 100.0 };
             Light { mean: Vec3::splat(if count > 0.0 { mean } else { 0.0 }), count }
         };
-        let lights: Vec<Light> = (0..spots.len()).map(light).collect();
+        let lights: Vec<Light> = (0..surface_keys.len()).map(light).collect();
         let all = Level::available().into_iter().map(|level| {
             let mut smooth = Smooth::default();
-            let given = Given { width, spots: &spots, tints: &tints, lights: &lights };
+            let given = Given { width, surface_keys: &surface_keys, tints: &tints, lights: &lights };
             smooth.smooth(&given, strength, level);
-            (0..spots.len()).map(|i| smooth.light(i % width, i / width)).collect::<Vec<Light>>()
+            (0..surface_keys.len()).map(|i| smooth.light(i % width, i / width)).collect::<Vec<Light>>()
         });
         let all: Vec<Vec<Light>> = all.collect();
         let bits = |lights: &[Light]| -> Vec<[u32; 3]> {

@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a pixel of a picture in motion sees, light and surface apart, and what is known of the light there.
+//! The surface and light of a pixel of a picture in motion, and the light known there.
 //! Source: light and surface apart: as [WKB*02]; when two pixels show one surface: `many_lights/interleave.rs`. Space: world.
-//! Layout: what pixels are compared by is apart from what their colour is made of: filters read the one many times.
+//! Layout: the data that compares pixels is separate from the data of their colour, because filters read only
+//! the former many times.
 
 use glam::Vec3;
 use gnurt_shading::real::Real;
 
 /// Cosine between normals of one surface, at least.
 const SAME_NORMAL: f32 = 0.9;
-/// Sine of the angle between a surface and the way to another of its points, at most.
+/// Greatest sine of the angle between a surface and the direction to another of its points.
 const SAME_PLANE: f32 = 0.15;
-/// Ways shorter than this, in widths of pixels, say nothing about planes.
+/// Distances below this, in widths of pixels, are too short to compare planes.
 const TOUCHING: f32 = 0.1;
-/// How far a surface is foreshortened, at most, that pixels beside each other may show: in widths of pixels.
+/// Greatest foreshortening of a surface that adjacent pixels may show: in widths of pixels.
 const NEAR: f32 = 8.0;
 
-/// What is seen there: a point on a surface, behind mirrors and smooth glass if they are in between.
+/// The visible point on a surface, behind mirrors and smooth glass if present.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SurfaceKey {
     pub(super) p: Vec3,
@@ -32,7 +33,7 @@ impl SurfaceKey {
         self.id != 0
     }
 
-    /// Whether light on the one is about that on the other, which shows `pixels` away.
+    /// Whether the light on the two is about the same, for pixels at distance `pixels`.
     #[inline(always)]
     pub(super) fn agrees(&self, other: &Self, pixels: f32) -> bool {
         let offset = other.p - self.p;
@@ -42,7 +43,7 @@ impl SurfaceKey {
     }
 }
 
-/// What pixels so wide, and so many pixels away, have to agree in.
+/// Criteria for the same surface, for pixels of this width at this distance.
 #[derive(Clone, Copy)]
 pub(super) struct Same<R> {
     /// Square of the greatest distance.
@@ -58,8 +59,8 @@ impl<R: Real> Same<R> {
         Self { far2: near * near, touching: width * TOUCHING }
     }
 
-    /// Whether points may lie on one surface: by the square of their distance, how far the one lies off the other's plane, and the cosine
-    /// between normals.
+    /// Whether points may be on one surface: by the square of their distance, the distance of the one from
+    /// the other's plane, and the cosine between normals.
     #[inline(always)]
     pub(super) fn holds(&self, far2: R, off: R, cos: R) -> R::Mask {
         let off = (off.size() - self.touching).or_more(off.all(0.0));
@@ -68,21 +69,22 @@ impl<R: Real> Same<R> {
     }
 }
 
-/// What its colour is made of.
+/// The components of its colour.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Tint {
-    /// What counts as it is: lamps and surroundings.
+    /// Radiance without filtering: lights and environment.
     pub(super) plain: Vec3,
-    /// What light on the surface is multiplied by.
+    /// Factor of light on the surface.
     pub(super) share: Vec3,
-    /// Width of the lobes of what it shows, as slopes of facets: light stays while they are wide against the turn of the view.
-    /// 1 = the same to all sides.
+    /// Width of its lobes, as slopes of microfacets: light stays valid while they are wide relative to the
+    /// rotation of the view. 1 = the same to all sides.
     pub(super) roughness: f32,
     /// Whether anything was met.
     pub(super) opacity: f32,
 }
 
-/// Light on a surface, averaged over directions as the surface scatters them: a mean of so many samples.
+/// Light on a surface, averaged over directions as the surface scatters them: a mean of this number of
+/// samples.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Light {
     pub(super) mean: Vec3,
@@ -98,7 +100,7 @@ impl Light {
         self.count += count;
     }
 
-    /// What was added, as a mean.
+    /// The mean of the added values.
     #[inline(always)]
     pub(super) fn averaged(self) -> Self {
         let scale = if self.count > 0.0 { 1.0 / self.count } else { 0.0 };
@@ -112,17 +114,17 @@ mod tests {
 
     #[test]
     fn surfaces_are_told_apart() {
-        let spot = SurfaceKey { p: Vec3::ZERO, ns: Vec3::Z, id: 3, width: 1.0 };
-        let at = |x: f32, y: f32, z: f32| SurfaceKey { p: Vec3::new(x, y, z), ..spot };
-        assert!(spot.agrees(&at(2.0, 0.0, 0.0), 1.0), "on one plane");
-        assert!(spot.agrees(&at(0.0, 0.0, 0.05), 1.0), "off by rounding");
-        assert!(!spot.agrees(&at(2.0, 0.0, 1.0), 1.0), "off the plane");
+        let surface_key = SurfaceKey { p: Vec3::ZERO, ns: Vec3::Z, id: 3, width: 1.0 };
+        let at = |x: f32, y: f32, z: f32| SurfaceKey { p: Vec3::new(x, y, z), ..surface_key };
+        assert!(surface_key.agrees(&at(2.0, 0.0, 0.0), 1.0), "on one plane");
+        assert!(surface_key.agrees(&at(0.0, 0.0, 0.05), 1.0), "off by rounding");
+        assert!(!surface_key.agrees(&at(2.0, 0.0, 1.0), 1.0), "off the plane");
         assert!(
-            !spot.agrees(&at(9.0, 0.0, 0.0), 1.0) && spot.agrees(&at(9.0, 0.0, 0.0), 2.0),
+            !surface_key.agrees(&at(9.0, 0.0, 0.0), 1.0) && surface_key.agrees(&at(9.0, 0.0, 0.0), 2.0),
             "as far as pixels"
         );
-        assert!(!spot.agrees(&SurfaceKey { id: 4, ..spot }, 1.0), "another thing");
-        assert!(!spot.agrees(&SurfaceKey { ns: Vec3::X, ..spot }, 1.0), "around a corner");
+        assert!(!surface_key.agrees(&SurfaceKey { id: 4, ..surface_key }, 1.0), "another thing");
+        assert!(!surface_key.agrees(&SurfaceKey { ns: Vec3::X, ..surface_key }, 1.0), "around a corner");
     }
 
     #[test]

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What each pixel of a picture in motion sees first: camera rays to the first surface that scatters light, through mirrors and smooth
-//! glass along the branch that counts most. No light is asked for.
+//! The first visible surface of each pixel of a picture in motion: camera rays to the first surface that
+//! scatters light, through mirrors and smooth glass along the strongest branch. No light is sampled.
 //! Space: world.
-//! Behind a mirror a point has two places: on the surface that is seen, by which surfaces are compared, and that of its image straight
-//! ahead, by which it is found in other pictures; for flat mirrors that is exact.
+//! Behind a mirror a point has two positions: on the visible surface, for the comparison of surfaces, and
+//! that of its image straight ahead, for the projection into other pictures; for flat mirrors that is exact.
 
 use glam::Vec3;
 use gnurt_accel::{Coherence, INVALID_ID};
@@ -21,7 +21,7 @@ use crate::tracer::{AttributeRequests, BatchTracer, MID_GREY};
 use crate::transport::walks::Walks;
 use crate::world::HitLanes;
 
-/// Added to what a surface scatters, so that light on it can be told from what it shows.
+/// Added to a surface's albedo, so that the light on it can be divided out.
 const LEAST_SHARE: f32 = 0.04;
 /// Lobes of surfaces that also scatter to all sides count as no narrower than this.
 const HALF_WIDE: f32 = 0.3;
@@ -29,17 +29,17 @@ const HALF_WIDE: f32 = 0.3;
 const NARROWEST: f32 = 0.02;
 /// Mirrors behind mirrors that are followed.
 const MOST_MIRRORS: u32 = 8;
-/// Columns that are looked at together.
+/// Columns that are processed together.
 const COLUMNS: u32 = 64;
-/// Kinds that look alike from all sides.
+/// Kinds with the same appearance from all sides.
 const WIDE: u32 =
     Kind::None.bit() | Kind::Diffuse.bit() | Kind::Sheen.bit() | Kind::Fibres.bit() | Kind::Translucent.bit();
 const DELTAS: u32 = Kind::Mirror.bit() | Kind::SmoothGlass.bit() | Kind::SmoothPane.bit();
 
-/// What a pixel sees.
+/// The surface of a pixel.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SurfaceSample {
-    pub(super) spot: SurfaceKey,
+    pub(super) surface_key: SurfaceKey,
     pub(super) tint: Tint,
     /// Where the image of the point is.
     pub(super) image: Vec3,
@@ -56,7 +56,7 @@ struct Beyond {
     distance: f32,
 }
 
-/// What a point does to light that a picture in motion needs to know.
+/// The scattering of a point, as pictures in motion need it.
 struct Manner {
     share: Vec3,
     roughness: f32,
@@ -124,7 +124,7 @@ pub(super) fn sample_surfaces(
 /// Rows that go together.
 pub(super) const ROWS: u32 = BLOCK;
 
-/// What camera rays see.
+/// Surfaces of camera rays.
 fn see(tracer: &mut BatchTracer, camera: HitLanes, sights: &mut [SurfaceSample]) {
     let missed: Vec<usize> =
         (0..sights.len()).filter(|&lane| camera.hits.prim_id[lane] == INVALID_ID).collect();
@@ -169,14 +169,14 @@ struct Met<'a, 'w> {
 }
 
 impl Met<'_, '_> {
-    /// Writes what is seen of point `k`, or sends a ray beyond it.
+    /// Writes the surface of point `k`, or sends a ray beyond it.
     #[inline(always)]
     fn see(&self, k: usize, lane: usize, sample: &mut SurfaceSample, beyond: &mut Walks<Beyond>) {
         let Self { tracer, shader, points, closures, albedo, material } = *self;
         let (toward, t) = (-points.ray_dir.get(k), points.t[k]);
         let (mut share, mut roughness) = (albedo.get(k), 1.0);
         if shader.radiance().is_some() {
-            // Nobody knows what it does.
+            // Its scattering is unknown.
             roughness = HALF_WIDE;
         } else if closures.kinds(k) & DELTAS != 0 {
             let bsdf = closures.point(k).bsdf;
@@ -196,14 +196,14 @@ impl Met<'_, '_> {
             beyond.push(ray, points.key[k], Beyond { lane, throughput: Vec3::ONE, distance: t });
         }
         let p = points.p.get(k);
-        let spot = SurfaceKey {
+        let surface_key = SurfaceKey {
             p,
             ns: points.facing_ns(k),
             id: id_of(points.leaf_id[k], material),
             width: tracer.cone.width_at(t),
         };
         let tint = Tint { plain: closures.emission(k), share: share + LEAST_SHARE, roughness, opacity: 1.0 };
-        *sample = SurfaceSample { spot, tint, image: p, toward };
+        *sample = SurfaceSample { surface_key, tint, image: p, toward };
     }
 }
 
@@ -224,7 +224,7 @@ fn send(
     }
 }
 
-/// What is seen in mirrors, and the mirrors that are.
+/// Surfaces seen in mirrors, and the mirrors themselves.
 fn see_beyond(
     tracer: &mut BatchTracer,
     walks: &Walks<Beyond>,
@@ -232,7 +232,7 @@ fn see_beyond(
     sights: &mut [SurfaceSample],
 ) -> Walks<Beyond> {
     let mut beyond = Walks::default();
-    // What shaders show that send rays themselves is light on their surfaces.
+    // The radiance of shaders that trace rays themselves counts as light on their surfaces.
     let probes = std::mem::replace(&mut tracer.probes, true);
     let found = walks.meet(tracer, depth);
     tracer.probes = probes;
@@ -242,7 +242,7 @@ fn see_beyond(
         let Some(vertex) = vertex else {
             let visible = tracer.environment(&walks.rays, &[i], |_| false).get(0);
             let plain = sample.tint.plain + throughput * visible;
-            // What else it shows is light on the mirror.
+            // The rest of its radiance counts as light on the mirror.
             sample.tint = Tint { plain, ..sample.tint };
             continue;
         };
@@ -254,15 +254,15 @@ fn see_beyond(
             send(&mut beyond, (&vertex.point, &branch), vertex.cone, walks.keys[i], carried);
         }
         let material = tracer.world.material_of(vertex.ids[0], vertex.ids[1]);
-        sample.spot = SurfaceKey {
+        sample.surface_key = SurfaceKey {
             p: vertex.point.p,
             ns: vertex.point.ns,
-            id: hash_combine(id_of(vertex.ids[0], material), sample.spot.id) | 1,
+            id: hash_combine(id_of(vertex.ids[0], material), sample.surface_key.id) | 1,
             width: tracer.cone.width_at(distance),
         };
         sample.tint.share = throughput * manner.share + LEAST_SHARE;
         sample.tint.roughness = sample.tint.roughness.min(manner.roughness).max(NARROWEST);
-        // Straight ahead, as far as the way is.
+        // Straight ahead, by the length of the path.
         sample.image -= sample.toward * vertex.t;
     }
     beyond

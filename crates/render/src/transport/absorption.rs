@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What paths from the eye lose to what lies between surfaces.
+//! Absorption between surfaces along paths from the eye.
 //! Source: Beer's law; the rule is that of `gnurt_shading::bsdf::Medium`. Space: world.
-//! A way through holes is one way: it ends where the path is stopped. Invariant: worlds without media are not looked at.
+//! A segment through transparent parts is one segment: it ends where the path stops. Invariant: worlds
+//! without media skip this.
 //! Tests: crates/render/tests/agreement.rs.
 
 use gnurt_shading::SurfaceBatch;
@@ -12,7 +13,7 @@ use super::paths::Paths;
 use crate::options::RenderOptions;
 use crate::world::HitLanes;
 
-/// Takes from the paths of these numbers what is absorbed on their way to the points that stop them.
+/// Applies the absorption along these paths, up to the points that stop them.
 pub(crate) fn absorb(
     options: &RenderOptions,
     (paths, from): (&mut Paths, HitLanes),

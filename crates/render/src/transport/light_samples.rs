@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How a vertex asks lights: for which side, by which shadow ray; and lights that only know `illuminate`.
+//! A vertex's queries of lights: the side, the shadow ray; and lights that only have `illuminate`.
 //! Source: [PJH23] sections 12.6 (a point that light may reach from both sides asks without a normal) and 13.2. Space: world.
 //! Invariant: a direction counts for light samples exactly where a scattered ray may take it: the side is that of the BSDF's
 //! normal, as for `BsdfSample::transmitted`, and the horizon is that of `SurfacePoint::scatter_ray`.
@@ -13,7 +13,7 @@ use gnurt_shading::{LightBatch, SampleKey, SurfacePoint, Vec3s};
 
 use crate::world::World;
 
-/// The normal that lights are sampled for: zero, which asks for all sides, where light may come through the surface.
+/// The normal for light samples: zero, for all sides, if the surface may transmit light.
 pub(crate) fn sampling_normal(point: &SurfacePoint, bsdf: &Bsdf) -> Vec3 {
     if bsdf.is_translucent() { Vec3::ZERO } else { point.ns }
 }
@@ -24,15 +24,15 @@ pub(crate) fn shadow_ray(point: &SurfacePoint, bsdf: &Bsdf, dir: Vec3, dist: f32
     point.shadow_ray(dir, dist, bsdf.is_transmitted(dir))
 }
 
-/// A vertex that asks lights of shader plugins.
-pub(crate) struct Asking<'a> {
+/// A vertex that queries lights of shader plugins.
+pub(crate) struct LightQuery<'a> {
     pub(crate) point: &'a SurfacePoint,
     pub(crate) bsdf: &'a Bsdf,
     pub(crate) key: SampleKey,
     pub(crate) edges: u32,
 }
 
-/// What a light of a shader plugin offers.
+/// A light sample from a light of a shader plugin.
 pub(crate) struct Offer {
     /// Unit, towards the light.
     pub(crate) dir: Vec3,
@@ -41,31 +41,32 @@ pub(crate) struct Offer {
     pub(crate) arriving: Vec3,
 }
 
-/// Calls `with(number of the vertex, offer)` for all that lights which only know `illuminate` bring. They are told one normal, so
-/// vertices that light may come through ask them twice, once for each side, and take from each answer what lies on that side.
-pub(crate) fn ask_plugin_lights(
+/// Calls `with(number of the vertex, offer)` for the light of all lights that only have `illuminate`. The
+/// query has one normal, so transmitting vertices make two queries, once for each side, and use from each
+/// answer the light on that side.
+pub(crate) fn query_plugin_lights(
     world: &World,
     seed: u64,
-    asking: &[Asking],
+    queries: &[LightQuery],
     mut with: impl FnMut(usize, Offer),
 ) {
     let lights = world.lights();
-    if lights.plugins.is_empty() || asking.is_empty() {
+    if lights.plugins.is_empty() || queries.is_empty() {
         return;
     }
     let (mut p, mut normal) = (Vec3s::default(), Vec3s::default());
     let mut lane = |number: usize, side: f32| {
-        p.push(asking[number].point.p);
-        normal.push(asking[number].point.ns * side);
+        p.push(queries[number].point.p);
+        normal.push(queries[number].point.ns * side);
         number
     };
-    let mut lanes: Vec<usize> = (0..asking.len()).map(|number| lane(number, 1.0)).collect();
-    let behind = (0..asking.len()).filter(|&number| asking[number].bsdf.is_translucent());
+    let mut lanes: Vec<usize> = (0..queries.len()).map(|number| lane(number, 1.0)).collect();
+    let behind = (0..queries.len()).filter(|&number| queries[number].bsdf.is_translucent());
     lanes.extend(behind.map(|number| lane(number, -1.0)));
     let mut arriving = LightBatch::default();
     for light in lights.plugins.clone() {
         let draw = |&number: &usize| {
-            let Asking { key, edges, .. } = asking[number];
+            let LightQuery { key, edges, .. } = queries[number];
             sample_pair(seed, key, edges, purpose::LIGHT + light as u32)
         };
         let random: Vec<_> = lanes.iter().map(draw).collect();
@@ -77,7 +78,7 @@ pub(crate) fn ask_plugin_lights(
                 dist: arriving.dist[i],
                 arriving: arriving.radiance.get(i),
             };
-            let is_of_side = !asking[number].bsdf.is_translucent() || normal.get(i).dot(offer.dir) > 0.0;
+            let is_of_side = !queries[number].bsdf.is_translucent() || normal.get(i).dot(offer.dir) > 0.0;
             if is_of_side && offer.arriving != Vec3::ZERO {
                 with(number, offer);
             }

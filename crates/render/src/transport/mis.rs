@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Weights of light that two ways of sampling find. Source: [VG95]: the power heuristic (exponent 2) for paths, which choose between
-//! one light sample and one ray; the balance heuristic where either way takes several samples, or virtual lights are made both ways.
+//! Weights of light that two strategies sample. Source: [VG95]: the power heuristic (exponent 2) for paths,
+//! which choose between one light sample and one ray; the balance heuristic where either way takes several
+//! samples, or virtual lights are made both ways.
 //! Invariant: `w(a, b) + w(b, a)` is 1 for either where a density is above zero and both are finite.
 //! Tests: `tests::weights_add_up`.
 
@@ -10,7 +11,7 @@ use gnurt_shading::real::Real;
 
 use super::paths::Path;
 
-/// Weight of what was sampled with density `own` and might have been with `other`; of one point or of many.
+/// Weight of a sample with density `own` if another technique has density `other`; of one point or of many.
 #[inline(always)]
 pub(crate) fn power_heuristic<R: Real>(own: R, other: R) -> R {
     let (zero, one) = (own.all(0.0), own.all(1.0));
@@ -20,7 +21,8 @@ pub(crate) fn power_heuristic<R: Real>(own: R, other: R) -> R {
     R::pick(own.is_number(), weight, one)
 }
 
-/// Weight of what was sampled with density `own` and might have been with `other`, each times its number of samples.
+/// Weight of a sample with density `own` if another technique has density `other`, each times its number of
+/// samples.
 #[inline(always)]
 pub(crate) fn balance_heuristic(own: f32, other: f32) -> f32 {
     own * over_both(own, other)

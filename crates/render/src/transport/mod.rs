@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What integrators that scatter light themselves share: the vertices of paths, weights of samples; and the steps of the
-//! path tracer, many paths at a time.
+//! Common parts of integrators that scatter light themselves: the vertices of paths, weights of samples, and
+//! the steps of the path tracer, many paths at a time.
 //! Source: see each file.
 
 pub(crate) mod absorption;
@@ -19,7 +19,7 @@ pub(crate) mod width;
 use glam::Vec3;
 use gnurt_shading::Vec3s;
 
-pub(crate) use light_samples::{Asking, Offer, ask_plugin_lights, sampling_normal, shadow_ray};
+pub(crate) use light_samples::{LightQuery, Offer, query_plugin_lights, sampling_normal, shadow_ray};
 pub(crate) use mis::power_heuristic;
 pub(crate) use paths::Wavefront;
 pub(crate) use vertex::{Known, Vertex};

@@ -14,12 +14,12 @@ pub(crate) const MOST_LAYERS: u32 = 256;
 /// Branch of a path's key where it goes straight on.
 const STRAIGHT: u32 = 2;
 
-/// Whether a path of so many edges meets a surface that covers so much; else it goes through a hole.
+/// Whether a path with this number of edges hits a surface of this coverage; else it passes through.
 pub(crate) fn is_met(seed: u64, key: SampleKey, edges: u32, coverage: f32) -> bool {
     coverage >= 1.0 || probability(seed, key, edges) < coverage
 }
 
-/// The number in [0, 1) by which a path of so many edges decides that.
+/// The number in [0, 1) by which a path with this number of edges decides that.
 pub(crate) fn probability(seed: u64, key: SampleKey, edges: u32) -> f32 {
     sample_pair(seed, key, edges, purpose::COVERAGE)[0]
 }
@@ -30,8 +30,8 @@ pub(crate) fn passed(probability: f32, coverage: f32) -> Option<f32> {
     goes_on.then(|| ((probability - coverage) / (1.0 - coverage)).min(1.0 - f32::EPSILON / 2.0))
 }
 
-/// The rest of a ray that goes on from a surface as `onward`. It ends where the ray would have: rays leave surfaces a little ahead of them,
-/// and what is behind the end, a lamp itself, must stay behind it.
+/// The remainder of a ray after a surface, from `onward`. It ends where the original ray ends: rays leave
+/// surfaces with a small offset, and a surface behind the end, such as the light itself, must stay behind it.
 pub(crate) fn rest(ray: &Ray, onward: Ray) -> Ray {
     if !ray.t_far.is_finite() {
         return onward;
@@ -41,7 +41,7 @@ pub(crate) fn rest(ray: &Ray, onward: Ray) -> Ray {
     onward.within(0.0, (offset.dot(dir) * (1.0 - 4.0 * f32::EPSILON)).max(0.0))
 }
 
-/// The key of a path that went through a hole.
+/// The key of a path that passed a transparent part.
 pub(crate) fn key_beyond(key: SampleKey) -> SampleKey {
     key.fork(STRAIGHT)
 }

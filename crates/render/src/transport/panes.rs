@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lamps that no scattered ray meets (delta lights), seen through smooth glass: where the shadow ray of a light sample is blocked, the one way is
-//! followed that light takes straight through, bent in and bent out. Light from one direction counts where it leaves all glass as it came,
-//! which panes with two faces do; points and spots through what does not bend at all.
-//! A way is a function of the sample's point and direction, and nothing else finds that light, so it counts in full
-//! times what the glass lets through. Lamps that scattered rays can meet are left to these: to seek them here, too, costs more than it
-//! brings (bench/record/light-2026-11-24.md). So is glass that bends colours apart or in several ways, and what is mirrored.
-//! Space: world. Invariant: what is found depends on the sample and its key only.
+//! Delta lights through smooth glass. A blocked shadow ray is refracted in and out along the only path from
+//! the light. Directional light counts if it leaves all glass in its original direction, as after panes with
+//! two faces; point and spot lights only through glass without refraction. A path is a function of the
+//! sample's point and direction, and no other technique finds that light, so it counts in full times the
+//! transmittance of the glass. Lights that scattered rays can hit are left to scattered rays: to find them
+//! here, too, costs more than it gains (bench/record/light-2026-11-24.md). The same holds for dispersive
+//! glass, glass with several directions, and reflections.
+//! Space: world. Invariant: the result depends on the sample and its key only.
 //! Tests: crates/render/tests/panes.rs.
 
 use glam::Vec3;
@@ -24,26 +25,26 @@ const UNBENT: f32 = 1e-10;
 /// The same of light from one direction after all glass: a sixteenth of a degree.
 const SAME: f32 = 1e-6;
 
-/// A way that is being followed.
+/// A path that is followed.
 #[derive(Clone, Copy)]
 struct StraightPath {
     /// Which ray of the request it is of.
     ray: usize,
-    /// Edges up to the lamp so far.
+    /// Edges up to the light so far.
     edges: u32,
     /// Where the light comes from, if that is a direction.
     towards: Option<Vec3>,
-    /// What is left of light that comes along it.
+    /// Transmittance so far.
     left: Vec3,
-    /// Where its last part begins, and what is absorbed there.
+    /// Start of its last segment, and the absorption there.
     start: Vec3,
     absorption: Vec3,
-    /// Whether it went through glass yet; and how many holes.
+    /// Whether it has passed glass yet; and the number of transparent parts.
     is_through: bool,
     layers: u32,
 }
 
-/// Ways that take a step together.
+/// Paths that take a step together.
 #[derive(Default)]
 struct Ways {
     rays: RayBatch,
@@ -59,8 +60,8 @@ impl Ways {
     }
 }
 
-/// Adds to what reaches the lamps, by ray of the request, what does so through glass. `emitters` are the rays whose lamps no scattered ray
-/// meets, and which begin where nothing is absorbed, with the edges up to these lamps.
+/// Adds light through glass to the light that reaches the lights directly, by ray of the request. `emitters`
+/// are the rays to delta lights that begin outside of absorbing media, with the edges up to these lights.
 pub(crate) fn trace_through(
     tracer: &mut BatchTracer,
     request: &RayRequest,
@@ -126,12 +127,12 @@ pub(crate) fn trace_through(
     tracer.closures = closures;
 }
 
-/// Whether a way through glass meets nothing more; one through none is known to the shadow ray.
+/// Whether a path through glass has no further hit; a path without glass is covered by the shadow ray.
 fn is_free(prim_id: u32, straight_path: &StraightPath) -> bool {
     prim_id == INVALID_ID && straight_path.is_through
 }
 
-/// What is left of light that comes along a way that met nothing more.
+/// Transmittance of a path without a further hit.
 fn beyond(straight_path: &StraightPath, ray: &Ray) -> Vec3 {
     if straight_path.towards.is_some_and(|towards| towards.distance_squared(ray.dir.into()) > SAME) {
         return Vec3::ZERO;
@@ -139,7 +140,7 @@ fn beyond(straight_path: &StraightPath, ray: &Ray) -> Vec3 {
     straight_path.left * left_after(ray.t_far, [straight_path.absorption, Vec3::ZERO])
 }
 
-/// Where a way leads from point `k`, if anywhere.
+/// The continuation from point `k`, if there is one.
 fn ahead(
     tracer: &BatchTracer,
     (straight_path, ray, key): (&StraightPath, &Ray, SampleKey),

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Many paths between two edges, as structures of arrays, and the light on its way to them.
+//! Many paths between two edges, as structures of arrays, and the light on them.
 //! Source: wavefronts after the paper's section 8. Space: world.
-//! Invariant: all arrays have `len()` values, but between `begin` and `end`, while they are written: then they are longer,
-//! and `len()` says how many count. Memory stays from step to step.
+//! Invariant: all arrays have `len()` values, except between `begin` and `end`, while they are written: then
+//! they are longer, and only `len()` of them count. Memory stays from step to step.
 //! Tests: crates/render/tests/{path,lanes}.rs.
 
 use glam::Vec3;
@@ -14,18 +14,18 @@ use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
 use crate::cone::{Cone, Cones};
 
-/// A path that goes on.
+/// A continuing path.
 pub(crate) struct Path {
     /// Whose radiance it brings.
     pub(crate) lane: u32,
     pub(crate) key: SampleKey,
-    /// What light at its end is multiplied with.
+    /// Factor of light at its end.
     pub(crate) throughput: Vec3,
     /// Edges up to the next hit, that one included.
     pub(crate) edges: u32,
     /// Surfaces passed straight through since the last vertex.
     pub(crate) layers: u32,
-    /// Where the ray was scattered; `None` where no light sample could have found what it meets.
+    /// The origin of the scattered ray; `None` if no light sample could have found its hit.
     pub(crate) from: Option<Origin>,
     /// Where it was scattered in any case, and how much is absorbed there along it: meant if paths have media.
     pub(crate) start: Vec3,
@@ -42,7 +42,7 @@ pub(crate) struct Origin {
     pub(crate) pdf: f32,
 }
 
-/// The density that stands for no origin.
+/// The density that represents no origin.
 pub(crate) const NOWHERE: f32 = -1.0;
 
 /// Many of them.
@@ -67,19 +67,19 @@ pub(crate) struct Paths {
     cones: Cones,
 }
 
-/// Paths that go on from as many points as are looked at at once.
+/// Paths that continue from the points of one step.
 pub(crate) struct Scattered<R> {
     pub(crate) ray: Rays<R>,
     pub(crate) throughput: Vector<R>,
     pub(crate) p: Vector<R>,
     pub(crate) ns: Vector<R>,
-    /// [`NOWHERE`] where no light sample could have found what the ray meets.
+    /// [`NOWHERE`] if no light sample could have found the ray's hit.
     pub(crate) pdf: R,
-    /// What is absorbed along the rays where they were scattered; meant if paths have media.
+    /// Absorption along the rays at their origins; used if paths have media.
     pub(crate) absorption: Vector<R>,
-    /// The rays' cones: how wide they begin, how fast they widen; `None` if nobody asks.
+    /// The rays' cones: initial width and spread; `None` if they are not needed.
     pub(crate) cone: Option<[R; 2]>,
-    /// What sends the rays, as bits: one direction only, through the surface, to all sides.
+    /// The kinds of the rays, as bits: delta, transmitted, diffuse.
     pub(crate) how: [u64; 3],
 }
 
@@ -117,7 +117,7 @@ impl Paths {
         self.has_media
     }
 
-    /// Says whether it is.
+    /// Sets whether they do.
     pub(crate) fn set_media(&mut self, has_media: bool) {
         self.has_media = has_media;
         self.absorption.resize(0);
@@ -145,7 +145,7 @@ impl Paths {
         }
     }
 
-    /// Takes from path `i` what is absorbed.
+    /// Applies absorption to path `i`.
     pub(crate) fn dim(&mut self, i: usize, left: Vec3) {
         self.throughput.set(i, self.throughput.get(i) * left);
     }
@@ -161,13 +161,13 @@ impl Paths {
         (self.rays, self.keys, self.cones) = (rays, keys, cones);
     }
 
-    /// Forgets all paths.
+    /// Drops all paths.
     pub(crate) fn begin(&mut self) {
         self.count = 0;
         self.keys.clear();
     }
 
-    /// Makes room for `more` paths behind those that are there, and as many lanes as are written at once.
+    /// Reserves memory for `more` paths, plus the lanes of one write.
     pub(crate) fn reserve(&mut self, more: usize) {
         // Longer is as good, and need not be cleared.
         if self.capacity < self.count + more + LANES {
@@ -198,7 +198,7 @@ impl Paths {
         self.rays.org.iter_mut().chain(&mut self.rays.dir).for_each(|array| array.resize(n, 0.0));
     }
 
-    /// Appends the paths of the points in `alive`, one edge longer; there must be room.
+    /// Appends the paths of the points in `alive`, one edge longer; there must be space.
     #[inline(always)]
     pub(crate) fn push_all<R: Real>(&mut self, alive: R::Mask, of: Of, next: &Scattered<R>) {
         let at = self.count;
@@ -233,7 +233,7 @@ impl Paths {
         }
     }
 
-    /// Appends one; there must be room.
+    /// Appends one; there must be space.
     pub(crate) fn push(&mut self, path: Path, (ray, cone): (Ray, Cone)) {
         let at = self.count;
         self.count += 1;
@@ -254,16 +254,17 @@ impl Paths {
     }
 }
 
-/// Light on its way to vertices, unless something is in between.
+/// Light towards vertices, unless it is occluded.
 #[derive(Default)]
 pub(crate) struct Unshadowed {
     /// The parents are whose radiance it is.
     pub(crate) request: RayRequest,
     /// Radiance per ray, at the eye.
     radiance: Vec3s,
-    /// Edges up to the lamp.
+    /// Edges up to the light.
     edges: Vec<u32>,
-    /// Whether no scattered ray meets the lamp, and nothing is absorbed where the ray begins: such lamps are sought through glass.
+    /// Whether it is a delta light, and the ray begins outside of absorbing media: such lights are searched
+    /// for through glass.
     is_delta: Vec<bool>,
     count: usize,
 }
@@ -298,7 +299,8 @@ impl Unshadowed {
         floats.for_each(|array| array.resize(n, 0.0));
     }
 
-    /// As [`Paths::push_all`]: light at the eye; `delta_requests` are those whose lamps are sought through glass.
+    /// As [`Paths::push_all`]: light at the eye; `delta_requests` are those whose lights are searched for
+    /// through glass.
     #[inline(always)]
     pub(crate) fn push_all<R: Real>(
         &mut self,
@@ -326,7 +328,8 @@ impl Unshadowed {
         }
     }
 
-    /// Appends light to the vertex at the end of a path; there must be room. `is_delta`: whether its lamp is sought through glass.
+    /// Appends light to the vertex at the end of a path; there must be space. `is_delta`: whether its light
+    /// is searched for through glass.
     pub(crate) fn push(&mut self, path: &Path, ray: Ray, radiance: Vec3, is_delta: bool) {
         let at = self.count;
         self.count += 1;
@@ -340,7 +343,7 @@ impl Unshadowed {
         self.is_delta[at] = is_delta;
     }
 
-    /// Those whose lamps are sought through glass, and edges up to there.
+    /// Those whose lights are searched for through glass, and edges up to there.
     pub(crate) fn delta_requests(&self) -> impl Iterator<Item = (usize, u32)> {
         (0..self.count).filter(|&k| self.is_delta[k]).map(|k| (k, self.edges[k]))
     }
@@ -351,7 +354,7 @@ impl Unshadowed {
     }
 }
 
-/// What a path tracer keeps from step to step, and from batch to batch.
+/// State that a path tracer keeps from step to step, and from batch to batch.
 #[derive(Default)]
 pub(crate) struct Wavefront {
     pub(crate) paths: Paths,
@@ -362,7 +365,7 @@ pub(crate) struct Wavefront {
     pub(crate) through: Vec3s,
     /// Paths in order of the materials that they met: material in the upper half, number in the lower one.
     pub(crate) order: Vec<u64>,
-    /// Lanes whose shader says what comes back from there, and not why.
+    /// Lanes whose shader only returns radiance.
     pub(crate) radiance_only: Vec<u32>,
     pub(crate) closures: ClosureBatch,
 }

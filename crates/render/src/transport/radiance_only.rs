@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What surfaces do to light whose shaders only know `shade`: they are asked what they show without light, and under a few
-//! lights that nothing hides, and count as Lambertian surfaces that scatter as much.
-//! Light models of [DWBS03]. Space: world.
-//! Invariant: exact for diffuse shaders; of others the share of light is kept that they scatter towards the light path.
+//! Estimated scattering of radiance-only shaders: they are evaluated without light, and under a few
+//! unoccluded lights, and count as Lambertian surfaces of the same albedo. Light models of [DWBS03]. Space:
+//! world.
+//! Invariant: exact for diffuse shaders; for others exact towards the light path.
 //! Tests: `tests`, bindings/openrt/tests/plugins.rs.
 
 use std::f32::consts::PI;
@@ -12,13 +12,14 @@ use gnurt_shading::bsdf::{ClosureBatch, Lobe};
 use gnurt_shading::sampling::Basis;
 use gnurt_shading::{LightBatch, RadianceShader, RayRequest, SampleKey, SurfaceBatch, Tracer, Vec3s};
 
-/// Cosines and azimuths (in turns) of the lights: middles of parts of the hemisphere that have equal weight.
+/// Cosines and azimuths (in full rotations) of the lights: centres of parts of the hemisphere of equal
+/// weight.
 const LIGHTS: [[f32; 2]; 4] = [[0.935, 0.0], [0.79, 0.25], [0.61, 0.5], [0.35, 0.75]];
 
-/// A renderer of nothing but a few lights; rays see black.
+/// A renderer with only a few lights; rays see black.
 struct Probe {
     lights: usize,
-    /// What each brings, times its cosine.
+    /// Radiance of each, times its cosine.
     strength: f32,
 }
 
@@ -51,8 +52,8 @@ impl Tracer for Probe {
     }
 }
 
-/// Writes what each point does to light, and says what it shows without any; `white` is what a white diffuse surface shows where
-/// light 1 arrives.
+/// Writes the closure of each point, and returns its radiance without light; `white` is the radiance of a
+/// white diffuse surface under light 1.
 pub(crate) fn probe(
     shader: &dyn RadianceShader,
     points: &SurfaceBatch,
@@ -77,7 +78,7 @@ mod tests {
 
     use super::*;
 
-    /// Shows a glow and `color` times what arrives by the cosine.
+    /// Returns an emission plus `color` times cosine-weighted light.
     struct Diffuse(Vec3);
 
     impl RadianceShader for Diffuse {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One step of paths that met surfaces of one shader, as many at a time as the CPU's registers hold: light found, a light asked, a
-//! direction chosen.
+//! One step of paths that hit surfaces of one shader, as many at a time as the CPU's registers hold: add
+//! emission, sample a light, choose a direction.
 //! Source: as `integrators::path`. Space: world.
-//! Invariant: what a path does depends on its ray and key only: not on the paths beside it, nor on how many take the step at once.
+//! Invariant: the result of a path depends on its ray and key only, independent of the other paths and of the
+//! number of lanes.
 //! Tests: crates/render/tests/{lanes,path,agreement}.rs.
 
 use glam::Vec3;
@@ -26,17 +27,17 @@ use crate::world::{HitLanes, World};
 pub(crate) struct Met<'a> {
     pub(crate) world: &'a World,
     pub(crate) options: &'a RenderOptions,
-    /// What the rays of all paths hit.
+    /// The hits of all paths' rays.
     pub(crate) from: HitLanes<'a>,
     pub(crate) paths: &'a Paths,
-    /// Numbers of those that met it.
+    /// Numbers of the paths that hit it.
     pub(crate) numbers: &'a [u32],
-    /// Where, and what happens there.
+    /// The points and their closures.
     pub(crate) points: &'a SurfaceBatch,
     pub(crate) closures: &'a ClosureBatch,
-    /// What it shows where all light of the environment reaches it, if it only catches shadow.
+    /// The radiance of a shadow catcher under all light of the environment, if it is one.
     pub(crate) backdrop: Option<Vec3>,
-    /// Whether emission is all that is known of what it sends back: paths end here.
+    /// Whether its emission is all that is known of its radiance: paths end here.
     pub(crate) is_final: bool,
 }
 
@@ -54,12 +55,12 @@ impl Met<'_> {
         self.paths.get(number, self.from.keys[number])
     }
 
-    /// Whether the path at point `k` meets the surface; else it goes through a hole.
+    /// Whether the path at point `k` hits the surface; else it passes through.
     pub(crate) fn is_there(&self, k: usize, path: &Path) -> bool {
         opacity::is_met(self.options.seed, path.key, path.edges, self.closures.coverage(k))
     }
 
-    /// Sends the path at point `k` on if it goes through a hole, and says so.
+    /// Continues the path at point `k` if it passes through; returns whether it does.
     fn passes(&self, k: usize, onward: &mut Onward) -> bool {
         let mut path = self.path(k);
         if self.is_there(k, &path) {
@@ -89,7 +90,7 @@ impl Met<'_> {
         )
     }
 
-    /// What is left at the points from `first` on that are lit of light that comes so far, through the surface or not.
+    /// Transmittance over this distance at the lit points from `first` on, through the surface or not.
     #[inline(always)]
     fn dimmed<R: Real>(
         &self,
@@ -112,7 +113,7 @@ impl Met<'_> {
         )
     }
 
-    /// Takes the light that the surface gives off, and what lies behind it.
+    /// Adds the emission of the surface, and the background behind it.
     fn take_light(&self, k: usize, lights: &LightSet, onward: &mut Onward) {
         let (path, clamp) = (self.path(k), self.options.clamp);
         if let Some(behind) = self.backdrop {
@@ -125,8 +126,8 @@ impl Met<'_> {
         }
     }
 
-    /// What counts of the light that a scattered ray met: light samples find it, too. Of surfaces that only tell their
-    /// radiance, they find what the description lets shine.
+    /// The weighted emission at the hit of a scattered ray: light samples find it, too. Of radiance-only
+    /// surfaces they find the described emission.
     fn counted(&self, found: Vec3, lights: &LightSet, path: &Path, k: usize) -> Vec3 {
         let points = self.points;
         let (ids, dir) = ([points.leaf_id[k], points.geom_id[k], points.prim_id[k]], points.ray_dir.get(k));
@@ -215,7 +216,8 @@ fn scatter<W: Width>(
             let here = throughput * value * arriving;
             let here = met.dimmed(first, lit, (here, transmitted), light.dist);
             if met.backdrop.is_some() {
-                // The backdrop holds what the environment brings: it is taken away, and comes back where nothing is in between.
+                // The backdrop includes the environment's light: it is subtracted, and added again if
+                // unoccluded.
                 let far = lit & !light.delta & !light.dist.is_number();
                 for i in LanesOf(W::R::bits(far)) {
                     let path = met.path(first + i);
@@ -268,7 +270,7 @@ fn go_on<R: Real>(
     }
     alive = alive & throughput.is_finite() & !throughput.is_zero();
     let (ray, sends) = at.scatter_rays(chosen.wi, chosen.transmitted);
-    // What catches shadow leaves all that light samples can find to them.
+    // A shadow catcher leaves to light samples all light that they can find.
     let pdf = if met.backdrop.is_some() { zero } else { chosen.pdf };
     let pdf = R::pick(chosen.delta, one.all(NOWHERE), pdf);
     let ns = Vector::pick(prepared.is_translucent(), Vector::grey(zero), at.ns);
@@ -305,7 +307,7 @@ fn hit_info<R: Real>(like: R, points: &SurfaceBatch, first: usize, wo: Vector<R>
     }
 }
 
-/// What rays that leave the points from `first` on need to know; see [`SurfaceBatch::point`].
+/// State for rays that leave the points from `first` on; see [`SurfaceBatch::point`].
 #[inline(always)]
 fn leaving<R: Real>(like: R, points: &SurfaceBatch, first: usize, wo: Vector<R>) -> Leaving<R> {
     let zero = like.all(0.0);

@@ -12,14 +12,14 @@ use crate::cone::ConeHit;
 use crate::tracer::{AttributeRequests, BatchTracer, Sharing};
 use crate::world::HitLanes;
 
-/// How what a surface does to light is known.
+/// Knowledge about the scattering of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Known {
-    /// Its shader tells.
+    /// Its shader returns closures.
     Told,
     /// Its shader only shows: it was shown under a few lights, and under none ([`BatchTracer::dark`]).
     Probed,
-    /// Not at all: emission is what its shader shows.
+    /// None: emission is the radiance of its shader.
     Shown,
 }
 
@@ -30,25 +30,25 @@ pub(crate) struct Vertex {
     pub(crate) point: SurfacePoint,
     /// Unit, to where the ray came from.
     pub(crate) wo: Vec3,
-    /// What it does to light, what it gives off, how much of it is there.
+    /// Scattering, emission and opacity.
     pub(crate) scattering: Scattering,
-    /// Whether only its shader knows what it sends back: the emission then is all of that, and paths end here.
+    /// Whether only its shader knows its radiance: the emission then is all of it, and paths end here.
     pub(crate) is_final: bool,
-    /// The part of the emission that a probed shader shows without light, beside what the description lets shine: light samples do not
-    /// know it.
+    /// The part of the emission that a probed shader adds without light, beside the described emission: light
+    /// samples do not know it.
     pub(crate) shown: Vec3,
-    /// What light straight from lamps counts here more than other light; 1 where shaders tell what they do to light.
+    /// Relative weight of direct light here; 1 if shaders return closures.
     pub(crate) light_gain: f32,
     /// How far the ray came.
     pub(crate) t: f32,
     /// How its cone met the surface.
     pub(crate) cone: ConeHit<f32>,
-    /// What was hit: leaf, mesh, triangle.
+    /// The hit: leaf, mesh, triangle.
     pub(crate) ids: [u32; 3],
 }
 
 impl Vertex {
-    /// Makes it black: nothing comes from there, and no path goes on.
+    /// Makes it black: no radiance leaves it, and no path continues.
     pub(crate) fn darken(&mut self) {
         (self.scattering.emission, self.shown, self.is_final) = (Vec3::ZERO, Vec3::ZERO, true);
     }
@@ -68,7 +68,7 @@ impl BatchTracer<'_> {
         vertices
     }
 
-    /// Writes what points of one shader do to light, and says how that is known.
+    /// Writes the closures of points of one shader, and returns how they are known.
     pub(crate) fn closures_of(
         &mut self,
         shader: &dyn SurfaceShader,
@@ -86,7 +86,7 @@ impl BatchTracer<'_> {
         let mut radiance = Vec3s::splat(points.len(), Vec3::ZERO);
         shader.shade(self, points, &mut radiance);
         if self.sharing == Sharing::Pattern {
-            // What light is averaged without.
+            // This part is excluded from averaging.
             radiance_only::probe(shader, points, self.options.white, closures);
         }
         (0..points.len()).for_each(|k| closures.emit(k, radiance.get(k)));

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Random walks whose vertices are looked at one by one: from lamps, from the eye to virtual lights, from the points that
-//! judge these. Each goes on from edge to edge with what its owner carries along; the way to the next surface that stops it, the
-//! choice of a direction there and the ray that follows are the same for all. Where paths need no more than `path` does, they
-//! take their steps sixteen at a time: `step`.
+//! Random walks whose vertices are processed one by one: from lights, from the eye to virtual lights, from
+//! the pilot points. Each walk carries data of its owner from edge to edge. The search for the next surface
+//! that stops it, the choice of a direction and the next ray are common to all walks. Paths that need no more
+//! than `path` take their steps sixteen at a time: `step`.
 //! Source: wavefronts after the paper's section 8. Space: world.
-//! Invariant: what a walk meets depends on its ray, key and chance only, not on the walks beside it.
+//! Invariant: the hits of a walk depend on its ray, key and random numbers only.
 //! Tests: crates/render/tests/{many_lights,agreement}.rs.
 
 use glam::Vec3;
@@ -19,13 +19,13 @@ use crate::cone::{Cone, Cones};
 use crate::tracer::BatchTracer;
 use crate::world::HitLanes;
 
-/// Walks under way, each with what its owner carries along.
+/// Active walks, each with data of its owner.
 #[derive(Clone)]
 pub(crate) struct Walks<W> {
     pub(crate) rays: RayBatch,
     pub(crate) keys: Vec<SampleKey>,
-    /// Numbers in [0, 1) that decide about holes on the edges under way, where walks have numbers of their own; else empty, and their keys
-    /// decide.
+    /// Numbers in [0, 1) that decide about transparency on the current edges, if walks have numbers of their
+    /// own; else empty, and their keys decide.
     pub(crate) chances: Vec<f32>,
     /// `None` = those of camera rays.
     pub(crate) cones: Option<Cones>,
@@ -71,12 +71,12 @@ impl<W> Walks<W> {
 }
 
 impl BatchTracer<'_> {
-    /// The vertex where each ray is stopped, given what it hit: surfaces that are there in part are passed by chance, by the `chances` of the
-    /// rays, or by their keys if there are none.
+    /// The vertex where each ray stops, given its hit. A partly transparent surface is passed at random, by
+    /// the `chances` of the rays, or by their keys if there are none.
     pub(crate) fn stopped(&mut self, from: HitLanes, chances: &[f32]) -> Vec<Option<Vertex>> {
         let (depth, seed) = (from.depth, self.options.seed);
         let mut vertices = self.vertices(from);
-        // Which vertices may be holes, and the keys and chances that they were met with.
+        // Vertices that may be transparent, with their keys and random numbers.
         let chance_of = |lane: usize| chances.get(lane).copied();
         let requests = from.keys.iter().enumerate();
         let mut requests: Vec<(usize, SampleKey, Option<f32>)> =
@@ -114,14 +114,16 @@ impl BatchTracer<'_> {
     }
 }
 
-/// What light that counts so much, by colour, counts for the choice of a direction.
+/// The weight of light of this colour in the choice of a direction.
 fn counted(bsdf: &Bsdf, light: Vec3) -> Vec3 {
-    // Who asks for densities does not know what light counts: only where there are none colours are chosen by that.
+    // A caller that computes densities does not know the light's weight: only without densities the choice of
+    // colours depends on it.
     let by_light = bsdf.is_dispersed() && !bsdf.is_smooth();
     if by_light { light } else { Vec3::ONE }
 }
 
-/// Where a walk from the eye goes on whose light counts so much: a direction that the BSDF chooses, and the ray that takes it.
+/// The continuation of a walk from the eye whose light has this weight: a direction that the BSDF chooses,
+/// and its ray.
 pub(crate) fn scatter(
     point: &SurfacePoint,
     bsdf: &Bsdf,
@@ -141,7 +143,7 @@ pub(crate) fn scatter_light(
     u: [f32; 3],
 ) -> Option<(Ray, BsdfSample)> {
     let carrying = Carrying::by(bsdf, from, counted(bsdf, light));
-    // Light goes on to either side, but does not cheat its facet.
+    // Light may continue to either side, but must be consistent with its face.
     let is_honest = |sample: &BsdfSample| (point.ng.dot(sample.wi) > 0.0) != sample.transmitted;
     let sample = carrying.sample(u, point.ng).filter(is_honest)?;
     Some((point.spawn(sample.wi, f32::INFINITY), sample))

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How many paths take a step at once: sixteen where the CPU's registers are wide enough, else one. What differs is how
-//! points are read, random numbers drawn and lights chosen.
+//! The number of paths per step: sixteen where the CPU's registers are wide enough, else one. The two differ
+//! in reading points, drawing random numbers and choosing lights.
 //! Invariant: both give the same bits. Tests: crates/render/tests/lanes.rs.
 
 use glam::Vec3;
@@ -19,8 +19,8 @@ pub(crate) trait Width: Copy {
 
     /// Zeros.
     fn zero(self) -> Self::R;
-    /// Looks at points of a batch from `first` on, from `wo`, where the light that they scatter will count `light`; `prepared` is
-    /// [`Prepared::none`].
+    /// Prepares points of a batch from `first` on, for `wo`, where the light that they scatter has the weight
+    /// `light`; `prepared` is [`Prepared::none`].
     fn prepare(
         self,
         closures: &ClosureBatch,
@@ -28,7 +28,7 @@ pub(crate) trait Width: Copy {
         from: (Vector<Self::R>, Vector<Self::R>),
         prepared: &mut Prepared<Self::R>,
     );
-    /// The random numbers of some keys at some edges, as many as there are points or fewer.
+    /// The random numbers of some keys at some edges, at most one for each point.
     fn draws(self, seed: u64, keys: &[SampleKey], edges: &[u32; LANES]) -> Self::Draws;
     /// The pair for a purpose.
     fn pair(draws: Self::Draws, purpose: u32) -> [Self::R; 2];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Areas of an object's meshes where it is put: for shaders that share a lamp's power out over its surface.
-//! Areas are summed once for each mesh and each way in which a place stretches it: turning and moving change
-//! nothing. Space: of the place. Tests: crates/render/tests/appearance.rs.
+//! Areas are summed once for each mesh and each stretch by a transform: rotation and translation change
+//! nothing. Space: that of the transform. Tests: crates/render/tests/appearance.rs.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -9,13 +9,13 @@ use std::sync::{Arc, Mutex};
 use glam::{Mat3, Vec3};
 use gnurt_scene::Mesh;
 
-/// Sums that an object remembers; others are made again whenever they are asked for.
+/// The largest number of cached sums; others are computed again.
 const MOST: usize = 4096;
 
-/// A mesh, and the squares of how a place stretches it.
+/// A mesh, and the squares of a transform's stretch.
 type Key = (u32, [u32; 6]);
 
-/// What an object remembers. Its clones begin anew: they may have other meshes.
+/// Cached areas of an object. Clones start empty, because they may have other meshes.
 #[derive(Default)]
 pub(crate) struct Areas {
     known: Mutex<HashMap<Key, f32>>,
@@ -32,7 +32,7 @@ impl Areas {
     pub(crate) fn of(&self, meshes: &[Arc<Mesh>], geom_id: u32, linear: &Mat3) -> f32 {
         let Some(mesh) = meshes.get(geom_id as usize) else { return 0.0 };
         let Mat3 { x_axis: x, y_axis: y, z_axis: z } = *linear;
-        // Places that only turn the mesh differ in the last bits.
+        // Transforms that only rotate the mesh differ in the last bits.
         let squares = [x.dot(x), y.dot(y), z.dot(z), x.dot(y), y.dot(z), z.dot(x)];
         let scale = squares[0].max(squares[1]).max(squares[2]);
         let key = squares.map(|s| {
@@ -59,7 +59,7 @@ fn sum(mesh: &Mesh, linear: &Mat3) -> f32 {
         let at = |i: u32| mesh.positions.get(i as usize).copied().map_or(Vec3::ZERO, Vec3::from);
         let (p, q, r) = (at(a), at(b), at(c));
         let doubled = f64::from((*linear * (q - p)).cross(*linear * (r - p)).length());
-        // What is no triangle has none.
+        // A degenerate triangle has no area.
         if doubled.is_finite() { 0.5 * doubled } else { 0.0 }
     };
     mesh.indices.iter().map(area).sum::<f64>() as f32

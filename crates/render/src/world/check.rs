@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether all ids of what was edited name something.
-//! What a scene has it never loses, so what was sound at the last commit still is; only shader tables get shorter.
+//! Validity of all ids in edited parts of a scene. A scene never loses elements, so earlier parts stay valid;
+//! only shader tables get shorter.
 //! Tests: crates/render/tests/commit.rs.
 
 use gnurt_scene::{Scene, Surface};

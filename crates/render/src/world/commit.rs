@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Commit: from a description to a world, doing only what is due.
-//! The scene's log says what was edited since the last commit; each edit touches its part of the world, and
-//! what hangs on that (the table in ARCHITECTURE.md). Parts are shared: a commit works on a copy of the world that has all
-//! parts in common with it, replaces those that are due, and puts the copy in its place at the end.
-//! Invariants: a clone of the world before is not touched; after an error, or a panic, neither is the world.
+//! Commit: from a description to a world, with only the necessary work. The scene's log lists the edits since
+//! the last commit; each edit affects its part of the world, and the parts that depend on it (the table in
+//! ARCHITECTURE.md). Parts are shared: a commit works on a copy of the world that shares all parts, replaces
+//! the affected ones, and stores the copy at the end. Invariants: a clone of the world before is not touched;
+//! after an error, or a panic, neither is the world.
 //! Tests: `crates/render/tests/{commit,edits}.rs`.
 
 use std::collections::HashMap;
@@ -23,12 +23,12 @@ use super::{Dropped, Followed, World, check, members, object_build, top, users};
 use crate::error::CommitError;
 
 impl World {
-    /// Brings the world up to date with `scene`. A world follows one scene: only what its log says was edited since
-    /// the last commit is made again; for another scene, or with other options, all is. Bad primitives and instances are
-    /// dropped and counted.
+    /// Brings the world up to date with `scene`. A world follows one scene: a commit rebuilds only the parts
+    /// edited since the last one; for another scene, or with other options, it rebuilds all. Bad primitives
+    /// and instances are dropped and counted.
     ///
     /// # Errors
-    /// [`CommitError`] if the scene names things that are not there; the world stays as it was.
+    /// [`CommitError`] if the scene refers to missing things; the world stays as it was.
     pub fn commit(
         &mut self,
         scene: &Scene,
@@ -39,9 +39,9 @@ impl World {
         self.commit_exposed(scene, &Exposure::default(), shaders, options, pool)
     }
 
-    /// The same for a shutter that is open: what `exposure` names moves while a picture is taken, and the scene shows where all
-    /// is when it opens. Trees of meshes that bend are built at each commit. What has no place at some moment, because it is
-    /// flat then, stays where the scene shows it; ids that the scene does not have are passed over.
+    /// The same for an open shutter: the contents of `exposure` move during the picture, and the scene shows
+    /// the state at its opening. Trees of deforming meshes are built at each commit. An instance that is flat
+    /// at some time keeps the transform of the scene; ids outside of the scene are skipped.
     ///
     /// # Errors
     /// As [`commit`](Self::commit).
@@ -75,7 +75,7 @@ impl World {
         world.update(is_first, &dirty, (scene, exposure), shaders, options, pool, &mut report);
         world.shutter = Shutter::Closed;
         world.pixel.clone_from(&shaders.pixel);
-        open.lamps_move = world.lights.emitters.move_in(&world.instances);
+        open.lights_move = world.lights.emitters.move_in(&world.instances);
         world.open = (!exposure.is_still()).then(|| Arc::new(open));
         world.follows =
             Some(Followed { identity: scene.identity().clone(), cursor: scene.cursor(), options: *options });
@@ -119,7 +119,7 @@ impl World {
         let is_numbered = || emitters.ids.is_empty() || tree_before.numbers_alike(&self.tree);
         let emitters =
             found.or_else(|| (!is_numbered()).then(|| emitters.renumbered(&tree_before, &self.tree)));
-        report.found_lamps = emitters.is_some();
+        report.found_emitters = emitters.is_some();
         let bounds = self.tree.bounds();
         let changed = ChangedLights {
             edited: is_first || !dirty.lights.is_empty() || !dirty.textures.is_empty(),
@@ -141,7 +141,7 @@ impl World {
         pool: &rayon::ThreadPool,
         report: &mut CommitReport,
     ) -> Geometry {
-        // Instances that are to be looked at: hidden ones that stay hidden are not there.
+        // Instances to process: hidden ones that stay hidden are absent.
         let slot = |id: u32| self.instances.get(id as usize);
         let object_before = |id: u32| slot(id).and_then(InstanceSlot::object);
         let is_visible = |id: &u32| scene.instances()[*id as usize].visible || object_before(*id).is_some();
@@ -193,7 +193,7 @@ impl World {
             (report.built_objects, report.refitted_objects) = (rebuilt.built, rebuilt.refitted);
             is_moved |= rebuilt.reshaped;
             if !rebuilt.ids.is_empty() {
-                // Those that show it hold it.
+                // Instances that show it hold it.
                 let shows = |slot: &InstanceSlot| {
                     slot.object().is_some_and(|object| rebuilt.ids.binary_search(&object.0).is_ok())
                 };
@@ -227,10 +227,10 @@ impl World {
     }
 }
 
-/// What became of objects and instances.
+/// Changes of objects and instances.
 struct Geometry {
     /// Instances that were placed again, ascending.
     changed: Vec<u32>,
-    /// Whether rays may meet other things, or the same ones elsewhere.
+    /// Whether the traced geometry, or its transform, may have changed.
     is_moved: bool,
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects of the same triangles at different vertices: characters of one kind, each in its own pose. Many of them share the
-//! structure of one tree, without anybody saying so.
-//! The paper's section 6 asks for it. When it pays is in docs/explanation/moving.md.
+//! Objects of the same triangles at different vertices: characters of one kind, each in its own pose. Many of
+//! them share the structure of one tree automatically. [SIP06], section 6, requests it. When it pays is in
+//! docs/explanation/moving.md.
 //! Invariant: hits do not depend on it. Tests: `tests`, crates/render/tests/commit.rs.
 
 use std::collections::HashMap;
@@ -18,11 +18,11 @@ const MANY_TRIANGLES: usize = 200_000;
 /// A topology, held by each object that has it.
 pub(super) struct Kind {
     triangles: usize,
-    /// The trees of those that share.
+    /// The trees of sharing objects.
     pub(super) crowd: Crowd,
 }
 
-/// The topologies that there are. Copies of a world know the same ones.
+/// The topologies that there are. Copies of a world share them.
 #[derive(Clone, Default)]
 pub(super) struct Crowds(Arc<Mutex<HashMap<[u64; 2], Weak<Kind>>>>);
 
@@ -46,7 +46,7 @@ impl Crowds {
 }
 
 impl Kind {
-    /// Whether so many objects have it that they share.
+    /// Whether it has enough objects for sharing.
     pub(super) fn is_of_many(self: &Arc<Self>) -> bool {
         let count = Arc::strong_count(self);
         count >= MANY && count * self.triangles >= MANY_TRIANGLES

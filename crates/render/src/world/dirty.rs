@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a commit has to look at: what the scene's log says was edited, and what hangs on that.
-//! Cost: the number of edits; meshes and textures are looked for in all objects and materials.
+//! The dirty parts of a scene for a commit: its edits, and their dependents. Cost: the number of edits;
+//! meshes and textures are searched for in all objects and materials.
 //! Tests: crates/render/tests/{commit,edits}.rs.
 
 use gnurt_scene::edit::{Cursor, Edit};
@@ -11,14 +11,14 @@ use super::materials;
 use super::open::Open;
 use super::table::ShaderTable;
 
-/// Ids of what is to be looked at, each list ascending.
+/// Dirty ids, each list ascending.
 #[derive(Debug, Default)]
 pub(super) struct DirtyParts {
     pub(super) meshes: Vec<u32>,
     /// Those with an edited list, or an edited mesh.
     pub(super) objects: Vec<u32>,
     pub(super) instances: Vec<u32>,
-    /// Those that were edited, have an edited texture, or show a shader that is another one.
+    /// Edited ones, those with an edited texture, and those with a replaced shader.
     pub(super) materials: Vec<u32>,
     pub(super) textures: Vec<u32>,
     pub(super) lights: Vec<u32>,
@@ -38,7 +38,7 @@ impl DirtyParts {
         }
     }
 
-    /// What moves while the shutter is open, or did.
+    /// Parts that move during the open shutter, now or at the last commit.
     pub(super) fn open(&mut self, open: &Open) {
         for (list, more) in [(&mut self.objects, &open.objects), (&mut self.instances, &open.instances)] {
             list.extend(more);
@@ -47,7 +47,7 @@ impl DirtyParts {
         }
     }
 
-    /// What was edited since, and what hangs on it.
+    /// The edits since then, and their dependents.
     pub(super) fn since(cursor: Cursor, scene: &Scene, table: &MaterialTable, shaders: &ShaderTable) -> Self {
         let mut dirty = Self::default();
         for edit in scene.edits_since(cursor) {

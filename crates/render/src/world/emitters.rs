@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The triangles that shine: all those of all instances together are one light.
-//! Space: world. Looked for again only where an instance that shines moved, came or went, an object that
-//! shines was changed, or a material shines differently. Tests: `crates/render/tests/{lights,commit,shader_emission}.rs`.
+//! The emissive triangles: all those of all instances together are one light.
+//! Space: world. They are searched for again only if an emissive instance moved, came or went, an emissive
+//! object was changed, or a material's emission changed. Tests:
+//! `crates/render/tests/{lights,commit,shader_emission}.rs`.
 
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use super::object::WorldObject;
 use super::shader_emission::{EmissionTriangle, ShaderEmission};
 use super::transform::Transform;
 
-/// What is looked through for them.
+/// The input of the search for emissive triangles.
 #[derive(Clone, Copy)]
 pub(super) struct Shown<'a> {
     pub(super) instances: &'a SharedList<InstanceSlot>,
@@ -27,18 +28,18 @@ pub(super) struct Shown<'a> {
     pub(super) pool: &'a rayon::ThreadPool,
 }
 
-/// All triangles that shine.
+/// All emissive triangles.
 #[derive(Default)]
 pub(super) struct Emitters {
     pub(super) triangles: Option<Arc<shading::TriangleLights>>,
-    /// Object (as the tree over instances numbers them), mesh and triangle of each of them, ascending; twice where both sides
-    /// shine.
+    /// Object (by its number in the tree over instances), mesh and triangle of each of them, ascending; twice
+    /// if both sides emit.
     pub(super) ids: Arc<Vec<[u32; 3]>>,
-    /// Instances that have a mesh that shines, ascending.
+    /// Instances with an emissive mesh, ascending.
     instances: Vec<u32>,
 }
 
-/// Triangles that may shine: each with leaf, mesh and triangle, and what is known of those whose shaders are asked.
+/// Triangles that may emit: leaf, mesh and triangle of each, and the data of those whose shaders are queried.
 #[derive(Default)]
 struct Found {
     triangles: Vec<shading::EmissiveTriangle>,
@@ -47,14 +48,14 @@ struct Found {
 }
 
 impl Emitters {
-    /// The lamps after the instances of `changed`, ascending, have changed; `None` if they are as they were.
+    /// The emitters after a change of the instances of `changed`, ascending; `None` if they are unchanged.
     pub(super) fn after(&self, changed: &[u32], emission_changed: bool, shown: Shown) -> Option<Self> {
         let Shown { instances, materials, pool, .. } = shown;
         let is_emissive = |instance_index: usize| {
             let placed = instances.get(instance_index).and_then(InstanceSlot::placed);
-            // What rays of light do not see gives off none.
+            // Geometry hidden from light rays emits none.
             placed.is_some_and(|placed| {
-                placed.mask.meets(RayMask::OTHER) && shows_lamps(&placed.object, materials)
+                placed.mask.meets(RayMask::OTHER) && shows_emitters(&placed.object, materials)
             })
         };
         let now: Vec<u32> = if emission_changed {
@@ -83,12 +84,12 @@ impl Emitters {
         Some(Self::of(now, None, shown))
     }
 
-    /// The same lamps where they are at a moment of the open shutter.
+    /// The same emitters at a time of the open shutter.
     pub(super) fn at(&self, time: f32, shown: Shown) -> Self {
         Self::of(self.instances.clone(), Some(time), shown)
     }
 
-    /// The same lamps where objects have other numbers.
+    /// The same emitters after a renumbering of objects.
     pub(super) fn renumbered(&self, before: &SceneTree, now: &SceneTree) -> Self {
         let number = |&[leaf_id, geom_id, prim_id]: &[u32; 3]| {
             let (inst_id, leaf) = before.instance_at(leaf_id).expect("lamps are there");
@@ -141,7 +142,7 @@ impl Emitters {
 
 impl Found {
     fn of(emissive: &[u32], time: f32, shown: Shown, emitters: &[Arc<shading::Emitter>]) -> Self {
-        // Position among the emitters of each material that shines.
+        // Position among the emitters of each emissive material.
         let mut next = 0..;
         let number: Vec<Option<u32>> =
             shown.materials.emitters().map(|emitter| emitter.and_then(|_| next.next())).collect();
@@ -163,7 +164,7 @@ impl Found {
                             found.push((front, (ids, None)));
                             continue;
                         }
-                        // Both sides may shine.
+                        // Both sides may emit.
                         for side in [front.clone(), turned(front)] {
                             let shader_emission =
                                 EmissionTriangle { met, inst_id, emitter, is_turned: side.is_turned };
@@ -180,18 +181,19 @@ impl Found {
     }
 }
 
-fn shows_lamps(object: &WorldObject, materials: &MaterialTable) -> bool {
+fn shows_emitters(object: &WorldObject, materials: &MaterialTable) -> bool {
     object.has_material(|material| materials.is_emissive(material))
 }
 
-/// Calls `visit` with all objects in one that have triangles that shine, where they are at a moment, and their numbers from `first` on.
+/// Calls `visit` with all objects in one that have emissive triangles, with their transforms at a time, and
+/// their numbers from `first` on.
 fn each_lamp(
     object: &WorldObject,
     (first, instance_index, time): (u32, &Transform, f32),
     materials: &MaterialTable,
     visit: &mut dyn FnMut(&WorldObject, u32, &Transform),
 ) {
-    if !shows_lamps(object, materials) {
+    if !shows_emitters(object, materials) {
         return;
     }
     let Some(members) = &object.members else { return visit(object, first, instance_index) };
@@ -204,7 +206,7 @@ fn each_lamp(
     visit(object, first + members.own_leaf(), instance_index);
 }
 
-/// A triangle in the world; `None` if it cannot be traced, because what is not there does not shine.
+/// A triangle in the world; `None` if it cannot be traced, because absent triangles emit nothing.
 fn triangle(
     instance_index: &Transform,
     (mesh, keys, time): (&gnurt_scene::Mesh, &[Arc<gnurt_scene::Mesh>], f32),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object put somewhere, and what of it a hit names.
+//! A placed object, and the parts of it that a hit names.
 //! Invariant: the transform of a placed instance has an inverse.
 
 use std::sync::Arc;
@@ -19,11 +19,11 @@ pub(crate) struct PlacedInstance {
     /// Which rays see it.
     pub(crate) mask: RayMask,
     pub(crate) transform: Transform,
-    /// Its way while the shutter is open; `transform` is where it is at first.
+    /// Its path during the open shutter; `transform` is its start.
     pub(crate) motion: Option<Arc<MotionPath>>,
 }
 
-/// What there is of an instance of the scene.
+/// The state of an instance of the scene.
 #[derive(Clone, Default)]
 pub(super) enum InstanceSlot {
     /// Rays do not meet it.
@@ -35,7 +35,7 @@ pub(super) enum InstanceSlot {
 }
 
 impl InstanceSlot {
-    /// An instance as the scene has it, if it shows an object that is there; and its places while the shutter is open.
+    /// An instance of the scene, if its object exists; with its transforms during the open shutter.
     pub(super) fn new(
         instance: &Instance,
         objects: &SharedList<ObjectSlot>,
@@ -78,7 +78,7 @@ impl InstanceSlot {
 }
 
 impl PlacedInstance {
-    /// Where it is at a moment.
+    /// Its transform at a time.
     pub(crate) fn at(&self, time: f32) -> Transform {
         // Where it is flat then, it stays.
         let moved =
@@ -86,7 +86,7 @@ impl PlacedInstance {
         moved.unwrap_or(self.transform)
     }
 
-    /// Where number `leaf` of the objects that it shows is at a moment.
+    /// The transform of its object number `leaf` at a time.
     pub(crate) fn leaf_at(&self, leaf: u32, time: f32) -> Transform {
         let (mut object, mut leaf, mut transform) = (&*self.object, leaf, self.at(time));
         while let Some((member, inner)) = object.member_at(leaf) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All lights of a world: from the description's lights, its triangles that shine and the shader table's.
-//! Each of them is kept while nothing edits it; the tree that lights are chosen by hangs on those with a
-//! place alone, an environment's distribution on its texture alone.
+//! All lights of a world: the description's lights, its emissive triangles and the shader table's lights.
+//! Each is kept until an edit affects it; the light tree depends only on lights with a position, an
+//! environment's distribution only on its texture.
 //! Tests: `crates/render/tests/{lights,commit}.rs`.
 
 use std::ops::Range;
@@ -20,7 +20,7 @@ use super::table::ShaderTable;
 use super::textures::sharp;
 use crate::many_lights::PluginEmitters;
 
-/// Tells what shines from all else that ever shone.
+/// Identity of a set of lights.
 #[derive(Clone, Default)]
 pub(crate) struct LightsContent(Arc<()>);
 
@@ -33,54 +33,54 @@ impl PartialEq for LightsContent {
 /// All lights of a world.
 #[derive(Default)]
 pub(crate) struct Lights {
-    /// As shaders ask them.
+    /// The form for shaders.
     pub(crate) shaders: Vec<Arc<dyn LightShader>>,
-    /// Which of `shaders` only know `illuminate`: those of the shader table.
+    /// Those of `shaders` that only have `illuminate`: the shader table's.
     pub(crate) plugins: Range<usize>,
-    /// What misses see.
+    /// Radiance of rays that hit nothing.
     pub(crate) environment: Option<Arc<dyn EnvironmentShader>>,
-    /// What misses of camera rays see in place of that.
+    /// Radiance of camera rays that hit nothing, in place of that.
     pub(crate) backdrop: Option<Arc<shading::PictureEnvironment>>,
     pub(super) emitters: Arc<Emitters>,
-    /// The same for lights that differ in nothing but what they light.
+    /// The same for lights that differ only in the geometry that they light.
     pub(super) content: LightsContent,
     /// The scene's own environment, unless the shader table has one.
     own_environment: Option<EnvironmentLight>,
     /// The scene's lights without extent, in their order.
     punctual: Vec<Light>,
-    /// All but `plugins`, for whoever needs densities.
+    /// All but `plugins`, for callers that need densities.
     parts: shading::LightParts,
-    /// Made for the first integrator that wants it.
+    /// Built for the first integrator that needs it.
     set: OnceLock<LightSet>,
-    /// Likewise: where light paths start at lights that only know `illuminate`.
+    /// The starts of light paths at lights that only have `illuminate`.
     plugin_emitters: OnceLock<PluginEmitters>,
 }
 
 /// Lights and the environment of the shader table.
 type FromTable<'a> = (&'a [Arc<dyn LightShader>], &'a Option<Arc<dyn EnvironmentShader>>);
 
-/// What a commit has found out before it comes to lights.
+/// Changes that a commit found before it updates the lights.
 pub(super) struct ChangedLights {
     /// Those of the scene were edited, or a texture.
     pub(super) edited: bool,
-    /// The triangles that shine, if they are others.
+    /// The emissive triangles, if they have changed.
     pub(super) emitters: Option<Emitters>,
     /// Of all that can be lit.
     pub(super) bounds: [Vec3; 2],
 }
 
 impl Lights {
-    /// All lights but those of shader plugins, with densities; by one thread if nobody has made them yet.
+    /// All lights but those of shader plugins, with densities; built by one thread at first use.
     pub(crate) fn set(&self) -> &LightSet {
         self.set.get_or_init(|| LightSet::new(self.parts.clone(), Threads::Single))
     }
 
-    /// Makes what [`set`](Self::set) gives by all threads, unless it is there. Not inside of `set`: a thread that waits for
-    /// others takes up their work, and would come back to what it has not finished.
+    /// Builds the result of [`set`](Self::set) with all threads, unless it exists. Outside of `set`: a thread
+    /// that waits in the pool executes other tasks, and would re-enter its own unfinished initialization.
     pub(crate) fn make_set(&self, pool: &rayon::ThreadPool) {
         if self.set.get().is_none() {
             let set = LightSet::new(self.parts.clone(), Threads::Pool(pool));
-            // Who comes second has made the same.
+            // A second thread has computed the same.
             let _ = self.set.set(set);
         }
     }
@@ -124,14 +124,14 @@ impl Lights {
         let mut lights = Self::of(scene, shaders, emitters, own_environment, changed.bounds);
         lights.backdrop = backdrop;
         if same_lights || (same_environment && !table_changed && lights.is_like(self)) {
-            // An edit of a light that nobody sees, or of a texture that is not the environment's, is none.
+            // An edit of an invisible light, or of a texture other than the environment's, changes nothing.
             if same_bounds {
                 return None;
             }
             lights.content = self.content.clone();
         }
         if let Some(set) = self.set.get() {
-            // Where the tree is to be built that waits until somebody wants it.
+            // An unbuilt light tree stays unbuilt until its first use.
             lights.set = set.again(&lights.parts).map(OnceLock::from).unwrap_or_default();
         }
         Some(lights)
@@ -148,8 +148,8 @@ impl Lights {
         Self::made(scene.lights(), others, emitters, own_environment, bounds)
     }
 
-    /// The same lights at a moment of the open shutter: those of the scene, and the triangles that shine, where they are others
-    /// then.
+    /// The same lights at a time of the open shutter: those of the scene, and the emissive triangles, if they
+    /// differ then.
     pub(super) fn at(&self, lights: Option<Vec<Light>>, emitters: Option<Emitters>) -> Self {
         let lights = lights.unwrap_or_else(|| self.punctual.clone());
         let emitters = emitters.map_or_else(|| self.emitters.clone(), Arc::new);
@@ -208,7 +208,7 @@ impl Lights {
         }
     }
 
-    /// Whether lights and environment of the shader table are those that it has.
+    /// Whether lights and environment of the shader table are unchanged.
     fn shows(&self, table: &ShaderTable) -> bool {
         let before = &self.shaders[self.plugins.clone()];
         let is_same = |(a, b): (&Arc<dyn LightShader>, &Arc<dyn LightShader>)| Arc::ptr_eq(a, b);
@@ -269,7 +269,7 @@ fn rotation_of(world_from_light: &Affine) -> Mat3 {
     Mat3::from_cols(unit(x), unit(y), unit(z))
 }
 
-/// The last backdrop of the scene, the one before where it is that.
+/// The last backdrop of the scene, or the previous one if it is unchanged.
 fn backdrop(
     scene: &Scene,
     before: Option<&Arc<shading::PictureEnvironment>>,
@@ -286,7 +286,7 @@ fn backdrop(
     }
 }
 
-/// The last environment of the scene; what it has in common with the one before is shared.
+/// The last environment of the scene; shares the unchanged parts of the one before.
 fn environment(
     scene: &Scene,
     before: Option<&EnvironmentLight>,

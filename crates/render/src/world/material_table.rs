@@ -18,7 +18,7 @@ use super::textures::{Reading, Textures};
 #[derive(Clone)]
 pub(crate) struct MaterialEntry {
     pub(crate) shader: Arc<dyn SurfaceShader>,
-    /// What it gives off, if anything.
+    /// Its emission, if any.
     pub(super) emitter: Option<Arc<Emitter>>,
     is_opaque: bool,
     pub(crate) is_solid: bool,
@@ -32,24 +32,24 @@ pub(crate) struct MaterialEntry {
 /// All materials.
 #[derive(Clone, Default)]
 pub(crate) struct MaterialTable {
-    /// By material id. `None` only while a commit is under way.
+    /// By material id. `None` only during a commit.
     entries: SharedList<Option<MaterialEntry>>,
-    /// Ids of those that show a shader of the shader table, ascending, and its number there.
+    /// Ids of materials with a shader of the shader table, ascending, and its number there.
     from_table: Vec<(u32, u32)>,
     /// How many let light straight through.
     see_through: usize,
-    /// How many have holes.
+    /// The number with transparent parts.
     holey: usize,
     /// How many absorb light on one of their sides.
     filled: usize,
     /// How many may be smooth glass.
     clear: usize,
-    /// How many look at what rays stand for.
+    /// The number of materials that read the width of cones.
     reading: usize,
     textures: Textures,
 }
 
-/// What an update has done.
+/// The changes of an update.
 #[derive(Default)]
 pub(super) struct ChangedMaterials {
     /// Shaders that were made.
@@ -70,27 +70,27 @@ impl MaterialTable {
         self.see_through == 0
     }
 
-    /// Whether no surface has holes; one that lets light through by scattering it has none.
+    /// Whether no surface has transparent parts; scattering transmission does not count.
     pub(crate) fn all_solid(&self) -> bool {
         self.holey == 0
     }
 
-    /// Whether light is absorbed beside some surface.
+    /// Whether some surface has an absorbing medium.
     pub(crate) fn has_media(&self) -> bool {
         self.filled > 0
     }
 
-    /// Whether some surface may be smooth glass, through which light samples look for lamps.
+    /// Whether some surface may be smooth glass, through which light samples search for lights.
     pub(crate) fn has_panes(&self) -> bool {
         self.clear > 0
     }
 
-    /// Whether some surface looks at what rays stand for: at how wide their cones are. Where none does, nobody need know.
+    /// Whether some surface reads the width of ray cones. Otherwise widths need not be computed.
     pub(crate) fn read_widths(&self) -> bool {
         self.reading > 0
     }
 
-    /// What each gives off, in their order.
+    /// The emission of each, in their order.
     pub(super) fn emitters(&self) -> impl Iterator<Item = Option<&Arc<Emitter>>> {
         self.entries.iter().map(|entry| entry.as_ref().and_then(|entry| entry.emitter.as_ref()))
     }
@@ -169,9 +169,9 @@ fn entry(
     let from = Reading { scene, textures, opacity_texture };
     let emission = materials::emission(from, material);
     let coverage = if force_diffuse { None } else { materials::coverage(from, &material.alpha) };
-    // Forced or not: who swaps it asks for the surface to be looked at again.
+    // With or without `--force-diffuse`: an edit of the shader marks the surface as dirty.
     let from_table = number_of(scene, id).map(|number| shaders.surfaces[number as usize].clone());
-    // What surfaces show by their own rays and loops over lights is no light.
+    // Radiance from a surface's own rays and light loops is no emission.
     let emission_shader =
         from_table.as_ref().filter(|it| !force_diffuse && it.emits() && it.radiance().is_none());
     let before = before.and_then(|before| before.emitter.as_ref());
@@ -179,17 +179,17 @@ fn entry(
         let same = before.filter(|emitter| emitter.gives_off(&emission, coverage.as_ref()));
         same.cloned().unwrap_or_else(|| Arc::new(Emitter::new(emission, coverage.clone())))
     });
-    let is_asked = emission_shader.is_some();
-    // Cones know what sent a ray, too.
-    let asks_for_kinds = matches!(material.surface, Surface::Shader(_) | Surface::Unlit { .. });
+    let is_queried = emission_shader.is_some();
+    // Cones carry the kind of the ray, too.
+    let reads_kinds = matches!(material.surface, Surface::Shader(_) | Surface::Unlit { .. });
     let shader = materials::shader(from, material, shaders, force_diffuse, emission, coverage);
-    let emitter = reported.or_else(|| is_asked.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
+    let emitter = reported.or_else(|| is_queried.then(|| Arc::new(Emitter::by_shader(shader.clone()))));
     MaterialEntry {
         is_opaque: shader.is_opaque(),
         is_solid: shader.is_solid(),
         has_medium: shader.has_medium(),
         is_clear: shader.is_clear(),
-        reads_widths: asks_for_kinds || materials::textures_of(material).next().is_some(),
+        reads_widths: reads_kinds || materials::textures_of(material).next().is_some(),
         emitter,
         from_table,
         shader,

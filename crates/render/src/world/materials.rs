@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From materials of the description to surface shaders.
-//! What `--force-diffuse` makes of a material is references/README point 2.
+//! Surface shaders of the description's materials. `force_diffuse` replaces each surface by its diffuse
+//! colour.
 //! Tests: `crates/render/tests/appearance.rs`.
 
 use std::sync::Arc;
@@ -16,7 +16,8 @@ use gnurt_shading::materials as shading;
 use super::table::ShaderTable;
 use super::textures::Reading;
 
-/// The shader of a material that gives off `emission` and is there as `coverage` says; bumps go with what is not forced.
+/// The shader of a material with `emission` and opacity `coverage`; bumps stay unless diffuse surfaces are
+/// forced.
 pub(super) fn shader(
     from: Reading,
     material: &Material,
@@ -149,7 +150,7 @@ fn color(from: Reading, color: &Color) -> shading::TexturedColor {
     }
 }
 
-/// What a material gives off, if anything.
+/// The emission of a material, if any.
 pub(super) fn emission(from: Reading, material: &Material) -> Option<shading::Emission> {
     material.emits().then(|| shading::Emission {
         factor: Vec3::from(material.emission).max(Vec3::ZERO),
@@ -175,7 +176,7 @@ pub(super) fn coverage(from: Reading, alpha: &Alpha) -> Option<shading::Coverage
     })
 }
 
-/// The texture whose alpha says where a material is not there.
+/// The texture whose alpha is the opacity of a material.
 pub(super) fn opacity_texture(alpha: &Alpha) -> Option<TextureId> {
     match alpha {
         Alpha::Mask { opacity, .. } | Alpha::Blend { opacity }

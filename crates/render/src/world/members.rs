@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects that hold others, brought up to date from below: first those that hold none that hold others.
+//! Objects that hold others, updated bottom-up: first those whose members hold none.
 //! Source: [WBS03a], level by level. Space: the object that holds them.
-//! The tree has an entry for each member, at its place in the description's list, and a last one for the object's own meshes.
-//! Where few of them changed it is made of the one before. Tests: crates/render/tests/{nested,edits}.rs.
+//! The tree has an entry for each member, at its index in the description's list, and a last one for the
+//! object's own meshes. If few of them changed, it is an update of the previous one. Tests:
+//! crates/render/tests/{nested,edits}.rs.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -16,8 +17,8 @@ use super::object::{MemberSlot, Members, ObjectSlot, PlacedMember, WorldObject};
 use super::object_build::ChangedObjects;
 use super::open::ways_in;
 
-/// Brings objects in use that hold others up to date: those of `dirty`, ascending, and those that hold what has changed. Adds them
-/// to `changed`.
+/// Updates used objects that hold others: those of `dirty`, ascending, and holders of changed objects. Adds
+/// them to `changed`.
 pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
     before: &SharedList<ObjectSlot>,
@@ -55,7 +56,7 @@ pub(super) fn update(
     changed.ids = all.into_iter().collect();
 }
 
-/// How many objects lie in one another here, without the outermost.
+/// The nesting depth of an object, without itself.
 fn level(objects: &SharedList<ObjectSlot>, id: u32, known: &mut HashMap<u32, usize>) -> usize {
     if let Some(&level) = known.get(&id) {
         return level;
@@ -67,8 +68,8 @@ fn level(objects: &SharedList<ObjectSlot>, id: u32, known: &mut HashMap<u32, usi
 }
 
 impl Members {
-    /// Those of `members` as objects are now, with the ways of some while the shutter is open, and what the object itself has;
-    /// shares with those `before` what has not changed.
+    /// The `members` with the objects' current state, the paths of some during the open shutter, and the
+    /// object's own geometry; shares unchanged parts with those `before`.
     pub(super) fn after(
         before: Option<&Self>,
         own: &WorldObject,

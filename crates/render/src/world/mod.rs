@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The world: a committed scene that rays can be sent into.
-//! Two levels (a tree per object, a top tree over instances) after the paper's section 6 and \[WBS03a\].
-//! Space: world. Invariant: whatever a hit names is there; errors ended at commit.
-//! Its parts are kept apart by what edits them, immutable and shared: whoever has a clone has the world as it was.
+//! Two levels (a tree per object, a top tree over instances) after [SIP06], section 6, and \[WBS03a\].
+//! Space: world. Invariant: the parts that a hit names exist; errors ended at commit. Its parts are separated
+//! by the edits that affect them, immutable and shared: a clone keeps the world as it was.
 //! Tests: crates/render/tests/{commit,edits}.rs.
 
 mod areas;
@@ -80,16 +80,16 @@ pub struct World {
     /// By object id.
     objects: Arc<SharedList<ObjectSlot>>,
     crowds: Crowds,
-    /// By instance id; those behind the last one that rays may meet are not there.
+    /// By instance id; trailing instances without geometry are absent.
     instances: Arc<SharedList<InstanceSlot>>,
     tree: Arc<SceneTree>,
     /// By material id.
     materials: Arc<MaterialTable>,
     lights: Arc<Lights>,
     face_normals: bool,
-    /// What pixels show, where that is not the radiance against their rays.
+    /// The pixel shader, if pixels show more than the radiance along their rays.
     pixel: Option<Arc<dyn PixelShader>>,
-    /// What moves while the shutter is open; `None` = nothing.
+    /// Parts that move during the open shutter; `None` if nothing moves.
     open: Option<Arc<Open>>,
     /// When rays see it.
     shutter: Shutter,
@@ -97,7 +97,7 @@ pub struct World {
     follows: Option<Followed>,
 }
 
-/// Tells worlds apart; keeps none of them.
+/// Identifies a world; keeps none alive.
 pub(crate) struct WorldMark {
     instances: Weak<SharedList<InstanceSlot>>,
     tree: Weak<SceneTree>,
@@ -115,7 +115,7 @@ impl WorldMark {
             && self.lights.as_ptr() == Arc::as_ptr(&world.lights)
     }
 
-    /// Whether no light was changed; what they light may have grown.
+    /// Whether the lights are unchanged; the lit geometry may differ.
     pub(crate) fn has_lights_of(&self, world: &World) -> bool {
         self.content == world.lights.content
     }
@@ -129,7 +129,7 @@ struct Followed {
     options: CommitOptions,
 }
 
-/// What was left out, of all that is there.
+/// Counts of dropped and of all elements.
 #[derive(Clone, Copy, Default)]
 struct Dropped {
     triangles: usize,
@@ -184,7 +184,7 @@ impl World {
             lights: self.lights.shaders.len(),
             ..WorldStats::default()
         };
-        // What is shared counts once: trees by objects in equal poses, structures by poses.
+        // Shared parts count once: trees by objects in equal poses, structures by poses.
         let mut visible = HashSet::new();
         for object in self.objects.iter().filter_map(|slot| slot.object.as_ref()) {
             let tree = object.tree.stats();
@@ -240,32 +240,33 @@ impl World {
         self.open.is_some()
     }
 
-    /// Whether nobody has said yet when its rays see what moves.
+    /// Whether the times of rays are still undefined.
     pub(crate) fn needs_times(&self) -> bool {
         self.is_open() && self.shutter == Shutter::Closed
     }
 
-    /// Whether light comes from elsewhere at each moment.
+    /// Whether lights move during the open shutter.
     pub(crate) fn lights_move(&self) -> bool {
         self.open.as_ref().is_some_and(|open| open.lights_move())
     }
 
-    /// The same world, whose rays have moments of their own.
+    /// The same world, whose rays have their own times.
     pub(crate) fn with_times(&self, seed: u64) -> Self {
         Self { shutter: Shutter::Each(seed), ..self.clone() }
     }
 
-    /// The world at the moment of a pass.
+    /// The world at the time of a pass.
     pub(crate) fn of_pass(&self, seed: u64, sample: u32, pool: &rayon::ThreadPool) -> Self {
         self.at(open::time_of_pass(seed, sample), pool)
     }
 
-    /// The world at one moment of the open shutter, from 0 to 1: all rays see it then, and lights are where they are then.
+    /// The world at one time of the open shutter, from 0 to 1: all rays use it, and lights are at their
+    /// positions then.
     #[must_use]
     pub fn at(&self, time: f32, pool: &rayon::ThreadPool) -> Self {
         let mut world = Self { shutter: Shutter::All(time), ..self.clone() };
         if let Some(open) = self.open.as_ref().filter(|open| open.lights_move()) {
-            let emitters = open.lamps_move.then(|| self.lights.emitters.at(time, self.shown(pool)));
+            let emitters = open.lights_move.then(|| self.lights.emitters.at(time, self.shown(pool)));
             world.lights = Arc::new(self.lights.at(open.lights_at(time), emitters));
         }
         world
@@ -279,7 +280,7 @@ impl World {
         SurfacePoints { instances, leaves, shutter, face_normals, curved }
     }
 
-    /// What lamps are looked for in.
+    /// The input of the search for emissive triangles.
     fn shown<'a>(&'a self, pool: &'a rayon::ThreadPool) -> Shown<'a> {
         Shown {
             instances: &self.instances,
@@ -290,13 +291,13 @@ impl World {
         }
     }
 
-    /// The moment of a ray with this key.
+    /// The time of a ray with this key.
     #[inline]
     pub(crate) fn time(&self, key: SampleKey) -> f32 {
         self.shutter.time(key)
     }
 
-    /// The moment of all rays, where they have one.
+    /// The common time of all rays, if they have one.
     pub(crate) fn time_of_all(&self) -> f32 {
         match self.shutter {
             Shutter::All(time) => time,
@@ -309,7 +310,7 @@ impl World {
         self.lights.plugin_emitters(self.bounds())
     }
 
-    /// What tells it from any world that came of another commit.
+    /// Identity that distinguishes it from a world of any other commit.
     pub(crate) fn mark(&self) -> WorldMark {
         WorldMark {
             instances: Arc::downgrade(&self.instances),
@@ -332,7 +333,7 @@ impl World {
         &self.materials
     }
 
-    /// What pixels show, where that is not the radiance against their rays.
+    /// The pixel shader, if pixels show more than the radiance along their rays.
     pub(crate) fn pixel(&self) -> Option<&dyn PixelShader> {
         self.pixel.as_deref()
     }
@@ -342,7 +343,7 @@ impl World {
         &*self.materials.get(material).shader
     }
 
-    /// The material of what was hit: its place among the surface shaders.
+    /// The material of a hit: its index among the surface shaders.
     pub(crate) fn material_of(&self, leaf_id: u32, geom_id: u32) -> u32 {
         self.leaf(leaf_id).0.meshes[geom_id as usize].material.0
     }
@@ -370,7 +371,7 @@ impl World {
         }
     }
 
-    /// The object whose triangle was hit: within what the instance shows, where that holds others.
+    /// The object of the hit triangle: within the instance, if that holds other objects.
     #[must_use]
     pub fn object_of(&self, hit: &Hit) -> ObjectId {
         self.leaf(hit.leaf_id).1

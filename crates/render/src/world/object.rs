@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a world knows of objects. In one file, since objects hold objects. [WBS03a], level by level.
+//! The state of objects in a world. In one file, since objects hold objects. [WBS03a], level by level.
 //! Space: object. Numbers of objects in an object are those of the tree over them: [`SceneTree::instance_at`].
 //! Tests: crates/render/tests/{commit,nested}.rs.
 
@@ -18,15 +18,15 @@ use super::transform::Transform;
 /// An object's arrays and the tree over them.
 #[derive(Clone)]
 pub(crate) struct WorldObject {
-    /// By geometry id: what the scene's meshes were at commit. Shared with the scene until it edits them.
+    /// By geometry id: the scene's meshes at commit. Shared with the scene until it edits them.
     pub(crate) meshes: Vec<Arc<Mesh>>,
-    /// The same at moments while the shutter is open, by geometry id; empty for those that stay.
+    /// The same at times during the open shutter, by geometry id; empty for static ones.
     pub(crate) keys: Vec<Vec<Arc<Mesh>>>,
     pub(crate) tree: Arc<ObjectTree>,
-    /// The same tree, with what it takes to follow the meshes.
+    /// The same tree, with the data to follow moving meshes.
     pub(super) moving: MovingTree,
     pub(super) motion: gnurt_scene::Motion,
-    /// Its topology, which others may have, too; `None` of what is not to move within itself.
+    /// Its topology, possibly shared with others; `None` for objects that must not deform.
     pub(super) kind: Option<Arc<Kind>>,
     /// Objects in it; `None` = there are none.
     pub(super) members: Option<Arc<Members>>,
@@ -36,17 +36,17 @@ pub(crate) struct WorldObject {
     pub(super) bends: bool,
     /// Whether objects in it move then.
     pub(super) members_move: bool,
-    /// Of its meshes, as far as somebody has asked.
+    /// Of its meshes, computed at first use.
     pub(super) areas: Areas,
 }
 
 impl WorldObject {
-    /// Tells topologies apart.
+    /// Identifies a topology.
     pub(super) fn kind_ptr(&self) -> *const () {
         self.kind.as_ref().map_or(std::ptr::null(), |kind| Arc::as_ptr(kind).cast())
     }
 
-    /// What rays meet of it.
+    /// The geometry that rays traverse.
     pub(super) fn shape(&self) -> Shape {
         match &self.members {
             Some(members) => members.tree.clone().into(),
@@ -102,14 +102,14 @@ pub(super) fn bends(keys: &[Vec<Arc<Mesh>>]) -> bool {
     keys.iter().any(|keys| !keys.is_empty())
 }
 
-/// What there is of an object of the scene.
+/// The state of an object of the scene.
 #[derive(Clone, Default)]
 pub(super) struct ObjectSlot {
     /// `None` where no visible instance needs it.
     pub(super) object: Option<Arc<WorldObject>>,
     /// Visible instances, and objects in use that hold it.
     pub(super) users: u32,
-    /// The objects that it holds, ascending, each once; empty while nobody uses it.
+    /// The objects that it holds, ascending, each once; empty while it is unused.
     pub(super) holds: Arc<[u32]>,
 }
 
@@ -117,13 +117,13 @@ pub(super) struct ObjectSlot {
 pub(crate) struct Members {
     /// Over them, and over the object's own meshes.
     pub(super) tree: Arc<SceneTree>,
-    /// By place in the description's list.
+    /// By index in the description's list.
     pub(super) list: SharedList<MemberSlot>,
     /// Triangles that rays may meet, each as often as it occurs.
     pub(super) triangles: u64,
 }
 
-/// What there is of a member.
+/// The state of a member.
 #[derive(Clone, Default)]
 pub(super) struct MemberSlot {
     /// As the scene has it; `None` before it is made.
@@ -140,12 +140,12 @@ pub(crate) struct PlacedMember {
     transform: Transform,
     /// The greatest coordinates that its points have in the object that holds it.
     reach: Vec3,
-    /// Its way while the shutter is open; `transform` is where it is at first.
+    /// Its path during the open shutter; `transform` is its start.
     pub(super) motion: Option<Arc<MotionPath>>,
 }
 
 impl PlacedMember {
-    /// A member as the scene has it, and its places while the shutter is open.
+    /// A member of the scene, with its transforms during the open shutter.
     pub(super) fn new(
         member: &Member,
         objects: &SharedList<ObjectSlot>,
@@ -158,7 +158,7 @@ impl PlacedMember {
         Some(Self { object, object_id: member.object, transform, reach, motion })
     }
 
-    /// Where it is at a moment, in the world where the object that holds it is at `outer`.
+    /// Its transform at a time, in the world where the object that holds it is at `outer`.
     pub(super) fn at(&self, outer: &Transform, time: f32) -> Transform {
         // Where it is flat then, it stays.
         let moved =
@@ -187,7 +187,7 @@ impl Members {
         self.list.get(transform).and_then(|slot| slot.placed.as_ref())
     }
 
-    /// All that are there, with the number of the first object in each, and who sees it.
+    /// All present members, with the index of the first object in each, and its visibility mask.
     pub(super) fn iter(&self) -> impl Iterator<Item = (u32, &PlacedMember, RayMask)> {
         let there = (0..).zip(self.list.iter());
         there.filter_map(|(transform, slot)| {

@@ -24,13 +24,13 @@ pub(super) struct ChangedObjects {
     pub(super) ids: Vec<u32>,
     /// Trees that were built for them, at least in part.
     pub(super) built: usize,
-    /// Trees that were fitted to what has moved.
+    /// Trees that were refitted.
     pub(super) refitted: usize,
-    /// Whether what rays meet has changed: meshes may have got other coordinates for textures only.
+    /// Whether the traced geometry has changed: meshes may have changed texture coordinates only.
     pub(super) reshaped: bool,
 }
 
-/// Brings those of `dirty`, ascending, up to date: builds what is needed, lets go what is not.
+/// Updates those of `dirty`, ascending: builds needed objects, drops unused ones.
 pub(super) fn update(
     objects: &mut SharedList<ObjectSlot>,
     crowds: &Crowds,
@@ -41,7 +41,7 @@ pub(super) fn update(
 ) -> ChangedObjects {
     let needed = |&&id: &&u32| objects[id as usize].users > 0;
     let ids: Vec<u32> = dirty.iter().filter(needed).copied().collect();
-    // All are known by their kinds before the first is built: those of many are told by that.
+    // The kinds of all are known before the first is built, because these identify the crowds.
     let found: Vec<Found> = ids.iter().map(|&id| Found::new(scene, id, objects, crowds)).collect();
     prepare_crowds(&found, memory, pool);
     let build = |found: &Found| {
@@ -75,7 +75,7 @@ struct Found {
     keys: Vec<Vec<Arc<Mesh>>>,
     motion: gnurt_scene::Motion,
     kind: Option<Arc<Kind>>,
-    /// What it was, if nothing but vertices can have moved.
+    /// Its previous state, if at most vertices have moved.
     before: Option<Arc<WorldObject>>,
 }
 
@@ -87,7 +87,7 @@ impl Found {
         crowds: &Crowds,
     ) -> Self {
         let object = &scene.objects()[id as usize];
-        // Shared with the scene, which copies what it edits later.
+        // Shared with the scene, which copies a mesh before it edits it.
         let meshes: Vec<Arc<Mesh>> =
             object.meshes.iter().map(|id| scene.meshes()[id.index()].clone()).collect();
         let exposed =
@@ -96,7 +96,7 @@ impl Found {
         let keys: Vec<Vec<Arc<Mesh>>> = object.meshes.iter().map(keys).collect();
         let before = objects[id as usize].object.clone().filter(|before| !bends(&before.keys));
         let before = before.filter(|before| same_topology(&before.meshes, &meshes));
-        // One that bends while the shutter is open has a tree of its own.
+        // An object that deforms during the open shutter has a tree of its own.
         let moves = !bends(&keys)
             && !matches!(object.motion, gnurt_scene::Motion::Static | gnurt_scene::Motion::Rigid);
         let known = before.as_ref().and_then(|before| before.kind.clone());
@@ -104,7 +104,7 @@ impl Found {
         Self { meshes, keys, motion: object.motion, kind, before }
     }
 
-    /// What shares with it, where it is one of many. What has a tree of its own keeps it.
+    /// The topology that it shares with other objects. An object that already has its own tree keeps it.
     fn crowd(&self) -> Option<&Arc<Kind>> {
         let shares = self.before.as_ref().is_none_or(|before| before.tree.is_posed());
         self.kind.as_ref().filter(|kind| shares && kind.is_of_many())
@@ -117,8 +117,8 @@ impl Found {
     }
 }
 
-/// Builds what objects of a kind will share, over the first of them: once, by all threads. Those that are built side by side
-/// would not wait for each other, but each build it for itself.
+/// Builds the structures that objects of a kind will share, over the first of them: once, by all threads.
+/// Parallel builds of the same crowd would not wait for each other, but each build the structure.
 fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
     let mut visible: HashSet<*const Kind> = HashSet::new();
     let firsts: Vec<(&Found, &Arc<Kind>)> = found
@@ -135,8 +135,8 @@ fn prepare_crowds(found: &[Found], memory: Memory, pool: &rayon::ThreadPool) {
     }
 }
 
-/// An object, and what was done for it: its tree is the one before where no triangle has moved, and that one refitted where
-/// vertices have. One of many of its kind shares with the others.
+/// An object, and its update: it keeps the previous tree if no triangle has moved, and refits it if vertices
+/// have. Objects of the same topology share structures.
 fn build(found: &Found, memory: Memory, pool: &rayon::ThreadPool) -> (WorldObject, Option<Update>) {
     let Found { meshes, keys, motion: moves, kind, before } = found;
     if bends(keys) {
@@ -233,7 +233,7 @@ fn motion(motion: gnurt_scene::Motion) -> Motion {
     }
 }
 
-/// Whether nothing but vertices can have moved.
+/// Whether at most vertices have moved.
 fn same_topology(before: &[Arc<Mesh>], now: &[Arc<Mesh>]) -> bool {
     let same = |(a, b): (&Arc<Mesh>, &Arc<Mesh>)| {
         Arc::ptr_eq(a, b) || (a.positions.len() == b.positions.len() && a.indices == b.indices)

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What of a world moves while the shutter is open, and at which moment rays see it.
-//! Source: [CPC84] (a moment for each ray); original for the rest. Where each ray has a moment of its own, it is a function of its
-//! pixel and sample, so that all rays of a path have the same one without carrying it. Where all rays of a pass need one, because
-//! virtual lights are the pass's or because lights move, the pass has it: a van der Corput sequence over the samples.
-//! Invariant: moments are in [0, 1) and do not depend on threads. Tests: crates/render/tests/shutter.rs.
+//! Parts of a world that move during an open shutter, and the times of rays.
+//! Source: [CPC84] (a time for each ray); original for the rest. Where each ray has its own time, the time is
+//! a function of its pixel and sample, so that all rays of a path share it without carrying it. Where all
+//! rays of a pass need one time, because virtual lights belong to the pass or because lights move, the pass
+//! has it: a van der Corput sequence over the samples.
+//! Invariant: times are in [0, 1) and do not depend on threads. Tests: crates/render/tests/shutter.rs.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -14,20 +15,20 @@ use gnurt_scene::{Affine, Light, Scene};
 use gnurt_shading::SampleKey;
 use gnurt_shading::sampling::{hash_combine, purpose, sample_pair};
 
-/// When rays see what moves.
+/// The times of rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) enum Shutter {
     /// Nothing moves.
     #[default]
     Closed,
-    /// Each at a moment of its own, drawn by this seed.
+    /// Each at its own time, drawn by this seed.
     Each(u64),
-    /// All at this moment.
+    /// All at this time.
     All(f32),
 }
 
 impl Shutter {
-    /// The moment of a ray with this key.
+    /// The time of a ray with this key.
     #[inline]
     pub(crate) fn time(self, key: SampleKey) -> f32 {
         match self {
@@ -38,15 +39,15 @@ impl Shutter {
     }
 }
 
-/// The moment of a pass.
+/// The time of a pass.
 pub(super) fn time_of_pass(seed: u64, sample: u32) -> f32 {
     let shift = hash_combine(seed as u32, (seed >> 32) as u32 ^ purpose::TIME);
-    // The sum wraps around, as the moments do.
+    // The sum wraps around, as the times do.
     let bits = sample.reverse_bits().wrapping_add(shift);
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// What moves, beside the paths of instances and the keys of objects.
+/// Moving parts in addition to the paths of instances and the keys of objects.
 #[derive(Default)]
 pub(super) struct Open {
     /// Objects with meshes that bend or members that move, ascending.
@@ -55,10 +56,10 @@ pub(super) struct Open {
     pub(super) instances: Vec<u32>,
     /// All lights of the scene, if some of them move.
     lights: Vec<Light>,
-    /// Places of these, and the lights at each key.
+    /// Indices of these, and the lights at each key.
     moving: Vec<(usize, Vec<Light>)>,
-    /// Whether triangles that shine move.
-    pub(super) lamps_move: bool,
+    /// Whether emissive triangles move.
+    pub(super) lights_move: bool,
 }
 
 impl Open {
@@ -84,15 +85,15 @@ impl Open {
             .map(|(id, keys)| (id.index(), keys.clone()))
             .collect();
         let lights = if moving.is_empty() { Vec::new() } else { scene.lights().to_vec() };
-        Self { objects, instances, lights, moving, lamps_move: false }
+        Self { objects, instances, lights, moving, lights_move: false }
     }
 
-    /// Whether light comes from elsewhere at each moment.
+    /// Whether lights move during the open shutter.
     pub(super) fn lights_move(&self) -> bool {
-        self.lamps_move || !self.moving.is_empty()
+        self.lights_move || !self.moving.is_empty()
     }
 
-    /// The scene's lights at a moment; `None` where none of them moves.
+    /// The scene's lights at a time; `None` if none of them moves.
     pub(super) fn lights_at(&self, time: f32) -> Option<Vec<Light>> {
         let mut lights = self.lights.clone();
         for (instance_index, keys) in &self.moving {
@@ -141,14 +142,14 @@ fn mixed(from: &Light, to: &Light, interval: &KeyInterval) -> Light {
 /// How far a corner of an object may be from where it is, in parts of its size.
 const OFF: f64 = 1.0 / 4096.0;
 
-/// Places of those members of an object that move, by their places in its list.
+/// Transforms of the moving members of an object, by their indices in its list.
 pub(super) fn ways_in(exposure: &Exposure, object: u32) -> HashMap<u32, &[Affine]> {
     let of = exposure.members.iter().filter(|((holder, _), _)| holder.0 == object);
     of.map(|((_, member), transforms)| (*member, &transforms[..])).collect()
 }
 
-/// A path through as few of the places, evenly spaced, as say where an object with these bounds is at the others; `None` where a
-/// place is flat, or there is nothing to see.
+/// A path through the fewest of the evenly spaced transforms that determine the others for an object with
+/// these bounds; `None` if a transform is flat, or if there is nothing visible.
 pub(super) fn path(transforms: &[Affine], bounds: &Aabb) -> Option<Arc<MotionPath>> {
     if bounds.is_empty() {
         return None;
@@ -172,7 +173,7 @@ pub(super) fn path(transforms: &[Affine], bounds: &Aabb) -> Option<Arc<MotionPat
     MotionPath::new(&columns).map(Arc::new)
 }
 
-/// Whether all corners of a box are nearly at the same places.
+/// Whether all corners of a box are nearly at the same positions.
 fn is_near(a: &[[f64; 3]; 4], b: &[[f64; 3]; 4], bounds: &Aabb) -> bool {
     let apply = |m: &[[f64; 3]; 4], p: [f64; 3]| -> [f64; 3] {
         std::array::from_fn(|row| m[3][row] + (0..3).map(|k| m[k][row] * p[k]).sum::<f64>())

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles that shine as their surfaces' shaders say: asked what leaves a place, for light samples and paths that start there,
-//! and at some places beforehand for what each side of each triangle gives off on average.
-//! Asking before choosing is a cached average, light itself is never cached. Space: world.
-//! Invariant: a place looks as to a ray that met it, but that no width is known there. Sides that were dark wherever they were
-//! looked at are no lights: scattered rays alone find what shines there. Tests: crates/render/tests/shader_emission.rs.
+//! Triangles that emit by their surfaces' shaders. Queries give the exit radiance, for light samples and
+//! paths that start there; earlier queries at some points give the mean emission of each side of each
+//! triangle. Only this mean is cached, never light itself. Space: world.
+//! Invariant: a queried point has the properties of a hit point, except that its cone width is unknown. Sides
+//! that were dark at all queried points are no lights: only scattered rays find emission there. Tests:
+//! crates/render/tests/shader_emission.rs.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -25,15 +26,17 @@ use super::instance::InstanceSlot;
 use super::open::Shutter;
 use super::surface::{HitLanes, Leaves, SurfacePoints};
 
-/// Places that are looked at on each side of all triangles of one surface together; on one triangle not more nor fewer than these.
+/// Number of queried points on each side of all triangles of one surface together; and the limits for one
+/// triangle.
 const PROBES: usize = 1 << 13;
 const MOST_PROBES: usize = 64;
 const FEWEST_PROBES: usize = 4;
 
-/// A triangle that may shine.
+/// A triangle that may emit.
 #[derive(Clone, Copy)]
 pub(super) struct EmissionTriangle {
-    /// Instance, object in what that shows, mesh, triangle; the instance by its place in `ShaderEmission::instances`.
+    /// Instance, object in the instance, mesh, triangle; the instance by its index in
+    /// `ShaderEmission::instances`.
     pub(super) met: [u32; 4],
     /// Its instance in the world.
     pub(super) inst_id: u32,
@@ -43,14 +46,14 @@ pub(super) struct EmissionTriangle {
     pub(super) is_turned: bool,
 }
 
-/// Who knows what they give off.
+/// The evaluation of their emission.
 pub(super) struct ShaderEmission {
     /// By number of the emissive triangle; `None` = another emitter's.
     pub(super) triangles: Vec<Option<EmissionTriangle>>,
     /// Instances that have some of them.
     pub(super) instances: SharedList<InstanceSlot>,
     pub(super) emitters: Vec<Arc<Emitter>>,
-    /// At which moment of the open shutter, if something moves.
+    /// The time of the open shutter, if something moves.
     pub(super) time: Option<f32>,
     pub(super) face_normals: bool,
 }
@@ -87,7 +90,7 @@ impl EmitterShaders for ShaderEmission {
 }
 
 impl ShaderEmission {
-    /// Calls `with(k, radiance)` for each of the places, which show one shader.
+    /// Calls `with(k, radiance)` for each of the points, which have one shader.
     fn query(
         &self,
         emitter: u32,
@@ -135,8 +138,8 @@ impl ShaderEmission {
         SCRATCH.set(Some(scratch));
     }
 
-    /// Gives the triangles that show shaders the brightness that is found, and says which of all triangles shine: not those of a side
-    /// that was dark wherever it was looked at.
+    /// Sets the brightness of the triangles with shaders, and returns which of all triangles emit: sides that
+    /// were dark at all queried points do not.
     pub(super) fn probe(&self, triangles: &mut [EmissiveTriangle]) -> Vec<bool> {
         // For each emitter, both sides: how many triangles, area, brightness by area.
         let mut sides = vec![[(0_usize, 0.0_f64, 0.0_f64); 2]; self.emitters.len()];
@@ -171,13 +174,13 @@ impl ShaderEmission {
             .collect()
     }
 
-    /// Whether triangle `i` is the back of the one before.
+    /// Whether triangle `i` is the back of its predecessor.
     fn is_back(&self, i: usize) -> bool {
         let met = |i: usize| self.triangles[i].map(|shader_emission| shader_emission.met);
         i > 0 && met(i) == met(i - 1)
     }
 
-    /// Brightness on average over all places and, by their cosines, all directions.
+    /// Mean brightness over all positions and, by their cosines, all directions.
     fn mean_of(&self, number: usize, triangle: &EmissiveTriangle, probes: usize) -> f32 {
         let Some(shader_emission) = self.triangles[number] else { return 0.0 };
         let normal = (triangle.p[1] - triangle.p[0]).cross(triangle.p[2] - triangle.p[0]).normalize_or_zero();

@@ -2,8 +2,8 @@
 //! From hits to surface points: positions, normals, coordinates and attributes out of the meshes' arrays, as many points at a time
 //! as the CPU's registers hold.
 //! Source: [PJH23] section 6.8 (bounding the error of a hit point); [Hanika2021] (`lift`); original. Space: world.
-//! Points are computed from barycentric weights, not from `org + t dir`: they lie in their triangle's plane up to
-//! rounding, and `error` bounds that from the largest coordinate involved.
+//! Points are computed from barycentric weights instead of `org + t dir`: they are in their triangle's plane
+//! up to rounding, and `error` bounds that from the largest coordinate involved.
 //! Invariant: every CPU level gives the same bits. Tests: crates/render/tests/{offsets,terminator,appearance,lanes}.rs.
 
 use std::sync::Arc;
@@ -26,13 +26,13 @@ use crate::cone::Cones;
 /// as a multiple of the largest coordinate.
 const ERROR_SCALE: f32 = 8.0 * f32::EPSILON;
 
-/// What a batch of points is made from.
+/// The input of a batch of points.
 #[derive(Clone, Copy)]
 pub(crate) struct HitLanes<'a> {
     pub(crate) rays: &'a RayBatch,
     pub(crate) keys: &'a [SampleKey],
     pub(crate) hits: &'a HitBatch,
-    /// What the rays stand for; `None` = camera rays a pixel, others nobody knows what.
+    /// The rays' cones; `None` = a pixel for camera rays, unknown for others.
     pub(crate) cones: Option<&'a Cones>,
     /// Bounces that the rays had behind them.
     pub(crate) depth: u32,
@@ -52,25 +52,25 @@ type Row = [f32; LANES];
 pub(super) enum Leaves<'w> {
     /// As the tree over the instances numbers them.
     Tree(&'w SceneTree),
-    /// By leaf: the place of its instance, and its number in what that shows.
+    /// By leaf: the index of its instance, and its number in it.
     Listed(&'w [[u32; 2]]),
 }
 
-/// Where points are computed: the world, or what of it shines.
+/// The geometry of points: the world, or its emissive part.
 #[derive(Clone, Copy)]
 pub(crate) struct SurfacePoints<'w> {
     pub(super) instances: &'w SharedList<InstanceSlot>,
     pub(super) leaves: Leaves<'w>,
-    /// When rays see what moves; `None` = nothing does.
+    /// The times of rays; `None` = nothing moves.
     pub(super) shutter: Option<Shutter>,
     pub(super) face_normals: bool,
-    /// Whether points have curvatures: somebody asks how wide cones of rays are.
+    /// Whether points have curvatures, because some surface reads the width of ray cones.
     pub(super) curved: bool,
 }
 
-/// What some points are made from, out of the meshes' arrays; rows of vectors stand one after the other.
+/// The gathered input of some points, out of the meshes' arrays; rows of vectors follow each other.
 struct Gathered<'w> {
-    /// With the numbers of objects in what they show.
+    /// With the numbers of objects in the instances.
     instances: [Option<(&'w PlacedInstance, u32)>; LANES],
     meshes: [Option<&'w Mesh>; LANES],
     /// Of meshes that bend while the shutter is open.
@@ -83,15 +83,15 @@ struct Gathered<'w> {
     normals: [Row; 9],
     /// Their texture coordinates.
     uv: [Row; 6],
-    /// Linear part, matrix of normals, origin, greatest coordinate on the way.
+    /// Linear part, matrix of normals, origin, greatest intermediate coordinate.
     transform: [Row; 22],
     has: Has,
-    /// Whether curvatures are wanted, and all that `Detail::Full` has.
+    /// Whether curvatures are needed, and all of `Detail::Full`.
     curved: bool,
     full: bool,
 }
 
-/// What some of them have.
+/// Optional attributes that some of them have.
 #[derive(Clone, Copy, Default)]
 struct Has {
     normals: bool,
@@ -119,7 +119,7 @@ impl<'w> Gathered<'w> {
         }
     }
 
-    /// Reads what the points of these lanes need, sixteen or fewer.
+    /// Reads the input of the points of these lanes, sixteen or fewer.
     fn read(&mut self, point_sources: &SurfacePoints<'w>, from: HitLanes, lanes: &[u32]) {
         let hits = from.hits;
         self.has = Has::default();
@@ -152,7 +152,7 @@ impl<'w> Gathered<'w> {
         self.read_places(lanes.len().min(LANES));
     }
 
-    /// Reads what only some meshes have.
+    /// Reads the attributes that only some meshes have.
     fn read_attributes(&mut self, i: usize, mesh: &Mesh, normals: bool) {
         let smooth = normals && !mesh.normals.is_empty();
         // Lanes without any are zero, but need not be written where no lane has some.
@@ -175,7 +175,7 @@ impl<'w> Gathered<'w> {
         self.has.tangents |= !mesh.tangents.is_empty();
     }
 
-    /// Corners and normals of lane `i` as they are at its moment.
+    /// Corners and normals of lane `i` at its time.
     #[cold]
     fn bend(&mut self, i: usize) {
         let (interval, keys) = (KeyInterval::of(self.times[i], self.keys[i].len()), self.keys[i]);
@@ -184,7 +184,7 @@ impl<'w> Gathered<'w> {
             if let (Some(&a), Some(&b)) = (from.positions.get(vertex), to.positions.get(vertex)) {
                 put_vector(&mut self.corners, 3 * c, i, interval.mix3(a, b));
             }
-            // Without any where they are not wanted.
+            // Without any if they are not needed.
             let has_one = (0..3).any(|k| self.normals[3 * c + k][i] != 0.0);
             if let (true, Some(&a), Some(&b)) = (has_one, from.normals.get(vertex), to.normals.get(vertex)) {
                 put_vector(&mut self.normals, 3 * c, i, interval.mix3(a, b));
@@ -247,7 +247,7 @@ fn mix<R: Real>(values: &[Vector<R>; 3], [a, b, c]: [R; 3]) -> Vector<R> {
     values[0] * a + values[1] * b + values[2] * c
 }
 
-/// Writes `count` lanes of a batch's array from place `at` on, which is in it or its end.
+/// Writes `count` lanes of a batch's array from position `at` on, which is in it or its end.
 #[inline(always)]
 fn put<R: Real>(out: &mut Vec<f32>, (at, count): (usize, usize), value: R) {
     let mut row = [0.0; LANES];
@@ -271,7 +271,7 @@ fn put3<R: Real>(out: &mut Vec3s, range: (usize, usize), v: Vector<R>) {
 }
 
 impl<'w> SurfacePoints<'w> {
-    /// The instance that a leaf belongs to, and the leaf's number in what that shows. Panics where nothing can be hit; hits name only
+    /// The instance of a leaf, and the leaf's number in it. Panics where nothing can be hit; hits name only
     /// instances that are there.
     #[inline]
     pub(super) fn instance(&self, leaf_id: u32) -> (&'w PlacedInstance, u32) {
@@ -385,7 +385,7 @@ impl<'w> SurfacePoints<'w> {
 }
 
 impl Gathered<'_> {
-    /// Writes points from place `at` of the batch on, `count` of the lanes from `first` on.
+    /// Writes points from position `at` of the batch on, `count` of the lanes from `first` on.
     #[inline(always)]
     fn points<R: Precise>(
         &self,
@@ -498,7 +498,7 @@ impl Gathered<'_> {
         put3(&mut out.dp_dv, range, dp_dv);
     }
 
-    /// Writes what few meshes have: colours, tangents, coordinates with divisors.
+    /// Writes rare attributes: colours, tangents, coordinates with divisors.
     fn rare(&self, count: usize, at: usize, out: &mut SurfaceBatch) {
         let Has { colors, tangents, divisors, .. } = self.has;
         if !(colors || tangents || divisors) {
@@ -559,7 +559,7 @@ impl Gathered<'_> {
         Some([tangent, normal.cross(tangent).try_normalize()? * 1.0_f32.copysign(side)])
     }
 
-    /// The tangent of a vertex of lane `i` at its moment, if the mesh bends.
+    /// The tangent of a vertex of lane `i` at its time, if the mesh deforms.
     fn bent_tangent(&self, i: usize, vertex: usize) -> Option<[f32; 3]> {
         let keys = self.keys[i];
         let interval = KeyInterval::of(self.times[i], keys.len());
@@ -568,7 +568,8 @@ impl Gathered<'_> {
     }
 }
 
-/// Mean curvature over a triangle by how its normals turn along its edges: the mean of the edges' \[AM21\].
+/// Mean curvature over a triangle by the rotation of its normals along its edges: the mean of the edges'
+/// \[AM21\].
 #[inline(always)]
 fn curvature<R: Real>(corners: &[Vector<R>; 3], normals: &[Vector<R>; 3]) -> R {
     let zero = corners[0].x.all(0.0);

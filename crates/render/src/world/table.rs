@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a commit is given beside the scene, and what it tells.
+//! Further input of a commit in addition to the scene, and its report.
 
 use std::sync::Arc;
 
@@ -7,16 +7,16 @@ use gnurt_accel::Memory;
 use gnurt_shading::{CameraShader, EnvironmentShader, LightShader, PixelShader, SurfaceShader};
 use gnurt_simd::Level;
 
-/// Shaders that the description only names by number, or does not know at all.
+/// Shaders that the description only names by number, or not at all.
 #[derive(Clone, Default)]
 pub struct ShaderTable {
-    /// What `Surface::Shader(n)` means.
+    /// The shaders of `Surface::Shader(n)`.
     pub surfaces: Vec<Arc<dyn SurfaceShader>>,
-    /// Lights beside those of the scene.
+    /// Lights in addition to those of the scene.
     pub lights: Vec<Arc<dyn LightShader>>,
-    /// What misses see, instead of the scene's own environment.
+    /// The environment, in place of the scene's own.
     pub environment: Option<Arc<dyn EnvironmentShader>>,
-    /// What pixels show in place of the radiance against their rays.
+    /// The pixel shader, which replaces the radiance along the rays.
     pub pixel: Option<Arc<dyn PixelShader>>,
     /// The camera that goes with them; commit does not use it, callers pass it to `render`.
     pub camera: Option<Arc<dyn CameraShader>>,
@@ -33,7 +33,7 @@ pub struct CommitOptions {
     pub memory: Memory,
 }
 
-/// What a commit did.
+/// The work of a commit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CommitReport {
     /// Triangles of visible objects that were left out: NaN, infinite or without area.
@@ -44,15 +44,16 @@ pub struct CommitReport {
     pub built_objects: usize,
     /// Objects whose trees were only fitted to vertices that have moved.
     pub refitted_objects: usize,
-    /// Instances that were placed: those that were edited, and those of objects that were.
+    /// Instances that were placed: edited ones, and those of edited objects.
     pub placed_instances: usize,
     /// Whether the tree over all instances was brought up to date.
     pub built_top_tree: bool,
     /// Surface shaders that were made.
     pub made_shaders: usize,
-    /// Whether the triangles that shine were looked for.
-    pub found_lamps: bool,
-    /// Whether the list of lights was made. What is costly of it is shared with the list before while that holds.
+    /// Whether the emissive triangles were searched for.
+    pub found_emitters: bool,
+    /// Whether the list of lights was made. Its costly parts are shared with the list before while they are
+    /// valid.
     pub made_lights: bool,
     /// Seconds that all of it took.
     pub build_seconds: f64,

@@ -18,7 +18,7 @@ fn triangle(material: MaterialId, z: f32, size: f32) -> Mesh {
     Mesh { positions, indices: vec![[0, 1, 2]], material, ..Mesh::default() }
 }
 
-/// A thing and a lamp between two others, a sky with a picture and a point light.
+/// An object and a light between two others, a sky with a picture and a point light.
 fn scene() -> Scene {
     let mut scene = Scene::new();
     let grey = scene.add_material(Material::matte("grey", [0.5; 3]));
@@ -94,7 +94,7 @@ fn an_edit_touches_its_part() {
     let (mut scene, mut world) = (scene(), World::new());
     let mut check = |scene: &Scene, requested: Shared, what: &str| {
         let before = world.clone();
-        // Made when first asked for, so that it can be shared.
+        // Made at first use, so that it can be shared.
         let _ = before.light_set();
         let done = world.commit(scene, &ShaderTable::default(), &CommitOptions::default(), &pool);
         done.expect("the scene is sound");

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Readers of a description's textures, and their smaller copies: one set for each picture, whoever shows it.
-//! Invariant: the same picture has the same copies as long as anybody has a reader of it, so that readers can be
-//! compared, and what an edit does not touch is not made again. Tests: crates/render/tests/{commit,filtering}.rs.
+//! Readers of a description's textures, and their mip maps: one set for each picture, however often it is
+//! used.
+//! Invariant: a picture keeps its mip maps as long as a reader of it exists, so that readers can be compared,
+//! and edits elsewhere cause no new ones. Tests: crates/render/tests/{commit,filtering}.rs.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -28,12 +29,12 @@ pub(crate) struct Textures {
 pub(super) struct Reading<'a> {
     pub(super) scene: &'a Scene,
     pub(super) textures: &'a Textures,
-    /// Whose opacity says where the material is not there: its colours count by that.
+    /// The texture of the material's opacity: its colours are weighted by it.
     pub(super) opacity_texture: Option<TextureId>,
 }
 
 impl Reading<'_> {
-    /// A reader under the material's transform, that takes the mean over what a ray stands for.
+    /// A reader under the material's transform, filtered over the ray's footprint.
     pub(super) fn sampler(&self, reference: &TextureRef, weigh: Weigh) -> TextureSampler {
         let sharp = sharp(self.scene, reference);
         TextureSampler { minify: Some((Minify::Ellipse, self.textures.mips(&sharp.texels, weigh))), ..sharp }
@@ -46,7 +47,7 @@ impl Reading<'_> {
     }
 }
 
-/// A reader that takes no means: what it shows hangs on coordinates alone.
+/// A reader without filtering: its value depends on coordinates alone.
 pub(super) fn sharp(scene: &Scene, reference: &TextureRef) -> TextureSampler {
     let texture = scene.texture(reference.texture);
     TextureSampler {
@@ -63,7 +64,7 @@ pub(super) fn sharp(scene: &Scene, reference: &TextureRef) -> TextureSampler {
 }
 
 impl Textures {
-    /// Smaller copies of a picture; they are made when a ray first wants one.
+    /// Mip maps of a picture; made when a ray first needs one.
     fn mips(&self, texels: &Arc<Texels>, weigh: Weigh) -> Arc<MipMap> {
         let made = || Arc::new(MipMap::weighed(texels.clone(), weigh));
         // Where a thread has died, nothing is shared.
@@ -71,7 +72,7 @@ impl Textures {
         mips.entry((Arc::as_ptr(texels).addr(), weigh)).or_insert_with(made).clone()
     }
 
-    /// Forgets the copies that nobody reads.
+    /// Drops the mip maps without readers.
     pub(super) fn tidy(&self) {
         if let Ok(mut mips) = self.mips.lock() {
             mips.retain(|_, mips| Arc::strong_count(mips) > 1);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The top tree over the instances that rays may meet, brought up to date when some of them moved, came or went.
 //! Source: [WBS03a], the paper's section 6. Space: world.
-//! It has an entry for each instance of the scene, so that hits name those. Where most of them changed, as at first, it is
-//! built; else it is made of the one before, which frames under way keep. Tests: crates/render/tests/{commit,edits}.rs.
+//! It has an entry for each instance of the scene, so that hits name those. If most of them changed, as at
+//! first, it is built; else it is an update of the previous one, which frames in flight keep. Tests:
+//! crates/render/tests/{commit,edits}.rs.
 
 use std::sync::Arc;
 

@@ -1,22 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Where an object is: single-precision transforms for shading.
-//! An object in objects is reached by several transforms one after the other, as rays are carried. Each of them rounds, so a place
-//! knows how large coordinates get on the way: errors of points are bounded by that ([PJH23] section 6.8).
+//! An object in objects is reached by several transforms one after the other, as rays are carried. Each of
+//! them rounds, so a transform stores the size of intermediate coordinates: it bounds the errors of points
+//! ([PJH23] section 6.8).
 //! Invariant: the transform has an inverse. Tests: crates/render/tests/nested.rs.
 
 use glam::{DMat3, Mat3, Vec3};
 use gnurt_scene::Affine;
 
-/// A place in the world, or in the object that holds an object.
+/// A transform to the world, or to the object that holds an object.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Transform {
     /// Linear part of `world_from_object`.
     pub(crate) linear: Mat3,
     /// Where the object's origin is in the world.
     pub(crate) origin: Vec3,
-    /// Transforms normals; unit length is lost, their side is kept also where `linear` mirrors.
+    /// Transforms normals; unit length is lost, their side stays also if `linear` mirrors.
     pub(crate) normals: Mat3,
-    /// Whether `linear` mirrors: triangles wind the other way round in the world.
+    /// Whether `linear` mirrors: triangles have the opposite order of vertices in the world.
     pub(crate) mirrors: bool,
     /// The greatest coordinate that a point of the object has in one of the spaces between its own and the world, in units of the
     /// world; 0 where there are none.
@@ -49,7 +50,8 @@ impl Transform {
         self.linear.is_finite() && self.origin.is_finite() && self.normals.is_finite()
     }
 
-    /// The place of what is at `inner` in the object that is here; coordinates of its points in that object are at most `reach`.
+    /// The transform of `inner`, followed by this one; coordinates of its points in the middle space are at
+    /// most `reach`.
     pub(crate) fn then(&self, inner: &Self, reach: Vec3) -> Self {
         let normals = self.normals * inner.normals;
         let largest = normals.to_cols_array().iter().fold(f32::MIN_POSITIVE, |m, x| m.max(x.abs()));
@@ -62,7 +64,8 @@ impl Transform {
         }
     }
 
-    /// The greatest coordinates, by axis, of what lies within a box of the object, on the way into the world, too.
+    /// The greatest coordinates, by axis, of points within a box of the object, intermediate results of the
+    /// transform included.
     pub(crate) fn reach(&self, low: Vec3, high: Vec3) -> Vec3 {
         absolute(&self.linear).mul_vec3(low.abs().max(high.abs())) + self.origin.abs()
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Who uses an object: visible instances, and objects in use that hold it, by counts of references.
-//! Invariants: an object without users has no tree and holds nothing; no object holds itself. Tests: crates/render/tests/edits.rs.
+//! Users of an object: visible instances, and used objects that hold it, by reference counts. Invariants: an
+//! object without users has no tree and holds nothing; no object holds itself. Tests:
+//! crates/render/tests/edits.rs.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -32,7 +33,7 @@ pub(super) fn release(objects: &mut SharedList<ObjectSlot>, id: u32, dirty: &mut
     }
 }
 
-/// An object in use holds what the scene says now.
+/// Updates the held objects of a used object from the scene.
 pub(super) fn hold(objects: &mut SharedList<ObjectSlot>, scene: &Scene, id: u32, dirty: &mut Vec<u32>) {
     let members = &scene.objects()[id as usize].members;
     let before = objects[id as usize].holds.clone();

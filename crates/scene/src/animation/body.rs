@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Meshes that bend: by weights of morph targets first, then by the joints of a skin.
 //! Source: glTF 2.0 sections 3.7.2.2 and 3.7.3 (linear blending of joint matrices, weights divided by their sum).
-//! Normals go with the blended matrix as it is where joints only turn, move and scale evenly, and with its cofactors where one of
-//! the skin stretches, for normals do not stretch with the surface. Space: that of the mesh; a skinned one comes out in world space.
-//! Cost: O(vertices (joints + targets)). Tests: `tests/animation.rs`, `tests/gltf.rs::{morph_weights_move_vertices,
-//! skins_follow_their_joints}`.
+//! Normals use the blended matrix if joints only rotate, move and scale evenly, and its cofactors if one of
+//! the skin stretches, because normals do not stretch with the surface. Space: that of the mesh; a skinned
+//! one comes out in world space. Cost: O(vertices (joints + targets)). Tests: `tests/animation.rs`,
+//! `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ pub struct Body {
     pub mesh: MeshId,
     /// As it is before anything bends it.
     pub base: Arc<Mesh>,
-    /// What weights add.
+    /// Displacements that the weights scale and add.
     pub morphs: Vec<Morph>,
     /// Which set of weights; a number of `Animation::weights`.
     pub weights: Option<u32>,
@@ -29,7 +29,7 @@ pub struct Body {
     pub skin: Option<u32>,
 }
 
-/// A morph target: what a weight of one adds.
+/// A morph target: the displacement at weight one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Morph {
     /// To positions.
@@ -57,7 +57,7 @@ pub struct Deltas {
 }
 
 impl Deltas {
-    /// One for each vertex; where most are zero only the others are kept.
+    /// One for each vertex; if most are zero only the others are stored.
     #[must_use]
     pub fn new(values: Vec<[f32; 3]>) -> Self {
         let moved = values.iter().filter(|v| **v != [0.0; 3]).count();
@@ -76,7 +76,7 @@ impl Deltas {
         self.values.is_empty()
     }
 
-    /// Of the vertices in `retained`, ascending, alone.
+    /// Only for the vertices in `retained`, ascending.
     #[must_use]
     pub(crate) fn keep(&self, retained: &[u32]) -> Self {
         if self.is_empty() {
@@ -114,7 +114,7 @@ impl Deltas {
 pub struct Influences {
     /// Where the joints of each vertex begin; one more at the end.
     starts: Vec<u32>,
-    /// Joints, as places in the skin, and their weights, above zero.
+    /// Joints, as indices of the skin, and their weights, above zero.
     joints: Vec<(u32, f32)>,
 }
 
@@ -145,7 +145,7 @@ impl Influences {
         &self.joints[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 
-    /// Of the vertices in `retained` alone.
+    /// Only for the vertices in `retained`.
     pub(crate) fn keep(&self, retained: &[u32]) -> Self {
         let mut to = Self::with_capacity(retained.len());
         retained.iter().for_each(|&vertex| to.push(self.of(vertex as usize).iter().copied()));
@@ -164,7 +164,7 @@ impl Influences {
     }
 }
 
-/// How a body is bent at a moment.
+/// The deformation of a body at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bend {
     /// Weights of the morph targets.
@@ -176,7 +176,8 @@ pub struct Bend {
 }
 
 impl Body {
-    /// Writes the bent positions, normals and tangents to `to`, which has the arrays of `base`, and its triangles, which mirrors turn round.
+    /// Writes the deformed positions, normals and tangents to `to`, which has the arrays of `base`, and its
+    /// triangles, whose order of vertices mirrors reverse.
     pub fn bend(&self, how: &Bend, to: &mut Mesh) {
         to.positions.clone_from(&self.base.positions);
         to.normals.clone_from(&self.base.normals);
@@ -193,7 +194,7 @@ impl Body {
         }
     }
 
-    /// Bytes that it holds beside its base.
+    /// Bytes in addition to its base.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {
         self.morphs.iter().map(Morph::memory_bytes).sum::<usize>()
@@ -202,7 +203,7 @@ impl Body {
     }
 }
 
-/// Adds a morph target as often as its weight says; one of no finite weight adds nothing.
+/// Adds a morph target times its weight; a weight that is not finite adds nothing.
 pub(crate) fn add_morph(morph: &Morph, weight: f32, to: &mut Mesh) {
     if weight == 0.0 || !weight.is_finite() {
         return;
@@ -249,8 +250,8 @@ pub(crate) fn mirrored(influences: &Influences, how: &Bend) -> Option<Vec<bool>>
     Some((0..influences.vertices()).map(is_mirrored).collect())
 }
 
-/// Turns triangles round of which more corners are mirrored than not, so that their geometric normals stay on the side that their
-/// corners' normals are on.
+/// Reverses triangles with more mirrored corners than others, so that their geometric normals stay on the
+/// side of their corners' normals.
 pub(crate) fn turn_round(triangles: &mut [[u32; 3]], mirrored: &[bool]) {
     let is_mirrored = |i: u32| mirrored.get(i as usize).copied().unwrap_or(false);
     for triangle in triangles {

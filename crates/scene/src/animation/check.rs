@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether an animation that a program made goes with its scene: every number a place, every array as long as it must be.
-//! Files are checked by their readers, and by this once more. Cost: one pass. Tests: `tests/animation.rs`.
+//! Checks that an animation made by a program fits its scene: indices are in range, arrays have the right
+//! lengths. Files are checked by their readers, and by this once more. Cost: one pass. Tests:
+//! `tests/animation.rs`.
 
 use super::clip::{Channel, Target};
 use super::model::{Animation, Attachment};
@@ -63,11 +64,11 @@ fn exists(what: &str, number: usize, count: usize) -> Result<(), String> {
     if number < count { Ok(()) } else { Err(format!("{what} {number} does not exist")) }
 }
 
-/// Whether what it stands on is among the first `count` nodes.
+/// Whether the node under it is among the first `count` nodes.
 fn on_node(location: &Attachment, count: usize) -> Result<(), String> {
     match location {
         Attachment::On(node) if *node as usize >= count => {
-            Err(format!("stands on node {node}, which is not before it"))
+            Err(format!("its parent node {node} does not precede it"))
         }
         _ => Ok(()),
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Clips: named sets of channels, each of which drives one value of the animation.
-//! Source: glTF 2.0 section 3.11, KHR_animation_pointer. Numbers of targets are places in the lists of `Animation`.
+//! Source: glTF 2.0 section 3.11, KHR_animation_pointer. Numbers of targets are indices of the lists of
+//! `Animation`.
 
 use std::sync::Arc;
 
@@ -11,12 +12,13 @@ use super::sampler::Sampler;
 pub struct Clip {
     /// For people; may be empty, need not be unique.
     pub name: String,
-    /// What it drives; of two channels of one value the last one counts.
+    /// The driven values; if two channels drive one value, the last one counts.
     pub channels: Vec<Channel>,
 }
 
 impl Clip {
-    /// The moments of its first and of its last key, in seconds; outside of these nothing moves. `[0, 0]` without channels.
+    /// The times of its first and of its last key, in seconds; the pose is constant outside of these. `[0,
+    /// 0]` without channels.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         let ranges = self.channels.iter().map(|channel| channel.sampler.range());
@@ -24,21 +26,21 @@ impl Clip {
     }
 }
 
-/// A value over time, and what it is the value of.
+/// A value over time and its target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What is driven.
+    /// The driven value.
     pub target: Target,
-    /// By what.
+    /// Its keys.
     pub sampler: Arc<Sampler>,
 }
 
-/// What a channel drives.
+/// The target of a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Target {
     /// Where a node is: 3 numbers.
     Translation(u32),
-    /// How a node is turned: 4 numbers.
+    /// The rotation of a node: 4 numbers.
     Rotation(u32),
     /// How large a node is: 3 numbers.
     Scale(u32),

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What of a scene moves while a shutter is open: the same things at several moments.
-//! Moments are those of the clip itself, evenly spaced, so that a turn is followed and not its chord, whatever
-//! nodes stand on each other; between two of them a renderer goes straight, or along an arc. Of a mesh only as many moments are
-//! kept as its way needs, and no more are held on the way. Space and units: those of the scene; seconds. Tests: `tests/animation.rs`, `tests/growth.rs`.
+//! Moving parts of a scene during an open shutter, sampled at several times. The times are those of the clip,
+//! evenly spaced, so that a rotation follows its arc instead of its chord for any depth of the node tree. A
+//! renderer interpolates between two samples on a line or an arc. A mesh keeps only as many samples as its
+//! path needs, and the build holds no more than that. Space and units: those of the scene; seconds. Tests:
+//! `tests/animation.rs`, `tests/growth.rs`.
 
 use std::sync::Arc;
 
@@ -15,22 +16,22 @@ use crate::light::Light;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-/// Things that move while a shutter is open, each at moments evenly spaced from when it opens to when it closes, both ends
-/// among them. What a scene shows is the first of them.
+/// Moving parts during an open shutter, each with samples evenly spaced from its opening to its closing, both
+/// included. The scene shows the first sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exposure {
-    /// Meshes that bend; their vertices go straight from one moment to the next, up to [`Exposure::BEND`].
+    /// Deforming meshes; their vertices move in straight lines between samples, up to [`Exposure::BEND`].
     pub meshes: Vec<(MeshId, Vec<Arc<Mesh>>)>,
     /// Instances that are seen and moved.
     pub instances: Vec<(InstanceId, Vec<Affine>)>,
-    /// Members of objects, by object and place among its members, that are moved.
+    /// Moving members of objects, by object and index among its members.
     pub members: Vec<((ObjectId, u32), Vec<Affine>)>,
     /// Cameras.
     pub cameras: Vec<(CameraId, Vec<Camera>)>,
     /// Lights without extent.
     pub lights: Vec<(LightId, Vec<Light>)>,
-    /// Things whose change is not in here, and which stay as they are when the shutter opens: materials that are driven, and
-    /// instances that come or go.
+    /// Things that change without samples here, and stay as they are at the opening: driven materials, and
+    /// instances that appear or disappear.
     pub held: usize,
 }
 
@@ -55,7 +56,7 @@ impl Exposure {
     }
 }
 
-/// What a moment shows of what can move, meshes aside.
+/// The state of all moving parts at one time, except meshes.
 #[derive(Clone)]
 struct Instant {
     instances: Vec<(Affine, bool)>,
@@ -64,10 +65,10 @@ struct Instant {
     lights: Vec<Light>,
 }
 
-/// A mesh at the ends of equal pieces of the time, as few as say where it is between them.
+/// A mesh at the ends of equal pieces of the time, the fewest that determine it between them.
 struct Bends {
     ends: Vec<Arc<Mesh>>,
-    /// Ends of pieces half as long, on their way in between the others.
+    /// Ends of pieces of half the length, computed between the others.
     fresh: Vec<Arc<Mesh>>,
     /// How far a vertex may be from where it is.
     tolerance: f32,
@@ -102,14 +103,14 @@ impl Bends {
         self.moves |= self.ends.iter().any(differs);
     }
 
-    /// Looks at moment `i` where pieces have `step` moments.
+    /// Compares sample `i`, if pieces have `step` samples.
     fn compare(&mut self, mesh: &Mesh, i: usize, step: usize) {
         let (piece, share) = (i / step, (i % step) as f32 / step as f32);
         let ends = self.ends[piece].positions.iter().zip(&self.ends[piece + 1].positions);
         self.is_enough = mesh.positions.iter().zip(ends).all(|(is, (from, to))| {
             (0..3).all(|k| {
                 let off = (is[k] - (1.0 - share) * from[k] - share * to[k]).abs();
-                // What is no number is in no tree either.
+                // Vertices that are not finite are in no tree either.
                 off <= self.tolerance || off.is_nan()
             })
         });
@@ -117,7 +118,7 @@ impl Bends {
     }
 }
 
-/// The scene and the moments of a clip that are looked at.
+/// The scene and the sampled times of a clip.
 struct Shutter<'a> {
     scene: &'a mut Scene,
     animation: &'a Animation,
@@ -125,14 +126,14 @@ struct Shutter<'a> {
     opens: f64,
     closes: f64,
     pieces: usize,
-    /// What was seen at each moment so far.
+    /// The samples so far.
     moments: Vec<Option<Instant>>,
-    /// Materials that one moment changes, at most.
+    /// The largest number of materials that change at one time.
     materials: usize,
 }
 
 impl Shutter<'_> {
-    /// Shows a moment, and keeps what moves but meshes.
+    /// Poses the scene for a time, and keeps all moving parts except meshes.
     fn show(&mut self, i: usize) {
         let share = i as f64 / self.pieces as f64;
         let posed = self.scene.pose(self.clip, self.opens + (self.closes - self.opens) * share);
@@ -160,8 +161,8 @@ impl Shutter<'_> {
         &self.scene.meshes()[self.animation.bodies[body].mesh.index()]
     }
 
-    /// The meshes that bend, each at as few moments as say where it is at the others. Those others are made again for each length of
-    /// pieces that is tried, so that no more meshes are held at once than are kept.
+    /// The deforming meshes, each at the fewest samples that determine the others. Those others are computed
+    /// again for each tested length of pieces, so that no more meshes are held at once than are kept.
     fn bends(&mut self) -> Vec<Bends> {
         self.show(0);
         let mut all: Vec<Bends> =
@@ -193,7 +194,7 @@ impl Shutter<'_> {
 }
 
 impl Scene {
-    /// What moves between two moments of a clip, in seconds. The scene shows the first of them afterwards, as after
+    /// Motion between two times of a clip, in seconds. The scene shows the first of them afterwards, as after
     /// [`pose`](Self::pose). Nothing moves where the second is not after the first.
     ///
     /// Values that jump (STEP) go from one to the other within a piece of the time, of which there are 16 to 64.

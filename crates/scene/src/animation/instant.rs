@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A moment: the values that channels drive, and where nodes are then.
-//! Source: glTF 2.0 section 3.11. Made from the rest each time, so that it does not matter what was shown before.
+//! The state of an animation at one time: the values of channels, and the transforms of nodes.
+//! Source: glTF 2.0 section 3.11. It is computed from the rest pose each time, so it does not depend on
+//! earlier poses.
 //! Space: world. Tests: `tests/animation.rs`.
 
 use super::body::Bend;
@@ -11,7 +12,7 @@ use super::sampler::Sampler;
 use crate::affine::Affine;
 use crate::factors::{Factors, MappedTexture};
 
-/// Values at a moment.
+/// Values at one time.
 pub(super) struct Instant {
     locals: Vec<Local>,
     visible: Vec<bool>,
@@ -41,7 +42,7 @@ impl Instant {
         }
     }
 
-    /// What a clip drives, as it is then.
+    /// Sets all targets of a clip to their values at a time.
     pub(super) fn play(&mut self, clip: &Clip, seconds: f64) {
         for channel in &clip.channels {
             self.set(channel.target, &channel.sampler, seconds);

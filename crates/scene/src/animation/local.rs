@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Transforms of nodes relative to their parents, and turns.
+//! Transforms of nodes relative to their parents, and rotations.
 //! Source: glTF 2.0 section 3.5.2; slerp after appendix C.4, on the shorter way. Double precision.
 //! Quaternions are `x y z w`, of any length but zero. Tests: `tests`.
 
@@ -8,7 +8,7 @@ use crate::affine::Affine;
 /// Where a node is relative to its parent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Local {
-    /// As one matrix, which channels leave alone.
+    /// As one matrix, which channels never change.
     Matrix(Affine),
     /// As three parts, which channels may replace.
     Parts(Trs),
@@ -25,12 +25,12 @@ impl Local {
     }
 }
 
-/// Scaled first, then turned, then moved.
+/// Scale first, then rotation, then translation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trs {
     /// Moved by this.
     pub translation: [f64; 3],
-    /// Turned by this quaternion; `None` = not turned.
+    /// Rotation by this quaternion; `None` = no rotation.
     pub rotation: Option<[f64; 4]>,
     /// Scaled by this.
     pub scale: [f64; 3],
@@ -51,7 +51,7 @@ impl Trs {
     }
 }
 
-/// The rotation of a quaternion of any length but zero; one that is none turns nothing.
+/// The rotation of a quaternion of any length; identity for zero.
 fn from_quaternion(q: [f64; 4]) -> Affine {
     let Some([x, y, z, w]) = unit(q) else { return Affine::IDENTITY };
     Affine {
@@ -70,15 +70,15 @@ pub(super) fn unit(q: [f64; 4]) -> Option<[f64; 4]> {
     (length > 0.0 && length.is_finite()).then(|| q.map(|x| x / length))
 }
 
-/// From `a` to `b` with constant speed on the shorter way; `t` in `[0, 1]`.
+/// From `a` to `b` with constant speed on the shorter arc; `t` in `[0, 1]`.
 pub(super) fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
     let (Some(a), Some(b)) = (unit(a), unit(b)) else { return if t < 1.0 { a } else { b } };
     let cosine: f64 = a.iter().zip(&b).map(|(x, y)| x * y).sum();
-    // A quaternion and its negative turn alike; the one on the same side is nearer.
+    // A quaternion and its negative are the same rotation; the one on the same side is nearer.
     let (cosine, b) = if cosine < 0.0 { (-cosine, b.map(|x| -x)) } else { (cosine, b) };
     let angle = cosine.min(1.0).acos();
     let sine = angle.sin();
-    // Where the two are the same to eight digits, the straight way is as good, and nothing is divided by zero.
+    // If the two are the same to eight digits, linear interpolation suffices and avoids a division by zero.
     let (from, to) = match sine > 1e-8 {
         true => (((1.0 - t) * angle).sin() / sine, (t * angle).sin() / sine),
         false => (1.0 - t, t),
@@ -90,7 +90,7 @@ pub(super) fn slerp(a: [f64; 4], b: [f64; 4], t: f64) -> [f64; 4] {
 mod tests {
     use super::*;
 
-    /// A turn around an axis.
+    /// A rotation around an axis.
     fn axis_angle(axis: [f64; 3], degrees: f64) -> [f64; 4] {
         let (s, c) = (degrees.to_radians() / 2.0).sin_cos();
         [axis[0] * s, axis[1] * s, axis[2] * s, c]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Animation: what of a scene moves, and where it is at a moment.
+//! Animation: the moving parts of a scene and their state at a time.
 //! Source: glTF 2.0 sections 3.7.2.2 (morph targets), 3.7.3 (skins), 3.11 and appendix C (animations); KHR_animation_pointer,
 //! KHR_node_visibility.
 //!
@@ -8,9 +8,9 @@
 //!     -- rig: nodes, skins, bodies --> edits of the Scene: instances, meshes, cameras, lights, materials
 //! ```
 //!
-//! A scene holds one [`Animation`] at most; [`Scene::pose`](crate::Scene::pose) edits the scene so that it shows a moment of a clip.
-//! What a moment leaves as it is is not edited, and so costs no commit anything. A moment is a point in time;
-//! an open shutter is an [`Exposure`]: what moves, at several moments.
+//! A scene holds one [`Animation`] at most; [`Scene::pose`](crate::Scene::pose) edits the scene to show a
+//! time of a clip. Unchanged parts are not edited, so they cost a commit nothing. An open shutter is an
+//! [`Exposure`]: the moving parts at several times.
 //! Space: nodes relative to their parents, cameras and lights in world space. Times are seconds, as files write them.
 //! Tests: `tests/animation.rs`, `tests/animated_scenes.rs`.
 

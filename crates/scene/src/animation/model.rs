@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All that moves in a scene: nodes with their parents, what hangs on them, and the clips that drive them.
-//! Source: after glTF 2.0. Only nodes that can move are here: what stands still is a matrix.
-//! Invariants: a node's parent stands before it; every number is a place in its list. Checked by `Scene::animate`.
+//! All moving parts of a scene: nodes with their parents, the things attached to them, and the clips.
+//! Source: after glTF 2.0. Only moving nodes are here; a fixed node is folded into a matrix. Invariants: a
+//! node follows its parent in the list; every index is in range. Checked by `Scene::animate`.
 
 use crate::affine::Affine;
 use crate::camera::Camera;
@@ -13,10 +13,10 @@ use super::body::Body;
 use super::clip::Clip;
 use super::local::Local;
 
-/// What moves, and how.
+/// The moving parts and their motion.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Animation {
-    /// What can be played.
+    /// Clips that can be played.
     pub clips: Vec<Clip>,
     /// Nodes that can move, parents first.
     pub nodes: Vec<Node>,
@@ -47,7 +47,7 @@ pub struct Animation {
 pub struct Node {
     /// For people.
     pub name: String,
-    /// What it stands on.
+    /// The node or matrix under it.
     pub parent: Attachment,
     /// Where it is on it, at rest.
     pub rest: Local,
@@ -55,14 +55,14 @@ pub struct Node {
     pub visible: bool,
 }
 
-/// Where something stands.
+/// The attachment of a thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attachment {
     /// On a node that can move.
     On(u32),
     /// Where it always is.
     Fixed {
-        /// Its place.
+        /// A fixed transform and visibility.
         world_from_node: Affine,
         /// Whether all above it are seen.
         visible: bool,
@@ -76,19 +76,20 @@ pub struct MovingInstance {
     pub instance: InstanceId,
     /// Where.
     pub node: u32,
-    /// Whether its place is the node's; a skinned mesh's is the world's, and only its visibility is the node's.
+    /// Whether its transform is the node's; a skinned mesh's is the world's, and only its visibility is the
+    /// node's.
     pub has_transform: bool,
 }
 
-/// A member of an object that goes with a node.
+/// A member of an object that follows a node.
 ///
-/// The place of the node is the member's place in the object that holds it. Who sees it hangs on the object's instances and on the
-/// member's mask, not on the node.
+/// The node's transform becomes the member's transform in the object that holds it. Its visibility depends on
+/// the object's instances and the member's mask; the node does not affect it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MovingMember {
     /// The object that holds it.
     pub object: ObjectId,
-    /// Its place among the members of that.
+    /// Its index among the object's members.
     pub member: u32,
     /// Where.
     pub node: u32,
@@ -99,7 +100,7 @@ pub struct MovingMember {
 pub struct Skin {
     /// Its joints.
     pub joints: Vec<Joint>,
-    /// Whether one of them stretches at any time, or one that it stands on.
+    /// Whether one of them, or an ancestor, stretches at any time.
     pub stretches: bool,
 }
 
@@ -117,7 +118,7 @@ pub struct Joint {
 pub struct MovingCamera {
     /// Which.
     pub camera: CameraId,
-    /// Where: it looks along -z, y is up.
+    /// The node of the camera, which faces -z, with y up.
     pub attachment: Attachment,
     /// Which angle; a number of `Animation::fields_of_view`.
     pub field_of_view: u32,
@@ -128,7 +129,7 @@ pub struct MovingCamera {
 pub struct MovingLight {
     /// Which.
     pub light: LightId,
-    /// Where: it shines along -z.
+    /// The node of the light, which emits along -z.
     pub attachment: Attachment,
     /// Which factors; a number of `Animation::light_factors`.
     pub factors: u32,
@@ -154,10 +155,10 @@ pub enum LightKind {
     Directional,
 }
 
-/// What makes a light, beside its place.
+/// Factors of a light, except its position and direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightFactors {
-    /// Of what kind.
+    /// The kind of light.
     pub kind: LightKind,
     /// Linear.
     pub color: [f32; 3],
@@ -170,7 +171,7 @@ pub struct LightFactors {
 }
 
 impl LightFactors {
-    /// The light at a place; dark if it is not seen; `None` where a number of it is not finite.
+    /// The light at a transform; dark if it is invisible; `None` if a number is not finite.
     #[must_use]
     pub fn light(&self, world_from_light: &Affine, visible: bool) -> Option<Light> {
         let position = world_from_light.point([0.0; 3]).map(|x| x as f32);
@@ -190,7 +191,7 @@ impl LightFactors {
     }
 }
 
-/// A camera's like at another place, with another angle of view in radians; `None` where that has a fault.
+/// A camera like `like` with another transform and another angle of view in radians; `None` if it is invalid.
 #[must_use]
 pub(crate) fn camera_at(like: &Camera, world_from_camera: &Affine, field_of_view: f32) -> Option<Camera> {
     let single = |v: [f64; 3]| v.map(|x| x as f32);

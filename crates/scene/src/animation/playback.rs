@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a scene remembers of the moment that it shows, so that the next one costs only what differs.
-//! Two meshes take turns in showing a body: while the one is seen the other is free again, so that arrays that
-//! nobody changes are neither copied nor taken anew. Tests: `tests/animation.rs::moments_share_what_stays`.
+//! The pose that a scene shows, kept so that the next pose costs only its differences. Two meshes alternate
+//! in showing a deforming mesh: while one is shown, the other is free again, so that unchanged arrays are
+//! neither copied nor allocated again. Tests: `tests/animation.rs::moments_share_what_stays`.
 
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use crate::light::Light;
 use crate::material::Material;
 use crate::mesh::Mesh;
 
-/// What was last set; empty before the first moment.
+/// The values set last; empty before the first pose.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Playback {
-    /// Whether a moment was shown.
+    /// Whether a pose was shown.
     pub(super) is_begun: bool,
     /// By body.
     pub(super) bodies: Vec<Shown>,
@@ -24,7 +24,7 @@ pub(crate) struct Playback {
     pub(super) cameras: Vec<Camera>,
     /// By moving light: as it is at rest.
     pub(super) lights: Vec<Light>,
-    /// By moving material: what it was set to; another one there is somebody else's.
+    /// For each moving material, the value set last; another value comes from the caller.
     pub(super) materials: Vec<Material>,
 }
 

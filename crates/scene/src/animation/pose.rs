@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Poses: a scene at a moment.
-//! Only what differs is edited, so that the log names what a commit has to do and no more. Two poses of the same
-//! moment are the same, whatever was shown between them. Tests: `tests/animation.rs`.
+//! Poses: a scene at one time. Only differences are edited, so that the log lists exactly the work of the
+//! next commit. Two poses at the same time are equal, whatever was shown between them. Tests:
+//! `tests/animation.rs`.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::playback::{Playback, Shown};
 use crate::check::CheckError;
 use crate::scene::Scene;
 
-/// How much of a scene a moment changed.
+/// The changes of a scene by a pose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Posed {
     /// Meshes that were bent.
@@ -30,18 +30,20 @@ pub struct Posed {
 }
 
 impl Scene {
-    /// Gives the scene what moves in it, in place of what it had. What is there is taken to be at rest.
+    /// Gives the scene its animation, in place of an earlier one. The current state is taken as the rest
+    /// pose.
     ///
     /// # Errors
-    /// [`CheckError`] if a number of the animation points nowhere, or arrays do not go together.
+    /// [`CheckError`] if an index of the animation is out of range, or if lengths of arrays disagree.
     pub fn animate(&mut self, animation: Animation) -> Result<(), CheckError> {
         super::check::check(&animation, self)?;
         self.set_animation(animation);
         Ok(())
     }
 
-    /// Shows the moment `seconds` of a clip; before its first and after its last keys nothing moves. What the clip does not drive is at
-    /// rest. Edits only what differs from what is shown, so that a commit does no more than that.
+    /// Shows the time `seconds` of a clip; the pose is constant before its first and after its last keys.
+    /// Values without a channel are at rest. Edits only the differences from the current pose, so that a
+    /// commit does no more work than that.
     ///
     /// ```
     /// # use gnurt_scene::Scene;
@@ -86,7 +88,7 @@ impl Scene {
     }
 }
 
-/// What is shown before the first moment.
+/// The state before the first pose.
 fn begin(scene: &Scene, animation: &Animation) -> Playback {
     Playback {
         is_begun: true,
@@ -113,7 +115,7 @@ fn show_bodies(
         }
         let material = scene.mesh(body.mesh).material;
         let mut mesh = shown.spare.take().unwrap_or_else(|| body.base.clone());
-        // Whoever still holds it keeps it as it was.
+        // Other holders of the mesh keep it unchanged.
         let to = Arc::make_mut(&mut mesh);
         body.bend(&bend, to);
         to.material = material;
@@ -141,7 +143,7 @@ fn show_instances(
         let node = node_poses[moving.node as usize];
         let instance = scene.instance(moving.instance);
         let moves = moving.has_transform && instance.world_from_object != node.world_from_node;
-        // Somebody else may have hidden it.
+        // The caller may have hidden it.
         let appears = *was_visible != node.visible;
         if !moves && !appears {
             continue;
@@ -163,7 +165,7 @@ fn show_members(scene: &mut Scene, animation: &Animation, node_poses: &[NodePose
     let mut count = 0;
     for moving in &animation.members {
         let attachment = node_poses[moving.node as usize].world_from_node;
-        // Somebody may have taken it out.
+        // The caller may have removed it.
         let member = scene.object(moving.object).members.get(moving.member as usize);
         if member.is_some_and(|member| member.object_from_member != attachment) {
             scene.edit_object(moving.object).members[moving.member as usize].object_from_member = attachment;
@@ -184,7 +186,7 @@ fn show_cameras(
     for (moving, rest) in animation.cameras.iter().zip(&playback.cameras) {
         let angle = instant.fields_of_view[moving.field_of_view as usize];
         let node = at(&moving.attachment, node_poses);
-        // One that has no view just then is where it is at rest.
+        // A camera without a valid view stays at rest.
         let camera = camera_at(rest, &node.world_from_node, angle).unwrap_or_else(|| rest.clone());
         if *scene.camera(moving.camera) != camera {
             *scene.edit_camera(moving.camera) = camera;
@@ -224,7 +226,7 @@ fn show_materials(
     let shown = animation.materials.iter().zip(&mut playback.materials).zip(&instant.materials);
     for ((moving, was), factors) in shown {
         let material = factors.material();
-        // What somebody else put there stays.
+        // A material that the caller assigned stays.
         if material == *was || *scene.material(moving.material) != *was {
             continue;
         }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values over time: keys, and what lies between them.
+//! Values over time: keys and their interpolation.
 //! Source: glTF 2.0 section 3.11 and appendix C (step, linear, spherical linear, cubic spline). Double precision.
 //! Times outside of the keys are clamped. Of keys of equal times the last one counts from that time on.
-//! Invariant: times ascend or are equal and there is at least one; each has its values; all numbers that are looked at are finite.
+//! Invariant: there is at least one time; times do not descend; each has its values; all numbers in use are
+//! finite.
 //! Tests: `tests`, `tests/animation.rs`.
 
 use std::sync::Arc;
@@ -14,7 +15,7 @@ use super::local::{slerp, unit};
 pub enum Interpolation {
     /// They stay until the next key.
     Step,
-    /// Straight; turns with constant speed on the shorter way.
+    /// Linear; rotations with constant speed on the shorter arc.
     Linear,
     /// By Hermite's cubic: a tangent, a value, a tangent for each key.
     CubicSpline,
@@ -28,19 +29,19 @@ impl Interpolation {
     }
 }
 
-/// Why keys are no sampler; `Display` says what is wrong.
+/// Reasons to reject keys; `Display` gives the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SamplerError {
     /// There are no keys.
-    #[error("there are no keys")]
+    #[error("keys missing")]
     Empty,
     /// A time is NaN or infinite.
-    #[error("the time of key {0} is no finite number")]
+    #[error("the time of key {0} is not a finite number")]
     NotFinite(usize),
     /// A value, or a tangent, of a key is NaN or infinite.
-    #[error("a value of key {0} is no finite number")]
+    #[error("a value of key {0} is not a finite number")]
     NotFiniteValue(usize),
-    /// A time is below the one before it.
+    /// A time is less than its predecessor.
     #[error("the time of key {0} is before that of the key before it")]
     Unordered(usize),
     /// The number of values does not go with that of the keys.
@@ -91,7 +92,7 @@ impl Sampler {
             return Err(SamplerError::Count { values: values.len(), keys, expected });
         }
         let of_key = width.saturating_mul(interpolation.sets()).max(1);
-        // Nobody looks at the tangent that comes into the first key and the one that goes out of the last.
+        // The tangent into the first key and the tangent out of the last key are unused.
         let ends = if interpolation == Interpolation::CubicSpline { width } else { 0 };
         let used = &values[ends..values.len() - ends];
         if let Some(i) = used.iter().position(|value| !value.is_finite()) {
@@ -154,12 +155,12 @@ impl Sampler {
         (key, (seconds - from) / (to - from))
     }
 
-    /// The value that stood at the last key, whatever the interpolation is.
+    /// The value of the last key, for any interpolation.
     pub fn step(&self, seconds: f64) -> &[f32] {
         self.key(self.find(seconds).0)
     }
 
-    /// Writes the value at a moment to `to`, which has room for `width` numbers.
+    /// Writes the value at a time to `to`, which has space for `width` numbers.
     pub fn sample(&self, seconds: f64, to: &mut [f64]) {
         let (key, t) = self.find(seconds);
         if t == 0.0 || self.interpolation == Interpolation::Step {
@@ -185,7 +186,7 @@ impl Sampler {
         }
     }
 
-    /// The quaternion at a moment; `width` is 4.
+    /// The quaternion at a time; `width` is 4.
     #[must_use]
     pub fn rotation(&self, seconds: f64) -> [f64; 4] {
         let (key, t) = self.find(seconds);
@@ -257,9 +258,9 @@ mod tests {
         let error = |times: &[f32], values: &[f32]| {
             sampler(times, values, Interpolation::Linear).expect_err("no curve").to_string()
         };
-        assert_eq!(error(&[], &[]), "there are no keys");
-        assert_eq!(error(&[0.0, f32::NAN], &[0.0; 2]), "the time of key 1 is no finite number");
-        assert_eq!(error(&[0.0, 1.0], &[0.0, f32::NAN]), "a value of key 1 is no finite number");
+        assert_eq!(error(&[], &[]), "keys missing");
+        assert_eq!(error(&[0.0, f32::NAN], &[0.0; 2]), "the time of key 1 is not a finite number");
+        assert_eq!(error(&[0.0, 1.0], &[0.0, f32::NAN]), "a value of key 1 is not a finite number");
         let ends = [f32::NAN, 1.0, 2.0, 3.0, 4.0, f32::INFINITY];
         sampler(&[0.0, 1.0], &ends, Interpolation::CubicSpline).expect("nobody looks at the outer tangents");
         let inner = [0.0, 1.0, 2.0, f32::NAN, 4.0, 0.0];

@@ -29,7 +29,7 @@ pub(super) fn scene() -> Scene {
     show(&mut scene, "floor, ceiling and back", shell, white);
     show(&mut scene, "left wall", quad(x, z, y), red);
     show(&mut scene, "right wall", quad([0.0; 3], y, z), green);
-    // Just below the ceiling, shining down.
+    // Just below the ceiling, facing down.
     let light_mesh = quad([2.13, HEIGHT - 0.001, 2.27], [1.30, 0.0, 0.0], [0.0, 0.0, 1.05]);
     show(&mut scene, "lamp", light_mesh, light);
     show(&mut scene, "short block", short_block(), white);

@@ -3,8 +3,8 @@
 //! Terrain after [Mus93] (ridged sums of noise). Two levels: thousands of trees and rocks are
 //! instances of a few objects. Space: +Y up, sea level at y = 0; the island fits into a circle of radius [`REACH`].
 //!
-//! The sea is one sheet of glass with water's index of refraction: it mirrors like water, more the flatter one looks, and
-//! what is refracted into it meets the environment's lower half, which has the colour of deep water.
+//! The sea is one sheet of glass with the index of refraction of water: its reflection grows towards grazing
+//! angles, and refracted rays meet the lower half of the environment, which has the colour of deep water.
 //! Tests: `tests/builtin.rs::the_showpiece_is_large`.
 
 mod cape;
@@ -35,8 +35,8 @@ pub(super) fn scene() -> Scene {
     island().0
 }
 
-/// The same with trees that move, seen from nearer, where the shader library shows what it can. From the boat that would cost a third of
-/// the time of a picture, for little to see.
+/// The same scene with trees that move, from a nearer camera, as a demonstration of the shader library. From
+/// the boat that would cost a third of the time of a picture, for little to see.
 pub(super) fn in_the_wind() -> Scene {
     let (mut scene, trees) = island();
     wind::blow(&mut scene, &trees);
@@ -73,7 +73,7 @@ fn island() -> (Scene, Vec<wind::Tree>) {
     (scene, trees)
 }
 
-/// What materials are shown by where somebody compiles shaders: the shader's name and its parameters.
+/// Shaders of the materials, for programs that compile shaders: name and parameters.
 const DRESSES: [(&str, &str, &str); 5] = [
     (
         "ground",
@@ -110,7 +110,7 @@ fn add_sea(scene: &mut Scene) {
     show(scene, "sea", quad([-SEA, 0.0, SEA], [2.0 * SEA, 0.0, 0.0], [0.0, 0.0, -2.0 * SEA]), water);
 }
 
-/// Puts trees where there is grass and rocks where there is sand or scree, at hashed places of a fine grid. Returns the trees.
+/// Puts trees on grass and rocks on sand or scree, at hashed positions of a fine grid. Returns the trees.
 fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) -> Vec<wind::Tree> {
     let mut trees = Vec::new();
     const CELLS: i32 = 230;
@@ -140,8 +140,8 @@ fn scatter(scene: &mut Scene, terrain: &Terrain, plants: &plants::Objects) -> Ve
     trees
 }
 
-/// An instance on the ground: `size` high, turned by a share of the full circle, stretched upwards by a little. Returns how it
-/// stands in three parts, too.
+/// An instance on the ground: `size` high, rotated by a fraction of the full circle, stretched upwards by a
+/// little. Also returns its transform in three parts.
 fn put(
     scene: &mut Scene,
     object: ObjectId,

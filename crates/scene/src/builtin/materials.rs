@@ -39,7 +39,7 @@ pub(super) fn scene() -> Scene {
     let stage = scene.add_material(Material::matte("stage", [0.36, 0.37, 0.40]));
     let mut steps = quad([-30.0, 0.0, 30.0], [60.0, 0.0, 0.0], [0.0, 0.0, -30.575]);
     for row in 0..ROWS {
-        // Each row stands on a step of its own.
+        // Each row is on a step of its own.
         let (y, z) = (0.35 * row as f32, -1.15 * row as f32 + 0.575);
         append(&mut steps, &quad([-30.0, y, z], [60.0, 0.0, 0.0], [0.0, 0.0, -1.15]));
         append(&mut steps, &quad([-30.0, y - 0.35, z], [60.0, 0.0, 0.0], [0.0, 0.35, 0.0]));
@@ -64,7 +64,7 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// A soft box that shines towards the middle row.
+/// A soft box that faces the middle row.
 fn add_lamp(scene: &mut Scene, at: [f32; 3], radiance: [f32; 3]) {
     let mut material = Material::matte("lamp", [0.0; 3]);
     material.emission = radiance;
@@ -82,7 +82,7 @@ fn add_lamp(scene: &mut Scene, at: [f32; 3], radiance: [f32; 3]) {
     };
     let half = 2.1;
     let corner = [0, 1, 2].map(|k| at[k] + half * (frame.right[k] - frame.up[k]));
-    // `left x up` looks forward.
+    // `left x up` faces forward.
     let panel = quad(corner, frame.right.map(|x| -2.0 * half * x), frame.up.map(|x| 2.0 * half * x));
     show(scene, "lamp", panel, material);
 }

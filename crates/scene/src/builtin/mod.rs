@@ -17,12 +17,12 @@ mod textures;
 use crate::scene::Scene;
 pub use sky::{BuiltinSky, SKIES};
 
-/// A scene that can be asked for by name.
+/// A built-in scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Builtin {
-    /// What to write after `builtin:`.
+    /// The name after `builtin:`.
     pub name: &'static str,
-    /// What it shows, in one line.
+    /// The contents of the scene, in one line.
     pub description: &'static str,
     make: fn() -> Scene,
 }
@@ -46,7 +46,7 @@ pub const ALL: &[Builtin] = &[
     },
     Builtin {
         name: "materials",
-        description: "balls from smooth to rough and from plastic to metal under three lamps",
+        description: "balls from smooth to rough and from plastic to metal under three lights",
         make: materials::scene,
     },
     Builtin {
@@ -56,12 +56,12 @@ pub const ALL: &[Builtin] = &[
     },
     Builtin {
         name: "slit",
-        description: "two rooms with a slit between them: the camera is in the one without the lamp",
+        description: "two rooms with a slit between them: the camera is in the one without the light",
         make: slit::scene,
     },
     Builtin {
         name: "rooms",
-        description: "three rooms joined by narrow openings: the lamp is in the last one, the camera in the first",
+        description: "three rooms joined by narrow openings: the light is in the last one, the camera in the first",
         make: rooms::scene,
     },
     Builtin {
@@ -77,7 +77,7 @@ pub fn load(name: &str) -> Option<Scene> {
     ALL.iter().find(|builtin| builtin.name == name).map(|builtin| (builtin.make)())
 }
 
-/// All names and the one that is most like `name`, for messages.
+/// All names and the most similar one to `name`, for messages.
 pub(crate) fn suggestion(name: &str) -> String {
     let names: Vec<_> = ALL.iter().map(|b| b.name).collect();
     let nearest = names.iter().min_by_key(|candidate| edit_distance(candidate, name));

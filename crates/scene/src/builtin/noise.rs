@@ -25,7 +25,8 @@ pub(super) fn value(x: f32, y: f32, seed: u32) -> f32 {
     lerp(lerp(corner(0, 0), corner(1, 0), u), lerp(corner(0, 1), corner(1, 1), u), v)
 }
 
-/// Octaves of noise, each twice as fine and half as high, each turned so that the lattices do not show.
+/// Octaves of noise, each with double frequency and half amplitude, each rotated so that the lattices are
+/// invisible.
 pub(super) fn octaves(x: f32, y: f32, count: u32, seed: u32, shape: fn(f32) -> f32) -> f32 {
     let (mut x, mut y, mut height, mut sum, mut total) = (x, y, 1.0, 0.0, 0.0);
     for octave in 0..count {

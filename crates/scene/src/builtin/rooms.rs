@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Three rooms in a row, joined by narrow openings: a lamp in the last one, the camera in the first.
+//! Three rooms in a row, joined by narrow openings: a light in the last one, the camera in the first.
 //! Source: after the rooms of [VG97] that only few paths cross. Space: metres, y upwards.
-//! The lamp shines away from the openings: light is scattered in the last room, and nearly always in the middle one, before the camera's
-//! room sees any.
+//! The light faces away from the openings: it is scattered in the last room, and nearly always in the middle
+//! one, before it reaches the camera's room.
 
 use super::shapes::{append, block, quad, show};
 use crate::camera::Camera;
@@ -35,7 +35,7 @@ pub(super) fn scene() -> Scene {
     show(&mut scene, "near wall", wall, blue);
     let crate_shape = block([[1.6, 2.2], [1.4, 2.9], [2.1, 3.1], [2.3, 2.4]], 0.9);
     show(&mut scene, "crate", crate_shape, red);
-    // In the last room, above the opening to it: it shines away from that.
+    // In the last room, above its opening, facing away from it.
     let light_mesh = quad([2.0 * LENGTH + 0.2, 2.0, 3.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]);
     show(&mut scene, "lamp", light_mesh, light);
     scene.add_camera(Camera {

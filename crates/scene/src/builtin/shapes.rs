@@ -10,7 +10,8 @@ use crate::id::MaterialId;
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-/// Turns a profile `(radius, height)`, from bottom to top, around the y axis. Texture coordinates run around and up.
+/// Rotates a profile `(radius, height)`, from bottom to top, around the y axis. Texture coordinates run
+/// around and up.
 pub(super) fn lathe(profile: &[[f32; 2]], segments: u32) -> Mesh {
     let mut mesh = Mesh::default();
     let last = profile.len() - 1;
@@ -108,7 +109,7 @@ pub(super) fn moved(mesh: Mesh, by: [f32; 3]) -> Mesh {
     transformed(mesh, Affine::translation(by.map(f64::from)))
 }
 
-/// Adds an object of one mesh and shows it where it stands.
+/// Adds an object of one mesh and an instance of it at the origin.
 pub(super) fn show(scene: &mut Scene, name: &str, mesh: Mesh, material: MaterialId) {
     let mesh = scene.add_mesh(Mesh { name: name.to_owned(), material, ..mesh });
     let object = scene.add_object_of(name, vec![mesh]);

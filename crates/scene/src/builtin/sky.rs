@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Skies with a sun's glow, painted into an environment texture; some that any scene can be put under.
-//! A gradient after the look, not the physics, of clear skies. Space: that of
-//! [`Light::Environment`]: the middle of the picture lies along -z, its upper edge at +y. Radiance is linear.
+//! A gradient after the appearance, not the physics, of clear skies. Space: that of [`Light::Environment`]:
+//! the middle of the picture lies along -z, its upper edge at +y. Radiance is linear.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -12,12 +12,12 @@ use crate::light::Light;
 use crate::scene::Scene;
 use crate::texture::{Filter, TexelData, Texels, Texture, Wrap};
 
-/// A sky that can be asked for by name.
+/// A built-in sky.
 #[derive(Clone, Copy, Debug)]
 pub struct BuiltinSky {
-    /// What to write after `builtin:`.
+    /// The name after `builtin:`.
     pub name: &'static str,
-    /// What it looks like, in one line.
+    /// The appearance of the sky, in one line.
     pub description: &'static str,
     sky: Sky,
 }
@@ -26,7 +26,7 @@ pub struct BuiltinSky {
 pub const SKIES: &[BuiltinSky] = &[
     BuiltinSky {
         name: "day",
-        description: "a clear day, the sun high on the left behind who looks along -z",
+        description: "a clear day, the sun high on the left, behind a camera that faces -z",
         sky: Sky {
             zenith: [0.17, 0.33, 0.75],
             horizon: [0.75, 0.86, 1.0],
@@ -51,7 +51,7 @@ pub const SKIES: &[BuiltinSky] = &[
     },
 ];
 
-/// A low sun to the left, behind the one who looks, and a sky that turns warm towards it.
+/// A low sun to the left behind the camera, and a sky that becomes warmer towards the sun.
 pub(super) const EVENING: Sky = Sky {
     zenith: [0.10, 0.20, 0.46],
     horizon: [0.62, 0.56, 0.58],
@@ -62,7 +62,7 @@ pub(super) const EVENING: Sky = Sky {
 };
 
 impl BuiltinSky {
-    /// Puts a scene under this sky; `world_from_sky` is a rotation: what it makes of +y is up.
+    /// Puts a scene under this sky; `world_from_sky` is a rotation that maps +y to the up direction.
     pub fn add_to(&self, scene: &mut Scene, world_from_sky: Affine) {
         self.sky.add_to(scene, world_from_sky);
     }
@@ -113,7 +113,7 @@ impl Sky {
         }
     }
 
-    /// What comes from a direction, a unit vector.
+    /// Radiance from a direction, which is a unit vector.
     fn radiance(&self, direction: [f32; 3]) -> [f32; 3] {
         let up = direction[1];
         let toward_sun: f32 = (0..3).map(|k| direction[k] * self.sun[k]).sum::<f32>().clamp(-1.0, 1.0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Two rooms: a lamp that shines at the far wall of one, a slit in the wall between them, the camera in the other one.
-//! A test of hard visibility after the ajar door of [VG97]. Space: metres, y upwards.
-//! Nothing that the camera sees is lit by the lamp itself: light passes the slit after one bounce at least.
+//! Two rooms: a light that faces the far wall of one, a slit in the wall between them, the camera in the
+//! other one. A test of hard visibility after the ajar door of [VG97]. Space: metres, y upwards. Nothing
+//! visible to the camera is lit by the light directly: light passes the slit after one bounce at least.
 
 use super::shapes::{append, block, moved, quad, show};
 use crate::camera::Camera;
@@ -42,7 +42,7 @@ pub(super) fn scene() -> Scene {
         moved(block([[1.2, 3.4], [1.2, 3.9], [2.2, 3.9], [2.2, 3.4]], 0.05), [0.0, 1.2, 0.0]),
         orange,
     );
-    // On the wall's other side, shining away from it.
+    // On the wall's other side, facing away from it.
     show(&mut scene, "lamp", quad([-0.4, 1.2, 0.5], [0.0, 0.0, 0.5], [0.0, 0.5, 0.0]), light);
     scene.add_camera(Camera {
         name: "behind the slit".into(),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Four panels that show what textures do beyond their edges and between their texels.
-//! From left to right: repeat, mirrored repeat, clamp to edge (bilinear), repeat (nearest).
+//! Four panels that show textures outside of `[0, 1]` and between texels. From left to right: repeat,
+//! mirrored repeat, clamp to edge (bilinear), repeat (nearest).
 
 use super::shapes::{quad, show};
 use crate::affine::Affine;
@@ -51,7 +51,8 @@ pub(super) fn scene() -> Scene {
     scene
 }
 
-/// An arrow that points up and to the right, with a red lower and a blue left edge: no way to hold it wrongly.
+/// An arrow that points up and to the right, with a red lower and a blue left edge: every orientation is
+/// distinguishable.
 fn arrow() -> Texels {
     let texel = |x: u32, y: u32| {
         let up = SIZE - 1 - y;

@@ -21,7 +21,7 @@ pub fn clean(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) {
     warnings.note_many(Oddity::BadAttribute, replaced, path, None, in_mesh(mesh));
 }
 
-/// Replaces normals, texture coordinates, tangents and colours that are no numbers; says how many.
+/// Replaces normals, texture coordinates, tangents and colours that are not finite; returns their number.
 pub(crate) fn clean_attributes(mesh: &mut Mesh) -> u64 {
     replace_bad(&mut mesh.normals, [0.0; 3])
         + replace_bad(&mut mesh.texcoords, [0.0; 2])
@@ -33,7 +33,7 @@ fn in_mesh(mesh: &Mesh) -> String {
     if mesh.name.is_empty() { String::new() } else { format!("in {}", mesh.name) }
 }
 
-/// Drops what is not finite or has no area; says whether there was any.
+/// Drops triangles that are not finite or have no area; returns whether there was any.
 fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool {
     let before = mesh.indices.len();
     let (mut not_finite, mut zero_area) = (0, 0);
@@ -51,7 +51,7 @@ fn drop_triangles(mesh: &mut Mesh, path: &Path, warnings: &mut Warnings) -> bool
     mesh.indices.len() != before
 }
 
-/// Replaces values with a component that is not finite; says how many.
+/// Replaces values with a component that is not finite; returns their number.
 fn replace_bad<const N: usize>(values: &mut [[f32; N]], by: [f32; N]) -> u64 {
     let mut replaced = 0;
     for value in values.iter_mut().filter(|v| !v.iter().all(|x| x.is_finite())) {

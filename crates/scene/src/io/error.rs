@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The error of files: where, what is wrong, what would be right, in one line.
-//! See docs/reference/cli.md. Lines count from 1.
+//! The error of files: the place, the fault and the remedy, in one line. See docs/reference/cli.md. Lines
+//! count from 1.
 //! Tests: `tests::one_line_whatever_the_file_says`, and every row of `tests/broken_files.rs`.
 
 use std::fmt;
@@ -15,22 +15,22 @@ pub enum ErrorKind {
     Io,
     /// A file name whose extension names no scene format.
     UnknownFormat,
-    /// The file's: its contents are not what its format asks for.
+    /// A fault of the file: its contents violate the format.
     Data,
 }
 
-/// What went wrong with a file; `Display` is one line without a newline: `FILE:LINE: what is wrong; what would be right`.
+/// A failure with a file; `Display` is one line without a newline: `FILE:LINE: fault; remedy`.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub struct Error {
     /// Whose mistake it is.
     pub kind: ErrorKind,
     /// The file (or the `builtin:` name).
     pub path: PathBuf,
-    /// Its line, where the format has lines and the mistake has a place.
+    /// Its line, if the format has lines and the fault has a position.
     pub line: Option<u64>,
-    /// What is wrong.
+    /// The fault.
     pub problem: String,
-    /// What would be right; may be empty.
+    /// The remedy; may be empty.
     pub remedy: String,
 }
 
@@ -80,7 +80,7 @@ impl fmt::Display for Error {
     }
 }
 
-/// `text` without control characters: what a file holds must not move a terminal's cursor.
+/// `text` without control characters, because text from a file must not move a terminal's cursor.
 pub(crate) fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }

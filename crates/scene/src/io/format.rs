@@ -112,7 +112,7 @@ impl Formats {
                     let extension = extension.to_string_lossy().to_lowercase();
                     format!("unknown scene format {}", quoted(&format!(".{extension}")))
                 }
-                None => "no extension says which scene format it has".to_owned(),
+                None => "the scene format is unknown without an extension".to_owned(),
             };
             unknown(path, problem, &allowed)
         })
@@ -150,7 +150,7 @@ impl Formats {
             return self.load(source, options);
         };
         let scene = crate::builtin::load(name).ok_or_else(|| {
-            let problem = "no built-in scene has this name";
+            let problem = "unknown built-in scene";
             let remedy = crate::builtin::suggestion(name);
             Error { kind: ErrorKind::UnknownName, ..Error::data(Path::new(source), None, problem, remedy) }
         })?;
@@ -184,7 +184,8 @@ impl Formats {
         Ok(warnings)
     }
 
-    /// The files that [`save`](Self::save) writes for this scene and path: the file itself first, then those that it refers to.
+    /// The files that [`save`](Self::save) writes for this scene and path: the file itself first, then its
+    /// companions.
     ///
     /// # Errors
     /// If the format is unknown or not written.

@@ -31,7 +31,7 @@ impl<R: BufRead> LogicalLines<R> {
         Self { reader, path, line: 0, after_cr: false, bytes: Vec::new(), text: String::new() }
     }
 
-    /// The next line that says something, trimmed, without comments that fill it, and the number of its first
+    /// The next line with contents, trimmed, without comments that fill it, and the number of its first
     /// physical line; `None` at the end of the file.
     pub(crate) fn next(&mut self) -> Result<Option<(u64, &str)>, Error> {
         loop {

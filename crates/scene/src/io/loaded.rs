@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What loading gives.
+//! The result of loading.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use crate::scene::Scene;
 pub struct Loaded {
     /// The scene.
     pub scene: Scene,
-    /// What was odd about its file.
+    /// Warnings about its file.
     pub warnings: Warnings,
     /// All files that it was read from, those included that are missing; empty for built-in scenes.
     pub files: Vec<PathBuf>,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Scene files: the table of formats, and the readers and writers of OBJ with MTL, PLY and glTF 2.0.
 //! See docs/reference/cli.md. Other crates read other formats by the parts in [`reader`].
-//! Nothing in a file makes a program panic, hang, or take memory that the file's own length does not account for.
+//! No file makes a program panic, hang, or take memory out of proportion to the file's length.
 //! Tests: `tests/{broken_files,mutations,benchmark_scenes}.rs`.
 
 mod clean;

@@ -3,19 +3,21 @@
 //! Source: [Mei75] (ear clipping: G. H. Meisters, Polygons have ears); the normal by Newell's method.
 //! Convex polygons become fans. Others are clipped ear by ear in the plane of their normal; where no ear is left
 //! (crossing edges) the rest becomes a fan. Cost: O(n) for convex ones, up to O(n³) for others, n at most
-//! [`LARGEST_CLIPPED`]; all polygons of a file together look at [`WORK`] corners and [`WORK_GROWTH`] for each of its bytes.
+//! [`LARGEST_CLIPPED`]; all polygons of a file together test [`WORK`] corners and [`WORK_GROWTH`] for each of
+//! its bytes.
 //! Tests: `tests::{convex_is_a_fan, concave_keeps_its_area, survives_anything, work_ends}`.
 
 /// Corners up to which a concave polygon is clipped; beyond, a fan.
 const LARGEST_CLIPPED: usize = 2000;
-/// Corners that clipping may look at in any file.
+/// The limit of tested corners in any file.
 const WORK: u64 = 1 << 26;
-/// Corners that it may look at for each byte of the file beyond that.
+/// Further tested corners for each byte of the file.
 const WORK_GROWTH: u64 = 6;
 
 type Point = [f64; 2];
 
-/// Cuts the polygons of one file, so that no file takes quadratic time: when its work is done, what is left are fans.
+/// Cuts the polygons of one file within a budget of work, so that no file takes quadratic time: after it is
+/// spent, polygons become fans.
 pub struct Cutter {
     work_left: u64,
     corners: Vec<[f32; 3]>,
@@ -23,7 +25,7 @@ pub struct Cutter {
 }
 
 impl Cutter {
-    /// For a file of so many bytes.
+    /// For a file of this length.
     pub fn for_file(length: u64) -> Self {
         let work_left = length.saturating_mul(WORK_GROWTH).saturating_add(WORK);
         Self { work_left, corners: Vec::new(), cut: Vec::new() }
@@ -48,7 +50,7 @@ impl Cutter {
     }
 }
 
-/// Appends triangles of positions `0..corners.len()` in the polygon to `triangles`; as many as corners less 2.
+/// Appends triangles of positions `0..corners.len()` in the polygon to `triangles`, two less than corners.
 fn triangulate(corners: &[[f32; 3]], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) {
     let flat = project(corners);
     if is_convex(&flat) {
@@ -83,7 +85,8 @@ fn orientation(a: Point, b: Point, c: Point) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 }
 
-/// Whether a polygon turns left at every corner, and only once around (a pentagram turns left too).
+/// Whether every corner of a polygon is a left turn, and the sum is one full turn (a pentagram has left turns
+/// too).
 fn is_convex(p: &[Point]) -> bool {
     let n = p.len();
     let left = (0..n).all(|i| orientation(p[i], p[(i + 1) % n], p[(i + 2) % n]) >= 0.0);
@@ -98,7 +101,7 @@ fn clip_ears(p: &[Point], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) 
         let n = ring.len();
         at %= n;
         let ear = [ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]];
-        // A reflex corner is refused at once.
+        // A reflex corner is rejected at once.
         let is_convex = orientation(p[ear[0]], p[ear[1]], p[ear[2]]) > 0.0;
         *work_left = work_left.saturating_sub(if is_convex { n as u64 } else { 1 });
         if is_ear(p, &ring, ear) {
@@ -115,8 +118,8 @@ fn clip_ears(p: &[Point], triangles: &mut Vec<[usize; 3]>, work_left: &mut u64) 
 
 fn is_ear(p: &[Point], ring: &[usize], ear: [usize; 3]) -> bool {
     let [a, b, c] = ear.map(|i| p[i]);
-    // Corners in the same place as one of the ear's (bridges to holes) do not stand in its way; asked last, since most lie
-    // elsewhere.
+    // Corners at the position of one of the ear's corners (bridges to holes) do not block it; this test comes
+    // last because it is rarely needed.
     let inside = |q: Point| {
         orientation(a, b, q) >= 0.0
             && orientation(b, c, q) >= 0.0
@@ -157,7 +160,7 @@ mod tests {
         assert!((area(&arrow) - 2.0).abs() < 1e-9, "an arrow head, area 2: {}", area(&arrow));
         let l = [[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
         for k in 0..6 {
-            // Every corner first once, both ways round, standing upright in the yz plane.
+            // Every corner first once, in both directions, upright in the yz plane.
             let ring: Vec<_> = (0..6).map(|i| l[(i + k) % 6]).map(|[y, z]| [7.0, y, z]).collect();
             assert!((area(&ring) - 5.0).abs() < 1e-9, "an L from corner {k}");
             let back: Vec<_> = ring.into_iter().rev().collect();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Parts of readers, for scene formats in crates of their own.
-//! A reader is a [`Format`](super::Format) whose `read` opens files by [`Access`], asks its budget before it takes memory,
-//! and notes oddities in [`Warnings`](super::Warnings). Tests: `tests/ply.rs`.
+//! A reader is a [`Format`](super::Format) whose `read` opens files by [`Access`], charges its budget before
+//! it takes memory, and notes oddities in [`Warnings`](super::Warnings). Tests: `tests/ply.rs`.
 
 pub use super::clean::clean;
 pub use super::error::quoted;

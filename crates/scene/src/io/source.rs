@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Opening files: regular ones only, never more bytes than the file has, and only below a folder if there is one.
-//! A pipe or a device could block or never end, so both are refused before they are opened.
+//! A pipe or a device could block or never end, so both are rejected before they are opened.
 //! Tests: `tests::{refuses_what_is_no_file, finds_names_as_exporters_write_them}`, `tests/confine.rs`.
 
 use std::fs::File;
@@ -12,26 +12,26 @@ use gnurt_image::{Budget, Excess, NotRegular, TileCache};
 use super::error::Error;
 use super::options::LoadOptions;
 
-/// Which files a scene may name, and what reading them may cost.
+/// The files that a scene may name, and the budget for reading them.
 #[derive(Debug, Default)]
 pub struct Access {
     /// The folder, its true name, that files must lie below.
     confine: Option<PathBuf>,
-    /// Where textures are kept.
+    /// The cache of textures.
     pub tiles: Option<TileCache>,
-    /// What was read so far.
+    /// Memory and work spent so far.
     pub budget: Budget,
 }
 
 impl Access {
-    /// As `options` say; an error if the folder is none.
+    /// From `options`; an error if the folder is not one.
     pub fn new(options: &LoadOptions) -> Result<Self, Error> {
         let Some(folder) = &options.confine else {
             return Ok(Self { tiles: options.tiles.clone(), ..Self::default() });
         };
         let folder = std::fs::canonicalize(folder).map_err(|e| Error::system(folder, &e))?;
         if !folder.is_dir() {
-            return Err(Error::io(&folder, "is no folder", "name the folder that files may be read from"));
+            return Err(Error::io(&folder, "is not a folder", "name the folder that files may be read from"));
         }
         Ok(Self { confine: Some(folder), tiles: options.tiles.clone(), budget: Budget::default() })
     }
@@ -46,15 +46,15 @@ impl Access {
         self.confine.clone()
     }
 
-    /// Refuses a file that lies outside of the folder that files must be in; the error is what is wrong and what would
-    /// be right.
+    /// Rejects a file outside of the folder that confines the scene; the error gives the fault and the
+    /// remedy.
     pub fn check(&self, path: &Path) -> Result<(), (String, String)> {
         let Some(folder) = &self.confine else {
             return Ok(());
         };
         match locate(path, folder) {
             Err(Refusal::Outside) => Err((
-                format!("{} lies outside of the folder that files may be in", path.display()),
+                format!("{} is outside of the folder that files may be in", path.display()),
                 format!("expected a file below {}", folder.display()),
             )),
             Ok(_) | Err(Refusal::System(_)) => Ok(()),
@@ -69,10 +69,10 @@ impl Access {
         };
         self.check(path).map_err(|(problem, remedy)| Error::io(path, problem, remedy))?;
         match locate(path, folder) {
-            // By its true name, so that a link that is changed meanwhile leads nowhere else.
+            // By its resolved name, so that a link changed meanwhile has no effect.
             Ok(found) => open(&found),
             Err(Refusal::System(error)) => Err(Error::system(path, &error)),
-            Err(Refusal::Outside) => Err(Error::io(path, "lies outside", "")),
+            Err(Refusal::Outside) => Err(Error::io(path, "is outside", "")),
         }
     }
 
@@ -93,7 +93,7 @@ enum Refusal {
     System(std::io::Error),
 }
 
-/// The true name of a file below `folder`. Whether there are files elsewhere is not told.
+/// The true name of a file below `folder`. The existence of files elsewhere is not revealed.
 fn locate(path: &Path, folder: &Path) -> Result<PathBuf, Refusal> {
     match std::fs::canonicalize(path) {
         Ok(found) if found.starts_with(folder) => Ok(found),
@@ -104,7 +104,7 @@ fn locate(path: &Path, folder: &Path) -> Result<PathBuf, Refusal> {
                 false => above,
             });
             let nearest = above.find_map(|above| std::fs::canonicalize(above).ok());
-            // A link that leads nowhere may have a target outside.
+            // A dangling link may have a target outside.
             let is_link = std::fs::symlink_metadata(path).is_ok_and(|m| m.is_symlink());
             match nearest {
                 Some(above) if above.starts_with(folder) && !is_link => Err(Refusal::System(error)),
@@ -137,7 +137,7 @@ fn read_open(file: File, length: u64, path: &Path) -> Result<Vec<u8>, Error> {
     Ok(bytes)
 }
 
-/// The file that `name`, found in the file `from`, means: relative to the folder of `from`, as it stands; else with
+/// The file of `name`, found in the file `from`: relative to the folder of `from`, unchanged; else with
 /// backslashes as slashes; else with percent signs decoded. The first one that exists, or else the first one.
 pub fn resolve(from: &Path, name: &str) -> PathBuf {
     let folder = from.parent().unwrap_or(Path::new(""));
@@ -151,7 +151,7 @@ pub fn resolve(from: &Path, name: &str) -> PathBuf {
     others.into_iter().find(|path| path.exists()).unwrap_or(as_written)
 }
 
-/// `%20` and the like as the bytes they mean; what is no such code stays.
+/// Decodes `%20` and the like to bytes; an invalid code stays.
 pub(crate) fn percent_decode(name: &str) -> Vec<u8> {
     let bytes = name.as_bytes();
     let mut decoded = Vec::with_capacity(bytes.len());

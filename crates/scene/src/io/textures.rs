@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Textures of a file, each decoded once, and a warning where one is missing or broken.
-//! Tests: `tests`. The image crate is told what is left of the budget, and checks a picture's declared
-//! size before it takes memory.
+//! Tests: `tests`. The image crate gets the rest of the budget, and checks a picture's declared size before
+//! it takes memory.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use std::sync::Arc;
 use super::source::Access;
 use crate::texture::Texels;
 
-/// What the values of a texture mean.
+/// The meaning of a texture's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Meaning {
     /// Colours: bytes are sRGB.
@@ -31,7 +31,7 @@ impl<'a> Pictures<'a> {
         Self { access, files: HashMap::new() }
     }
 
-    /// The picture in a file; the error names the file and says why there is none.
+    /// The picture in a file; the error names the file and the reason.
     pub fn file(&mut self, path: &Path, meaning: Meaning) -> Result<Arc<Texels>, String> {
         let key = (path.to_owned(), meaning);
         if let Some(known) = self.files.get(&key) {
@@ -49,7 +49,7 @@ impl<'a> Pictures<'a> {
         decoded
     }
 
-    /// The files that were asked for, those that could not be read included.
+    /// The requested files, unreadable ones included.
     pub fn paths(&self) -> Vec<PathBuf> {
         let mut paths: Vec<PathBuf> = self.files.keys().map(|(path, _)| path.clone()).collect();
         paths.sort_unstable();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Oddities that a file may have and still be shown: one line per kind and cause, with a count and the first place.
-//! See docs/reference/cli.md.
-//! Invariant: at most [`MOST_LINES`] lines of a kind, and one for the others, whatever a file holds.
+//! Oddities of files that can still be shown: one line per kind and cause, with a count and the first
+//! location. See docs/reference/cli.md.
+//! Invariant: at most [`MOST_LINES`] lines of a kind, and one for the others, for any file.
 //! Tests: `tests::{counts_by_cause_and_keeps_the_first_place, lines_of_a_kind_have_a_limit}`.
 
 use std::fmt;
@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::printable;
 
-/// Lines of a kind. What else there is of the kind is counted in one more.
+/// Lines of one kind. Further ones are counted in one more line.
 const MOST_LINES: usize = 20;
 /// Bytes of a detail.
 const LONGEST: usize = 1000;
@@ -27,9 +27,9 @@ pub enum Oddity {
     ShortFace,
     /// Points and lines, which have no surface.
     PointsOrLines,
-    /// Texture coordinate indices that point nowhere.
+    /// Texture coordinate indices out of range.
     TexcoordOutOfRange,
-    /// Normal indices that point nowhere.
+    /// Normal indices out of range.
     NormalOutOfRange,
     /// Texture coordinates, normals or colours that are no numbers.
     BadAttribute,
@@ -43,21 +43,21 @@ pub enum Oddity {
     BadMaterialLine,
     /// Names of materials that no library defines.
     UnknownMaterial,
-    /// Extensions that the file requires and this program does not know.
+    /// Required extensions that are unsupported.
     UnknownExtension,
-    /// Things of the format that are not shown.
+    /// Features of the format that are not shown.
     NotShown,
     /// Pictures named as heights that hold normals.
     NormalsForHeights,
-    /// Lines of a header that say nothing.
+    /// Lines of a header without a meaning.
     BadHeaderLine,
-    /// Lines of numbers that end before what the header declares.
+    /// A line of numbers is shorter than the header declares.
     ShortLine,
     /// Cameras that cannot be used.
     BadCamera,
-    /// What a camera's `extras` say of it, and cannot mean.
+    /// Invalid values in a camera's `extras`.
     CameraExtras,
-    /// Nodes whose transform flattens space or is no number, or that stand in a tree twice.
+    /// Nodes whose transform is flat or not finite, or that occur twice in the tree.
     BadNode,
     /// Channels of animations that cannot be played.
     BadAnimation,
@@ -68,7 +68,8 @@ pub enum Oddity {
 }
 
 impl Oddity {
-    /// Whether there may be thousands in one mesh, of which the first one stands for all. Of the others each cause is told.
+    /// Whether there may be thousands in one mesh, of which only the first is reported. Each cause of the
+    /// others is reported.
     fn is_of_geometry(self) -> bool {
         matches!(
             self,
@@ -83,10 +84,10 @@ impl Oddity {
         )
     }
 
-    /// What it is and what was done about it.
+    /// The oddity and the action taken.
     fn sentence(self) -> &'static str {
         match self {
-            Self::EmptyScene => "no triangles: only the background is seen",
+            Self::EmptyScene => "no triangles: the picture shows only the background",
             Self::NotFiniteTriangle => "triangle with a NaN or infinite corner left out",
             Self::ZeroAreaTriangle => "triangle without area left out",
             Self::ShortFace => "face with fewer than 3 corners left out",
@@ -96,7 +97,7 @@ impl Oddity {
             }
             Self::NormalOutOfRange => "face with a normal index out of range, shown without normals",
             Self::BadAttribute => {
-                "texture coordinate, normal, colour or weight that is no finite number, ignored"
+                "texture coordinate, normal, colour or weight that is not a finite number, ignored"
             }
             Self::NumberOutOfRange => "number out of range, the nearest one in it is used",
             Self::BadTexture => "texture cannot be read, ignored",
@@ -121,7 +122,7 @@ impl Oddity {
 /// One oddity in a scene; `Display` is one line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
-    /// What kind.
+    /// The kind of oddity.
     pub oddity: Oddity,
     /// How often.
     pub count: u64,
@@ -167,7 +168,7 @@ fn shortened(mut detail: String) -> String {
     detail
 }
 
-/// The detail of the line that counts what has no line of its own.
+/// The detail of the line that counts all others.
 const OTHERS: &str = "and others";
 
 impl Warnings {
@@ -176,7 +177,7 @@ impl Warnings {
         self.note_many(oddity, 1, path, line, detail);
     }
 
-    /// Notes `count` oddities of one kind and cause, which `detail` says; the place is that of the first one.
+    /// Notes `count` oddities of one kind and cause, in `detail`; the location is that of the first one.
     pub fn note_many(
         &mut self,
         oddity: Oddity,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Brushed surfaces: facets whose slopes have one width along a direction and another across it. And what one bounce between such
-//! facets keeps, by cosine and azimuth of the view.
-//! Source: \[Hei14\] sections 5.2 and 5.3 (GGX stretched along two axes, and its shadowing); [KC17] for what the tables are used for.
-//! Facets that are alike in all directions are `Ggx`, whose bits they keep.
-//! Tables are by the roots of both widths, made node by node when they are first asked for: a scene has few brushed surfaces.
+//! Brushed surfaces: GGX microfacets whose slopes have one width along a direction and another across it.
+//! Includes the albedo of single scattering, by cosine and azimuth of the view.
+//! Source: \[Hei14\] sections 5.2 and 5.3 (GGX stretched along two axes, and its shadowing); [KC17] for the
+//! use of the tables. Isotropic microfacets stay `Ggx`, with the same bits. Tables are indexed by the roots
+//! of both widths; nodes are computed at first use, because a scene has few brushed surfaces.
 //! Space: world; directions are unit. Tests: `tests`, `tests` of `bsdf`.
 
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -28,7 +28,7 @@ pub(super) struct AnisotropyFrame<R: Real> {
     pub(super) is: R::Mask,
 }
 
-/// Facets, brushed or not.
+/// Microfacets, anisotropic or not.
 #[derive(Clone, Copy)]
 pub(super) struct Slopes<R: Real> {
     pub(super) ggx: Ggx<R>,
@@ -64,7 +64,7 @@ impl<R: Real> Slopes<R> {
         Slopes { ggx: Ggx::from_alpha(self.ggx.alpha().lane(i)), anisotropy }
     }
 
-    /// Facets facing `h` per solid angle and ground area, around the normal `n`.
+    /// Density of microfacets facing `h` per solid angle and ground area, around the normal `n`.
     #[inline(always)]
     pub(super) fn density(&self, n: Vector<R>, h: Vector<R>) -> R {
         let (cos, sin2) = (n.dot(h), n.cross(h).length_squared());
@@ -130,7 +130,8 @@ impl<R: Real> Slopes<R> {
         [R::pick(anisotropy.is, a, plain[0]), R::pick(anisotropy.is, b, plain[1])]
     }
 
-    /// Share of light through and from facets of glass after one bounce, where they are brushed; `eta` is the index here over that beyond.
+    /// Share of light transmitted and reflected by anisotropic microfacets of glass after single scattering;
+    /// `eta` is the index here over that beyond.
     #[inline(always)]
     pub(super) fn retained_by_glass(&self, w: Vector<R>, cos: R, eta: R, plain: R) -> R {
         let Some(anisotropy) = &self.anisotropy else { return plain };
@@ -165,7 +166,7 @@ const AZIMUTHS: usize = 7;
 const WIDTHS: usize = 16;
 const INDICES: usize = 33;
 
-/// What one bounce keeps of light: by azimuth and cosine, and on average over a cosine-weighted hemisphere.
+/// Albedo of single scattering: by azimuth and cosine, and on average over a cosine-weighted hemisphere.
 struct Node {
     retained: [[Vec2; COSINES]; AZIMUTHS],
     average: Vec2,
@@ -184,7 +185,7 @@ impl Node {
                 one_bounce(Vec3::new(sin * cos_azimuth, sin * sin_azimuth, cos))
             })
         });
-        // Over a quarter of a turn.
+        // Over a quarter of the circle.
         const PARTS: usize = 32;
         let part = |k: usize| {
             let (row, beyond) = cell((FRAC_PI_2 * (k as f32 + 0.5) / PARTS as f32).cos().powi(2), AZIMUTHS);
@@ -216,7 +217,7 @@ fn mix(widths: [f32; 2], of: impl Fn([usize; 2], bool) -> Vec2) -> Vec2 {
     a + (b - a) * s
 }
 
-/// Mean of `f` over the facets that a viewer sees, all around.
+/// Mean of `f` over the visible microfacets, for all azimuths.
 fn mean_visible([along, across]: [f32; 2], wo: Vec3, f: impl Fn(Vec3) -> Vec2) -> Vec2 {
     Ggx::from_alpha(along).mean_visible_across(across, (1.0, [24, 24]), wo, f)
 }
@@ -232,7 +233,7 @@ fn lambda([along, across]: [f32; 2], w: Vec3) -> f32 {
     ((1.0 + wide).sqrt() - 1.0) * 0.5
 }
 
-/// The share of what a facet that is seen sends to `wi` that no other one stops.
+/// The unshadowed share of the light that a visible microfacet sends to `wi`.
 fn unhidden(widths: [f32; 2], wo: Vec3, wi: Vec3) -> f32 {
     let hidden = lambda(widths, wo);
     (1.0 + hidden) / (1.0 + hidden + lambda(widths, wi))
@@ -308,7 +309,7 @@ pub(super) fn mean_retained_by_glass(widths: [f32; 2], eta: f32) -> f32 {
     by_index(eta, |index| mix(widths, |node, _| glass(node, index).average))
 }
 
-/// What all facets of a metal or plastic keep after one bounce, averaged over a cosine-weighted hemisphere.
+/// Albedo of single scattering of a metal or plastic, averaged over a cosine-weighted hemisphere.
 pub(super) fn mean_retained(widths: [f32; 2]) -> f32 {
     mean_of_microfacets(widths[0], widths[1]).iter().sum()
 }
@@ -339,7 +340,7 @@ mod tests {
             ([1.0, 0.3], 0.15, 1.5),
         ] {
             let (slopes, wo) = (slopes(widths), unit(cos, azimuth));
-            // Midpoint rule over the hemisphere, apart from the sampling that the table is made with.
+            // Midpoint rule over the hemisphere, independent of the sampling for the table.
             let (rings, sectors) = (800, 400);
             let mut sum = 0.0_f64;
             for (ring, sector) in (0..rings).flat_map(|r| (0..sectors).map(move |s| (r, s))) {
@@ -357,7 +358,7 @@ mod tests {
         }
     }
 
-    /// Slopes that are as wide across as along are those that know no directions.
+    /// Slopes of equal widths equal isotropic ones.
     #[test]
     fn even_slopes_are_plain_ones() {
         for alpha in [0.05, 0.3, 0.8] {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What many points do to light: the only output of a surface, and all that integrators read.
-//! Shaped by the paper's section 8; a list of weighted lobes for each point is what shading languages make, too. Layout: blocks of sixteen points; in a block each number of each place of the lists is a row, aligned, so that sixteen
-//! points are read at once. Points beyond the last one have no lobes.
+//! Closures of many points: the only output of a surface, and all that integrators read. Shaped by [SIP06],
+//! section 8; shading languages, too, produce a list of weighted lobes for each point. Layout: blocks of
+//! sixteen points; in a block each number of each list position is a row, aligned, so that sixteen points are
+//! read at once. Points beyond the last one have no lobes.
 //! Tests: `tests`.
 
 use glam::Vec3;
@@ -23,7 +24,7 @@ use crate::real::Vector;
 #[repr(C, align(64))]
 pub(super) struct Row<T>(pub(super) [T; LANES]);
 
-/// One place of sixteen points' lists: see [`Lobe`].
+/// One position of sixteen points' lists: see [`Lobe`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LobeRows {
     /// [`Kind`] as a number.
@@ -46,19 +47,19 @@ pub(super) struct Block {
     pub(super) normal: [Row<f32>; 3],
     emission: [Row<f32>; 3],
     coverage: Row<f32>,
-    /// Places that are in use.
+    /// Positions in use.
     pub(super) count: u32,
     pub(super) lobes: [LobeRows; MOST],
 }
 
-/// What many points do to light.
+/// Closures of many points.
 #[derive(Clone, Debug, Default)]
 pub struct ClosureBatch {
     len: usize,
     pub(super) blocks: Vec<Block>,
     emits: bool,
     is_partly_transparent: bool,
-    /// What lies beside the points; empty if nothing does.
+    /// The media beside the points; empty if there are none.
     media: Vec<Medium>,
 }
 
@@ -205,8 +206,8 @@ impl ClosureBatch {
         self.len == 0
     }
 
-    /// Says how point `i` scatters: by these lobes around the unit shading normal `ns`, which is on the side that the first
-    /// ray came from. Once for each point.
+    /// Sets the scattering of point `i`: these lobes around the unit shading normal `ns`, which is on the
+    /// side of the first ray. Once for each point.
     #[inline]
     pub fn set(&mut self, i: usize, ns: Vec3, lobes: &[Lobe]) {
         let (block, i) = (&mut self.blocks[i / LANES], i % LANES);
@@ -222,8 +223,8 @@ impl ClosureBatch {
         }
     }
 
-    /// Says that all points are Lambert's reflectors of these albedos around the normals that scatter light on the sides that rays came
-    /// from: what [`set`](Self::set) says of each.
+    /// Makes all points Lambertian with these albedos around the shading normals on the sides of the rays, as
+    /// [`set`](Self::set) does for each.
     pub fn set_lambertian(&mut self, hits: &SurfaceBatch, albedo: impl Fn(usize) -> Vec3) {
         let black = Lobe::lambert(Vec3::ZERO);
         for (block, first) in self.blocks.iter_mut().zip((0..self.len).step_by(LANES)) {
@@ -254,7 +255,7 @@ impl ClosureBatch {
         self.emits
     }
 
-    /// Whether some point may let light through holes.
+    /// Whether some point may have transparency.
     #[must_use]
     pub fn is_partly_transparent(&self) -> bool {
         self.is_partly_transparent
@@ -280,26 +281,26 @@ impl ClosureBatch {
         self.blocks[i / LANES].coverage.0[i % LANES] *= share;
     }
 
-    /// Says what lies beside point `i`.
+    /// Sets the media beside point `i`.
     pub fn fill(&mut self, i: usize, medium: Medium) {
         self.media.resize(self.len, Medium::default());
         self.media[i] = medium;
     }
 
-    /// Whether something may lie beside some point.
+    /// Whether some point may have a medium.
     #[must_use]
     pub fn has_media(&self) -> bool {
         !self.media.is_empty()
     }
 
-    /// What lies beside point `i`.
+    /// The media beside point `i`.
     #[inline]
     #[must_use]
     pub fn medium(&self, i: usize) -> Medium {
         self.media.get(i).copied().unwrap_or_default()
     }
 
-    /// Point `i` alone.
+    /// Point `i` as a single value.
     #[must_use]
     pub fn point(&self, i: usize) -> Scattering {
         let (block, lane) = (&self.blocks[i / LANES], i % LANES);
@@ -334,8 +335,9 @@ impl ClosureBatch {
         Vector::load(f32x16::splat(simd, 0.0), [&x.0, &y.0, &z.0], 0)
     }
 
-    /// Looks at the sixteen points from `first` on, a multiple of sixteen, from the unit directions `wo`, where the light that they scatter
-    /// will count `light` by colour (ones where nobody knows): see [`Bsdf::prepared_for`]. `prepared` must be [`Prepared::none`].
+    /// Prepares the sixteen points from `first` on, a multiple of sixteen, for the unit directions `wo`;
+    /// `light` is the weight of the scattered light by colour (ones if unknown): see [`Bsdf::prepared_for`].
+    /// `prepared` must be [`Prepared::none`].
     #[inline(always)]
     pub fn prepare<S: Simd>(
         &self,

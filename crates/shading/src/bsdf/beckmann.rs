@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Beckmann's facets, whose slopes are spread as a Gaussian: density, shadowing, sampling of the visible ones. One bounce; what goes on
-//! between facets is lost.
+//! Beckmann's microfacets, whose slopes have a Gaussian distribution: density, shadowing, sampling of the
+//! visible ones. Single scattering only; the light of further bounces is lost.
 //! Source: [WMLT07] (the distribution), [Hei14] (shadowing in closed form, stretched facets, the density of visible slopes).
 //! Sampling is original: the distribution function of the slopes along the view has a closed form, which is inverted by halving.
 //! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests` of `bsdf`.
@@ -21,7 +21,7 @@ pub(super) struct Beckmann {
 
 /// Root of pi.
 const ROOT_PI: f32 = 1.772_453_9;
-/// Slopes steeper than so many widths do not count.
+/// Steeper slopes than this many widths do not count.
 const STEEPEST: f32 = 4.0;
 /// Halvings of where a slope may lie.
 const HALVINGS: u32 = 26;
@@ -31,7 +31,7 @@ impl Beckmann {
         Self { widths: widths.map(|width| width.clamp(1e-3, 1.0)) }
     }
 
-    /// The direction where facets are stretched to slopes of width 1.
+    /// The direction in the frame where microfacets are stretched to slopes of width 1.
     fn stretched(self, w: Vec3) -> Vec3 {
         Vec3::new(w.x * self.widths[0], w.y * self.widths[1], w.z)
     }
@@ -78,8 +78,8 @@ fn rest_of_error(x: f32) -> f32 {
     series * (-x * x).exp()
 }
 
-/// The slope, towards the view, of a facet of slopes of width 1 that is seen under the tangent `tan` >= 0: the one that faces less to the
-/// view than all but a share `u` of what is seen.
+/// The slope, towards the view, of a visible microfacet, for slopes of width 1 and a view with tangent `tan`
+/// >= 0; `u` is the cumulative probability.
 fn visible_slope(tan: f32, u: f32) -> f32 {
     // Of the integral of (1 + tan x) exp(-x²), where that is positive.
     let below = |x: f32| {
@@ -100,7 +100,7 @@ fn visible_slope(tan: f32, u: f32) -> f32 {
 mod tests {
     use super::*;
 
-    /// Sums over the hemisphere of facets, with rings that are narrow around the normal.
+    /// Sums over the hemisphere of microfacets, with rings that are narrow around the normal.
     fn sum(of: impl Fn(Vec3) -> f32) -> f32 {
         let (rings, sectors) = (400, 100);
         let mut sum = 0.0_f64;
@@ -130,7 +130,7 @@ mod tests {
         }
     }
 
-    /// Means over evenly spread samples are those over the visible facets.
+    /// Means over evenly spread samples equal those over the visible microfacets.
     #[test]
     fn samples_are_what_is_seen() {
         let microfacets = Beckmann::new([0.7, 0.25]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lobes of points seen from one direction each, as they are kept to be asked about many others: at the ends of shadow rays to
-//! and from virtual lights.
+//! Lobes of points prepared for one direction each, stored for evaluation in many others: at the ends of
+//! shadow rays to and from virtual lights.
 //! Invariant: the bits of [`Prepared::eval_pdf`]. Tests: `tests` of `bsdf`, over all models; many_lights/lanes.rs of `render`.
 
 use glam::Vec3;
@@ -14,7 +14,7 @@ use super::prepared_sum::Sum;
 use crate::lanes::LANES;
 use crate::real::{Real, Vector};
 
-/// Sixteen points' lobes, each seen from one direction, as they are kept to be asked about many others.
+/// Sixteen points' lobes, each prepared for one direction, stored for evaluation in many others.
 #[derive(Clone, Debug, Default)]
 pub struct CachedLobes {
     normal: [Row; 3],
@@ -99,7 +99,7 @@ impl Prepared<f32> {
 }
 
 impl PreparedLobe<f32> {
-    /// That of many points that are as the one.
+    /// The lobe of many equal points.
     #[inline(always)]
     pub(super) fn for_all<R: Real>(&self, like: R) -> PreparedLobe<R> {
         let mut all = self.map(
@@ -113,7 +113,8 @@ impl PreparedLobe<f32> {
         all
     }
 
-    /// Whether [`Sum::add_plain`] knows it: nothing, or Lambert's reflector, neither above nor below another lobe.
+    /// Whether [`Sum::add_plain`] supports it: nothing, or Lambert's reflector, neither above nor below
+    /// another lobe.
     fn is_plain(&self) -> bool {
         let diffuse = Kind::None.bit() | Kind::Diffuse.bit();
         let is_lambert = self.alpha == 0.0 && !self.loses_light();

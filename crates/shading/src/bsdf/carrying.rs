@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A point's lobes as paths ask them that carry light: seen from where it came from, with the values that paths from the eye find.
-//! Source: \[Vea97\] sections 5.2 (refraction), 5.3 (shading normals) and 8.3 (the scattered measure); original for lobes with normals of
-//! their own, whose correction is each lobe's.
+//! A point's lobes for paths that carry light: prepared for the direction of the light, with the values of
+//! paths from the eye.
+//! Source: \[Vea97\] sections 5.2 (refraction), 5.3 (shading normals) and 8.3 (the scattered measure);
+//! original for lobes with their own normals, each of which has its own correction.
 //! Space: world, unit directions away from the surface.
-//! Invariant: a value times [`Carrying::correction`] is what a path from the eye finds, times the cosine of where it goes over the one of
-//! where the light came from, both to the geometric normal. Tests: `carrying_tests`; crates/render/tests/agreement.rs.
+//! Invariant: a value times [`Carrying::correction`] is the value of a path from the eye, times the ratio of
+//! the cosines of the outgoing and the incoming direction to the geometric normal. Tests: `carrying_tests`;
+//! crates/render/tests/agreement.rs.
 
 use glam::Vec3;
 
@@ -18,7 +20,8 @@ use super::sample::BsdfSample;
 use crate::real::{Real, Vector};
 use crate::sampling::{Basis, cosine_hemisphere};
 
-/// Share of paths that a point with tilted lobes sends to all sides of the facet: from below a lobe's horizon it is seen, too.
+/// Fraction of paths that a point with tilted lobes sends to all sides of the face: it is visible from below
+/// a lobe's horizon, too.
 const TO_ALL_SIDES: f32 = 0.25;
 
 /// Lobes seen from where light came from.
@@ -92,9 +95,9 @@ impl Carrying {
         (value.into(), self.mixed(pdf, wi, ng))
     }
 
-    /// What is multiplied to the values: shading normals treat light and its measurement differently \[Vea97\], and so does refraction. `ng` is
-    /// the unit geometric normal, on either side. Zero where light comes from below the shading normal: there light samples bring nothing,
-    /// either.
+    /// The factor of the values: shading normals and refraction treat light and importance differently
+    /// \[Vea97\]. `ng` is the unit geometric normal, on either side. Zero for light from below the shading
+    /// normal, where light samples bring nothing, either.
     #[must_use]
     pub fn correction(&self, wi: Vec3, ng: Vec3) -> Vec3 {
         let (so, si) = (self.cos, self.normal.dot(wi));
@@ -106,7 +109,8 @@ impl Carrying {
         eta * eta * (so * gi / (go * si)).abs()
     }
 
-    /// Chooses where the light goes on; as [`Bsdf::sample`], but for the weight, which is corrected. `ng` as for [`eval_pdf`](Self::eval_pdf).
+    /// Chooses the next direction of the light; as [`Bsdf::sample`], except for the weight, which is
+    /// corrected. `ng` as for [`eval_pdf`](Self::eval_pdf).
     #[must_use]
     pub fn sample(&self, mut u: [f32; 3], ng: Vec3) -> Option<BsdfSample> {
         let mut share = 1.0;
@@ -137,7 +141,7 @@ impl Carrying {
         Some(sample)
     }
 
-    /// A direction that has been chosen, by whatever way.
+    /// A chosen direction, by any strategy.
     fn chosen(&self, wi: Vec3, ng: Vec3, wide: bool) -> Option<BsdfSample> {
         let (value, pdf) = self.eval_pdf(wi, ng);
         let weight = value / pdf * self.correction(wi, ng);
@@ -146,7 +150,7 @@ impl Carrying {
         (pdf > 0.0 && weight.is_finite()).then_some(sample)
     }
 
-    /// The density of all ways to choose `wi`, given that of the lobes.
+    /// The density of all strategies for `wi`, given that of the lobes.
     fn mixed(&self, by_lobes: f32, wi: Vec3, ng: Vec3) -> f32 {
         if !self.is_tilted {
             return by_lobes;

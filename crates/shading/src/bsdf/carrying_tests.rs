@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light that paths carry, against what paths from the eye find, over all models. Source: \[Vea97\] sections 5.2 and 5.3; original.
+//! Values of light paths against values of paths from the eye, over all models. Source: \[Vea97\] sections
+//! 5.2 and 5.3; original.
 
 use glam::Vec3;
 
@@ -8,8 +9,8 @@ use super::*;
 use crate::batch::SampleKey;
 use crate::sampling::{sample_pair, uniform_sphere};
 
-/// A path carried from the light has the value that the path from the eye has, whatever normals the lobes lie around, and is chosen by
-/// the density that it says.
+/// A path carried from the light has the value of the path from the eye, for any normals of the lobes, and
+/// its stated density.
 #[test]
 fn light_paths_are_corrected() {
     let ng = Vec3::Z;
@@ -51,7 +52,7 @@ fn light_paths_are_corrected() {
             if ns.dot(light) < 2e-3 || through != (ns.dot(eye) < 0.0) || ns.dot(eye).abs() < 2e-3 {
                 continue;
             }
-            // What a light path scatters is counted per area across its way: ng's cosines stand for the surface.
+            // Light of a path is measured per area across it: the cosines to ng stand for the surface.
             let found = carrying.eval_pdf(eye, ng).0 * carrying.correction(eye, ng);
             let from_eye = if through { behind.eval(eye, light) } else { bsdf.eval(eye, light) };
             let expected = from_eye * (ng.dot(eye) / ng.dot(light)).abs();
@@ -61,7 +62,7 @@ fn light_paths_are_corrected() {
             }
             some[usize::from(through)] += u32::from(expected.max_element() > 1e-3);
         }
-        // What is chosen has the density that is said, and its weight.
+        // Samples have the stated density and weight.
         let light = Vec3::new(-0.4, 0.3, 0.7).normalize();
         let carrying = Carrying::new(&bsdf, light);
         for u in randoms(32) {
@@ -80,8 +81,8 @@ fn light_paths_are_corrected() {
     assert_eq!(below.correction(Vec3::Z, ng), Vec3::ZERO, "light from below");
 }
 
-/// Of light that mirrors and smooth glass bend, by the definition: what is mirrored at a tilted plane counts by the facet's cosines, what is
-/// bent by the square of the index, too.
+/// Light paths at mirrors and smooth glass, by the definition: a reflection at a tilted plane counts by the
+/// facet's cosines, a refraction by the square of the index, too.
 #[test]
 fn light_paths_of_deltas_are_corrected() {
     let (ng, light) = (Vec3::Z, Vec3::new(-0.4, 0.3, 0.7).normalize());

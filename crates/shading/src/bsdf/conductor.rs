@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What metals mirror on average. Source: [KC17] (further bounces are coloured by it). Tests: `tests` of `bsdf`.
+//! Mean reflectance of metals. Source: [KC17] (further bounces are coloured by it). Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
 

@@ -5,7 +5,7 @@
 
 use crate::real::{Real, Vector};
 
-/// What a pane mirrors whose faces each mirror `once`: all orders of reflection between them.
+/// Reflectance of a pane whose faces each reflect `once`: all orders of reflection between them.
 #[inline(always)]
 pub(super) fn pane<R: Real>(once: R) -> R {
     once * 2.0 / (once + once.all(1.0))
@@ -36,7 +36,7 @@ mod tests {
         let wo = Vec3::new(-0.6, 0.0, 0.8);
         let inside = through(wo, 1.0 / 1.5).expect("light enters");
         assert!((inside.x - 0.6 / 1.5).abs() < 1e-6 && inside.z < 0.0, "sines are as the indices: {inside}");
-        // Seen from inside, the frame is turned over.
+        // From inside, the frame is flipped.
         let over = Vec3::new(1.0, 1.0, -1.0);
         let back = through(inside * over, 1.5).expect("light leaves") * over;
         assert!((back - wo).length() < 1e-6, "and back as it came: {back}");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Two diffuse models as others have them, which do not keep all light: Oren's and Nayar's with one bounce between the facets, and
-//! Burley's, which is dark or bright at grazing angles by the roughness.
+//! Two diffuse models of other renderers, which do not keep all light: Oren's and Nayar's with single
+//! scattering between the facets, and Burley's, which is dark or bright at grazing angles by the roughness.
 //! Source: [ON94] (their qualitative model, without the cut-off term of the azimuth: that is 0 where facets face away), [Bur12] section 5.3.
 //! Albedos are integrals in closed form. Differs: where a surface of Burley's model sends back more than all light it is scaled down.
 //! Directions are given by their cosines to the shading normal. `roughness` is in [0, 1]. Tests: `tests` here and of `bsdf`.
@@ -17,7 +17,7 @@ pub(super) enum Model {
 }
 
 impl Model {
-    /// The number that stands for it in a lobe's `eta`, where diffuse lobes have 1.
+    /// The number that represents it in a lobe's `eta`, where diffuse lobes have 1.
     pub(super) fn number(self) -> f32 {
         match self {
             Self::OrenNayar => 2.0,
@@ -69,7 +69,7 @@ impl Model {
     }
 }
 
-/// What every facet sends back, and what more comes back to where light came from.
+/// The share that every facet scatters, and the additional share of retroreflection.
 fn shares(roughness: f32) -> [f32; 2] {
     let square = roughness * roughness;
     [1.0 - 0.5 * square / (square + 0.33), 0.45 * square / (square + 0.09)]
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use std::f32::consts::TAU;
 
-    /// What a white surface sends back by the midpoint rule.
+    /// Albedo of a white surface by the midpoint rule.
     fn sum(of: impl Fn(f32, [f32; 2]) -> f32, o: f32) -> f32 {
         let (rings, sectors) = (400, 200);
         let mut sum = 0.0_f64;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Glass that bends colours into different directions. Each of red, green and blue has its own index ([`eta_of`]). A colour is chosen by
-//! the chances of a view, as the light of its path asks for: so a path that has become of one colour stays so, and loses nothing more.
-//! One sample for all colours' lobes [VG95]; Cauchy's law as in KHR_materials_dispersion.
-//! Points are looked at one by one: such glass is rare. Invariant: reciprocal up to the square of each colour's own index.
+//! Glass that bends colours into different directions. Each of red, green and blue has its own index ([`eta_of`]).
+//! A colour is chosen by the probabilities of a view, for the weights of its path: so a path of one colour
+//! stays of that colour, and loses nothing more. One sample for all colours' lobes [VG95]; Cauchy's law as in
+//! KHR_materials_dispersion. Points are evaluated one by one, because such glass is rare. Invariant:
+//! reciprocal up to the square of each colour's own index.
 //! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
@@ -14,7 +15,7 @@ use super::lobe::eta_of;
 use super::rough_dielectric::{Glass, PreparedGlass};
 use crate::real::{Real, Vector};
 
-/// What some points' indices and chances of colours are.
+/// Indices of some points, and probabilities of colours.
 #[derive(Clone, Copy)]
 pub(super) struct Colours<R> {
     /// See [`Lobe::spread`](super::Lobe::spread).
@@ -24,7 +25,7 @@ pub(super) struct Colours<R> {
 }
 
 impl<R: Real> Colours<R> {
-    /// Chances for light that counts so much, by colour.
+    /// Probabilities for light of this weight, by colour.
     #[inline(always)]
     pub(super) fn chances(light: Vector<R>) -> Vector<R> {
         let sum = light.sum();
@@ -37,8 +38,8 @@ impl<R: Real> Colours<R> {
     }
 }
 
-/// The glass as one colour meets it. What is lost between facets is so much alike that one colour's tables stand for all, but for how
-/// much goes beyond.
+/// The glass for one colour. Lost energy depends so little on the index that one colour's tables serve all
+/// colours, except for the share of transmission.
 fn of_colour(glass: &Glass<f32>, spread: f32, channel: usize) -> Glass<f32> {
     let eta = eta_of(glass.eta, spread, channel);
     let mut losses = glass.losses;
@@ -46,7 +47,8 @@ fn of_colour(glass: &Glass<f32>, spread: f32, channel: usize) -> Glass<f32> {
     Glass { eta, losses, ..*glass }
 }
 
-/// Values by colour and the density of all, in the place of `plain` where colours differ; see [`Glass::eval_pdf`].
+/// Values by colour and the density of all, in place of `plain` where colours differ; see
+/// [`Glass::eval_pdf`].
 #[inline(always)]
 pub(super) fn eval_pdf<R: Real>(
     glass: &Glass<R>,

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How much light rough facets send back after one bounce, and a lobe for what they send back after more.
+//! Albedo of rough microfacets after single scattering, and a lobe for multiple scattering.
 //! Source: [KC17] (the lobe, from the albedo after one bounce; colour by the sum over bounces), tables over the cosine of
 //! the view and the roughness, split as in [Kar13] so that they are linear in Schlick's two reflectances.
-//! Invariant: averages are those of the interpolated tables, so that one bounce and the lobe sum to 1 for white facets
-//! up to the rounding of floats. The tables are the same on all machines: they are sums in a fixed order.
+//! Invariant: averages are those of the interpolated tables, so that single scattering and the lobe sum to 1
+//! for white microfacets up to the rounding of floats. The tables are the same on all machines: they are sums
+//! in a fixed order.
 //! Tests: `tests::{tables_hold_the_lobe, white_keeps_all_light}`.
 
 use std::f32::consts::FRAC_1_PI;
@@ -37,7 +38,7 @@ struct Table {
     average: [Split; ROUGHNESSES],
 }
 
-/// What facets of one roughness do to light on the whole.
+/// Mean scattering of microfacets of one roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Energy<R> {
     /// Root of the facets' width.
@@ -60,7 +61,7 @@ impl<R: Real> Energy<R> {
         Self { roughness, average }
     }
 
-    /// What comes back of light from cosine `cos` after one bounce, by reflectance at normal and grazing incidence.
+    /// Albedo of single scattering at cosine `cos`, by reflectance at normal and grazing incidence.
     #[inline(always)]
     pub(super) fn split(self, cos: R) -> [R; 2] {
         let table = table();
@@ -75,8 +76,8 @@ impl<R: Real> Energy<R> {
         )
     }
 
-    /// Share of a first bounce's rest between the facets that comes out in the end, for facets that mirror `average` of the
-    /// light, averaged over all angles.
+    /// Fraction of the light left between the microfacets after the first bounce that finally leaves, for a
+    /// mean reflectance of `average`, averaged over all angles.
     #[inline(always)]
     pub(super) fn more(self, average: Vector<R>) -> Vector<R> {
         let white = self.average[0] + self.average[1];
@@ -86,7 +87,7 @@ impl<R: Real> Energy<R> {
         )
     }
 
-    /// What multiplies the loss of both directions and the cosine of one for the lobe of all bounces but the first.
+    /// The factor of the losses of both directions and one cosine in the lobe of multiple scattering.
     #[inline(always)]
     pub(super) fn more_scale(self) -> R {
         let lost = (self.average[0] + self.average[1]).rest();
@@ -95,7 +96,8 @@ impl<R: Real> Energy<R> {
     }
 }
 
-/// Share of light that facets which mirror all leave between them after one bounce. Rounding must not make light.
+/// Fraction of light left between perfectly reflecting microfacets after one bounce. Rounding must not make
+/// light.
 #[inline(always)]
 pub(super) fn lost<R: Real>(split: [R; 2]) -> R {
     (split[0] + split[1]).rest().or_more(split[0].all(0.0))
@@ -168,7 +170,7 @@ mod tests {
         for (roughness, cos) in [(0.33, 0.9_f32), (0.5, 0.31), (0.77, 0.62), (1.0, 0.14), (1.0, 1.0)] {
             let ggx = Ggx::new(roughness);
             let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-            // Midpoint rule over the hemisphere, apart from the sampling that the table is made with.
+            // Midpoint rule over the hemisphere, independent of the sampling for the table.
             let (rings, sectors) = (1000, 200);
             let mut sum = 0.0_f64;
             for (ring, sector) in (0..rings).flat_map(|r| (0..sectors).map(move |s| (r, s))) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What one lobe of a point makes of light that a path carries, where that differs from what the point's normal and its glass say.
+//! Correction of one lobe on light paths, if it differs from the correction of the point's normal and glass.
 //! Source: \[Vea97\] sections 5.2 (refraction) and 5.3 (shading normals), lobe by lobe. Tests: `carrying_tests`.
 
 use glam::Vec3;
@@ -9,7 +9,8 @@ use super::lobe::{Kind, Lobe};
 /// The difference, as factors.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exchange {
-    /// Of a lobe around a normal of its own, the cosine to that of where the light came from, 0 from behind, over the one to the point's normal.
+    /// For a lobe around its own normal, the cosine of the light's direction to that, 0 from behind, over the
+    /// cosine to the point's normal.
     pub(super) tilt: Option<f32>,
     /// For light that goes through, by colour: the square of the index that the lobe bends it by over that of the point's glass.
     pub(super) through: Vec3,
@@ -29,7 +30,7 @@ impl Exchange {
         Self { tilt, through }
     }
 
-    /// Whether a lobe differs at all, or has other values where directions change places.
+    /// Whether a lobe differs at all, or is not reciprocal.
     pub(super) fn is_due(&self, lobe: &Lobe) -> bool {
         !lobe.is_black() && (self.tilt.is_some() || self.through != Vec3::ONE || lobe.kind == Kind::Fibres)
     }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sheen of a layer of fibres that scatter light among them, as a cosine lobe that is linearly transformed by the view.
 //! Source: [ZBC22]; its three numbers by a fit of their tables, by Stephen Hill, as MaterialX specifies it.
-//! Differs: no more than all light is sent back; where facets of low roughness ask for more at grazing views, the fit is cut.
-//! It is not reciprocal: the transform is the view's. Space: the shading frame. Tests: `tests` of `bsdf`.
+//! Differs: no more than all light is reflected; if facets of low roughness would exceed that at grazing
+//! views, the fit is limited. It is not reciprocal: the transform is the view's. Space: the shading frame.
+//! Tests: `tests` of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
 

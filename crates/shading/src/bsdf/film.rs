@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Thin films: what a surface mirrors under a layer of some hundred nanometres, whose two sides' reflections interfere.
+//! Thin films: reflectance under a layer of some hundred nanometres, with interference of its two sides'
+//! reflections.
 //! Source: \[BB17\] (the sum over reflections within the film, and the eye's curves as Gaussians, which turn it into colours); Fresnel's
 //! equations for complex indices ([PJH23] section 9.3). Differs: both polarisations by complex amplitudes; each channel has its own phase;
 //! colours are white where the film is thin to nothing, so that the film then is as if it were not there.
-//! Units: nanometres; indices relative to vacuum. Colours are in [0, 1], for none has less or more light than there is.
+//! Units: nanometres; indices relative to vacuum. Colours are in [0, 1], because no reflectance is outside.
 //! Light is computed point by point: films are rare.
-//! Invariant: seen from either side of a boundary, along one ray, it mirrors the same share. Tests: `tests`.
+//! Invariant: both sides of a boundary have the same reflectance along one ray. Tests: `tests`.
 
 use std::f32::consts::{PI, TAU};
 
@@ -30,10 +31,10 @@ impl Film {
     }
 }
 
-/// What it lies on.
+/// The material below.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Base {
-    /// Something that mirrors so much head on, by colour.
+    /// A material with this reflectance at normal incidence, by colour.
     Normal(Vec3),
     /// A metal, by its indices and extinction coefficients.
     Metal(Vec3, Vec3),
@@ -44,7 +45,8 @@ pub(super) enum Base {
 /// Reflections within the film that are summed one by one.
 const ORDERS: usize = 3;
 
-/// Sums of Gaussians, as strength, middle (waves per metre) and variance: what the eye sees of x, x again, y and z.
+/// Sums of Gaussians, as strength, middle (waves per metre) and variance: the sensitivity curves of x, x
+/// again, y and z.
 const CURVES: [[f32; 3]; 4] = [
     [5.4856e-13, 1.6810e6, 4.3278e9],
     [9.7470e-14, 2.2399e6, 4.5282e9],
@@ -58,7 +60,8 @@ const RGB: [[f32; 4]; 3] = [
     [0.055_63, 0.055_63, -0.203_977, 1.056_972],
 ];
 
-/// What one channel sees of a wave with the path difference `path` (metres) and a shift of phase, over what it sees without both.
+/// Response of one channel to a wave with the path difference `path` (metres) and a shift of phase, relative
+/// to that without both.
 fn response(channel: usize, path: f32, shift: f32) -> f32 {
     let at = |path: f32, shift: f32| -> f32 {
         let phase = TAU * path;
@@ -130,7 +133,8 @@ pub(super) fn reflectance(film: Film, cos: f32, base: Base) -> Vec3 {
     Vec3::new(channel(0), channel(1), channel(2))
 }
 
-/// What the film mirrors of one polarisation; `r` is the amplitude of its upper side, seen from above, `below` that of its lower one.
+/// Reflectance of the film for one polarisation; `r` is the amplitude of its upper side from above, `below`
+/// that of its lower one.
 fn interfere(channel: usize, r: f32, below: Vec2, path: f32) -> f32 {
     let (upper, lower) = (r * r, below.length_squared().min(1.0));
     let both = (upper * lower).min(0.9999);

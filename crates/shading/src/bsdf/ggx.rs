@@ -17,14 +17,14 @@ use crate::sampling::sin_cos_of_fraction;
 /// Below this the lobe is a mirror's for a float, and its peak would overflow.
 pub(crate) const SMALLEST_ALPHA: f32 = 1e-3;
 
-/// Facets of one roughness.
+/// Microfacets of one roughness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ggx<R> {
     alpha: R,
 }
 
 impl<R: Real> Ggx<R> {
-    /// Facets whose slopes have the width `alpha`.
+    /// Microfacets whose slopes have the width `alpha`.
     #[inline(always)]
     pub(crate) fn from_alpha(alpha: R) -> Self {
         Self { alpha: alpha.within(SMALLEST_ALPHA, 1.0) }
@@ -36,7 +36,8 @@ impl<R: Real> Ggx<R> {
         self.alpha
     }
 
-    /// Facets facing `h` per solid angle and ground area, by its cosine and the square of its sine.
+    /// Density of microfacets facing `h` per solid angle and ground area, by its cosine and the square of its
+    /// sine.
     #[inline(always)]
     pub(crate) fn density(self, cos: R, sin2: R) -> R {
         let a2 = self.alpha * self.alpha;
@@ -46,7 +47,7 @@ impl<R: Real> Ggx<R> {
         R::pick(cos.above_all(0.0), density, cos.all(0.0))
     }
 
-    /// Smith's auxiliary function: area of hidden facets over that of visible ones.
+    /// Smith's auxiliary function: area of hidden microfacets over that of visible ones.
     #[inline(always)]
     pub(crate) fn lambda(self, cos: R) -> R {
         let cos2 = cos * cos;
@@ -54,7 +55,8 @@ impl<R: Real> Ggx<R> {
         ((cos.all(1.0) + self.alpha * self.alpha * tan2).root() - cos.all(1.0)) * 0.5
     }
 
-    /// A facet that the viewer sees, in proportion to its share of the view; along the second axis facets have the width `across`.
+    /// A visible microfacet, in proportion to its share of the view; along the second axis microfacets have
+    /// the width `across`.
     #[inline(always)]
     pub(crate) fn sample_visible_across(self, across: R, wo: Vector<R>, u: [R; 2]) -> Vector<R> {
         let stretched = Vector::new(wo.x * self.alpha, wo.y * across, wo.z).normalize();
@@ -72,15 +74,15 @@ impl Ggx<f32> {
         Self::from_alpha(roughness * roughness)
     }
 
-    /// What a light seen in the direction of a sampled facet counts, by the cosines: all but Fresnel's factor.
+    /// Weight of light in the direction of a sampled facet, by the cosines: without Fresnel's factor.
     pub(crate) fn sample_weight(self, cos_o: f32, cos_i: f32) -> f32 {
         let hidden = self.lambda(cos_o);
         (1.0 + hidden) / (1.0 + hidden + self.lambda(cos_i))
     }
 
-    /// The mean of `f` over the facets that a viewer at `wo` sees, each by its share of the view; `wo` has no y, so that
-    /// both halves of the facets are alike. For tables: strata are narrow towards the facets that face away, few as they
-    /// are, for what loses light lies there.
+    /// The mean of `f` over the visible microfacets, for a viewer at `wo`, each by its share of the view;
+    /// `wo` has no y, so that both halves are alike. For tables: strata are narrow towards the rare
+    /// microfacets that face away, because the loss of light is there.
     pub(super) fn mean_visible<T>(self, wo: Vec3, f: impl Fn(Vec3) -> T) -> T
     where
         T: Sum + Mul<f32, Output = T> + Div<f32, Output = T>,
@@ -88,7 +90,8 @@ impl Ggx<f32> {
         self.mean_visible_across(self.alpha, (0.5, [16, 32]), wo, f)
     }
 
-    /// The same of facets of another width across, over part of a turn around and in so many strata around and away.
+    /// The same for microfacets of another width across, over part of the circle and in this number of strata
+    /// around and away.
     pub(super) fn mean_visible_across<T>(
         self,
         across: f32,
@@ -146,7 +149,7 @@ mod tests {
         }
     }
 
-    /// The mean of weights over samples is the lobe's integral; and so are moments of the direction.
+    /// The mean of weights over samples is the lobe's integral; and the means of directions agree.
     #[test]
     fn samples_match_the_lobe() {
         for (roughness, angle) in [(0.3, 0.5_f32), (0.6, 1.2), (1.0, 0.9)] {

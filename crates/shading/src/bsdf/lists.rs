@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lists of lobes of sixteen points of a batch, written lobe by lobe for many of them at once: for who knows what points share.
-//! Points have lists of different lengths; a lobe goes to the end of each point's own list.
-//! Invariant: what [`Lobes`] makes of the same lobes in the same order, point by point. Tests: crates/sl-shading/tests/scripts/lanes.rs.
+//! Lists of lobes of sixteen points of a batch, written lobe by lobe for many of them at once, for callers
+//! that know the common lobes. Points have lists of different lengths; a lobe goes to the end of each point's
+//! own list.
+//! Invariant: equals the result of [`Lobes`] for the same lobes in the same order, point by point. Tests:
+//! crates/sl-shading/tests/scripts/lanes.rs.
 
 use glam::Vec3;
 
@@ -21,11 +23,11 @@ pub type Ends = [u8; LANES];
 pub struct Lists<'a> {
     block: &'a mut Block,
     ends: Ends,
-    /// By place, points that have a lobe there.
+    /// By position, points that have a lobe there.
     taken: [u32; MOST],
     /// Points of which a lobe was left out.
     full: u32,
-    /// Points of which a lobe has a normal of its own.
+    /// Points with a lobe that has its own normal.
     bent: u32,
 }
 
@@ -49,8 +51,8 @@ fn bits(holds: impl Fn(usize) -> bool) -> u32 {
 }
 
 impl<'a> Lists<'a> {
-    /// Of the points from `first` on, a multiple of sixteen, of a batch that has been reset: once for them, in place of
-    /// [`ClosureBatch::set`].
+    /// Of the points from `first` on, a multiple of sixteen, of a batch that has been reset: once for them,
+    /// instead of [`ClosureBatch::set`].
     #[must_use]
     pub fn of(batch: &'a mut ClosureBatch, first: usize) -> Self {
         let block = &mut batch.blocks[first / LANES];
@@ -70,7 +72,7 @@ impl<'a> Lists<'a> {
         self.full
     }
 
-    /// Points of which a lobe lies around a normal of its own.
+    /// Points with a lobe around its own normal.
     #[must_use]
     pub fn bent(&self) -> u32 {
         self.bent
@@ -82,8 +84,8 @@ impl<'a> Lists<'a> {
         bits(|i| self.ends[i] > 0)
     }
 
-    /// Calls `write(rows, points, whether other points' numbers may be overwritten)` for each place where lists of these points end, and
-    /// makes these one longer.
+    /// Calls `write(rows, points, whether other points' numbers may be overwritten)` for each position where
+    /// lists of these points end, and makes these one longer.
     fn each_end(&mut self, lanes: u32, mut write: impl FnMut(&mut LobeRows, u32, bool)) {
         let mut left = lanes;
         while left != 0 {
@@ -105,7 +107,7 @@ impl<'a> Lists<'a> {
         }
     }
 
-    /// Appends the same lobe to the lists of some points. One that lies below others must be where it was among them.
+    /// Appends the same lobe to the lists of some points. A lobe below others must keep its cover among them.
     pub fn push(&mut self, lanes: u32, lobe: &Lobe) {
         let numbers = numbers(lobe);
         self.each_end(lanes, |rows, same, free| {
@@ -147,7 +149,8 @@ impl<'a> Lists<'a> {
         self.ends[i] += 1;
     }
 
-    /// Gives what lies in the lists of some points from `from` on unit normals of their own; zero = the point's.
+    /// Gives the entries in the lists of some points from `from` on their own unit normals; zero = the
+    /// point's.
     pub fn tilt(&mut self, lanes: u32, from: &Ends, normals: &[Row; 3]) {
         let own = lanes & bits(|i| (0..3).any(|k| normals[k][i] != 0.0));
         if own == 0 {
@@ -161,7 +164,7 @@ impl<'a> Lists<'a> {
         });
     }
 
-    /// Calls `with(rows, points)` for each place that lies behind `from` in the lists of some points.
+    /// Calls `with(rows, points)` for each position behind `from` in the lists of some points.
     fn each_since(&mut self, lanes: u32, from: &Ends, mut with: impl FnMut(&mut LobeRows, u32)) {
         for entry in 0..self.block.count as usize {
             let same =
@@ -172,7 +175,7 @@ impl<'a> Lists<'a> {
         }
     }
 
-    /// Multiplies what lies in the lists of some points from `from` on by colours.
+    /// Multiplies the entries in the lists of some points from `from` on by colours.
     pub fn times(&mut self, lanes: u32, from: &Ends, weights: &[Row; 3]) {
         self.each_since(lanes, from, |rows, same| {
             for (row, weights) in rows.numbers.iter_mut().zip(weights) {
@@ -183,7 +186,8 @@ impl<'a> Lists<'a> {
         });
     }
 
-    /// Lays what lies in the lists of some points from `top` to `base` over what follows: [`Lobes::over`](super::Lobes::over).
+    /// Layers the entries in the lists of some points from `top` to `base` over the following ones:
+    /// [`Lobes::over`](super::Lobes::over).
     pub fn layer(&mut self, lanes: u32, top: &Ends, base: &Ends) {
         let (mut hidden, mut above) = ([0.0_f32; LANES], [0_u32; LANES]);
         for entry in 0..self.block.count as usize {
@@ -225,15 +229,16 @@ impl<'a> Lists<'a> {
         heaviest.map_or(Vec3::ZERO, |lobe| lobe.normal)
     }
 
-    /// Says which unit shading normals the points have, as [`face`](Self::face) does; normals that lobes have of their own stay.
+    /// Sets the unit shading normals of the points, as [`face`](Self::face) does; the lobes' own normals
+    /// stay.
     pub fn face_all(&mut self, normals: &[Row; 3]) {
         for (row, x) in self.block.normal.iter_mut().zip(normals) {
             row.0 = *x;
         }
     }
 
-    /// Says which unit shading normal a point has, on the side that the first ray came from, and replaces those of its lobes, if some are its
-    /// own.
+    /// Sets the unit shading normal of a point, on the side of the first ray, and replaces those of its
+    /// lobes, if some have their own.
     pub fn face(&mut self, i: usize, ns: Vec3, of: impl Fn(Vec3) -> Vec3) {
         for (row, x) in self.block.normal.iter_mut().zip(ns.to_array()) {
             row.0[i] = x;
@@ -249,5 +254,5 @@ impl<'a> Lists<'a> {
     }
 }
 
-/// The place of a lobe's cover among its numbers.
+/// The index of a lobe's cover among its numbers.
 const COVER: usize = 17;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One lobe of a BSDF as numbers: what kind it is, what it counts, around which normal, and its parameters.
-//! Source: see the file of each kind. Space: world. Colours are in [0, 1] but for the indices of metals.
-//! What is no function of directions is computed when a lobe is made, so that it can be kept. Tests: `tests`.
+//! One lobe of a BSDF as numbers: its kind, weight, normal and parameters.
+//! Source: see the file of each kind. Space: world. Colours are in [0, 1] except for the indices of metals.
+//! Numbers that do not depend on directions are computed when a lobe is made, so that they can be stored.
+//! Tests: `tests`.
 
 use glam::Vec3;
 
@@ -9,7 +10,7 @@ use super::diffuse_once::Model;
 use super::film::{self, Base, Film};
 use super::{conductor, fresnel, phong, rough_dielectric};
 
-/// What a lobe does to light.
+/// The kind of a lobe.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Kind {
@@ -18,15 +19,15 @@ pub enum Kind {
     None,
     /// Scatters to all sides; rough surfaces send more back to where light came from.
     Diffuse,
-    /// GGX facets under Schlick's reflectances.
+    /// GGX microfacets under Schlick's reflectances.
     Microfacets,
-    /// GGX facets of a metal by its complex index.
+    /// GGX microfacets of a metal by its complex index.
     Metal,
-    /// GGX facets that mirror and refract.
+    /// GGX microfacets with reflection and refraction.
     Glass,
     /// The same of a pane so thin that light goes through unbent.
     Pane,
-    /// Fibres that stand up.
+    /// Upright fibres.
     Sheen,
     /// Mirrors in one direction.
     Mirror,
@@ -40,9 +41,9 @@ pub enum Kind {
     Phong,
     /// Ward's lobe of brushed surfaces.
     Ward,
-    /// Beckmann's facets that mirror and refract, without what goes on between them.
+    /// Beckmann's microfacets with reflection and refraction, single scattering only.
     Beckmann,
-    /// GGX facets that mirror and refract under Schlick's reflectances.
+    /// GGX microfacets with reflection and refraction under Schlick's reflectances.
     SchlickGlass,
     /// A layer of fibres that scatter light among them.
     Fibres,
@@ -69,7 +70,7 @@ impl Kind {
         Self::Fibres,
     ];
 
-    /// Its place in a set of kinds.
+    /// Its bit in a set of kinds.
     #[inline(always)]
     #[must_use]
     pub const fn bit(self) -> u32 {
@@ -82,7 +83,7 @@ impl Kind {
         matches!(self, Self::Mirror | Self::SmoothGlass | Self::SmoothPane)
     }
 
-    /// Whether it has facets, or is as wide as slopes are.
+    /// Whether it has microfacets, or a width of slopes.
     fn has_slopes(self) -> bool {
         let is_common = matches!(self, Self::Microfacets | Self::Metal | Self::Glass | Self::Pane);
         is_common || matches!(self, Self::Ward | Self::Beckmann | Self::SchlickGlass)
@@ -96,9 +97,9 @@ impl Kind {
     }
 }
 
-/// What few lobes have, as bits: who has none of it pays nothing for it.
+/// Rare features of lobes, as bits: lobes without them pay nothing.
 pub(super) mod rare {
-    /// Facets that are wider along one direction than across it.
+    /// Microfacets that are wider along one direction than across it.
     pub(crate) const ANISOTROPY: u32 = 1;
     /// A thin film.
     pub(crate) const FILM: u32 = 2;
@@ -111,42 +112,45 @@ pub(super) mod rare {
 /// The power by which Schlick's reflectances rise.
 pub(super) const SCHLICK: f32 = 5.0;
 
-/// How far the index of red, green and blue is from that of yellow light (587.6 nm), as multiples of the difference between
-/// blue-green (486.1 nm) and red light (656.3 nm): by Cauchy's law, at 611, 549 and 464 nm, where sRGB's primaries are.
+/// The index of red, green and blue relative to that of yellow light (587.6 nm), as multiples of the
+/// difference between blue-green (486.1 nm) and red light (656.3 nm). By Cauchy's law, at 611, 549 and 464
+/// nm, the positions of sRGB's primaries.
 const SPREADS: [f32; 3] = [-0.1158, 0.2199, 0.9134];
 
 /// One lobe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lobe {
-    /// What it does to light.
+    /// Its kind.
     pub kind: Kind,
     /// Multiplied to it.
     pub weight: Vec3,
     /// Unit normal that it lies around, on the side that the first ray came from; zero = that of its point.
     pub normal: Vec3,
-    /// By kind: the albedo; reflectance at normal incidence; index of a metal; tint of what is mirrored.
+    /// By kind: the albedo; reflectance at normal incidence; index of a metal; tint of reflection.
     pub a: Vec3,
-    /// By kind: reflectance at grazing incidence; extinction of a metal; tint of what goes through.
+    /// By kind: reflectance at grazing incidence; extinction of a metal; tint of transmission.
     pub b: Vec3,
-    /// Follows from the other parameters: mean reflectance of a metal or under a film; what rough glass loses on this side and beyond, and
-    /// which share of that ends beyond.
+    /// Derived from the other parameters: mean reflectance of a metal or under a film; energy lost by rough
+    /// glass on this side and beyond, and the share of it that ends beyond.
     pub c: Vec3,
     /// Width of facets' slopes, the square of glTF's roughness; the roughness of diffuse and sheen lobes.
     pub alpha: f32,
-    /// Index of refraction on the side that rays come from over the index beyond, > 0. Of diffuse lobes which model they are, 1 unless it
-    /// loses light; of facets less than 0 the power by which reflectances rise towards grazing angles, in place of Schlick's fifth; of
-    /// Beckmann's facets 0 if they mirror all; Phong's exponent.
+    /// Index of refraction on the side that rays come from over the index beyond, > 0. Diffuse lobes: number
+    /// of the model, 1 unless it loses light. Microfacets: below 0 the exponent of the rise of reflectance
+    /// towards grazing angles, in place of Schlick's fifth. Beckmann's microfacets: 0 if all light is
+    /// reflected. Phong: the exponent.
     pub eta: f32,
     /// About where along the surface `alpha` is meant, where slopes have another width across that; unit.
     pub tangent: Vec3,
     /// Width of the slopes across `tangent`; 0 = slopes are alike in all directions.
     pub across: f32,
-    /// A film that lies on the facets.
+    /// A film on the microfacets.
     pub film: Film,
-    /// Of glass, how much greater its index is for blue-green light (486.1 nm) than for red (656.3 nm); 0 = it bends all light alike. Of glass
-    /// under Schlick's reflectances the power by which they rise, for what is mirrored; less than 0 for what goes through.
+    /// Dispersion of glass: its index for blue-green light (486.1 nm) minus that for red (656.3 nm); 0 =
+    /// none. Glass under Schlick's reflectances: the exponent of their rise, for reflection; less than 0 for
+    /// transmission.
     pub spread: f32,
-    /// How much of what it sends back is missing below it.
+    /// The fraction of its scattered light that is missing below it.
     pub(super) cover: f32,
     /// Bits of the lobes of its point that lie above it.
     pub(super) layers_above: u32,
@@ -165,15 +169,16 @@ impl Lobe {
         Self::oren_nayar(albedo, 0.0)
     }
 
-    /// A rough diffuse surface; `albedo` is what white would be all of, `roughness` is in [0, 1], 0 is Lambert's reflector.
+    /// A rough diffuse surface; `albedo` is that of a white furnace, `roughness` is in [0, 1], 0 is Lambert's
+    /// reflector.
     #[inline]
     #[must_use]
     pub fn oren_nayar(albedo: Vec3, roughness: f32) -> Self {
         Self { a: albedo, alpha: roughness, ..Self::of(Kind::Diffuse) }
     }
 
-    /// A rough diffuse surface as Oren and Nayar have it, with one bounce between the facets: what goes on is lost. `albedo` and `roughness`
-    /// as for [`oren_nayar`](Self::oren_nayar); 0 is Lambert's reflector.
+    /// A rough diffuse surface after Oren and Nayar, with single scattering between the facets: further light
+    /// is lost. `albedo` and `roughness` as for [`oren_nayar`](Self::oren_nayar); 0 is Lambert's reflector.
     #[must_use]
     pub fn oren_nayar_once(albedo: Vec3, roughness: f32) -> Self {
         let eta = if roughness > 0.0 { Model::OrenNayar.number() } else { 1.0 };
@@ -194,7 +199,8 @@ impl Lobe {
         Self { a: albedo, ..Self::of(Kind::Translucent) }
     }
 
-    /// Facets of width `alpha`, in (0, 1], that mirror `f0` head on and `f90` at grazing incidence.
+    /// Microfacets of width `alpha`, in (0, 1], with reflectance `f0` at normal and `f90` at grazing
+    /// incidence.
     #[must_use]
     pub fn microfacets(alpha: f32, f0: Vec3, f90: Vec3) -> Self {
         Self { a: f0, b: f90, alpha, ..Self::of(Kind::Microfacets) }
@@ -220,7 +226,7 @@ impl Lobe {
         Self { a: reflectance, b: transmittance, eta, ..Self::of(kind) }
     }
 
-    /// The same with facets of width `alpha`, in (0, 1].
+    /// The same with microfacets of width `alpha`, in (0, 1].
     #[must_use]
     pub fn rough_glass(alpha: f32, eta: f32, reflectance: Vec3, transmittance: Vec3, thin: bool) -> Self {
         let (eta, c) = rough_dielectric::losses([alpha; 2], eta, thin);
@@ -240,15 +246,16 @@ impl Lobe {
         Self { alpha, ..Self::of(Kind::Ward) }
     }
 
-    /// Beckmann's facets of width `alpha`, in (0, 1]; `eta` is the index on the side that rays come from over the index beyond, or 0 if
-    /// they mirror all. What goes on between facets is lost.
+    /// Beckmann's microfacets of width `alpha`, in (0, 1]; `eta` is the index on the side of the ray over the
+    /// index beyond, or 0 if all light is reflected. Light of further bounces is lost.
     #[must_use]
     pub fn beckmann(alpha: f32, eta: f32, reflectance: Vec3, transmittance: Vec3) -> Self {
         Self { a: reflectance, b: transmittance, alpha, eta, ..Self::of(Kind::Beckmann) }
     }
 
-    /// What facets of width `alpha`, in (0, 1], of rough glass mirror or, if `through`, let through, where they mirror `f0` head on and `f90` at
-    /// grazing incidence, rising by `power` (> 0) of one less the cosine on the rarer side. `eta` as for [`glass`](Self::glass).
+    /// Reflection or, if `through`, transmission of rough glass with microfacets of width `alpha`, in (0, 1].
+    /// The reflectance is `f0` at normal and `f90` at grazing incidence and rises with `power` (> 0) of one
+    /// minus the cosine on the rarer side. `eta` as for [`glass`](Self::glass).
     #[must_use]
     pub fn schlick_glass(alpha: f32, eta: f32, [f0, f90]: [Vec3; 2], power: f32, through: bool) -> Self {
         let (eta, c) = rough_dielectric::losses([alpha; 2], eta, false);
@@ -263,14 +270,14 @@ impl Lobe {
         Self { weight: color, alpha: roughness, ..Self::of(Kind::Fibres) }
     }
 
-    /// Fibres of a colour that stand up; `roughness` is glTF's, in [0, 1].
+    /// Upright fibres of a colour; `roughness` is glTF's, in [0, 1].
     #[must_use]
     pub fn sheen(color: Vec3, roughness: f32) -> Self {
         Self { weight: color, alpha: roughness, ..Self::of(Kind::Sheen) }
     }
 
-    /// The same with slopes that have the width `across` across `tangent` (unit, about along the surface): facets of brushed
-    /// surfaces. What is no facets stays as it is.
+    /// The same with slopes of the width `across` across `tangent` (unit, about along the surface):
+    /// microfacets of brushed surfaces. Lobes without microfacets are unchanged.
     #[must_use]
     pub fn brushed(self, tangent: Vec3, across: f32) -> Self {
         if !self.kind.has_slopes() || across == self.alpha || !tangent.is_finite() || tangent == Vec3::ZERO {
@@ -287,15 +294,15 @@ impl Lobe {
         }
     }
 
-    /// The same with reflectances that rise from normal to grazing incidence by this power of one less the cosine, > 0, in place of
-    /// Schlick's fifth; what is no facets under those stays as it is.
+    /// The same with reflectances that rise from normal to grazing incidence by this power of one minus the
+    /// cosine, > 0, in place of Schlick's fifth; other lobes are unchanged.
     #[must_use]
     pub fn risen(self, power: f32) -> Self {
         let is_other = power != SCHLICK && power > 0.0 && power.is_finite();
         if self.kind == Kind::Microfacets && is_other { Self { eta: -power, ..self } } else { self }
     }
 
-    /// The same under a film. What is no facets, and no glass, stays as it is.
+    /// The same under a film. Lobes without microfacets and other than glass are unchanged.
     #[must_use]
     pub fn filmed(self, film: Film) -> Self {
         let carries = matches!(
@@ -324,15 +331,15 @@ impl Lobe {
         }
     }
 
-    /// The same of glass whose index is greater by `spread` (>= 0) for blue-green light (486.1 nm) than for red (656.3 nm): (index - 1) over
-    /// Abbe's number. What bends nothing stays as it is.
+    /// The same for glass whose index is greater by `spread` (>= 0) for blue-green light (486.1 nm) than for
+    /// red (656.3 nm): (index - 1) over Abbe's number. Lobes without refraction are unchanged.
     #[must_use]
     pub fn dispersed(self, spread: f32) -> Self {
         let bends = matches!(self.kind, Kind::Glass | Kind::SmoothGlass);
         if bends && spread > 0.0 && spread.is_finite() { Self { spread, ..self } } else { self }
     }
 
-    /// What a film lies on.
+    /// The material below a film.
     pub(super) fn base(&self) -> Base {
         match self.kind {
             Kind::Metal => Base::Metal(self.a, self.b),
@@ -341,7 +348,7 @@ impl Lobe {
         }
     }
 
-    /// Which rare things it has.
+    /// Its rare features, as bits.
     #[inline]
     pub(super) fn rare(&self) -> u32 {
         let bit = |has: bool, bit: u32| if has { bit } else { 0 };
@@ -351,7 +358,7 @@ impl Lobe {
         brushed | bit(risen, rare::POWER) | film | bit(self.is_dispersed(), rare::SPREAD)
     }
 
-    /// Where it lies above others: by how much of what it sends back it dims them, and how much it hides of them whatever it sends back.
+    /// Its effect on lobes below: dimming per scattered light, and constant dimming.
     pub(super) fn above(&self) -> [f32; 2] {
         let weight = self.weight.max_element();
         let through = match self.kind {
@@ -376,13 +383,13 @@ impl Lobe {
         matches!(self.kind, Kind::SmoothGlass | Kind::SmoothPane) && !self.is_black()
     }
 
-    /// A clear coat: facets of an index of 1.5.
+    /// A clear coat: microfacets of an index of 1.5.
     #[must_use]
     pub fn coat(alpha: f32) -> Self {
         Self::microfacets(alpha, Vec3::splat(fresnel::normal_reflectance(1.5)), Vec3::ONE)
     }
 
-    /// Whether facets narrower than `alpha`, or none, send its light.
+    /// Whether it is a mirror or has microfacets narrower than `alpha`.
     #[must_use]
     pub fn is_narrow(&self, alpha: f32) -> bool {
         match self.kind {

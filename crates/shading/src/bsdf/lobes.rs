@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A weighted sum of lobes, some of them below others: all that a surface says of how it scatters.
-//! Sums and layers as shading languages have them (MaterialX's `layer`).
+//! A weighted sum of lobes, some of them below others: the complete scattering of a point. Sums and layers as
+//! shading languages have them (MaterialX's `layer`).
 //! Invariant: lobes above others come first; no lobe lies below itself. Layout: most surfaces have one lobe or two, and points are passed
 //! on often: more lie elsewhere. Tests: `tests`.
 
@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use super::lobe::{Kind, Lobe};
 
-/// Most lobes of one point. What is added beyond is left out.
+/// Maximum number of lobes of one point. Further ones are dropped.
 pub const MOST: usize = 8;
 
 /// Lobes that lie where the list does.
@@ -19,7 +19,7 @@ const FEW: usize = 2;
 /// A weighted sum of lobes.
 #[derive(Debug, Default)]
 pub struct Lobes {
-    /// All of them, if they are no more; what lies behind the first `count` are left-overs.
+    /// All of them, if they fit; entries behind the first `count` are unused.
     few: [Lobe; FEW],
     /// All of them, if they are more; else left-overs.
     many: Option<Arc<[Lobe; MOST]>>,
@@ -124,10 +124,10 @@ impl Lobes {
         self.times(Vec3::splat(1.0 - share)).plus(other)
     }
 
-    /// It above `base`, which gets what it does not send back: with the loss of the larger of both directions where `base`
-    /// has facets, with that of both where it is diffuse, so that a white body sends back all that it gets. What scatters to all sides
-    /// or is a metal hides `base` by its weight, whatever its colour: it keeps what it does not send on. Light that glass lets through does
-    /// not come to `base` either.
+    /// It above `base`, which gets the rest of the light. A `base` with microfacets loses the larger loss of
+    /// both directions, a diffuse one loses both, so that a white body reflects all light. A diffuse lobe or
+    /// a metal hides `base` by its weight, whatever its colour: it absorbs the rest. Light transmitted by
+    /// glass does not reach `base` either.
     #[must_use]
     pub fn over(mut self, base: impl Into<Self>) -> Self {
         let above = (1_u32 << self.count) - 1;
@@ -145,7 +145,7 @@ impl Lobes {
         self
     }
 
-    /// The lobes for which `keep` says so; the others send nothing, but still cover what lies below.
+    /// The lobes selected by `keep`; the others scatter nothing, but still cover the lobes below.
     #[must_use]
     pub fn filtered(mut self, keep: impl Fn(&Lobe) -> bool) -> Self {
         for lobe in self.as_mut_slice() {
@@ -156,7 +156,7 @@ impl Lobes {
         self
     }
 
-    /// The albedo, where it is nothing but Lambert's reflector around the point's normal.
+    /// The albedo, if it is only Lambert's reflector around the point's normal.
     #[must_use]
     pub fn lambertian(&self) -> Option<Vec3> {
         match self.as_slice() {

@@ -5,10 +5,10 @@
 use super::lobe::Lobe;
 use crate::real::Vector;
 
-/// The lobes in one place of many points' lists, as numbers.
+/// The lobes in one position of many points' lists, as numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct LobesAt<'a, R> {
-    /// `Kind` by point, and the set of those that are there.
+    /// `Kind` by point, and the set of the present ones.
     pub(super) kind: R,
     pub(super) kinds: u32,
     pub(super) weight: Vector<R>,
@@ -23,12 +23,12 @@ pub(crate) struct LobesAt<'a, R> {
     pub(super) layers_above: &'a [u32],
     pub(super) any_layer_above: u32,
     pub(super) covers: bool,
-    /// Which rare things some have: bits of `rare`.
+    /// The rare features that some have: bits of `rare`.
     pub(super) rare: u32,
     pub(super) rarities: Rarities<R>,
 }
 
-/// What few lobes have, as numbers; zero where a point has none.
+/// Numbers of rare features of lobes; zero where a point has none.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Rarities<R> {
     /// See [`Lobe::tangent`]; once seen, unit and along the surface.

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What lies on the two sides of a surface: something that absorbs light, or nothing.
-//! Source: Beer's law; KHR_materials_volume. Original: who absorbs is said by the ends of a way, not carried along it.
-//! Rule: light on its way between two points is absorbed by what lies there at one of its ends; by the mean of both where both ends
-//! say something else. So it is the same whichever end a path comes from. What lies within something else (a body within glass) is on a
-//! way within the glass if one end is the glass's boundary. A way without end is one through which nothing comes.
-//! This is the place for what scatters light between surfaces, too, once there is such.
+//! Media on the two sides of a surface: absorbing, or none.
+//! Source: Beer's law; KHR_materials_volume. Original: the ends of a path segment determine the absorption;
+//! paths do not carry it. Rule: light between two points is absorbed by the medium at one of its ends; by the
+//! mean of both where the ends disagree. So the result is the same from both ends of a path. A body within
+//! another (within glass) sees the glass on a segment if one end is the glass's boundary. A segment without
+//! end transmits nothing. Scattering media would belong here, too.
 //! Space: world; 1 over world units. Tests: `tests`, crates/render/tests/agreement.rs.
 
 use glam::Vec3;
 
-/// What lies on the two sides of a point.
+/// The media on the two sides of a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Medium {
-    /// Share of light absorbed per way, by colour, 1 over world units.
+    /// Absorption coefficient, by colour, 1 over world units.
     pub absorption: Vec3,
     /// Whether it lies on the side that the first ray came from, or beyond.
     pub is_here: bool,
@@ -25,14 +25,14 @@ impl Medium {
         Self { absorption, is_here: !is_front }
     }
 
-    /// What absorbs on one side.
+    /// Absorption on one side.
     #[must_use]
     pub fn on(&self, is_here: bool) -> Vec3 {
         if self.is_here == is_here { self.absorption } else { Vec3::ZERO }
     }
 }
 
-/// Share of light that is left after a way of this length between two ends at which so much is absorbed.
+/// Transmittance over this distance between two ends with these absorptions.
 #[must_use]
 pub fn left_after(distance: f32, ends: [Vec3; 2]) -> Vec3 {
     let absorption = match ends {

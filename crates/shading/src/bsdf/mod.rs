@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What surfaces do to light, as plain values: weighted lobes for each point, which can be evaluated, sampled and asked for densities,
-//! one point at a time ([`Bsdf`]) or sixteen ([`ClosureBatch`]), by the same code.
-//! Source: \[PJH23\] chapter 9 (interface), \[Vea97\] section 5.3 (shading normals and light-carrying paths); one lobe, one
-//! file; docs/reference/materials.md tells the models.
+//! Scattering of surfaces as plain values: weighted lobes for each point. They can be evaluated, sampled and
+//! queried for densities, one point at a time ([`Bsdf`]) or sixteen ([`ClosureBatch`]), by the same code.
+//! Source: \[PJH23\] chapter 9 (interface), \[Vea97\] section 5.3 (shading normals and light-carrying paths);
+//! one lobe, one file; docs/reference/materials.md describes the models.
 //! Space: world outside, the shading frame inside (z = the shading normal on the side that the first ray came from).
-//! `wo` points to where the path came from, `wi` to where it goes; both unit and away from the surface.
-//! Invariants: values are BSDF times |cos| to the shading normal. Reflection is the same with `wo` and `wi` exchanged but
-//! for that cosine. Refraction does not scale radiance by the square of the index, for what enters glass leaves it again;
-//! so with `wo` and `wi` exchanged it changes by that square. What a path that carries light makes of that is [`Carrying`]'s, which
-//! also knows lobes that lie around normals of their own, and fibres, whose values differ where directions change places.
-//! Rule for shading normals: a path that sees the surface sees its front, so a `wo` below the shading normal counts as
-//! grazing; a `wi` counts by the side of the shading normal that it is on, and whether it may leave at all is said by
-//! [`SurfacePoint::scatter_ray`](crate::SurfacePoint::scatter_ray), with the same horizon as for light samples.
+//! `wo` points back along the path, `wi` forward; both are unit vectors away from the surface. Invariants:
+//! values are BSDF times |cos| to the shading normal. Reflection is reciprocal except for that cosine.
+//! Refraction does not scale radiance by the square of the index, because light that enters glass leaves it
+//! again; so with `wo` and `wi` exchanged it changes by that square. [`Carrying`] handles this for paths that
+//! carry light; it also handles lobes with their own normals, and fibres, whose values are not reciprocal.
+//! Rule for shading normals: a path always sees the front of a surface, so a `wo` below the shading normal
+//! counts as grazing. A `wi` counts by its side of the shading normal;
+//! [`SurfacePoint::scatter_ray`](crate::SurfacePoint::scatter_ray) decides whether it may leave, with the
+//! same horizon as for light samples.
 //! Tests: `tests`.
 
 mod anisotropy;
@@ -89,15 +90,15 @@ impl Bsdf {
         Self { medium, ..self }
     }
 
-    /// What lies beside it.
+    /// The media beside it.
     #[inline]
     #[must_use]
     pub fn medium(&self) -> Medium {
         self.medium
     }
 
-    /// How much light is absorbed along rays that leave to `dir` or come from there, 1 over world units: by what lies on that side, for
-    /// [`left_after`].
+    /// Absorption along rays that leave to `dir` or come from there, 1 over world units: by the medium on
+    /// that side, for [`left_after`].
     #[inline]
     #[must_use]
     pub fn absorption(&self, dir: Vec3) -> Vec3 {
@@ -152,20 +153,20 @@ impl Bsdf {
         (value.into(), pdf)
     }
 
-    /// The value alone.
+    /// The value only.
     #[must_use]
     pub fn eval(&self, wo: Vec3, wi: Vec3) -> Vec3 {
         self.eval_pdf(wo, wi).0
     }
 
-    /// The density alone.
+    /// The density only.
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3) -> f32 {
         self.eval_pdf(wo, wi).1
     }
 
-    /// Chooses where a path goes on; `u` holds three numbers in [0, 1), the first chooses between lobes. `None` = it
-    /// ends here.
+    /// Chooses the next direction of a path; `u` holds three numbers in [0, 1), the first chooses between
+    /// lobes. `None` = it ends here.
     #[must_use]
     pub fn sample(&self, wo: Vec3, u: [f32; 3]) -> Option<BsdfSample> {
         self.sample_by(wo, Vec3::ONE, u)
@@ -177,7 +178,7 @@ impl Bsdf {
         self.prepared_for(wo, light).sample(u).of_point()
     }
 
-    /// What leaves by delta lobes, mirrored and through the surface, each with its share of the light.
+    /// Directions of delta lobes, reflected and transmitted, each with its share of the light.
     #[must_use]
     pub fn delta_branches(&self, wo: Vec3) -> [Option<BsdfSample>; 2] {
         let [mirrored, through] = self.prepared(wo).delta_branches();
@@ -232,8 +233,8 @@ impl Bsdf {
         !self.any(|_| true)
     }
 
-    /// The narrow lobes, with facets whose slopes are narrower than `alpha`, and the wide ones: together they are the
-    /// BSDF. For integrators that trace what is nearly a mirror image and sample lights for the rest.
+    /// The narrow lobes, with microfacets whose slopes are narrower than `alpha`, and the wide ones: together
+    /// they are the BSDF. For integrators that trace near-mirror reflections and sample lights for the rest.
     #[must_use]
     pub fn split_at(&self, alpha: f32) -> [Self; 2] {
         [true, false].map(|narrow| Self {
@@ -263,10 +264,10 @@ impl Bsdf {
     }
 }
 
-/// All that light transport needs to know of a point.
+/// The complete scattering and emission of a point.
 #[derive(Clone, Debug)]
 pub struct Scattering {
-    /// What it does to light.
+    /// Its scattering.
     pub bsdf: Bsdf,
     /// Radiance that it sends against the ray.
     pub emission: Vec3,

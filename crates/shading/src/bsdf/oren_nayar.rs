@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rough diffuse surfaces, dusty ones: Oren's and Nayar's model as Fujii's fit, with all bounces between the facets.
+//! Rough diffuse surfaces, dusty ones: Oren's and Nayar's model as Fujii's fit, with all bounces between the
+//! facets.
 //! Source: [PKH25] (EON), which mends [ON94]; [Lam60] where the roughness is 0. Directions are given by their cosines to the
 //! shading normal. `roughness` is in [0, 1]. Tests: `tests` of `bsdf`.
 

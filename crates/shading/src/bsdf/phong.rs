@@ -10,7 +10,7 @@ use glam::Vec3;
 
 use crate::sampling::frame_around;
 
-/// Greatest exponent: of lobes that are narrower floats know too little.
+/// Greatest exponent: floats are too coarse for narrower lobes.
 const SHARPEST: f32 = 1e5;
 
 /// The exponent that counts.
@@ -29,7 +29,7 @@ pub(super) fn eval_pdf(n: f32, wo: Vec3, wi: Vec3) -> (f32, f32) {
     if wi.z <= 0.0 || image.dot(wi) <= 0.0 {
         return (0.0, 0.0);
     }
-    // From the sine, which floats know better near the image.
+    // From the sine, which is more precise near the image.
     let sin2 = image.cross(wi).length_squared().min(0.999_999_9);
     let power = (0.5 * n * (-sin2).ln_1p()).exp() / TAU;
     ((n + 2.0) * power * wi.z, (n + 1.0) * power)

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lobes seen from one direction: what is the same for all other directions is computed once, then values, densities and
-//! samples follow. Written once for one point and for sixteen.
-//! Source: \[WMLT07\], \[Hei14\], \[DB23\] (facets); \[KC17\] (further bounces; what a layer sends back is taken from a diffuse body
-//! in its reciprocal form); facets below layers lose by the larger share of both directions. \[VG95\] (one sample, all lobes).
+//! Lobes prepared for one direction: values common to all other directions are computed once, then
+//! evaluations, densities and samples follow. Written once for one point and for sixteen.
+//! Source: \[WMLT07\], \[Hei14\], \[DB23\] (microfacets); \[KC17\] (multiple scattering; a layer dims a
+//! diffuse body in its reciprocal form); microfacets below layers lose the larger share of both directions.
+//! \[VG95\] (one sample, all lobes).
 //! Space: world, unit directions away from the surface.
-//! Invariants: a direction is chosen with the density that [`Prepared::eval_pdf`] tells; one point and sixteen give the same bits at
-//! every CPU level. Tests: `tests`.
+//! Invariants: a direction is chosen with the density of [`Prepared::eval_pdf`]; one point and sixteen give
+//! the same bits at every CPU level. Tests: `tests`.
 
 use glam::Vec3;
 
@@ -53,7 +54,7 @@ impl Sampled<f32> {
 #[derive(Clone, Copy, Debug)]
 pub struct Prepared<R> {
     pub(super) normal: Vector<R>,
-    /// One after the other; the rest of the places, which is most of them, is not even cleared.
+    /// One after the other; the rest of the positions, which is most of them, is not even cleared.
     pub(super) lobes: [Option<PreparedLobe<R>>; MOST],
     /// Share of light that is scattered.
     pub(super) albedo: Vector<R>,
@@ -67,8 +68,9 @@ impl<R: Real> Prepared<R> {
         Self { normal: black, lobes: [const { None }; MOST], albedo: black }
     }
 
-    /// Points' lobes, `count` places of them, seen from the unit `wo`; `normal` is unit. `light` is what the light that they scatter will
-    /// count, by colour: where a direction has one colour only, colours are chosen by that. Nothing may have been seen before.
+    /// Points' lobes, `count` positions of them, for the unit direction `wo`; `normal` is unit. `light` is
+    /// the weight of the scattered light by colour: dispersive lobes choose colours by it. The receiver must
+    /// be empty.
     #[inline(always)]
     pub(crate) fn prepare<'a>(
         &mut self,
@@ -134,7 +136,7 @@ impl<R: Real> Prepared<R> {
         }
     }
 
-    /// The lobes, in the order of their places.
+    /// The lobes, in the order of their positions.
     #[inline(always)]
     pub(super) fn lobes(&self) -> impl Iterator<Item = &PreparedLobe<R>> {
         self.lobes.iter().map_while(Option::as_ref)
@@ -178,7 +180,7 @@ impl<R: Real> Prepared<R> {
             for next in self.lobes().skip(1) {
                 let past = before + mixed.probability;
                 let on = !past.above(u[0]) & next.probability.above(zero);
-                // Lobes without a chance stand between others and take none of the numbers.
+                // Lobes of probability zero are between others and take none of the numbers.
                 before = R::pick(on, past, before);
                 mixed.mix(on, next);
             }
@@ -259,7 +261,7 @@ impl<R: Real> Prepared<R> {
         Sampled { wi, weight, pdf, delta, transmitted, wide, found }
     }
 
-    /// Points of which some lobe has kinds for which `what` says so.
+    /// Points with a lobe of a kind for which `what` is true.
     #[inline(always)]
     fn any(&self, what: impl Fn(Kind) -> bool) -> R::Mask {
         let zero = self.normal.x.all(0.0);
@@ -305,7 +307,7 @@ impl<R: Real> Prepared<R> {
     }
 }
 
-/// What the lobes above `lobe` leave of light from where they are seen, or towards one cosine.
+/// The light that the lobes above `lobe` leave, for the prepared direction or for one cosine.
 #[inline(always)]
 fn left_by<R: Real>(
     above: &[Option<PreparedLobe<R>>],
@@ -324,7 +326,7 @@ fn left_by<R: Real>(
     left
 }
 
-/// The same, averaged over a cosine-weighted hemisphere: by the tables where one layer of facets is above.
+/// The same, averaged over a cosine-weighted hemisphere: by the tables if one layer of microfacets is above.
 #[inline(always)]
 fn left_on_average<R: Real>(above: &[Option<PreparedLobe<R>>], lobe: &PreparedLobe<R>) -> Vector<R> {
     let one = lobe.cos.all(1.0);
@@ -337,7 +339,7 @@ fn left_on_average<R: Real>(above: &[Option<PreparedLobe<R>>], lobe: &PreparedLo
     let mut rest = u64::from(any);
     for (j, top) in above.iter().flatten().enumerate() {
         let single = lobe.layers_above[j] & !twice;
-        // The table holds Schlick's reflectances, not what films mirror.
+        // The table holds Schlick's reflectances without films.
         if single != 0 && top.has(Kind::Microfacets) {
             let mut by_table = one.points(u64::from(single)) & top.is(Kind::Microfacets);
             if top.rare & rare::FILM != 0 {
@@ -358,7 +360,7 @@ fn left_on_average<R: Real>(above: &[Option<PreparedLobe<R>>], lobe: &PreparedLo
     average
 }
 
-/// `tangent` made perpendicular to the unit `normal`, unit; any direction along the surface where it says nothing.
+/// `tangent` made perpendicular to the unit `normal`, unit; any direction along the surface if it is zero.
 #[inline(always)]
 fn along<R: Real>(normal: Vector<R>, tangent: Vector<R>) -> Vector<R> {
     let flat = tangent - normal * normal.dot(tangent);
@@ -376,7 +378,7 @@ impl Prepared<f32> {
         prepared
     }
 
-    /// The place of the lobe that [`sample`](Self::sample) draws from by this number.
+    /// The position of the lobe that [`sample`](Self::sample) draws from by this number.
     pub(super) fn place_of(&self, u: f32) -> usize {
         let (mut before, mut entry, mut probability) = (0.0, 0, 0.0);
         for (k, next) in self.lobes().enumerate() {
@@ -387,8 +389,8 @@ impl Prepared<f32> {
         entry
     }
 
-    /// What leaves by delta lobes, mirrored and through the surface: unit directions in the world, and shares of the light.
-    /// Two refractions of one point differ in direction if their indices do: the heavier one stands for both.
+    /// Delta lobes, reflected and transmitted: unit directions in the world, and shares of the light. Two
+    /// refractions of one point differ in direction if their indices do: the stronger one represents both.
     pub(super) fn delta_branches(&self) -> [Option<(Vec3, Vec3)>; 2] {
         let mut out: [Option<(Vec3, Vec3)>; 2] = [None; 2];
         for lobe in self.lobes() {

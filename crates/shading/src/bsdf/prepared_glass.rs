@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Glass, rough and smooth, and mirrors of many points, seen from one direction each: what they mirror and let through, where to.
-//! Source: \[WMLT07\]; films and colours apart as `film.rs` and `dispersed.rs` know them. Space: world. Tests: `tests` of `bsdf`.
+//! Glass, rough and smooth, and mirrors of many points, prepared for one direction each: reflected and
+//! transmitted shares, and directions.
+//! Source: \[WMLT07\]; films and dispersion as in `film.rs` and `dispersed.rs`. Space: world. Tests: `tests`
+//! of `bsdf`.
 
 use glam::Vec3;
 
@@ -30,20 +32,20 @@ impl<R: Real> PreparedLobe<R> {
         (glass, PreparedGlass { hidden: self.hidden, lost: self.lost })
     }
 
-    /// How its colours go apart.
+    /// The dispersion of its colours.
     #[inline(always)]
     pub(super) fn colours(&self) -> Colours<R> {
         Colours { spread: self.rarities.spread, chances: self.rarities.channels }
     }
 
-    /// What follows from the view of rough glass, and the share of light that it mirrors.
+    /// The values of rough glass that depend on the view, and the share of reflected light.
     #[inline(always)]
     pub(super) fn prepare_glass(&self, thin: bool) -> (PreparedGlass<R>, Vector<R>) {
         self.cos.outline(
             #[inline(always)]
             || {
                 let (glass, _) = self.glass(thin);
-                // About: facets mirror as the plane does, blurred.
+                // Approximate: microfacets reflect as the plane does, blurred.
                 let blurred = self.cos + (self.cos.all(0.7) - self.cos) * (self.alpha * 0.5);
                 (glass.prepared(self.wo, self.cos), glass.mirrored(blurred))
             },
@@ -106,8 +108,8 @@ impl<R: Real> PreparedLobe<R> {
         )
     }
 
-    /// Where delta lobes send light, mirrored and through, in the frame of `wo`, with its share of the light; and the
-    /// probability with which the former is followed. What is bent by colour goes where yellow light does.
+    /// The directions of delta lobes, reflected and transmitted, in the frame of `wo`, with their shares of
+    /// the light; and the probability of the reflection. Dispersed light takes the direction of yellow light.
     #[inline(always)]
     pub(super) fn branches(&self, wo: Vector<R>) -> ([Branch<R>; 2], R) {
         let (zero, one) = (wo.z.all(0.0), wo.z.all(1.0));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One lobe of each of many points, seen from one direction each: its numbers, and what all kinds have.
+//! One lobe of each of many points, prepared for one direction each: its numbers, common to all kinds.
 //! Space: world, unit directions away from the surface.
-//! What follows from the view, values and densities: `prepared_values.rs`; glass and deltas: `prepared_glass.rs`; lobes that are looked at by
-//! themselves: `prepared_scalar.rs`. Tests: `tests` of `bsdf`.
+//! Values that depend on the view, evaluations and densities: `prepared_values.rs`; glass and deltas:
+//! `prepared_glass.rs`; lobes evaluated per point: `prepared_scalar.rs`. Tests: `tests` of `bsdf`.
 
 use super::anisotropy::{AnisotropyFrame, Slopes};
 use super::ggx::Ggx;
@@ -11,7 +11,7 @@ use super::lobes::MOST;
 use super::lobes_at::Rarities;
 use crate::real::{Real, Vector};
 
-/// Points' lobes in one place of their lists, seen from one direction each.
+/// Points' lobes in one position of their lists, prepared for one direction each.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PreparedLobe<R> {
     pub(super) kind: R,
@@ -20,17 +20,18 @@ pub(super) struct PreparedLobe<R> {
     /// Where it is seen from, raised to where that sees the front, and its cosine.
     pub(super) wo: Vector<R>,
     pub(super) cos: R,
-    /// Multiplied to its values, but for what the layers above leave: `left` of that from where it is seen.
+    /// Factor of its values, except for the light that the layers above leave: `left` of that for the
+    /// prepared direction.
     pub(super) weight: Vector<R>,
     pub(super) left: Vector<R>,
     pub(super) a: Vector<R>,
     pub(super) b: Vector<R>,
     pub(super) c: Vector<R>,
-    /// Colour of further bounces between facets.
+    /// Colour of multiple scattering between microfacets.
     pub(super) more: Vector<R>,
     pub(super) alpha: R,
     pub(super) eta: R,
-    /// Smith's auxiliary function, and what facets lose after one bounce.
+    /// Smith's auxiliary function, and the energy that single scattering loses.
     pub(super) hidden: R,
     pub(super) lost: R,
     /// Chance that it is drawn from; that further bounces are, if it is.
@@ -120,7 +121,7 @@ impl<R: Real> PreparedLobe<R> {
         self.cos.points(u64::from(self.layers_above[j]))
     }
 
-    /// Its facets.
+    /// Its microfacets.
     #[inline(always)]
     pub(super) fn slopes(&self) -> Slopes<R> {
         let ggx = Ggx::from_alpha(self.alpha);
@@ -137,7 +138,7 @@ impl<R: Real> PreparedLobe<R> {
         }
     }
 
-    /// Becomes `next` where the mask says so, as far as choosing directions asks.
+    /// Becomes `next` for the points of the mask, in all fields for choosing directions.
     #[inline(always)]
     pub(super) fn mix(&mut self, mask: R::Mask, next: &Self) {
         self.kinds |= next.kinds;

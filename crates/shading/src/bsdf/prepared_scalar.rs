@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lobes that few surfaces have, of many points: point by point as `scalar.rs` knows them, in the frames of their slopes.
+//! Rare lobes of many points: evaluated point by point by `scalar_lobes.rs`, in the frames of their slopes.
 //! Space: world. Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
@@ -12,7 +12,7 @@ use crate::real::{Real, Vector};
 use crate::sampling::frame_around;
 
 impl<R: Real> PreparedLobe<R> {
-    /// Points whose lobe is looked at by itself.
+    /// Points whose lobe is evaluated per point.
     #[inline(always)]
     pub(super) fn is_scalar(&self) -> R::Mask {
         let is = self.is(Kind::Phong) | self.is(Kind::Ward);
@@ -83,8 +83,9 @@ impl<R: Real> PreparedLobe<R> {
         )
     }
 
-    /// What fibres at points in a mask send back towards where they are seen from of light from `wi`, at the cosine `cos`, if seen from there: their
-    /// values differ where directions change places. Times the cosine `cos`, as other values are.
+    /// Light that fibres at points in a mask reflect towards the prepared direction from `wi`, at the cosine
+    /// `cos`, in the opposite order of directions: their values are not reciprocal. Times the cosine `cos`,
+    /// as other values are.
     #[inline(always)]
     pub(super) fn fibres_from(&self, is: R::Mask, wi: Vector<R>, cos: R) -> R {
         let [x, y] = self.axes();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Value and density of the lobes of points, lobe by lobe, those that lie below others dimmed by what these leave.
+//! Value and density of the lobes of points, lobe by lobe, dimmed by the layers above.
 //! Space: world, unit directions away from the surface. Tests: `tests` of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
@@ -11,15 +11,15 @@ use super::prepared_lobe::PreparedLobe;
 use super::prepared_values::GRAZING;
 use crate::real::{Real, Vector};
 
-/// Value and density of the lobes of points, one lobe after the other, no more than [`MOST`]. Who loops hands over references: lobes that
-/// are moved, as iterators do, go through memory.
+/// Value and density of the lobes of points, one lobe after the other, no more than [`MOST`]. Loops pass
+/// references: lobes moved through iterators would go through memory.
 pub(super) struct Sum<R: Real> {
     pub(super) value: Vector<R>,
     pub(super) pdf: R,
     /// Cosine to the points' normals, and points whose front is lit.
     cos: R,
     above: R::Mask,
-    /// What those above others leave.
+    /// The light that layers above each leave.
     left: [Option<Vector<R>>; MOST],
 }
 
@@ -41,8 +41,8 @@ impl<R: Real> Sum<R> {
         self.pdf = self.pdf + density * lobe.probability;
     }
 
-    /// The same of a path that carries light and leaves to `wi`: the value is the one that a path from there finds, in the measure of the
-    /// points' normals, as if all lobes lay around those and bent light as the first that does.
+    /// The same for a path that carries light and leaves to `wi`. The value is that of a path from there, in
+    /// the measure of the points' normals, as if all lobes had those and refracted like the first that does.
     #[inline(always)]
     pub(super) fn add_carried(
         &mut self,
@@ -76,7 +76,7 @@ impl<R: Real> Sum<R> {
         self.pdf = self.pdf + R::pick(chosen, density, zero) * lobe.probability;
     }
 
-    /// Value and density of lobe `k` for `wi` at the cosine `i`, and what is multiplied to the value.
+    /// Value and density of lobe `k` for `wi` at the cosine `i`, and the factor of the value.
     #[inline(always)]
     fn of(&mut self, k: usize, lobe: &PreparedLobe<R>, wi: Vector<R>, i: R) -> (Vector<R>, R, Vector<R>) {
         // Behind a normal of the lobe's own light counts as grazing, as views do.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One lobe of each of many points, seen from one direction each: what follows from the view, what it sends back, values and densities.
+//! One lobe of each of many points, prepared for one direction each: values that depend on the view, albedo,
+//! evaluations and densities.
 //! Source: \[WMLT07\], \[Hei14\] (facets); \[KC17\] (further bounces); \[PJH23\] chapter 9. Space: world, unit directions away from the
 //! surface. Invariant: one point and sixteen give the same bits at every CPU level. Tests: `tests` of `bsdf`.
 
@@ -23,7 +24,7 @@ const GLASS: u32 = Kind::Glass.bit() | Kind::Pane.bit() | Kind::SmoothGlass.bit(
 pub const GRAZING: f32 = 1e-3;
 
 impl<R: Real> PreparedLobe<R> {
-    /// What facets mirror at the cosine `cos`: `bare`, or what a film makes of it.
+    /// Reflectance of microfacets at the cosine `cos`: `bare`, or with a film.
     #[inline(always)]
     fn filmed(&self, cos: R, bare: Vector<R>) -> Vector<R> {
         if self.rare & rare::FILM == 0 {
@@ -64,7 +65,7 @@ impl<R: Real> PreparedLobe<R> {
         )
     }
 
-    /// What facets mirror, averaged over a cosine-weighted hemisphere, without a film.
+    /// Reflectance of microfacets, averaged over a cosine-weighted hemisphere, without a film.
     #[inline(always)]
     fn mirrored_on_average(&self) -> Vector<R> {
         let schlick = fresnel::schlick_average(self.a, self.b);
@@ -82,14 +83,14 @@ impl<R: Real> PreparedLobe<R> {
         Vector::pick(self.is_risen(), self.a * rise.rest() + self.b * rise, schlick)
     }
 
-    /// Facets whose reflectances rise by another power than Schlick's.
+    /// Microfacets whose reflectances rise by another power than Schlick's.
     #[inline(always)]
     fn is_risen(&self) -> R::Mask {
         self.eta.all(0.0).above(self.eta) & self.is(Kind::Microfacets)
     }
 
-    /// About what facets send back at the cosine `cos` after one bounce that loses `lost` of white light; exact without a film, and where
-    /// reflectances rise as Schlick's.
+    /// Approximate albedo of single scattering at the cosine `cos`, if white light loses `lost`; exact
+    /// without a film, and for Schlick's reflectances.
     #[inline(always)]
     fn once(&self, cos: R, split: [R; 2]) -> Vector<R> {
         let mut schlick = self.a * split[0] + self.b * split[1];
@@ -106,7 +107,7 @@ impl<R: Real> PreparedLobe<R> {
             #[inline(always)]
             || {
                 let share = self.rarities.film[0];
-                // Of those that are seen, the mean facet: by what the table says of Schlick's curve over them.
+                // The mean visible facet, from the table's mean of Schlick's curve.
                 let rise = split[1] / (split[0] + split[1]).or_more(cos.all(1e-6));
                 let blurred = cos.each(
                     #[inline(always)]
@@ -121,7 +122,8 @@ impl<R: Real> PreparedLobe<R> {
         )
     }
 
-    /// Fills in what follows from the view; says which share of light the lobe scatters, without its weight.
+    /// Computes the values that depend on the view; returns the share of scattered light, without the lobe's
+    /// weight.
     #[inline(always)]
     pub(super) fn prepare(&mut self) -> Vector<R> {
         let (zero, one) = (self.cos.all(0.0), self.cos.all(1.0));
@@ -134,7 +136,7 @@ impl<R: Real> PreparedLobe<R> {
                 white = R::pick(smooth, one, oren_nayar::white_once(self.alpha, self.cos));
             }
             let rough = oren_nayar::albedo(self.a, self.alpha, white);
-            // What is kept of one bounce stands in the place of what facets lose.
+            // The albedo of single scattering takes the place of the loss.
             self.lost = R::pick(is, white, self.lost);
             albedo = Vector::pick(is, Vector::pick(smooth, self.a, rough), albedo);
             let once = is & self.loses_light();
@@ -229,7 +231,8 @@ impl<R: Real> PreparedLobe<R> {
         )
     }
 
-    /// Share of light that a lobe which covers others sends back, towards the cosine `cos`; `split` is that of its facets there.
+    /// Fraction of light that a covering lobe reflects, towards the cosine `cos`; `split` is that of its
+    /// microfacets there.
     #[inline(always)]
     pub(super) fn sent_back(&self, cos: R, split: [R; 2]) -> Vector<R> {
         let microfacets = self.once(cos, split) + self.more * lost(split);
@@ -252,12 +255,13 @@ impl<R: Real> PreparedLobe<R> {
         back * self.cover
     }
 
-    /// The same of glass of all kinds, and of what is looked at by itself: what is mirrored, about; and the points that have such.
+    /// The same for glass of all kinds, and for lobes evaluated per point: the approximate reflectance, and
+    /// the points with such lobes.
     #[inline(always)]
     fn sent_back_by_glass(&self, cos: R) -> (R::Mask, Vector<R>) {
         let smooth = self.is(Kind::SmoothGlass) | self.is(Kind::SmoothPane);
         let pane = self.is(Kind::Pane) | self.is(Kind::SmoothPane);
-        // Facets mirror as the plane does, blurred.
+        // Microfacets reflect as the plane does, blurred.
         let blurred = R::pick(smooth, cos, cos + (cos.all(0.7) - cos) * (self.alpha * 0.5));
         let glass = smooth | pane | self.is(Kind::Glass);
         let mut back = self.a * self.mirrored_at(blurred, pane);
@@ -275,7 +279,7 @@ impl<R: Real> PreparedLobe<R> {
         (glass | is, back)
     }
 
-    /// What facets send back of white light at the cosine `cos` > 0, from the direction `w` or from all around.
+    /// Reflectance of white light at the cosine `cos` > 0, from the direction `w` or from all directions.
     #[inline(always)]
     pub(super) fn split(&self, w: Option<Vector<R>>, cos: R) -> [R; 2] {
         if self.has(Kind::Microfacets) || self.has(Kind::Metal) {
@@ -285,8 +289,9 @@ impl<R: Real> PreparedLobe<R> {
         }
     }
 
-    /// Takes into account what the layers above leave: `left` of light from where it is seen, `average` of light from everywhere. A body
-    /// that scatters to all sides gets what is left of both directions, over the mean of what is left; others the smaller of both.
+    /// Accounts for the layers above: `left` is their transmittance for the prepared direction, `average` for
+    /// all directions. A diffuse body gets the product of both directions over the mean; other lobes get the
+    /// smaller of both.
     #[inline(always)]
     pub(super) fn put_below(&mut self, left: Vector<R>, average: Vector<R>) {
         let wide = self.is(Kind::Diffuse) | self.is(Kind::Translucent);
@@ -299,8 +304,8 @@ impl<R: Real> PreparedLobe<R> {
         self.left = Vector::pick(wide, Vector::grey(self.cos.all(f32::MAX)), left);
     }
 
-    /// Value times the cosine, without weight, and density for `wi` at the cosine `i`, on the side `above` of the point;
-    /// `split` is that of facets at `i`.
+    /// Value times the cosine, without weight, and density for `wi` at the cosine `i`, on the side `above` of
+    /// the point; `split` is that of microfacets at `i`.
     #[inline(always)]
     pub(super) fn eval_pdf(&self, wi: Vector<R>, i: R, above: R::Mask, split: [R; 2]) -> (Vector<R>, R) {
         let zero = i.all(0.0);
@@ -375,7 +380,7 @@ impl<R: Real> PreparedLobe<R> {
         for (kind, thin) in [(Kind::Glass, false), (Kind::Pane, true)] {
             if self.has(kind) {
                 let (light, density) = self.eval_pdf_of_glass(thin, wi, i);
-                // Both normals must say the same of the side.
+                // Both normals must agree on the side.
                 let is = self.is(kind) & (front | (!above & zero.above(i)));
                 (value, pdf) = (Vector::pick(is, light, value), R::pick(is, density, pdf));
             }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! glTF's layered surface: a coat, over sheen, over plastic, metal or glass or a mix, over a body that scatters light back or through.
+//! glTF's layered surface: a coat, over sheen, over plastic, metal or glass or a mix, over a diffuse body
+//! that reflects or transmits.
 //! Source: glTF 2.0 appendix B.3, KHR_materials_{anisotropy, clearcoat, diffuse_transmission, dispersion, ior, iridescence, sheen, specular,
 //! transmission}.
-//! Differs from glTF's sample code: the body gets what the layers above leave on the whole, in both directions, not Fresnel's
-//! share at the half vector, so that white plastic keeps all light. A body that scatters light through has panes for its glass: light that
-//! leaves it has been bent by no one knows what.
+//! Differs from glTF's sample code: the body gets the total light that the layers above leave, in both
+//! directions, instead of Fresnel's share at the half vector, so that white plastic keeps all light. A body
+//! that transmits has panes for its glass, because the refraction of its light is unknown.
 //! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
@@ -30,7 +31,7 @@ pub struct Principled {
     pub f90: f32,
     /// How much of a coat there is, in [0, 1].
     pub coat: f32,
-    /// Width of the slopes of the coat's facets, in (0, 1].
+    /// Width of the slopes of the coat's microfacets, in (0, 1].
     pub coat_alpha: f32,
     /// Colour of the sheen, in [0, 1]; black = none.
     pub sheen: Vec3,
@@ -61,7 +62,7 @@ impl Principled {
     #[must_use]
     pub fn new(base: Vec3, metallic: f32, roughness: f32, ior: f32) -> Self {
         Self {
-            // More than all light would come back without end between the facets.
+            // Values above 1 would let light between the microfacets grow without limit.
             base: base.clamp(Vec3::ZERO, Vec3::ONE),
             metallic,
             alpha: roughness * roughness,
@@ -93,14 +94,15 @@ impl From<Principled> for Lobes {
 }
 
 impl Principled {
-    /// Whether its glass, if any, is too smooth for facets: light goes one way through it, so that rays and lamps' light go straight on.
+    /// Whether its glass, if any, is too smooth for microfacets: light takes one path through it, so that
+    /// rays and light continue straight.
     #[must_use]
     pub fn has_smooth_glass(&self) -> bool {
         self.alpha.max(self.across) <= SMALLEST_ALPHA
     }
 
-    /// Writes its lobes in place of others: `coat over (sheen over (plastic over body, metal and glass by their shares))`, without the
-    /// sums on the way, and into memory that is there, for it is made for every point.
+    /// Replaces the lobes by its own: `coat over (sheen over (plastic over body, metal and glass by their
+    /// shares))`, without intermediate sums, into existing memory, because this runs for every point.
     pub fn write(&self, lobes: &mut Lobes) {
         let p = self;
         lobes.clear();

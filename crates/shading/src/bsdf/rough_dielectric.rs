@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rough glass: GGX facets that mirror and refract, with what goes between them more than once.
-//! Source: [WMLT07] (the lobe and its densities), [Hei14], [DB23]; [KC17] for further bounces: what one bounce loses comes
-//! back as two diffuse lobes, mirrored and through, in the proportion that keeps the model reciprocal.
+//! Rough glass: GGX microfacets with reflection and refraction, and multiple scattering between them.
+//! Source: [WMLT07] (the lobe and its densities), [Hei14], [DB23]; [KC17] for multiple scattering: the energy
+//! that single scattering loses returns as two diffuse lobes, reflected and transmitted, in the proportion
+//! that keeps the model reciprocal.
 //! Space: the shading frame. Radiance is not scaled by the square of the index: see `bsdf`. So values through the surface
 //! over the square of the index beyond are the same with both directions exchanged.
 //! Tests: `tests::table_holds_the_lobe`, `tests` of `bsdf`.
@@ -19,11 +20,12 @@ use super::fresnel;
 use super::ggx::Ggx;
 use crate::real::{Real, Vector};
 
-/// Nearer to 1 than this an index bends nothing that a float could tell.
+/// An index nearer to 1 than this has no refraction that a float could represent.
 const SMALLEST_STEP: f32 = 1e-3;
 
-/// The index that counts; and the share of what one bounce loses, averaged over all directions, on this side and beyond, and the
-/// share of further bounces that ends beyond; for facets with slopes of two widths.
+/// The effective index; and the energy that single scattering loses, averaged over all directions, on this
+/// side and beyond, with the share of further bounces that ends beyond; for microfacets with slopes of two
+/// widths.
 pub(super) fn losses(widths: [f32; 2], eta: f32, thin: bool) -> (f32, Vec3) {
     let ggx = Ggx::from_alpha(widths[0]);
     let even = widths[0] == widths[1];
@@ -49,13 +51,13 @@ pub(super) fn losses(widths: [f32; 2], eta: f32, thin: bool) -> (f32, Vec3) {
     (eta, Vec3::new(lost[0], lost[1], through.min(1.0)))
 }
 
-/// Facets that mirror and refract.
+/// Microfacets with reflection and refraction.
 pub(super) trait Microfacets<R: Real>: Copy {
-    /// Facets facing the unit `h` per solid angle and ground area, around the normal `n`.
+    /// Density of microfacets facing the unit `h` per solid angle and ground area, around the normal `n`.
     fn density(&self, n: Vector<R>, h: Vector<R>) -> R;
     /// Smith's auxiliary function of `w` at the cosine `cos`, of either sign.
     fn lambda(&self, w: Vector<R>, cos: R) -> R;
-    /// A facet that the viewer sees, in a frame with z = the normal and x along the slopes.
+    /// A visible microfacet, in a frame with z = the normal and x along the slopes.
     fn sample_visible(&self, wo: Vector<R>, u: [R; 2]) -> Vector<R>;
     /// Share of light from `w` at the cosine `cos` > 0 that one bounce loses; `eta` is the index there over that beyond.
     fn lost(&self, w: Vector<R>, cos: R, eta: R, thin: bool) -> R;
@@ -91,7 +93,7 @@ impl<R: Real> Microfacets<R> for Slopes<R> {
     }
 }
 
-/// What facets mirror where there is no film.
+/// Reflectance of microfacets without a film.
 pub(super) trait Mirrored<R: Real>: Copy {
     /// Whether all colours alike.
     const IS_GREY: bool;
@@ -100,7 +102,7 @@ pub(super) trait Mirrored<R: Real>: Copy {
     fn share(&self, cos: R, eta: R, thin: bool) -> Vector<R>;
 }
 
-/// What Fresnel's equations say.
+/// Fresnel's equations.
 #[derive(Clone, Copy)]
 pub(super) struct Plain;
 
@@ -121,9 +123,9 @@ pub(super) struct Glass<R: Real, S = Slopes<R>, M = Plain> {
     pub(super) eta: R,
     /// Share, index and thickness, where some point has one.
     pub(super) film: Option<[R; 3]>,
-    /// What is mirrored without.
+    /// Reflectance without a film.
     pub(super) rise: M,
-    /// Tints of what is mirrored and of what goes through.
+    /// Tints of reflection and transmission.
     pub(super) tints: [Vector<R>; 2],
     /// See [`losses`].
     pub(super) losses: Vector<R>,
@@ -139,7 +141,7 @@ pub(super) struct PreparedGlass<R> {
     pub(super) lost: R,
 }
 
-/// What a film mirrors at the cosine `cos` on glass or a pane, mixed with what is mirrored where there is none.
+/// Reflectance under a film at the cosine `cos` on glass or a pane, mixed with the reflectance without one.
 #[inline(always)]
 pub(super) fn filmed<R: Real>(
     [share, ior, thickness]: [R; 3],
@@ -177,7 +179,7 @@ impl<R: Real> Glass<R> {
 }
 
 impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
-    /// Share of light that a facet mirrors, by colour.
+    /// Reflectance of a microfacet, by colour.
     #[inline(always)]
     pub(super) fn mirrored(&self, cos: R) -> Vector<R> {
         let bare = self.rise.share(cos, self.eta, self.thin);
@@ -207,7 +209,7 @@ impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
         self.slopes.lost(w, cos, eta, self.thin)
     }
 
-    /// What all directions share: `wo` lies at the cosine `cos_o` > 0.
+    /// Values common to all directions: `wo` lies at the cosine `cos_o` > 0.
     #[inline(always)]
     pub(super) fn prepared(&self, wo: Vector<R>, cos_o: R) -> PreparedGlass<R> {
         PreparedGlass { hidden: self.slopes.lambda(wo, cos_o), lost: self.lost(wo, cos_o, false) }
@@ -225,7 +227,7 @@ impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
         let (zero, cos_i) = (o.all(0.0), i.size());
         let above = i.above(zero);
         let hidden = self.slopes.lambda(wi, cos_i);
-        // The facet that leads to `wi`, and the change of its solid angle with that of `wi`.
+        // The microfacet for `wi`, and the ratio of its solid angle to that of `wi`.
         let mirror = (wo + wi).normalize_or(n);
         let (microfacet, change) = if self.thin {
             let flipped = wi - n * (i * 2.0);
@@ -270,8 +272,8 @@ impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
         (Vector::pick(none, Vector::grey(zero), value), R::pick(none, zero, pdf))
     }
 
-    /// A direction in a frame with z = the normal and x along the slopes, `u` being numbers in [0, 1), the first of which chooses
-    /// what happens; points at which there is one.
+    /// A direction in a frame with z = the normal and x along the slopes; `u` are numbers in [0, 1), of which
+    /// the first chooses the event; and the points that have one.
     #[inline(always)]
     pub(super) fn sample(
         &self,
@@ -310,8 +312,8 @@ fn fresnel_average(eta: f32) -> f32 {
     ((ior - 1.0) / (4.085_67 + 1.000_71 * ior)).clamp(0.0, 1.0)
 }
 
-/// What both faces of a pane mirror, averaged over a cosine-weighted hemisphere; `eta` <= 1. Less than a pane of faces that each
-/// mirror the average would.
+/// Reflectance of both faces of a pane, averaged over a cosine-weighted hemisphere; `eta` <= 1. It is less
+/// than that of a pane whose faces each have the mean reflectance.
 fn pane_average(eta: f32) -> f32 {
     static MEANS: OnceLock<[f32; INDICES]> = OnceLock::new();
     let means = MEANS.get_or_init(|| {
@@ -337,7 +339,7 @@ struct Row {
     average: f32,
 }
 
-/// A place between four rows.
+/// A position between four rows.
 struct Albedos {
     /// By index, then by roughness.
     rows: [[&'static Row; 2]; 2],
@@ -368,9 +370,9 @@ impl Albedos {
     }
 }
 
-/// A row of the table, made when it is first asked for: a scene has few kinds of glass.
+/// A row of the table, computed at first use: a scene has few kinds of glass.
 fn row(index: usize, roughness: usize) -> &'static Row {
-    // Boxes: room for all rows would be 400 KB of each program's and library's file.
+    // Boxes: memory for all rows would be 400 KB of each program's and library's file.
     static ROWS: [[OnceLock<Box<Row>>; ROUGHNESSES]; INDICES] =
         [const { [const { OnceLock::new() }; ROUGHNESSES] }; INDICES];
     ROWS[index][roughness].get_or_init(|| {
@@ -422,7 +424,7 @@ mod tests {
             [(0.45, 0.7, 0.9), (0.81, 1.4, 0.33), (1.0, 0.55, 0.21), (0.7, 1.25, 0.52)]
         {
             let ggx = Ggx::new(roughness);
-            // Nothing lost: one bounce alone.
+            // Nothing lost: single scattering only.
             let tints = [Vector::grey(1.0); 2];
             let slopes = Slopes { ggx, anisotropy: None };
             let losses = Vector::grey(0.0);

@@ -8,7 +8,7 @@ use crate::batch::RayKind;
 /// A direction that a BSDF chose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfSample {
-    /// Where the path goes on, unit, world.
+    /// The next direction of the path, unit, world.
     pub wi: Vec3,
     /// BSDF times |cos| over the density of `wi`.
     pub weight: Vec3,
@@ -18,12 +18,12 @@ pub struct BsdfSample {
     pub delta: bool,
     /// Whether it goes through the surface.
     pub transmitted: bool,
-    /// Whether a lobe chose it that sends light to all sides: neither facets nor mirrors nor glass.
+    /// Whether a diffuse lobe chose it: neither microfacets nor mirrors nor glass.
     pub wide: bool,
 }
 
 impl BsdfSample {
-    /// What kind of ray takes the direction.
+    /// The kind of the ray along the direction.
     #[must_use]
     pub fn ray_kind(&self) -> RayKind {
         RayKind::of(self.delta, self.transmitted, self.wide)

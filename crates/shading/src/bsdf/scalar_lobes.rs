@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Lobes that few surfaces have, one point at a time: by Phong, by Ward, Beckmann's facets, glass under Schlick's reflectances, layers of fibres. What sixteen
-//! points have of them is looked at point by point, so that other lobes' code stays as it is.
+//! Rare lobes, one point at a time: by Phong, by Ward, Beckmann's microfacets, glass under Schlick's
+//! reflectances, layers of fibres. Sixteen points evaluate them point by point, so that other lobes' code
+//! stays small.
 //! Source: see the file of each. Space: a frame with z = the shading normal and x along the slopes.
 //! Invariant: the same code for one point and for each of sixteen, so the same bits. Tests: `tests` of `bsdf`.
 
@@ -37,17 +38,17 @@ pub(super) struct ScalarLobe {
     pub(super) film: [f32; 3],
 }
 
-/// What follows from the view.
+/// Values that depend on the view.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct View {
     /// Share of light that is scattered, about.
     pub(super) albedo: Vec3,
-    /// See [`PreparedGlass`]; of Ward's lobe what it would send back as it was published.
+    /// See [`PreparedGlass`]; for Ward's lobe the albedo of the published form.
     pub(super) hidden: f32,
     pub(super) lost: f32,
 }
 
-/// What a facet of such lobes mirrors.
+/// The reflectance of a microfacet of such lobes.
 #[derive(Clone, Copy)]
 enum Rise {
     All,
@@ -63,7 +64,7 @@ impl Mirrored<f32> for Rise {
             Self::All => Vector::grey(1.0),
             Self::Fresnel => Vector::grey(fresnel::dielectric(cos, eta)),
             Self::Schlick { f0, f90, power } => {
-                // By the angle on the rarer side, so that both sides say the same.
+                // By the angle on the rarer side, so that both sides agree.
                 let cos2_beyond = 1.0 - eta * eta * (1.0 - cos * cos);
                 let cos = if eta > 1.0 { cos2_beyond.max(0.0).sqrt() } else { cos };
                 let all = eta > 1.0 && cos2_beyond <= 0.0;
@@ -123,7 +124,7 @@ impl ScalarLobe {
         }
     }
 
-    /// Fills in what follows from the view.
+    /// Computes the values that depend on the view.
     #[inline(never)]
     pub(super) fn prepare(&self) -> View {
         let wo = self.wo;
@@ -135,7 +136,7 @@ impl ScalarLobe {
                 View { albedo, hidden: prepared.hidden, lost: prepared.lost }
             };
         let dim = |share: f32| View { albedo: Vec3::splat(share), ..View::default() };
-        // About: facets mirror as the plane does, blurred.
+        // Approximate: microfacets reflect as the plane does, blurred.
         let blurred = wo.z + (0.7 - wo.z) * (self.widths[0] * 0.5);
         match self.kind {
             Kind::Phong => dim(phong::albedo(self.eta, wo.z)),
@@ -146,7 +147,8 @@ impl ScalarLobe {
             }
             Kind::Beckmann => {
                 let glass = self.beckmann();
-                // Of the facets that are seen, some mirror light to others: about as many as hide each other.
+                // Of the visible microfacets, some reflect light to others: their number is about that of
+                // microfacets that hide each other.
                 let hidden = glass.slopes.lambda(wo.into(), wo.z);
                 of_glass(
                     glass.prepared(wo.into(), wo.z),
@@ -163,7 +165,7 @@ impl ScalarLobe {
         }
     }
 
-    /// About the share of light that does not go through, without what comes back of further bounces.
+    /// Approximate share of light that is not transmitted, without multiple scattering.
     #[inline(never)]
     pub(super) fn sent_back(&self) -> Vec3 {
         match self.kind {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sheen of cloth: fibres that stand up and shine at grazing views.
+//! Sheen of cloth: upright fibres that are bright at grazing views.
 //! Source: [EK17] (the distribution named Charlie), [NP13] (visibility); KHR_materials_sheen takes the same.
 //! Differs: where the papers' lobe makes light it is scaled down.
-//! Space: the shading frame. Albedos are tables over the cosine of the view and the roughness, made at first use, with small
-//! steps where they are steep: at the horizon and where fibres stand straight.
+//! Space: the shading frame. Albedos are tables over the cosine of the view and the roughness, made at first
+//! use, with small steps where they are steep: at the horizon and for upright fibres.
 //! Tests: `tests`, those of `bsdf` and `tests/mitsuba.rs`.
 
 use std::f32::consts::TAU;
@@ -69,7 +69,7 @@ fn alpha(roughness: f32) -> f32 {
 type Entries = [[f32; COSINES]; ROUGHNESSES];
 
 struct Table {
-    /// What the papers' lobe sends back of all light: more than 1 at grazing views.
+    /// Albedo of the papers' lobe: more than 1 at grazing views.
     made: Entries,
     /// The same after scaling, over the smaller of `made` and 1: smoother than itself.
     retained: Entries,
@@ -117,7 +117,8 @@ fn sin_half(wo: Vec3, wi: Vec3) -> f32 {
 /// Rings and sectors that tables are sums over.
 const GRID: [usize; 2] = [32, 24];
 
-/// What `lobe` sends back in all of light from cosine `cos`, by the midpoint rule; rings are narrow at the horizon, where it is.
+/// Albedo of `lobe` for light at cosine `cos`, by the midpoint rule; rings are narrow at the horizon, where
+/// its peak is.
 fn integral(cos: f32, [rings, sectors]: [usize; 2], lobe: impl Fn(Vec3, Vec3) -> f32) -> f32 {
     let wo = Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
     let mut sum = 0.0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What every BSDF must keep: samples follow the density, densities and values integrate to what is said, energy is not
-//! made, and white surfaces lose none. Source: \[PJH23\] section 9.8 (chi-square test of samples); original.
+//! Properties of every BSDF: samples follow the density, densities and values have the stated integrals,
+//! energy is not created, and white surfaces lose none. Source: \[PJH23\] section 9.8 (chi-square test of
+//! samples); original.
 
 use std::f64::consts::{PI, TAU};
 
@@ -59,7 +60,7 @@ pub(super) fn models() -> Vec<(String, Lobes)> {
     models
 }
 
-/// Those that few surfaces have, white where a colour is free.
+/// Rare ones, white where a colour is free.
 fn rare_models() -> Vec<(&'static str, Lobes)> {
     let (white, slant) = (Vec3::ONE, Vec3::new(0.8, 0.6, 0.3).normalize());
     let film = Film { share: 1.0, ior: 1.33, thickness: 350.0 };
@@ -132,7 +133,7 @@ pub(super) fn turned_over(lobes: &Lobes) -> Lobes {
         let other = if lobe.across > 0.0 { other.brushed(lobe.tangent, lobe.across) } else { other };
         (lobe.eta, lobe.c) = (other.eta, other.c);
     });
-    // The frame is turned over, too.
+    // The frame is flipped, too.
     over.as_mut_slice().iter_mut().for_each(|lobe| lobe.tangent.z = -lobe.tangent.z);
     over
 }
@@ -217,7 +218,7 @@ fn samples_follow_the_density() {
                 (rest_expected - rest_counts).abs() < 6.0 * rest_expected.sqrt() + 8.0,
                 "{name}: rare cells"
             );
-            // Stratified samples stay far below what chance allows; the quadrature's error needs the rest.
+            // Stratified samples stay far below the random bound; the quadrature's error needs the rest.
             let bound = f64::from(cells) + 4.0 * f64::from(2 * cells).sqrt();
             assert!(chi_square < bound, "{name} seen from {wo}: chi-square {chi_square} in {cells} cells");
         }
@@ -268,7 +269,7 @@ fn densities_and_values_integrate() {
             let lost: f64 = match name.split(' ').next() {
                 Some("coated") => 0.03,
                 Some("cloth") => 0.14,
-                // A film's share is that of the mean facet, not the mean of all facets' shares.
+                // A film's share is that of the mean microfacet, not the mean of all microfacets' shares.
                 Some("filmed") => 0.03,
                 // Models that lose light.
                 Some("dim") => 0.35,
@@ -290,7 +291,7 @@ fn densities_and_values_integrate() {
     }
 }
 
-/// A layer over white facets: they give what the layer leaves of the direction of which it leaves less, and no light is made.
+/// A layer over white microfacets: they lose the larger loss of both directions, and no light is created.
 #[test]
 fn facets_lose_the_larger_share_below_layers() {
     let white = Vec3::ONE;
@@ -321,7 +322,8 @@ fn facets_lose_the_larger_share_below_layers() {
     assert!(least > 0.8, "no more than that is lost: {least} comes back");
 }
 
-/// Fibres that nearly stand send back all light of grazing views and next to none of others: what they leave is the body's.
+/// Nearly upright fibres reflect all light at grazing views and next to none at others: the body gets the
+/// rest.
 #[test]
 fn smooth_cloth_keeps_light() {
     for sheen_roughness in [0.0, 0.15, 0.25, 0.5] {
@@ -380,7 +382,7 @@ fn light_may_go_both_ways() {
     }
 }
 
-/// What mirrors on top takes its light from below.
+/// Reflection on top takes its light from the layers below.
 #[test]
 fn what_is_mirrored_above_does_not_reach_below() {
     let body = Lobe::lambert(Vec3::ONE);
@@ -403,7 +405,7 @@ fn what_is_mirrored_above_does_not_reach_below() {
     }
 }
 
-/// What goes through on top does not reach below either: no light is made.
+/// Transmission on top takes light from below, too: no light is created.
 #[test]
 fn what_goes_through_above_does_not_reach_below() {
     let body = Lobe::lambert(Vec3::ONE);
@@ -452,7 +454,7 @@ fn delta_lobes_keep_all_light() {
     }
 }
 
-/// glTF's glass of no roughness mirrors and lets through what facets as small as they come do.
+/// glTF's glass without roughness has the shares of its smallest microfacets.
 #[test]
 fn smooth_principled_glass_is_as_its_smallest_facets() {
     let base = Vec3::new(0.9, 0.7, 0.4);
@@ -509,7 +511,7 @@ fn narrow_and_wide_lobes_make_the_whole() {
 
 #[test]
 fn silhouettes_are_not_black() {
-    // Seen from below the shading normal, though from above the facet.
+    // From below the shading normal, though from above the face.
     let wo = Vec3::new(0.9, 0.0, -0.02).normalize();
     for (name, model) in models() {
         let bsdf = around_z(model);
@@ -523,7 +525,7 @@ fn silhouettes_are_not_black() {
     }
 }
 
-/// Value, density, and what was chosen, as bits.
+/// Value, density, and the sample, as bits.
 type Found = (Vec3, f32, Option<BsdfSample>, Vec3);
 
 #[inline(always)]
@@ -613,7 +615,7 @@ fn sixteen_points_have_the_bits_of_one_at_every_level() {
     assert!(samples > 4000 || Level::available().len() < 3, "the test has something to test: {samples}");
 }
 
-/// Directions in lanes, as kept copies are asked.
+/// Directions in lanes, as cached lobes are evaluated.
 #[inline(always)]
 fn of_kept<S: Simd>(
     simd: S,
@@ -838,7 +840,7 @@ fn lists_of_many_points_are_those_of_each() {
         for (i, expected) in expected.iter().enumerate() {
             let found = batch.point(i).bsdf;
             assert_eq!(found.normal(), Vec3::Y, "turn {azimuth}, point {i}");
-            // Places that other points need stay empty.
+            // Positions that other points need stay empty.
             let found = found.lobes().as_slice();
             let count = expected.as_slice().len();
             assert_eq!(found[..count], *expected.as_slice(), "turn {azimuth}, point {i}");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Ward's lobe of brushed surfaces, as it was published: exp(-tan² of the facet, by the widths along it) / (4 pi ax ay root(cos cos)).
+//! Ward's lobe of anisotropic surfaces, as published: exp(-tan² of the facet, by the widths along it) / (4 pi
+//! ax ay root(cos cos)).
 //! Source: [War92], equations 5a and 8; sampling of half vectors there. As OSL's `ward` has it: dark at grazing views of smooth surfaces.
 //! Differs: where a rough surface at grazing views sends back more than all light it is scaled down, for either direction.
 //! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests` of `bsdf`.
@@ -8,7 +9,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::Vec3;
 
-/// Value times the cosine, and density; `made` is what [`sent_back`] says of `wo`.
+/// Value times the cosine, and density; `made` is the result of [`sent_back`] for `wo`.
 pub(super) fn eval_pdf(widths: [f32; 2], made: f32, wo: Vec3, wi: Vec3) -> (f32, f32) {
     if wi.z <= 0.0 {
         return (0.0, 0.0);
@@ -28,14 +29,16 @@ pub(super) fn sample(widths: [f32; 2], wo: Vec3, u: [f32; 2]) -> Vec3 {
     (-wo).reflect(h)
 }
 
-/// About what the published lobe sends back of all light: the mean weight over slopes along the view and across it, which are Gaussian.
+/// Approximate albedo of the published lobe: the mean weight over slopes along the view and across it, which
+/// are Gaussian.
 pub(super) fn sent_back([along, across]: [f32; 2], wo: Vec3) -> f32 {
-    /// Slopes along the view, up to so many widths.
+    /// Slopes along the view, up to this number of widths.
     const STEPS: u32 = 20;
     const STEEPEST: f32 = 3.0;
     let sin = wo.x.hypot(wo.y);
     let [x, y] = if sin > 0.0 { [wo.x / sin, wo.y / sin] } else { [1.0, 0.0] };
-    // The width along the view; that across it, of facets whose slope along it is known, and how far those lean aside with it.
+    // The width along the view; that across it, of facets whose slope along it is known, and the displacement
+    // of its mean.
     let width = (along * x).hypot(across * y);
     let aside = along * across / width;
     let lean = x * y * (across * across - along * along) / (width * width);

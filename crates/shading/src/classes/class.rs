@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a shader class says about itself: name, kind, parameters with type, rate and default, and how to make a shader.
+//! The description of a shader class: name, kind, parameters with type, rate and default, and its
+//! constructor.
 //! Source: [DWBS03]; rates after the paper's Figure 1 (per shader, per triangle, per vertex).
 //! Invariant: a value list has one value per parameter, in the class's order. Tests: `classes::tests`.
 
@@ -12,12 +13,12 @@ use crate::shader::{
 };
 use crate::texture::TextureSampler;
 
-/// What a shader of a class is for.
+/// The purpose of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The look of a surface.
+    /// The appearance of a surface.
     Surface,
-    /// What rays see that hit nothing.
+    /// Radiance of rays that hit nothing.
     Environment,
     /// A light.
     Light,
@@ -54,7 +55,7 @@ pub struct Parameter {
     pub name: &'static str,
     /// How often it changes.
     pub rate: ParameterRate,
-    /// What it is made of.
+    /// The type of its components.
     pub kind: ParameterType,
     /// How many numbers it has, 1 to 16.
     pub components: u32,
@@ -86,7 +87,7 @@ impl Parameter {
         Self { rate, ..self }
     }
 
-    /// What a shader asks the mesh for to have this parameter's values.
+    /// The mesh attribute that supplies this parameter's values.
     pub(super) fn request(&self) -> AttributeRequest {
         AttributeRequest {
             name: self.name.to_owned(),
@@ -107,7 +108,7 @@ pub enum Value {
     Int(i32),
 }
 
-/// The values of all parameters of a shader; those of other rates than per shader are not looked at.
+/// The values of all parameters of a shader; those of other rates than per shader are ignored.
 #[derive(Clone, Debug, Default)]
 pub struct Values(pub Vec<Value>);
 
@@ -148,15 +149,15 @@ impl Values {
 /// A shader of any kind.
 #[derive(Clone)]
 pub enum Shader {
-    /// The look of a surface.
+    /// The appearance of a surface.
     Surface(Arc<dyn SurfaceShader>),
-    /// What rays see that hit nothing.
+    /// Radiance of rays that hit nothing.
     Environment(Arc<dyn EnvironmentShader>),
     /// A light.
     Light(Arc<dyn LightShader>),
     /// A camera.
     Camera(Arc<dyn CameraShader>),
-    /// What pixels show.
+    /// Colours of pixels.
     Pixel(Arc<dyn PixelShader>),
 }
 
@@ -164,7 +165,7 @@ pub enum Shader {
 pub struct ShaderClass {
     /// Its name.
     pub name: &'static str,
-    /// What its shaders are for.
+    /// The purpose of its shaders.
     pub kind: Kind,
     /// Its parameters.
     pub parameters: &'static [Parameter],

@@ -3,7 +3,7 @@
 //!
 //! | parameter | default | meaning |
 //! |---|---|---|
-//! | radiance | 1 1 1 | what leaves its front |
+//! | radiance | 1 1 1 | radiance that leaves its front |
 //! | texture | texture 0 | multiplied to it |
 //! | color | 0 0 0 | share of light that is scattered, on both sides |
 //!

@@ -4,9 +4,9 @@
 //! | parameter | default | meaning |
 //! |---|---|---|
 //! | ior | 1.5 | index of refraction inside over outside |
-//! | reflectance | 1 1 1 | tint of what is mirrored |
-//! | transmittance | 1 1 1 | tint of what goes through |
-//! | attenuationColor | 1 1 1 | what is left of white light after the distance |
+//! | reflectance | 1 1 1 | tint of reflection |
+//! | transmittance | 1 1 1 | tint of transmission |
+//! | attenuationColor | 1 1 1 | transmittance of white light over the distance |
 //! | attenuationDistance | 0 | world units; 0 = nothing is absorbed |
 //! | dispersion | 0 | 20 over Abbe's number; 0 = all colours are bent alike |
 //!

@@ -3,7 +3,7 @@
 //!
 //! | parameter | rate | default | meaning |
 //! |---|---|---|---|
-//! | radiance | shader | 1 1 1 | what arrives |
+//! | radiance | shader | 1 1 1 | irradiance |
 //! | direction | shader | 0 0 1 | towards the light, any length but zero |
 //!
 //! Source: name and parameters as OpenRT programs know them. Tests: `tests::comes_from_one_side`.
@@ -28,7 +28,7 @@ pub(super) static CLASS: ShaderClass = ShaderClass {
 
 struct InfiniteLight {
     radiance: Vec3,
-    /// Unit, towards the light; none if the direction given was zero: then it does not shine.
+    /// Unit, towards the light; `None` if the given direction was zero: then the light is dark.
     dir: Option<Vec3>,
 }
 

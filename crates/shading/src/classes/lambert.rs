@@ -11,13 +11,13 @@ use crate::shader::{AttributeRequest, LightBatch, RayRequest, Tracer};
 /// Name of the mesh attribute, one float per triangle, that is not 0 where the program gave normals.
 pub const NORMALS_GIVEN: &str = "normals_given";
 
-/// Asks the mesh for [`NORMALS_GIVEN`]; without the attribute no normals were given.
+/// Requests [`NORMALS_GIVEN`] from the mesh; without the attribute no normals were given.
 pub(super) fn normals_given() -> AttributeRequest {
     AttributeRequest { name: NORMALS_GIVEN.to_owned(), components: 1, default: vec![0.0] }
 }
 
-/// The normals to shade with: given ones as they are, geometric ones turned towards the ray.
-/// `given` is the number of [`normals_given`] among the shader's attributes.
+/// The normals for shading: given ones unchanged, geometric ones flipped to the side of the ray. `given` is
+/// the number of [`normals_given`] among the shader's attributes.
 pub(super) fn shading_normals(hits: &SurfaceBatch, given: usize) -> Vec<Vec3> {
     let given = hits.attributes.get(given);
     let normal = |i: usize| match given {

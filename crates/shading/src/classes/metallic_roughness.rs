@@ -13,10 +13,10 @@
 //! | normalScale | 1 | multiplied to their two components along the surface |
 //! | transmission | 0 | share of the plastic's body that is glass |
 //! | thickness | 0 | 0 = that glass is a pane; else it has an inside |
-//! | attenuationColor | 1 1 1 | what is left of white light after the distance |
+//! | attenuationColor | 1 1 1 | transmittance of white light over the distance |
 //! | attenuationDistance | 0 | world units; 0 = nothing is absorbed |
 //! | dispersion | 0 | 20 over Abbe's number; 0 = all colours are bent alike |
-//! | anisotropy | 0 | how much rougher facets are along one direction, 0 to 1 |
+//! | anisotropy | 0 | how much rougher microfacets are along one direction, 0 to 1 |
 //! | anisotropyRotation | 0 | that direction, counter-clockwise from where u grows, radians |
 //! | anisotropyTexture | texture 0 | red and green the direction, blue times anisotropy |
 //! | iridescence | 0 | share of the surface that a thin film is on |

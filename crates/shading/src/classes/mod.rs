@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Shader classes that are made by name with named parameters: what OpenRT programs find without a plugin.
+//! Shader classes with names and named parameters, available to OpenRT programs without a plugin.
 //! Source: \[DWBS03\] for classes, shaders and rates; class and parameter names as OpenRT programs know them.
 //! Space: world; colours linear. One class per file; to add one, write its file and a line in [`ALL`].
 //! Tests: `tests` here and in each file; the C programs of the OpenRT binding draw with each class.

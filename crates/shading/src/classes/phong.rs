@@ -5,14 +5,14 @@
 //! |---|---|---|
 //! | diffuseColor | 0.8 0.8 0.8 | share of light that is scattered |
 //! | specularColor | 0 0 0 | share of light in the highlights |
-//! | emissiveColor | 0 0 0 | radiance of its own |
-//! | reflective | 0 | share of what a mirror would show that is added |
+//! | emissiveColor | 0 0 0 | emitted radiance |
+//! | reflective | 0 | share of the mirror reflection that is added |
 //! | ambientIntensity | 0.2 | white light from everywhere, scattered by the diffuse colour |
 //! | shininess | 0.2 | 0 to 1: highlights from wide to small; the exponent is 128 times it |
-//! | transparency | 0 | share of what lies straight behind, instead of all the rest |
+//! | transparency | 0 | share of the radiance straight behind, instead of all the rest |
 //! | diffuseTexture | texture 0 | multiplied to the diffuse colour |
 //! | maxDepth | int -1 | mirrors and see-through end at this depth of rays; negative: at that of the API |
-//! | useVertexColor | int 0 | if not 0, the colours of the vertices stand for the diffuse colour |
+//! | useVertexColor | int 0 | if not 0, the colours of the vertices replace the diffuse colour |
 //!
 //! Source: ISO/IEC 14772 (VRML97) section 4.14 for the model, with the half vector of [Bli77] and shadow rays; names of
 //! RTfact. Lights as in `lambert.rs`: no division by pi. Tests: `tests`.
@@ -29,7 +29,7 @@ use crate::batch::{SurfaceBatch, Vec3s};
 use crate::shader::{AttributeRequest, LightBatch, RadianceShader, RayRequest, SurfaceShader, Tracer};
 use crate::texture::TextureSampler;
 
-/// What shininess is multiplied with to be the exponent.
+/// Factor from shininess to the exponent.
 const EXPONENT: f32 = 128.0;
 
 /// Numbers of the branches.
@@ -79,7 +79,7 @@ impl Phong {
             exponent: values.float(5).clamp(0.0, 1.0) * EXPONENT,
             transparency: values.float(6).clamp(0.0, 1.0),
             texture: values.texture(7),
-            // Without a limit of its own the renderer's holds.
+            // Without an own limit the renderer's holds.
             max_depth: u32::try_from(values.int(8)).unwrap_or(u32::MAX),
             use_vertex_color: values.int(9) != 0,
             attributes: [normals_given()],
@@ -127,7 +127,7 @@ impl Phong {
         }
     }
 
-    /// Adds `weight` times what rays in these directions see.
+    /// Adds `weight` times the radiance of rays in these directions.
     fn add_radiance(
         tracer: &mut dyn Tracer,
         hits: &SurfaceBatch,
@@ -195,7 +195,7 @@ mod tests {
     use super::super::probe::{Probe, floor, shade};
     use super::*;
 
-    /// The defaults but for one parameter.
+    /// The defaults, with one parameter changed.
     fn with(name: &str, value: Value) -> Phong {
         let mut values = CLASS.defaults();
         let index = CLASS.parameters.iter().position(|p| p.name == name).expect("a parameter");
@@ -220,7 +220,7 @@ mod tests {
             shade(&floats("emissiveColor", &[1.0, 0.0, 0.5]), &mut Probe::dark(), &floor()),
             Vec3::new(1.16, 0.16, 0.66),
         );
-        // The light stands where the mirrored ray goes: the half vector is the normal, the highlight at its greatest.
+        // The light is in the mirror direction: the half vector is the normal, the highlight at its greatest.
         let mut mirrored = Probe::lit(Vec3::new(0.0, 1.0, -1.0).normalize(), Vec3::ONE);
         let cos = 0.5_f32.sqrt();
         near(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! For tests: a renderer that answers every question with the same value and remembers what it was asked.
+//! For tests: a renderer that answers every query with the same value and records its queries.
 //! Space: world.
 
 use glam::Vec3;
@@ -13,9 +13,9 @@ use crate::shader::{LightBatch, RayRequest, SurfaceShader, Tracer};
 /// Answers of a renderer.
 pub(super) struct Probe {
     pub(super) lights: Vec<(Vec3, Vec3)>,
-    /// What shadow rays let through.
+    /// Transmittance of shadow rays.
     pub(super) transmittance: Vec3,
-    /// What traced rays see.
+    /// Radiance of traced rays.
     pub(super) found: Vec3,
     /// Rays that were traced.
     pub(super) traced: Vec<Ray>,
@@ -75,7 +75,7 @@ pub(super) fn floor() -> SurfaceBatch {
     }
 }
 
-/// What a shader shows at the only point of `hits`.
+/// Radiance of a shader at the only point of `hits`.
 pub(super) fn shade(shader: &dyn SurfaceShader, probe: &mut Probe, hits: &SurfaceBatch) -> Vec3 {
     let mut out = Vec3s::splat(hits.len(), Vec3::ZERO);
     recursive_radiance(probe, hits, shader, &mut ClosureBatch::default(), &mut out);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera given as OpenGL gives it: a view frame and a projection matrix, perspective or parallel.
 //! Clip coordinates as OpenGL's: the picture is [-1, 1] squared, z = -1 is near.
-//! Space: eye space looks along -z, y upwards; rays are in world space. A perspective's rays begin at the eye, that
-//! is at the point that the matrix sends to (0, 0, z, 0); parallel rays begin at the near plane. Far is ignored.
+//! Space: eye space faces -z, with y upwards; rays are in world space. A perspective's rays begin at the eye,
+//! that is at the point that the matrix sends to (0, 0, z, 0); parallel rays begin at the near plane. Far is
+//! ignored.
 //! Tests: `tests`.
 
 use glam::{DMat4, DVec3, DVec4};
@@ -23,7 +24,7 @@ pub struct ProjectionCamera {
 impl ProjectionCamera {
     /// A camera at `eye` with unit axes `right`, `up`, `forward`; `projection` is column-major and goes from eye space
     /// to clip space. With `follows_aspect` it is made for a square picture, and others see more or less to the sides.
-    /// `None` if the matrix has no inverse: then there is no way back from the picture to the scene.
+    /// `None` if the matrix has no inverse: then there is no map from the picture to the scene.
     #[must_use]
     pub fn new(
         eye: [f32; 3],

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `ThinLensCameraShader`, `OrthographicCameraShader`, `FisheyeCameraShader`, `PanoramicCameraShader`: cameras that stand at a
-//! point, look at another, and have a lens.
+//! `ThinLensCameraShader`, `OrthographicCameraShader`, `FisheyeCameraShader`, `PanoramicCameraShader`:
+//! cameras with a position, a target and a lens.
 //!
 //! | parameter | of | default | meaning |
 //! |---|---|---|---|
@@ -8,11 +8,11 @@
 //! | target | all | 0 0 -1 | the middle of the picture |
 //! | up | all | 0 1 0 | up in the picture; need not be perpendicular to the view |
 //! | aperture | all | 0 | diameter of the lens; 0 = all is sharp |
-//! | focus | all | 0 | distance of what is in focus; 0 = that of the target |
+//! | focus | all | 0 | distance of the focus; 0 = that of the target |
 //! | fov | thin lens, fisheye | 60, 180 | vertical angle of view in degrees |
-//! | height | orthographic | 2 | of what the picture shows |
+//! | height | orthographic | 2 | height of the visible region |
 //!
-//! The projections are [`ProjectiveCamera`]'s. A camera whose numbers make no sense sees nothing.
+//! The projections are [`ProjectiveCamera`]'s. A camera with invalid numbers sees nothing.
 //! Tests: `tests`.
 
 use std::sync::Arc;
@@ -74,7 +74,7 @@ pub(super) static PANORAMIC: ShaderClass = ShaderClass {
     make: |values| camera(values, Some(CameraProjection::Panorama)),
 };
 
-/// The camera; one that sees nothing where a number makes no sense.
+/// The camera; with an invalid number, one that sees nothing.
 fn camera(values: &Values, projection: Option<CameraProjection>) -> Shader {
     match projection.and_then(|projection| looking(values, projection)) {
         Some(camera) => Shader::Camera(Arc::new(camera)),
@@ -85,7 +85,7 @@ fn camera(values: &Values, projection: Option<CameraProjection>) -> Shader {
 fn looking(values: &Values, projection: CameraProjection) -> Option<ProjectiveCamera> {
     let [eye, target, up] = [0, 1, 2].map(|i| values.vec3(i));
     let forward = (target - eye).try_normalize().filter(|_| eye.is_finite())?;
-    // Where `up` says nothing any other will do.
+    // If `up` is undefined, any other direction will do.
     let Basis { tangent: up, bitangent: right, .. } = Basis::along(forward, up.normalize_or_zero());
     let (radius, focus) = (values.float(3) / 2.0, values.float(4));
     let focus = if focus == 0.0 { eye.distance(target) } else { focus };
@@ -123,7 +123,7 @@ mod tests {
             let edit = [(0, vec![1.0, 0.0, 0.0]), (1, vec![9.0, 0.0, 0.0]), (2, vec![0.0, 0.0, 3.0])];
             let middle = ray(class, &edit, [0.5, 0.5]);
             assert!(near(middle.dir, [1.0, 0.0, 0.0]), "{}: {:?}", class.name, middle.dir);
-            // Looking along x with z upwards, -y is to the right.
+            // For a view along x with z upwards, -y is to the right.
             let right = ray(class, &edit, [0.75, 0.5]);
             assert!(right.dir[1] < 0.0 || right.org[1] < 0.0, "{}: {right:?}", class.name);
         }

@@ -7,8 +7,9 @@
 //! | triangle_color | triangle | 1 1 1 | colour of a triangle |
 //! | vertex_color | vertex | 1 1 1 | colour at a vertex, interpolated between them |
 //!
-//! The surface's colour is the mean of the three, so that each of them shows whatever the others are. It is lit as a
-//! `DiffuseShader`; in a scene without lights by one in the eye, `color |n·d|`, since Figure 1 has no light.
+//! The surface's colour is the mean of the three, so that each of them shows for any values of the others. It
+//! is lit as a `DiffuseShader`; in a scene without lights by one in the eye, `color |n·d|`, since Figure 1
+//! has no light.
 //! Source: the paper's Figure 1; the look is original. Tests: `tests`.
 
 use glam::Vec3;

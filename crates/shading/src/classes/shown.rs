@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Surfaces of classes that only say what they look like: no integrator knows what they do with light.
+//! Surfaces of classes that only define their appearance: their scattering is unknown to integrators.
 //! Tests: `tests` of the classes.
 
 use std::sync::Arc;
@@ -7,10 +7,10 @@ use std::sync::Arc;
 use super::class::Shader;
 use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader};
 
-/// A surface that only says what it looks like.
+/// A surface that only defines its appearance.
 pub(super) struct Shown<S> {
     pub(super) shader: S,
-    /// What it asks of meshes, in the order in which it finds it.
+    /// The attributes that it requests from meshes, in the order of its parameters.
     pub(super) attributes: Vec<AttributeRequest>,
 }
 

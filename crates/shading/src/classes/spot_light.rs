@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `SpotLightShader`: a light at a point, shining to all sides.
+//! `SpotLightShader`: a light at a point, which emits to all sides.
 //!
 //! | parameter | rate | default | meaning |
 //! |---|---|---|---|
-//! | radiance | shader | 1 1 1 | what arrives at distance 1; falls with the square of the distance |
+//! | radiance | shader | 1 1 1 | irradiance at distance 1; falls with the square of the distance |
 //! | position | shader | 0 0 1 | where it is |
 //!
 //! Source: name and parameters as OpenRT programs know them. Tests: `tests` of `lights/punctual.rs`.

@@ -6,7 +6,8 @@
 //! | texture | shader | 0 | its colour; 0 = white |
 //! | radiance | shader | 1 1 1 | ambient light, times the texture |
 //!
-//! Shows `T (radiance + sum over lights of E V max(0, n·l))` with T the texture and V what the shadow ray lets through.
+//! Shows `T (radiance + sum over lights of E V max(0, n·l))` with T the texture and V the transmittance of
+//! the shadow ray.
 //! Source: name and parameters as OpenRT programs know them. Tests: `tests`.
 
 use std::sync::Arc;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All emissive triangles of a scene as one light: a triangle by what it may bring to the point, a place on it by area.
+//! All emissive triangles of a scene as one light: a triangle is chosen by its estimated contribution to the
+//! point, a position on it by area.
 //! Source: [TCE05] (resampled importance sampling), [SWZ96] (sampling many luminaires); [PJH23] section 6.5 (area to
-//! solid angle). Differs: candidates are stratified by power, and one number both chooses and places, see `choose`.
-//! Space: world. One-sided: light leaves the side of the geometric normal; what shines to both sides is two triangles. Textures and
-//! opacity modulate it, or a surface's shader says what leaves each place: choices go by each triangle's mean, light by its place.
+//! solid angle). Differs: candidates are stratified by power, and one number chooses both the triangle and
+//! the position, see `choose`.
+//! Space: world. One-sided: light leaves the side of the geometric normal; a two-sided emitter is two
+//! triangles. Textures and opacity modulate it, or a surface's shader gives the exit radiance: choices use
+//! each triangle's mean, light uses its position.
 //! Tests: `tests::{rectangle_has_its_closed_form, many_emitters_add_up, nothing_is_wasted, textures_count_where_they_are}`,
 //! crates/render/tests/{lights,glow}.rs.
 
@@ -19,32 +22,33 @@ use crate::sampling::{self, Distribution};
 use crate::shader::{LightBatch, LightShader, SurfaceShader};
 use crate::texture::TextureSampler;
 
-/// Least share of its emitter's mean that a triangle counts as: what was looked at of it may be dark where it shines elsewhere.
+/// Least share of its emitter's mean that a triangle counts as: its sampled points may be dark where the rest
+/// is bright.
 pub const LEAST_SHARE: f32 = 1.0 / 64.0;
-/// Places that are looked at on one triangle.
+/// Sampled points on one triangle.
 const SAMPLE_COUNTS: [f32; 2] = [4.0, 256.0];
 
-/// What a group of triangles gives off.
+/// The emission of a group of triangles.
 #[derive(Clone)]
 pub struct Emitter {
-    /// Nothing where only `shader` knows.
+    /// Empty if only `shader` defines it.
     emission: Emission,
     coverage: Option<Coverage>,
-    /// Who is asked what leaves a place.
+    /// The shader that gives the exit radiance.
     shader: Option<Arc<dyn SurfaceShader>>,
     /// Over the whole texture: found once, since textures are large.
     brightness: f32,
 }
 
 impl Emitter {
-    /// Gives off `emission`, but not where `coverage` says that the surface is not there.
+    /// Emits `emission`, weighted by `coverage`.
     #[must_use]
     pub fn new(emission: Emission, coverage: Option<Coverage>) -> Self {
         let brightness = emission.mean_luminance();
         Self { emission, coverage, shader: None, brightness }
     }
 
-    /// Gives off what `shader` says, on both sides.
+    /// Emits by `shader`, on both sides.
     #[must_use]
     pub fn by_shader(shader: Arc<dyn SurfaceShader>) -> Self {
         let emission = Emission { factor: Vec3::ZERO, texture: None };
@@ -57,14 +61,15 @@ impl Emitter {
         self.shader.is_none() && self.emission == *emission && self.coverage.as_ref() == coverage
     }
 
-    /// Who is asked what leaves a place, if that is not known otherwise.
+    /// The shader that gives the exit radiance, if it is not known otherwise.
     #[must_use]
     pub fn shader(&self) -> Option<&Arc<dyn SurfaceShader>> {
         self.shader.as_ref()
     }
 
-    /// Mean brightness of a triangle whose corners have these texture coordinates and opacities: of as many places as it has texels.
-    /// No triangle is quite dark, because its brightest texel may lie between them. Without meaning where a shader is asked.
+    /// Mean brightness of a triangle whose corners have these texture coordinates and opacities, from a point
+    /// for each of its texels. No triangle is quite dark, because its brightest texel may lie between them.
+    /// Undefined if a shader defines the emission.
     #[must_use]
     pub fn mean_over(&self, uv: &[[f32; 2]; 3], opacity: [f32; 3]) -> f32 {
         let textures = [
@@ -91,7 +96,7 @@ impl Emitter {
         mean.max(LEAST_SHARE * self.brightness)
     }
 
-    /// What leaves the place at the barycentric weights of the second and third corner.
+    /// Exit radiance at the barycentric weights of the second and third corner.
     fn radiance(&self, uv: &[[f32; 2]; 3], opacity: [f32; 3], [b1, b2]: [f32; 2]) -> Vec3 {
         let uv = interpolate(uv, b1, b2);
         let radiance = self.emission.at(uv);
@@ -102,14 +107,14 @@ impl Emitter {
     }
 }
 
-/// Place `i` of those that are looked at to find a mean, spread evenly over the unit square: Roberts's sequence.
+/// Sample `i` for a mean, spread evenly over the unit square: Roberts's sequence.
 #[must_use]
 pub fn looking_at(i: u32) -> [f32; 2] {
     const STEPS: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
     STEPS.map(|step| ((0.5 + f64::from(i) * step).fract() as f32).min(ALMOST_ONE))
 }
 
-/// A place on a triangle that shines, and the ray that looks at it.
+/// A point on an emissive triangle, and the ray towards it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct EmitterPoint {
     /// Number of the triangle.
@@ -120,18 +125,18 @@ pub struct EmitterPoint {
     pub dir: Vec3,
 }
 
-/// What triangles give off whose emitters have a shader.
+/// Emission of triangles whose emitters have a shader.
 pub trait EmitterShaders: Send + Sync {
-    /// Writes the radiance that leaves each place against its ray, as much of it as the surface's coverage lets be there.
+    /// Writes the radiance that leaves each point against its ray, weighted by the surface's coverage.
     fn radiance(&self, requests: &[EmitterPoint], out: &mut [Vec3]);
 }
 
-/// A triangle that shines, world space.
+/// An emissive triangle, world space.
 #[derive(Clone, Debug)]
 pub struct EmissiveTriangle {
-    /// Vertices, counter-clockwise seen from the side that shines.
+    /// Vertices, counter-clockwise seen from the emitting side.
     pub p: [Vec3; 3],
-    /// Whether its second corner is the mesh's third, and the other way round.
+    /// Whether its second corner is the mesh's third, and vice versa.
     pub is_turned: bool,
     /// Texture coordinates.
     pub uv: [[f32; 2]; 3],
@@ -139,17 +144,17 @@ pub struct EmissiveTriangle {
     pub opacity: [f32; 3],
     /// Which emitter it belongs to.
     pub emitter: u32,
-    /// Mean brightness: what it is chosen by.
+    /// Mean brightness, the weight of its choice.
     pub brightness: f32,
 }
 
 /// One light of many triangles.
 pub struct TriangleLights {
     triangles: Vec<EmissiveTriangle>,
-    /// What choices are made by, for each triangle.
+    /// The data for choices, for each triangle.
     pub(super) shapes: Vec<Shape>,
     emitters: Vec<Arc<Emitter>>,
-    /// What those emitters give off that have a shader.
+    /// Emission of the emitters that have a shader.
     shaders: Option<Arc<dyn EmitterShaders>>,
     distribution: Distribution,
 }
@@ -161,7 +166,7 @@ const CANDIDATES: usize = 8;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
     pub(super) p: [Vec3; 3],
-    /// Unit, on the side that shines.
+    /// Unit, on the emitting side.
     pub(super) normal: Vec3,
     pub(super) area: f32,
     /// Area times brightness.
@@ -177,7 +182,7 @@ impl Shape {
         Self { p: triangle.p, normal, area, power: area * triangle.brightness }
     }
 
-    /// About what it brings to a surface at `p` if nothing is in between; exactly 0 where it brings nothing: seen from
+    /// Approximate unoccluded contribution to a surface at `p`; exactly 0 where there is none: seen from
     /// behind, or wholly below the horizon of `normal`. A zero `normal` has no horizon.
     pub(super) fn contribution(&self, p: Vec3, normal: Vec3) -> f32 {
         let offsets = self.p.map(|q| q - p);
@@ -185,7 +190,7 @@ impl Shape {
         let above =
             |offset: &Vec3| if normal == Vec3::ZERO { offset.length() } else { normal.dot(*offset).max(0.0) };
         let above = offsets.iter().map(above).sum::<f32>() / 3.0;
-        // Close to the triangle its nearest parts count most; its own size keeps the promise finite there.
+        // Close to the triangle its nearest parts count most; its own size keeps the estimate finite there.
         let centre = (offsets[0] + offsets[1] + offsets[2]) / 3.0;
         let nearest =
             offsets.iter().fold(centre.length_squared(), |least, offset| least.min(offset.length_squared()));
@@ -204,7 +209,7 @@ impl Shape {
         self.p[0] + (self.p[1] - self.p[0]) * b1 + (self.p[2] - self.p[0]) * b2
     }
 
-    /// The same, but short of the triangle by what rounding may have moved it, so that it does not shade itself.
+    /// The same, but short of the triangle by its rounding error, so that it does not shadow itself.
     pub(super) fn nearest_image(&self, p: Vec3, position: [f32; 2]) -> Vec3 {
         self.point(position) + self.normal * self.rounding(p)
     }
@@ -219,14 +224,14 @@ impl Shape {
 /// A triangle that was chosen.
 struct Chosen {
     index: usize,
-    /// What its light is multiplied with: one over the probability of the choice, on average.
+    /// Factor of its light: one over the probability of the choice, on average.
     weight: f32,
     /// Two fresh numbers in [0, 1).
     random: [f32; 2],
 }
 
 impl TriangleLights {
-    /// `None` if no triangle shines. Panics if a triangle names an emitter that is not there.
+    /// `None` if no triangle emits. Panics if a triangle names an emitter that is not there.
     #[must_use]
     pub fn new(
         triangles: Vec<EmissiveTriangle>,
@@ -253,11 +258,12 @@ impl TriangleLights {
         self.triangles.is_empty()
     }
 
-    /// Chooses among candidates in proportion to what they promise.
+    /// Chooses among candidates in proportion to their contribution.
     ///
     /// Candidate k lies at `(k + random[0]) / CANDIDATES` of all power, so that candidates are spread over the lights.
-    /// Any joint law of the candidates leaves the mean right, because each is weighted with one over its own probability
-    /// and the choice is independent of all of them; what is left of both numbers places the point.
+    /// The mean is right for any joint law of the candidates, because each is weighted with one over its own
+    /// probability and the choice is independent of all of them; the remainders of both numbers choose the
+    /// position.
     fn choose(&self, p: Vec3, normal: Vec3, random: [f32; 2]) -> Option<Chosen> {
         let mut candidates = [(0, 0.0_f32, 0.0_f32); CANDIDATES];
         let mut weights = [0.0_f64; CANDIDATES];
@@ -300,7 +306,7 @@ impl TriangleLights {
         Some((dir, dist, radiance * (cos / distance2 * shape.area * chosen.weight)))
     }
 
-    /// What leaves triangle `index` wherever it is looked at; `None` where that depends on the place.
+    /// Exit radiance of triangle `index` if it is constant; `None` where it depends on the position.
     pub(super) fn even_radiance(&self, index: usize) -> Option<Vec3> {
         let emitter = &self.emitters[self.triangles[index].emitter as usize];
         let even =
@@ -308,14 +314,15 @@ impl TriangleLights {
         even.then_some(emitter.emission.factor)
     }
 
-    /// What leaves triangle `index` at the barycentric weights of its second and third corner against a ray along the unit `dir`.
+    /// Exit radiance of triangle `index` at the barycentric weights of its second and third corner against a
+    /// ray along the unit `dir`.
     pub(super) fn radiance(&self, index: usize, position: [f32; 2], dir: Vec3) -> Vec3 {
         let mut out = [Vec3::ZERO];
         self.radiances(&[EmitterPoint { triangle: index as u32, position, dir }], &mut out);
         out[0]
     }
 
-    /// The same of many places.
+    /// The same for many points.
     pub(super) fn radiances(&self, requests: &[EmitterPoint], out: &mut [Vec3]) {
         let triangle = |at: &EmitterPoint| &self.triangles[at.triangle as usize];
         let emitter = |at: &EmitterPoint| &self.emitters[triangle(at).emitter as usize];
@@ -376,7 +383,7 @@ mod tests {
     use crate::batch::SampleKey;
     use crate::sampling::sample_pair;
 
-    /// A 2 x 2 square at height 1 that shines down, as two triangles of which one is cut in two.
+    /// A 2 x 2 square at height 1 that emits downwards, as two triangles of which one is cut in two.
     fn square() -> TriangleLights {
         let corner = |x, y| Vec3::new(x, y, 1.0);
         let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
@@ -420,7 +427,7 @@ mod tests {
         assert_eq!(above, Vec3::ZERO, "light leaves one side only");
     }
 
-    /// Fifty small lamps of different brightness, half of them turned away, some below the horizon.
+    /// Fifty small lights of different brightness, half of them facing away, some below the horizon.
     fn emissive_triangles() -> Vec<[Vec3; 3]> {
         let triangle_light = |i: usize| {
             let middle = Vec3::new((i % 10) as f32 - 4.5, (i / 10) as f32 - 2.0, [1.0, 3.0, -0.5][i % 3]);
@@ -462,7 +469,8 @@ mod tests {
 
     #[test]
     fn nothing_is_wasted() {
-        // Half of the power is turned away or below the horizon: alone, it would take half of the samples.
+        // Half of the power faces away or is below the horizon: chosen by power only, it would take half of
+        // the samples.
         let light = light_of(&emissive_triangles()).expect("they shine");
         let dark = |shape: &Shape| shape.contribution(Vec3::ZERO, Vec3::Z) == 0.0;
         let wasted: f32 = light.shapes.iter().filter(|s| dark(s)).map(|s| s.power).sum();

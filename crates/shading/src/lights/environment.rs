@@ -35,7 +35,7 @@ impl LightShader for ConstantEnvironment {
     fn illuminate(&self, _p: &Vec3s, normal: &Vec3s, random: &[[f32; 2]], out: &mut LightBatch) {
         for (i, &random) in random.iter().enumerate() {
             let local = cosine_hemisphere(random);
-            // The density is cos / pi; a direction in the horizon itself is never wanted.
+            // The density is cos / pi; a direction in the horizon itself is never needed.
             if local.z > 0.0 {
                 out.dir.set(i, Basis::around(normal.get(i)).to_world(local).normalize());
                 out.dist[i] = f32::INFINITY;
@@ -54,7 +54,7 @@ pub struct PictureEnvironment {
     texture: TextureSampler,
     radiance: Vec3,
     world_from_light: Mat3,
-    /// A function of the texture alone.
+    /// A function of the texture only.
     grid: Arc<GridDistribution>,
 }
 
@@ -80,7 +80,7 @@ impl PictureEnvironment {
         (radiance.max_element() > 0.0).then_some(Self { texture, radiance, world_from_light, grid })
     }
 
-    /// The same picture in another light, turned elsewhere. `None` if all of it is black.
+    /// The same picture with another radiance and rotation. `None` if all of it is black.
     #[must_use]
     pub fn again(&self, radiance: Vec3, world_from_light: Mat3) -> Option<Self> {
         let (texture, grid) = (self.texture.clone(), self.grid.clone());
@@ -93,7 +93,7 @@ impl PictureEnvironment {
         Arc::ptr_eq(&self.texture.texels, &texture.texels)
     }
 
-    /// Whether it does so as bright, and turned the same way.
+    /// Whether it has this brightness and rotation.
     #[must_use]
     pub fn shines_as(&self, radiance: Vec3, world_from_light: Mat3) -> bool {
         (self.radiance, self.world_from_light) == (radiance, world_from_light)
@@ -166,12 +166,12 @@ fn uv_of(dir: Vec3) -> [f32; 2] {
     [0.5 + dir.x.atan2(-dir.z) / TAU, 1.0 - dir.y.clamp(-1.0, 1.0).acos() / PI]
 }
 
-/// Brightness times solid angle of each cell. Cells look a little beyond their edges, because interpolation carries
-/// light there: whatever shines has a chance.
+/// Brightness times solid angle of each cell. Cells include a margin beyond their edges, because
+/// interpolation spreads light there: every emitting point has a probability above 0.
 fn brightness_grid(texture: &TextureSampler, threads: Threads) -> Option<GridDistribution> {
     let size = [texture.texels.width, texture.texels.height];
     let [columns, rows] = [0, 1].map(|k| size[k].clamp(1, MOST_CELLS[k]) as usize);
-    // Enough places per cell that no texel is missed.
+    // Enough samples per cell that no texel is missed.
     let [across, down] =
         [0, 1].map(|k| 1 + (size[k] as usize).div_ceil([columns, rows][k]) * if size[k] > 1 { 2 } else { 1 });
     let brightness = |[r, g, b, _]: [f32; 4]| f64::from(luminance([r, g, b])).max(0.0);

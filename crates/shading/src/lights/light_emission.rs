@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where paths that start at lights begin: a light by its power, a place on it, a direction.
-//! Source: [PJH23] sections 12.1 to 12.6 (emission of each kind of light); environments from a disk before the ball around
-//! all that can be lit. Space: world. Units: power in W per channel, densities per area and per solid angle.
-//! Invariant: the mean of `radiance_over_pdf` is the power of all lights (of what comes from far away, what the ball
-//! catches). Tests: `light_set_tests`.
+//! Starts of light paths: a light chosen by power, a position on it, a direction.
+//! Source: [PJH23] sections 12.1 to 12.6 (emission of each kind of light); environments from a disk before
+//! the bounding sphere of the lit scene. Space: world. Units: power in W per channel, densities per area and
+//! per solid angle.
+//! Invariant: the mean of `radiance_over_pdf` is the power of all lights (for distant lights, the power that
+//! the bounding sphere receives). Tests: `light_set_tests`.
 
 use std::f32::consts::{PI, TAU};
 
@@ -26,15 +27,15 @@ pub struct LightRay {
     pub normal: Vec3,
     /// Unit, where it goes.
     pub dir: Vec3,
-    /// The power that it carries: what leaves, times the cosine at a surface, over all densities.
+    /// The power that it carries: the exit radiance, times the cosine at a surface, over all densities.
     pub radiance_over_pdf: Vec3,
-    /// What leaves along `dir`: radiance; intensity of lights without extent; irradiance of directional ones.
+    /// Emission along `dir`: radiance; intensity of lights without extent; irradiance of directional ones.
     pub emitted: Vec3,
     /// Density of the start, the choice of the light included: per area; for point lights the probability of the choice.
     pub pdf_pos: f32,
     /// Density of the direction per solid angle; 1 for directional lights.
     pub pdf_dir: f32,
-    /// What kind of light it is.
+    /// The kind of light.
     pub kind: LightKind,
     /// Which light.
     pub light: LightId,
@@ -46,8 +47,8 @@ fn free_point(p: Vec3, dir: Vec3) -> SurfacePoint {
 }
 
 impl LightSet {
-    /// Starts a path at a light: `u_choice` chooses it by power, `u_pos` the place, `u_dir` the direction, all in [0, 1).
-    /// `None` if nothing shines there.
+    /// Starts a path at a light: `u_choice` chooses it by power, `u_pos` the position, `u_dir` the direction,
+    /// all in [0, 1). `None` if there is no emission there.
     #[must_use]
     pub fn emit(&self, u_choice: f32, u_pos: [f32; 2], u_dir: [f32; 2]) -> Option<LightRay> {
         let choice = self.power()?.sample(u_choice);

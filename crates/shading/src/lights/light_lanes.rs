@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Choosing lights for sixteen points at once: the walks of `light_tree` side by side, the triangles of a leaf side by side.
 //! Source: as `light_tree` and `area`; the layout is original. Space: world.
-//! A node, and a triangle, is a row of sixteen floats: sixteen points that are at different ones read sixteen rows and turn
-//! them to columns, so that each costs a load and some shuffles. Two leaves with one parent are a block of sixteen triangles.
+//! A node, and a triangle, is a row of sixteen floats: sixteen points at different ones read sixteen rows and
+//! transpose them to columns, so that each costs a load and some shuffles. Two leaves with one parent are a
+//! block of sixteen triangles.
 //! Invariant: the samples of [`LightSet::sample`](super::LightSet::sample), bit for bit.
 //! Tests: `light_set_tests::lanes_choose_as_points_do`.
 
@@ -22,7 +23,7 @@ use crate::sampling::triangle;
 pub struct LightSamples<R: Real> {
     /// Unit, towards the light.
     pub dir: Vector<R>,
-    /// How far it is; infinite for lights without a place.
+    /// Its distance; infinite for lights without a position.
     pub dist: R,
     /// Radiance against `dir`; irradiance for `delta` lights.
     pub radiance: Vector<R>,
@@ -38,7 +39,7 @@ pub struct LightSamples<R: Real> {
 pub type LightSampleX16<S> = LightSamples<f32x16<S>>;
 
 impl<R: Real> LightSamples<R> {
-    /// Points that find no light, as many as `zero` has.
+    /// No light for any point of `zero`.
     #[inline(always)]
     pub(super) fn none(zero: R) -> Self {
         let (none, black) = (zero.points(0), Vector::grey(zero));
@@ -72,7 +73,7 @@ struct Block {
     lights: [u32; LANES],
 }
 
-/// What a node's row ends with: where walks go on.
+/// The last entry of a node's row: the kind of the next step.
 const INNER: u32 = 0;
 /// A leaf: the first half of a block.
 const SINGLE: u32 = 1;
@@ -88,7 +89,7 @@ pub(super) struct LightLanes {
     blocks: Vec<Block>,
     /// By triangle: three corners, normal, area, radiance.
     triangles: Vec<Row>,
-    /// By triangle: whether its radiance depends on the place. Empty if none does.
+    /// By triangle: whether its radiance depends on the position. Empty if none does.
     uneven: Vec<bool>,
 }
 
@@ -97,7 +98,7 @@ struct End<S: Simd> {
     block: UInts<S>,
     kind: UInts<S>,
     probability: Floats<S>,
-    /// What is left of the random number.
+    /// The remainder of the random number.
     rest: Floats<S>,
     /// Lanes that came there.
     alive: Mask<S>,
@@ -209,7 +210,7 @@ impl LightLanes {
                 (end.block, end.kind) = (block, kind);
                 return end;
             }
-            // Those that do not walk look at the root.
+            // Lanes without a traversal read the root.
             let children = [walking.select(at + 1, nothing), walking.select(second, nothing)];
             let one_row = columns(simd, &self.nodes, &children[0].into());
             let other_row = columns(simd, &self.nodes, &children[1].into());
@@ -288,7 +289,7 @@ impl LightLanes {
         (u32x16::simd_from(simd, light), probability, found)
     }
 
-    /// What each triangle of each lane's block promises to it.
+    /// Contribution of each triangle of each lane's block.
     #[inline(always)]
     fn contributions<S: Simd>(&self, end: &End<S>, p: Vec3x16<S>, normal: Vec3x16<S>) -> [Floats<S>; LANES] {
         let simd = end.rest.token();
@@ -378,7 +379,8 @@ fn vector<S: Simd>(columns: &[Floats<S>], k: usize) -> Vec3x16<S> {
     Vec3x16::new(columns[k], columns[k + 1], columns[k + 2])
 }
 
-/// What is left of a random number after a choice between a share and the rest, and whether it is the former.
+/// The remainder of a random number after a choice with probability `share`, and whether the first
+/// alternative was chosen.
 #[inline(always)]
 fn descend<S: Simd>(u: Floats<S>, share: Floats<S>) -> (Floats<S>, Mask<S>) {
     let simd = u.token();
@@ -455,7 +457,7 @@ impl<S: Simd> LightSampleX16<S> {
         self.found.set(i, true);
     }
 
-    /// Its own lanes where `mask` says so, else the other's.
+    /// Its own lanes in `mask`, else the other's.
     #[inline(always)]
     pub(super) fn or(self, mask: Mask<S>, other: Self) -> Self {
         Self {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a light set is made of, and what asking it gives.
+//! The input of a light set, and its answers.
 //! Source: [PJH23] section 12.5 (environments). Space: world. Tests: `light_set_tests`.
 
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -18,10 +18,10 @@ use crate::sampling::{Basis, cosine_hemisphere, sample_pair, uniform_sphere};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightId(pub u32);
 
-/// What a light is, and its place among those of its kind.
+/// The kind of a light, and its index among those of its kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightKind {
-    /// A triangle that shines to one side.
+    /// A triangle that emits to one side.
     Triangle(u32),
     /// From a point to all sides.
     Point(u32),
@@ -42,12 +42,13 @@ pub enum EnvironmentLight {
     Picture(Arc<PictureEnvironment>),
 }
 
-/// What a light set is made of.
+/// The input of a light set.
 #[derive(Clone, Default)]
 pub struct LightParts {
     /// Emissive triangles.
     pub triangles: Option<Arc<TriangleLights>>,
-    /// What a hit on each of them names: leaf (the instance's object), mesh and triangle; ascending, twice where both sides shine.
+    /// The names of a hit on each of them: leaf (the instance's object), mesh and triangle; ascending, twice
+    /// where both sides emit.
     pub triangle_ids: Arc<Vec<[u32; 3]>>,
     /// Lights without extent.
     pub points: Vec<PointLight>,
@@ -57,7 +58,7 @@ pub struct LightParts {
     pub directionals: Vec<DirectionalLight>,
     /// Light from everywhere.
     pub environment: Option<EnvironmentLight>,
-    /// Lower and upper corner of what can be lit.
+    /// Lower and upper corner of the lit scene.
     pub bounds: [Vec3; 2],
 }
 
@@ -66,7 +67,7 @@ pub struct LightParts {
 pub struct LightSample {
     /// Unit, towards the light.
     pub dir: Vec3,
-    /// How far it is; infinite for lights without a place.
+    /// Its distance; infinite for lights without a position.
     pub dist: f32,
     /// Radiance against `dir`; for `delta` lights the irradiance of a surface that faces them.
     pub radiance: Vec3,
@@ -145,7 +146,7 @@ impl EnvironmentLight {
 }
 
 impl LightParts {
-    /// Whether the lights that have a place are the very same.
+    /// Whether the lights with a position are identical.
     pub(super) fn same_near(&self, other: &Self) -> bool {
         let same_triangles = match (&self.triangles, &other.triangles) {
             (Some(one), Some(other)) => Arc::ptr_eq(one, other),
@@ -159,7 +160,7 @@ impl LightParts {
         self.triangles.as_ref().map_or(0, |triangles| triangles.len())
     }
 
-    /// Lights that have a place.
+    /// Lights with a position.
     pub(super) fn finite_count(&self) -> usize {
         self.triangle_count() + self.points.len() + self.spots.len()
     }

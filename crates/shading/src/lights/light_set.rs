@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! All lights of a scene together, with the densities that light transport needs: sampled from a point, looked up where
-//! a ray met one. Paths that start at lights: `light_emission`.
+//! All lights of a scene together, with the densities that light transport needs: sampled from a point,
+//! looked up where a ray hit one. Paths that start at lights: `light_emission`.
 //! Source: [EK18] (light tree), [PJH23] sections 6.5.3 (area to solid angle) and 12.5 (environments).
-//! Space: world. Densities are per solid angle at the point that asks, the choice between lights included.
-//! Invariants: `pdf_triangle` and `pdf_environment` are the densities of `sample` for the same point and normal. A zero
-//! normal asks for all sides. Lights of shader plugins are not in here: they only know `illuminate`.
+//! Space: world. Densities are per solid angle at the shaded point, the choice between lights included.
+//! Invariants: `pdf_triangle` and `pdf_environment` are the densities of `sample` for the same point and
+//! normal. A zero normal requests all sides. Lights of shader plugins are excluded: they only have
+//! `illuminate`.
 //! Tests: `tests`, crates/render/tests/path.rs.
 
 use std::f32::consts::PI;
@@ -22,17 +23,17 @@ use crate::sampling::{self, Distribution};
 /// All lights.
 pub struct LightSet {
     pub(super) parts: LightParts,
-    /// What those lights that have a place are chosen by: shared by all sets that have the same ones.
+    /// The choice of lights that have a position: shared by all sets with the same ones.
     pub(super) near: Arc<NearLights>,
     /// Tree, directional lights, environment: how often each is sampled.
     pub(super) choice: Option<Distribution>,
     /// Centre and radius of a ball around all that can be lit.
     pub(super) ball: (Vec3, f32),
-    /// By light: what paths that start at lights are shared out by; made when the first one starts.
+    /// Shares of lights among light paths, by light; computed at the start of the first path.
     power: OnceLock<Option<Distribution>>,
 }
 
-/// What lights that have a place are chosen by.
+/// The choice of lights that have a position.
 pub(super) struct NearLights {
     pub(super) tree: LightTree,
     /// The tree for many points at once, where all its lights are triangles.
@@ -57,8 +58,8 @@ impl LightSet {
         Self::with_near(parts, near)
     }
 
-    /// The set of other parts, which shares the tree with this one; `None` if lights that have a place are others, so that
-    /// another tree is due.
+    /// The set of other parts, which shares the tree with this one; `None` if the lights with a position
+    /// differ, which requires another tree.
     #[must_use]
     pub fn again(&self, parts: &LightParts) -> Option<Self> {
         self.parts.same_near(parts).then(|| Self::with_near(parts.clone(), self.near.clone()))
@@ -74,7 +75,7 @@ impl LightSet {
         let ball = ball(parts.bounds);
         let of_tree = if near.tree.is_empty() { 0.0 } else { near.power };
         let groups: Vec<f64> = std::iter::once(of_tree).chain(far_powers(&parts, ball.1)).collect();
-        // Half by power, half evenly: what is dim on the whole may be all that there is at a point.
+        // Half by power, half uniform: a light of little power may be the only one at a point.
         let shining = groups.iter().filter(|&&power| power > 0.0).count() as f64;
         let total: f64 = groups.iter().sum();
         let share = |&power: &f64| if power > 0.0 { power / total + 1.0 / shining } else { 0.0 };
@@ -82,7 +83,7 @@ impl LightSet {
         Self { near, choice, ball, power: OnceLock::new(), parts }
     }
 
-    /// By light: what paths that start at lights are shared out by.
+    /// Shares of lights among light paths, by light.
     pub(super) fn power(&self) -> Option<&Distribution> {
         let all = || near_powers(&self.parts).chain(far_powers(&self.parts, self.ball.1));
         self.power.get_or_init(|| Distribution::new(all())).as_ref()
@@ -96,13 +97,13 @@ impl LightSet {
             + usize::from(self.parts.environment.is_some())
     }
 
-    /// Whether nothing shines.
+    /// Whether there is no light.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// What a light is.
+    /// The kind of a light.
     #[must_use]
     pub fn kind(&self, light: LightId) -> LightKind {
         type Kind = fn(u32) -> LightKind;
@@ -122,8 +123,8 @@ impl LightSet {
         LightKind::Environment
     }
 
-    /// The number of the emissive triangle that a ray along `dir` met, given leaf, mesh and triangle; of one that shines to
-    /// both sides that of the side that was met.
+    /// The number of the emissive triangle that a ray along `dir` hit, given leaf, mesh and triangle; for a
+    /// two-sided one that of the hit side.
     #[must_use]
     pub fn triangle(&self, met: [u32; 3], dir: Vec3) -> Option<u32> {
         let ids = &self.parts.triangle_ids;
@@ -136,8 +137,9 @@ impl LightSet {
         Some((first + usize::from(is_behind)) as u32)
     }
 
-    /// Chooses a light and a direction to it for a surface at `p` that faces the unit normal `ns`; zero asks for all
-    /// sides. `None` if no light reaches the point. The direction may still lie below the horizon.
+    /// Chooses a light and a direction to it for a surface at `p` that faces the unit normal `ns`; zero
+    /// requests all sides. `None` if no light reaches the point. The direction may still lie below the
+    /// horizon.
     #[must_use]
     pub fn sample(&self, p: Vec3, ns: Vec3, u: [f32; 3]) -> Option<LightSample> {
         let group = self.choice.as_ref()?.sample(u[0]);
@@ -235,8 +237,8 @@ impl LightSet {
         choice.probability(0) * self.near.tree.probability(triangle, p, ns, contribution) * here
     }
 
-    /// What emissive triangle `triangle` sends against a ray along `dir` that met it at these weights of the mesh's second and third
-    /// corner.
+    /// Radiance of emissive triangle `triangle` against a ray along `dir` that hit it at these weights of the
+    /// mesh's second and third corner.
     #[must_use]
     pub fn radiance_of_triangle(&self, triangle: u32, met: [f32; 2], dir: Vec3) -> Vec3 {
         let triangles = self.parts.triangles.as_ref();
@@ -263,7 +265,7 @@ impl LightSet {
         environment.map_or(Vec3::ZERO, |environment| environment.radiance(dir))
     }
 
-    /// About what a light of the tree brings to a surface; 0 if nothing.
+    /// Approximate contribution of a light of the tree to a surface; 0 if there is none.
     pub(super) fn contribution(&self, light: u32, p: Vec3, ns: Vec3) -> f32 {
         let from_point = |position: Vec3, intensity: &dyn Fn(Vec3) -> f32| {
             let offset = position - p;
@@ -288,7 +290,7 @@ impl LightSet {
                 let brightness = luminance(spot.intensity.into());
                 from_point(spot.position, &|away| brightness * spot.falloff(away.dot(spot.axis)))
             }
-            // Triangles were above; the others have no place.
+            // Triangles were above; the others have no position.
             LightKind::Triangle(_) | LightKind::Directional(_) | LightKind::Environment => 0.0,
         }
     }
@@ -310,7 +312,7 @@ fn ball([low, high]: [Vec3; 2]) -> (Vec3, f32) {
     }
 }
 
-/// Lights with a place, as the tree sees them.
+/// Lights with a position, as the tree's input.
 fn tree_lights(parts: &LightParts) -> Vec<Option<LightBounds>> {
     let triangle = |shape: &super::area::Shape| {
         let [a, b, c] = shape.p;
@@ -346,7 +348,7 @@ fn bright(color: Vec3) -> f64 {
     f64::from(luminance(color.into()))
 }
 
-/// Watts of each light that has a place, by brightness.
+/// Watts of each light with a position, by brightness.
 fn near_powers(parts: &LightParts) -> impl Iterator<Item = f64> + '_ {
     let pi = f64::from(PI);
     let triangles =

@@ -12,7 +12,8 @@ use super::light_set::LightSet;
 use crate::lanes::{Floats, LanesOf, Mask, Vec3x16};
 
 impl LightSet {
-    /// [`sample`](Self::sample) for the lanes in `active`; those in `from_all_sides` ask for all sides, whatever their normals.
+    /// [`sample`](Self::sample) for the lanes in `active`; those in `from_all_sides` request all sides, for
+    /// any normals.
     #[inline(always)]
     #[must_use]
     pub fn sample_x16<S: Simd>(

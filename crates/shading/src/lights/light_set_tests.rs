@@ -48,7 +48,7 @@ fn set(parts: LightParts) -> LightSet {
     )
 }
 
-/// A 2 x 2 square at height 1 that shines down.
+/// A 2 x 2 square at height 1 that emits downwards.
 fn square() -> Vec<[Vec3; 3]> {
     let corner = |x, y| Vec3::new(x, y, 1.0);
     let [a, b, c, d] = [corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)];
@@ -75,7 +75,7 @@ fn irradiance(lights: &LightSet, p: Vec3, up: Vec3, n: u32) -> Vec3 {
     sum / n as f32
 }
 
-/// Lamps of many sizes and directions, a lamp without extent of each kind, and the sky.
+/// Lights of many sizes and directions, a light without extent of each kind, and the sky.
 fn everything() -> LightSet {
     let emissive_triangle = |i: usize| {
         let middle = Vec3::new((i % 8) as f32 - 3.5, (i / 8) as f32 - 3.0, [1.0, 2.0, -0.5][i % 3]);
@@ -119,7 +119,7 @@ fn lights_without_extent_and_constant_skies_have_closed_forms() {
     assert!((found / exact - 1.0).abs() < 2e-3, "{found} instead of {exact}");
 }
 
-/// Each lamp alone is an oracle of a tree of one; all together must bring their sum.
+/// Each light by itself is the oracle of a tree of one; all together must bring their sum.
 #[test]
 fn many_emitters_add_up() {
     let emissive_triangle = |i: usize| {
@@ -140,7 +140,7 @@ fn many_emitters_add_up() {
         };
         let exact: f32 = (0..50).map(one).sum();
         assert!((joint / exact - 1.0).abs() < 5e-3, "{joint} instead of {exact}");
-        // The tree's worth: most samples reach a lamp that counts, and bring about the same.
+        // The benefit of the tree: most samples reach a light that counts, and bring about the same.
         let brought: Vec<f32> = (0..4096)
             .map(|i| {
                 let lit = all.sample(p, up, numbers(i));
@@ -152,7 +152,7 @@ fn many_emitters_add_up() {
     }
 }
 
-/// Samples know their density, and it is the one that a ray that meets the light is told.
+/// Samples have the density that is looked up for a ray that hits the light.
 #[test]
 fn densities_are_those_of_samples() {
     let lights = everything();
@@ -166,7 +166,7 @@ fn densities_are_those_of_samples() {
                 }
                 LightKind::Environment => {
                     hits_by_kind[1] += 1;
-                    // On the edge between two cells rounding may tell the other one's.
+                    // On the edge between two cells rounding may give the other one's.
                     let on_edge =
                         [s.dir + 1e-5, s.dir - 1e-5].map(|d| lights.pdf_environment(p, n, d.normalize()));
                     if (on_edge[0] - on_edge[1]).abs() > 1e-4 {
@@ -390,7 +390,7 @@ fn lanes_choose_as_points_do() {
                     sample_pair(3, SampleKey { pixel: round, sample: i as u32, branch: 0 }, which as u32, n)
                 };
                 let ([a, b], [c, d]) = (draw(7), draw(8));
-                // Some at one place, some at a lamp's corner.
+                // Some at one position, some at a light's corner.
                 let near = if round % 3 == 0 { 0.0 } else { 4.0 };
                 let p = Vec3::new(a - 0.5, b - 0.5, c - 0.5) * near;
                 let n = uniform_sphere([d, (a * 17.0).fract()]);

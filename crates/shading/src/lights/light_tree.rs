@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A binary tree over lights with a place: one is chosen by what it may bring to a point, in log n steps.
-//! Source: [EK18] (bounds by box and cone, the surface area orientation heuristic); [PJH23] section 12.6.3 (importance
-//! of a node, walking down by one number). Differs: what a single light promises is judged by the light itself.
-//! Space: world. Importance of a node and promise of a light have one unit: intensity times cosine over distance squared.
-//! Invariants: `probability` is what `choose` chooses with, bit for bit; a node whose importance is 0 holds no light that
-//! reaches the point (but for rounding at grazing angles). A zero normal has no horizon.
+//! A binary tree over lights with a position: the choice of one by its possible contribution to a point, in
+//! log n steps.
+//! Source: [EK18] (bounds by box and cone, the surface area orientation heuristic); [PJH23] section 12.6.3
+//! (importance of a node, traversal by one random number). Differs: the light itself estimates the
+//! contribution of a single light.
+//! Space: world. Importance of a node and contribution of a light have one unit: intensity times cosine over
+//! distance squared. Invariants: `probability` is the probability of `choose`, bit for bit; a node whose
+//! importance is 0 holds no light that reaches the point (except for rounding at grazing angles). A zero
+//! normal has no horizon.
 //! Tests: `tests`, and those of `light_set`.
 
 use glam::Vec3;
@@ -13,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::sampling::distribution::ALMOST_ONE;
 
-/// Where a group of lights is, where it shines and how much.
+/// Bounds, directions and power of a group of lights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LightBounds {
     pub(super) min: Vec3,
@@ -22,7 +25,7 @@ pub(super) struct LightBounds {
     pub(super) axis: Vec3,
     /// Cosine of the half angle of that cone; -1 = all directions.
     pub(super) cos_normals: f32,
-    /// Cosine of how far from its normal a light shines: 0 for surfaces.
+    /// Cosine of the greatest angle of emission from its normal: 0 for surfaces.
     pub(super) cos_emission: f32,
     /// Largest intensity: area times radiance for surfaces, summed.
     pub(super) power: f32,
@@ -64,7 +67,7 @@ impl LightBounds {
         let from_normal = angle_less(-self.axis.dot(towards), self.cos_normals);
         let cos_light = angle_less(from_normal, cos_size);
         let cos_surface = if normal == Vec3::ZERO { 1.0 } else { angle_less(normal.dot(towards), cos_size) };
-        // A little slack: rounding must not hide what grazes.
+        // A little slack, because rounding must not hide grazing lights.
         if cos_light < self.cos_emission - 1e-4 || cos_surface < -1e-4 {
             return 0.0;
         }
@@ -105,7 +108,7 @@ fn cone_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
     let angle = half - half_a;
     let side = rotation.normalize().cross(a.0);
     let axis = (a.0 * angle.cos() + side * angle.sin()).normalize();
-    // Wider by what rounding may have cost.
+    // Wider by the possible rounding error.
     (axis, (half + 1e-3).min(std::f32::consts::PI).cos())
 }
 
@@ -113,7 +116,7 @@ fn cone_union(a: (Vec3, f32), b: (Vec3, f32)) -> (Vec3, f32) {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub(super) bounds: LightBounds,
-    /// The first light's place in `order`, or the second child.
+    /// The first light's index in `order`, or the second child.
     pub(super) index: u32,
     /// How many lights; 0 = inner node.
     pub(super) lights: u32,
@@ -125,20 +128,20 @@ pub(super) struct LightTree {
     pub(super) nodes: Vec<Node>,
     /// Lights by leaf.
     pub(super) order: Vec<u32>,
-    /// For each light which way leads to it: bit k = second child at depth k. `None` = it is not in the tree.
+    /// The path to each light: bit k = second child at depth k. `None` = it is not in the tree.
     branches: Vec<Option<u64>>,
 }
 
-/// Deeper than this halves are cut evenly, so that ways fit in 64 bits.
+/// Deeper than this halves are cut evenly, so that paths fit in 64 bits.
 const UNEVEN_DEPTH: u32 = 30;
-/// Places along each feature where cuts are tried, plus one.
+/// Tested cuts along each feature, plus one.
 const BUCKETS: usize = 12;
 /// Lights from which on threads share the work.
 const MANY: usize = 2048;
 /// Lights that are judged one by one.
 pub(super) const LEAF: usize = 8;
 
-/// What each light of a leaf promises to a point; the rest is zero.
+/// Contribution of each light of a leaf to a point; the rest is zero.
 type Contributions = [f32; LEAF];
 
 impl LightTree {
@@ -165,7 +168,7 @@ impl LightTree {
         self.nodes.is_empty()
     }
 
-    /// What each light of a leaf promises; the rest is zero.
+    /// Contribution of each light of a leaf; the rest is zero.
     fn leaf(&self, node: &Node, exact: &impl Fn(u32) -> f32) -> Contributions {
         let mut contributions = [0.0; LEAF];
         let lights = &self.order[node.index as usize..(node.index + node.lights) as usize];
@@ -173,8 +176,8 @@ impl LightTree {
         contributions
     }
 
-    /// The share of the first child of an inner node, and what the lights of both promise if they are leaves; `None` if
-    /// neither child promises anything.
+    /// The probability of the first child of an inner node, and the contributions of the lights of children
+    /// that are leaves; `None` if neither child contributes.
     fn first_share(
         &self,
         at: usize,
@@ -193,8 +196,8 @@ impl LightTree {
         (sum > 0.0).then(|| (first / sum, leaves))
     }
 
-    /// Chooses a light by a number in [0, 1): its number and the probability of that. `exact` tells what a light brings
-    /// to the point, zero if nothing.
+    /// Chooses a light by a number in [0, 1): its number and the probability of that. `exact` returns the
+    /// contribution of a light to the point, zero if there is none.
     pub(super) fn choose(
         &self,
         p: Vec3,
@@ -259,13 +262,13 @@ impl LightTree {
     }
 }
 
-/// A part of a tree in the making; places count from its own beginning.
+/// A part of an unfinished tree; indices count from its own beginning.
 #[derive(Default)]
 struct Subtree {
     nodes: Vec<Node>,
     /// Lights by leaf.
     order: Vec<u32>,
-    /// The way to each of them.
+    /// The path to each of them.
     branches: Vec<u64>,
 }
 
@@ -321,12 +324,12 @@ impl Subtree {
     }
 }
 
-/// What lights are sorted by: three coordinates of the centre, three of the axis.
+/// Sort keys of lights: three coordinates of the centre, three of the axis.
 fn feature(bounds: &LightBounds, k: usize) -> f32 {
     if k < 3 { bounds.centre()[k] } else { bounds.axis[k - 3] }
 }
 
-/// A way to sort lights into two groups: what is below bucket `cut` of a feature, and the rest.
+/// A split of lights into two groups: those below bucket `cut` of a feature, and the rest.
 struct Cut {
     feature: usize,
     low: f32,
@@ -400,7 +403,8 @@ fn costs(lights: &[(u32, LightBounds)], along: &Cut) -> Vec<(usize, f32)> {
         .collect()
 }
 
-/// The surface area orientation heuristic: power times how large the group is and into how much of the sphere it shines.
+/// The surface area orientation heuristic: power times the size of the group and the emitted part of the
+/// sphere.
 fn weight(bounds: &LightBounds) -> f32 {
     use std::f32::consts::{FRAC_PI_2, PI};
     let normals = bounds.cos_normals.clamp(-1.0, 1.0).acos();
@@ -446,7 +450,7 @@ mod tests {
         ] {
             let exact = |i: u32| lights[i as usize].map_or(0.0, |bounds| bounds.importance(p, n));
             let sum: f32 = (0..60).map(|i| tree.probability(i, p, n, exact)).sum();
-            // Less than one where a group promised what none of its lights keeps.
+            // Less than one where a group has importance but none of its lights contributes.
             assert!(sum > 0.9 && sum < 1.0 + 1e-5, "from {p}: {sum}");
             assert_eq!(tree.probability(7, p, n, exact), 0.0, "what is not there is not chosen");
             const N: u32 = 100_000;
@@ -488,7 +492,7 @@ mod tests {
         }
     }
 
-    /// More lights than one thread takes at a time, at places and in directions without order.
+    /// More lights than one thread takes at a time, at random positions and directions.
     #[test]
     fn threads_do_not_show() {
         let number = |k: u32, m: u32| (k.wrapping_mul(m) >> 8) as f32 / (1 << 24) as f32;

@@ -37,7 +37,8 @@ pub struct DirectionalLight {
 }
 
 impl SpotLight {
-    /// `direction` is where it points, any length but zero; half angles in radians. `None` if it points nowhere.
+    /// `direction` is where it points, any length but zero; half angles in radians. `None` if the direction
+    /// is zero.
     #[must_use]
     pub fn new(
         position: Vec3,
@@ -73,7 +74,7 @@ fn from_point(position: Vec3, intensity: impl Fn(Vec3) -> Vec3, p: &Vec3s, out: 
     for i in 0..p.len() {
         let offset = position - p.get(i);
         let dist = offset.length();
-        // A point at the light's place is not lit: it has no direction.
+        // A point at the light's position is unlit: it has no direction.
         if dist > 0.0 && dist.is_finite() {
             let dir = offset / dist;
             out.dir.set(i, dir);

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Bump maps: heights that turn normals, not the surface.
-//! Source: \[Mik10\] (the surface's gradient of the height, from any two changes of the point), \[Bli78\] (bumps). Heights are read over
-//! what a ray stands for, and their change over as much, at least a texel, so that bumps fade where they are too fine to be seen.
+//! Bump maps: heights that bend normals and leave the surface unchanged.
+//! Source: \[Mik10\] (the surface's gradient of the height, from any two changes of the point), \[Bli78\] (bumps).
+//! Heights are filtered over the ray's footprint, and their differences over the same width, at least a
+//! texel, so that bumps fade where they are too fine to resolve.
 //! Space: world. Invariant: bent normals see their ray from the front, so that no rim is black.
 //! Tests: `tests`; crates/render/tests/bumps.rs.
 
@@ -45,7 +46,7 @@ impl BumpMap {
         (facing + wo * (LEAST_COS - cos)).try_normalize().map_or(ns, |facing_normal| facing_normal * side)
     }
 
-    /// `None` where texture coordinates change nowhere, or heights do not.
+    /// `None` if texture coordinates or heights are constant.
     fn bent_at(&self, hits: &SurfaceBatch, i: usize) -> Option<Vec3> {
         if hits.dp_du.is_empty() {
             return None;

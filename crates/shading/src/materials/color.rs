@@ -65,7 +65,7 @@ impl Emission {
         })
     }
 
-    /// Brightness over the whole texture: what power is judged by. Above zero if anything shines.
+    /// Mean luminance over the whole texture, for estimates of power. Above zero if any texel emits.
     #[must_use]
     pub fn mean_luminance(&self) -> f32 {
         let mean = self.texture.as_ref().map_or([1.0; 4], TextureSampler::mean);
@@ -91,7 +91,8 @@ pub struct Coverage {
     pub texture: Option<TextureSampler>,
     /// Where the texture keeps it.
     pub channel: OpacityChannel,
-    /// All or nothing: there where the opacity reaches this. `None` = there for the share that the opacity says.
+    /// All or nothing: there where the opacity reaches this. `None` = the opacity is the fraction of the
+    /// surface.
     pub cutoff: Option<f32>,
 }
 

@@ -16,17 +16,17 @@ use crate::shader::{SurfaceShader, Tracer};
 pub struct Dielectric {
     /// Index of refraction inside over outside, > 0.
     pub ior: f32,
-    /// Tint of what is mirrored.
+    /// Tint of reflection.
     pub reflectance: Vec3,
-    /// Tint of what goes through.
+    /// Tint of transmission.
     pub transmittance: Vec3,
-    /// Share of light that is absorbed within per way, 1 over world units, >= 0.
+    /// Absorption coefficient within, 1 over world units, >= 0.
     pub absorption: Vec3,
     /// How much greater the index is for blue-green light (486.1 nm) than for red (656.3 nm), >= 0.
     pub spread: f32,
 }
 
-/// What is left of light that comes straight to lane `i` through what absorbs so much, where it comes from within.
+/// Transmittance of this absorption for light that comes straight to lane `i` from within.
 pub(super) fn inside(hits: &SurfaceBatch, i: usize, absorption: Vec3) -> Vec3 {
     if hits.front(i) || absorption == Vec3::ZERO { Vec3::ONE } else { (-absorption * hits.t[i]).exp() }
 }

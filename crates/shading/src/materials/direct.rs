@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Light that reaches a surface without a bounce: every light asked, shadows traced, a BSDF weighting what arrives.
+//! Direct light on a surface: samples of every light, shadow rays, and the BSDF as weight.
 //! Source: [Whi80] (shadow rays); [CPC84] (lights with extent, by sampling).
-//! A light counts only where it is above the horizon, see [`SurfaceBatch::shadow_ray`]. Shadow rays are sent only where
-//! the BSDF lets something through.
+//! A light counts only where it is above the horizon, see [`SurfaceBatch::shadow_ray`]. Shadow rays are sent
+//! only where the BSDF is not zero.
 
 use glam::Vec3;
 

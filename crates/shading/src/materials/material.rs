@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What every surface may have beside its scattering: emission on its front, bumps, and places where it is not there.
-//! Source: glTF 2.0 section 3.9 (alpha modes, emission). Radiance is coverage * (scattered + emitted) + (1 - coverage) *
-//! what lies straight behind. Tests: `crates/render/tests/appearance.rs`.
+//! Features of every surface beside its scattering: emission on its front, bumps, and opacity.
+//! Source: glTF 2.0 section 3.9 (alpha modes, emission). Radiance is coverage * (scattered + emitted) + (1 -
+//! coverage) * radiance straight behind. Tests: `crates/render/tests/appearance.rs`.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::materials::bump::BumpMap;
 use crate::materials::color::{Coverage, Emission};
 use crate::shader::{AttributeRequest, RadianceShader, SurfaceShader, Tracer};
 
-/// A surface with emission and holes.
+/// A surface with emission and opacity.
 #[derive(Clone)]
 pub struct Material {
     /// How it scatters.
@@ -23,7 +23,7 @@ pub struct Material {
     pub emission: Option<Emission>,
     /// Where it is there; `None` = everywhere.
     pub coverage: Option<Coverage>,
-    /// What turns its normals.
+    /// The map that bends its normals.
     pub bump: Option<BumpMap>,
 }
 
@@ -36,7 +36,7 @@ impl Material {
         }
     }
 
-    /// Adds what passes the holes to what the surface lets through.
+    /// Adds the light through transparent parts to the transmittance.
     fn open(&self, hits: &SurfaceBatch, out: &mut Vec3s) {
         let Some(coverage) = &self.coverage else { return };
         for i in 0..hits.len() {

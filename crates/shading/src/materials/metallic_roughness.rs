@@ -30,26 +30,27 @@ pub struct MetallicRoughness {
     pub ior: f32,
     /// Normals.
     pub normal_map: Option<NormalMap>,
-    /// What else it is made of; what is named above stands in the place of its base, metal, roughness and index.
+    /// The rest of its model; the fields above replace its base, metal, roughness and index.
     pub model: Principled,
-    /// Along what it is brushed.
+    /// The direction of brushing.
     pub anisotropy: Anisotropy,
-    /// Share of light that the inside of glass which is no pane absorbs per way, 1 over world units, >= 0.
+    /// Absorption coefficient within solid glass, 1 over world units, >= 0.
     pub absorption: Vec3,
 }
 
-/// How facets are rougher along one direction than across it.
+/// Anisotropy of microfacets: rougher along one direction than across it.
 #[derive(Clone, Debug, Default)]
 pub struct Anisotropy {
     /// How much rougher, in [0, 1]; 0 = not at all.
     pub strength: f32,
     /// That direction, from where the texture's u grows, counter-clockwise, radians.
     pub rotation: f32,
-    /// Red and green: the direction before it is turned; blue: multiplied to how much rougher they are.
+    /// Red and green: the direction before its rotation; blue: multiplied to the strength.
     pub texture: Option<TextureSampler>,
 }
 
-/// Where a texture's own coordinates grow, from where the mesh's do: its transform undone. `None` where they grow nowhere.
+/// Where a texture's own coordinates grow, from where the mesh's do: its transform undone. `None` if they are
+/// constant.
 fn axes(texture: &TextureSampler, dp_du: Vec3, dp_dv: Vec3) -> Option<[Vec3; 2]> {
     let [a, b, c, d, ..] = texture.uv_from_mesh;
     let side = (a * d - b * c).signum();
@@ -67,8 +68,8 @@ pub struct NormalMap {
 }
 
 impl NormalMap {
-    /// The shading normal of a lane, unit, on the side of the mesh's own, and the square of the slopes that the map has around it
-    /// within what the lane stands for, by how much shorter their mean is than they are \[Tok05\].
+    /// The shading normal of a lane, unit, on the side of the mesh's own normal; and the mean square of the
+    /// slopes that the map has around it within the footprint, from the length of the mean normal \[Tok05\].
     fn at_hit(&self, hits: &SurfaceBatch, i: usize) -> (Vec3, f32) {
         let ns = hits.scattering_ns(i);
         let [x, y, z, _] = self.texture.at_hit(hits, i);
@@ -78,7 +79,7 @@ impl NormalMap {
         (self.bent(hits, i, [x, y, z]).unwrap_or(ns), slopes)
     }
 
-    /// The normal that a texel says, where it is one.
+    /// The normal of a texel, if it is valid.
     fn bent(&self, hits: &SurfaceBatch, i: usize, [x, y, z]: [f32; 3]) -> Option<Vec3> {
         let ns = hits.scattering_ns(i);
         let local = Vec3::new((2.0 * x - 1.0) * self.scale, (2.0 * y - 1.0) * self.scale, 2.0 * z - 1.0);
@@ -93,12 +94,12 @@ impl NormalMap {
     }
 }
 
-/// What a unit normal of three bytes may lack by rounding.
+/// Possible rounding loss of a unit normal of three bytes.
 const ROUNDED: f32 = 0.004;
 /// The most that fine slopes add to the square of facets' slopes \[TK19\].
 const MOST_ROUGHER: f32 = 0.18;
 
-/// Roughness of facets on fine slopes: the squares add up.
+/// Roughness of microfacets on fine slopes: the squares add up.
 fn rougher(roughness: f32, slopes: f32) -> f32 {
     if slopes == 0.0 {
         return roughness;
@@ -117,7 +118,8 @@ impl MetallicRoughness {
 }
 
 impl MetallicRoughness {
-    /// Makes facets rougher along the direction in which they are brushed: glTF's alpha along it goes to 1 with the square of the strength.
+    /// Makes microfacets rougher along the direction of anisotropy: glTF's alpha along it goes to 1 with the
+    /// square of the strength.
     fn brush(&self, hits: &SurfaceBatch, i: usize, ns: Vec3, model: &mut Principled) {
         let Anisotropy { strength, rotation, texture } = &self.anisotropy;
         let (mut strength, mut axis) = (*strength, Vec2::X);
@@ -138,7 +140,7 @@ impl MetallicRoughness {
         model.alpha += (1.0 - model.alpha) * (strength * strength).clamp(0.0, 1.0);
     }
 
-    /// What it is where its textures hold these numbers, seen from its front or its back, not brushed.
+    /// The model for these values of its textures, seen from its front or its back, not brushed.
     fn model(&self, base: Vec3, metallic: f32, roughness: f32, front: bool) -> Principled {
         let eta = if front { 1.0 / self.ior } else { self.ior };
         Principled {
@@ -160,7 +162,7 @@ impl MetallicRoughness {
 impl SurfaceShader for MetallicRoughness {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         let mut lobes = Lobes::default();
-        // What the lobes were made from: neighbours often are alike.
+        // The last input of the lobes, because neighbours often are equal.
         let mut made = None;
         for i in 0..hits.len() {
             let texel = self.metallic_roughness_texture.as_ref().map_or([1.0; 4], |t| t.at_hit(hits, i));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The built-in surfaces, as shaders: each says what BSDF its points have, and what Whitted's renderer shows follows from
-//! that alone; [`Material`] adds emission, bumps and holes around any of them.
+//! The built-in surfaces, as shaders: each returns the BSDF of its points, from which Whitted's renderer
+//! derives the radiance; [`Material`] adds emission, bumps and opacity around any of them.
 //! Source: see each file. One model, one file.
 
 mod bump;
@@ -29,7 +29,7 @@ pub use shadow_catcher::ShadowCatcher;
 pub use unlit::Unlit;
 pub use whitted::{recursive_radiance, scattered_radiance};
 
-/// Perceptual roughness below which Whitted's renderer traces reflections, and sees straight through glass. Just above 0.5, which
-/// many glTF files have: there, at grazing views, rays drawn from the facets leave a tenth to a quarter of the error that light
-/// samples leave.
+/// Perceptual roughness below which Whitted's renderer traces reflections, and sees straight through glass.
+/// Just above 0.5, which many glTF files have: there, at grazing views, rays drawn from the microfacets leave
+/// a tenth to a quarter of the error of light samples.
 pub const SMOOTH: f32 = 0.55;

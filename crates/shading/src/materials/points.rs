@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Surfaces that are given by a function from a hit to its scattering: what most models need and no more.
+//! Surfaces defined by a function from a hit to its scattering: most models need no more.
 //! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
@@ -9,7 +9,7 @@ use crate::bsdf::{Bsdf, ClosureBatch, Kind, Lobe, Medium};
 use crate::materials::color::TexturedColor;
 use crate::shader::SurfaceShader;
 
-/// A surface whose points scatter as the function says for a lane of a batch.
+/// A surface whose points scatter by the function, for a lane of a batch.
 #[derive(Clone)]
 pub struct FromPoints<F>(pub F);
 
@@ -51,15 +51,16 @@ pub struct RoughGlass {
 }
 
 impl RoughGlass {
-    /// Glass of index `ior`, a pane if `thin`; `roughness` is glTF's, in [0, 1]; tints are of what is mirrored and of what goes through.
+    /// Glass of index `ior`, a pane if `thin`; `roughness` is glTF's, in [0, 1]; tints are those of
+    /// reflection and transmission.
     #[must_use]
     pub fn new(ior: f32, roughness: f32, [reflectance, transmittance]: [Vec3; 2], thin: bool) -> Self {
         let side = |eta| Lobe::rough_glass(roughness * roughness, eta, reflectance, transmittance, thin);
         Self { front: side(1.0 / ior), back: side(ior), absorption: Vec3::ZERO }
     }
 
-    /// The same with an inside, if it is no pane: it absorbs so much per way (1 over world units), and its index is greater by `spread` for
-    /// blue-green light than for red.
+    /// The same with an inside, if it is no pane: with this absorption coefficient (1 over world units), and
+    /// an index that is greater by `spread` for blue-green light than for red.
     #[must_use]
     pub fn with_inside(self, absorption: Vec3, spread: f32) -> Self {
         let absorption = if self.front.kind == Kind::Pane { Vec3::ZERO } else { absorption };

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A floor that only catches shadow: Lambert's reflector that shows what lies behind the scene where all light reaches it.
-//! Source: [Deb98] section 6 (differences that things make to a known background); [Lam60].
-//! Integrators that know `backdrop` may take the light that is missing from it in place of the light that arrives: no noise where
-//! nothing is missing. Others see a Lambertian reflector, and the same on average. Tests: crates/render/tests/shadow_catcher.rs.
+//! A shadow catcher: Lambert's reflector that shows the background where all light of the environment reaches
+//! it.
+//! Source: [Deb98] section 6 (differences between a known background with and without objects); [Lam60].
+//! Integrators that use `backdrop` may subtract the missing light from it instead of adding the arriving
+//! light: no noise where nothing is missing. Others see a Lambertian reflector, and the same on average.
+//! Tests: crates/render/tests/shadow_catcher.rs.
 
 use glam::Vec3;
 
@@ -15,7 +17,7 @@ use crate::shader::SurfaceShader;
 pub struct ShadowCatcher {
     /// Share of light that is scattered.
     pub albedo: Vec3,
-    /// What it shows where all light of the environment reaches it.
+    /// Its radiance where all light of the environment reaches it.
     pub radiance: Vec3,
 }
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A colour that is seen as it is, whatever lights it, from both sides: drawings, backgrounds, photographs on models.
-//! Source: KHR_materials_unlit, which speaks of what is seen. Light that such a surface gave to others would be made from nothing, so
-//! that rays which a surface scattered to all sides see black here; mirrors, glass and glossy surfaces show it.
+//! An unlit colour, the same under any light and from both sides: drawings, backgrounds, photographs on
+//! models.
+//! Source: KHR_materials_unlit, which defines its appearance. Light from such a surface to others would
+//! create energy, so rays from diffuse surfaces see black here; mirrors, glass and glossy surfaces show it.
 //! Units: radiance, W·sr⁻¹·m⁻². Tests: crates/render/tests/unlit.rs.
 
 use crate::batch::{RayKind, SurfaceBatch, Vec3s};

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Radiance from a BSDF, the way ray tracing began: lights are asked, what is nearly a mirror image is traced.
-//! Source: [Whi80]. Light is counted once: narrow lobes (mirrors, glass, facets of roughness below [`SMOOTH`]) follow one
-//! ray each and ignore light samples of lights that such a ray can meet; wide lobes weigh all light samples and send no
-//! ray. Lights without extent reach narrow lobes by samples either way. Smooth glass follows both branches at the ray's
-//! first hit; later ones choose one by its share, which keeps the tree small and the mean right.
-//! Glass that bends colours apart sends one ray, of one of them. What glass absorbs is taken where light leaves it.
-//! What wide lobes would scatter of other surfaces is left out: that is light scattered twice.
+//! Radiance from a BSDF after Whitted: lights are sampled, near-mirror reflections are traced.
+//! Source: [Whi80]. Light is counted once: narrow lobes (mirrors, glass, microfacets of roughness below
+//! [`SMOOTH`]) follow one ray each and ignore samples of lights that such a ray can meet; wide lobes weigh
+//! all light samples and send no ray. Light samples reach narrow lobes if the light has no extent. Smooth
+//! glass follows both branches at the ray's first hit; later ones choose one by its share, which keeps the
+//! tree small and the mean right. Dispersive glass sends one ray, of one of its colours. Absorption of glass
+//! is applied where light leaves it. Wide lobes scatter no light of other surfaces: that would be light
+//! scattered twice.
 //! Tests: crates/render/tests/{mirrors,appearance,lights}.rs.
 
 use glam::Vec3;
@@ -25,8 +26,8 @@ mod branch {
     pub(super) const STRAIGHT: u32 = 2;
 }
 
-/// Adds to `out` the radiance that leaves each point against its ray: coverage * (scattered + emitted) + (1 - coverage) * what
-/// lies straight behind. `closures` is memory.
+/// Adds to `out` the radiance that leaves each point against its ray: coverage * (scattered + emitted) + (1 -
+/// coverage) * radiance straight behind. `closures` is memory.
 pub fn recursive_radiance(
     tracer: &mut dyn Tracer,
     hits: &SurfaceBatch,
@@ -72,7 +73,7 @@ pub fn recursive_radiance(
     }
 }
 
-/// The same of what is there.
+/// The same for the opaque part.
 fn solid_radiance(
     tracer: &mut dyn Tracer,
     hits: &SurfaceBatch,
@@ -89,7 +90,8 @@ fn solid_radiance(
     }
 }
 
-/// Adds the light that points scatter against their rays: what lights send, and what is seen in mirrors and through glass.
+/// Adds the light that points scatter against their rays: direct light, mirror reflections, and light through
+/// glass.
 pub fn scattered_radiance(
     tracer: &mut dyn Tracer,
     hits: &SurfaceBatch,
@@ -124,7 +126,7 @@ pub fn scattered_radiance(
     rays.trace(tracer, hits, out);
 }
 
-/// Rays and what each is worth.
+/// Rays and their weights.
 #[derive(Default)]
 struct Branches {
     request: RayRequest,

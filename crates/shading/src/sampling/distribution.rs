@@ -2,7 +2,8 @@
 //! Choosing one of many in proportion to weights, by inverting the cumulative sum.
 //! Source: [PJH23] section A.1. Inversion rather than an alias table: neighbouring numbers give neighbouring choices,
 //! so stratified numbers stay stratified; a choice costs log2 n steps.
-//! Invariant: what has weight 0 is never chosen. Tests: `tests::{choices_follow_weights, rest_is_uniform}`.
+//! Invariant: an element of weight 0 is never chosen. Tests: `tests::{choices_follow_weights,
+//! rest_is_uniform}`.
 
 /// Weights to choose by.
 #[derive(Clone, Debug)]
@@ -16,9 +17,9 @@ pub struct Distribution {
 pub struct Choice {
     /// Which one.
     pub index: usize,
-    /// With what probability it is chosen.
+    /// The probability of the choice.
     pub probability: f32,
-    /// What is left of the random number, again uniform in [0, 1).
+    /// The remainder of the random number, again uniform in [0, 1).
     pub rest: f32,
 }
 

@@ -22,7 +22,7 @@ pub struct GridPoint {
     pub column: usize,
     /// Row of its cell.
     pub row: usize,
-    /// Place within its cell, both in [0, 1).
+    /// Position within its cell, both in [0, 1).
     pub within: [f32; 2],
     /// Probability with which its cell is chosen.
     pub probability: f32,

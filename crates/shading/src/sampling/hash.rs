@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Hashing words into words, for random numbers that are functions of who asks. Source: [Bur20].
+//! Hashing of words into words, for random numbers that are functions of a key. Source: [Bur20].
 //! Tests: the tests of `sobol`.
 
 /// A well-mixed function of two words.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Stateless random numbers and the ways to turn them into directions, points and choices.
+//! Stateless random numbers and their warps into directions, points and choices.
 //! Source: see each file. Everything is a function of its arguments: no generator is carried around.
 
 pub(crate) mod distribution;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sobol' points in two dimensions, shuffled and scrambled by hashes: random numbers as a pure function of who asks.
+//! Sobol' points in two dimensions, shuffled and scrambled by hashes: random numbers as a pure function of a
+//! key.
 //! Source: [Bur20] (hash-based Owen scrambling and shuffling, padding of 2D sets); Owen [Owe95]; the two dimensions are
 //! those of [Sob67]. Differs: the key holds pixel, path branch, depth and purpose.
 //! Invariant: for a fixed key and purpose, samples 0..2^k are a (0, 2)-sequence: each elementary interval of area 2^-k
@@ -8,25 +9,25 @@
 use super::hash::hash_combine;
 use crate::batch::SampleKey;
 
-/// What pairs of numbers are drawn for: two users of one key and depth must differ here.
+/// Purposes of pairs of random numbers: two users of one key and depth must have different ones.
 pub mod purpose {
-    /// Place within the pixel.
+    /// Position within the pixel.
     pub const PIXEL: u32 = 0;
     /// Direction of a scattered ray.
     pub const DIRECTION: u32 = 1;
     /// Choice between mirrored and refracted.
     pub const CHOICE: u32 = 2;
-    /// Place on the light that was chosen.
+    /// Position on the chosen light.
     pub const LIGHT_POSITION: u32 = 3;
     /// Choice between lights.
     pub const LIGHT_CHOICE: u32 = 4;
     /// Whether a surface that is there in part is met.
     pub const COVERAGE: u32 = 5;
-    /// Place on the camera's lens.
+    /// Position on the camera's lens.
     pub const LENS: u32 = 6;
     /// Time within which the shutter is open.
     pub const TIME: u32 = 7;
-    /// First of those that shaders outside this crate may use.
+    /// First of those for shaders outside of this crate.
     pub const SHADER: u32 = 0x100;
     /// Point on light 0; light i has `LIGHT + i`.
     pub const LIGHT: u32 = 0x1000_0000;
@@ -70,8 +71,9 @@ impl Draws {
 /// Point `index` of the two-dimensional Sobol' sequence, as fractions of 2^32.
 #[inline]
 fn sobol(index: u32) -> [u32; 2] {
-    // Columns of the second dimension's matrix are the rows of Pascal's triangle modulo 2: by Lucas, bit j of the
-    // mirrored number is the sum of all bits of the index whose place holds the bits of j, a sum that doubles in reach.
+    // Columns of the second dimension's matrix are the rows of Pascal's triangle modulo 2. By Lucas, bit j of
+    // the mirrored number is the sum of all bits of the index whose position holds the bits of j: a sum whose
+    // reach doubles.
     let mut sums = index;
     for (shift, mask) in
         [(1, 0x5555_5555), (2, 0x3333_3333), (4, 0x0f0f_0f0f), (8, 0x00ff_00ff), (16, 0x0000_ffff)]

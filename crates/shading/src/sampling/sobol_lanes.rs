@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! [`Draws`](super::Draws) for sixteen samples at once.
-//! Source: as `sobol`, whose numbers these are, bit for bit. Differs: turning words around is the slow part in lanes, and
-//! most turns of the scalar form cancel each other.
+//! Source: as `sobol`, whose numbers these are, bit for bit. Differs: reversals of words are slow in lanes,
+//! and most reversals of the scalar form cancel each other.
 //! Tests: `tests::the_same_numbers`.
 
 use gnurt_simd::{Simd, f32x16, prelude::*, u32x16};
@@ -13,7 +13,7 @@ use crate::lanes::{Floats, LANES, UInts};
 /// All pairs of sixteen samples.
 #[derive(Clone, Copy, Debug)]
 pub struct DrawsX16<S: Simd> {
-    /// The number of the sample within its pixel, turned around.
+    /// The number of the sample within its pixel, bit-reversed.
     sample: UInts<S>,
     /// Hash of all but the purpose.
     set: UInts<S>,
@@ -95,7 +95,7 @@ fn mix_lanes<S: Simd>(x: UInts<S>) -> UInts<S> {
     x ^ (x >> 15)
 }
 
-/// The second coordinate of a Sobol' point, turned around.
+/// The second coordinate of a Sobol' point, bit-reversed.
 #[inline(always)]
 fn second_dimension<S: Simd>(index: UInts<S>) -> UInts<S> {
     let mut sums = index;
@@ -107,14 +107,14 @@ fn second_dimension<S: Simd>(index: UInts<S>) -> UInts<S> {
     sums
 }
 
-/// A coordinate that is given turned around, scrambled by the set's hash with `n`, as a number in [0, 1).
+/// A bit-reversed coordinate, scrambled by the set's hash with `n`, as a number in [0, 1).
 #[inline(always)]
 fn scrambled<S: Simd>(turned: UInts<S>, set: UInts<S>, n: u32) -> Floats<S> {
     let value = reverse(owen(turned + combine_known(set, n))) >> 8;
     Floats::<S>::float_from(value) * f32x16::splat(turned.token(), 1.0 / 16_777_216.0)
 }
 
-/// What `owen_scramble` does between its two turns, but for the first sum.
+/// The steps of `owen_scramble` between its two reversals, except for the first sum.
 #[inline(always)]
 fn owen<S: Simd>(mut x: UInts<S>) -> UInts<S> {
     for factor in [0x6c50_b47c, 0xb82f_1e52, 0xc7af_e638, 0x8d22_f6e6] {

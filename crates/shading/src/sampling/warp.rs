@@ -28,7 +28,7 @@ impl Basis {
         Self { tangent, bitangent, normal }
     }
 
-    /// The frame around `normal` whose first axis comes closest to `along`; any frame if `along` says nothing.
+    /// The frame around `normal` whose first axis comes closest to `along`; any frame if `along` is zero.
     #[must_use]
     pub fn along(normal: Vec3, along: Vec3) -> Self {
         let flat = along - normal * normal.dot(along);

@@ -23,7 +23,7 @@ pub fn cosine_hemisphere_of<R: Real>(u: [R; 2]) -> Vector<R> {
     Vector::new(x, y, z)
 }
 
-/// Sine and cosine of angles of at most an eighth of a turn.
+/// Sine and cosine of angles of at most an eighth of the circle.
 #[inline(always)]
 fn sin_cos<R: Real>(a: R) -> (R, R) {
     let a2 = a * a;
@@ -57,7 +57,7 @@ pub fn triangle<R: Real>([a, b]: [R; 2]) -> [R; 2] {
 #[inline(always)]
 pub(crate) fn frame_around<R: Real>(n: Vector<R>) -> [Vector<R>; 2] {
     let one = n.x.all(1.0);
-    // A negative zero counts as positive, which no frame needs to know.
+    // A negative zero counts as positive, which makes no difference to a frame.
     let sign = R::pick(n.z.all(0.0).above(n.z), -one, one);
     let a = -one / (sign + n.z);
     let b = n.x * n.y * a;

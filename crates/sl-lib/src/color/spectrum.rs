@@ -7,7 +7,7 @@
 use super::matching::MATCHING;
 use crate::math::expm1;
 
-/// What a black body gives off at one wavelength, in W/m^2 for a metre of the spectrum.
+/// Emission of a black body at one wavelength, in W/m^2 for a metre of the spectrum.
 fn planck(wavelength_nm: f32, kelvin: f32) -> f32 {
     const C1: f32 = 3.741_83e-16;
     const C2: f32 = 1.438_8e-2;
@@ -30,7 +30,7 @@ pub(super) fn blackbody_xyz(kelvin: f32) -> [f32; 3] {
     sum
 }
 
-/// XYZ of light of one wavelength; black outside of what is seen.
+/// XYZ of light of one wavelength; black outside of the visible range.
 pub(super) fn wavelength_xyz(wavelength_nm: f32) -> [f32; 3] {
     let parameter = (wavelength_nm - 380.0) / 5.0;
     let i = parameter as i32;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What red, green and blue mean: primaries and a white point, and all that follows from them.
-//! Source: the chromaticities are those of the standards that the names are of; the table of black bodies is OSL's: even in
+//! Definitions of red, green and blue: primaries and a white point, and the values derived from them.
+//! Source: the chromaticities are those of the named standards; the table of black bodies is OSL's: even in
 //! (T - 800)^(2/3), fifth roots, within 0.1 %. Tests: `tests/colors.rs`.
 
 use super::convert::{
@@ -36,7 +36,7 @@ const SYSTEMS: [(&str, Chromaticities); 13] = [
 
 /// Below this no black body is seen to glow.
 const DRAPER: f32 = 800.0;
-/// From here on black bodies are computed and not looked up.
+/// From this temperature on black bodies are computed, below it they are looked up.
 const TABLE_END: f32 = 12_000.0;
 const TABLE_SIZE: usize = 317;
 
@@ -58,7 +58,7 @@ impl Default for ColorSystem {
     }
 }
 
-/// A colour space that nobody knows.
+/// An unknown colour space.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownColorSpace {
     /// Where colours were to come from.
@@ -76,7 +76,7 @@ impl std::fmt::Display for UnknownColorSpace {
 impl std::error::Error for UnknownColorSpace {}
 
 impl ColorSystem {
-    /// The names that [`named`](Self::named) knows.
+    /// The names that [`named`](Self::named) accepts.
     pub fn names() -> impl Iterator<Item = &'static str> {
         SYSTEMS.iter().map(|(name, _)| *name)
     }
@@ -101,7 +101,7 @@ impl ColorSystem {
         let rgb_from_xyz = [[r[0], g[0], b[0]], [r[1], g[1], b[1]], [r[2], g[2], b[2]]];
         let xyz_from_rgb = inverse(&rgb_from_xyz);
         let mut luminance = [xyz_from_rgb[0][1], xyz_from_rgb[1][1], xyz_from_rgb[2][1]];
-        // Where rounding alone keeps the sum from being 1.
+        // Where only rounding keeps the sum from being 1.
         let rest = 1.0 - luminance[0] - luminance[1];
         if (rest - luminance[2]).abs() < 0.001 {
             luminance[2] = rest;
@@ -116,7 +116,7 @@ impl ColorSystem {
         system
     }
 
-    /// What it is called.
+    /// Its name.
     #[must_use]
     pub fn name(&self) -> &'static str {
         self.name

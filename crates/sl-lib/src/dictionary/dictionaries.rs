@@ -9,15 +9,15 @@ use std::collections::HashMap;
 use super::path::Query;
 use super::xml::{Content, Document};
 
-/// Documents and nodes that are kept; what is asked beyond is not found.
+/// Limits of stored documents and nodes; further ones are not found.
 const DOCUMENTS: usize = 1 << 10;
 const NODES: usize = 1 << 20;
 
-/// All documents that were asked, and the nodes that were found.
+/// All documents that were queried, and the nodes that were found.
 #[derive(Debug, Default)]
 pub struct Dictionaries {
     documents: Vec<Document>,
-    /// By name or text; `None` where it could not be read, which is told once.
+    /// By name or text; `None` where it could not be read, which is reported once.
     by_name: HashMap<String, Option<usize>>,
     found: Vec<Found>,
     /// The first node of each query: document, node of the document, text.
@@ -32,7 +32,7 @@ struct Found {
     next: i32,
 }
 
-/// What could not be read.
+/// A failure to read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DictionaryError {
     /// A document.
@@ -47,7 +47,7 @@ pub enum DictionaryError {
 }
 
 impl DictionaryError {
-    /// What `dict_find` gives then.
+    /// The result of `dict_find` in this case.
     #[must_use]
     pub fn result(&self) -> i32 {
         if matches!(self, Self::Document { .. }) { -1 } else { 0 }
@@ -60,7 +60,7 @@ impl std::fmt::Display for DictionaryError {
             Self::Document { reason, at } => write!(f, "XML parsed with errors: {reason}, at offset {at}"),
             Self::Query(query) => write!(
                 f,
-                "Invalid dict_find query '{query}': a path of names is wanted, as \"//node[@name='x']/child\""
+                "Invalid dict_find query '{query}': a path of names is expected, as \"//node[@name='x']/child\""
             ),
         }
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Dictionaries that shaders ask: documents in XML.
+//! Dictionaries for shaders: documents in XML.
 
 mod dictionaries;
 mod path;

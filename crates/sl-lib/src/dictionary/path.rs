@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Queries of documents: the part of `XPath` 1.0 that dictionaries are asked with.
+//! Queries of documents: the part of `XPath` 1.0 that dictionaries support.
 //! Source: `XPath` 1.0, abbreviated syntax: `/`, `//`, `|`, names, `*`, `.`, `..`, `text()`, `node()`, and in brackets a number, `last()`,
 //! `@name`, a child's name or `text()`, alone or with `=` or `!=` and a string, joined by `and` and `or`. No other functions and axes.
 //! Tests: `tests/dictionary.rs`.
@@ -18,7 +18,7 @@ enum Test {
     Parent,
 }
 
-/// What stands in brackets.
+/// A condition in brackets.
 #[derive(Debug)]
 enum Condition {
     Position(usize),
@@ -37,13 +37,13 @@ enum Operand {
 #[derive(Debug)]
 struct Comparison {
     operand: Operand,
-    /// Whether it must be equal or must not, and to what; else it must be there.
+    /// Whether it must be equal or must not, and the text to compare; `None` requires only presence.
     to: Option<(bool, String)>,
 }
 
 #[derive(Debug)]
 struct Step {
-    /// Whether it looks at all that is below, too.
+    /// Whether it searches all descendants, too.
     deep: bool,
     test: Test,
     conditions: Vec<Condition>,

@@ -4,7 +4,7 @@
 //! Invariants: no text makes it panic or recurse; a tree takes no more than a small multiple of its text.
 //! Tests: `tests/dictionary.rs`.
 
-/// What stands at a place of the tree.
+/// A node of the tree.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Content {
     Element { name: String, attributes: Vec<(String, String)> },
@@ -44,7 +44,7 @@ impl<'a> Reader<'a> {
         found
     }
 
-    /// What comes before a token; the reader then stands behind it.
+    /// Reads up to a token and past it; returns the text before it.
     fn until(&mut self, token: &str, reason: &'static str) -> Result<&'a str, Fault> {
         let length = self.rest().find(token).ok_or((self.text.len(), reason))?;
         let found = &self.rest()[..length];
@@ -85,7 +85,7 @@ impl<'a> Reader<'a> {
         Ok((name.to_owned(), decoded(self.until(quote, REASON)?)))
     }
 
-    /// A declaration of the document's type, with what may stand in its brackets.
+    /// A declaration of the document's type, with anything in its brackets.
     fn doctype(&mut self) -> Result<(), Fault> {
         let mut depth = 0_usize;
         for (i, c) in self.rest().char_indices() {
@@ -106,14 +106,15 @@ impl<'a> Reader<'a> {
 /// Bytes of an entity with its signs before and after.
 const LONGEST_ENTITY: usize = 32;
 
-/// Text with its entities replaced; those that nobody knows stay.
+/// Text with its entities replaced; unknown ones stay.
 fn decoded(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find('&') {
         out.push_str(&rest[..at]);
         rest = &rest[at..];
-        // Further away there is no end of a name: a text of such signs alone would be looked through for each.
+        // The search for the end of a name is limited: a text of only such signs would be searched to its end
+        // for each.
         let end = rest.bytes().take(LONGEST_ENTITY).position(|byte| byte == b';');
         let known = end.and_then(|end| Some((entity(&rest[1..end])?, end)));
         if let Some((c, end)) = known {
@@ -194,7 +195,7 @@ impl Document {
                 let length = reader.rest().find('<').unwrap_or(reader.rest().len());
                 let text = &reader.rest()[..length];
                 reader.at += length;
-                // Outside of all elements text says nothing.
+                // Text outside of all elements has no meaning.
                 if around != 0 && !text.trim().is_empty() {
                     document.add(around, Content::Text(decoded(text)));
                 }

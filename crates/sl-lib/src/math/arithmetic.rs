@@ -6,7 +6,7 @@
 
 use crate::number::{Number, Real, UInts};
 
-/// a / b, and 0 where that is no finite number.
+/// a / b, and 0 where that is not a finite number.
 #[inline(always)]
 pub fn div<N: Number>(a: N, b: N) -> N {
     let (u, v) = (a.value(), b.value());
@@ -66,7 +66,7 @@ pub fn sqrt<N: Number>(x: N) -> N {
     x.chain(root, || N::Real::choose(zero.less(value), zero.of(0.5) / root, zero))
 }
 
-/// 1 / sqrt(x); 0 of what is not positive.
+/// 1 / sqrt(x); 0 for x <= 0 and NaN.
 #[inline(always)]
 pub fn inversesqrt<N: Number>(x: N) -> N {
     let (value, zero) = (x.value(), x.value().of(0.0));
@@ -111,7 +111,7 @@ pub fn abs<N: Number>(x: N) -> N {
     N::pick(positive, x, -x).with_value(value.abs())
 }
 
-/// Without the sign; the smallest integer stays what it is.
+/// Without the sign; the smallest integer stays unchanged.
 #[must_use]
 pub fn abs_int(x: i32) -> i32 {
     x.wrapping_abs()

@@ -2,9 +2,9 @@
 //! Powers, exponentials, logarithms, the error function.
 //! Source: the polynomials that OSL evaluates, as in `trigonometry`; the error function is formula 7.1.28 of Abramowitz and
 //! Stegun.
-//! Invariants: never NaN and never infinite for numbers. Logarithms see nothing below the smallest normal float; powers of
-//! two lie in [2^-126, 2^126], so `pow` is clamped to that range.
-//! Errors, relative: `exp2` and `exp` 3e-5, logarithms 8e-6 absolute, `erf` 2e-6 absolute. Tests: `tests/mathematics.rs`.
+//! Invariants: never NaN and never infinite for numbers. Logarithms clamp at the smallest normal float;
+//! powers of two are in [2^-126, 2^126], so `pow` is clamped to that range. Errors, relative: `exp2` and
+//! `exp` 3e-5, logarithms 8e-6 absolute, `erf` 2e-6 absolute. Tests: `tests/mathematics.rs`.
 
 use std::f32::consts::{FRAC_2_SQRT_PI, LN_2, LN_10, LOG2_E};
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Sine, cosine and their relatives, in radians.
 //! Source: the polynomials that OSL evaluates (of SLEEF, and fits published by their authors as comments in OpenImageIO's
-//! `fmath.h`), so that shaders print the same digits. Differs: rounds to whole turns away from ties.
-//! Invariants: never NaN for numbers; arguments of `asin` and `acos` are clamped to [-1, 1]. Errors, as absolute differences:
-//! sine and cosine 5e-7 up to 1000 radians, `asin` and `acos` 5e-5, `atan` and `atan2` 1e-5.
+//! `fmath.h`), so that shaders print the same digits. Differs: rounds to full rotations away from ties.
+//! Invariants: never NaN for numbers; arguments of `asin` and `acos` are clamped to [-1, 1]. Errors, as
+//! absolute differences: sine and cosine 5e-7 up to 1000 radians, `asin` and `acos` 5e-5, `atan` and `atan2`
+//! 1e-5.
 //! Tests: `tests/mathematics.rs`, against `f64`.
 
 use std::f32::consts::{FRAC_1_PI, FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
@@ -157,7 +158,8 @@ pub fn atan<N: Number>(x: N) -> N {
     x.chain(angle.copysign(value), || one / (value * value + 1.0))
 }
 
-/// The angle of the direction (x, y), in [-pi, pi]; 0 or pi where both are zero. What is no number counts as without a sign.
+/// The angle of the direction (x, y), in [-pi, pi]; 0 or pi where both are zero. A NaN counts as without a
+/// sign.
 #[inline(always)]
 pub fn atan2<N: Number>(y: N, x: N) -> N {
     let (v, u) = (y.value(), x.value());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Vectors: arrays of three numbers, with derivatives where those have them.
-//! Source: the OSL 1.14 language reference, "Geometric functions". Whatever space the caller's vectors are in.
+//! Source: the OSL 1.14 language reference, "Geometric functions". Space: that of the caller's vectors.
 //! Invariant: nothing here makes a NaN of numbers: a vector without length normalises to zero.
 //! Tests: `tests/vectors.rs`.
 
@@ -65,7 +65,8 @@ pub fn normalize<N: Number>(v: [N; 3]) -> [N; 3] {
     scale(v, div(v[0].constant(1.0), length(v)))
 }
 
-/// `n`, turned so that it faces against `i` as `reference` does not: -n where `i` and `reference` point the same way.
+/// `n`, flipped so that it faces against `i` as `reference` does not: -n where `i` and `reference` point the
+/// same way.
 #[inline(always)]
 pub fn faceforward<N: Number>(n: [N; 3], i: [N; 3], reference: [N; 3]) -> [N; 3] {
     let along = dot(i, reference).value();
@@ -90,7 +91,7 @@ pub fn refract<N: Number>(i: [N; 3], n: [N; 3], eta: N) -> [N; 3] {
     [N::pick(none, zero, bent[0]), N::pick(none, zero, bent[1]), N::pick(none, zero, bent[2])]
 }
 
-/// What a smooth surface between two media does to light.
+/// Reflection and refraction at a smooth surface between two media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fresnel<N> {
     /// The part that is reflected.
@@ -123,7 +124,7 @@ pub fn fresnel<N: Number>(i: [N; 3], n: [N; 3], eta: N) -> Fresnel<N> {
     }
 }
 
-/// Point `p` turned by `angle` radians around the line from `a` to `b`, counterclockwise seen against it.
+/// Point `p` rotated by `angle` radians around the line from `a` to `b`, counterclockwise seen against it.
 #[inline(always)]
 pub fn rotate<N: Number>(p: [N; 3], angle: N, a: [N; 3], b: [N; 3]) -> [N; 3] {
     let [x, y, z] = normalize(subtract(b, a));

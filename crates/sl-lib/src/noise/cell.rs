@@ -65,7 +65,7 @@ fn three<R: Real<UInts = W>, W: UInts, const N: usize>(key: [W; N]) -> [R; 3] {
 /// The hash of a key and one word more, as a float.
 #[inline(always)]
 fn followed<R: Real<UInts = W>, W: UInts, const N: usize>(key: [W; N], last: W) -> R {
-    // An array of N + 1 has no type of its own yet: each dimension is written out.
+    // Arrays of N + 1 have no type in stable Rust: each dimension is written out.
     unit(match N {
         1 => hash_uints([key[0], last]),
         2 => hash_uints([key[0], key[1], last]),

@@ -190,7 +190,8 @@ impl Filter {
         (determinant(&covariance) >= 1e-18).then_some(Self { normal: n, plane_from_space, covariance })
     }
 
-    /// A bell's wave, cut by the plane and filtered in it; `x` is the way from the bell's centre. Equations 6 and 10.
+    /// A bell's wave, cut by the plane and filtered in it; `x` is the offset from the bell's centre.
+    /// Equations 6 and 10.
     fn kernel(&self, a: f32, omega: Vec3, phase: f32, x: DualVec3) -> Dual<f32> {
         let m = &self.plane_from_space;
         let to_plane = |k: usize| omega[0] * m[0][k] + omega[1] * m[1][k] + omega[2] * m[2][k];
@@ -254,7 +255,7 @@ impl Gabor {
         (omega, TAU * random.next())
     }
 
-    /// What the bells of a cell contribute at `x`, which is relative to the cell's corner.
+    /// Contribution of the kernels of a cell at `x`, which is relative to the cell's corner.
     fn cell(&self, corner: Vec3, x: DualVec3, seed: u32) -> Dual<f32> {
         let cell = self.period.map_or(corner, |period| wrap(corner, period));
         let mut random = Random::in_cell(cell, seed);

@@ -5,7 +5,7 @@
 
 use crate::number::{Real, UInt, UInts};
 
-/// What all three registers hold before `keys` words are mixed in.
+/// The initial value of all three registers, before `keys` words are mixed in.
 const fn start(keys: u32) -> u32 {
     0xdead_beef_u32.wrapping_add(keys << 2).wrapping_add(13)
 }

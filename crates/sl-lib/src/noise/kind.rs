@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Noise by name: `noise("simplex", ..)`, for one place with derivatives.
+//! Noise by name: `noise("simplex", ..)`, for one position with derivatives.
 //! Source: OSL 1.14, "noise". Differs: the noise that is always 0.5 has derivatives of 0.
 //! Tests: `tests/gabor.rs`.
 
@@ -50,7 +50,7 @@ impl NoiseKind {
         })
     }
 
-    /// Whether `pnoise` knows it.
+    /// Whether `pnoise` supports it.
     #[must_use]
     pub fn can_repeat(self) -> bool {
         matches!(self, Self::UPerlin | Self::Perlin | Self::Cell | Self::Hash | Self::Gabor)

@@ -26,7 +26,7 @@ fn fade<N: Number>(t: N) -> N {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-/// The gradient that a hash chooses, times the way `p` from its corner.
+/// The gradient that a hash chooses, times the offset `p` from its corner.
 #[inline(always)]
 fn gradient<N: Number, const D: usize>(hash: UIntsOf<N>, p: [N; D]) -> N {
     match D {
@@ -60,7 +60,7 @@ fn gradient<N: Number, const D: usize>(hash: UIntsOf<N>, p: [N; D]) -> N {
 struct CellPoint<N: Number, const D: usize> {
     /// The lower corner.
     cell: [UIntsOf<N>; D],
-    /// The way from there, in [0, 1).
+    /// The offset from there, in [0, 1).
     rest: [N; D],
     /// How much of the upper corners to take.
     blend: [N; D],
@@ -91,7 +91,7 @@ impl<N: Number, const D: usize> CellPoint<N, D> {
         hash_uints(key)
     }
 
-    /// What a corner with this hash contributes.
+    /// Contribution of a corner with this hash.
     #[inline(always)]
     fn contribution(&self, corner: usize, hash: UIntsOf<N>) -> N {
         let mut offset = self.rest;

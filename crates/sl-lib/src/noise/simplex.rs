@@ -103,7 +103,7 @@ fn noise_with_slopes<R: Real, const D: usize>(p: [R; D], seed: u32) -> (R, [R; D
     for k in 0..=D {
         let (mut corner, mut offset) = (cell, rest);
         for i in 0..D {
-            // The way to corner k goes along the k axes that lead.
+            // The offset to corner k goes along the k leading axes.
             let stepped = if k == 0 {
                 ranks[i].constant(0)
             } else {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Points with values.
-//! Source: the OSL specification, "Point clouds"; original. A column's values stand point after point.
+//! Source: the OSL specification, "Point clouds"; original. A column stores the values of all points in
+//! order.
 //! Tests: `tests/points.rs`.
 
 use std::sync::{Arc, OnceLock};
@@ -36,7 +37,7 @@ impl Values {
         }
     }
 
-    /// Appends what is of the same kind; whether it is.
+    /// Appends a column of the same kind; returns whether the kinds agree.
     fn append(&mut self, more: &Self) -> bool {
         match (self, more) {
             (Self::Float(list), Self::Float(more)) => list.extend(more),
@@ -55,13 +56,13 @@ pub struct Column {
     pub name: Arc<str>,
     /// How many values a point has.
     pub width: usize,
-    /// Whether three floats are a direction, a place or a colour.
+    /// Whether three floats are a direction, a position or a colour.
     pub is_vector: bool,
     /// Its values, `width` for each point.
     pub values: Values,
 }
 
-/// Points, what they carry, and a tree over them once somebody has searched.
+/// Points, their attributes, and a tree over them, built at the first search.
 #[derive(Clone, Debug, Default)]
 pub struct PointCloud {
     positions: Vec<[f32; 3]>,
@@ -83,7 +84,7 @@ impl PointCloud {
         &self.positions
     }
 
-    /// What they carry, beside their place.
+    /// Their attributes, without the position.
     #[must_use]
     pub fn columns(&self) -> &[Column] {
         &self.columns

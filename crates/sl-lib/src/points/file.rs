@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Point clouds as files: Houdini's classic geometry as text, `.geo`, of which points and their attributes are read.
-//! Source: what OSL's own tests read and write by Partio; original. Primitives and groups are passed over. A file looks like
+//! Source: the subset that OSL's own tests read and write by Partio; original. Primitives and groups are
+//! skipped. A file is of the form
 //!
 //! ```text
 //! PGEOMETRY V5
@@ -25,7 +26,7 @@ use super::cloud::{Column, PointCloud, Values};
 /// Values of a file.
 const MOST: usize = 1 << 28;
 
-/// Words and parentheses of the text, with the line that each stands on.
+/// Words and parentheses of the text, with the line of each.
 struct FileTokens<'a> {
     rest: &'a str,
     line: usize,
@@ -53,7 +54,7 @@ impl<'a> FileTokens<'a> {
     fn expect(&mut self, token: &str) -> Result<(), String> {
         match self.next()? {
             found if found == token => Ok(()),
-            found => Err(self.wrong(format_args!("'{found}' stands where '{token}' should"))),
+            found => Err(self.wrong(format_args!("'{found}' in place of '{token}'"))),
         }
     }
 
@@ -69,10 +70,10 @@ impl<'a> FileTokens<'a> {
     }
 }
 
-/// What a column's head says.
+/// The head of a column.
 struct Head {
     column: Column,
-    /// What numbers in the file stand for, if they are texts.
+    /// The texts that numbers in the file refer to, for texts.
     texts: Vec<Arc<str>>,
 }
 
@@ -80,7 +81,7 @@ fn head(tokens: &mut FileTokens<'_>) -> Result<Head, String> {
     let name = tokens.next()?.into();
     let width: usize = tokens.number("count")?;
     if width == 0 || width > 64 {
-        return Err(tokens.wrong(format_args!("an attribute of {width} values; 1 to 64 are known")));
+        return Err(tokens.wrong(format_args!("an attribute of {width} values; 1 to 64 are supported")));
     }
     let kind = tokens.next()?;
     let mut texts = Vec::new();
@@ -95,12 +96,12 @@ fn head(tokens: &mut FileTokens<'_>) -> Result<Head, String> {
             Values::Text(Vec::new())
         }
         _ => {
-            let known = "float, int, vector and index are known";
+            let known = "float, int, vector and index are supported";
             return Err(tokens.wrong(format_args!("an attribute of the kind '{kind}'; {known}")));
         }
     };
     if kind != "index" {
-        // What points are given that say nothing.
+        // Values of points without data.
         for _ in 0..width {
             tokens.next()?;
         }
@@ -111,7 +112,7 @@ fn head(tokens: &mut FileTokens<'_>) -> Result<Head, String> {
 /// A cloud of a file's text.
 ///
 /// # Errors
-/// The line, and what is wrong there.
+/// The line, and the fault.
 pub fn read_cloud(text: &str) -> Result<PointCloud, String> {
     let mut tokens = FileTokens { rest: text, line: 1 };
     tokens.expect("PGEOMETRY")?;
@@ -134,7 +135,7 @@ pub fn read_cloud(text: &str) -> Result<PointCloud, String> {
     let row: usize = 3 + heads.iter().map(|head| head.column.width).sum::<usize>();
     // A point takes at least eight bytes.
     if points > text.len() / 8 || points.saturating_mul(row) > MOST {
-        return Err(tokens.wrong(format_args!("{points} points are more than the file has room for")));
+        return Err(tokens.wrong(format_args!("{points} points exceed the length of the file")));
     }
     let mut positions = Vec::with_capacity(points);
     for _ in 0..points {
@@ -170,12 +171,12 @@ pub fn read_cloud(text: &str) -> Result<PointCloud, String> {
 /// The text of a cloud's file.
 ///
 /// # Errors
-/// A name or a text that has no place in such a file: it is empty, or has spaces or parentheses.
+/// A name or a text that such a file cannot hold: it is empty, or has spaces or parentheses.
 pub fn write_cloud(cloud: &PointCloud) -> Result<String, String> {
     use std::fmt::Write;
     let token = |text: &str| -> Result<(), String> {
         let fits = !text.is_empty() && !text.contains(|c: char| c.is_whitespace() || matches!(c, '(' | ')'));
-        fits.then_some(()).ok_or_else(|| format!("'{text}' is no word that a .geo file can hold"))
+        fits.then_some(()).ok_or_else(|| format!("'{text}' is not a valid word of a .geo file"))
     };
     let mut out = String::new();
     let (points, columns) = (cloud.positions().len(), cloud.columns());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Point clouds that shaders search, read and write: places with values, their tree, and their files.
+//! Point clouds that shaders search, read and write: positions with values, their tree, and their files.
 
 mod cloud;
 mod file;

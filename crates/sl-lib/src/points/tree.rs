@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A k-d tree over points: their numbers in an order in which each range's middle splits it.
-//! Source: Bentley, "Multidimensional binary search trees used for associative searching", CACM 18 (1975); original. The axis of a
-//! range is its depth modulo three, so that nothing but the order is stored.
+//! Source: Bentley, "Multidimensional binary search trees used for associative searching", CACM 18 (1975); original.
+//! The axis of a range is its depth modulo three, so that only the order is stored.
 //! Tests: `tests/points.rs`, against all points one by one.
 
 use std::collections::BinaryHeap;
@@ -47,7 +47,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Squared distance beyond which nothing is wanted.
+    /// Squared distance of the farthest point to accept.
     fn reach(&self) -> f32 {
         match self.best.peek() {
             Some(worst) if self.best.len() == self.most => worst.0,
@@ -112,7 +112,7 @@ impl Tree {
     }
 }
 
-/// Puts the middle of the range in its place, smaller ones before it, and goes on in both halves.
+/// Sorts the median of the range into the middle, smaller ones before it, and continues in both halves.
 fn split(positions: &[[f32; 3]], order: &mut [u32], axis: usize) {
     if order.len() <= LEAF {
         return;

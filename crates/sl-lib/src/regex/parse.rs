@@ -5,9 +5,9 @@
 
 use super::program::{Set, Step, is_word_byte};
 
-/// Longer programs are refused: nested counts multiply.
+/// Longer programs are an error: nested counts multiply.
 const LONGEST: usize = 50_000;
-/// Deeper groups are refused.
+/// Deeper groups are an error.
 const DEEPEST: usize = 100;
 
 pub(super) struct Parsed {
@@ -28,7 +28,7 @@ pub(super) fn parse(pattern: &str) -> Result<Parsed, Fault> {
     parser.steps.push(Step::Save(0));
     parser.alternatives()?;
     if parser.at < parser.text.len() {
-        return Err((parser.at, "this parenthesis closes nothing"));
+        return Err((parser.at, "unmatched closing parenthesis"));
     }
     parser.steps.extend([Step::Save(1), Step::Found]);
     let highest =
@@ -72,7 +72,7 @@ impl Parser<'_> {
         let mut ends = Vec::new();
         self.sequence()?;
         while self.eat("|") {
-            // All before goes one step on, to make room for the choice.
+            // All earlier steps move by one, for the choice before them.
             self.insert(start, 1);
             self.push(Step::Jump(0))?;
             ends.push(self.steps.len() - 1);
@@ -87,7 +87,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// Room for steps at a place; places behind it move.
+    /// Inserts steps at an index; those behind it move.
     fn insert(&mut self, at: usize, count: usize) {
         for step in &mut self.steps[at..] {
             shift(step, at, count as isize);
@@ -117,7 +117,7 @@ impl Parser<'_> {
             _ => return Ok(()),
         };
         if !repeatable {
-            return Err((at, "nothing that can be repeated stands before this"));
+            return Err((at, "nothing to repeat before this"));
         }
         let (least, most) = if self.eat("{") {
             self.counts()?
@@ -139,10 +139,10 @@ impl Parser<'_> {
         (self.at > start).then_some(value)
     }
 
-    /// What stands in braces.
+    /// The counts in braces.
     fn counts(&mut self) -> Result<(usize, Option<usize>), Fault> {
         let at = self.at;
-        let least = self.number().ok_or((at, "a count must stand in the braces"))?;
+        let least = self.number().ok_or((at, "count missing in the braces"))?;
         let most = if self.eat(",") { self.number() } else { Some(least) };
         if !self.eat("}") {
             return Err((self.at, "a closing brace is missing"));
@@ -187,7 +187,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    /// A copy of steps that stood at `from`.
+    /// A copy of steps that began at `from`.
     fn copy(&mut self, body: &[Step], from: usize) -> Result<(), Fault> {
         let by = self.steps.len() as isize - from as isize;
         for step in body {
@@ -217,7 +217,7 @@ impl Parser<'_> {
                 return Ok(true);
             }
             b'\\' => return self.escape(at),
-            b'*' | b'+' | b'?' | b'{' => return Err((at, "nothing that can be repeated stands before this")),
+            b'*' | b'+' | b'?' | b'{' => return Err((at, "nothing to repeat before this")),
             _ => {
                 self.push(Step::One(Set::of([c])))?;
                 return Ok(true);
@@ -247,7 +247,7 @@ impl Parser<'_> {
         } else if self.eat("?:") {
             self.alternatives()?;
         } else if self.peek() == Some(b'?') {
-            return Err((self.at, "after (? only :, = and ! are known"));
+            return Err((self.at, "after (? only :, = and ! are supported"));
         } else {
             self.groups += 1;
             let group = self.groups;
@@ -274,7 +274,7 @@ impl Parser<'_> {
 
     /// The classes and bytes that a letter behind a backslash means everywhere.
     fn escaped_set(&mut self, at: usize) -> Result<Set, Fault> {
-        let c = self.peek().ok_or((at, "nothing stands behind the backslash"))?;
+        let c = self.peek().ok_or((at, "character missing after the backslash"))?;
         self.at += 1;
         let all = || 0..=u8::MAX;
         let class = |f: fn(u8) -> bool| Set::of(all().filter(|byte| f(*byte)));
@@ -295,11 +295,12 @@ impl Parser<'_> {
             b'x' => Set::of([self.hex(2)?]),
             b'u' => Set::of([self.hex(4)?]),
             b'c' => {
-                let letter = self.peek().filter(u8::is_ascii_alphabetic).ok_or((at, "\\c wants a letter"))?;
+                let letter =
+                    self.peek().filter(u8::is_ascii_alphabetic).ok_or((at, "\\c requires a letter"))?;
                 self.at += 1;
                 Set::of([letter & 31])
             }
-            c if c.is_ascii_alphanumeric() => return Err((at, "no such letter behind a backslash")),
+            c if c.is_ascii_alphanumeric() => return Err((at, "unknown letter after a backslash")),
             c => Set::of([c]),
         })
     }
@@ -350,7 +351,7 @@ impl Parser<'_> {
                 return Ok(Set::of((0..=u8::MAX).filter(|byte| function(*byte))));
             }
         }
-        Err((at, "no class has this name"))
+        Err((at, "unknown class"))
     }
 
     /// One part of a class: a byte, or a set.
@@ -394,7 +395,7 @@ impl Parser<'_> {
     }
 }
 
-/// Moves the places of a step that are at `from` or behind.
+/// Moves the targets of a step that are at `from` or behind.
 fn shift(step: &mut Step, from: usize, by: isize) {
     let moved = |step_index: &mut usize| {
         if *step_index >= from {

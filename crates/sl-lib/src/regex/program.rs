@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a regular expression is compiled to: steps for a machine that goes back where it fails.
+//! The compiled form of a regular expression: steps for a backtracking machine.
 //! Source: after Cox's "Regular Expression Matching: the Virtual Machine Approach".
 //! Tests: `tests/regex.rs`.
 
@@ -31,19 +31,19 @@ impl Set {
     }
 }
 
-/// What letters, digits and the underscore are.
+/// Letters, digits and the underscore.
 pub(super) fn is_word_byte(byte: u8) -> bool {
     byte.is_ascii_alphanumeric() || byte == b'_'
 }
 
-/// One step. Places are numbers of steps.
+/// One step. Targets are indices of steps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Step {
     /// One byte of a set.
     One(Set),
-    /// The first place, and the second one if that leads nowhere.
+    /// The first target, and the second one if that fails.
     Either(usize, usize),
-    /// Another place.
+    /// Another target.
     Jump(usize),
     /// Where a group begins or ends.
     Save(usize),
@@ -53,15 +53,16 @@ pub(super) enum Step {
     End,
     /// Between a letter and none, or, if not, elsewhere.
     Boundary(bool),
-    /// What a group holds, again.
+    /// The contents of a group again.
     Again(usize),
-    /// What follows up to the next `Captured` of this level must come, or must not; then on from the place.
+    /// Tests whether the steps up to the next `Captured` of this level match, or do not; then continues at
+    /// `then`.
     Lookahead { expected: bool, then: usize },
-    /// The end of a look.
+    /// The end of a lookaround.
     Captured,
-    /// Notes where a turn of a loop begins.
+    /// Records where an iteration of a loop begins.
     Loop(usize),
-    /// Leads nowhere if that turn took nothing.
+    /// Fails if that iteration matched nothing.
     Moved(usize),
     /// All is found.
     Found,

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Runs regular expressions: tries ways in order, and goes back where one fails.
-//! The meaning of results is that of OSL 1.14, `regex_search`.
-//! Invariants: no pattern and no subject makes it panic, recurse more deeply than lookaheads are nested, or take more than
-//! `MOST_STEPS` steps. Tests: `tests/regex.rs`.
+//! Runs regular expressions: tries alternatives in order, and backtracks where one fails. The meaning of
+//! results is that of OSL 1.14, `regex_search`. Invariants: no pattern and no subject makes it panic, recurse
+//! more deeply than lookaheads are nested, or take more than `MOST_STEPS` steps. Tests: `tests/regex.rs`.
 
 use super::parse::parse;
 use super::program::{Step, is_word_byte};
 
-/// A search gives up after so many: a tenth of a second or so.
+/// A search is ended after so many steps: a tenth of a second or so.
 pub(super) const MOST_STEPS: u64 = 10_000_000;
 
 /// A compiled regular expression.
@@ -38,7 +37,7 @@ impl std::fmt::Display for RegexError {
 
 impl std::error::Error for RegexError {}
 
-/// A search was given up, for it tried too many ways.
+/// A search was ended, for it tried too many alternatives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooManySteps;
 
@@ -58,9 +57,9 @@ pub type Groups = Vec<Option<(usize, usize)>>;
 
 const UNSET: usize = usize::MAX;
 
-/// What to do where a way ends.
+/// The alternative after a failed path.
 enum Back {
-    /// Goes on from here.
+    /// Continues here.
     Try { step: usize, at: usize },
     /// Puts a number back.
     Restore { slot: usize, value: usize },
@@ -69,7 +68,7 @@ enum Back {
 struct Machine<'a> {
     steps: &'a [Step],
     subject: &'a [u8],
-    /// Starts and ends of groups, then starts of turns.
+    /// Starts and ends of groups, then starts of iterations.
     slots: Vec<usize>,
     loops_at: usize,
     whole: bool,
@@ -77,7 +76,7 @@ struct Machine<'a> {
 }
 
 impl Machine<'_> {
-    /// Counts steps that a step takes beside itself: bytes that are compared or copied, 64 of them as one.
+    /// Counts extra work of a step: bytes that are compared or copied, 64 of them as one.
     fn spend(&mut self, bytes: usize) -> Result<(), TooManySteps> {
         self.steps_left = self.steps_left.checked_sub(bytes as u64 / 64).ok_or(TooManySteps)?;
         Ok(())
@@ -88,7 +87,7 @@ impl Machine<'_> {
         self.slots[slot] = value;
     }
 
-    /// Runs from a step on; `true` if it reaches the end, which for a look is where it has seen all.
+    /// Runs from a step on; `true` if it reaches the end, which for a lookaround is the end of its own steps.
     fn run(&mut self, mut step: usize, mut at: usize) -> Result<bool, TooManySteps> {
         let mut back = Vec::new();
         loop {
@@ -172,7 +171,7 @@ impl Regex {
     /// Reads a pattern.
     ///
     /// # Errors
-    /// If it is none, with the place and the reason.
+    /// If it is invalid, with the position and the reason.
     pub fn new(pattern: &str) -> Result<Self, RegexError> {
         let parsed =
             parse(pattern).map_err(|(at, reason)| RegexError { pattern: pattern.to_owned(), at, reason })?;
@@ -207,12 +206,12 @@ impl Regex {
         Ok(None)
     }
 
-    /// `regex_search`, or `regex_match` if the `whole` subject must match: 1 or 0. The start and the end of the match and of
-    /// each group go to `results`, pair by pair; a group that took no part begins and ends where the subject does, and what there
-    /// is no group for, or no match, gets the pattern's length.
+    /// `regex_search`, or `regex_match` if the `whole` subject must match: 1 or 0. The start and the end of
+    /// the match and of each group go to `results`, pair by pair. A group without a match begins and ends at
+    /// the end of the subject; further elements, or all without a match, get the pattern's length.
     ///
     /// # Errors
-    /// If the search was given up.
+    /// The search exceeded its limit of steps.
     pub fn search(&self, subject: &str, whole: bool, results: &mut [i32]) -> Result<i32, TooManySteps> {
         let found = self.find(subject, whole)?;
         let groups = found.as_deref().unwrap_or_default();

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `format`, `printf`, `error`, `warning` and `fprintf`: text with places for values.
+//! `format`, `printf`, `error`, `warning` and `fprintf`: text with conversions.
 //! Source: OSL 1.14: each `%` takes one argument; an array or a triple is written element by element with a space between;
-//! conversions that do not fit the value are repaired. Numbers are written as by C, strings stand on the left of their width,
-//! as in fmtlib, which OSL prints with. Differs: `%u`, `*` and length modifiers, on which OSL prints a complaint of fmtlib, mean
-//! what they mean in C, or nothing.
-//! Invariants: any text is a format; widths and precisions are at most 512. Tests: `tests/strings.rs`.
+//! conversions that do not fit the value are repaired. Numbers are written as by C, strings are
+//! left-justified, as in fmtlib, which OSL prints with. Differs: `%u`, `*` and length modifiers, on which OSL
+//! prints a complaint of fmtlib, have their meaning in C, or none. Invariants: any text is a format; widths
+//! and precisions are at most 512. Tests: `tests/strings.rs`.
 
 use super::number::{Notation, digits};
 
 /// Wider fields and more digits than that are not written.
 const LARGEST: usize = 512;
 
-/// What a place is filled with: all elements of one argument, triples and matrices as their floats. Closures come as text.
+/// The value of a conversion: all elements of one argument, triples and matrices as their floats. Closures
+/// come as text.
 #[derive(Clone, Copy, Debug)]
 pub enum Argument<'a> {
     /// Whole numbers.
@@ -47,10 +48,10 @@ struct Spec {
     letter: u8,
 }
 
-/// There are more places than arguments.
+/// There are more placeholders than arguments.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TooFewArguments {
-    /// How many places.
+    /// The number of placeholders.
     pub placeholders: usize,
     /// How many arguments.
     pub arguments: usize,
@@ -69,7 +70,7 @@ impl std::fmt::Display for TooFewArguments {
 impl std::error::Error for TooFewArguments {}
 
 impl Format {
-    /// Reads a format. Every text is one: what begins like a place and has no letter is text.
+    /// Reads a format. Every text is valid: a `%` without a conversion letter is text.
     #[must_use]
     pub fn new(format: &str) -> Self {
         let mut pieces = Vec::new();
@@ -104,10 +105,10 @@ impl Format {
         self.pieces.iter().filter(|piece| matches!(piece, Piece::Placeholder(_))).count()
     }
 
-    /// The text with its places filled. Arguments without a place are not written.
+    /// The text with its placeholders filled. Arguments without a placeholder are not written.
     ///
     /// # Errors
-    /// If there are fewer arguments than places.
+    /// If there are fewer arguments than placeholders.
     pub fn fill(&self, arguments: &[Argument]) -> Result<String, TooFewArguments> {
         if arguments.len() < self.placeholders() {
             return Err(TooFewArguments { placeholders: self.placeholders(), arguments: arguments.len() });
@@ -125,7 +126,7 @@ impl Format {
 }
 
 impl Spec {
-    /// Reads what stands behind a `%`, and what follows; `None` if there is no letter.
+    /// Reads the conversion after a `%`, and the rest; `None` if there is no letter.
     fn read(text: &str) -> Option<(Self, &str)> {
         let end = text.bytes().position(|c| b"cdefgimnopsuvxXEFG".contains(&c))?;
         let mut spec = Self { letter: text.as_bytes()[end], ..Self::default() };
@@ -165,7 +166,7 @@ impl Spec {
         }
     }
 
-    /// Sign, what stands before the digits, and the digits, as wide as asked for.
+    /// Sign, prefix and digits, padded to the requested width.
     fn padded(self, sign: &str, prefix: &str, digits: &str, zeros: bool) -> String {
         let fill = self.width.saturating_sub(sign.len() + prefix.len() + digits.len());
         let fill = if self.left {

@@ -7,7 +7,7 @@ const K0: u64 = 0xc3a5_c85c_97cb_3127;
 const K1: u64 = 0xb492_b66f_be98_f273;
 const K2: u64 = 0x9ae1_6a3b_2f90_404f;
 
-/// Eight bytes from place `at` on.
+/// Eight bytes from offset `at` on.
 fn load(s: &[u8], at: usize) -> u64 {
     u64::from(half(s, at)) | u64::from(half(s, at + 4)) << 32
 }
@@ -59,7 +59,7 @@ fn up_to_16(s: &[u8]) -> u64 {
     }
 }
 
-/// What 17 bytes and more have in common: two sums of the first and last 16 bytes.
+/// The common start for 17 bytes and more: two sums of the first and last 16 bytes.
 fn ends(s: &[u8], mul: u64) -> (u64, u64) {
     let len = s.len();
     let (a, b) = (times(load(s, 0), K1), load(s, 8));
@@ -94,7 +94,7 @@ fn up_to_96(s: &[u8]) -> u64 {
     times(add(add(times(h2, 9), h0 >> 17), h1 >> 21), mul1)
 }
 
-/// 32 bytes from place `at` on, with two seeds.
+/// 32 bytes from offset `at` on, with two seeds.
 fn weak(s: &[u8], at: usize, a: u64, b: u64) -> (u64, u64) {
     let [w, x, y, z] = [0, 8, 16, 24].map(|i| load(s, at + i));
     let a = add(a, w);
@@ -104,7 +104,7 @@ fn weak(s: &[u8], at: usize, a: u64, b: u64) -> (u64, u64) {
     (add(a, z), add(add(b, rotated(a, 44)), c))
 }
 
-/// What the variant `na` carries from block to block.
+/// The state of variant `na` between blocks.
 #[derive(Clone, Copy)]
 struct State {
     x: u64,

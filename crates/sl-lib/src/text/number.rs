@@ -13,7 +13,7 @@ pub enum Notation {
     General,
 }
 
-/// The size of a finite number, without its sign; `keep` keeps a point and zeros that nobody needs, as `#` does.
+/// The digits of a finite number, without its sign; `keep` keeps a redundant point and zeros, as `#` does.
 #[must_use]
 pub fn digits(value: f64, notation: Notation, precision: usize, keep: bool) -> String {
     let value = value.abs();

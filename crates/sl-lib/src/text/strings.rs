@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Functions of strings. Places and lengths count bytes, as with OSL; where a cut would leave part of a letter, that letter
-//! becomes U+FFFD.
-//! Source: the OSL 1.14 language reference, "String functions", and for what it leaves open OpenImageIO's `Strutil`.
+//! Functions of strings. Indices and lengths count bytes, as with OSL; where a cut would leave part of a
+//! letter, that letter becomes U+FFFD.
+//! Source: the OSL 1.14 language reference, "String functions", and OpenImageIO's `Strutil` for unspecified
+//! cases.
 //! Invariant: no string makes any of them panic. Tests: `tests/strings.rs`.
 
 /// The length in bytes.
@@ -28,7 +29,7 @@ pub fn endswith(s: &str, suffix: &str) -> i32 {
     s.ends_with(suffix).into()
 }
 
-/// At most `length` bytes from place `start` on, which counts from the end if it is negative.
+/// At most `length` bytes from index `start` on, which counts from the end if it is negative.
 #[must_use]
 pub fn substr(s: &str, start: i32, length: i32) -> String {
     let size = s.len() as i64;
@@ -42,7 +43,8 @@ fn is_space(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | 0x0b | 0x0c)
 }
 
-/// The whole number that a string begins with, behind white space; 0 if it does with none. Clamped to what an `int` holds.
+/// The whole number that a string begins with, behind white space; 0 if it does with none. Clamped to the
+/// range of an `int`.
 #[must_use]
 pub fn stoi(s: &str) -> i32 {
     let s = s.trim_start_matches(|c: char| c.is_ascii() && is_space(c as u8));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Smaller copies of a picture whose file has none: each half as large as the one before, read from it between its texels.
-//! Sizes and values are those of OpenImageIO's `automip`, values rounded to what the file stores. A picture that says that it
-//! is a texture stays as it is: who made it wanted no copies.
+//! Mip levels of a picture whose file has none: each half as large as the one before, sampled between its
+//! texels. Sizes and values are those of OpenImageIO's `automip`, values rounded to the type of the file. A
+//! picture marked as a texture stays as it is: its maker chose to have no levels.
 
 use gnurt_image::{Stored, StoredLevel, StoredValues};
 
-/// Sides of the tiles that copies stand for.
+/// Sides of the tiles of the copies.
 const TILE: usize = 64;
 
 /// The picture shown whole, with copies down to one texel.
@@ -23,7 +23,7 @@ pub(super) fn with_copies(file: Stored) -> Stored {
 
 fn halved(finer: &StoredLevel, channels: usize) -> StoredLevel {
     let [width, height] = [finer.width, finer.height].map(|n| (n / 2).max(1));
-    // The texels on both sides of each place, and the share of the second.
+    // The texels on both sides of each position, and the weight of the second.
     let samples = |n: usize, of: usize| -> Vec<(usize, usize, f32)> {
         let sample = |i: usize| {
             let x = (i as f32 + 0.5) / n as f32 * of as f32 - 0.5;
@@ -53,7 +53,7 @@ fn halved(finer: &StoredLevel, channels: usize) -> StoredLevel {
     StoredLevel { width, height, tile: Some([width.min(TILE), height.min(TILE)]), values }
 }
 
-/// What lies in the window that is shown; black where the file has no values.
+/// The contents of the display window; black where the file has no values.
 fn shown(file: Stored) -> Stored {
     if file.window == file.display || file.levels.len() > 1 {
         return file;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Over what a picture is read: the ellipse that a pixel covers, by probes along its longer axis in the two levels where the shorter one is
-//! about a texel wide; of pictures of all around, by angles.
-//! Levels, probes and their weights are those of OpenImageIO's texture system. Ellipses: Greene and Heckbert, Creating
-//! Raster Omnimax Images from Multiple Perspective Views Using the Elliptical Weighted Average Filter (1986); probes along the axis: Mavridis and
-//! Papaioannou, High Quality Elliptical Texture Filtering on GPU (2011).
+//! The footprint of a lookup: the ellipse that a pixel covers, by probes along its longer axis in the two
+//! levels where the shorter one is about a texel wide; of panoramas, by angles. Levels, probes and their
+//! weights are those of OpenImageIO's texture system. Ellipses: Greene and Heckbert, Creating Raster Omnimax
+//! Images from Multiple Perspective Views Using the Elliptical Weighted Average Filter (1986); probes along
+//! the axis: Mavridis and Papaioannou, High Quality Elliptical Texture Filtering on GPU (2011).
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -132,7 +132,7 @@ pub(super) fn over_ellipse(
     let mut aspect = ellipse.limit();
     let side = |m: usize| file.levels[m].width.min(file.levels[m].height) as f32;
     let chosen = levels(file.levels.len(), |m| ellipse.minor * side(m)).unwrap_or_else(|| {
-        // Probes nearer than half a texel tell nothing.
+        // Probes nearer than half a texel give no information.
         let most = file.levels[0].width.max(file.levels[0].height) as f32;
         if ellipse.minor * most < 0.5 {
             aspect = (ellipse.major * most * 2.0).clamp(1.0, MOST_ANISOTROPIC);
@@ -222,7 +222,7 @@ pub(super) fn around(
     out
 }
 
-/// Where a direction lies: y is up unless the file says z.
+/// The coordinates of a direction: y is up unless the file names z.
 fn of_file(file: &Stored, [x, y, z]: [Dual<f32>; 3]) -> [f32; 2] {
     let y_up = file.text("oiio:updirection") != Some("z");
     // The same picture, seen from axes that are named in another order.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pictures as OSL's own tools read them: for `testshade`, whose output is compared with theirs.
-//! What is computed follows OpenImageIO, whose texture system OSL's tools use: `filter` says over which ellipse and in which of a file's levels is read, `sample` how a level is read at a place, `copies` makes levels where a file has none. Values are those that are
-//! stored, without a colour space; renderings read pictures otherwise (`textures`).
+//! The computation follows OpenImageIO, whose texture system OSL's tools use: `filter` chooses the ellipse
+//! and the levels of a file, `sample` reads a level at a position, `copies` makes missing levels. Values are
+//! the stored ones, without a colour space; renderings read pictures otherwise (`textures`).
 //! Tests: `tests/scripts/stored.rs`; OSL's suite (bench/record/osl-suite.md).
 
 mod copies;
@@ -23,10 +24,10 @@ use crate::volumes::{Volumes, at_place};
 use crate::wrap::Wrap;
 use sample::Read;
 
-/// Different names that are kept.
+/// Limit of stored names.
 const MOST: usize = 4096;
 
-/// A name that stands for the tiles of a picture, by 1001 + u + 10 v.
+/// Patterns for the tiles of a picture, by 1001 + u + 10 v.
 const TILES: [&str; 2] = ["<UDIM>", "<udim>"];
 
 type Found = Result<Arc<Stored>, Arc<str>>;
@@ -40,7 +41,7 @@ pub struct StoredTextures {
     reported: Mutex<HashSet<String>>,
 }
 
-/// The file that a name stands for at a place, and the place in it.
+/// The file that a name with a pattern means at a position, and the position in it.
 fn tile(name: &str, [s, t]: [f32; 2]) -> Option<(String, [f32; 2])> {
     let tag = TILES.into_iter().find(|tag| name.contains(tag))?;
     let [column, row] = [s, t].map(|x| x.floor().clamp(0.0, 1000.0));
@@ -71,7 +72,7 @@ impl StoredTextures {
         if is_new { why.to_owned() } else { String::new() }
     }
 
-    /// The picture, and what is read of it.
+    /// The picture, its wrap modes, and its subimage.
     fn open(&self, name: &str, options: &TextureOptions) -> Result<(Arc<Stored>, [Wrap; 2], usize), String> {
         let file = self.find(name).map_err(|why| self.once(name, &why))?;
         let first = usize::try_from(options.first_channel).unwrap_or(0);
@@ -96,7 +97,7 @@ fn read(name: &str) -> Found {
     Ok(Arc::new(copies::with_copies(file)))
 }
 
-/// Red where there is nothing but red, and what is filled in where channels are missing.
+/// A single channel becomes red, and missing channels are filled.
 fn completed(mut texel: Read, file: &Stored, options: &TextureOptions, first: usize) -> Read {
     if file.channels == 1 && options.channels >= 3 && first == 0 {
         (texel[1], texel[2]) = (texel[0], texel[0]);
@@ -152,7 +153,8 @@ impl Textures for StoredTextures {
         let tiled = TILES.into_iter().any(|tag| name.contains(tag));
         let named = match at {
             Some(at) => tile(name, at).map_or_else(|| name.to_owned(), |(name, _)| name),
-            // Without a place, what all tiles have in common; those of the first are taken for it.
+            // Without coordinates, the properties common to all tiles, which are assumed to be those of the
+            // first.
             None => tile(name, [0.0; 2]).map_or_else(|| name.to_owned(), |(name, _)| name),
         };
         let found = self.find(&named);
@@ -161,7 +163,7 @@ impl Textures for StoredTextures {
         }
         let file = match found {
             Ok(file) => file,
-            // A tile that is not there is a hole.
+            // A missing tile is empty.
             Err(_) if tiled => return Ok(None),
             Err(_) => {
                 return Err(format!(
@@ -179,7 +181,7 @@ fn answer(file: &Stored, what: &str, ty: Type) -> Option<Data> {
         fits.then(|| Data::Int(list.to_vec()))
     };
     let text = |text: &str| (ty == Type::STRING).then(|| Data::Str(vec![text.into()]));
-    // Colours are those that the maker of the file has noted, or the one that the smallest level has.
+    // Colours are those that the file states, or the one that the smallest level has.
     let color = |noted: Option<&str>, from: usize| {
         if ty.base != Base::Float && !ty.base.is_triple() {
             return None;

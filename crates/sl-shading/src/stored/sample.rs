@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Reads a level of a picture at a place: the nearest texel, between four, or by cubic B-splines over sixteen.
-//! Wrap modes and derivatives are those of OpenImageIO's textures. Cubic B-splines: Sigg and Hadwiger, Fast
-//! Third-Order Texture Filtering (GPU Gems 2, 2005). A channel that the file lacks is filled; what lies outside of a picture that is black there is black
-//! in filled channels as well.
+//! Reads a level of a picture at a position: the nearest texel, between four, or by cubic B-splines over
+//! sixteen. Wrap modes and derivatives are those of OpenImageIO's textures. Cubic B-splines: Sigg and
+//! Hadwiger, Fast Third-Order Texture Filtering (GPU Gems 2, 2005). Missing channels are filled; outside of a
+//! picture with a black border, filled channels are black as well.
 
 use gnurt_image::{Stored, StoredLevel};
 
@@ -24,16 +24,16 @@ pub(super) enum Interpolation {
 pub(super) struct ReadOptions {
     pub(super) wrap: [Wrap; 2],
     pub(super) first: usize,
-    /// Channels that are asked for.
+    /// The number of requested channels.
     pub(super) channels: usize,
-    /// What channels hold that the file lacks.
+    /// The value of missing channels.
     pub(super) fill: f32,
 }
 
-/// A coordinate as a texel and what is left.
+/// A coordinate as a texel and the remainder.
 fn split(x: f32) -> (i32, f32) {
     let whole = x.floor();
-    // Beyond what ints hold there is no picture.
+    // Outside of the range of ints there is no picture.
     (whole.clamp(-1e9, 1e9) as i32, x - whole)
 }
 
@@ -64,7 +64,7 @@ pub(super) fn read(
     let (w, h) = (level.width, level.height);
     let mut out = Read::default();
     let there = file.channels.saturating_sub(read_options.first).min(read_options.channels);
-    // The share of what lies where there is a picture.
+    // The weight of the texels within the picture.
     let mut inside = 0.0;
     let mut add = |x: Option<usize>, y: Option<usize>, weight: [f32; 3]| {
         let (Some(x), Some(y)) = (x, y) else { return };

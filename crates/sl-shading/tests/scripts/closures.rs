@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What becomes of each closure.
+//! The rendering of each closure.
 
 use glam::Vec3;
 use gnurt_shading::bsdf::{ClosureBatch, Film, Kind, Scattering};

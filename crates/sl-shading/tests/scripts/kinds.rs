@@ -144,7 +144,7 @@ fn pictures_are_read() {
     );
 }
 
-/// Bytes are sRGB's, if a shader does not say what they are.
+/// Bytes are sRGB unless a shader specifies the space.
 #[test]
 fn pictures_are_of_the_colour_space_that_shaders_say() {
     use gnurt_image::{Picture, WriteOptions};

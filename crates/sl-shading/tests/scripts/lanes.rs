@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Points of a batch beside each other, and alone; what a surface may do once its values are known.
+//! Points of a batch in lanes and singly; properties of surfaces with known values.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pixel shaders, and what they learn of rays.
+//! Pixel shaders, and their information about rays.
 
 use glam::Vec3;
 use gnurt_accel::{Ray, RayBatch};
@@ -43,7 +43,7 @@ impl Tracer for Above {
     }
 }
 
-/// What 40 pixels show, half of which look up and the others ahead, to a shader with this body.
+/// The colours of 40 pixels, half of which look up and the others ahead, by a shader with this body.
 fn shown(body: &str) -> Vec<Vec3> {
     let count = 40;
     let text = format!("pixel p (output color Cpixel = 0) {{ {body} }}");

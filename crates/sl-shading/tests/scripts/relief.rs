@@ -54,7 +54,7 @@ fn lights(folder: &Path, body: &str, hits: &SurfaceBatch) -> [Vec<Vec3>; 2] {
     [first, emitted(&*shader, hits)]
 }
 
-/// Compares what a body gives for `HEIGHT` of the picture and of the formula.
+/// Compares the results of a body with `HEIGHT` as the picture and as the formula.
 fn compare(body: &str, [of_picture, of_formula]: [&str; 2], width: f32, tolerance: f32) {
     let folder = tempfile::tempdir().expect("a folder");
     picture(folder.path());

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures as OSL's tools read them, against what can be said of them without: ramps stay ramps, changes are those of values, means stay.
+//! Pictures as OSL's tools read them, by properties known without them: ramps stay ramps, derivatives are
+//! those of values, means stay.
 
 use gnurt_image::{Picture, PictureFormat, WriteOptions, encode};
 use gnurt_sl::exec::TextureOptions;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `texture3d` on a file of OpenVDB's: its grid "density" holds max (0, 1 - (x^2 + y^2 + z^2) / 90) where |x|, |y| <= 9 and |z| <= 3,
-//! rounded to 11 bits, "ball" the distances around a ball in voxels that are turned and sheared.
+//! `texture3d` on a file of OpenVDB's. Its grid "density" holds max (0, 1 - (x^2 + y^2 + z^2) / 90) where
+//! |x|, |y| <= 9 and |z| <= 3, rounded to 11 bits; "ball" holds the distances around a ball in rotated and
+//! sheared voxels.
 
 use std::io::Read;
 use std::path::Path;

@@ -40,7 +40,7 @@ fn parameters_are_checked() {
     assert_eq!(values[0], ParameterValue::Floats(vec![1.0, 2.0, 3.0]));
     assert_eq!(values[3], ParameterValue::Texts(vec!["wood.png".into()]));
     for (name, text, messages) in [
-        ("tnt", "1", "no parameter 'tnt'; there are tint, size, n, file, m; did you mean 'tint'?"),
+        ("tnt", "1", "unknown parameter 'tnt'; there are tint, size, n, file, m; did you mean 'tint'?"),
         ("tint", "1,2", "'1,2' is not numbers"),
         ("tint", "red", "'red' is not numbers"),
         ("n", "1.5", "'1.5' is not whole numbers"),

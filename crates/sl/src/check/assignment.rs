@@ -17,7 +17,7 @@ pub(super) fn root(e: &Expr) -> Option<VarId> {
     }
 }
 
-/// Whether a written number 0 stands for the empty closure here.
+/// Whether a written number 0 means the empty closure here.
 pub(super) fn is_empty_closure(to: Type, e: &Expr) -> bool {
     let zero = match e.kind {
         ExprKind::Int(value) => value == 0,
@@ -102,7 +102,7 @@ impl Checker<'_> {
         Expr { kind: ExprKind::Assign(Box::new(target), Box::new(value)), ty, loc }
     }
 
-    /// Whether a value may be assigned to a variable of type `to`; says so if not.
+    /// Whether a value may be assigned to a variable of type `to`; reports it if not.
     pub(super) fn fits(&mut self, to: Type, name: &str, value: &Expr, loc: Loc) -> bool {
         let from = value.ty;
         let structs = &self.program.structs;
@@ -128,7 +128,7 @@ impl Checker<'_> {
         self.error_help(
             loc,
             format!("Cannot assign {to} {name} = {from}"),
-            format!("a value of type '{to}' is wanted"),
+            format!("a value of type '{to}' is expected"),
         );
         false
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Functions of the library whose arguments the language itself cannot describe. All others stand in `include/stdosl.h`.
-//! Source: the OSL specification, chapter 7; what they take is OSL's.
+//! Functions of the library whose arguments the language itself cannot describe. All others are in
+//! `include/stdosl.h`.
+//! Source: the OSL specification, chapter 7; the arguments are OSL's.
 
 use super::signature::Signature;
 
@@ -77,7 +78,7 @@ const NAMED_PNOISE: &[&str] = &[
     "vpp", "vpfpf",
 ];
 
-/// What OSL does not have.
+/// Extensions to OSL.
 fn is_more(name: &str, code: &str) -> bool {
     matches!((name, code), ("illuminate" | "lightcount", _) | ("trace", "cpv."))
 }

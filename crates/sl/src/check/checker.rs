@@ -19,20 +19,20 @@ use std::sync::Arc;
 pub struct Options {
     /// Warnings count as errors.
     pub warnings_are_errors: bool,
-    /// Only what OSL has is known.
+    /// Whether extensions to OSL are unknown.
     pub strict: bool,
 }
 
-/// Wrong names for which the nearest known one is looked for.
+/// Wrong names for which the nearest known one is searched.
 const GUESSES: usize = 20;
-/// Initialiser lists are tried against every overload; this many tries are enough for everyone.
+/// Initialiser lists are tried against every overload; this many tries are enough for any program.
 const TRIES: usize = 100_000;
 
 #[derive(Debug, Default)]
 pub(super) struct Frame {
     pub(super) early: Diagnostics,
     pub(super) late: Diagnostics,
-    /// What the function returns; none in a shader's body.
+    /// The return type of the function; `None` in a shader's body.
     pub(super) returns: Option<(Type, Arc<str>)>,
     pub(super) returned: usize,
     pub(super) loops: usize,
@@ -75,7 +75,7 @@ const GLOBALS: [(&str, Type, bool); 13] = [
     ("dPdtime", Type::VECTOR, true),
 ];
 
-/// What shaders of the types that OSL does not have know beside, and whether they only read it.
+/// Additional globals of the shader types that OSL lacks, and whether they are read-only.
 const GLOBALS_OF_KINDS: [(&str, Type, bool, &[&str]); 9] = [
     ("L", Type::VECTOR, false, &["light"]),
     ("Cl", Type::COLOR, false, &["light"]),
@@ -88,7 +88,7 @@ const GLOBALS_OF_KINDS: [(&str, Type, bool, &[&str]); 9] = [
     ("weight", Type::COLOR, false, &["camera"]),
 ];
 
-/// What is declared before a text.
+/// Declarations before a text.
 #[derive(Clone, Debug, Default)]
 pub struct Known {
     program: Program,
@@ -98,7 +98,7 @@ pub struct Known {
 }
 
 impl Checker<'_> {
-    /// What has been declared.
+    /// The declarations so far.
     pub(super) fn known(self) -> Known {
         let Self { program, scopes, signatures, readonly, .. } = self;
         Known { program, scopes, signatures, readonly }
@@ -106,7 +106,7 @@ impl Checker<'_> {
 }
 
 impl<'a> Checker<'a> {
-    /// After what is known already.
+    /// After known declarations.
     pub(super) fn after(
         known: Known,
         sources: &'a Sources,
@@ -148,7 +148,7 @@ impl<'a> Checker<'a> {
         this
     }
 
-    /// Declares what shaders of a type know beside.
+    /// Declares the additional globals of a shader type.
     pub(super) fn declare_globals_of(&mut self, kind: &str) {
         for (name, ty, readonly, kinds) in GLOBALS_OF_KINDS {
             if kinds.contains(&kind) {
@@ -186,7 +186,7 @@ impl<'a> Checker<'a> {
         number
     }
 
-    /// The functions a name stands for, the one to try first first.
+    /// The functions of a name, in the order to try.
     pub(super) fn overloads(&self, name: &str) -> Vec<u32> {
         match self.scopes.find(name) {
             Some(Named::Funcs(list)) => list.iter().rev().copied().collect(),
@@ -223,7 +223,7 @@ impl<'a> Checker<'a> {
         self.give(Diagnostic::error(loc, message), false);
     }
 
-    /// The same with what would be right.
+    /// The same with a remedy.
     pub(super) fn error_help(&mut self, loc: Loc, message: String, help: String) {
         self.give(Diagnostic::error(loc, message).help(help), false);
     }
@@ -233,7 +233,7 @@ impl<'a> Checker<'a> {
         self.give(Diagnostic::error(loc, message), true);
     }
 
-    /// The same with what would be right.
+    /// The same with a remedy.
     pub(super) fn early_error_help(&mut self, loc: Loc, message: String, help: Option<String>) {
         let mut diagnostic = Diagnostic::error(loc, message);
         diagnostic.help = help;
@@ -267,7 +267,7 @@ impl<'a> Checker<'a> {
         self.tries <= TRIES
     }
 
-    /// The name, of those that hold here, that a wrong one is most like.
+    /// The name in scope that is most similar to a wrong one.
     pub(super) fn nearest(&mut self, wrong: &str, functions: bool) -> Option<String> {
         let distance = |a: &str, b: &str| {
             let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());

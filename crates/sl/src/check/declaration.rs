@@ -33,7 +33,8 @@ pub fn check_library(parsed: &Parsed, sources: &Sources, options: Options) -> Kn
     checker.known()
 }
 
-/// Checks a file that comes after what is known, if something is. The program is only whole if there were no errors.
+/// Checks a file that follows the known declarations, if any. The program is only whole if there were no
+/// errors.
 #[must_use]
 pub fn check(
     parsed: &Parsed,
@@ -70,7 +71,7 @@ pub fn check(
     }
     let syntax = parsed.broken || checker.done.errors > 0;
     if syntax {
-        // Nothing that could only be said of a whole file.
+        // Except messages about a whole file.
     } else if shader.is_none() {
         checker.error_help(
             Loc::NONE,
@@ -192,7 +193,7 @@ impl Checker<'_> {
         }
     }
 
-    /// Declares a variable and checks what it starts with.
+    /// Declares a variable and checks its initial value.
     pub(super) fn variable_declaration(&mut self, d: &ast::Declarator, ty: Type, kind: VarKind) -> VarId {
         let list = matches!(d.init.as_ref().map(|e| &e.kind), Some(ast::ExprKind::Braces(_)));
         let parameter = self.formals_of_shader;
@@ -210,7 +211,7 @@ impl Checker<'_> {
             self.early_error(d.loc, format!("\"{}\" has more than 2^24 values", d.name));
             ty = ty.element();
         }
-        // The first value is looked at before the name holds.
+        // The first value is checked before the name holds.
         let early = list && d.init.is_some();
         self.all_early += usize::from(early);
         let init = d.init.as_ref().map(|e| self.expr(e, ty));
@@ -365,7 +366,7 @@ impl Checker<'_> {
             texture: flag("texture_args"),
             returned: frame.returned,
         };
-        // OSL checks a body at the function's end, so after all that is said above.
+        // OSL checks a body at the function's end, so after all messages above.
         match self.frames.last_mut() {
             Some(outer) => outer.early.append(late),
             None => self.done.append(late),

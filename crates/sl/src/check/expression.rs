@@ -10,7 +10,7 @@ use crate::hir::{Expr, ExprKind};
 use crate::source::Loc;
 use crate::types::{Base, Type};
 
-/// Of two types that fit each other, the one that holds more.
+/// Of two compatible types, the one that holds more.
 pub(super) fn higher(a: Type, b: Type) -> Type {
     let (x, y) = (a.base.components(), b.base.components());
     if x != y {
@@ -20,7 +20,7 @@ pub(super) fn higher(a: Type, b: Type) -> Type {
 }
 
 impl Checker<'_> {
-    /// Checks an expression where a value of type `expected` is wanted; unknown if any will do.
+    /// Checks an expression where a value of type `expected` is required; unknown if any is allowed.
     pub(super) fn expr(&mut self, e: &ast::Expr, expected: Type) -> Expr {
         let loc = e.loc;
         let make = |kind, ty| Expr { kind, ty, loc };

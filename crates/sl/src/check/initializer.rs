@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values in braces, whose type is that of what they are given to.
-//! The rules and words are OSL's.
+//! Values in braces, whose type is that of their target. The rules and words are OSL's.
 
 use super::assignment::is_empty_closure;
 use super::checker::Checker;
@@ -10,7 +9,8 @@ use crate::source::Loc;
 use crate::types::{Base, Type};
 
 impl Checker<'_> {
-    /// Braces as a value of type `to`. `report`: say what is wrong; `all`: every member and element must be given.
+    /// Braces as a value of type `to`. `report`: report faults; `all`: every member and element must be
+    /// given.
     pub(super) fn braces(&mut self, e: &ast::Expr, to: Type, report: bool, all: bool) -> Option<Expr> {
         let ast::ExprKind::Braces(list) = &e.kind else { return None };
         if !self.may_try(e.loc) {

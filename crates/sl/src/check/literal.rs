@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of parameters and metadata that are known from the text.
-//! What counts as known is OSL's.
+//! The rules for constants are OSL's.
 
 use crate::hir::{Data, Expr, ExprKind};
 use crate::types::{Base, Type};

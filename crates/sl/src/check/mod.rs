@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Looks up names, checks types and chooses overloads: tree in, checked tree out.
-//! The rules and the words of messages are OSL's.
+//! Resolves names, checks types and chooses overloads: tree in, checked tree out. The rules and the words of
+//! messages are OSL's.
 //!
-//! `signature` and `builtins` say which functions there are, `scope` keeps names, `checker` keeps the state; `expression`,
-//! `operator`, `assignment`, `call`, `overload`, `initializer`, `printf`, `special` and `statement` each check a part of the
-//! language; `declaration` checks files.
+//! `signature` and `builtins` list the functions, `scope` stores names, `checker` holds the state;
+//! `expression`, `operator`, `assignment`, `call`, `overload`, `initializer`, `printf`, `special` and
+//! `statement` each check a part of the language; `declaration` checks files.
 
 mod assignment;
 mod builtins;

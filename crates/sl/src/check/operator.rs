@@ -12,7 +12,7 @@ use crate::source::Loc;
 use crate::types::Type;
 
 impl Checker<'_> {
-    /// The result of the function that stands for an operator, if there is one for these types.
+    /// The result of the function that overloads an operator, if there is one for these types.
     fn overloaded(&mut self, keyword: &str, args: &[Expr], loc: Loc) -> Option<Expr> {
         let name = format!("__operator__{keyword}__");
         let structs = &self.program.structs;
@@ -67,7 +67,7 @@ impl Checker<'_> {
             self.error(loc, message);
             return wrong(loc);
         };
-        // Closures stand left of their weights.
+        // Closures are left of their weights.
         let swap = ty == Type::CLOSURE && op == Binary::Mul && b.ty == Type::CLOSURE;
         let (a, b) = if swap { (b, a) } else { (a, b) };
         Expr { kind: ExprKind::Binary(op, Box::new(a), Box::new(b)), ty, loc }

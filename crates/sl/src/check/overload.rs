@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chooses among functions of one name: by how well arguments fit, then by what is wanted of the result, then by rank.
+//! Chooses among functions of one name: by the fit of arguments, then by the expected result, then by rank.
 //! Points, ranks and words are OSL's.
 
 use super::call::Arg;
@@ -152,7 +152,8 @@ impl Checker<'_> {
             if !scores_seen.insert((signature.returns, signature.formals.clone())) {
                 continue;
             }
-            // What is seen along a ray is asked for only where a colour is wanted; elsewhere OSL's hit or miss is.
+            // Radiance along a ray is requested only where a colour is expected; elsewhere `trace` is OSL's
+            // hit or miss.
             if name == "trace"
                 && signature.user.is_none()
                 && (signature.returns == Type::COLOR) != (expected == Type::COLOR && self.has_radiance())
@@ -203,7 +204,7 @@ impl Checker<'_> {
             self.error_help(
                 loc,
                 message,
-                "say which result is meant, as in (float) f(...), or name the arguments' types".to_owned(),
+                "give the type of the result, as in (float) f(...), or those of the arguments".to_owned(),
             );
             return None;
         }

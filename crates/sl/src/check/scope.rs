@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Names and the blocks in which they hold.
-//! That a shader's own variables stand beside the library's functions is OSL's rule.
+//! That a shader's own variables share a scope with the library's functions is OSL's rule.
 
 use crate::hir::VarId;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What a name stands for.
+/// The meaning of a name.
 #[derive(Clone, Debug)]
 pub(super) enum Named {
     /// A variable.
     Var(VarId),
-    /// Functions, by the numbers of their signatures, the one to try first last.
+    /// Functions, by the numbers of their signatures, in reverse order of trying.
     Funcs(Vec<u32>),
     /// A struct.
     Struct(u16),
@@ -41,12 +41,12 @@ impl Scopes {
         self.open.last().map_or(0, |s| s.0)
     }
 
-    /// What a name stands for here.
+    /// The meaning of a name here.
     pub(super) fn find(&self, name: &str) -> Option<&Named> {
         self.open.iter().rev().find_map(|scope| scope.1.get(name))
     }
 
-    /// What a name stands for that was declared in the innermost scope.
+    /// The meaning of a name that was declared in the innermost scope.
     pub(super) fn clash(&self, name: &str) -> Option<&Named> {
         self.open.last().and_then(|scope| scope.1.get(name))
     }

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a function takes and gives.
-//! The one-letter codes are OSL's.
+//! Parameters and result of a function. The one-letter codes are OSL's.
 
 use crate::hir::FuncId;
 use crate::source::Loc;
 use crate::types::{Base, Structs, Type};
 use std::sync::Arc;
 
-/// What one argument may be.
+/// The type of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Formal {
     /// Of this type, or convertible to it.
@@ -18,7 +17,7 @@ pub(super) enum Formal {
     AnyArray,
     /// All arguments that are left.
     Rest,
-    /// Names and values by turns.
+    /// Names and values, alternating.
     Pairs,
 }
 

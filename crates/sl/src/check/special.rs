@@ -7,7 +7,7 @@ use crate::hir::{Expr, ExprKind};
 use crate::types::Type;
 use std::sync::Arc;
 
-/// What a call does to its arguments.
+/// The effects of a call on its arguments.
 pub(super) struct Effects {
     pub(super) name: Arc<str>,
     pub(super) writes: u64,
@@ -19,7 +19,7 @@ const fn bit(i: usize) -> u64 {
     if i < 64 { 1 << i } else { 0 }
 }
 
-/// What this call does.
+/// The effects of this call.
 pub(super) fn effects(signature: &Signature, args: &[Expr]) -> Effects {
     let plain = &*signature.name;
     let name = match (plain, signature.returns) {
@@ -54,7 +54,7 @@ pub(super) fn effects(signature: &Signature, args: &[Expr]) -> Effects {
     Effects { name, writes: written | signature.outputs, reads: !written, derivs }
 }
 
-/// The values after names that `chosen` knows; a name that is not written out may be any.
+/// The values after names that `chosen` accepts; a name that is not written out may be any.
 fn options(args: &[Expr], first: usize, chosen: impl Fn(&str) -> bool) -> u64 {
     let start = (first..args.len()).find(|&i| args[i].ty == Type::STRING).unwrap_or(args.len());
     (start..args.len().saturating_sub(1))
@@ -66,7 +66,7 @@ fn options(args: &[Expr], first: usize, chosen: impl Fn(&str) -> bool) -> u64 {
         .fold(0, |bits, i| bits | bit(i + 1))
 }
 
-/// Only Gabor noise filters, so only it needs derivatives of the place.
+/// Only Gabor noise filters, so only it needs derivatives of the position.
 fn gabor(args: &[Expr]) -> u64 {
     let named = match args.first().map(|e| (&e.kind, e.ty)) {
         Some((ExprKind::Str(name), _)) => &**name == "gabor",

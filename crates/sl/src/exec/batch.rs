@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sixteen points at a time: what goes into a group that is ready to run, by whatever means, and what comes out.
-//! The interpreter takes the points one by one; code for lanes may take them all at once. What comes out is the
-//! same. Numbers stand in rows, one number of each point side by side. Tests: `tests/meaning/more.rs`.
+//! Sixteen points at a time: input and output of a group that is ready to run, by any engine. The interpreter
+//! takes the points one by one; code for lanes may take them all at once. The results are the same. Numbers
+//! are in rows, one number of each point side by side. Tests: `tests/meaning/more.rs`.
 
 use super::cells::{DualRow, LANES, Row};
 use super::components::Closures;
@@ -47,11 +47,11 @@ pub struct Points {
     pub flipped: u16,
     /// Bits of the kinds of each ray.
     pub ray_kinds: [u32; LANES],
-    /// Numbers of the points: what a [`Host`] knows them by.
+    /// Numbers of the points, by which a [`Host`] identifies them.
     pub index: [i32; LANES],
     /// Pairs of random numbers, in lights and cameras.
     pub xi: [Row; 2],
-    /// Places on the picture in pixels, in cameras and pixels.
+    /// Raster position in pixels, in cameras and pixels.
     pub raster: [Row; 2],
 }
 
@@ -123,27 +123,27 @@ impl Points {
     }
 }
 
-/// What came out. Memory that can be used again.
+/// The results. Memory that can be reused.
 #[derive(Debug, Default)]
 pub struct Results {
-    /// The values that are kept, by [`RetainedOutput::row`]; ints as floats.
+    /// The stored values, by [`RetainedOutput::row`]; ints as floats.
     pub rows: Vec<Row>,
     /// Nodes of the closures of all points.
     pub closures: Closures,
     /// The node that is each point's `Ci`, counted from 1; 0 for none.
     pub ci: [u32; LANES],
-    /// What was said, by points.
+    /// The messages, by points.
     pub events: Vec<(usize, Event)>,
 }
 
 /// A group that is ready to run.
 pub trait Program: Send + Sync {
-    /// Runs it for the points of a batch. What was in `out` is lost.
+    /// Runs it for the points of a batch. Earlier contents of `out` are lost.
     fn run(&self, host: &dyn Host, points: &Points, out: &mut Results);
 
-    /// What is kept.
+    /// The retained outputs.
     fn retained(&self) -> &[RetainedOutput];
 
-    /// Runs it for one point and tells its parameters and variables, a line each.
-    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String>;
+    /// Runs it for one point and describes its parameters and variables, a line each.
+    fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String>;
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Operations that only a host can answer, done for many points of a batch at once: for code that has all of them at hand.
-//! Invariant: every point gets what the interpreter gives it by itself. Where that is not sure (texts that differ from point to point,
-//! something that is to be said) nothing is done, and the caller goes point by point. Tests: crates/jit/tests/batches.rs.
+//! Operations answered by the host, done for many points of a batch at once, for engines that have all of
+//! them ready.
+//! Invariant: every point gets the interpreter's result for it. If that is not guaranteed (texts that differ
+//! from point to point, a message), nothing is done, and the caller goes point by point. Tests:
+//! crates/jit/tests/batches.rs.
 
 use super::batch::Points;
 use super::cells::{Batch, Cells, LANES, lanes_of};

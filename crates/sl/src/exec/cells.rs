@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Numbers of the points of a batch, as they lie in memory: one for all of them, or one for each.
+//! Numbers of the points of a batch in memory: one for all of them, or one for each.
 //! Tests: `tests/meaning/more.rs`.
 
 use gnurt_sl_lib::Dual;
@@ -60,7 +60,7 @@ impl Cells<'_> {
 
 /// Where the values of a batch are.
 pub trait Batch {
-    /// What a cell holds.
+    /// The contents of a cell.
     fn get(&self, cell: u32) -> Cells<'_>;
     /// Writes it for the points that `lanes` names.
     fn put(&mut self, cell: u32, lanes: u32, cells_bits: &[u32; LANES]);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Operations that make closures, for one point or for many at once, and their texts.
-//! What is printed is OSL's. Tests: `tests/meaning/more.rs`, crates/jit/tests/agreement.rs.
+//! The printed form is OSL's. Tests: `tests/meaning/more.rs`, crates/jit/tests/agreement.rs.
 
 use super::cells::{Cells, LANES};
 use super::components::{Closures, Component, Part};
@@ -15,9 +15,9 @@ use std::sync::Arc;
 
 /// Bytes of a closure as a text; one more component may follow.
 const LONGEST: usize = 1 << 20;
-/// Closures within closures that are told.
+/// Closures within closures that are printed.
 const DEEPEST: usize = 64;
-/// What stands for the rest.
+/// The mark of omitted text.
 const CUT: &str = "...";
 
 /// Whether an operation makes closures of others, or of numbers.
@@ -27,7 +27,7 @@ pub fn makes_closures(step: &Step) -> bool {
     out == Type::CLOSURE && matches!(&*step.name, "closure" | "add" | "mul")
 }
 
-/// Does it for one point. A component is none, and there is a message, if the program does not know it.
+/// Does it for one point. A component is none, and there is a message, if the program does not support it.
 pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
     let Some(out) = s.args.first() else { return };
     let Machine { closures, host, strings, memory, .. } = m;
@@ -44,8 +44,9 @@ pub(super) fn closure(m: &mut Machine<'_>, s: &Step) {
     }
 }
 
-/// What it makes of each of some points; `read` knows what cells hold. None if closures of its name are not known, or if names are
-/// not the same for all of them. What is written may be among what is read, as in `Ci = layer (coat, Ci)`.
+/// The closures of some points; `read` returns the contents of cells. `None` if closures of its name are
+/// unknown, or if names differ between points. The result may be among the operands, as in `Ci = layer (coat,
+/// Ci)`.
 fn made<'c>(
     closures: &mut Closures,
     known: (&dyn Host, &Strings),
@@ -73,7 +74,7 @@ fn made<'c>(
     })
 }
 
-/// What a number is.
+/// The type of a number.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Float,
@@ -102,7 +103,8 @@ enum Change {
     Made,
 }
 
-/// Where number `i` of a slot is, and how it becomes one of a kind; none if it has none. Single numbers stand for all components.
+/// Where number `i` of a slot is, and how it becomes one of a kind; none if it has none. Single numbers serve
+/// for all components.
 fn source(slot: &Slot, i: usize, expected: Kind) -> Option<(u32, Change)> {
     let i = if slot.size == 1 { 0 } else { i };
     let found = kind(slot.ty).filter(|_| i < slot.size as usize)?;
@@ -153,7 +155,8 @@ pub struct Bound {
 }
 
 impl Bound {
-    /// Of a name and its arguments; none if the program does not know it, or if names are not the same for all points.
+    /// Of a name and its arguments; none if the program does not support it, or if names are not the same for
+    /// all points.
     fn of<'c>(
         (host, strings): (&dyn Host, &Strings),
         (name, rest): (&Slot, &[Slot]),
@@ -212,8 +215,8 @@ impl Bound {
 }
 
 impl Machine<'_> {
-    /// Does an operation that [makes closures](makes_closures) for some points at once; `read` knows what cells hold. None if it must be
-    /// done one point after the other.
+    /// Does an operation that [makes closures](makes_closures) for some points at once; `read` returns the
+    /// contents of cells. `None` if it must be done one point after the other.
     pub fn make_closures<'c>(
         &mut self,
         step: &Step,
@@ -223,15 +226,15 @@ impl Machine<'_> {
         made(&mut self.closures, (self.host, &self.strings), step, lanes, read)
     }
 
-    /// Looks up what component an operation makes, where its names do not change; `read` knows what cells hold. None if the program does not
-    /// know it, or if it makes none.
+    /// Resolves the component of an operation with constant names; `read` returns the contents of cells.
+    /// `None` if it is unknown, or if the operation makes none.
     pub fn bind_component<'c>(&self, step: &Step, read: impl Fn(u32) -> Cells<'c>) -> Option<Bound> {
         let [_, name, rest @ ..] = &*step.args else { return None };
         let known = (self.host, &self.strings);
         (&*step.name == "closure").then(|| Bound::of(known, (name, rest), &read)).flatten()
     }
 
-    /// Makes a component that was looked up, for all points; none if that was for another program.
+    /// Makes a resolved component, for all points; none if it was resolved for another program.
     pub fn make_component<'c>(&mut self, bound: &Bound, read: impl Fn(u32) -> Cells<'c>) -> Option<u32> {
         let decl = self.host.closures().get(bound.kind as usize)?;
         Arc::ptr_eq(&decl.name, &bound.name).then(|| bound.make(&mut self.closures, &read))
@@ -269,7 +272,8 @@ impl Machine<'_> {
         Some(Component { name: decl.name.clone(), params: params.collect() })
     }
 
-    /// As `printf` shows it. What is longer than a text may be, or lies in more than 64 others, ends in three points.
+    /// As `printf` shows it. A text beyond the limit of length, or nested in more than 64 others, ends in
+    /// three points.
     #[must_use]
     pub fn closure_text(&self, number: u32) -> String {
         let mut out = String::new();

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What closures are made of: nodes of sums, weights and components, each made for many points of a batch at once.
-//! A node is known by its number, counted from 1; 0 is no closure. Its numbers lie one behind the other in one memory,
-//! each either once for all points that the node was made for, or in a row. Points for which it was not made find anything in it.
-//! Invariant: nodes only name nodes that were made before them. Tests: `tests/meaning/more.rs`.
+//! The data of closures: nodes of sums, weights and components, each made for many points of a batch at once.
+//! A node is identified by its number, counted from 1; 0 is no closure. Its numbers are consecutive in one
+//! memory, each either once for all points of the node, or in a row. For other points they are undefined.
+//! Invariant: nodes refer only to earlier nodes. Tests: `tests/meaning/more.rs`.
 
 use super::cells::{Cells, LANES, lanes_of};
 use crate::hir::Data;
@@ -18,12 +18,12 @@ pub struct ClosureParam {
     pub key: Option<Arc<str>>,
 }
 
-/// What a closure takes.
+/// The declaration of a closure.
 #[derive(Clone, Debug)]
 pub struct ClosureDecl {
     /// Its name.
     pub name: Arc<str>,
-    /// What it takes.
+    /// Its parameters.
     pub params: Vec<ClosureParam>,
 }
 
@@ -39,7 +39,8 @@ pub struct Component {
 /// A component as it was made.
 #[derive(Clone, Copy, Debug)]
 pub struct Part<'a> {
-    /// Its place in the list of closures that the program knows: see [`Host::closures`](super::Host::closures).
+    /// Its index in the list of closures that the program supports: see
+    /// [`Host::closures`](super::Host::closures).
     pub kind: u32,
     nodes: &'a Closures,
     first: u32,
@@ -72,7 +73,7 @@ enum What {
     Add,
 }
 
-/// What a node is, and the first of its numbers.
+/// The kind of a node, and the first of its numbers.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     what: What,
@@ -83,20 +84,20 @@ struct Node {
 #[derive(Clone, Debug, Default)]
 pub struct Closures {
     nodes: Vec<Node>,
-    /// By number, where it is: twice its place among the words, and one more if there is one for each point.
+    /// By number, where it is: twice its index among the words, and one more if there is one for each point.
     component_indices: Vec<u32>,
     cells_bits: Vec<u32>,
 }
 
-/// Words of a batch's nodes; what does not fit is no closure.
+/// Words of a batch's nodes; closures beyond are dropped.
 const MOST: usize = 1 << 22;
-/// Components of one point that are told apart: sums of sums may have any number.
+/// Limit of separate components of one point: sums of sums may have any number.
 const MOST_PARTS: usize = 1 << 16;
-/// Nodes that are looked at for them.
+/// Limit of nodes visited for them.
 const MOST_VISITS: usize = 1 << 22;
 
 impl Closures {
-    /// Forgets all nodes.
+    /// Removes all nodes.
     pub fn clear(&mut self) {
         self.nodes.clear();
         self.component_indices.clear();
@@ -156,7 +157,7 @@ impl Closures {
 
     fn add(&mut self, what: What, first: u32) -> u32 {
         if self.cells_bits.len() > MOST {
-            // Nor are its numbers kept.
+            // Nor are its numbers stored.
             let start = self
                 .component_indices
                 .get(first as usize)
@@ -169,7 +170,7 @@ impl Closures {
         self.nodes.len() as u32
     }
 
-    /// A closure's number, if there is such a closure by now: what is connected, or what files say, may be any number.
+    /// A closure's number, if there is such a closure yet: connections and files may give any number.
     pub(super) fn made(&self, number: u32) -> u32 {
         if number as usize <= self.nodes.len() { number } else { 0 }
     }
@@ -230,7 +231,8 @@ impl Closures {
         out
     }
 
-    /// The components of a point's closure with their weights, in order: of node `number`; of so many the first 65,536.
+    /// The components of a point's closure with their weights, in order: of node `number`; at most the first
+    /// 65,536.
     #[must_use]
     pub fn parts(&self, number: u32, lane: usize) -> Vec<([f32; 3], Part<'_>)> {
         let mut out = Vec::new();
@@ -241,7 +243,7 @@ impl Closures {
         out
     }
 
-    /// The same one after the other, as long as `with` wants more.
+    /// The same one after the other, until `with` ends it.
     pub(super) fn each_part<'a>(
         &'a self,
         number: u32,

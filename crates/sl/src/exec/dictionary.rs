@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Dictionaries in XML that a shader asks: `dict_find`, `dict_next`, `dict_value`.
+//! Dictionaries in XML for shaders: `dict_find`, `dict_next`, `dict_value`.
 //! Source: the OSL specification, "Dictionary lookups"; original. The library reads and searches; the host has the files.
 //! Tests: `tests/meaning/more.rs`.
 

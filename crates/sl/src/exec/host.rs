@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a shader asks of the program that runs it.
-//! The questions are those of OSL's renderer services.
+//! Queries of a running shader to the program that runs it, after OSL's renderer services. The questions are
+//! those of OSL's renderer services.
 
 use super::cells::{DualRow, LANES};
 use super::components::ClosureDecl;
@@ -49,11 +49,11 @@ pub struct Point {
     pub index: i32,
     /// Two random numbers in [0, 1), in lights and cameras.
     pub xi: [f32; 2],
-    /// Place on the picture in pixels from the upper left corner, in cameras and pixels.
+    /// Raster position in pixels from the upper left corner, in cameras and pixels.
     pub raster: [f32; 2],
 }
 
-/// What a call of `trace` says beside the ray.
+/// Options of a call of `trace`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceOptions {
     /// Where the ray starts, along itself.
@@ -65,7 +65,7 @@ pub struct TraceOptions {
 }
 
 impl Default for TraceOptions {
-    /// All of the way, all objects.
+    /// The whole ray, all objects.
     fn default() -> Self {
         Self { mindist: 0.0, maxdist: 1e30, traceset: "".into() }
     }
@@ -76,7 +76,7 @@ impl Default for TraceOptions {
 pub struct Arriving {
     /// Unit direction towards the light.
     pub dir: [f32; 3],
-    /// What arrives at a surface that faces it, over the density with which the direction was chosen.
+    /// Light at a surface that faces it, over the density of the chosen direction.
     pub light: [f32; 3],
     /// How far away it is.
     pub distance: f32,
@@ -87,13 +87,13 @@ pub struct Arriving {
 /// How a texture is read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureOptions {
-    /// How many channels are asked for, at most four.
+    /// How many channels are requested, at most four.
     pub channels: usize,
     /// Channel that is read first.
     pub first_channel: i32,
-    /// What channels that are not there hold.
+    /// The value of missing channels.
     pub fill: f32,
-    /// What is read in place of a file that is missing, if something is.
+    /// The replacement of a missing file, if any.
     pub missing: Option<[f32; 3]>,
     /// How coordinates go on beyond the picture, in s, t and r: `black`, `clamp`, `periodic`, `mirror` or `default`.
     pub wrap: [Arc<str>; 3],
@@ -103,11 +103,11 @@ pub struct TextureOptions {
     pub blur: [f32; 2],
     /// `closest`, `linear`, `cubic` or `smartcubic`; empty for the usual.
     pub interpolation: Arc<str>,
-    /// What the values of the file are, as the shader says; empty if it says nothing.
+    /// The colour space of the file, by the shader; empty if not given.
     pub color_space: Arc<str>,
     /// Which grid of a volume.
     pub subimage: Subimage,
-    /// Whether it matters how what is read changes from pixel to pixel: where it does not, changes may be 0.
+    /// Whether derivatives of the result are needed: otherwise they may be 0.
     pub derivs: bool,
 }
 
@@ -166,7 +166,7 @@ pub fn longitude_latitude([x, y, z]: [Dual<f32>; 3]) -> [Dual<f32>; 2] {
     let here = uv_of(x.value, y.value, z.value);
     let step = |dx: f32, dy: f32, dz: f32| {
         let there = uv_of(x.value + dx, y.value + dy, z.value + dz);
-        // The shorter way around.
+        // The shorter direction around.
         let change = there[0] - here[0];
         [change - change.round(), there[1] - here[1]]
     };
@@ -199,7 +199,7 @@ pub trait Host {
         None
     }
 
-    /// What `getattribute` asks for. `object` is empty for the object that is shaded.
+    /// A query of `getattribute`. `object` is empty for the shaded object.
     fn attribute(
         &self,
         object: &str,
@@ -218,7 +218,7 @@ pub trait Host {
         false
     }
 
-    /// What is seen along a ray.
+    /// Radiance along a ray.
     fn radiance(
         &self,
         p: Dual<[f32; 3]>,
@@ -235,7 +235,7 @@ pub trait Host {
         0
     }
 
-    /// Light of one of them that reaches `p`, if some does; what lies between counts if `shadowed`.
+    /// A sample of a light that reaches `p`, if any; occlusion counts if `shadowed`.
     fn illuminate(
         &self,
         light: i32,
@@ -251,7 +251,7 @@ pub trait Host {
     /// Four channels of a picture at `s` and `t`, t downwards, and how they change from pixel to pixel; or why there are none.
     ///
     /// # Errors
-    /// A line for people; an empty one if they have been told before.
+    /// A message for users; an empty one if it has been reported before.
     fn texture(
         &self,
         file: &str,
@@ -263,8 +263,9 @@ pub trait Host {
         Err(format!("no texture \"{file}\": there are none here"))
     }
 
-    /// The same for the points of a batch that `lanes` names, as bits: writes to their columns of `out` what
-    /// [`texture`](Self::texture) would give each. False, and nothing is said, if they must be asked one by one.
+    /// The same for the points of a batch in `lanes`, as bits: writes the result of
+    /// [`texture`](Self::texture) for each to its column of `out`. Returns false without a message if the
+    /// points must be queried one by one.
     fn textures(
         &self,
         file: &str,
@@ -291,10 +292,10 @@ pub trait Host {
         self.texture(file, longitude_latitude(direction), options, point)
     }
 
-    /// Four channels of a volume at a place, and how they change from pixel to pixel.
+    /// Four channels of a volume at a position, with derivatives from pixel to pixel.
     ///
     /// # Errors
-    /// A line for people; an empty one if they have been told before.
+    /// A message for users; an empty one if it has been reported before.
     fn texture3d(
         &self,
         file: &str,
@@ -306,10 +307,11 @@ pub trait Host {
         Err(format!("no volume \"{file}\": there are none here"))
     }
 
-    /// What is known of a picture: `exists`, `resolution`, `channels` and others; of the tile at `at` where a name stands for many files.
+    /// Properties of a picture: `exists`, `resolution`, `channels` and others; of the tile at `at` if a name
+    /// represents many files.
     ///
     /// # Errors
-    /// A line for people: there is no such picture.
+    /// A message: there is no such picture.
     fn texture_info(
         &self,
         file: &str,
@@ -324,21 +326,22 @@ pub trait Host {
     /// A cloud of points by its file's name.
     ///
     /// # Errors
-    /// A line for people; an empty one if they have been told before.
+    /// A message for users; an empty one if it has been reported before.
     fn point_cloud(&self, file: &str) -> Result<Arc<PointCloud>, String> {
         Err(format!("no point cloud \"{file}\": there are none here"))
     }
 
-    /// Adds a point to a cloud that is written when all is done; `row` has one value a column. Whether all of it fits what the cloud has.
+    /// Adds a point to a cloud that is written at the end; `row` has one value a column. Returns whether the
+    /// row fits the cloud's columns.
     ///
     /// # Errors
-    /// A line for people: no clouds are written here.
+    /// A message: no clouds are written here.
     fn write_point(&self, file: &str, uv_of: [f32; 3], row: &[Column]) -> Result<bool, String> {
         let _ = (uv_of, row);
         Err(format!("point cloud \"{file}\" is not written: only testshade writes point clouds"))
     }
 
-    /// How it is said why there is no texture; `requested` is what was asked for, `uv_of` a place in a shader's text.
+    /// The message about a missing texture; `requested` is the name, `uv_of` a position in a shader's text.
     fn texture_fault(&self, requested: &str, why: &str, uv_of: &str) -> String {
         let _ = requested;
         format!("{why} ({uv_of})")
@@ -350,13 +353,13 @@ pub trait Host {
         None
     }
 
-    /// What `getmessage("trace", ...)` asks for: a value, and whether the last ray hit.
+    /// A query of `getmessage("trace", ...)`: a value, and whether the last ray hit.
     fn trace_message(&self, name: &str, ty: Type, point: &Point) -> (bool, Option<Given>) {
         let _ = (name, ty, point);
         (false, None)
     }
 
-    /// The closures that the program knows, always in the same order.
+    /// The closures that the program supports, always in the same order.
     fn closures(&self) -> &[ClosureDecl] {
         &[]
     }

@@ -46,7 +46,7 @@ impl Program for Plan {
         &self.retained
     }
 
-    fn tell_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
+    fn describe_point(&self, host: &dyn Host, point: &Point) -> Vec<String> {
         let mut machine = Machine::new(self, host);
         machine.run(point);
         let mut lines = Vec::new();
@@ -55,7 +55,7 @@ impl Program for Plan {
                 lines.push(format!("{} is not asked for", layer.name));
                 continue;
             }
-            // What a pass has taken away has no value.
+            // Symbols removed by a pass have no value.
             let mut is_used = vec![false; layer.shader.symbols.len()];
             uses(&layer.shader.code, &mut |id, _| is_used[id as usize] = true);
             for (symbol, is_used) in layer.shader.symbols.iter().zip(is_used) {

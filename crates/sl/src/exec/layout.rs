@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A group laid out in memory, its operations bound to what they do.
-//! Which layers wait until they are asked for is OSL's.
+//! A group laid out in memory, its operations bound to functions. The lazy evaluation of layers follows OSL.
 
 use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
 use super::nesting;
@@ -19,9 +18,9 @@ use std::sync::{Arc, Mutex};
 /// How groups are run.
 #[derive(Clone, Debug)]
 pub struct PlanOptions {
-    /// Outputs that are wanted: `name` or `layer.name`; their layers run in any case.
+    /// Requested outputs: `name` or `layer.name`; their layers run in any case.
     pub outputs: Vec<String>,
-    /// Layers that write globals wait until they are asked for.
+    /// Layers that write globals wait until they are needed.
     pub lazy_globals: bool,
     /// Layers that trace rays wait.
     pub lazy_trace: bool,
@@ -33,11 +32,11 @@ pub struct PlanOptions {
     pub lazy_unconnected: bool,
     /// Parameters that come from the geometry count as connected.
     pub userdata_isconnected: bool,
-    /// Says when a layer starts and ends.
+    /// Prints when a layer starts and ends.
     pub debug_layers: bool,
     /// Layers that may be started by themselves.
     pub entries: Vec<usize>,
-    /// Turns of loops that a point may take before it is stopped.
+    /// Iterations of loops that a point may take before it is stopped.
     pub iterations: u64,
 }
 
@@ -77,7 +76,7 @@ const GLOBALS: [(&str, Type); 13] = [
     ("dPdtime", Type::VECTOR),
 ];
 
-/// What lights, cameras and pixels have beside, and what it starts with.
+/// Additional globals of lights, cameras and pixels, with their initial values.
 const GLOBALS_OF_KINDS: [(&str, Type, f32); 9] = [
     ("L", Type::VECTOR, 0.0),
     ("Cl", Type::COLOR, 0.0),
@@ -94,7 +93,7 @@ impl Plan {
     /// Lays out a group.
     ///
     /// # Errors
-    /// An operation that is not known, with its place; a group that is too large.
+    /// An unknown operation, with its position; a group that is too large.
     pub fn new(group: &Group, options: &PlanOptions) -> Result<Self, String> {
         let mut plan = Self {
             name: group.name.clone(),
@@ -130,7 +129,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The place of `layer.name`, of `name` in the last layer that has it, or of a global.
+    /// The slot of `layer.name`, of `name` in the last layer that has it, or of a global.
     pub(super) fn slot_of(&self, name: &str) -> Option<Slot> {
         let of = |layer: &LayerPlan, name: &str| {
             let id = layer.shader.find(name).filter(|&id| layer.shader.symbol(id).kind.is_param())?;
@@ -161,7 +160,7 @@ impl Plan {
         Ok(slot)
     }
 
-    /// Where a global is; those of lights, cameras and pixels get a place when they are first named.
+    /// The slot of a global; those of lights, cameras and pixels get one when they are first named.
     fn global(&mut self, name: &str) -> Result<Option<Slot>, String> {
         if let Some(slot) = self.globals.get(name) {
             return Ok(Some(*slot));
@@ -383,7 +382,8 @@ fn fixed(group: &Group, number: usize) -> HashMap<SymId, Data> {
     out
 }
 
-/// The shaders without what their parameters leave out, outputs having derivatives where what they are connected to needs them.
+/// The shaders without the parts that their parameters disable, with derivatives of outputs where their
+/// connections need them.
 fn prepared(group: &Group) -> Vec<Arc<Shader>> {
     let mut shaders: Vec<Arc<Shader>> = group.layers.iter().map(|l| l.shader.clone()).collect();
     for (number, shader) in shaders.iter_mut().enumerate() {
@@ -470,7 +470,7 @@ impl Binder<'_> {
                 self.shader.name, op.name, op.at.line
             ));
         };
-        // What asks about the parameter itself does not fetch it.
+        // An operation about the parameter itself does not evaluate it.
         let reads = !matches!(&*op.name, "isconnected" | "isconstant" | "arraylength");
         let pulls = if reads { self.pulls(op.args.iter().copied()) } else { [].into() };
         let symbols = op.args.clone().into();
@@ -487,7 +487,8 @@ impl Binder<'_> {
     }
 }
 
-/// Symbols whose value is known before the group runs: parameters that nothing changes, and what is made of constants alone.
+/// Symbols whose value is known before the group runs: constant parameters, and values computed from
+/// constants alone.
 fn constants(group: &Group, number: usize, shader: &Shader) -> Vec<bool> {
     let layer = &group.layers[number];
     let connected = fed(group, number);
@@ -506,7 +507,7 @@ fn constants(group: &Group, number: usize, shader: &Shader) -> Vec<bool> {
             }
         })
         .collect();
-    // What is written once, of known values, by an operation that asks nobody, is known.
+    // A symbol written once, from known values, by a pure operation, is known.
     let mut writes = vec![0_u32; known.len()];
     uses(&shader.code, &mut |id, usage| writes[id as usize] += u32::from(usage == Use::Write));
     for (id, symbol) in shader.symbols.iter().enumerate() {

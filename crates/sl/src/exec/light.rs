@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays and lights that a shader asks for.
-//! `trace` that gives an int is OSL's.
+//! Rays and lights that a shader queries. `trace` that gives an int is OSL's.
 
 use super::host::TraceOptions;
 use super::machine::{Machine, Step};
@@ -8,7 +7,7 @@ use super::slot::Slot;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 
-/// Calls `with(name, value)` for what follows in pairs.
+/// Calls `with(name, value)` for the remaining pairs of arguments.
 pub(super) fn pairs(m: &mut Machine<'_>, args: &[Slot], mut with: impl FnMut(&mut Machine<'_>, &str, &Slot)) {
     for pair in args.chunks_exact(2) {
         let name = m.text(&pair[0]);
@@ -16,7 +15,7 @@ pub(super) fn pairs(m: &mut Machine<'_>, args: &[Slot], mut with: impl FnMut(&mu
     }
 }
 
-/// Whether something is hit, or what is seen.
+/// Whether a ray hits, or its radiance.
 pub(super) fn trace(m: &mut Machine<'_>, s: &Step) {
     let [out, p, r, rest @ ..] = &*s.args else { return };
     let (p, r) = (Dual::from_components(m.triple(p)), Dual::from_components(m.triple(r)));
@@ -42,7 +41,8 @@ pub(super) fn count(m: &mut Machine<'_>, s: &Step) {
     m.set_int(&s.args[0], count);
 }
 
-/// One light of `illuminance`: number, place, then maybe an axis and an angle, then L, Cl, lightdist and lightpdf to be written.
+/// One light of `illuminance`: number, position, then maybe an axis and an angle, then L, Cl, lightdist and
+/// lightpdf to be written.
 pub(super) fn illuminate(m: &mut Machine<'_>, s: &Step) {
     let [out, light, p, rest @ ..] = &*s.args else { return };
     let (cone, rest) = match rest {

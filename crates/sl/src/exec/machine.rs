@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The machine, the plan that it runs and the steps that plans are made of.
-//! These types name each other, so they stand together.
+//! These types name each other, so they share a file.
 
 use super::components::Closures;
 use super::host::{Host, Point};
@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex};
 
 pub(super) type D = Dual<f32>;
 
-/// What an operation does.
+/// The function of an operation.
 #[derive(Clone, Copy)]
 pub enum Action {
     /// To each component by itself.
@@ -41,7 +41,7 @@ pub struct Step {
     pub args: Box<[Slot]>,
     /// The arguments' symbols.
     pub symbols: Box<[SymId]>,
-    /// Where it stands in the text.
+    /// Its position in the text.
     pub at: SourcePosition,
     /// Connected parameters that it reads.
     pub pulls: Box<[u32]>,
@@ -86,11 +86,11 @@ pub struct Loop {
     pub condition: Slot,
     /// Connected parameters that this reads.
     pub pulls: Box<[u32]>,
-    /// Done in each turn.
+    /// The body of each iteration.
     pub body: Vec<Instruction>,
-    /// Done after each turn.
+    /// Run after each iteration.
     pub step: Vec<Instruction>,
-    /// Where it stands in the text.
+    /// Its position in the text.
     pub at: SourcePosition,
 }
 
@@ -136,13 +136,13 @@ pub struct Param {
 pub struct Copy {
     /// The layer that it comes from.
     pub layer: usize,
-    /// What is read.
+    /// The operand.
     pub from: Slot,
     /// Cells between value and derivatives if `from` is a part of something larger; 0 otherwise.
     pub from_derivs: u32,
-    /// What is written.
+    /// The result.
     pub to: Slot,
-    /// The same for what is written.
+    /// The same for the result.
     pub to_derivs: u32,
     /// The parameter that it is for.
     pub to_symbol: SymId,
@@ -160,9 +160,9 @@ pub struct LayerPlan {
     pub params: Vec<Param>,
     /// Values that come along connections.
     pub copies: Vec<Copy>,
-    /// What it does.
+    /// Its code.
     pub code: Vec<Instruction>,
-    /// Whether it waits until it is asked for.
+    /// Whether it waits until it is needed.
     pub lazy: bool,
     /// How deep its blocks nest, itself counted.
     pub depth: usize,
@@ -184,13 +184,13 @@ pub struct Plan {
     pub memory: Vec<u32>,
     /// The texts that it names.
     pub strings: Strings,
-    /// Whether layers say when they start and end.
+    /// Whether layers print when they start and end.
     pub debug_layers: bool,
     /// Layers that may be started by themselves.
     pub entries: Vec<usize>,
-    /// Turns of loops that a point may take.
+    /// Iterations of loops that a point may take.
     pub iterations: u64,
-    /// What [`Program`](super::Program) gives back of each point.
+    /// The outputs that [`Program`](super::Program) returns for each point.
     pub(super) retained: Vec<RetainedOutput>,
     /// Points that were stopped.
     pub(super) strikes: AtomicU32,
@@ -198,7 +198,7 @@ pub struct Plan {
     pub(super) memories: Mutex<Vec<Memory>>,
 }
 
-/// What a layer left for others, or asked for in vain.
+/// A message of a layer for others, or a failed query.
 #[derive(Clone, Debug)]
 pub struct Message {
     pub(super) name: Arc<str>,
@@ -208,7 +208,7 @@ pub struct Message {
     pub(super) source_position: String,
 }
 
-/// What a shader says.
+/// Output of a shader.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// By `printf`.
@@ -230,7 +230,7 @@ pub struct Machine<'a> {
     pub(super) closures: Closures,
     pub(super) messages: Vec<Message>,
     pub(super) point: Point,
-    /// The point's place in its batch.
+    /// The point's index in its batch.
     pub(super) lane: usize,
     /// The layer that runs.
     pub(super) layer: usize,
@@ -239,21 +239,21 @@ pub struct Machine<'a> {
     pub(super) pulled: Vec<Vec<bool>>,
     /// Steps left for this point.
     pub(super) fuel: u64,
-    /// What was said since it was last taken.
+    /// Output since the last call.
     pub events: Vec<Event>,
-    /// Bytes that were said by this point, or by this batch.
+    /// Bytes that this point, or this batch, has reported.
     pub(super) reports: usize,
-    /// Blocks that layers which are under way lie in.
+    /// Nesting depth of the blocks around running layers.
     pub(super) nested: usize,
     /// Regular expressions that were read; none where one is wrong.
     pub(super) regexes: HashMap<Arc<str>, Option<Regex>>,
-    /// Dictionaries that were asked.
+    /// Dictionaries that were queried.
     pub(super) dictionaries: Dictionaries,
-    /// Whether results that are no numbers are told.
+    /// Whether results that are not finite are reported.
     pub(super) checks: bool,
 }
 
-/// What a machine works in, between two uses.
+/// The memory of a machine, between two uses.
 pub struct Memory {
     cells: Vec<u32>,
     strings: Strings,
@@ -311,12 +311,12 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Has results told from now on that are no numbers or infinite.
+    /// From now on, reports results that are NaN or infinite.
     pub fn check_numbers(&mut self) {
         self.checks = true;
     }
 
-    /// What it worked in, for another one.
+    /// Its memory, for another one.
     #[must_use]
     pub fn into_memory(self) -> Memory {
         let Self { memory, strings, done, pulled, regexes, dictionaries, .. } = self;

@@ -93,7 +93,7 @@ fn knots(m: &Machine<'_>, slot: &Slot, component: usize, count: usize) -> Vec<D>
     (0..count).map(|k| m.dual(slot, k * one + component)).collect()
 }
 
-/// Name, place and knots of a spline; the knots' number may stand before them.
+/// Name, position and knots of a spline; the knots' number may precede them.
 fn parts<'s>(m: &Machine<'_>, s: &'s Step) -> Option<(curve::Basis, D, &'s Slot, usize)> {
     let basis = curve::Basis::named(&m.text(&s.args[1]));
     let x = m.dual(&s.args[2], 0);

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The interpreter: what a shader means, one point at a time.
+//! The interpreter, which defines the meaning of a shader, one point at a time.
 //!
-//! A group of shaders is laid out in one memory of 32-bit cells (`layout`); a [`Machine`] runs it for a point and asks a [`Host`]
-//! for all that only a renderer knows; a [`Program`] runs sixteen points. `table` names the operations; `arithmetic`, `assign`, `element`, `math`, `noise`,
-//! `space`, `texts`, `print`, `message`, `closure` and `state` do them.
+//! A group of shaders is laid out in one memory of 32-bit cells (`layout`); a [`Machine`] runs it for a point
+//! and queries a [`Host`] for the renderer's data; a [`Program`] runs sixteen points. `table` lists the
+//! operations; `arithmetic`, `assign`, `element`, `math`, `noise`, `space`, `texts`, `print`, `message`,
+//! `closure` and `state` implement them.
 
 mod arithmetic;
 mod assign;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How deep the blocks of layers nest in each other: the interpreter runs a layer where its value is asked for, in the midst of the blocks
-//! of the layer that asks, and calls itself for each. Chains that are too long are cut: layers far up run before the others.
+//! How deep the blocks of layers nest in each other: the interpreter runs a layer where its value is needed,
+//! within the blocks of the reading layer, and calls itself for each. Chains that are too long are cut:
+//! layers far up run before the others.
 //! Invariant: from the last layer no more than [`MOST_NESTED`] blocks are open, and those of one layer. Tests: `tests/hostile.rs`.
 
 use super::machine::{Instruction, LayerPlan};
 
-/// Blocks that may be open at once: as many as one layer may have.
+/// Blocks that may be open at once: the limit of one layer.
 pub(super) const MOST_NESTED: usize = 1000;
-/// What a layer takes beside its blocks, in blocks.
+/// The cost of a layer in addition to its blocks, in blocks.
 pub(super) const LAYER: usize = 4;
 
 /// How deep blocks nest.
@@ -24,9 +25,9 @@ fn depth(list: &[Instruction]) -> usize {
     1 + list.iter().map(inner).max().unwrap_or(0)
 }
 
-/// Sets how deep the layers' blocks nest, and has layers run before the others from which too many would hang.
+/// Sets how deep the layers' blocks nest, and runs layers first where the nesting would be too deep.
 pub(super) fn bound(layers: &mut [LayerPlan]) {
-    // With all layers that wait for being asked by it.
+    // With all layers that it may run.
     let mut hangs: Vec<usize> = Vec::with_capacity(layers.len());
     for number in 0..layers.len() {
         let layer = &layers[number];

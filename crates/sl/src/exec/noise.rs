@@ -91,7 +91,7 @@ pub(super) fn hash(m: &mut Machine<'_>, s: &Step) {
     m.set_int(&s.args[0], value);
 }
 
-/// A number in [0, 1) that depends on the point and the place in the text.
+/// A number in [0, 1) that depends on the point and the position in the text.
 pub(super) fn random(m: &mut Machine<'_>, s: &Step) {
     let out = s.args[0];
     let (index, line) = (m.point.index as f32, s.at.line as f32);

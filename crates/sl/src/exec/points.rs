@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Point clouds: `pointcloud_search`, `pointcloud_get`, `pointcloud_write`.
-//! Source: the OSL specification, "Point clouds"; original. The library searches; the host has the files. What is found is sorted
-//! whether that is asked for or not; arrays bound how much is found.
+//! Source: the OSL specification, "Point clouds"; original. The library searches; the host has the files.
+//! Results are always sorted; the lengths of arrays limit their number.
 //! Tests: `tests/meaning/clouds.rs`.
 
 use super::light::pairs;
@@ -12,7 +12,7 @@ use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::points::{Column, PointCloud, Values};
 use std::sync::Arc;
 
-/// The cloud of a name; none with a message, which is empty where the reason has been told.
+/// The cloud of a name; none with a message, which is empty where the reason has been reported.
 fn cloud(m: &mut Machine<'_>, s: &Step, file: &str) -> Option<Arc<PointCloud>> {
     if file.is_empty() {
         return None;
@@ -28,7 +28,7 @@ fn cloud(m: &mut Machine<'_>, s: &Step, file: &str) -> Option<Arc<PointCloud>> {
     }
 }
 
-/// Elements of an array; 1 of what is none.
+/// Elements of an array; 1 for other types.
 fn elements(slot: &Slot) -> usize {
     (slot.size / slot.one.max(1)) as usize
 }
@@ -68,7 +68,7 @@ pub(super) fn search(m: &mut Machine<'_>, s: &Step) {
     m.set_int(out, found.len() as i32);
 }
 
-/// The distance with the change that it has where the searched place changes.
+/// The distance with its derivative by the searched position.
 fn away(center: [D; 3], point: [f32; 3], distance: f32) -> D {
     if distance <= 0.0 {
         return distance.into();

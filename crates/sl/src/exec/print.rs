@@ -81,5 +81,5 @@ pub(super) fn print(m: &mut Machine<'_>, s: &Step) {
         "fprintf" => Event::File(m.text(&s.args[0]).to_string(), text),
         _ => Event::Print(text),
     };
-    m.say(event);
+    m.report(event);
 }

@@ -6,7 +6,7 @@ use super::cells::{Batch, Cells, DualRow, LANES, Row};
 use super::slot::Slot;
 use crate::types::Base;
 
-/// Number `i` of a slot. Single numbers stand for all components.
+/// Number `i` of a slot. Single numbers serve for all components.
 pub(super) fn dual(batch: &dyn Batch, slot: &Slot, i: u32) -> DualRow {
     let mut out = DualRow::default();
     let i = if slot.size == 1 { 0 } else { i };
@@ -18,7 +18,7 @@ pub(super) fn dual(batch: &dyn Batch, slot: &Slot, i: u32) -> DualRow {
     out
 }
 
-/// What lies so far behind the first cell of a slot.
+/// The contents at this offset from the first cell of a slot.
 fn fill(row: &mut Row, batch: &dyn Batch, slot: &Slot, offset: u32) {
     let number = |cell_bits: u32| {
         if slot.ty.base == Base::Int { cell_bits as i32 as f32 } else { f32::from_bits(cell_bits) }

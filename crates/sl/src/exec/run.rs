@@ -20,7 +20,7 @@ impl Machine<'_> {
     pub(super) fn run_neighbours(&mut self, point: &Point) {
         self.begin_neighbours(point);
         let Some(last) = self.plan.layers.len().checked_sub(1) else { return };
-        self.say_layer(last, "enter");
+        self.trace_layer(last, "enter");
         self.done[last] = true;
         for layer in 0..last {
             if !self.plan.layers[layer].lazy && !self.done[layer] {
@@ -28,10 +28,10 @@ impl Machine<'_> {
             }
         }
         self.layer_body(last);
-        self.say_layer(last, "exit");
+        self.trace_layer(last, "exit");
     }
 
-    fn say_layer(&mut self, layer: usize, what: &str) {
+    fn trace_layer(&mut self, layer: usize, what: &str) {
         if self.plan.debug_layers {
             let code = &self.plan.layers[layer];
             let (shader, name) = (&code.shader.name, &code.name);
@@ -45,7 +45,7 @@ impl Machine<'_> {
         self.fuel == 0
     }
 
-    /// Forgets the point before.
+    /// Resets the state of the point before.
     pub fn begin(&mut self, point: &Point) {
         self.closures.clear();
         self.begin_neighbours(point);
@@ -101,10 +101,10 @@ impl Machine<'_> {
     /// Runs a layer, if it has not been run for this point.
     pub fn run_layer(&mut self, layer: usize) {
         if self.plan.entries.contains(&layer) {
-            self.say_layer(layer, "checking for already-run");
+            self.trace_layer(layer, "checking for already-run");
         }
         if self.done[layer] {
-            self.say_layer(layer, "  taking early exit, already executed");
+            self.trace_layer(layer, "  taking early exit, already executed");
             return;
         }
         self.layer_once(layer);
@@ -121,9 +121,9 @@ impl Machine<'_> {
             self.nested = outer;
             return;
         }
-        self.say_layer(layer, "enter");
+        self.trace_layer(layer, "enter");
         self.layer_body(layer);
-        self.say_layer(layer, "exit");
+        self.trace_layer(layer, "exit");
         self.nested = outer;
     }
 
@@ -145,7 +145,7 @@ impl Machine<'_> {
         self.layer = outer;
     }
 
-    /// Fetches what is connected to parameters.
+    /// Evaluates the connections of parameters.
     fn pull(&mut self, pulls: &[u32]) {
         for &symbol in pulls {
             let layer = self.layer;
@@ -273,7 +273,7 @@ impl Machine<'_> {
         }
     }
 
-    /// Tells results of a step that are no numbers or infinite.
+    /// Reports results of a step that are NaN or infinite.
     fn check_results(&mut self, step: &Step) {
         for (k, slot) in step.args.iter().enumerate().filter(|(k, _)| *k < 64 && step.writes & (1 << k) != 0)
         {

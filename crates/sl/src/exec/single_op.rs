@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Single operations, for code that runs a group by other means and leaves to the interpreter what it has no better way for.
-//! Values are elsewhere: the caller brings an operation's arguments into the machine's memory, and takes them
-//! from there. Whose turn it is (the point, its messages) is exchanged by the caller as well.
+//! Single operations, for engines that run a group by other means and leave some operations to the
+//! interpreter. Values are elsewhere: the caller copies an operation's arguments into the machine's memory,
+//! and its results back. The caller also switches the current point and its messages.
 
 use super::components::Closures;
 use super::host::Point;
@@ -12,7 +12,7 @@ use crate::ir::SourcePosition;
 use std::sync::atomic::Ordering;
 
 impl Machine<'_> {
-    /// Forgets all points before, and what they said.
+    /// Drops all earlier points, and their output.
     pub fn start(&mut self) {
         self.strings.truncate(self.plan.strings.count());
         self.closures.clear();
@@ -21,14 +21,15 @@ impl Machine<'_> {
         self.reports = 0;
     }
 
-    /// The next point, its place in the batch, and the messages of its layers so far; gives back those of the one before.
+    /// The next point, its index in the batch, and the messages of its layers so far; returns those of the
+    /// one before.
     pub fn change_point(&mut self, point: &Point, lane: usize, messages: Vec<Message>) -> Vec<Message> {
         self.point.clone_from(point);
         self.lane = lane;
         std::mem::replace(&mut self.messages, messages)
     }
 
-    /// Does an operation of a layer, with what the memory holds.
+    /// Executes an operation of a layer, on the contents of the memory.
     pub fn perform(&mut self, layer: usize, step: &Step) {
         self.layer = layer;
         match step.action {
@@ -71,8 +72,8 @@ impl Machine<'_> {
         given.is_some()
     }
 
-    /// Says that a loop of a layer was stopped.
-    pub fn say_stopped(&mut self, layer: usize, at: SourcePosition, iterations: u64) {
+    /// Reports that a loop of a layer was stopped.
+    pub fn report_stopped(&mut self, layer: usize, at: SourcePosition, iterations: u64) {
         self.layer = layer;
         let source_position = self.source_position(at);
         self.error(format!("stopped: a loop at {source_position} did not end after {iterations} turns"));
@@ -99,8 +100,9 @@ impl Machine<'_> {
 const STRIKES: u32 = 32;
 
 impl Plan {
-    /// Memory for a [`Machine`] of this plan, of those that were [taken back](Self::take_back) if there is one. It may know answers of the
-    /// host that the plan is run for: programs that mean the same do not share it.
+    /// Memory for a [`Machine`] of this plan, from those that were [taken back](Self::take_back) if there is
+    /// one. It may hold answers of the host that the plan is run for: programs that mean the same do not
+    /// share it.
     #[must_use]
     pub fn lend(&self) -> Memory {
         let pooled = self.memories.lock().ok().and_then(|mut list| list.pop());
@@ -114,13 +116,13 @@ impl Plan {
         }
     }
 
-    /// Whether so many points of the group were stopped that it is not run any more.
+    /// Whether the group is not run any more, because so many points of it were stopped.
     #[must_use]
     pub fn is_left_out(&self) -> bool {
         self.strikes.load(Ordering::Relaxed) >= STRIKES
     }
 
-    /// Notes that a point was stopped; what is to be said if it was the last one.
+    /// Notes that a point was stopped; returns the message of the last allowed one.
     #[must_use]
     pub fn strike(&self) -> Option<Event> {
         let last = self.strikes.fetch_add(1, Ordering::Relaxed) + 1 == STRIKES;
@@ -128,7 +130,7 @@ impl Plan {
         last.then(|| Event::Error(text()))
     }
 
-    /// Where a value that is kept is.
+    /// The slot of a stored value.
     #[must_use]
     pub fn place_of(&self, name: &str) -> Option<Slot> {
         self.slot_of(name)

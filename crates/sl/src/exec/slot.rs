@@ -30,13 +30,13 @@ impl Slot {
     }
 }
 
-/// A value that is kept of each point.
+/// A value that is stored of each point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RetainedOutput {
-    /// As it was asked for: `name` or `layer.name`, or a global's name.
+    /// In the requested form: `name` or `layer.name`, or a global's name.
     pub name: String,
     /// Its type, made of floats or ints.
     pub ty: Type,
-    /// Its first row in [`Results::rows`](super::Results::rows); it has as many as the type has numbers.
+    /// Its first row in [`Results::rows`](super::Results::rows); it has a row for each number of the type.
     pub row: usize,
 }

@@ -37,7 +37,7 @@ impl Machine<'_> {
 }
 
 impl Machine<'_> {
-    /// The matrix between two spaces at a point, if both are known; nothing is said.
+    /// The matrix between two spaces at a point, if both are known; without a message.
     pub(super) fn spaces_at(&mut self, point: Point, from: &str, to: &str) -> Option<Matrix> {
         let own = std::mem::replace(&mut self.point, point);
         let found = mx::transform_between(&Of(self), from, to).ok();

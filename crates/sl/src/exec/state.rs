@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What shaders ask about the renderer and themselves.
+//! Queries of shaders about the renderer and themselves.
 
 use super::host::Given;
 use super::machine::{Machine, Step};
@@ -25,7 +25,7 @@ pub(super) fn get_attribute(m: &mut Machine<'_>, s: &Step) {
     m.set_int(&out, i32::from(given.is_some()));
 }
 
-/// The shader's own names, if they are asked for by a name in the text.
+/// The shader's own names, if the text requests them by name.
 fn own(m: &Machine<'_>, s: &Step, object: &str, name: &str, ty: Type) -> Option<Given> {
     let layer = &m.plan.layers[m.layer];
     let known = s.symbols.get(1).is_some_and(|&id| layer.shader.symbol(id).kind == SymbolKind::Const);
@@ -62,7 +62,7 @@ pub(super) fn is_connected(m: &mut Machine<'_>, s: &Step) {
     m.set_int(&s.args[0], i32::from(value));
 }
 
-/// Whether the text says what the value is.
+/// Whether the value is a constant of the text.
 pub(super) fn is_constant(m: &mut Machine<'_>, s: &Step) {
     let layer = &m.plan.layers[m.layer];
     let id = s.symbols[1];

@@ -25,7 +25,7 @@ impl Default for Strings {
     }
 }
 
-/// Texts that have the same number everywhere, by which a host knows them in what closures take: this list's first has 1.
+/// Texts with fixed numbers, by which a host recognises them in closures: the first of this list has 1.
 pub const WELL_KNOWN: [&str; 2] = ["beckmann", "default"];
 
 impl Strings {
@@ -57,7 +57,7 @@ impl Strings {
         self.list.len()
     }
 
-    /// Forgets all but the first `count`.
+    /// Removes all but the first `count`.
     pub fn truncate(&mut self, count: usize) {
         while self.list.len() > count.max(1 + WELL_KNOWN.len()) {
             if let Some(text) = self.list.pop() {

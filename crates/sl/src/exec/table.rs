@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which operations there are.
-//! Source: the OSL specification, chapter 7; original. The library does what is mathematics.
+//! The table of operations.
+//! Source: the OSL specification, chapter 7; original. The library does the mathematics.
 
 use super::machine::Action::{self, Map1, Map2, Map3, Whole};
 use super::machine::D;
@@ -14,7 +14,7 @@ use crate::types::{Base, Type};
 use gnurt_sl_lib::math as lib;
 use std::sync::Arc;
 
-/// What an operation of these arguments does; none if it is not known.
+/// The action of an operation with these arguments; `None` if it is unknown.
 pub(super) fn action(name: &str, args: &[Slot]) -> Option<Action> {
     let out = args.first().map_or(Type::VOID, |a| a.ty);
     let ints = args.iter().all(|a| a.ty == Type::INT);
@@ -169,7 +169,7 @@ fn whole(name: &str, out: Type) -> Option<Action> {
     }))
 }
 
-/// The first operation of a shader that the interpreter does not know.
+/// The first operation of a shader that the interpreter does not support.
 #[must_use]
 pub fn unknown_operation(shader: &Shader) -> Option<Arc<str>> {
     let mut found = None;

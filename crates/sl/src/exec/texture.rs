@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures that a shader reads: by two coordinates, or by a direction; volumes, by a place.
-//! The options are OSL's. Directions are those of pictures over longitude and latitude with y up.
+//! Pictures that a shader reads: by two coordinates, or by a direction; volumes, by a position. The options
+//! are OSL's. Directions are those of pictures over longitude and latitude with y up.
 
 use super::cells::{Batch, Cells, DualRow};
 use super::host::{Given, Subimage, TextureOptions};
@@ -60,7 +60,7 @@ pub(super) fn texture3d(m: &mut Machine<'_>, s: &Step) {
     read(m, s, out, rest, |m, options| m.host.texture3d(&m.text(file), position, options, &m.point));
 }
 
-/// What an operation says of how it reads.
+/// The options of a texture operation.
 struct TextureReport {
     options: TextureOptions,
     /// Where opacity goes, and why there is no picture.
@@ -72,7 +72,8 @@ struct TextureReport {
 }
 
 impl TextureReport {
-    /// Of the pairs of names and values after the place; `cell_bits` knows what cells hold. None if it does not know all that is asked.
+    /// From the pairs of names and values after the coordinates; `cell_bits` returns the contents of cells.
+    /// `None` if an option is unsupported here.
     fn of(
         strings: &Strings,
         out: &Slot,
@@ -132,7 +133,7 @@ impl TextureReport {
     }
 }
 
-/// `texture` for many points at once. None if they must be asked one by one.
+/// `texture` for many points at once. None if they must be requested one by one.
 pub(super) fn textures(m: &Machine<'_>, step: &Step, lanes: u32, batch: &mut dyn Batch) -> Option<()> {
     let [out, file, at_s, at_t, rest @ ..] = &*step.args else { return None };
     let one = |cell: u32| match batch.get(cell) {

@@ -10,8 +10,8 @@ use crate::types::Base;
 use gnurt_sl_lib::Dual;
 use std::sync::Arc;
 
-/// Bytes that a point may say, the rest of its words counted.
-const MOST_SAID: usize = 16 << 20;
+/// Bytes of output that a point may report, the rest of its line counted.
+const MOST_OUTPUT: usize = 16 << 20;
 
 impl Machine<'_> {
     /// Word `i` of a slot; 0 beyond its end, for files may give operations symbols of any types.
@@ -58,7 +58,7 @@ impl Machine<'_> {
         self.set_bits(slot, i, number);
     }
 
-    /// Number `i` of a slot as a float. Single numbers stand for all components.
+    /// Number `i` of a slot as a float. Single numbers serve for all components.
     pub(super) fn float(&self, slot: &Slot, i: usize) -> f32 {
         let i = if slot.size == 1 { 0 } else { i };
         let cell_bits = self.cell_bits(slot, i);
@@ -138,7 +138,7 @@ impl Machine<'_> {
         }
     }
 
-    /// Puts a value from outside, as much of it as there is room for.
+    /// Stores a value from outside, as much of it as fits.
     pub(super) fn give(&mut self, slot: &Slot, given: &Given) {
         let size = slot.size as usize;
         match &given.value {
@@ -178,18 +178,18 @@ impl Machine<'_> {
     }
 
     pub(super) fn error(&mut self, message: String) {
-        self.say(Event::Error(message));
+        self.report(Event::Error(message));
     }
 
-    /// Notes what is said, as long as it is not too much: a loop may say as much as it has turns.
-    pub(super) fn say(&mut self, event: Event) {
+    /// Records output, up to a limit, because a loop may print in each iteration.
+    pub(super) fn report(&mut self, event: Event) {
         let (Event::Print(text) | Event::Error(text) | Event::Warning(text) | Event::File(_, text)) = &event;
         let before = self.reports;
         self.reports = before.saturating_add(text.len() + 64);
-        if self.reports <= MOST_SAID {
+        if self.reports <= MOST_OUTPUT {
             self.events.push(event);
-        } else if before <= MOST_SAID {
-            let text = format!("more than {} MiB are said: the rest is left out", MOST_SAID >> 20);
+        } else if before <= MOST_OUTPUT {
+            let text = format!("more than {} MiB of output: the rest is left out", MOST_OUTPUT >> 20);
             self.events.push(Event::Warning(text));
         }
     }

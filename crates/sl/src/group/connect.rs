@@ -10,7 +10,7 @@ impl Group {
     /// Connects an output of a layer to an input of a later one; structs by their members.
     ///
     /// # Errors
-    /// What is wrong.
+    /// The fault.
     pub fn connect(&mut self, from_layer: &str, from: &str, to_layer: &str, to: &str) -> Result<(), String> {
         let group = self.name.clone();
         let wrong = |what: String| Err(format!("ConnectShaders: {what}\n        group: {group}"));
@@ -89,7 +89,7 @@ impl Group {
         Ok(())
     }
 
-    /// Later connections to the same place win.
+    /// Later connections to the same parameter win.
     fn join(&mut self, made: Connection) {
         self.connections.retain(|c| !(c.to_layer == made.to_layer && c.to == made.to));
         self.connections.push(made);

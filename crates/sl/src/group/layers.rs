@@ -8,7 +8,7 @@ use crate::types::{Base, Type};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Whether a parameter's value changes otherwise than its text says.
+/// Whether a parameter's value may differ from the one in its text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hint {
     /// May be given by the geometry.
@@ -48,7 +48,7 @@ pub struct Part {
 pub struct Connection {
     /// The layer it comes from.
     pub from_layer: usize,
-    /// What comes.
+    /// The source.
     pub from: Part,
     /// The layer it goes to.
     pub to_layer: usize,
@@ -61,14 +61,14 @@ pub struct Connection {
 pub struct Group {
     /// Its name.
     pub name: String,
-    /// Layers; the last is the one that is asked for.
+    /// Layers; the last is the group's result.
     pub layers: Vec<Layer>,
     /// Connections.
     pub connections: Vec<Connection>,
 }
 
 impl Group {
-    /// Adds a layer with values for its parameters. What is wrong with a value is said, and it is left out.
+    /// Adds a layer with values for its parameters. A fault of a value is reported, and the value is dropped.
     pub fn add(
         &mut self,
         shader: Arc<Shader>,

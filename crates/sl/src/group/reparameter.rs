@@ -6,10 +6,10 @@ use super::layers::Group;
 use super::value::Value;
 
 impl Group {
-    /// Gives a parameter a new value; the plan is made again, or its memory changed, by who has it.
+    /// Gives a parameter a new value; the owner of the plan makes it again, or changes its memory.
     ///
     /// # Errors
-    /// Why it cannot be changed.
+    /// The parameter cannot be changed.
     pub fn reparameter(&mut self, layer: &str, param: &str, value: &Value) -> Result<(), String> {
         let number = self.find(layer).ok_or_else(|| format!("ReParameter: no layer \"{layer}\""))?;
         let layer = &mut self.layers[number];

@@ -17,7 +17,7 @@ pub type Find<'a> = dyn FnMut(&str) -> Option<Arc<Shader>> + 'a;
 /// Reads a group.
 ///
 /// # Errors
-/// What is wrong, one message each.
+/// The faults, one message each.
 pub fn read_group(
     name: &str,
     text: &str,
@@ -176,7 +176,7 @@ fn parameter(tokens: &[GroupToken]) -> Option<(String, Value, Hint)> {
         return None;
     }
     match &mut data {
-        // One number stands for all components.
+        // One number serves for all components.
         Data::Float(list) if list.len() == 1 && one == 3 => *list = vec![list[0]; expected],
         Data::Float(list) => list.resize(expected, 0.0),
         Data::Int(list) => list.resize(expected, 0),

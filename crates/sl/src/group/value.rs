@@ -59,7 +59,7 @@ fn floats(text: &str) -> Option<Vec<f32>> {
     text.split(',').map(|keyword| keyword.trim().parse().ok()).collect()
 }
 
-/// A value from a command line: of the type, or of one that its text looks like.
+/// A value from a command line: of the type, or of a type guessed from its text.
 #[must_use]
 pub fn parse_value(ty: Option<Type>, text: &str) -> Value {
     let free = ty.is_none();

@@ -54,7 +54,7 @@ impl Flat {
     /// The blocks of the operations from `from` up to `to`.
     ///
     /// # Errors
-    /// What is wrong with a jump.
+    /// The fault of a jump.
     pub fn nest(row: &[Self], from: usize, to: usize, depth: usize) -> Result<Block, String> {
         if depth > 1000 {
             return Err("blocks are nested more than 1000 deep".into());

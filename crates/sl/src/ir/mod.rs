@@ -3,9 +3,9 @@
 //! Operations and their arguments are those of OSL's compiler, so that its files can be read and ours by it.
 //!
 //! Blocks are nested and not joined by jumps, because lanes of different opinion go through a block together: a back end makes
-//! masks of `If`, `Loop`, `break`, `continue`, `return` and `exit`, and one value a variable where it needs that. `shader` is
-//! the form itself, `visit` walks it, `verify` says whether it is whole, `write` and `read` are the text form, `flat` numbers
-//! operations as the text does.
+//! masks of `If`, `Loop`, `break`, `continue`, `return` and `exit`, and one value a variable where it needs that.
+//! `shader` is the form itself, `visit` walks it, `verify` checks that it is whole, `write` and `read` are
+//! the text form, `flat` numbers operations as the text does.
 
 mod flat;
 mod operands;

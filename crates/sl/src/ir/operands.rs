@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How many operands operations have at least: compiled shaders come from outside, and what goes through them may count on these.
+//! Least numbers of operands of operations: compiled shaders come from outside, and code after the check may
+//! rely on these.
 //! Source: the operations of OSL's compiler. Tests: `tests/hostile.rs::operations_may_lack_operands`.
 
-/// Result and arguments of the shortest form; 0 for names that are not known here, and for what looks by itself.
+/// Result and arguments of the shortest form; 0 for unknown names, and for operations that check by
+/// themselves.
 pub(super) fn least_operands(name: &str) -> usize {
     match name {
         "mxcompref" | "mxcompassign" | "mix" | "select" | "smoothstep" | "clamp" | "transformc"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Reads the text form, `.oso`, as OSL's compiler and ours write it.
 //! The format is OSL's.
-//! Invariant: no text makes it panic or take memory that the text does not account for; what it returns passes [`verify`].
+//! Invariant: no text makes it panic or take memory out of proportion to its length; its results pass
+//! [`verify`].
 
 use super::flat::Flat;
 use super::operands::least_operands;
@@ -17,7 +18,7 @@ use std::sync::Arc;
 /// A shader from its text.
 ///
 /// # Errors
-/// The line and what is wrong there.
+/// The line and the fault.
 pub fn read(text: &str) -> Result<Shader, String> {
     let mut reader = Reader::default();
     let mut head = false;
@@ -65,7 +66,11 @@ impl Reader {
         if first == "OpenShadingLanguage" {
             let version = plain(list, 1)?;
             let major = version.split('.').next().and_then(|m| m.parse::<u32>().ok());
-            return if major == Some(1) { Ok(()) } else { Err(format!("version {version}; 1.00 is known")) };
+            return if major == Some(1) {
+                Ok(())
+            } else {
+                Err(format!("unsupported version {version}; 1.00 is valid"))
+            };
         }
         if !matches!(
             first,

@@ -10,7 +10,7 @@ pub type SymId = u32;
 /// Operations in order.
 pub type Block = Vec<Node>;
 
-/// What a symbol is.
+/// The kind of a symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SymbolKind {
     /// An input.
@@ -19,9 +19,9 @@ pub enum SymbolKind {
     OutputParam,
     /// A variable.
     Local,
-    /// What an expression leaves.
+    /// The result of an expression.
     Temp,
-    /// What the renderer gives, and `Ci`.
+    /// Input from the renderer, and `Ci`.
     Global,
     /// A value of the text.
     Const,
@@ -56,13 +56,13 @@ impl SymbolKind {
     }
 }
 
-/// A typed place for a value. Structs have one symbol for each member, named `struct.member`, and one without a value for
-/// the whole.
+/// A typed symbol for a value. Structs have one symbol for each member, named `struct.member`, and one
+/// without a value for the whole.
 #[derive(Clone, Debug)]
 pub struct Symbol {
     /// Its name, unique in the shader.
     pub name: Arc<str>,
-    /// What it is.
+    /// Its kind.
     pub kind: SymbolKind,
     /// Its type.
     pub ty: Type,
@@ -116,9 +116,9 @@ pub struct SourcePosition {
 /// An operation. If it has a result, that is its first argument.
 #[derive(Clone, Debug)]
 pub struct Op {
-    /// What to do.
+    /// The name of the operation.
     pub name: Arc<str>,
-    /// With what.
+    /// Its operands.
     pub args: Vec<SymId>,
     /// Arguments that are read, by bits; from the 65th on all are.
     pub reads: u64,
@@ -156,9 +156,9 @@ pub enum Node {
         test: Block,
         /// The condition.
         condition: SymId,
-        /// Done each turn.
+        /// The body of each iteration.
         body: Block,
-        /// Done after each turn.
+        /// Run after each iteration.
         step: Block,
         /// Where.
         at: SourcePosition,
@@ -187,7 +187,7 @@ pub struct Shader {
     pub structs: Structs,
     /// All symbols; parameters in order.
     pub symbols: Vec<Symbol>,
-    /// What it does.
+    /// Its code.
     pub code: Block,
     /// Names of source files.
     pub files: Vec<Arc<str>>,

@@ -11,11 +11,11 @@ pub(super) enum TextToken {
     Plain(String),
     /// A text in quotes, escapes replaced.
     Text(String),
-    /// `%name{...}` or `%name`; what is in the braces as it stands.
+    /// `%name{...}` or `%name`; the contents of the braces unchanged.
     Hint(String, String),
 }
 
-/// The words of a line; what follows `#` is left out.
+/// The words of a line; text after `#` is dropped.
 pub(super) fn line_tokens(line: &str) -> Vec<TextToken> {
     let mut out = Vec::new();
     let mut rest = line;
@@ -87,7 +87,7 @@ fn braces(text: &str) -> usize {
     text.len()
 }
 
-/// Parts between commas that stand outside quotes.
+/// Parts between commas outside of quotes.
 pub(super) fn parts(text: &str) -> Vec<String> {
     let mut out = vec![String::new()];
     let (mut escaped, mut in_text) = (false, false);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether the intermediate form is whole: what passes make and files hold is checked before it runs.
+//! Validity of the intermediate form: output of passes and contents of files are checked before they run.
 
 use super::shader::{Block, Node, Op, Shader, SymId, SymbolKind};
 use crate::hir::Data;
@@ -13,7 +13,7 @@ const SIZE: usize = 1 << 24;
 /// Checks a shader.
 ///
 /// # Errors
-/// The first thing that is wrong.
+/// The first fault.
 pub fn verify(shader: &Shader) -> Result<(), String> {
     for symbol in &shader.symbols {
         let name = &symbol.name;
@@ -54,7 +54,7 @@ fn int(shader: &Shader, id: SymId) -> Result<(), String> {
     if symbol.ty == Type::INT {
         Ok(())
     } else {
-        Err(format!("condition {} is no int but {}", symbol.name, symbol.ty))
+        Err(format!("condition {} is not an int but {}", symbol.name, symbol.ty))
     }
 }
 

@@ -76,7 +76,7 @@ fn lives(shader: &Shader, rows: &[(String, Vec<Flat>)]) -> Vec<Life> {
             if flat.jumps.len() == 4 {
                 loops.push((i, flat.jumps[3]));
             }
-            // What is used in a loop lives as long as the loop.
+            // A symbol used in a loop lives as long as the loop.
             let (from, to) = loops.first().map_or((i, i), |&(a, b)| (a, b));
             for (k, &arg) in flat.op.args.iter().enumerate() {
                 let life = &mut lives[arg as usize];

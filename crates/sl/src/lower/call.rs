@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Calls: functions of the text are put in place, those of the library become an operation.
-//! Outputs are passed by reference, as in OSL.
+//! Calls: functions of the text are inlined, those of the library become an operation. Outputs are passed by
+//! reference, as in OSL.
 
 use super::lowerer::{Inline, Lowerer, Value};
 use super::position::Target;
@@ -76,7 +76,7 @@ impl Lowerer<'_> {
         result.unwrap_or_else(|| Value { ty, leaves: [].into() })
     }
 
-    /// What may be written in place of a value: constants stay what they are.
+    /// A writable symbol for a value: constants stay unchanged.
     fn writable(&mut self, value: Value, loc: Loc) -> Value {
         if value.leaves.iter().all(|&s| self.shader.symbols[s as usize].kind != SymbolKind::Const) {
             return value;

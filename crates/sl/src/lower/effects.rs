@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which variables a function writes, in itself or through others: only what it may change is copied when it is passed by value.
+//! The variables that a function writes, directly or through calls: only arguments that it may change are
+//! copied when passed by value.
 
 use crate::hir::{Expr, ExprKind, FuncId, Program, Stmt, StmtKind, VarId};
 use std::collections::{HashMap, HashSet};
@@ -14,7 +15,7 @@ pub(super) struct Effects {
     known: HashMap<FuncId, Rc<HashSet<VarId>>>,
 }
 
-/// What a function does in itself.
+/// The effects of a function itself.
 #[derive(Default)]
 struct Own {
     written: HashSet<VarId>,
@@ -30,7 +31,8 @@ fn root(e: &Expr) -> Option<VarId> {
 }
 
 impl Effects {
-    /// What a function writes. Functions that it calls are gone through by a list: they may call each other in long chains.
+    /// The variables that a function writes. Called functions are visited by a list, because chains of calls
+    /// may be long.
     pub(super) fn of(&mut self, program: &Program, func: FuncId) -> Rc<HashSet<VarId>> {
         if let Some(found) = self.known.get(&func) {
             return found.clone();

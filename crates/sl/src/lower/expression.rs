@@ -8,7 +8,7 @@ use crate::source::Loc;
 use crate::types::{Base, Type};
 
 impl Lowerer<'_> {
-    /// Symbols to leave a result in: the wanted ones if they fit.
+    /// Symbols to leave a result in: the expected ones if they fit.
     pub(super) fn result(&mut self, ty: Type, expected: Option<&Value>) -> Value {
         match expected {
             Some(value)
@@ -62,7 +62,7 @@ impl Lowerer<'_> {
                 last.unwrap_or_else(|| self.temp(e.ty))
             }
             ExprKind::Cast(a) => {
-                // A cast that says what is there already, as `(color) noise (P)` does, stands in nobody's way.
+                // A cast to the existing type, as in `(color) noise (P)`, does not prevent this.
                 let value = self.expr(a, expected.filter(|_| a.ty == e.ty));
                 self.convert(value, e.ty, loc)
             }
@@ -84,7 +84,7 @@ impl Lowerer<'_> {
     fn unary(&mut self, op: Unary, a: &Expr, ty: Type, expected: Option<&Value>, loc: Loc) -> Value {
         let value = self.expr(a, None);
         if op == Unary::Not {
-            // Not is a comparison with zero, whatever the type.
+            // Not is a comparison with zero, for every type.
             let zero = match value.ty.base {
                 Base::String => self.text(""),
                 Base::Int | Base::Closure => self.int(0),
@@ -113,7 +113,7 @@ impl Lowerer<'_> {
         loc: Loc,
     ) -> Value {
         let mut left = self.expr(a, None);
-        // What the right side changes must not change what was read before.
+        // The right side must not change an operand that was read before.
         left = self.settle(left, b, loc);
         let mut right = self.expr(b, None);
         if ty == Type::CLOSURE {
@@ -168,7 +168,7 @@ impl Lowerer<'_> {
             None => self.target(target),
         };
         if target.ty == Type::CLOSURE && given.ty != Type::CLOSURE {
-            // The number 0 stands for the empty closure.
+            // The number 0 means the empty closure.
             self.store(&target_value, &given, loc);
             return given;
         }

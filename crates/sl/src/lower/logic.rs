@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Choices: `&&`, `||` and `?:` work out only what they need.
+//! Choices: `&&`, `||` and `?:` evaluate only the needed operands.
 
 use super::lowerer::{Lowerer, Value};
 use crate::hir::Expr;

@@ -10,14 +10,14 @@ use crate::types::{Base, Type};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A shader may become this many operations once its functions are in place.
+/// A shader may become this many operations after inlining.
 const OPS: usize = 1_000_000;
 
-/// Blocks, statements and expressions may nest this deep once functions are in place, and calls count: lowering and all that walk over
-/// the result call themselves as often, on threads of 2 MiB.
+/// Blocks, statements and expressions may nest this deep after inlining, and calls count: lowering and all
+/// that walk over the result recurse as often, on threads of 2 MiB.
 const DEPTH: usize = 800;
 
-/// What an expression leaves: a symbol, of structs one for each value in it.
+/// The result of an expression: a symbol, or one for each value in a struct.
 #[derive(Clone, Debug)]
 pub(super) struct Value {
     pub(super) ty: Type,
@@ -31,7 +31,7 @@ impl Value {
     }
 }
 
-/// A function that is being put in place.
+/// A function that is being inlined.
 pub(super) struct Inline {
     pub(super) func: FuncId,
     pub(super) result: Option<Value>,
@@ -45,7 +45,7 @@ pub(super) struct Lowerer<'a> {
     pub(super) values: HashMap<VarId, Value>,
     constants: HashMap<String, SymId>,
     pub(super) inlines: Vec<Inline>,
-    /// What targets of assignments that are under way were before.
+    /// The old values of the targets of current assignments.
     pub(super) old: Vec<Value>,
     pub(super) effects: Effects,
     temps: usize,
@@ -88,7 +88,7 @@ impl<'a> Lowerer<'a> {
         self.diagnostics.push(Diagnostic::error(loc, message));
     }
 
-    /// Whether there is so much code that no more is made.
+    /// Whether the limit of code is reached, so that no more is made.
     pub(super) fn full(&self) -> bool {
         self.ops > OPS || self.diagnostics.errors > 0
     }
@@ -244,7 +244,7 @@ impl<'a> Lowerer<'a> {
         self.emit_with(name, args.to_vec(), [!1, 1, 0], loc);
     }
 
-    /// An operation with what it reads, writes and takes derivatives of.
+    /// An operation with its reads, writes and derivatives.
     pub(super) fn emit_with(
         &mut self,
         name: &str,
@@ -256,7 +256,7 @@ impl<'a> Lowerer<'a> {
         self.push(Node::Op(Op { name: name.into(), args, reads, writes, derivs, at }));
     }
 
-    /// What `inner` writes, as a block of its own.
+    /// The code that `inner` emits, as a block of its own.
     pub(super) fn block(&mut self, inner: impl FnOnce(&mut Self)) -> Block {
         self.blocks.push(Vec::new());
         inner(self);
@@ -317,7 +317,7 @@ impl<'a> Lowerer<'a> {
         self.truth(&value, false, e.loc)
     }
 
-    /// An int that says whether the value is not zero, not empty.
+    /// An int: whether the value is not zero, not empty.
     pub(super) fn truth(&mut self, value: &Value, always: bool, loc: Loc) -> SymId {
         if value.ty == Type::INT && !always {
             return value.symbol();

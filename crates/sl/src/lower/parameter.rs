@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parameters and their defaults: a value where the text tells it, operations where it has to be worked out.
-//! What counts as told is OSL's.
+//! Parameters and their defaults: a value if the text states it, operations if it must be computed. The rules
+//! for stated values are OSL's.
 
 use super::lowerer::{Lowerer, Value};
 use crate::check::literal;
@@ -52,7 +52,7 @@ impl Lowerer<'_> {
                 }
                 return;
             }
-            // A whole struct: worked out again for each member, because members may be given apart.
+            // A whole struct: computed again for each member, because members may be given separately.
             for part in 0..self.count(ty) {
                 let leaf = value.leaves[*done];
                 self.zero(leaf);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What can be assigned to: a variable, a member, an element, a component.
+//! Assignable expressions: a variable, a member, an element, a component.
 
 use super::lowerer::{Lowerer, Value};
 use crate::hir::{Expr, ExprKind};
@@ -8,7 +8,7 @@ use crate::source::Loc;
 use crate::types::Type;
 use std::sync::Arc;
 
-/// A place, its indices worked out.
+/// An assignable position, its indices computed.
 #[derive(Clone, Debug)]
 pub(super) struct Target {
     /// The symbols that hold it or, with `element`, arrays of it.
@@ -19,7 +19,7 @@ pub(super) struct Target {
 }
 
 impl Lowerer<'_> {
-    /// The place that an expression names.
+    /// The target that an expression names.
     pub(super) fn target(&mut self, e: &Expr) -> Target {
         match &e.kind {
             ExprKind::Var(id) => {
@@ -58,13 +58,13 @@ impl Lowerer<'_> {
         }
     }
 
-    /// Whether the place is symbols as they stand.
+    /// Whether the target is whole symbols.
     pub(super) fn whole(target: &Target) -> Option<Value> {
         let whole = target.element.is_none() && target.components.is_empty();
         whole.then(|| Value { ty: target.ty, leaves: target.leaves.clone() })
     }
 
-    /// The element that a place is in, or the whole.
+    /// The element that contains a target, or the whole.
     fn element(&mut self, target: &Target, loc: Loc) -> Value {
         let Some(index) = target.element else {
             return Value { ty: target.ty, leaves: target.leaves.clone() };

@@ -174,7 +174,7 @@ impl Parser {
         self.node(ExprKind::Call(name, list), loc)
     }
 
-    /// What may start a variable or be an argument.
+    /// An initial value or an argument.
     pub(super) fn expression_or_braces(&mut self) -> Parse<Expr> {
         if !self.is("{") {
             return self.expression();
@@ -237,7 +237,7 @@ impl Parser {
     fn integer(&mut self, text: &str, loc: Loc) -> i32 {
         let (value, limit) = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
             Some(hex) => (i64::from_str_radix(hex, 16).unwrap_or(i64::MAX), i64::from(u32::MAX) + 1),
-            // One more than the largest, because a minus may stand before it.
+            // One more than the largest, because a minus may precede it.
             None => (text.parse().unwrap_or(i64::MAX), i64::from(i32::MAX) + 1),
         };
         if value > limit {

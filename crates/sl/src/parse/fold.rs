@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Works out operators between two written numbers, so that `1.0/3.0` is a number wherever one is asked for.
-//! What is folded is what OSL folds.
+//! Evaluates operators between two literals, so that `1.0/3.0` is a number wherever one is required. The
+//! folded operators are those of OSL.
 
 use crate::ast::{Binary, ExprKind};
 

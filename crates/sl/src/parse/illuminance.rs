@@ -6,14 +6,14 @@
 //!     if (illuminate(k, P [, axis, angle], L, Cl, lightdist, lightpdf [, names and values])) statement
 //! }
 //! ```
-//! The word is one that OSL reserves.
+//! `illuminance` is a word that OSL reserves.
 
 use super::reader::{Parse, Parser};
 use crate::ast::{Binary, Declarator, Expr, ExprKind, Stmt, StmtKind, TypeName, TypeRef};
 use crate::source::Loc;
 use crate::types::Base;
 
-/// What a turn of the loop sets.
+/// The variables that an iteration of the loop sets.
 const SET: [(&str, Base); 4] =
     [("L", Base::Vector), ("Cl", Base::Color), ("lightdist", Base::Float), ("lightpdf", Base::Float)];
 
@@ -32,7 +32,7 @@ fn declare(base: Base, text: &str, init: Expr, loc: Loc) -> Stmt {
 }
 
 impl Parser {
-    /// What follows the word.
+    /// The rest after the keyword.
     pub(super) fn illuminance(&mut self) -> Parse<StmtKind> {
         let loc = self.loc();
         self.expect("(")?;
@@ -42,7 +42,7 @@ impl Parser {
         }
         self.expect(")")?;
         let body = self.boxed()?;
-        // Names and values follow the place, or the place and its cone.
+        // Names and values follow the position, or the position and its cone.
         let is_text = |e: Option<&Expr>| matches!(e.map(|e| &e.kind), Some(ExprKind::Str(_)) | None);
         let location_count = if is_text(given.get(1)) { 1 } else { 3.min(given.len()) };
         let options = given.split_off(location_count);

@@ -2,8 +2,8 @@
 //! Tokens to a tree.
 //! The grammar is OSL's, read by recursive descent, operators by how tightly they bind.
 //!
-//! `reader` looks at tokens; `expression`, `statement` and `declaration` teach it each part of the grammar; `fold` works out
-//! constants that are written as sums; `unescape` reads strings.
+//! `reader` reads tokens; `expression`, `statement` and `declaration` add each part of the grammar to it;
+//! `fold` computes constants that are written as sums; `unescape` reads strings.
 
 mod declaration;
 mod expression;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Looks at tokens one after the other, and obeys pragmas on the way.
-//! The pragmas are OSL's.
+//! Reads tokens one after the other, and obeys pragmas. The pragmas are OSL's.
 
 use super::unescape::unescape;
 use crate::ast::{Expr, ExprKind, Item};
@@ -16,17 +15,17 @@ pub(super) const DEPTH: u16 = 400;
 
 /// Marks that parsing cannot go on; the message has been given.
 pub(super) struct Stop;
-/// What a part of the grammar gives.
+/// The result of a part of the grammar.
 pub(super) type Parse<T> = Result<T, Stop>;
 
 /// A file as a tree.
 #[derive(Debug, Default)]
 pub struct Parsed {
-    /// What stands in it, up to a syntax error if there is one.
+    /// Its items, up to a syntax error if there is one.
     pub items: Vec<Item>,
-    /// Lines whose warnings are not wanted: number of the file and line.
+    /// Lines whose warnings are suppressed: number of the file and line.
     pub quiet: HashSet<(u16, u32)>,
-    /// What was found wrong.
+    /// The messages.
     pub diagnostics: Diagnostics,
     /// Whether the text ended early with a syntax error.
     pub broken: bool,
@@ -38,7 +37,7 @@ pub struct Parser {
     tokens: Vec<Token>,
     at: usize,
     pub(super) depth: u16,
-    /// Whether only what OSL has is known.
+    /// Whether extensions to OSL are unknown.
     pub(super) strict: bool,
     pub(super) out: Parsed,
 }
@@ -107,7 +106,7 @@ const KEYWORDS: [&str; 26] = [
 ];
 
 impl Parser {
-    /// Takes all tokens of a preprocessor. If `strict`, what this language has more than OSL is not known.
+    /// Takes all tokens of a preprocessor. If `strict`, extensions to OSL are unknown.
     #[must_use]
     pub fn new(source: &mut Preprocessor<'_>, strict: bool) -> Self {
         let mut this = Self { tokens: Vec::new(), at: 0, depth: 0, strict, out: Parsed::default() };
@@ -220,7 +219,7 @@ impl Parser {
         self.peek_at(ahead).ident().is_some_and(|n| !KEYWORDS.contains(&&**n) && !RESERVED.contains(&&**n))
     }
 
-    /// Says that the next token is wrong and what should stand there.
+    /// Reports that the next token is invalid, and the expected one.
     pub(super) fn syntax(&mut self, expected: &str) -> Stop {
         let token = self.peek().clone();
         let found = match token.tok {

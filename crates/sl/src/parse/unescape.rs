@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Strings as they are written, to what they mean.
-//! The escapes are C's.
+//! Unescapes strings. The escapes are C's.
 
 /// The text between quotes, escapes replaced. Takes it with or without the quotes.
 #[must_use]

@@ -5,7 +5,7 @@
 use crate::ir::{Shader, SymId, ops};
 use crate::types::Base;
 
-/// Sets [`derivs`](crate::ir::Symbol::derivs) where it is needed. What needs them already keeps them.
+/// Sets [`derivs`](crate::ir::Symbol::derivs) where it is needed. Existing marks stay.
 pub fn mark_derivatives(shader: &mut Shader) {
     let mut makes: Vec<Vec<SymId>> = vec![Vec::new(); shader.symbols.len()];
     let mut pending: Vec<SymId> = Vec::new();

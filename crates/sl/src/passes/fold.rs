@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Works out what is known before a shader runs: numbers made of constants and of parameters that nothing changes, and which
-//! way conditions on them go. Then leaves out what nobody reads.
-//! Constant propagation and dead code elimination over symbols that are written once.
-//! Invariant: what a shader prints and puts out is the same with and without it.
+//! Evaluates values known before a shader runs: numbers computed from constants and constant parameters, and
+//! conditions on them. Then removes unused code. Constant propagation and dead code elimination over symbols
+//! that are written once.
+//! Invariant: the output of a shader is the same with and without it.
 //! Tests: `tests/passes.rs`, and OSL's test suite, which runs through it.
 
 use crate::hir::Data;
@@ -10,7 +10,7 @@ use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
 use crate::types::{Base, Type};
 use std::collections::HashMap;
 
-/// What is still to be found after so many passes stays: each goes through all of the shader.
+/// The limit of passes, each of which visits the whole shader.
 const PASSES: usize = 100;
 
 /// Folds a shader whose parameters in `known` have the values that they have there.
@@ -42,7 +42,7 @@ struct Folder<'a> {
     writes: &'a [u32],
     /// Symbols that turn out to be constants.
     made: HashMap<SymId, Data>,
-    /// What the compiler's own variables hold where the folder is, also those that are written more than once.
+    /// The current contents of the compiler's own variables, also of those that are written more than once.
     now: HashMap<SymId, Data>,
     changed: bool,
 }
@@ -63,7 +63,7 @@ impl Folder<'_> {
         }
     }
 
-    /// What these nodes write is not known behind them.
+    /// Drops the variables that these nodes write.
     fn forget(&mut self, nodes: &[Node]) {
         uses(nodes, &mut |id, usage| {
             if usage == Use::Write {
@@ -72,7 +72,7 @@ impl Folder<'_> {
         });
     }
 
-    /// Nodes that may run or not, or several times: what they begin with is what is known, not what they end with.
+    /// Nodes that run zero or more times: known values hold at their start, those at their end are unknown.
     fn inner(&mut self, block: Block) -> Block {
         let before = self.now.clone();
         let block = self.block(block);
@@ -121,7 +121,7 @@ impl Folder<'_> {
                 },
                 Node::Loop { keyword, init, test, condition, body, step, at } => {
                     let init = self.block(init);
-                    // The test runs again after what the body and the step write.
+                    // The test runs again after the body and the step.
                     for part in [&test, &body, &step] {
                         self.forget(part);
                     }
@@ -155,7 +155,7 @@ impl Folder<'_> {
     fn operation(&self, op: &Op) -> Option<(SymId, Data)> {
         let (&out, args) = op.args.split_first()?;
         let symbol = self.shader.symbol(out);
-        // A variable that is declared may be read before it is written, in a loop: only what the compiler made is sure.
+        // A declared variable may be read before it is written, in a loop: only temporaries are safe.
         if symbol.kind != SymbolKind::Temp || symbol.derivs && symbol.ty != Type::INT {
             return None;
         }
@@ -233,7 +233,7 @@ fn two(name: &str, a: Number, b: Number) -> Option<Number> {
     })
 }
 
-/// Whether an operation does nothing but make its result, and says nothing about wrong indices or names.
+/// Whether an operation only makes its result, and reports no wrong indices or names.
 fn is_pure(name: &str) -> bool {
     matches!(
         name,
@@ -286,7 +286,8 @@ fn is_pure(name: &str) -> bool {
     )
 }
 
-/// Leaves out what makes values that nobody reads, and what made values for that alone; whether there was something.
+/// Removes operations whose results are unused, and the operations that only feed those; returns whether
+/// there were any.
 fn remove_dead(shader: &mut Shader) -> bool {
     let mut reads = vec![0_u32; shader.symbols.len()];
     uses(&shader.code, &mut |id, usage| reads[id as usize] += u32::from(usage == Use::Read));
@@ -294,7 +295,7 @@ fn remove_dead(shader: &mut Shader) -> bool {
     let writes = |op: &'_ Op| -> Vec<SymId> {
         op.args.iter().enumerate().filter(|(i, _)| op.is_written(*i)).map(|(_, &id)| id).collect()
     };
-    // Operations by number, in the order of the text, and by what they write.
+    // Operations by number, in the order of the text, and by their results.
     let mut all: Vec<&Op> = Vec::new();
     let mut makers: Vec<Vec<usize>> = vec![Vec::new(); shader.symbols.len()];
     ops(&shader.code, &mut |op| {
@@ -336,7 +337,7 @@ fn remove_dead(shader: &mut Shader) -> bool {
     removed
 }
 
-/// Operations are asked for in the order of the text.
+/// Calls `dead` for operations in the order of the text.
 fn sweep(block: &Block, dead: &mut dyn FnMut(&Op) -> bool, removed: &mut bool) -> Block {
     let mut out = Vec::with_capacity(block.len());
     for node in block {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What is found out about, and changed in, the intermediate form.
+//! Analyses and changes of the intermediate form.
 
 mod derivatives;
 mod fold;

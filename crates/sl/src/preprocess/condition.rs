@@ -10,7 +10,7 @@ const DEPTH: usize = 100;
 /// The value of an expression whose macros are expanded and whose `defined` is replaced. Names that are left are 0.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The fault.
 pub(super) fn evaluate(tokens: &[Token]) -> Result<i64, String> {
     let mut reader = Reader { tokens, at: 0 };
     let value = reader.ternary(0)?;

@@ -68,7 +68,7 @@ pub struct Preprocessor<'a> {
 }
 
 impl<'a> Preprocessor<'a> {
-    /// With the folders that `#include` looks through after the including file's own.
+    /// With the folders that `#include` searches after the including file's own.
     #[must_use]
     pub fn new(load: &'a Loader<'a>, search: Vec<String>) -> Self {
         Self {
@@ -101,7 +101,7 @@ impl<'a> Preprocessor<'a> {
         self.macros.remove(name);
     }
 
-    /// Reads this text next, then goes on where it was.
+    /// Reads this text next, then continues where it was.
     pub fn push_text(&mut self, name: &str, text: &str, system: bool) {
         self.bytes = self.bytes.saturating_add(text.len());
         if self.bytes > BYTES {
@@ -473,7 +473,7 @@ impl<'a> Preprocessor<'a> {
                 return;
             }
         };
-        // The compiler has brought that already, and what a folder has under this name would say it again.
+        // The compiler has already included it, and a file of this name would repeat its declarations.
         if Path::new(&name).file_name().is_some_and(|file| file == "stdosl.h") {
             return;
         }

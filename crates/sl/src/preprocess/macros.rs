@@ -34,7 +34,7 @@ impl Macro {
     /// From the rest of a `#define` line, after the name.
     ///
     /// # Errors
-    /// What is wrong with the parameter list.
+    /// The fault of the parameter list.
     pub fn read(lexer: &mut Lexer) -> Result<Self, String> {
         let mut body = Vec::new();
         while !lexer.at_line_end() {
@@ -94,7 +94,7 @@ impl Macro {
         self.parameters.as_ref()?.iter().position(|p| p == name)
     }
 
-    /// The tokens a use becomes, all at the place of the use.
+    /// The tokens that a use becomes, all at the position of the use.
     #[must_use]
     pub fn substitute(&self, arguments: &[Argument], at: &Token) -> Vec<Marked> {
         let empty = Argument::default();
@@ -134,7 +134,7 @@ impl Macro {
                     let before_paste = self.body.get(i + 1).is_some_and(|t| t.is("##"));
                     let source = if before_paste { &argument(p).raw } else { &argument(p).expanded };
                     if before_paste && source.is_empty() {
-                        // An empty left side: what follows stands alone.
+                        // An empty left side: the right side stays as it is.
                         let blank = Token { tok: Tok::Str("".into()), ..token.clone() };
                         out.push((blank, true));
                     }

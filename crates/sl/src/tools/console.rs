@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where a tool writes to: two streams whose texts keep their order; and what the program brings along.
+//! The output of a tool: two streams whose texts keep their order; and the program's services.
 
 use super::engine::Engine;
 use super::textures::Textures;
 use std::io::Write;
 
-/// Standard output and standard error, or what stands for them in a test.
+/// Standard output and standard error, or their replacement in a test.
 pub struct Console<'a> {
     out: &'a mut dyn Write,
     err: &'a mut dyn Write,
-    /// Whether the tool was called by its own name, by a link, and so stands for OSL's.
+    /// Whether the tool was called by its own name, by a link, and so replaces OSL's.
     pub link: bool,
-    /// What else the program can run shaders by.
+    /// Another engine for running shaders.
     pub engine: Option<Engine>,
-    /// The pictures that shaders read, if it has some way to.
+    /// The pictures that shaders read, if it can read any.
     pub textures: Option<&'a dyn Textures>,
 }
 
@@ -40,7 +40,7 @@ impl<'a> Console<'a> {
         let _ = self.err.flush();
     }
 
-    /// Writes out what is still kept.
+    /// Flushes buffered text.
     pub fn flush(&mut self) {
         let _ = self.out.flush();
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `testshade` can run groups by beside the interpreter: code that takes points in batches, made elsewhere.
+//! Another engine for `testshade` than the interpreter: code that takes points in batches, made elsewhere.
 
 use crate::exec::{Event, Host, Plan, Points};
 use crate::hir::Data;
@@ -23,12 +23,13 @@ pub trait Batch {
     /// The value of a layer's output for one of the points.
     fn output(&self, lane: usize, layer: usize, name: &str) -> Option<(Type, Data)>;
 
-    /// What was said, each with the number of its point, in order.
+    /// The output, each with the number of its point, in order.
     fn take_events(&mut self) -> Vec<(usize, Event)>;
 }
 
 /// Makes the code of a group by the engine of a name, and calls the function with it.
 ///
 /// # Errors
-/// Why there is none: the name is not known, the CPU lacks something, or the group is one that the interpreter must run.
+/// Why there is none: the name is unknown, the CPU lacks a feature, or only the interpreter supports the
+/// group.
 pub type Engine = fn(&str, &Arc<Plan>, &dyn Host, &mut dyn FnMut(&mut dyn Batch)) -> Result<(), String>;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! OSL's command-line tools: what `gnurt oslc`, `gnurt oslinfo` and `gnurt testshade` do, with OSL's options and output.
-//! Options and output are those of OSL's tools.
+//! OSL's command-line tools: `gnurt oslc`, `gnurt oslinfo` and `gnurt testshade`, with OSL's options and
+//! output. Options and output are those of OSL's tools.
 
 mod console;
 mod engine;

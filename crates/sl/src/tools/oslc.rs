@@ -50,7 +50,7 @@ struct Call {
     style: Style,
 }
 
-/// Folders that `#include` looks through after those of the command line.
+/// Folders that `#include` searches after those of the command line.
 pub(super) fn standard_folders() -> Vec<String> {
     let mut folders = vec![String::new()];
     for name in ["OSL_ROOT", "OSL_ROOT_DIR", "OSLHOME"] {

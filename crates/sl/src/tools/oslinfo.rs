@@ -58,7 +58,7 @@ pub fn oslinfo(args: &[String], console: &mut Console<'_>) -> i32 {
             Ok(shader) => console.print(&describe(&shader, verbose, only.as_deref())),
             Err(message) => {
                 console.print(&format!("ERROR opening shader \"{file}\" ({message})\n"));
-                // OSL's tool goes on as if nothing were wrong.
+                // OSL's tool continues as if nothing were wrong.
                 status = i32::from(!console.link);
                 if !console.link && file.ends_with(".osl") {
                     console.complain(&format!("{file} is source text: `oslc {file}` compiles it\n"));

@@ -22,7 +22,7 @@ enum Sample {
 }
 
 impl Picture {
-    /// Writes a file; the name's end says the kind.
+    /// Writes a file; the name's end selects the format.
     pub(super) fn save(&self, file: &str, format: &str) -> Result<(), String> {
         let sample = match format {
             "uint8" => Sample::Byte,
@@ -106,7 +106,7 @@ impl Picture {
 
     fn exr(&self, sample: Sample) -> Vec<u8> {
         let names = self.channel_names();
-        // Channels stand in the order of their names.
+        // Channels are in the order of their names.
         let mut order: Vec<usize> = (0..self.channels).collect();
         order.sort_by(|&a, &b| names[a].cmp(&names[b]));
         let (kind, bytes) = if sample == Sample::Half { (1_u32, 2) } else { (2, 4) };

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `testshade` reads pictures by: made elsewhere, since the language knows no picture files.
+//! The pictures of `testshade`: read elsewhere, because the language crate has no picture files.
 
 use crate::exec::TextureOptions;
 use crate::hir::Data;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 
-/// Pictures by their files' names. Values are those that are stored.
+/// Pictures by their files' names. Values are the stored ones.
 pub trait Textures {
     /// Four channels at `s` and `t`, t downwards, and how they change from pixel to pixel.
     ///
@@ -30,7 +30,7 @@ pub trait Textures {
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String>;
 
-    /// The same of a volume, at a place.
+    /// The same of a volume, at a position.
     ///
     /// # Errors
     /// Why there are none, in OSL's words.
@@ -41,7 +41,7 @@ pub trait Textures {
         options: &TextureOptions,
     ) -> Result<[Dual<f32>; 4], String>;
 
-    /// What `gettextureinfo` asks for, of the tile at `at` where a name stands for many files.
+    /// A query of `gettextureinfo`, of the tile at `at` if a name represents many files.
     ///
     /// # Errors
     /// Why there is no such picture, in OSL's words.

@@ -43,7 +43,7 @@ pub(crate) fn shader(text: &str) -> Shader {
     compiled.shader.unwrap_or_else(|| panic!("it does not compile: {diagnostics_of:?}\n{text}"))
 }
 
-/// What a group says at one point.
+/// The output of a group at one point.
 pub(crate) fn diagnostics_of(group: &Group) -> Vec<Event> {
     let plan = Plan::new(group, &PlanOptions::default()).expect("all operations are known");
     let world = Empty::default();
@@ -52,7 +52,7 @@ pub(crate) fn diagnostics_of(group: &Group) -> Vec<Event> {
     machine.events
 }
 
-/// What a shader prints, errors as lines that start with `ERROR`.
+/// The output of a shader, errors as lines that start with `ERROR`.
 #[allow(dead_code, reason = "not every test runs shaders")]
 pub(crate) fn output(text: &str) -> String {
     let mut group = Group::default();

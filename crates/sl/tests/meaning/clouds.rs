@@ -33,7 +33,7 @@ impl Host for Cloudy {
     }
 }
 
-/// What statements print at a point of that world.
+/// The output of statements at a point of that world.
 fn diagnostics_of(world: &Cloudy, statements: &str, p: [f32; 3]) -> String {
     let mut group = Group::default();
     group.add(Arc::new(shader(&format!("shader test () {{ {statements} }}"))), None, &[], &mut Vec::new());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the language has more than OSL, and points in batches.
+//! Extensions to OSL, and points in batches.
 
 use crate::common::{Empty, compiled, shader};
 use gnurt_sl::exec::{

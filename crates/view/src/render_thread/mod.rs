@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The thread that renders what the window wants to see, from outside: wishes in, pictures and news out. How it decides what to
-//! render: `work.rs`. Tests: `tests`, and `crates/cli/tests/program/window.rs`.
+//! Interface to the viewer's render thread: requests in, images and events out. Its scheduling: `work.rs`.
+//! Tests: `tests`, and `crates/cli/tests/program/window.rs`.
 
 mod request;
 mod work;
@@ -29,7 +29,7 @@ pub(crate) struct RenderThread {
     thread: Option<JoinHandle<()>>,
 }
 
-/// What a render_thread works with.
+/// The input of a render thread.
 pub(crate) struct RenderThreadParts {
     pub(crate) stage: Stage,
     pub(crate) options: RenderOptions,
@@ -103,12 +103,12 @@ impl RenderThread {
         self.shared.bell.notify_all();
     }
 
-    /// The latest picture. The thread waits while somebody holds it.
+    /// The latest picture. The thread waits while it is locked.
     pub(crate) fn front(&self) -> MutexGuard<'_, DisplayFrame> {
         lock(&self.shared.front)
     }
 
-    /// Whether a picture shows what is wanted now.
+    /// Whether a picture satisfies the current request.
     pub(crate) fn is_current(&self, front: &DisplayFrame) -> bool {
         let pending = lock(&self.shared.request);
         let same = front.view == pending.view && front.exposure == pending.request.exposure;
@@ -117,7 +117,7 @@ impl RenderThread {
             && !pending.has_edits()
     }
 
-    /// What is looked at.
+    /// The current stage.
     pub(crate) fn stage(&self) -> Arc<Stage> {
         lock(&self.shared.stage).clone()
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the window and the thread that renders for it tell each other: wishes one way, pictures and news the other.
+//! Messages between the window and its render thread: requests one way, pictures and events the other.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -15,7 +15,7 @@ use crate::pace::divided;
 use crate::shown::Shown;
 use crate::stage::Stage;
 
-/// What the window wants to see.
+/// The window's request.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RenderRequest {
     pub(crate) camera: Camera,
@@ -25,7 +25,7 @@ pub(crate) struct RenderRequest {
     /// Whether the camera will probably have moved on by the next frame.
     pub(crate) moving: bool,
     pub(crate) paused: bool,
-    /// Whether the noise is to be taken out of what rests.
+    /// Whether pictures at rest are denoised.
     pub(crate) denoised: bool,
     /// The moment of the clip; `None` = the scene at rest.
     pub(crate) clip_time: Option<f64>,
@@ -38,7 +38,7 @@ impl RenderRequest {
         ViewRequest { camera: self.camera.clone(), shown: self.shown, size, preview: true, denoised: false }
     }
 
-    /// Whether the noise is to be taken out of what is shown: other pictures than light have none.
+    /// Whether the display is denoised: other pictures than light have no noise.
     pub(super) fn requests_denoising(&self) -> bool {
         self.denoised && matches!(self.shown, Shown::Light(_))
     }
@@ -52,7 +52,7 @@ pub(crate) struct DisplayFrame {
     /// Pixels of the window.
     pub(crate) size: [u32; 2],
     pub(crate) screen: Vec<u32>,
-    /// Linear colours of what was rendered, `readings.rendered` pixels; old ones where it is not `whole`.
+    /// Linear colours of the rendered picture, `readings.rendered` pixels; old ones if it is not `whole`.
     pub(crate) colors: Vec<[f32; 4]>,
     pub(crate) exposure: Exposure,
     pub(crate) readings: Readings,
@@ -62,11 +62,11 @@ pub(crate) struct DisplayFrame {
     pub(crate) view: u64,
 }
 
-/// What the window and the thread share.
+/// State shared by the window and the thread.
 pub(super) struct Shared {
     pub(super) request: Mutex<Pending>,
     pub(super) bell: Condvar,
-    /// The wish's `view`, for those who may not wait.
+    /// The request's `view`, for readers that must not wait.
     pub(super) view: AtomicU64,
     pub(super) leaving: AtomicBool,
     pub(super) front: Mutex<DisplayFrame>,
@@ -94,18 +94,18 @@ impl Pending {
     }
 }
 
-/// What the thread tells the window.
+/// Events of the thread for the window.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum RenderEvent {
     /// There is another front.
     Picture,
     /// The scene was read again.
     Reloaded(Vec<PathBuf>),
-    /// Shaders were read again; what is to be said of it, a line each.
+    /// Shaders were read again; the messages about it, a line each.
     Shaders(Vec<String>),
     /// A shader could not be read again; the one before stays.
     BadShader(String),
-    /// It could not be read or rendered; what was there stays.
+    /// It could not be read or rendered; the earlier one stays.
     Trouble(String),
     /// How the noise was taken out, whenever that is another way than before.
     Denoised(String),

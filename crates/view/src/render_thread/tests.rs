@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the window gets to see, and when.
+//! The pictures that the window gets, and their order.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -95,7 +95,8 @@ fn what_is_seen_at_last_is_what_render_makes() {
     assert!(is_finished(&render_thread.front()), "with the samples that were there");
 }
 
-/// Each picture that reaches the window while the camera moves is what a look in passing from there shows, in all of its pixels.
+/// Each picture that reaches the window while the camera moves is a preview of that view, in all of its
+/// pixels.
 #[test]
 fn pictures_are_whole_when_they_are_shown() {
     let (render_thread, _events, mut request) = begin(Box::new(load));
@@ -134,7 +135,8 @@ fn pictures_are_whole_when_they_are_shown() {
     }
 }
 
-/// What light is found by chance in is whole at once, and at rest becomes what render makes.
+/// Pictures of integrators with random light samples are whole at once, and at rest become the result of
+/// `render`.
 #[test]
 fn remembered_pictures_are_full_size() {
     let (render_thread, _events, mut request) = begin(Box::new(load));
@@ -316,7 +318,7 @@ fn shaders_are_read_again_by_themselves_or_stay() {
     stage.world.commit(&stage.scene, &stage.scripts.table, &stage.how, &pool).expect("a sound scene");
     let stage_files = stage.scripts.files();
     let (render_thread, events, request) = begin_on(Box::new(load), stage);
-    // Lamps and what lies beside the box show something else.
+    // Lights and the surroundings of the box show other values.
     let shows = |value: f32| {
         move |front: &DisplayFrame| {
             let count = front.colors.iter().filter(|pixel| pixel[1] == value).count();

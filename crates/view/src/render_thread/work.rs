@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The thread that renders what the window wants to see: coarse while the camera moves, then finer, then more samples.
-//! Source: after the habits of Cycles and OSPRay. A new view is first shown at the resolution that keeps the
-//! picture moving, or whole, made of the pictures before, where light is found by chance; when it rests, resolution doubles until it is
-//! full, then samples are added until there are enough, and are shown by steps too small to flicker (`temporal_filter.rs`).
-//! A picture is shown when it is whole: what was stopped is not.
-//! Frames of a camera that moves are finished, so that something is seen; all other work is stopped as soon as the view
+//! The render thread of the window: coarse pictures while the camera moves, then finer ones, then more
+//! samples.
+//! Source: after the habits of Cycles and OSPRay. A new view is first displayed at a resolution that keeps
+//! the motion smooth, or, with random light samples, whole and made from earlier pictures. At rest the
+//! resolution doubles up to the full one, then samples are added up to the limit, and are displayed by steps
+//! too small to flicker (`temporal_filter.rs`). Only whole pictures are displayed; stopped ones are not.
+//! Frames of a moving camera are finished, so that each is visible; all other work stops as soon as the view
 //! changes. Invariant: pixels and samples of a finished picture are those of `gnurt::render::render`.
 //! Tests: `super::tests`, and `crates/cli/tests/program/window.rs`.
 
@@ -30,7 +31,7 @@ const FRAME: f64 = 0.033;
 /// Seconds that a pass of a resting one may take before it is shown.
 const PASS: f64 = 0.2;
 const MOST_SAMPLES: u32 = 16;
-/// Between two steps of what is shown towards what is known, where nothing else is to be done.
+/// Time between two steps of the display towards the known colours, if there is no other work.
 const FADE: Duration = Duration::from_millis(10);
 
 pub(super) struct Work {
@@ -50,12 +51,12 @@ pub(super) struct Work {
     /// Seconds of passes since then, and seconds that it took.
     noisy_seconds: f64,
     clean_seconds: f64,
-    /// What the world shows, and what it cost to bring it there.
+    /// The time that the world shows, and the cost of the update.
     clip_time: Option<f64>,
     update_seconds: f64,
 }
 
-/// What the eye has in the making.
+/// The picture that the eye is making.
 #[derive(Clone, Debug, PartialEq)]
 struct Present {
     view: u64,
@@ -198,11 +199,11 @@ impl Work {
         Ok(())
     }
 
-    /// Changes what is looked at.
+    /// Changes the stage.
     fn on_stage<R>(&self, change: impl FnOnce(&mut Stage, &ThreadPool) -> R) -> R {
         loop {
             let mut shared = lock(&self.shared.stage);
-            // Whoever asks what is under the cursor has it for a moment.
+            // A query of the cursor holds it briefly.
             if let Some(stage) = Arc::get_mut(&mut shared) {
                 return change(stage, &self.pool);
             }
@@ -224,7 +225,7 @@ impl Work {
         }
     }
 
-    /// Whether there is nothing to do for what is wanted.
+    /// Whether there is no work for the request.
     fn is_idle(&self, present: &Present, pending: &Pending) -> bool {
         let clean = present.preview || self.back.readings.denoised == pending.request.requests_denoising();
         let same = present.view == pending.view && self.back.exposure == pending.request.exposure && clean;
@@ -233,7 +234,7 @@ impl Work {
         same && rests
     }
 
-    /// What to render now: what is in the making, or a new picture.
+    /// The next picture to render: the current one, or a new one.
     fn next(
         &mut self,
         present: Option<Present>,
@@ -263,7 +264,7 @@ impl Work {
                 if old.as_ref().is_some_and(|old| old.shown != request.shown) {
                     self.pace.forget();
                 }
-                // What rests and only lacks layers goes on from what is shown.
+                // A picture at rest that only lacks layers starts from the displayed one.
                 let goes_on = old.is_some_and(|old| old.view == view && !old.preview);
                 let remembers = self.eye.remembers(&request.view_request(1), script, &stage.world);
                 let divisor = if goes_on {
@@ -279,7 +280,7 @@ impl Work {
                     view,
                     shown: request.shown,
                     divisor,
-                    // What is remembered is seen at once; what rests begins with that.
+                    // Reprojected light is displayed at once, and pictures at rest start from it.
                     preview: request.moving || divisor > 1 || (remembers && !goes_on),
                     remembers,
                     layers: request.requests_denoising(),
@@ -301,7 +302,7 @@ impl Work {
         request.requests_denoising() && !present.layers
     }
 
-    /// Adds samples, and shows what came out.
+    /// Adds samples, and displays the result.
     fn trace_view(&mut self, mut present: Present, request: &RenderRequest) -> Present {
         let begin = Instant::now();
         let size = divided(request.size, present.divisor);
@@ -397,11 +398,11 @@ impl Work {
         let mut front = lock(&self.shared.front);
         let (readings, exposure) = (self.back.readings, self.back.exposure);
         std::mem::swap(&mut *front, &mut self.back);
-        // What is compared with later is what is shown, not what was shown before.
+        // Later comparisons use the currently displayed picture.
         (self.back.readings, self.back.exposure) = (readings, exposure);
     }
 
-    /// As many as take about as long as people like to wait for the next picture.
+    /// As many samples as fit into the time between displayed pictures.
     fn samples_per_pass(&self) -> u32 {
         ((PASS / self.per_sample.max(1e-4)) as u32).clamp(1, MOST_SAMPLES).min(self.eye.samples().max(1))
     }
@@ -413,7 +414,7 @@ impl Work {
                 let files = stage.files.clone();
                 *lock(&self.shared.stage) = Arc::new(stage);
                 self.clip_time = None;
-                // What is shown until the next picture is of the old scene.
+                // Until the next picture, the display shows the old scene.
                 let mut pending = lock(&self.shared.request);
                 pending.view += 1;
                 self.shared.view.store(pending.view, Ordering::Relaxed);

@@ -32,7 +32,7 @@ pub struct Parameter {
     offset: u32,
 }
 
-// SAFETY: it is constant, and so is what it points to.
+// SAFETY: it is constant, and so are its targets.
 unsafe impl Sync for Parameter {}
 
 impl Parameter {
@@ -83,7 +83,7 @@ pub struct Hits {
 
 type Ctx = *mut c_void;
 
-/// `RTShost`; what this wrapper does not use is not spelled out.
+/// `RTShost`, as far as this wrapper uses it.
 #[repr(C)]
 pub struct Host {
     struct_size: u32,
@@ -115,7 +115,7 @@ pub struct Class {
     others: [*const c_void; 4],
 }
 
-// SAFETY: it is constant, and so is what it points to.
+// SAFETY: it is constant, and so are its targets.
 unsafe impl Sync for Class {}
 
 /// `RTSmodule`.
@@ -127,7 +127,7 @@ pub struct Module {
     pub classes: *const &'static Class,
 }
 
-// SAFETY: it is constant, and so is what it points to.
+// SAFETY: it is constant, and so are its targets.
 unsafe impl Sync for Module {}
 
 /// A surface: the type is its block per shader.
@@ -147,7 +147,7 @@ pub trait Surface: Copy + Sync + 'static {
     fn shade(&self, batch: &Batch<'_>, out: [&mut [f32]; 3]);
 }
 
-/// The points of a call and what may be asked about them.
+/// The points of a call and their queries.
 pub struct Batch<'a> {
     host: &'a Host,
     ctx: Ctx,
@@ -220,7 +220,7 @@ unsafe extern "C" fn shade<S: Surface>(host: *const Host, ctx: Ctx, hits: *const
     // SAFETY: the block is a copy of one that `init` wrote, with parameters that are floats.
     let surface = unsafe { *hits.shader.cast::<S>() };
     let batch = Batch { host, ctx, hits, parameters: S::PARAMETERS, _not_sync: PhantomData };
-    // SAFETY: three arrays with room for all points, which nobody else writes.
+    // SAFETY: three arrays with space for all points, without other writers.
     let out = [out.x, out.y, out.z].map(|array| unsafe { std::slice::from_raw_parts_mut(array, batch.len()) });
     surface.shade(&batch, out);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! From places back to nodes, with what wide nodes made of them will cost.
+//! Conversion of a movable tree to nodes, with the expected cost of its wide tree.
 //! Source: [YKL17], as in `collapse`. Invariant: as of [`MovableTree`]. Tests: `super::tests`.
 
 use super::super::binary_node::BinaryNode;
@@ -9,7 +9,7 @@ use super::MovableTree;
 /// Below this height one thread does it.
 const LOW: u32 = if cfg!(test) { 4 } else { 10 };
 
-/// How one node's children share places.
+/// The division of slots between one node's children.
 struct Shared {
     node: u32,
     shares: Shares,
@@ -28,7 +28,7 @@ impl MovableTree<'_> {
         costs[1]
     }
 
-    /// Costs of a node; how it and all below share places goes to `all`.
+    /// Costs of a node; the division of its slots, and of all below, goes to `all`.
     fn costs(&self, at: u32, all: &mut Vec<Shared>) -> Costs {
         let movable = self.movable(at);
         let area = movable.bounds.half_area(self.tasks.scale);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What must hold of a tree whatever was moved, and that a move is what it is said to be.
+//! Properties of a tree after any moves, and the effect of a single move.
 
 use super::super::binary::Careful;
 use super::super::{all_references, collapse};
@@ -21,14 +21,14 @@ fn mixed_boxes(count: usize) -> Vec<Aabb> {
     (0..count).map(|_| one()).collect()
 }
 
-/// Divided by number alone from a depth on.
+/// Divided by number only from a depth on.
 fn nodes_over(boxes: &[Aabb], by_number: usize, tasks: TaskPool) -> Vec<BinaryNode> {
     let mut references = all_references(&boxes, false);
     let root = tasks.around(&references);
     Careful::new(&boxes, tasks, &root, by_number).build(&mut references, root)
 }
 
-/// Areas of all nodes, and numbers of all primitives in order; checks boxes and heights on the way.
+/// Areas of all nodes, and numbers of all primitives in order; also checks boxes and heights.
 fn walk(nodes: &[BinaryNode], tasks: TaskPool) -> (f64, Vec<u32>) {
     let (mut sum, mut numbers, mut reached, mut deepest) = (0.0, Vec::new(), 0, 0);
     let mut waiting = vec![(nodes.len() - 1, 0)];
@@ -106,7 +106,7 @@ fn searches_find_the_best() {
             };
             let found = tree.search(&nodes);
             for &node in nodes.iter().step_by(7) {
-                // Every place, by moving there.
+                // Every position, by moving there.
                 let mut least = before;
                 for target in 0..count {
                     let mut moved = MovableTree { movables: tree.movables.clone(), ..tree };
@@ -140,7 +140,7 @@ fn threads_do_not_matter() {
     }
 }
 
-/// Notes progress, and says no when it is asked for the `no`th time; 0 for never.
+/// Records progress, and stops at the `no`th call; 0 for never.
 #[derive(Default)]
 struct Notes {
     reported: Mutex<Vec<f32>>,
@@ -178,7 +178,7 @@ fn progress_is_reported_and_cancelling_ends_it() {
     let pieces = nodes.len() / PIECE / 2;
     assert!(reported.is_sorted() && reported.len() > pieces, "{} times: {reported:?}", reported.len());
     assert!(reported.last().is_some_and(|&last| (0.7..=0.85).contains(&last)), "all of it: {reported:?}");
-    // Searches of the first round; then its moves, while what was moved stays.
+    // Searches of the first round; then its moves, which keep the tree's contents.
     let searches = (0.5 * nodes.len() as f32) as usize / PIECE;
     for no in [1, searches / 2, searches + 2, requests] {
         let (less, until, other) = run(no);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values that say where the eye is, and what it sees through.
-//! See docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
+//! Values for the eye's position, and its camera. See docs/reference/cli.md. Tests: `tests` of
+//! `value/mod.rs`.
 
 use gnurt::scene::Projection;
 
@@ -19,7 +19,7 @@ pub(crate) fn point(text: &str) -> Result<[f32; 3], String> {
 /// Three numbers that are not all zero.
 pub(crate) fn direction(text: &str) -> Result<[f32; 3], String> {
     match point(text)? {
-        [0.0, 0.0, 0.0] => Err("zero points nowhere; give a direction like 0,1,0".into()),
+        [0.0, 0.0, 0.0] => Err("the zero vector has no direction; give one like 0,1,0".into()),
         direction => Ok(direction),
     }
 }

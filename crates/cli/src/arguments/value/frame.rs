@@ -96,7 +96,7 @@ pub(crate) fn piece(text: &str) -> Result<Piece, String> {
     let number = |text: &str| text.parse::<u32>().ok().filter(|number| (1..=MOST).contains(number));
     let (index, count) = number(index).zip(number(count)).ok_or_else(form)?;
     if index > count {
-        return Err(format!("there is no piece {index} of {count}; pieces count from 1"));
+        return Err(format!("piece {index} of {count} is out of range; pieces count from 1"));
     }
     Ok(Piece { index: index - 1, count })
 }

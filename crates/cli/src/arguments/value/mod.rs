@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values of options: from text to numbers, vectors, names. Each error says what would be right.
-//! See docs/reference/cli.md.
+//! Values of options: from text to numbers, vectors, names. Each error lists the valid values. See
+//! docs/reference/cli.md.
 //! Invariant: no value leaves here that is NaN, infinite or out of its range. Tests: `tests`, also in the files below.
 
 mod bench;

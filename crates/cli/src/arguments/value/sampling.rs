@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values that say how much is computed, by what, and how.
-//! See docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
+//! Values for the amount and the method of sampling. See docs/reference/cli.md. Tests: `tests` of
+//! `value/mod.rs`.
 
 use gnurt::accel::Memory;
 use gnurt::render::Integrator;
@@ -70,7 +70,7 @@ pub(crate) fn integrator(name: &str) -> Result<Integrator, String> {
     by_name("integrator", name, &Integrator::ALL[..])
 }
 
-/// What trees are made for.
+/// The memory layout of trees.
 pub(crate) fn memory(name: &str) -> Result<Memory, String> {
     match name {
         "fast" => Ok(Memory::Fast),

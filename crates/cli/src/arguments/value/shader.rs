@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values that name shaders with their parameters, and what may be a shader or something else: cameras, surroundings.
-//! See docs/reference/cli.md. Tests: `tests`.
+//! Values that name shaders with their parameters, and values with a shader among other choices: cameras,
+//! surroundings. See docs/reference/cli.md. Tests: `tests`.
 
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ pub(crate) struct ShaderChoice {
     pub(crate) parameters: Vec<(String, String)>,
 }
 
-/// Which camera, and what it looks through.
+/// The camera, and its shader.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum CameraChoice {
     /// The scene's of this name or number.
@@ -64,7 +64,7 @@ pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
                          within names \\ stands before :, = and @";
     let mut parts = pieces(text, ':').into_iter();
     let first = parts.next().unwrap_or_default();
-    // A light's file says by itself what it is for.
+    // A light's file determines its kind.
     let of_no_material = split_plain(first, '=').is_none() && gnurt_plugins::is_script(first);
     let (material, class) =
         if of_no_material { ("", first) } else { split_plain(first, '=').ok_or(RIGHT)? };
@@ -80,7 +80,7 @@ pub(crate) fn shader(text: &str) -> Result<ShaderChoice, String> {
         Some((name, value)) if !name.is_empty() && !value.is_empty() => {
             Ok((unescaped(name), unescaped(value)))
         }
-        _ => Err(format!("'{part}' is no parameter; {RIGHT}")),
+        _ => Err(format!("'{part}' is not a parameter; {RIGHT}")),
     };
     let parameters = parts.map(pair).collect::<Result<_, _>>()?;
     let (material, class) = (unescaped(material), unescaped(class));
@@ -106,10 +106,10 @@ pub(crate) fn pixel_shader(text: &str) -> Result<ShaderChoice, String> {
     })
 }
 
-/// What has a meaning in `--shader`, unless a backslash stands before it.
+/// Characters with a meaning in `--shader`, unless escaped by a backslash.
 const SHADER_SIGNS: [char; 4] = [':', '=', '@', '\\'];
 
-/// What stands before and after the first `sign` that no backslash stands before.
+/// The parts before and after the first unescaped `sign`.
 fn split_plain(text: &str, sign: char) -> Option<(&str, &str)> {
     let mut letters = text.char_indices().peekable();
     while let Some((at, letter)) = letters.next() {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Reading an EXR: the picture's colour is the unnamed R, G, B (or Y), else the first group of channels that has them.
-//! A group is the part's name and what stands before the last dot of a channel's name. All other
-//! channels become layers. What the layer `background` holds, R, G, B and A, lies behind it and is added to the colour: a picture's
-//! colour is what is seen. The picture is the display window; what the data window lacks is black and transparent.
-//! Invariants: headers are checked before pixels are read; everything runs on the calling thread.
+//! A group is the part's name and the text before the last dot of a channel's name. All other channels become
+//! layers. The layer `background`, R, G, B and A, is the background and is added to the colour: a picture's
+//! colour is the visible sum. The picture is the display window; pixels missing from the data window are
+//! black and transparent. Invariants: headers are checked before pixels are read; everything runs on the
+//! calling thread.
 //! Tests: `tests/{round_trip,broken}.rs`.
 
 use exr::block::reader::Reader;
@@ -115,7 +116,7 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
             bytes.saturating_add(pixels.saturating_mul(header.channels.bytes_per_pixel as u64)).max(block);
         channels += header.channels.list.len();
         window = [display.0 as u64, display.1 as u64];
-        // One channel after the other becomes floats in the place of what was read.
+        // One channel after the other becomes floats in the memory of the read values.
         let cropped =
             (window[0] * window[1]).max(pixels).saturating_mul(4 * header.channels.list.len() as u64);
         let read = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
@@ -190,7 +191,7 @@ fn picture(image: FlatImage) -> Result<Picture, Error> {
     Ok(picture)
 }
 
-/// What is seen is what is in front and what lies behind.
+/// The visible colour is the foreground plus the background.
 fn add_background(picture: &mut Picture) {
     let mut color = std::mem::take(&mut picture.color);
     if let Some([r, g, b, _]) = picture.background() {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Writing an EXR: one flat part with the colour as R, G, B, A and every layer's channels as `layer.channel`.
-//! Names as other renderers and viewers use them. R, G, B are what is in front, over nothing and associated
-//! with A [PD84]; what lies behind is the layer `background`, to be added. ZIP compression in blocks of 16 rows, on the
-//! calling thread alone. Invariants: pixels are exact in the chosen precision; finite values stay finite in half
-//! precision. Tests: `tests/round_trip.rs`.
+//! Names as other renderers and viewers use them. R, G, B are the foreground, over nothing and associated
+//! with A [PD84]; the background is the layer `background`, to be added. ZIP compression in blocks of 16
+//! rows, on the calling thread alone. Invariants: pixels are exact in the chosen precision; finite values
+//! stay finite in half precision. Tests: `tests/round_trip.rs`.
 
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -76,7 +76,7 @@ fn channels(picture: &Picture, pixels: ExrPixels) -> Result<Vec<AnyChannel<FlatS
         (name.to_string(), samples)
     });
     let layers = picture.layers.iter().flat_map(|layer| {
-        // What is in front and what lies behind are added: they have one precision.
+        // Foreground and background are added: they have one precision.
         let is_color = layer.name == BACKGROUND;
         let samples = move |channel: &Channel| match &channel.data {
             ChannelData::F32(values) if is_color && is_float => FlatSamples::F32(values.clone()),
@@ -113,7 +113,7 @@ fn samples(channel: &Channel) -> FlatSamples {
 
 /// Whether halves hold the finite ones among these values.
 fn fits_half(values: &[f32]) -> bool {
-    // What rounds to the largest half or less.
+    // Values that round to the largest half or less.
     const MOST: f32 = 65520.0;
     values.iter().all(|value| value.abs() < MOST || !value.is_finite())
 }
@@ -126,7 +126,7 @@ fn background_fits(picture: &Picture) -> bool {
     })
 }
 
-/// Finite values stay finite: what is too large becomes the largest.
+/// Finite values stay finite: excessive values become the largest half.
 fn nearest_half(value: f32) -> f16 {
     let half = f16::from_f32(value);
     if half.is_infinite() && value.is_finite() { f16::MAX.copysign(half) } else { half }
@@ -136,7 +136,7 @@ fn attributes(picture: &Picture) -> LayerAttributes {
     let mut attributes =
         LayerAttributes { software_name: Text::new_or_none(crate::SOFTWARE), ..LayerAttributes::default() };
     for (name, value) in &picture.metadata {
-        // Attribute values are bytes; UTF-8 is what other programs write as well.
+        // Attribute values are bytes; other programs write UTF-8 as well.
         let text = Text::from_bytes_unchecked(value.bytes().collect());
         match &name[..] {
             "software" => attributes.software_name = Some(text),

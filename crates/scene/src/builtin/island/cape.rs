@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The cape that the lighthouse stands on. Space: world, sea level at y = 0. Tests: `tests/builtin.rs`.
+//! The cape under the lighthouse. Space: world, sea level at y = 0. Tests: `tests/builtin.rs`.
 
 use super::super::noise::{rolling, smoothstep};
 
-/// Where the lighthouse stands.
+/// Position of the lighthouse.
 pub(super) const POSITION: [f32; 2] = [2.75, 2.35];
-/// Height of the rock that it stands on.
+/// Height of the rock under it.
 pub(super) const CAPE: f32 = 0.34;
 
 /// Raises a cape with a flat top under the lighthouse.
@@ -17,7 +17,7 @@ pub(super) fn shape_ground(x: f32, z: f32, h: f32) -> f32 {
     h + (CAPE - h) * cape
 }
 
-/// Whether trees and rocks would be in its way.
+/// Whether trees and rocks would collide with it.
 pub(super) fn is_near(x: f32, z: f32) -> bool {
     (x - POSITION[0]).hypot(z - POSITION[1]) < 0.62
 }

@@ -108,7 +108,7 @@ fn cottage_roof() -> Mesh {
 fn with_flat_normals(mesh: Mesh) -> Mesh {
     let corners: Vec<[f32; 3]> = mesh.indices.iter().flatten().map(|&i| mesh.positions[i as usize]).collect();
     let count = corners.len() as u32;
-    // A zero normal asks for flat shading; texture coordinates are there because the others have them.
+    // A zero normal requests flat shading; texture coordinates exist because the others have them.
     Mesh {
         normals: vec![[0.0; 3]; corners.len()],
         texcoords: vec![[0.0; 2]; corners.len()],

@@ -16,7 +16,7 @@ const KINDS: i32 = 4;
 /// Meshes and their materials.
 type Parts = Vec<(Mesh, MaterialId)>;
 
-/// What to instance.
+/// Objects to instance.
 pub(super) struct Objects {
     pub(super) conifers: Vec<ObjectId>,
     pub(super) broadleaf: Vec<ObjectId>,
@@ -95,7 +95,7 @@ fn rock(kind: i32) -> Mesh {
     transformed(ball, Affine::scale([1.0, 0.62, 0.8]))
 }
 
-/// A ball with bumps; flat-shaded, so that every facet catches the light in its own way.
+/// A bumpy ball, flat-shaded, so that every face has its own brightness.
 fn rough_ball(radius: f32, rings: u32, seed: u32, roughness: f32) -> Mesh {
     let mut ball = sphere(radius, rings);
     for p in &mut ball.positions {

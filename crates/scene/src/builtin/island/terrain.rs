@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 pub(super) const REACH: f32 = 6.0;
 /// Samples of the height field along each side.
 const SAMPLES: usize = 400;
-/// Ground deeper than this is left out: nobody sees it.
+/// Ground deeper than this is left out, because it is never visible.
 const DEEPEST: f32 = -0.06;
 
 /// The height field.
@@ -18,7 +18,7 @@ pub(super) struct Terrain {
     heights: Vec<f32>,
 }
 
-/// What a place on the ground is like.
+/// Properties of a point on the ground.
 #[derive(Clone, Copy)]
 pub(super) struct Spot {
     /// World y.
@@ -35,7 +35,7 @@ impl Terrain {
         Self { heights }
     }
 
-    /// The ground at a place, straight from the noise.
+    /// Properties of the ground at a position, directly from the noise.
     pub(super) fn spot(&self, x: f32, z: f32) -> Spot {
         let h = height(x, z);
         let steep = steepness(x, z);

@@ -31,7 +31,7 @@ const STIFF: f64 = 0.6;
 const WAVES: f64 = 0.35;
 const OWN_SWINGS: f64 = 4.0;
 
-/// What stands in the wind: an instance, how it stands at rest, and whether it is a conifer.
+/// A tree in the wind: its instance, its transform at rest, and whether it is a conifer.
 pub(super) type Tree = (InstanceId, Trs, bool);
 
 /// Makes the trees move.
@@ -61,7 +61,7 @@ pub(super) fn blow(scene: &mut Scene, trees: &[Tree]) {
     scene.animate(animation).unwrap_or_else(|error| panic!("{error}"));
 }
 
-/// How a tree is turned at a share of the loop: leaning with the wind, on top of how it stands at rest.
+/// The rotation of a tree at a fraction of the loop: leaning with the wind, on top of its rest pose.
 fn leaning(rest: &Trs, is_conifer: bool, number: i32, share: f64) -> [f64; 4] {
     let random = |seed| f64::from(hash(number, 7, seed));
     let along = TO[0] * rest.translation[0] + TO[1] * rest.translation[2];
@@ -75,7 +75,7 @@ fn leaning(rest: &Trs, is_conifer: bool, number: i32, share: f64) -> [f64; 4] {
     times(lean, rest.rotation.unwrap_or([0.0, 0.0, 0.0, 1.0]))
 }
 
-/// The turn `b`, then `a`.
+/// Rotation `b`, then `a`.
 fn times([ax, ay, az, aw]: [f64; 4], [bx, by, bz, bw]: [f64; 4]) -> [f64; 4] {
     [
         aw * bx + ax * bw + ay * bz - az * by,

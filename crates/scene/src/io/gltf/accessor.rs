@@ -7,7 +7,7 @@ use super::document::Document;
 use super::json::{Accessor, Index};
 use crate::io::Error;
 
-/// Bytes that an element of at most four components takes in whatever is made of it.
+/// Least bytes of an element of at most four components in memory.
 const LEAST_HELD: usize = 16;
 
 /// Types of components, by glTF's numbers.
@@ -115,7 +115,7 @@ impl<'a> Reader<'a> {
         let count = usize::try_from(accessor.count).unwrap_or(usize::MAX);
         let normalized = accessor.normalized;
         let reader = Self { document, accessor, location, component, components, normalized, count };
-        // Whoever takes memory for `count` elements may rely on it that they are there.
+        // After this check all `count` elements exist, so the caller may allocate memory for them.
         reader.for_each_plain(|_, _| {}, true)?;
         // No array that is made of it has more bytes per element.
         let bytes = count.saturating_mul(LEAST_HELD.max(4 * components));
@@ -216,7 +216,7 @@ fn float(component: ComponentType, normalized: bool, bytes: &[u8]) -> f32 {
     }
 }
 
-/// The first component in `bytes` as an index; floats and signed numbers are taken as what they would be unsigned.
+/// The first component in `bytes` as an index; floats and signed numbers are converted to unsigned ones.
 fn unsigned_integer(component: ComponentType, bytes: &[u8]) -> u32 {
     match size_of_component(component) {
         1 => bytes[0].into(),

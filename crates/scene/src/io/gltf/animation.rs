@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Animations as the file writes them: channels with their keys, before it is known what stands where.
+//! Animations as the file writes them: channels with their keys, before the node tree is known.
 //! Source: glTF 2.0 section 3.11, KHR_animation_pointer.
-//! What cannot be played (times that are no numbers or do not ascend, wrong counts, an unknown interpolation) is left out with a
-//! warning that names it, for the scene at rest is good; an index that points nowhere is an error, as everywhere.
-//! Keys are shared where channels share them. Tests: `tests/animation.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
+//! An animation that cannot be played (invalid times, wrong counts, an unknown interpolation) is dropped with
+//! a warning, because the scene at rest is valid. An index out of range is an error, as everywhere. Keys are
+//! shared where channels share them. Tests: `tests/animation.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -26,11 +26,11 @@ pub(super) struct Draft {
 pub(super) struct DraftChannel {
     pub(super) aim: Aim,
     pub(super) sampler: Arc<Sampler>,
-    /// Its place in the file.
+    /// Its index in the file.
     pub(super) number: u32,
 }
 
-/// All animations of a file, and what they drive.
+/// All animations of a file and their targets.
 #[derive(Default)]
 pub(super) struct Drafts {
     pub(super) list: Vec<Draft>,
@@ -80,7 +80,7 @@ impl Drafts {
     }
 }
 
-/// Bytes that a channel takes with its places in the sets.
+/// Bytes of a channel with its entries in the sets.
 const CHANNEL_BYTES: usize = size_of::<DraftChannel>() + size_of::<crate::animation::Channel>() + 64;
 /// Bytes that an animation takes.
 const CLIP_BYTES: usize = size_of::<Draft>() + size_of::<crate::animation::Clip>();
@@ -118,7 +118,7 @@ struct Reader<'a, 'd> {
     location: String,
     /// Times of keys, by their accessors.
     times: &'a mut HashMap<Index, Arc<[f32]>>,
-    /// Keys that were read, by sampler and width; `None` = those that cannot be played.
+    /// Keys already read, by sampler and width; `None` = unplayable ones.
     samplers: HashMap<(Index, Option<usize>), Option<Arc<Sampler>>>,
 }
 
@@ -145,7 +145,7 @@ impl<'d> Reader<'_, 'd> {
         Ok(sampler.map(|sampler| DraftChannel { aim, sampler, number: number.0 }))
     }
 
-    /// Whether what is driven is there.
+    /// Whether the target exists.
     fn check(&self, aim: Aim, location: &str) -> Result<(), Error> {
         let root = &self.document.root;
         let lights = root.extensions.lights.as_ref().map_or(0, |lights| lights.lights.len());
@@ -203,7 +203,7 @@ impl<'d> Reader<'_, 'd> {
         Ok(sampler)
     }
 
-    /// The keys; the inner error says why they cannot be played.
+    /// The keys; the inner error gives the reason that they cannot be played.
     fn keys(
         &mut self,
         curve: &json::Curve<'_>,
@@ -229,7 +229,7 @@ impl<'d> Reader<'_, 'd> {
         let sets = times.len() * interpolation.sets();
         let width = match width {
             Some(width) => width,
-            // As many as there are morph targets, which is looked at where the mesh is known.
+            // The number of morph targets, which is checked where the mesh is known.
             None if sets > 0 && !values.is_empty() && values.len() % sets == 0 => values.len() / sets,
             None => return Ok(Err(format!("{} weights for {} keys", values.len(), times.len()))),
         };

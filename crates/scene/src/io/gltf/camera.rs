@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! glTF's cameras: perspective and orthographic ones, and what `extras` say beyond: lens, fisheye, panorama.
+//! glTF's cameras: perspective and orthographic, with the lens and fisheyes in `extras`.
 //! Source: glTF 2.0, section 3.10; the words of `extras` are our own (docs/reference/cameras.md). Lengths: world units; angles: radians in glTF, degrees
 //! in `extras`. Near and far planes are not read: nothing is clipped. Tests: `tests/gltf.rs`, `tests/save.rs`.
 
@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::json;
 use crate::camera::{Camera, Lens, Projection};
 
-/// The camera, standing at the origin; or why it cannot be used. What is said wrongly in `extras` goes to `complain`.
+/// The camera at the origin, or the reason that it cannot be used. Faults in `extras` go to `complain`.
 pub(super) fn described(
     name: &str,
     from: &json::Camera,
@@ -47,7 +47,7 @@ pub(super) fn described(
             camera.projection = Projection::Panorama
         }
         Some(other) => complain(format!(
-            "{name}: extras.projection is {other}; in `extras` it may be \"fisheye\" or \"panorama\", beside what the camera's type says"
+            "{name}: unknown extras.projection {other}; valid are \"fisheye\" and \"panorama\""
         )),
     }
     sound(camera)

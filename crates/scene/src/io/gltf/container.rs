@@ -61,7 +61,8 @@ impl<'a> Container<'a> {
                 CHUNK_BINARY if binary.is_none() => Some(&mut binary),
                 _ => None,
             };
-            // Behind the declared end only what is missing counts: some programs declare too little.
+            // Behind the declared end only missing parts are read, because some programs declare too short a
+            // length.
             if at >= declared && (slot.is_none() || chunk.is_none()) {
                 break;
             }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A glTF document with its buffers in memory.
-//! Source: glTF 2.0 sections 3.6 and 3.12. Buffers: data URI, file beside the document, binary chunk.
+//! Source: glTF 2.0 sections 3.6 and 3.12. Buffers: data URI, file in the document's folder, binary chunk.
 //! Invariant: a buffer has the length that it declares. Tests: `tests/gltf.rs`, `tests/broken_files.rs`.
 
 use std::collections::{HashMap, HashSet};
@@ -18,7 +18,7 @@ use crate::io::source::{self, Access};
 use crate::io::{Error, Oddity, Warnings};
 use gnurt_image::{Budget, Excess};
 
-/// Extensions that are shown, or whose absence nobody would notice.
+/// Extensions that are shown, or whose absence is invisible.
 const KNOWN_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
@@ -45,10 +45,10 @@ const KNOWN_EXTENSIONS: &[&str] = &[
 const COMPRESSIONS: &[&str] =
     &["EXT_meshopt_compression", "KHR_draco_mesh_compression", "KHR_meshopt_compression"];
 
-/// Extensions whose textures are told where a material reads one.
+/// Extensions whose textures get a warning where a material reads one.
 const TOLD_WHERE_USED: &[&str] = &["EXT_texture_avif", "KHR_texture_basisu", "MSFT_texture_dds"];
 
-/// What the names of extensions begin with that no picture could show.
+/// First letters of extensions that have no visible effect.
 const UNSEEN: &[&str] = &[
     "EXT_mesh_features",
     "EXT_structural_metadata",
@@ -61,10 +61,10 @@ const UNSEEN: &[&str] = &[
     "KHR_xmp",
 ];
 
-/// What to do about a mesh that is compressed.
+/// The remedy for a compressed mesh.
 const DECOMPRESS: &str = "this program does not unpack it; write the file without compression";
 
-/// Files named by a document that are told.
+/// The limit of files in the list of a document's files.
 const MOST_FILES: usize = 1 << 16;
 
 /// The first `length` of these bytes; buffers that name the same file share them.
@@ -87,13 +87,13 @@ impl Bytes<'_> {
     }
 }
 
-/// The JSON, the buffers, and what they may cost.
+/// The JSON, the buffers, and their memory budget.
 pub(super) struct Document<'a> {
     pub(super) path: PathBuf,
     pub(super) root: Root<'a>,
     pub(super) access: &'a Access,
     buffers: Vec<Buffer<'a>>,
-    /// The JSON; in a binary file nobody sees its lines.
+    /// The JSON; a binary file has no line numbers.
     json: &'a str,
     is_text: bool,
 }
@@ -108,7 +108,7 @@ impl<'a> Document<'a> {
     ) -> Result<Self, Error> {
         let container = Container::new(bytes, is_binary, path, warnings)?;
         let json = std::str::from_utf8(container.json).map_err(|error| {
-            let problem = format!("the JSON is no UTF-8 at its byte {}", error.valid_up_to());
+            let problem = format!("the JSON is invalid UTF-8 at its byte {}", error.valid_up_to());
             Error::data(path, None, problem, "expected a glTF 2.0 document")
         })?;
         let mut document = Self {
@@ -131,7 +131,8 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    /// What is wrong with a document of another version, whose arrays may be of another form: those of glTF 1.0 are objects.
+    /// The error for a document of another version, whose arrays may have another form: those of glTF 1.0 are
+    /// objects.
     fn old(&self) -> Option<Error> {
         let json::Versioned { asset } = serde_json::from_str(self.json).ok()?;
         let version = asset.version.get().trim_matches('"');
@@ -160,13 +161,13 @@ impl<'a> Document<'a> {
                 warnings.note(Oddity::UnknownExtension, &self.path, None, quoted(name));
             }
         }
-        self.tell_unknown(warnings);
+        self.warn_unknown(warnings);
         Ok(())
     }
 
-    /// Tells extensions that are used and that nobody looks at.
-    fn tell_unknown(&self, warnings: &mut Warnings) {
-        // Those beyond are told twice; the set stays small whatever the file holds.
+    /// Warns about extensions that are used but not supported.
+    fn warn_unknown(&self, warnings: &mut Warnings) {
+        // Those beyond get a second warning; the set stays small for any file.
         const MOST_REQUIRED: usize = 1024;
         let required = self.root.extensions_required.iter().take(MOST_REQUIRED);
         let required: HashSet<&str> = required.map(|name| &**name).collect();
@@ -180,7 +181,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Refuses files outside of the folder that files must be in.
+    /// Rejects files outside of the folder that confines the document.
     fn check_files(&self) -> Result<(), Error> {
         for (array, pieces) in [("buffers", &self.root.buffers), ("images", &self.root.images)] {
             for (i, piece) in pieces.iter().enumerate() {
@@ -202,7 +203,7 @@ impl<'a> Document<'a> {
         1 + self.json.as_bytes()[..byte].iter().filter(|&&b| b == b'\n').count() as u64
     }
 
-    /// A mistake at a place such as `meshes[3]`.
+    /// A fault at a location such as `meshes[3]`.
     pub(super) fn error(&self, location: &str, problem: impl std::fmt::Display, remedy: &str) -> Error {
         Error::data(&self.path, None, format!("{location}: {problem}"), remedy)
     }
@@ -212,13 +213,13 @@ impl<'a> Document<'a> {
         self.error(location, "the mesh is compressed by KHR_draco_mesh_compression", DECOMPRESS)
     }
 
-    /// What a piece of the JSON says; `what` names it in a message.
+    /// Parses a piece of the JSON; `what` names it in a message.
     pub(super) fn read<T: Deserialize<'a>>(&self, piece: &'a RawValue, what: &str) -> Result<T, Error> {
         self.work(piece.get().len(), what)?;
         serde_json::from_str(piece.get()).map_err(|error| self.broken(what, piece.get(), &error))
     }
 
-    /// What an index found at `location` points to in an array of the root.
+    /// The element of an array of the root for an index found at `location`.
     pub(super) fn get<T: Deserialize<'a>>(
         &self,
         array: &[&'a RawValue],
@@ -233,7 +234,7 @@ impl<'a> Document<'a> {
             .map_err(|error| self.broken(&format!("{what} {}", index.0), piece.get(), &error))
     }
 
-    /// What is wrong in a piece of the JSON, and in which line of the file.
+    /// The error for a piece of the JSON, with the line of the file.
     fn broken(&self, what: &str, piece: &str, error: &serde_json::Error) -> Error {
         let text = error.to_string();
         let problem = text.split(" at line ").next().unwrap_or_default();
@@ -253,7 +254,7 @@ impl<'a> Document<'a> {
         self.budget().hold(bytes).map_err(|excess| self.error(location, excess, Excess::REMEDY))
     }
 
-    /// Allows `bytes` more to be looked at.
+    /// Charges `bytes` of work.
     pub(super) fn work(&self, bytes: usize, location: &str) -> Result<(), Error> {
         self.budget().work(bytes).map_err(|excess| self.error(location, excess, Excess::REMEDY))
     }
@@ -279,7 +280,7 @@ impl<'a> Document<'a> {
             .map(|i| self.get(&self.root.buffers, Index(i), "buffers", "buffer"))
             .collect();
         let declared = declared?;
-        // No file beside the document is read further than the longest buffer that it may be.
+        // No companion file is read further than its longest possible buffer.
         let longest = declared.iter().map(|buffer| buffer.byte_length).max().unwrap_or(0);
         let mut files = HashMap::new();
         let buffers = declared.iter().enumerate();
@@ -317,7 +318,7 @@ impl<'a> Document<'a> {
         Ok(Buffer { bytes, length })
     }
 
-    /// The document's own file and those that it names.
+    /// The document's own file and its companions.
     pub(super) fn files(&self) -> Vec<PathBuf> {
         let uri = |piece: &&'a RawValue| serde_json::from_str::<json::Named<'a>>(piece.get()).ok()?.uri;
         let named = self.root.buffers.iter().chain(&self.root.images).filter_map(uri);
@@ -326,7 +327,7 @@ impl<'a> Document<'a> {
         std::iter::once(self.path.clone()).chain(companion_files).collect()
     }
 
-    /// The bytes of a file beside the document, each file once, by whatever names it goes.
+    /// The bytes of a companion file, each file once, under any name.
     fn read_file(
         &self,
         uri: &str,

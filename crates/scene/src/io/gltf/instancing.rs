@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A node's mesh at many places: EXT_mesh_gpu_instancing. Source: that extension. Space: the node's.
+//! A node's mesh in many instances: EXT_mesh_gpu_instancing. Source: that extension. Space: the node's.
 //! Tests: `tests/gltf.rs`.
 
 use super::accessor;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! glTF's JSON: what is read of it, and nothing else.
+//! glTF's JSON: only the properties that are read.
 //! Source: glTF 2.0 section 5 (properties and their defaults) and the KHR extensions that are named here.
 //!
-//! The root holds its arrays as pieces of text, 16 bytes for each element; an element becomes a value when somebody asks
-//! for it. So a document takes a few times its length, whatever it says, and what nobody uses costs next to nothing.
-//! Integers may be written as `1.0` or `1e0`; one that does not fit is an error, never another number.
+//! The root holds its arrays as pieces of text, 16 bytes for each element; an element is parsed when it is
+//! used. So a document takes a few times its length at most, and unused elements cost next to nothing.
+//! Integers may be written as `1.0` or `1e0`; one out of range is an error, never another number.
 //! Tests: `tests/{gltf,broken_files,growth}.rs`.
 
 use std::borrow::Cow;
@@ -81,7 +81,7 @@ impl Root<'_> {
     }
 }
 
-/// What documents of all versions have.
+/// The part that all versions share.
 #[derive(Deserialize)]
 pub(super) struct Versioned<'a> {
     #[serde(borrow)]
@@ -316,7 +316,7 @@ pub(super) struct Material<'a> {
     pub(super) alpha_mode: Text<'a>,
     pub(super) alpha_cutoff: f32,
     pub(super) extensions: MaterialExtensions,
-    /// What any program puts there, of any form.
+    /// Contents of any form, written by any program.
     #[serde(borrow)]
     pub(super) extras: Option<&'a RawValue>,
 }
@@ -350,12 +350,13 @@ pub(super) fn shader_in<'de>(extras: impl Deserializer<'de>) -> Option<NamedShad
 }
 
 impl Material<'_> {
-    /// The shader that `extras` name, and its parameters as texts; what is of another form is not ours.
+    /// The shader named in `extras`, and its parameters as texts; an object of another form belongs to
+    /// another program.
     pub(super) fn shader(&self) -> Option<NamedShader> {
         shader_in(&mut serde_json::Deserializer::from_str(self.extras?.get()))
     }
 
-    /// Bytes of what `extras` hold.
+    /// Bytes of `extras`.
     pub(super) fn extras_bytes(&self) -> usize {
         self.extras.map_or(0, |extras| extras.get().len())
     }
@@ -506,13 +507,13 @@ pub(super) struct Mesh<'a> {
     #[serde(borrow)]
     pub(super) primitives: Pieces<'a>,
     pub(super) weights: Vec<f32>,
-    /// What any program puts there, of any form.
+    /// Contents of any form, written by any program.
     #[serde(borrow)]
     extras: Option<&'a RawValue>,
 }
 
 impl Mesh<'_> {
-    /// What its object is said to do, if it is said here.
+    /// The motion hint of its object, if it is given here.
     pub(super) fn motion(&self) -> Option<String> {
         #[derive(Deserialize)]
         struct Extras {
@@ -539,7 +540,7 @@ pub(super) struct Primitive {
     pub(super) extensions: PrimitiveExtensions,
 }
 
-/// What a morph target moves.
+/// The attributes that a morph target moves.
 #[derive(Deserialize, Clone, Copy)]
 pub(super) struct Target {
     #[serde(rename = "POSITION", default)]
@@ -631,7 +632,7 @@ pub(super) struct Node {
     pub(super) weights: Option<Vec<f32>>,
 }
 
-/// What a node says of others.
+/// The children of a node.
 #[derive(Deserialize, Default)]
 #[serde(default)]
 pub(super) struct Children {
@@ -656,7 +657,7 @@ pub(super) struct NodeInstances {
     pub(super) attributes: InstanceAttributes,
 }
 
-/// Of each instance. Others, which shaders of the file's maker know, are passed over.
+/// Of each instance. Other attributes, for the shaders of the file's maker, are ignored.
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "UPPERCASE", default)]
 pub(super) struct InstanceAttributes {
@@ -697,7 +698,7 @@ pub(super) struct Skin {
     pub(super) joints: Vec<Index>,
 }
 
-/// A place in one of the root's arrays.
+/// An index of one of the root's arrays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) struct Index(pub(super) u32);
 
@@ -745,7 +746,7 @@ pub(super) struct Channel<'a> {
     pub(super) target: ChannelTarget<'a>,
 }
 
-/// What a channel drives: a path of a node, or what a pointer says.
+/// The target of a channel: a path of a node, or a pointer.
 #[derive(Deserialize)]
 pub(super) struct ChannelTarget<'a> {
     #[serde(default)]
@@ -778,7 +779,7 @@ pub(super) struct Curve<'a> {
     pub(super) interpolation: Option<Text<'a>>,
 }
 
-/// A whole number, however it is written.
+/// A whole number, in any notation.
 fn whole<'de, D: Deserializer<'de>>(deserializer: D) -> Result<u64, D::Error> {
     struct WholeVisitor;
     impl Visitor<'_> for WholeVisitor {

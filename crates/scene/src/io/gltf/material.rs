@@ -4,7 +4,8 @@
 //! ior, iridescence, sheen, specular, transmission, unlit, volume},
 //! KHR_texture_transform.
 //!
-//! Textures of these extensions, but of the anisotropy, are not shown, and say so. What material numbers and textures make is said in [`Factors`].
+//! Textures of these extensions are not shown, except those of the anisotropy; a warning names them.
+//! [`Factors`] defines how material numbers and textures combine.
 //! Tests: `tests/gltf.rs::{materials_become_ours, texture_transforms_agree_with_the_extension,
 //! tangents_come_with_normal_maps}`.
 
@@ -35,9 +36,9 @@ pub(super) struct AddedMaterial {
     pub(super) has_tangents: bool,
 }
 
-/// Bytes that a material of the scene takes beside its name.
+/// Bytes of a material of the scene, without its name.
 const MATERIAL_BYTES: usize = size_of::<Material>() + size_of::<Principled>() + 64;
-/// Bytes that a texture of the scene takes beside its name and its texels.
+/// Bytes of a texture of the scene, without its name and its texels.
 const TEXTURE_BYTES: usize = 256;
 
 /// The materials of a document.
@@ -45,11 +46,11 @@ const TEXTURE_BYTES: usize = 256;
 pub(super) struct Materials {
     /// By their numbers and, last, the default one.
     pub(super) added: Vec<AddedMaterial>,
-    /// Those that change with time.
+    /// Materials that change with time.
     pub(super) moving: Vec<MovingMaterial>,
 }
 
-/// Adds the materials of the document; `is_driven` says which change with time.
+/// Adds the materials of the document; `is_driven` tells which change with time.
 pub(super) fn add_all(
     document: &Document<'_>,
     is_driven: impl Fn(Index) -> bool,
@@ -119,7 +120,7 @@ struct Converter<'a, 't> {
 }
 
 impl Converter<'_, '_> {
-    /// What the file says of a material. Textures that it does not look at are not read, unless that may change.
+    /// The factors in the file. Unused textures are not read, unless an animation may use them.
     fn factors(&mut self, i: usize, from: &json::Material<'_>, is_driven: bool) -> Factors {
         let pbr = &from.pbr_metallic_roughness;
         let extensions = &from.extensions;
@@ -161,7 +162,7 @@ impl Converter<'_, '_> {
         to
     }
 
-    /// What the extensions add.
+    /// The extensions of a material.
     fn layers(&mut self, extensions: &json::MaterialExtensions, to: &mut Factors) {
         let mut textured = Vec::new();
         if let Some(specular) = &extensions.specular {
@@ -296,7 +297,7 @@ impl<'a> Textures<'a> {
         let (document, root) = (self.document, &self.document.root);
         let piece = root.textures.get(index.value()).ok_or("does not exist")?;
         let texture: json::Texture = document.read(piece, "texture").map_err(|e| e.problem)?;
-        // A WebP that stands beside another picture of the same is as good as that.
+        // A WebP is used only if there is no other version of the picture.
         let source = texture.source.or(texture.extensions.webp.and_then(|webp| webp.source));
         let missing = "its image does not exist or needs an unknown extension";
         let compressed = "its picture is KTX2 (KHR_texture_basisu), which is not read; write the file with PNG, JPEG or WebP";

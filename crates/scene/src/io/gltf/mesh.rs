@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF primitives as meshes.
 //! Source: glTF 2.0 section 3.7. Triangles, strips and fans; points and lines are left out with a warning.
-//! Space: that of the mesh; v is turned upwards. Tests: `tests/gltf.rs`.
+//! Space: that of the mesh; v is flipped upwards. Tests: `tests/gltf.rs`.
 
 use super::accessor::{floats, integers};
 use super::document::Document;
@@ -15,7 +15,7 @@ use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 use crate::tangents;
 
-/// Bytes that a mesh of the scene takes beside its arrays and its name.
+/// Bytes of a mesh of the scene, without its arrays and its name.
 const MESH_BYTES: usize = 512;
 
 /// Bytes that a corner takes as an index and in triangles.
@@ -29,7 +29,8 @@ enum Mode {
     Fan,
 }
 
-/// The meshes of all primitives of `from`, glTF mesh `index`, as `bending` bends them at rest, and what bends them later.
+/// The meshes of all primitives of `from`, glTF mesh `index`, as `bending` deforms them at rest, with the
+/// data that deforms them later.
 pub(super) fn read(
     document: &Document<'_>,
     index: Index,
@@ -57,7 +58,7 @@ pub(super) fn read(
             clean_attributes(&mut parts.base);
             parts.base.name.clone_from(&name);
         }
-        // What has no area at rest may have one later.
+        // A triangle without area at rest may have one later.
         if !mesh.indices.is_empty() || parts.is_some() {
             document.hold(mesh.memory_bytes() + name.len() + MESH_BYTES, &location)?;
             mesh.name.clone_from(&name);
@@ -128,7 +129,7 @@ impl PrimitiveReader<'_> {
         self.bent(bending, mesh, triangles, warnings)
     }
 
-    /// The mesh and its triangles as they are at rest, and what bends them later.
+    /// The mesh and its triangles at rest, with the data that deforms them later.
     fn bent(
         &self,
         bending: &Bending,
@@ -172,8 +173,8 @@ impl PrimitiveReader<'_> {
         Ok(values)
     }
 
-    /// Tangents, where a normal map is to be read by them. Like the map's green, their fourth number speaks of v upwards. Without
-    /// normals they mean nothing.
+    /// Tangents, where a normal map is to be read by them. Like the map's green, their fourth number refers
+    /// to v upwards. Without normals they mean nothing.
     fn tangents(
         &self,
         material: AddedMaterial,

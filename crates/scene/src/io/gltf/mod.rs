@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF 2.0, text and binary.
-//! Source: Khronos, glTF 2.0 specification, and the extensions of `KNOWN_EXTENSIONS` (`document.rs`). Others that a file uses are told.
+//! Source: Khronos, glTF 2.0 specification, and the extensions of `KNOWN_EXTENSIONS` (`document.rs`). A
+//! warning names each other extension that a file uses.
 //!
 //! ```text
 //! file -> container (JSON, binary chunk) -> Document (buffers) -> animations -> materials, meshes -> nodes: instances, cameras, lights
 //!                                                                        \-> rig: what of them moves -> the scene's Animation
 //! ```
 //!
-//! Every index is looked up where it is used, and what nobody uses is not looked at (see `json`).
-//! Each glTF mesh becomes one object, each node that shows it one instance, also where that repeats the mesh: an object made of
-//! others then. What a skin or morph weights bend becomes an object of its own. The scene is read in its rest pose. Space: +Y up, metres, as here. Tests: `tests/gltf.rs`.
+//! Every index is checked where it is used; unused elements are not read (see `json`). Each glTF mesh becomes
+//! one object. Each node that shows it becomes one instance; where that repeats the mesh, the object holds
+//! other objects. A mesh deformed by a skin or morph weights becomes an object of its own. The scene is read
+//! in its rest pose. Space: +Y up, metres, as here. Tests: `tests/gltf.rs`.
 
 mod accessor;
 mod animation;

@@ -2,7 +2,8 @@
 //! Nodes: where meshes, cameras and lights are.
 //! Source: glTF 2.0 sections 3.5 and 3.10, KHR_lights_punctual, KHR_node_visibility. Transforms are multiplied in double precision.
 //! The tree is walked with a list, not by recursion, and each node once: neither depth nor cycles do harm; a cycle is an error.
-//! Cost: O(nodes); memory: that of the way from the root, and a bit for each node. Tests: `tests/gltf.rs::{deep_and_cyclic_trees, cameras_and_lights}`.
+//! Cost: O(nodes); memory: that of the path from the root, and a bit for each node. Tests:
+//! `tests/gltf.rs::{deep_and_cyclic_trees, cameras_and_lights}`.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -27,10 +28,10 @@ use crate::ray_mask::RayMask;
 use crate::scene::{Instance, Member, Object, Scene};
 use crate::shader_file::ShaderFile;
 
-/// Bytes that an instance, a camera or a light of the scene takes beside its name.
+/// Bytes of an instance, a camera or a light of the scene, without its name.
 const PLACED_BYTES: usize = 224;
 
-/// Adds what the nodes of the default scene, or else of all scenes, show, and the animation of what of it moves.
+/// Adds the contents of the default scene, or of all scenes, and the animation of its moving parts.
 pub(super) fn add_all(
     document: &Document<'_>,
     materials: &[AddedMaterial],
@@ -39,7 +40,8 @@ pub(super) fn add_all(
     warnings: &mut Warnings,
 ) -> Result<(), Error> {
     if !rig.is_still() {
-        // Meshes are bent by joints that may stand behind them. The walk that shows things says what is odd.
+        // Joints may follow the meshes that they deform. The traversal that adds the nodes gives the
+        // warnings.
         walk(document, &mut Warnings::default(), |index, node, parent, world_from_node, _| {
             rig.enter(index, node, parent, world_from_node)
         })?;
@@ -61,7 +63,7 @@ struct NodeAttachment {
     attachment: Attachment,
 }
 
-/// A node on the way from the root to where the walk is: its children that are still to be seen.
+/// A node on the path from the root to the current node: its unvisited children.
 struct Ancestor {
     /// `None` = the file itself.
     index: Option<Index>,
@@ -69,8 +71,8 @@ struct Ancestor {
     children: std::vec::IntoIter<Index>,
 }
 
-/// Calls `visit` with every node that is shown, parents first, with its parent's place and its own transform; `visit` says what its
-/// own place is.
+/// Calls `visit` for every visible node, parents first, with its parent's transform and its own; `visit`
+/// returns its world transform.
 fn walk(
     document: &Document<'_>,
     warnings: &mut Warnings,
@@ -95,7 +97,7 @@ fn walk(
             if is_above[index.value()] {
                 return Err(cycle(document, index.value()));
             }
-            let detail = format!("nodes[{}] stands in the tree twice", index.0);
+            let detail = format!("nodes[{}] occurs in the tree twice", index.0);
             warnings.note(Oddity::BadNode, &document.path, None, detail);
             continue;
         }
@@ -114,7 +116,7 @@ fn walk(
         }
     }
     match visited.iter().position(|&visited| !visited).filter(|_| are_all) {
-        // What no root leads to has a parent above it that leads back to it.
+        // A node that no root reaches has an ancestor in a cycle.
         Some(index) => Err(cycle(document, index)),
         None => Ok(()),
     }
@@ -269,7 +271,7 @@ impl Adder<'_> {
         let has_transform = node.skin.is_none();
         let world_from_object = if has_transform { attached.world_from_node } else { Affine::IDENTITY };
         let moves = matches!(attached.attachment, Attachment::On(_));
-        // What is flat at rest may not be so later.
+        // A node that is flat at rest may get volume later.
         if world_from_object.inverse().is_none() && !moves {
             warnings.note(Oddity::BadNode, &self.document.path, None, name);
             return Ok(());
@@ -289,7 +291,7 @@ impl Adder<'_> {
         Ok(())
     }
 
-    /// The object that shows `object` wherever a node has it: one made of others, if it has it at several places.
+    /// The object that shows `object` in all instances of a node: one made of others, if there are several.
     fn repeated(
         &mut self,
         name: &str,
@@ -309,7 +311,7 @@ impl Adder<'_> {
         Ok(self.scene.add_object_of_members(name, members))
     }
 
-    /// What a node's `extras` say of who sees its mesh.
+    /// The visibility mask in a node's `extras`.
     fn ray_mask(&self, name: &str, node: &json::Node, warnings: &mut Warnings) -> RayMask {
         let Some(mask) = node.extras.as_ref().and_then(|extras| extras.get("mask")) else {
             return RayMask::ALL;
@@ -394,7 +396,7 @@ impl Adder<'_> {
         let light =
             factors.and_then(|factors| Some((factors, factors.light(&attached.world_from_node, visible)?)));
         let Some((factors, light)) = light else {
-            let detail = "light of an unknown kind or without a place";
+            let detail = "light of an unknown kind or without a position";
             return warnings.note(Oddity::NotShown, &self.document.path, None, detail);
         };
         let moves = self.rig.drafts.drives_light(index) || matches!(attached.attachment, Attachment::On(_));

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What channels of animations drive, as the file names it.
+//! Targets of animation channels, as the file names them.
 //! Source: glTF 2.0 section 3.11; KHR_animation_pointer and the object model; KHR_node_visibility, KHR_lights_punctual,
 //! KHR_texture_transform and the material extensions that are read. Tests: `tests`, `tests/animation.rs`.
 
 use super::json::Index;
 use crate::animation::{FactorPart, LightPart, TexturePart};
 
-/// What a channel drives; indices are the file's.
+/// The target of a channel; indices are the file's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Aim {
     Node(Index, NodePart),
@@ -34,7 +34,7 @@ pub(super) enum NodePart {
 }
 
 impl Aim {
-    /// What `target.path` of a node names.
+    /// The target that `target.path` of a node names.
     pub(super) fn of_path(node: Index, path: &str) -> Option<Self> {
         Some(match path {
             "translation" => Self::Node(node, NodePart::Translation),
@@ -45,7 +45,7 @@ impl Aim {
         })
     }
 
-    /// What a pointer names, if this program has the value.
+    /// The target that a pointer names, if this program supports the value.
     pub(super) fn of_pointer(pointer: &str) -> Option<Self> {
         let parts: Vec<&str> = pointer.strip_prefix('/')?.split('/').take(10).collect();
         let index = |text: &str| text.parse().ok().map(Index);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which numbers of a material are outside of what glTF allows, and are brought into it when it is made.
+//! Numbers of a material outside of glTF's ranges; they are clamped when the material is made.
 //! Source: glTF 2.0 section 5.19, 5.22 and the schemas of the KHR_materials extensions; KHR_materials_ior takes 0 for "mirrors all", which
 //! is not known here. Tests: `tests/gltf.rs::numbers_out_of_range_are_told`.
 
 use crate::factors::Factors;
 
-/// What is wrong with each number that is out of its range: name, value and range.
+/// A message for each number out of range: name, value and range.
 pub(super) fn out_of_range(factors: &Factors) -> Vec<String> {
     let f = factors;
     let mut wrong = Vec::new();

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What of the file's nodes moves, what hangs on it, and the channels that drive it: the scene's animation in the making.
-//! Source: glTF 2.0 sections 3.5, 3.7.3 and 3.11; KHR_node_visibility. A node moves if a channel moves it or what it stands on; only
-//! those become nodes of the animation. Tests: `tests/animation.rs`.
+//! The animation under construction: the file's moving nodes, the things attached to them, and their
+//! channels.
+//! Source: glTF 2.0 sections 3.5, 3.7.3 and 3.11; KHR_node_visibility. A node moves if a channel moves it or
+//! an ancestor; only moving nodes become nodes of the animation. Tests: `tests/animation.rs`.
 
 use std::collections::HashMap;
 
@@ -17,10 +18,10 @@ use crate::animation::{
 use crate::io::{Error, Oddity, Warnings};
 use crate::scene::Scene;
 
-/// Bytes that a node of the animation takes beside its name.
+/// Bytes of a node of the animation, without its name.
 const NODE_BYTES: usize = size_of::<Node>() + 2 * size_of::<(Index, u32)>();
 
-/// The animation in the making, and where the file's things are in it.
+/// The unfinished animation, and the indices of the file's elements in it.
 pub(super) struct Rig<'a> {
     document: &'a Document<'a>,
     pub(super) drafts: Drafts,
@@ -33,12 +34,12 @@ pub(super) struct Rig<'a> {
     angles: HashMap<Index, u32>,
     lights: HashMap<Index, u32>,
     materials: HashMap<Index, u32>,
-    /// Where joints stand, and where that is at rest.
+    /// The attachments of joints, and their rest transforms.
     joints: HashMap<Index, (Attachment, Affine)>,
 }
 
 impl<'a> Rig<'a> {
-    /// The document's skins ask for their joints; `materials` are those that are driven.
+    /// The joints of the document's skins, and `materials`, the driven ones.
     pub(super) fn new(
         document: &'a Document<'a>,
         drafts: Drafts,
@@ -61,12 +62,12 @@ impl<'a> Rig<'a> {
         })
     }
 
-    /// Whether nothing has to be known before things are shown.
+    /// Whether no traversal for joints and channels is needed.
     pub(super) fn is_still(&self) -> bool {
         self.joints.is_empty() && self.drafts.list.is_empty()
     }
 
-    /// Where a node stands, on what is at `parent`; it becomes one of the animation's if it moves.
+    /// The transform of a node under `parent`; it becomes a node of the animation if it moves.
     pub(super) fn enter(
         &mut self,
         index: Index,
@@ -96,7 +97,7 @@ impl<'a> Rig<'a> {
         Ok(attachment)
     }
 
-    /// Whether what stands there is seen at rest.
+    /// Whether things attached there are visible at rest.
     pub(super) fn is_visible(&self, attachment: Attachment) -> bool {
         match attachment {
             Attachment::On(node) => self.visible[node as usize],
@@ -104,7 +105,7 @@ impl<'a> Rig<'a> {
         }
     }
 
-    /// Whether a skin may stretch the normals of what it bends: a node is scaled unevenly, or stands on one that is.
+    /// Whether a skin may stretch the normals of its mesh: a node or an ancestor is scaled unevenly.
     fn may_stretch(&self) -> bool {
         let uneven = |node: &Node| {
             let above = match node.parent {
@@ -207,7 +208,7 @@ impl<'a> Rig<'a> {
             for channel in draft.channels {
                 match self.target(channel.aim, channel.sampler.width()) {
                     Ok(Some(target)) => clip.channels.push(Channel { target, sampler: channel.sampler }),
-                    // What is not shown need not move.
+                    // A target that is not shown need not move.
                     Ok(None) => {}
                     Err(problem) => {
                         let detail = format!("animations[{i}].channels[{}]: {problem}", channel.number);
@@ -221,7 +222,7 @@ impl<'a> Rig<'a> {
         scene.animate(self.made).map_err(|error| Error::data(path, None, error.to_string(), ""))
     }
 
-    /// What a channel of `width` numbers drives; `None` = what is not shown; the error says why it cannot.
+    /// The target of a channel of `width` numbers; `None` if it is not shown; the error gives the fault.
     fn target(&self, aim: Aim, width: usize) -> Result<Option<Target>, String> {
         Ok(match aim {
             Aim::Node(index, part) => {
@@ -271,7 +272,7 @@ pub(super) fn local(node: &json::Node) -> Local {
     })
 }
 
-/// Where the joints of all skins stand is asked for once, before anything is bent.
+/// The attachments of all joints are found once, before any deformation.
 fn joints_of_all_skins(document: &Document<'_>) -> Result<HashMap<Index, (Attachment, Affine)>, Error> {
     let mut joints = HashMap::new();
     for k in 0..document.root.skins.len() {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What bends a primitive: morph targets and the joints of a skin, read from the file, and its pose at rest.
-//! Source: glTF 2.0 sections 3.7.2.2 (morph targets) and 3.7.3 (skins). All sets of joints count; how they bend is said in
-//! `animation/body.rs`.
+//! The deformation of a primitive: morph targets and the joints of a skin, read from the file, and its pose
+//! at rest.
+//! Source: glTF 2.0 sections 3.7.2.2 (morph targets) and 3.7.3 (skins). All sets of joints count;
+//! `animation/body.rs` defines the deformation.
 //! Space: a skinned mesh comes out in world space, for its node's own transform does not count.
 //! Tests: `tests/gltf.rs::{morph_weights_move_vertices, skins_follow_their_joints}`, `tests/animation.rs`.
 
@@ -19,11 +20,11 @@ use crate::mesh::Mesh;
 pub(super) struct Bending {
     rest: Bend,
     is_skinned: bool,
-    /// Whether it bends in another way later.
+    /// Whether the deformation changes later.
     moves: bool,
 }
 
-/// What bends a mesh at any time.
+/// The data that deforms a mesh at any time.
 pub(super) struct Parts {
     /// The mesh as nothing bends it.
     pub(super) base: Mesh,
@@ -48,8 +49,8 @@ impl Bending {
         }
     }
 
-    /// Moves positions, normals and tangents of a primitive's mesh, which has no triangles yet, to where they are at rest; gives
-    /// what bends it later, if anything does, and which vertices are mirrored, if any.
+    /// Moves positions, normals and tangents of a primitive's mesh, which has no triangles yet, to the rest
+    /// pose. Returns the data that deforms it later, if any, and the mirrored vertices, if any.
     pub(super) fn bend(
         &self,
         from: &PrimitiveReader<'_>,
@@ -98,7 +99,8 @@ impl Bending {
 }
 
 impl Parts {
-    /// For triangles of these corners: those that can ever have an area, and their vertices alone. `None` if there are none.
+    /// For triangles of these corners: only those that can ever have an area, and their vertices. `None` if
+    /// there are none.
     pub(super) fn with_triangles(mut self, mut triangles: Vec<[u32; 3]>) -> Option<Self> {
         let count = self.base.positions.len();
         let is_finite: Vec<bool> =
@@ -170,7 +172,7 @@ impl PrimitiveReader<'_> {
             let Some(&(_, weight_index)) = attributes.weights.iter().find(|(other, _)| *other == set) else {
                 continue;
             };
-            // What is read, and what is made of it.
+            // The data read, and the data made of it.
             document.hold(vertices.saturating_mul(2 * 4 * size_of::<(u32, f32)>() + 4), self.location)?;
             let joints = joints(document, joint_index, self.location)?;
             let weights = floats::<4>(document, weight_index, self.location)?;
@@ -181,7 +183,7 @@ impl PrimitiveReader<'_> {
                 continue;
             }
             if let Some(i) = weights.iter().position(|of| of.iter().any(|w| !w.is_finite())) {
-                let detail = format!("{}: vertex {i} hangs on a joint by no finite weight", self.location);
+                let detail = format!("{}: vertex {i} has a joint weight that is not finite", self.location);
                 warnings.note(Oddity::BadAttribute, &document.path, None, detail);
             }
             sets.push((joints, weights));
@@ -196,7 +198,7 @@ impl PrimitiveReader<'_> {
             };
             influences.push(sets.iter().flat_map(of));
             if let Some(&(joint, _)) = influences.of(i).iter().find(|(joint, _)| *joint as usize >= count) {
-                let problem = format!("vertex {i} hangs on joint {joint}, but the skin has {count} joints");
+                let problem = format!("vertex {i} uses joint {joint}, but the skin has {count} joints");
                 return Err(document.error(self.location, problem, ""));
             }
         }

@@ -6,14 +6,14 @@
 
 use crate::texture::Wrap;
 
-/// What a `map_Kd` statement says.
+/// A `map_Kd` statement.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct MapStatement {
     pub(super) file: String,
     pub(super) scale: [f32; 2],
     pub(super) offset: [f32; 2],
     pub(super) wrap: Wrap,
-    /// What heights are multiplied with.
+    /// The factor of heights.
     pub(super) bump: f32,
 }
 
@@ -64,7 +64,7 @@ fn token(text: &str) -> (&str, &str) {
     (token, rest.trim_start())
 }
 
-/// Up to three numbers, of which the first two are kept; the rest of the text.
+/// Up to three numbers, of which the first two are stored; the rest of the text.
 fn numbers<'a>(mut text: &'a str, to: &mut [f32; 2]) -> &'a str {
     for k in 0..3 {
         let (number, rest) = token(text);

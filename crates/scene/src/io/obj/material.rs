@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `illum` 4, 6, 7, 9; or `d` < 1 with `Kd` 0 and `Ni` > 1 or `Tf` | glass of `Ni`, tinted by `Tf`; rough where there is a `Pr` |
 //! | `illum` 3 or 5 with `Ks` above `Kd`; or `Kd` 0 and `Ks` >= 0.2 | metal of `Ks`; a mirror if `Ns` is absent or >= 1000 |
-//! | `Pm`, `Pr`, `Ps`, `Pc`, `Pcr`, `aniso` or `anisor` (the PBR extension; the last in turns) | metallic-roughness as given, of the index `Ni` where it is above 1, with sheen, clear coat, brushed facets |
+//! | `Pm`, `Pr`, `Ps`, `Pc`, `Pcr`, `aniso` or `anisor` (the PBR extension; the last in full rotations) | metallic-roughness as given, of the index `Ni` if it is above 1, with sheen, clear coat, anisotropic microfacets |
 //! | `Kd` and `Ks` with `Ns` | plastic whose normal reflectance is the mean of `Ks` |
 //! | otherwise | matte |
 //!
@@ -35,19 +35,19 @@ use crate::shader_file::ShaderFile;
 use crate::texture::{Filter, Texture, Wrap};
 use gnurt_image::Excess;
 
-/// Bytes that a material of the scene takes beside its name.
+/// Bytes of a material of the scene, without its name.
 const MATERIAL_BYTES: usize = size_of::<Material>() + size_of::<Principled>() + 64;
-/// Bytes that a texture of the scene takes beside its names and its texels.
+/// Bytes of a texture of the scene, without its names and its texels.
 const TEXTURE_BYTES: usize = 256;
 /// Albedo of faces without a material.
 const DEFAULT_ALBEDO: f32 = 0.6;
-/// Roughness of sheen, of which MTL says only how much there is.
+/// Roughness of sheen, of which MTL gives only the strength.
 const SHEEN_ROUGHNESS: f32 = 0.5;
 /// From this exponent on a highlight is a mirror image.
 const MIRROR_EXPONENT: f32 = 1000.0;
 
-/// Adds the default material and those of the library to the scene, in the order of their numbers; tells the files of
-/// their textures, too.
+/// Adds the default material and those of the library to the scene, in the order of their numbers; also
+/// returns the files of their textures.
 pub(super) fn add_all(
     library: &Library,
     access: &Access,
@@ -96,7 +96,7 @@ fn shader_file(entry: &Entry, map_statement: &Map, access: &Access) -> Result<Sh
     Ok(ShaderFile { file, parameters, confined_to: access.confined_to() })
 }
 
-/// Refuses textures outside of the folder that files must be in.
+/// Rejects textures outside of the folder that confines the file.
 fn check_maps(entry: &Entry, access: &Access) -> Result<(), Error> {
     let maps = [&entry.map_kd, &entry.map_ke, &entry.map_d, &entry.bump, &entry.disp, &entry.norm];
     for map in maps.into_iter().flatten() {
@@ -183,11 +183,11 @@ struct Phong {
 
 impl Phong {
     fn of(entry: &Entry, warnings: &mut Warnings) -> Self {
-        tell_out_of_range(entry, warnings);
+        warn_out_of_range(entry, warnings);
         let not_negative = |c: [f32; 3]| c.map(|x| x.max(0.0));
         let unit = |x: f32| x.clamp(0.0, 1.0);
         let ke = entry.ke.map(not_negative);
-        // Without `Kd`: white under a map, black where anything else is said, grey where nothing is.
+        // Without `Kd`: white under a map, black with other keywords, grey with none.
         let says_else = ke.is_some() || entry.ks.is_some() || entry.illum.is_some_and(|model| model > 2);
         let default_kd = match (entry.map_kd.is_some(), says_else) {
             (true, _) => 1.0,
@@ -232,7 +232,7 @@ impl Phong {
                 }
             };
         }
-        // Many programs write an index of 1 where they know none.
+        // Many programs write an index of 1 if it is unknown.
         let ior = self.ni.filter(|&ni| ni > 1.0).unwrap_or(1.5);
         let layers = [self.sheen, self.coat].map(|x| x.unwrap_or(0.0));
         if layers != [0.0; 2] || self.anisotropy.strength > 0.0 {
@@ -275,7 +275,7 @@ impl Phong {
 }
 
 /// Numbers that are brought into their range before they are used.
-fn tell_out_of_range(entry: &Entry, warnings: &mut Warnings) {
+fn warn_out_of_range(entry: &Entry, warnings: &mut Warnings) {
     let mut tell = |keyword: &str, value: f32, range: &str| {
         let detail = format!("`{keyword} {value}` of {}; {range}", quoted(&entry.name));
         warnings.note(Oddity::NumberOutOfRange, &entry.path, None, detail);
@@ -324,7 +324,7 @@ fn roughness(ns: f32) -> f32 {
     (2.0 / (ns.max(0.0) + 2.0)).sqrt().sqrt()
 }
 
-/// Textures of the scene by what names them.
+/// Textures of the scene by their names.
 struct Textures<'a> {
     access: &'a Access,
     pictures: Pictures<'a>,

@@ -6,7 +6,8 @@
 //! file -> LogicalLines -> Statements -> Lists, Parts (faces by material) -> one mesh per material
 //! ```
 //!
-//! Groups, objects and smoothing are not kept. Tests: `tests/obj.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
+//! Groups, objects and smoothing are ignored. Tests: `tests/obj.rs`, `tests/broken_files.rs`,
+//! `tests/growth.rs`.
 
 mod directives;
 mod material;

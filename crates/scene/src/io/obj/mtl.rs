@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Material libraries: the materials of all that a file names.
 //! Source: Wavefront MTL 4.2, and the keywords of its PBR extension. Material 0 is the default one, for faces that name
-//! none. Messages say which keyword is wrong, never what stands beside it: a library may be any file of the machine.
-//! Memory: about [`ENTRY_BYTES`] for each name that is defined. Tests: `tests/obj.rs`, `tests/{broken_files,growth}.rs`.
+//! none. Messages name the invalid keyword but quote no more of the line, because a library may be any file
+//! of the machine. Memory: about [`ENTRY_BYTES`] for each name that is defined. Tests: `tests/obj.rs`,
+//! `tests/{broken_files,growth}.rs`.
 
 use std::collections::{HashMap, HashSet};
 use std::io::{BufReader, Read};
@@ -15,16 +16,16 @@ use crate::io::source::{self, Access};
 use crate::io::{Error, Oddity, Warnings};
 use gnurt_image::Excess;
 
-/// Bytes that a material takes beside its name and its texture statements.
+/// Bytes of a material, without its name and its texture statements.
 const ENTRY_BYTES: usize = size_of::<Entry>() + 2 * size_of::<(Rc<str>, usize)>() + 64;
 
-/// A texture statement, and the line that it stands in.
+/// A texture statement, and its line.
 pub(super) struct Map {
     pub(super) text: String,
     pub(super) line: u64,
 }
 
-/// What a library says about a material; `None` where it says nothing.
+/// The entry of a material in a library; `None` where the library gives no value.
 #[derive(Default)]
 pub(super) struct Entry {
     pub(super) name: Rc<str>,
@@ -64,7 +65,7 @@ pub(super) struct Library {
     /// Material `k` of the file is `entries[k - 1]`.
     pub(super) entries: Vec<Entry>,
     by_name: HashMap<Rc<str>, usize>,
-    /// The libraries' files, those that could not be read included.
+    /// The libraries' files, unreadable ones included.
     pub(super) read: HashSet<PathBuf>,
 }
 
@@ -77,7 +78,7 @@ impl Library {
         })
     }
 
-    /// Reads what a `mtllib` statement names: one file, whose name may have spaces, or several.
+    /// Reads the files of a `mtllib` statement: one file, whose name may have spaces, or several.
     pub(super) fn read(
         &mut self,
         obj: &Path,
@@ -121,7 +122,7 @@ impl Library {
         Ok(())
     }
 
-    /// Reads a library; tells the line at which the budget was at its end, if it was.
+    /// Reads a library; returns the line at which the budget was exhausted, if it was.
     fn read_lines<R: std::io::BufRead>(
         &mut self,
         mut lines: LogicalLines<R>,
@@ -130,7 +131,7 @@ impl Library {
         warnings: &mut Warnings,
     ) -> Result<Option<(u64, Excess)>, Error> {
         let path = Rc::new(path.to_owned());
-        // The first definition of a name counts; what a later one says goes nowhere.
+        // The first definition of a name counts; later ones are ignored.
         let mut nowhere = Entry::default();
         let mut location = None;
         while let Some((line, text)) = lines.next()? {
@@ -185,7 +186,7 @@ impl Library {
     }
 }
 
-/// What a statement says.
+/// A parsed statement.
 enum Statement<'a> {
     Color(fn(&mut Entry) -> &mut Option<[f32; 3]>, [f32; 3]),
     Number(fn(&mut Entry) -> &mut Option<f32>, f32),
@@ -204,7 +205,7 @@ impl Statement<'_> {
     }
 }
 
-/// What a line says; `None` for keywords that say nothing here; the error says what is wrong.
+/// Parses a line; `None` for unsupported keywords; the error gives the fault.
 fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<Statement<'a>>, String> {
     let color = |slot| match color(rest) {
         Some(color) => Ok(Some(Statement::Color(slot, color))),
@@ -253,7 +254,8 @@ fn statement<'a>(keyword: &str, rest: &'a str, line: u64) -> Result<Option<State
     }
 }
 
-/// Textures that change how a surface looks, and are not read. `map_Ka` is not among them: there is no ambient light.
+/// Textures that change the appearance of a surface, and are not read. `map_Ka` is not among them: there is
+/// no ambient light.
 fn is_lost(keyword: &str) -> bool {
     matches!(
         keyword,
@@ -274,7 +276,7 @@ fn finite(token: &str) -> Option<f32> {
     token.parse::<f32>().ok().filter(|x| x.is_finite())
 }
 
-/// Three numbers, or one that counts for all.
+/// Three numbers, or one for all.
 fn color(rest: &str) -> Option<[f32; 3]> {
     let mut tokens = rest.split_whitespace().take_while(|t| !t.starts_with('#'));
     let first = finite(tokens.next()?)?;

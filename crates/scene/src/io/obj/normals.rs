@@ -6,7 +6,7 @@
 use crate::material::{Color, NormalMap, Principled, Surface};
 use crate::texture::Texels;
 
-/// Texels along an edge that are looked at, at most.
+/// The largest number of compared texels along an edge.
 const MOST_ALONG: u32 = 64;
 /// How far the means of red and green may be from the middle.
 const SLANT: f32 = 0.12;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The faces of an OBJ file by their materials: one mesh for each material that has any.
 //! A vertex of a mesh is a corner (position, texture coordinate, normal); corners that are alike are one
-//! vertex, numbered in the order of their first faces. Cost: a look into a table for each corner.
-//! Colours of vertices are sRGB-encoded, as Blender and MeshLab write them.
+//! vertex, numbered in the order of their first faces. Cost: a table lookup for each corner. Colours of
+//! vertices are sRGB-encoded, as Blender and MeshLab write them.
 //! Tests: `tests/obj.rs::{groups_become_one_mesh_per_material, corners_that_are_alike_are_one_vertex}`.
 
 use std::collections::HashMap;
@@ -17,17 +17,17 @@ use crate::io::{Oddity, Warnings};
 use crate::mesh::Mesh;
 use crate::scene::Scene;
 
-/// Stands for a texture coordinate or a normal that a corner does not have.
+/// Represents a missing texture coordinate or normal.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// Places of a corner's position, texture coordinate and normal in the lists, from 0.
+/// Indices of a corner's position, texture coordinate and normal in the lists, from 0.
 pub(super) type Corner = [u32; 3];
 
-/// What `v`, `vt` and `vn` statements have listed.
+/// The elements listed by `v`, `vt` and `vn` statements.
 #[derive(Default)]
 pub(super) struct Lists {
     pub(super) positions: Vec<[f32; 3]>,
-    /// As many as positions, or none; sRGB-encoded.
+    /// One for each position, or none; sRGB-encoded.
     pub(super) colors: Vec<[f32; 3]>,
     pub(super) texcoords: Vec<[f32; 2]>,
     pub(super) normals: Vec<[f32; 3]>,
@@ -63,7 +63,7 @@ pub(super) struct Parts {
 impl Parts {
     /// About as many bytes as are held.
     pub(super) fn memory_bytes(&self) -> usize {
-        // A table keeps a byte beside each place, an eighth of them empty.
+        // A table has a byte for each slot, an eighth of them empty.
         self.bytes + self.parts.capacity() * size_of::<Part>() + self.vertices.capacity() * 24
     }
 
@@ -131,7 +131,7 @@ impl Part {
             positions: vertices.iter().map(|c| lists.positions[c[0] as usize]).collect(),
             ..Mesh::default()
         };
-        // Whoever has none among those that have some gets zeros, which say nothing.
+        // A vertex without the attribute, among others with it, gets zeros, which mean no value.
         if vertices.iter().any(|c| c[1] != NONE) {
             let texcoord = |c: &Corner| lists.texcoords.get(c[1] as usize).copied().unwrap_or_default();
             mesh.texcoords = vertices.iter().map(texcoord).collect();

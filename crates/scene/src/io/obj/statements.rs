@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! OBJ statements, one by one, into the lists of the file and the parts of its materials.
 //! Source: Wavefront, Advanced Visualizer manual, appendix B1.
-//! Invariant: a corner that reaches a part exists. Memory: the lists, the parts, one statement; the budget is asked
-//! every [`STATEMENTS_BETWEEN`] statements. Tests: `tests/obj.rs`, `tests/broken_files.rs`, `tests/growth.rs`.
+//! Invariant: a corner that reaches a part exists. Memory: the lists, the parts, one statement; the budget is
+//! charged every [`STATEMENTS_BETWEEN`] statements. Tests: `tests/obj.rs`, `tests/broken_files.rs`,
+//! `tests/growth.rs`.
 
 use std::io::BufRead;
 use std::path::Path;
@@ -16,10 +17,10 @@ use crate::io::source::Access;
 use crate::io::{Error, Oddity, Warnings};
 use gnurt_image::Excess;
 
-/// Statements after which the budget is asked again.
+/// Statements between charges of the budget.
 const STATEMENTS_BETWEEN: u64 = 1 << 13;
 
-/// What the statements of a file have said.
+/// The statements of a file so far.
 pub(super) struct Statements<'a> {
     path: &'a Path,
     access: &'a Access,
@@ -31,7 +32,7 @@ pub(super) struct Statements<'a> {
     /// Whether any statement was an OBJ one.
     recognised: bool,
     count: u64,
-    /// Bytes that the budget was asked for.
+    /// Bytes charged to the budget.
     held: usize,
     corners: Vec<Corner>,
     cutter: Cutter,
@@ -74,7 +75,7 @@ impl<'a> Statements<'a> {
         Ok(counts)
     }
 
-    /// Asks the budget for what was taken since it was asked last.
+    /// Charges the budget for the memory taken since the last call.
     fn hold(&mut self) -> Result<(), Error> {
         let now = self.lists.memory_bytes() + self.parts.memory_bytes();
         if now > self.held {
@@ -145,7 +146,7 @@ impl<'a> Statements<'a> {
         if lists.positions.len() >= NONE as usize {
             return Err(location.error("more than 2^32 - 1 vertices".into(), "divide the file"));
         }
-        // The first vertex says whether vertices have colours.
+        // The first vertex determines whether vertices have colours.
         let colored = if lists.positions.is_empty() { count >= 6 } else { !lists.colors.is_empty() };
         if colored {
             if count < 6 {
@@ -195,7 +196,7 @@ impl<'a> Statements<'a> {
     }
 }
 
-/// Where a statement stands.
+/// The location of a statement.
 struct Location<'a> {
     path: &'a Path,
     line: u64,
@@ -221,7 +222,7 @@ fn number(token: &str) -> Option<f32> {
     }
 }
 
-/// `vt` and `vn`: what is missing or no number is 0, which says nothing.
+/// `vt` and `vn`: a missing or invalid number becomes 0, which means no value.
 fn attribute<const N: usize>(rest: &str, location: &Location<'_>, warnings: &mut Warnings) -> [f32; N] {
     let mut numbers = [0.0; N];
     let mut good = values(rest).next().is_some();

@@ -16,7 +16,7 @@ use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
 use gnurt_image::{Budget, Excess};
 
-/// Elements after which the budget is asked again.
+/// Elements between charges of the budget.
 const ELEMENTS_BETWEEN: u64 = 1 << 12;
 
 /// Reads the body that `header` describes.
@@ -43,7 +43,7 @@ pub(super) fn read(
     for element in &header.elements {
         let corners = element.properties.iter().position(is_corners);
         if element.name == "face" && element.count > 0 {
-            tell_unread(element, path, body.warnings);
+            warn_unread(element, path, body.warnings);
         }
         match (&element.name[..], corners) {
             ("vertex", _) => body.read_vertices(element)?,
@@ -58,8 +58,8 @@ pub(super) fn read(
     Ok(body.mesh)
 }
 
-/// Tells what faces have that no mesh of ours holds.
-fn tell_unread(face: &Element, path: &Path, warnings: &mut Warnings) {
+/// Warns about properties of faces that our meshes do not have.
+fn warn_unread(face: &Element, path: &Path, warnings: &mut Warnings) {
     let has = |names: &[&str]| face.properties.iter().any(|property| names.contains(&&property.name[..]));
     for (names, what) in [
         (&["red", "green", "blue", "diffuse_red"][..], "colours of faces"),
@@ -79,7 +79,7 @@ fn is_corners(property: &Property) -> bool {
         && matches!(&property.name[..], "vertex_indices" | "vertex_index")
 }
 
-/// A body on its way into a mesh.
+/// A body during its conversion to a mesh.
 struct Body<'a, R> {
     numbers: Numbers<'a, R>,
     path: &'a Path,
@@ -91,7 +91,7 @@ struct Body<'a, R> {
     /// Of one face.
     corners: Vec<i64>,
     cutter: Cutter,
-    /// Bytes of triangles and corners that the budget was asked for.
+    /// Bytes of triangles and corners charged to the budget.
     held: usize,
 }
 
@@ -104,7 +104,7 @@ impl<R: BufRead> Body<'_, R> {
         self.budget.hold(bytes).map_err(|e| self.error(e.to_string(), Excess::REMEDY))
     }
 
-    /// What is wrong with element `index`.
+    /// The error for element `index`.
     fn fault(&self, fault: Fault, element: &Element, index: u64) -> Error {
         let (name, count) = (&element.name, element.count);
         let problem = match fault {
@@ -124,8 +124,8 @@ impl<R: BufRead> Body<'_, R> {
         self.error(problem, "it may have been cut off")
     }
 
-    /// Notes a line that ends before properties that nobody needs.
-    fn tell_short(&mut self, is_whole: bool) {
+    /// Notes a line that ends before unused properties.
+    fn note_short(&mut self, is_whole: bool) {
         if !is_whole {
             self.warnings.note(Oddity::ShortLine, self.path, self.numbers.line(), "");
         }
@@ -164,7 +164,7 @@ impl<R: BufRead> Body<'_, R> {
         for index in 0..element.count {
             let read = read_vertex(&mut self.numbers, &slots);
             let (vertex, is_whole) = read.map_err(|fault| self.fault(fault, element, index))?;
-            self.tell_short(is_whole);
+            self.note_short(is_whole);
             let mesh = &mut self.mesh;
             mesh.positions.push(vertex.position);
             mesh.normals.extend(columns.normals.then_some(vertex.normal));
@@ -189,7 +189,7 @@ impl<R: BufRead> Body<'_, R> {
         for index in 0..element.count {
             let read = read_face(&mut self.numbers, element, corners, &mut self.corners);
             let is_whole = read.map_err(|fault| self.fault(fault, element, index))?;
-            self.tell_short(is_whole);
+            self.note_short(is_whole);
             add(self, index)?;
             // One list may be as long as the file.
             if index.is_multiple_of(ELEMENTS_BETWEEN) || self.corners.len() > ELEMENTS_BETWEEN as usize {
@@ -222,7 +222,7 @@ impl<R: BufRead> Body<'_, R> {
         Ok(())
     }
 
-    /// Triangle strips, -1 between them; every other triangle of a strip is turned round.
+    /// Triangle strips, -1 between them; every other triangle of a strip is reversed.
     fn add_strips(&mut self, index: u64) -> Result<(), Error> {
         if let Some(&bad) = self.corners.iter().find(|&&i| i != -1 && !self.exists(i)) {
             return Err(self.out_of_range(bad, index));
@@ -260,7 +260,7 @@ fn read_vertex<R: BufRead>(
     let mut is_whole = true;
     for &(slot, property) in slots {
         match slot {
-            // A property that nobody needs may be missing.
+            // An unused property may be missing.
             Slot::None if numbers.is_spent() => is_whole = false,
             Slot::None => numbers.skip(property)?,
             slot => vertex.set(slot, numbers.float(property.item)?, property.item),

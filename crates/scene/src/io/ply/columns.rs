@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which property of a PLY vertex means what.
-//! Names as Blender, MeshLab, PBRT, Stanford and VTK write them.
-//! Integer colours are sRGB-encoded, those of floats linear. Tests: `tests/ply.rs::headers_of_all_kinds`.
+//! The meaning of each property of a PLY vertex. Names as Blender, MeshLab, PBRT, Stanford and VTK write
+//! them. Integer colours are sRGB-encoded, those of floats linear. Tests:
+//! `tests/ply.rs::headers_of_all_kinds`.
 
 use super::header::{Element, Property, Scalar};
 
@@ -12,7 +12,7 @@ pub(super) enum Slot {
     Normal(usize),
     Texcoord(usize),
     Color(usize),
-    /// Nowhere.
+    /// Unused.
     None,
 }
 
@@ -68,7 +68,7 @@ impl Columns {
     }
 }
 
-/// A vertex: what is not in the file stays at its neutral value.
+/// A vertex: an attribute that is not in the file keeps its neutral value.
 #[derive(Clone, Copy)]
 pub(super) struct Vertex {
     pub(super) position: [f32; 3],
@@ -100,7 +100,7 @@ fn fraction(value: f64, of_type: Scalar) -> f32 {
         Scalar::U8 => f64::from(u8::MAX),
         Scalar::I16 => f64::from(i16::MAX),
         Scalar::U16 => f64::from(u16::MAX),
-        // Whoever writes colours as `int` means bytes.
+        // Files that declare colours as `int` hold bytes.
         Scalar::I32 | Scalar::U32 => f64::from(u8::MAX),
         Scalar::F32 | Scalar::F64 => 1.0,
     };

@@ -89,7 +89,7 @@ impl Element {
     /// The fewest bytes that one takes.
     pub(super) fn least_bytes(&self, encoding: Encoding) -> u64 {
         match encoding {
-            // A digit and what separates it from the next, of as many as a point has: those that nobody needs may be missing.
+            // A digit and a separator for each number of a point; unused properties may be missing.
             Encoding::Text => 2 * self.properties.len().min(3) as u64,
             _ => self.properties.iter().map(|p| p.count.unwrap_or(p.item).size() as u64).sum(),
         }
@@ -141,7 +141,7 @@ pub(super) fn read(
 }
 
 impl Header {
-    /// Refuses counts that the file is too short for, before anyone takes memory for them.
+    /// Rejects counts that exceed the file, before memory is taken for them.
     pub(super) fn check_length(&self, path: &Path) -> Result<(), Error> {
         let mut left = self.body_bytes;
         for element in &self.elements {
@@ -220,10 +220,10 @@ impl<R: BufRead> HeaderLines<'_, R> {
     }
 }
 
-/// What is wrong with a line and what would be right.
+/// The fault of a line, and the remedy.
 type Mistake = (String, String);
 
-/// What the lines of a header have said so far.
+/// The declarations of a header so far.
 #[derive(Default)]
 struct Declared {
     encoding: Option<Encoding>,
@@ -234,8 +234,8 @@ struct Declared {
 }
 
 impl Declared {
-    /// Whether a line without a keyword stands where it cannot be about the layout of the body: before the first element. Old
-    /// exporters put their name there.
+    /// Whether a line without a keyword cannot be about the layout of the body: it precedes the first
+    /// element. Old exporters put their name there.
     fn is_remark(&self, line: &str) -> bool {
         let keyword = line.split(' ').next().unwrap_or_default();
         let known = ["", "comment", "obj_info", "format", "element", "property"];

@@ -39,12 +39,12 @@ pub(super) struct Numbers<'a, R> {
     /// Lines read so far, of a text.
     line: u64,
     text: Vec<u8>,
-    /// Where the next word of `text` is looked for.
+    /// Start of the next word of `text`.
     at: usize,
 }
 
 impl<'a, R: BufRead> Numbers<'a, R> {
-    /// Of a body that begins after so many lines.
+    /// Of a body that begins after this number of lines.
     pub(super) fn new(input: &'a mut R, encoding: Encoding, lines: u64) -> Self {
         Self { input, encoding, line: lines, text: Vec::new(), at: 0 }
     }
@@ -157,7 +157,7 @@ impl<'a, R: BufRead> Numbers<'a, R> {
             Scalar::U16 => i64::from(u16::from_le_bytes(self.bytes()?)),
             Scalar::I32 => i64::from(i32::from_le_bytes(self.bytes()?)),
             Scalar::U32 => i64::from(u32::from_le_bytes(self.bytes()?)),
-            // Nobody asks for an integer where the header declares a float.
+            // No caller reads an integer where the header declares a float.
             Scalar::F32 | Scalar::F64 => return Err(Fault::Token),
         })
     }

@@ -22,7 +22,7 @@ fn unwritable(path: &Path, error: &gnurt_image::Error) -> Error {
     }
 }
 
-/// Notes what the format cannot hold.
+/// Warns about features that the format cannot hold.
 pub(super) fn leave_out(count: usize, what: &str, path: &Path, warnings: &mut Warnings) {
     warnings.note_many(Oddity::NotShown, count as u64, path, None, what);
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF 2.0: objects as meshes, instances as nodes, cameras, lights, materials, pictures inside the buffer.
-//! Source: glTF 2.0; KHR_lights_punctual and the extensions of `gltf/material.rs`. Those that a file uses are listed in it, and no others.
-//! `.gltf` has its buffer beside it as NAME.bin, `.glb` inside. Tests: `tests/save.rs`.
+//! Source: glTF 2.0; KHR_lights_punctual and the extensions of `gltf/material.rs`. A file lists exactly the
+//! extensions that it uses. The buffer of `.gltf` is the file NAME.bin, that of `.glb` is inside. Tests:
+//! `tests/save.rs`.
 
 mod buffer;
 mod camera;
@@ -129,7 +130,7 @@ fn save(scene: &Scene, path: &Path, is_binary: bool, warnings: &mut Warnings) ->
     write_files(root, &buffer.bytes, path, is_binary)
 }
 
-/// The names of extensions that stand anywhere in `value`.
+/// The names of extensions anywhere in `value`.
 fn note_extensions(value: &Value, used: &mut BTreeSet<String>) {
     match value {
         Value::Array(list) => list.iter().for_each(|value| note_extensions(value, used)),
@@ -138,7 +139,7 @@ fn note_extensions(value: &Value, used: &mut BTreeSet<String>) {
                 if let ("extensions", Value::Object(named)) = (&key[..], value) {
                     used.extend(named.keys().cloned());
                 }
-                // What any program puts into `extras` is none of glTF's.
+                // The contents of `extras` are outside of glTF.
                 if key != "extras" {
                     note_extensions(value, used);
                 }
@@ -148,7 +149,7 @@ fn note_extensions(value: &Value, used: &mut BTreeSet<String>) {
     }
 }
 
-/// The buffer of a text file, which lies beside it.
+/// The buffer file of a text file.
 pub(in crate::io) fn buffer_file(path: &Path) -> PathBuf {
     path.with_extension("bin")
 }
@@ -222,7 +223,7 @@ fn primitive(mesh: &Mesh, buffer: &mut Buffer) -> Value {
     json!({ "attributes": attributes, "indices": buffer.add_indices(&mesh.indices), "material": mesh.material.0 })
 }
 
-/// As glTF wants them: unit, and the fourth number 1 or -1. One that says nothing stays zero.
+/// As glTF requires: unit, and the fourth number 1 or -1. A zero tangent stays zero.
 fn unit_tangent(&[x, y, z, side]: &[f32; 4]) -> [f32; 4] {
     let [x, y, z] = glam::Vec3::new(x, y, z).normalize_or_zero().to_array();
     [x, y, z, 1.0_f32.copysign(side)]
@@ -233,7 +234,7 @@ fn shown_meshes<'a>(scene: &'a Scene, object: &'a Object) -> impl Iterator<Item 
     object.meshes.iter().map(|&id| scene.mesh(id)).filter(|mesh| !mesh.indices.is_empty())
 }
 
-/// Whether an object becomes a mesh: one that only holds others, or nothing, has nodes only.
+/// Whether an object becomes a mesh: an object without meshes has nodes only.
 fn is_mesh(scene: &Scene, object: &Object) -> bool {
     shown_meshes(scene, object).next().is_some()
 }
@@ -252,7 +253,7 @@ fn nodes(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<Nodes, E
         .iter()
         .map(|object| if is_mesh(scene, object) { next.next() } else { None })
         .collect();
-    // Way from the root: how many nodes it has, and their places.
+    // Path from the root: the number of its nodes, and their indices.
     let mut stack: Vec<usize> = Vec::new();
     for found in scene.occurrences() {
         if nodes.len() >= MOST_NODES {
@@ -315,7 +316,7 @@ fn punctual(kind: &str, color: [f32; 3]) -> Value {
     json!({ "type": kind, "intensity": intensity, "color": color })
 }
 
-/// The frame of a thing at `position` that looks along `direction`.
+/// The frame at `position` that faces `direction`.
 fn at(position: [f32; 3], direction: [f32; 3]) -> Affine {
     let target = [0, 1, 2].map(|k| position[k] + direction[k]);
     let view = Camera {

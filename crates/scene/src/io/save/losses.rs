@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What no format of ours can hold, told by kind: each kind is one warning with its count.
+//! Losses common to all our formats: each kind is one warning with its count.
 //! Tests: `tests/save.rs::what_is_lost_is_told`.
 
 use std::path::Path;
@@ -10,7 +10,7 @@ use crate::material::{Material, Surface};
 use crate::scene::Scene;
 use crate::texture::{TexelData, Texels};
 
-/// What is lost of a scene's shaders, attributes and instances in every format.
+/// Shaders, attributes and instances of a scene that no format holds.
 pub(in crate::io) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let attributes = scene.meshes().iter().map(|mesh| mesh.attributes.len()).sum();
     leave_out(attributes, "attribute of a mesh", path, warnings);
@@ -18,7 +18,7 @@ pub(in crate::io) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warning
     leave_out(hidden, "hidden instance", path, warnings);
 }
 
-/// What is lost of materials in formats that have any.
+/// Parts of materials that are lost in all formats with materials.
 pub(in crate::io) fn of_materials(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     leave_out(scene.shader_files().count(), "shader file of a material", path, warnings);
     let count = |is: fn(&Material) -> bool| scene.materials().iter().filter(|material| is(material)).count();
@@ -36,7 +36,7 @@ pub(in crate::io) fn of_materials(scene: &Scene, path: &Path, warnings: &mut War
         }
         _ => false,
     };
-    leave_out(count(is_tinted), "tint of what glass mirrors", path, warnings);
+    leave_out(count(is_tinted), "tint of the reflection of glass", path, warnings);
     let bright = scene.textures().iter().filter(|texture| is_beyond_one(&texture.texels)).count();
     leave_out(bright, "texture values outside of 0 to 1, cut off", path, warnings);
 }

@@ -2,8 +2,9 @@
 //! Writing scenes: OBJ with MTL, PLY, glTF.
 //! Source: the formats' own specifications, see `io::{obj, ply, gltf}`.
 //! Every file appears whole or not at all; files that the main one refers to are written before it.
-//! What a format cannot hold is left out with a warning: OBJ and PLY hold neither instances (they are unfolded) nor
-//! cameras nor lights, PLY holds no materials, glTF no environment; animations are not written. Tests: `tests/save.rs`.
+//! A feature that a format lacks is dropped with a warning. OBJ and PLY hold neither instances (they are
+//! unfolded) nor cameras nor lights; PLY holds no materials, glTF no environment; animations are not written.
+//! Tests: `tests/save.rs`.
 
 mod files;
 pub(super) mod gltf;

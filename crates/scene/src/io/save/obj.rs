@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! OBJ with an MTL library and PNG textures beside it.
+//! OBJ with an MTL library and PNG textures in the same folder.
 //! Source: Wavefront OBJ and MTL 4.2; `Pm` and `Pr` of the PBR extension for metalness and roughness.
 //! The library is called NAME.mtl, textures NAME-K.png. Tests: `tests/save.rs`.
 
@@ -39,7 +39,7 @@ pub(in crate::io) fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -
     write(path, geometry(scene, &names, &stem).as_bytes())
 }
 
-/// The files beside the one of geometry: the library and the textures.
+/// The companions of the geometry's file: the library and the textures.
 pub(in crate::io) fn companion_files(scene: &Scene, path: &Path) -> Vec<PathBuf> {
     std::iter::once(library_file(path)).chain(texture_files(scene, path)).collect()
 }
@@ -57,7 +57,7 @@ fn stem(path: &Path) -> String {
     path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// What MTL says of layers, glass and textures is less than there may be.
+/// MTL's layers, glass and textures are fewer than ours.
 fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let principled = || {
         scene.materials().iter().filter_map(|material| match &material.surface {
@@ -82,7 +82,7 @@ fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     });
     leave_out(interiors.count(), "absorption and dispersion of glass", path, warnings);
     let unlit = scene.materials().iter().filter(|material| matches!(material.surface, Surface::Unlit { .. }));
-    leave_out(unlit.count(), "unlit colour, written as a lamp", path, warnings);
+    leave_out(unlit.count(), "unlit colour, written as emission", path, warnings);
     let panes = scene
         .materials()
         .iter()
@@ -100,7 +100,7 @@ fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     leave_out(mirrored.count(), "how a texture goes on beyond its edges", path, warnings);
 }
 
-/// MTL has no maps of roughness that all agree on, and opacity only in a picture of its own.
+/// MTL has no standard maps of roughness, and opacity only in a separate picture.
 fn leave_out_maps(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let details = scene.materials().iter().filter(|material| match &material.surface {
         Surface::MetallicRoughness { metallic_roughness_texture, .. } => metallic_roughness_texture.is_some(),
@@ -125,7 +125,7 @@ fn material_names(scene: &Scene) -> Vec<String> {
     let mut taken_names = HashSet::new();
     for (k, material) in scene.materials().iter().enumerate() {
         let plain: String = material.name.chars().map(|c| if c.is_control() { '_' } else { c }).collect();
-        // A line that ends in a backslash goes on in the next one.
+        // A line that ends in a backslash continues in the next one.
         let plain = plain.trim().trim_end_matches('\\');
         let mut name = plain.to_owned();
         while name.is_empty() || taken_names.contains(&name) {
@@ -194,7 +194,7 @@ fn library(scene: &Scene, names: &[String], stem: &str) -> String {
 fn push_material(text: &mut String, material: &Material, scene: &Scene, stem: &str) {
     let triple = |[r, g, b]: [f32; 3]| format!("{r} {g} {b}");
     let diffuse = match material.surface {
-        // A lamp that scatters nothing comes nearest.
+        // A light that scatters nothing is the nearest equivalent.
         Surface::Unlit { .. } => Color::constant([0.0; 3]),
         // A mirror is one by its `Kd` of 0.
         Surface::Mirror { .. } => material.diffuse.unwrap_or(Color::constant([0.0; 3])),

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Meshes unfolded into world space, for formats without instances.
-//! Normals go by the inverse transpose; where an instance mirrors, triangles are turned round, so that
-//! the geometric normal stays on the side that it was on.
+//! Normals are transformed by the inverse transpose; if an instance mirrors, triangles are reversed, so that
+//! the geometric normal stays on its side.
 
 use crate::affine::Affine;
 use crate::id::MeshId;

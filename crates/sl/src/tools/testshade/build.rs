@@ -74,7 +74,7 @@ fn expression(name: &str, text: &str) -> String {
     )
 }
 
-/// The group; none if it cannot be made, which has been said.
+/// The group; none if it cannot be made, which has been reported.
 pub(super) fn group(options: &Options, console: &mut Console<'_>) -> Option<Group> {
     let mut loader = Loader::default();
     let mut groups = 1;

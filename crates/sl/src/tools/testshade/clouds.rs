@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Point clouds that `testshade` reads, and those that it writes when all points are done.
+//! Point clouds that `testshade` reads, and those that it writes after all points.
 
 use gnurt_sl_lib::points::{Column, PointCloud, read_cloud, write_cloud};
 use std::cell::RefCell;
@@ -14,18 +14,18 @@ pub(super) struct Clouds {
 }
 
 impl Clouds {
-    /// A file's cloud, read when it is asked for first.
+    /// A file's cloud, read on the first request.
     pub(super) fn find(&self, file: &str) -> Result<Arc<PointCloud>, String> {
         let mut known = self.read.borrow_mut();
         known.entry(file.to_owned()).or_insert_with(|| open(file).map(Arc::new)).clone()
     }
 
-    /// Adds a point to what a file will have.
+    /// Adds a point to the future contents of a file.
     pub(super) fn push(&self, file: &str, position: [f32; 3], row: &[Column]) -> bool {
         self.written.borrow_mut().entry(file.to_owned()).or_default().push(position, row)
     }
 
-    /// Writes what was added; the reasons why files could not be written.
+    /// Writes the added points; returns the reasons of failures.
     pub(super) fn save(&self) -> Vec<String> {
         let written = self.written.take();
         let save = |(file, cloud): (String, PointCloud)| {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Runs shaders on a small artificial world and prints or saves what they give.
-//! Options, world and output are those of OSL's `testshade`.
+//! Runs shaders on a small artificial world and prints or saves their results. Options, world and output are
+//! those of OSL's `testshade`.
 //!
-//! `options` reads the command line, `build` makes the group, `world` answers the shaders' questions, `shade` runs the points,
-//! `report` prints what they said.
+//! `options` reads the command line, `build` makes the group, `world` answers the shaders' queries, `shade`
+//! runs the points, `report` prints their output.
 
 mod build;
 mod clouds;

@@ -47,7 +47,7 @@ testshade [options] shader...
     --userdata_isconnected       Consider interpolated=1 to be isconnected()
 ";
 
-/// What makes the group, in order.
+/// The steps that make the group, in order.
 #[derive(Clone, Debug)]
 pub(super) enum Setup {
     Layer(String),
@@ -154,7 +154,7 @@ const IGNORED: [(&str, usize); 24] = [
 /// Pixels along a side.
 const MOST_PIXELS: usize = 1 << 14;
 
-/// What `--engine` names.
+/// The names of `--engine`.
 const ENGINES: [&str; 6] = ["interpreter", "machine", "avx2", "avx512", "avx2-scalar", "avx512-scalar"];
 
 /// One of these words.
@@ -174,7 +174,7 @@ fn type_named(text: &str) -> Option<Type> {
     Base::from_keyword(name).map(|base| Type::of(base).array_of(array))
 }
 
-/// What follows a colon in `-param:type=int:interactive=1`.
+/// The modifiers after a colon in `-param:type=int:interactive=1`.
 fn modifiers(text: &str) -> (Option<Type>, Hint) {
     let (mut ty, mut hint) = (None, Hint::default());
     for part in text.split(':').skip(1) {
@@ -189,7 +189,7 @@ fn modifiers(text: &str) -> (Option<Type>, Hint) {
     (ty, hint)
 }
 
-/// Reads it; an error without a message asks for help.
+/// Reads it; an error without a message requests help.
 pub(super) fn read(args: &[String]) -> Result<Options, Option<String>> {
     let mut o = Options::default();
     let mut rest = args.iter();

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Prints what shaders said, leaving out what was said a moment before.
-//! What is left out is OSL's rule.
+//! Prints the output of shaders, without recent repetitions. The rule for repetitions is OSL's.
 
 use crate::exec::Event;
 use crate::tools::console::Console;
@@ -10,7 +9,7 @@ use std::io::Write;
 /// Messages are compared with this many before them.
 const HISTORY: usize = 25;
 
-/// What was said lately.
+/// Recent output.
 #[derive(Default)]
 pub(super) struct Recent {
     errors: VecDeque<String>,

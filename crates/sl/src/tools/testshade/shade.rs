@@ -17,7 +17,7 @@ use crate::types::Type;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// An output that is wanted and found.
+/// A requested output that was found.
 struct Output {
     name: String,
     file: String,
@@ -96,7 +96,7 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
         console.print("\n");
     }
     let mut outputs = find_outputs(options, &group);
-    // OSL's tool says nothing of either, and succeeds.
+    // OSL's tool prints no message for either, and succeeds.
     let mut missing = Vec::new();
     if !console.link {
         let is_there = |(name, file): &&(String, String)| {
@@ -180,23 +180,23 @@ pub(super) fn shade(options: &Options, mut group: Group, console: &mut Console<'
     }
 }
 
-/// One turn over all points.
+/// One pass over all points.
 struct Run<'a> {
     options: &'a Options,
     world: &'a World<'a>,
     entries: &'a [usize],
     outputs: &'a mut [Output],
-    /// Whether the turn's outputs are kept.
+    /// Whether the outputs of this pass are stored.
     last: bool,
 }
 
 impl Run<'_> {
-    /// By the engine that is asked for; by the interpreter where that cannot run the group.
+    /// By the requested engine; by the interpreter where that cannot run the group.
     fn all(&mut self, plan: &Arc<Plan>, console: &mut Console<'_>) -> Result<Vec<Event>, String> {
         let name = self.options.engine.as_str();
         let mut messages = Vec::new();
         let start = Instant::now();
-        // Only the interpreter looks at each result.
+        // Only the interpreter checks each result.
         if !matches!(name, "" | "interpreter") && !self.options.debug_nan {
             let Some(engine) = console.engine else {
                 return Err(format!("this program has no engine '{name}'; it has: interpreter"));
@@ -331,7 +331,7 @@ fn save(options: &Options, outputs: &[Output], console: &mut Console<'_>) -> i32
     0
 }
 
-/// Which globals the group asks for.
+/// Which globals the group requests.
 fn globals(group: &Group, console: &mut Console<'_>) {
     let mut names: Vec<String> = Vec::new();
     let mut add = |name: &str| {
@@ -356,7 +356,7 @@ fn globals(group: &Group, console: &mut Console<'_>) {
     console.print(&format!("Need {} globals:  {}\n", names.len(), names.join(" ")));
 }
 
-/// What could not be known before the group runs, and costs time therefore.
+/// Warns about values that were unknown before the group runs, and cost time therefore.
 fn warn(plan: &Plan, options: &Options, console: &mut Console<'_>) {
     let waits = flag(&options.extra, "lazyerror", true);
     for layer in &plan.layers {

@@ -34,7 +34,7 @@ pub(super) struct World<'a> {
     clouds: Clouds,
 }
 
-/// First turned about z, then moved: rows are points.
+/// First rotated about z, then moved: rows are points.
 fn turned(by: [f32; 3], angle: f32) -> Matrix {
     let (s, c) = angle.sin_cos();
     [[c, s, 0.0, 0.0], [-s, c, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [by[0], by[1], by[2], 1.0]]
@@ -61,7 +61,7 @@ impl<'a> World<'a> {
         }
     }
 
-    /// Writes what shaders have left for the end; why something could not be written.
+    /// Writes the shaders' files at the end; returns the reasons of failures.
     pub(super) fn save(&self) -> Vec<String> {
         self.clouds.save()
     }

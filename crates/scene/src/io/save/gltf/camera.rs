@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Cameras of glTF. What the format has no words for goes into `extras`, as `io::gltf::camera` reads it.
+//! Cameras of glTF. Properties that the format lacks go into `extras`, as `io::gltf::camera` reads them.
 //! Source: glTF 2.0, section 3.10. Tests: `tests/save.rs`.
 
 use serde_json::{Map, Value, json};
@@ -16,7 +16,7 @@ pub(super) fn camera(camera: &Camera) -> Value {
         Projection::Perspective => json!({ "type": "perspective", "perspective": perspective(camera.fov_y) }),
         Projection::Orthographic { height } => {
             let half = height / 2.0;
-            // Far planes must be told; what lies beyond is shown by us all the same.
+            // glTF requires a far plane; our renderer ignores it.
             let planes = json!({ "xmag": half, "ymag": half, "znear": 0.0, "zfar": 1e4 });
             json!({ "type": "orthographic", "orthographic": planes })
         }
@@ -31,7 +31,7 @@ pub(super) fn camera(camera: &Camera) -> Value {
     out["name"] = json!(camera.name);
     if camera.lens.aperture > 0.0 {
         extras.insert("aperture".into(), json!(camera.lens.aperture));
-        // The target is not kept, and with it where focus would be.
+        // The format has no target, and therefore no default focus.
         extras.insert("focus".into(), json!(camera.focus_distance()));
     }
     if !extras.is_empty() {

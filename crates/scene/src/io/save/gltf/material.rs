@@ -8,7 +8,7 @@ use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::material::{Alpha, Color, Material, Principled, Surface, TextureRef};
 use crate::texture::{Filter, Texture, Wrap};
 
-/// Whether its base colour is more than glTF can say.
+/// Whether its base colour is outside of glTF's range.
 pub(super) fn is_too_bright(material: &Material) -> bool {
     color(material).0.factor.iter().any(|&x| x > 1.0)
 }
@@ -33,7 +33,7 @@ fn color(material: &Material) -> (Color, f32, f32) {
     }
 }
 
-/// A material; `base_texture` says which texture its base colour gets, given that of its surface.
+/// A material; `base_texture` returns the texture for its base colour, given that of its surface.
 pub(super) fn material(
     material: &Material,
     base_texture: impl FnOnce(Option<TextureRef>) -> Option<TextureRef>,
@@ -95,7 +95,7 @@ pub(super) fn material(
         to["alphaCutoff"] = json!(cutoff);
     }
     if material.emits() {
-        // Factors stop at 1; what is more goes into the strength.
+        // Factors are 1 at most; the excess goes into the strength.
         let strength = material.emission.iter().copied().fold(1.0, f32::max);
         to["emissiveFactor"] = json!(material.emission.map(|e| e / strength));
         if strength > 1.0 {
@@ -116,7 +116,7 @@ fn set_ior(ior: f32, extensions: &mut Value) {
     }
 }
 
-/// What lies above the body or instead of it; nothing is said that is glTF's default.
+/// Layers above the body or instead of it; defaults of glTF are not written.
 fn layers(p: &Principled, extensions: &mut Value) {
     if p.specular != 1.0 || p.specular_color != [1.0; 3] {
         extensions["KHR_materials_specular"] =
@@ -155,10 +155,10 @@ fn layers(p: &Principled, extensions: &mut Value) {
     }
 }
 
-/// What is within solid glass, which glTF tells from a pane by a thickness.
+/// The interior of solid glass; glTF marks solid glass by a thickness.
 fn inside(interior: &Interior, extensions: &mut Value) {
     let mut volume = json!({ "thicknessFactor": 1.0 });
-    // JSON has no infinity: nothing said is that.
+    // JSON has no infinity, which is the default.
     if interior.attenuation_distance.is_finite() {
         volume["attenuationColor"] = json!(interior.attenuation_color);
         volume["attenuationDistance"] = json!(interior.attenuation_distance);

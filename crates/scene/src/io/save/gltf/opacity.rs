@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Opacity where glTF keeps it: in the alpha of the base colour's texture.
-//! Source: glTF 2.0 section 3.9.4. OBJ keeps it in a picture of its own (`map_d`), which is put together with that of the
-//! colour here; the larger size counts, of the smaller one the nearest texel. Space: texels, from the upper left one.
+//! Source: glTF 2.0 section 3.9.4. OBJ has it in a separate picture (`map_d`), which is merged with that of
+//! the colour here; the larger size counts, of the smaller one the nearest texel. Space: texels, from the
+//! upper left one.
 //! Tests: `tests/save.rs::cut_outs_survive`.
 
 use std::sync::Arc;
@@ -12,7 +13,7 @@ use crate::texture::{TexelData, Texels, Texture};
 
 /// The base colour's texture with the material's opacity in its alpha.
 pub(super) enum BaseTexture {
-    /// What the material has says it already.
+    /// The material's texture is used as it is.
     AsIs(Option<TextureRef>),
     /// A new texture, and its transform.
     Merged(Texture, [f32; 6]),

@@ -242,7 +242,7 @@ fn filtered(
     first
 }
 
-/// What is written of a hit.
+/// The output for a hit.
 fn written(built: &Built, hit_arrays: &HitArrays, hit: &Hit, at: impl FnOnce() -> [f64; 3]) -> Written {
     let Hit { t, u, v, prim_id, .. } = *hit;
     let (geom_id, inst_id) = built.ids(hit.geom_id, hit.inst_id, hit.leaf_id);
@@ -314,7 +314,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_intersect_paths(
         // SAFETY: passed on.
         let hit_arrays = *unsafe { hits.as_ref() }.ok_or("hits: a null pointer")?;
         if levels > 0 && paths.is_null() {
-            return Err(format!("paths: a null pointer where there is said to be room for {levels} levels"));
+            return Err(format!("paths: a null pointer for {levels} levels"));
         }
         with_threads(ray_query.threads, rays.count, |threads| {
             trace(built, &rays, ray_query, threads, |i, hit| {
@@ -399,7 +399,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
         // SAFETY: passed on.
         let hit_arrays = unsafe { hits.as_ref() };
         if hit_arrays.is_none() && capacity > 0 {
-            return Err(format!("hits: a null pointer where there is said to be room for {capacity}"));
+            return Err(format!("hits: a null pointer for {capacity} hits"));
         }
         let most = if most == 0 { usize::MAX } else { most };
         let mut end = 0;

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Triangles seen from the one point where all rays of a tile start: planes through it and the edges tell which triangles
-//! the rays pass by.
-//! That edge functions are linear in the slopes of rays from one point is [RSH05]'s and [WBS06]'s.
+//! Triangles seen from the common origin of a tile's rays: planes through it and the edges tell which
+//! triangles the rays miss. [RSH05] and [WBS06] use that edge functions are linear in the slopes of rays from
+//! one point.
 //!
-//! With corners `a`, `b`, `c` relative to the point and the ray's slopes `sx`, `sy` along the longest axis, the test of
-//! `triangle/lanes.rs` has `w0 = n.z + sx * n.x + sy * n.y` where `n = c x b`, and so for the others: six fused
-//! operations decide for sixteen rays, or intervals of slopes for all.
+//! Take corners `a`, `b`, `c` relative to the point and the ray's slopes `sx`, `sy` along the longest axis.
+//! The test of `triangle/lanes.rs` has `w0 = n.z + sx * n.x + sy * n.y` where `n = c x b`, and so for the
+//! others: six fused operations decide for sixteen rays, or intervals of slopes for all.
 //!
-//! Invariant: what is left out, the test would not hit. With `m` the greatest coordinate of the corners, slopes of at most
-//! 1 and `u = 2^-24`: the test's own `w` is at most `40 u m^2` off (`px`, `py`: `3 u m` and at most `2 m`; products: `16 u m^2`
-//! for their roundings and `24 u m^2` for those of their factors); `n` is `4 u m^2` off in each component, the sum above
-//! `28 u m^2` in all. `ROUNDING` is 128 `u`, and `UNDERFLOW` covers products that are too small for floats. A viewpoint
-//! is refused where products may overflow. Tests: `tests::bounds_hold`, `tests/brute_force.rs`.
+//! Invariant: the test would miss every skipped triangle. With `m` the greatest coordinate of the corners,
+//! slopes of at most 1 and `u = 2^-24`, the errors are at most as follows. The test's own `w`: `40 u m^2`
+//! (`px`, `py`: `3 u m` and at most `2 m`; products: `16 u m^2` for their roundings and `24 u m^2` for those
+//! of their factors). `n`: `4 u m^2` in each component; the sum above: `28 u m^2` in all. `ROUNDING` is 128
+//! `u`, and `UNDERFLOW` covers products that are too small for floats. A viewpoint is rejected where products
+//! may overflow. Tests: `tests::bounds_hold`, `tests/brute_force.rs`.
 
 use gnurt_simd::{Simd, f32x8, f32x16, prelude::*};
 
@@ -28,7 +29,7 @@ const ROUNDING: f32 = 128.0 / (1 << 24) as f32;
 const UNDERFLOW: f32 = 1e-36;
 /// Coordinates whose products do not overflow.
 const FARTHEST: f32 = 1e18;
-/// Triangles larger than this part of the rays' width are worth planes; others are told apart by their boxes.
+/// Triangles larger than this part of the rays' width are worth planes; for others their boxes suffice.
 const LARGE: f32 = 0.6;
 /// Depths of corners are taken to be this much smaller, for the roundings of `t`.
 const NEARER: f32 = 1.0 - 8.0 / (1 << 24) as f32;
@@ -47,7 +48,7 @@ pub struct Viewpoint {
 
 /// A block of triangles as the rays see it.
 #[repr(C, align(64))]
-pub struct Faces {
+pub struct EdgePlanes {
     /// Corners relative to the viewpoint, by corner and axis.
     corners: [[[f32; WIDTH]; 3]; 3],
     /// Normals of the planes through the viewpoint and each edge.
@@ -87,8 +88,8 @@ impl Viewpoint {
 }
 
 impl Viewpoint {
-    /// Whether most of those triangles of a block that are in `among` are large beside the tile's rays, so that planes tell
-    /// more than boxes. `extents` are the block's.
+    /// Whether most of the triangles of a block that are in `among` are large relative to the tile's rays, so
+    /// that planes exclude more than boxes. `extents` are the block's.
     #[inline(always)]
     pub fn is_worth_it<S: Simd>(
         &self,
@@ -107,7 +108,7 @@ impl Viewpoint {
     }
 }
 
-impl Faces {
+impl EdgePlanes {
     pub const EMPTY: Self = Self {
         corners: [[[0.0; WIDTH]; 3]; 3],
         normals: [[[0.0; WIDTH]; 3]; 3],
@@ -115,7 +116,7 @@ impl Faces {
         nearest: [0.0; WIDTH],
     };
 
-    /// Looks at a block; returns the triangles that some ray of the tile may meet before `reach` steps.
+    /// Tests a block; returns the triangles that some ray of the tile may hit before `reach` steps.
     #[inline(always)]
     pub fn lanes_to_test<S: Simd>(
         &mut self,
@@ -209,7 +210,7 @@ impl Faces {
     }
 }
 
-/// What rows hold at `lane`, in all lanes.
+/// The value of rows at `lane`, in all lanes.
 #[inline(always)]
 fn corner_of<S: Simd>(simd: S, [x, y, z]: &[[f32; WIDTH]; 3], lane: usize) -> [f32x16<S>; 3] {
     let lane = lane & (WIDTH - 1);
@@ -239,7 +240,7 @@ mod tests {
         slopes.prepare(simd, rays, TILE, direction_class);
         let ranges = slopes.all_ranges(simd, rays, TILE);
         let view = Viewpoint::new(&ranges, rays.one_origin(TILE)?, direction_class, 1e17)?;
-        let mut faces = Faces::EMPTY;
+        let mut faces = EdgePlanes::EMPTY;
         let mut left = [faces.lanes_to_test(simd, &view, block, f32::INFINITY), 0, 0, 0, 0];
         for which in 0..TILE / LANES {
             for lane in 0..WIDTH {
@@ -249,7 +250,8 @@ mod tests {
         Some(left)
     }
 
-    /// No plane leaves out what the test hits: rays are aimed at corners, at edges and past them by a few bits.
+    /// No plane skips a triangle that the test hits: rays are aimed at corners, at edges and past them by a
+    /// few bits.
     #[test]
     fn bounds_hold() {
         let mut numbers = Random::new(11);
@@ -283,7 +285,7 @@ mod tests {
                             dir[k] += weight * (corner[k][lane] - org[k]);
                         }
                     }
-                    // One heading for all.
+                    // One direction class for all.
                     let bits = |x: f32| f32::from_bits(x.abs().max(1e-9).to_bits() + (i as u32 & 3));
                     let dir = [bits(dir[0]), bits(dir[1]), bits(dir[2])];
                     let longest = dir[0].max(dir[1]);

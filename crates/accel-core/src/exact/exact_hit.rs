@@ -4,16 +4,16 @@
 
 use super::dyadic::Dyadic;
 
-/// The line's parameter, and weights of the second and the third corner; for a line that passes beside the triangle those of
-/// a point on its edge: negative weights are none.
+/// The line's parameter, and weights of the second and the third corner; for a line that misses the triangle
+/// those of a point on its edge: negative weights become zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ExactMeeting {
+pub(crate) struct ExactHit {
     pub(crate) t: f64,
     pub(crate) u: f64,
     pub(crate) v: f64,
 }
 
-impl ExactMeeting {
+impl ExactHit {
     /// Of the line through `org` towards `dir`, whose last component is not 0. `None` in the triangle's plane.
     pub(crate) fn of(corners: &[[f32; 3]; 3], org: &[f32; 3], dir: &[f32; 3]) -> Option<Self> {
         let exact = |x: f32| Dyadic::new(f64::from(x));
@@ -44,13 +44,13 @@ mod tests {
     #[test]
     fn as_by_hand() {
         let corners = [[0.0, 0.0, 4.0], [4.0, 0.0, 8.0], [0.0, 4.0, 4.0]];
-        let met = ExactMeeting::of(&corners, &[1.0, 2.0, 0.0], &[0.0, 0.0, 2.0]);
-        assert_eq!(met, Some(ExactMeeting { t: 2.5, u: 0.25, v: 0.5 }), "inside");
-        let beside = ExactMeeting::of(&corners, &[-1.0, 2.0, 0.0], &[0.0, 0.0, 2.0]);
-        assert_eq!(beside, Some(ExactMeeting { t: 2.0, u: 0.0, v: 0.4 }), "on the edge");
-        let edge_on = ExactMeeting::of(&corners, &[0.0, 1.0, 4.0], &[1.0, 0.0, 1.0]);
+        let met = ExactHit::of(&corners, &[1.0, 2.0, 0.0], &[0.0, 0.0, 2.0]);
+        assert_eq!(met, Some(ExactHit { t: 2.5, u: 0.25, v: 0.5 }), "inside");
+        let beside = ExactHit::of(&corners, &[-1.0, 2.0, 0.0], &[0.0, 0.0, 2.0]);
+        assert_eq!(beside, Some(ExactHit { t: 2.0, u: 0.0, v: 0.4 }), "on the edge");
+        let edge_on = ExactHit::of(&corners, &[0.0, 1.0, 4.0], &[1.0, 0.0, 1.0]);
         assert_eq!(edge_on, None, "in the plane");
-        let far = ExactMeeting::of(&corners, &[1.0, 2.0, -1e20], &[0.0, 0.0, 1.0]).map(|met| met.t);
+        let far = ExactHit::of(&corners, &[1.0, 2.0, -1e20], &[0.0, 0.0, 1.0]).map(|met| met.t);
         assert_eq!(far, Some(1e20f32.into()), "what is lost beside it is lost in rounding");
     }
 }
