@@ -7,7 +7,11 @@ pub mod shaders;
 use std::cell::RefCell;
 use std::sync::Once;
 
+use gnurt_scene::io::{Formats, LoadOptions};
 use tempfile::TempDir;
+
+/// The formats of all crates.
+const FORMATS: Formats = gnurt_scene::io::FORMATS.with(&[&gnurt_pbrt::FORMAT]);
 
 thread_local! {
     static FOLDER: RefCell<TempDir> = RefCell::new(tempfile::tempdir().expect("a temporary folder"));
@@ -39,7 +43,7 @@ pub fn load_scene(name: &str, bytes: &[u8], companions: &[(&str, &[u8])]) {
         companions.iter().for_each(|(name, bytes)| {
             write(name, bytes);
         });
-        match gnurt_scene::io::load(write(name, bytes)) {
+        match FORMATS.load(write(name, bytes), &LoadOptions::default()) {
             Ok(loaded) => check(&loaded.scene),
             Err(error) => assert_eq!(error.to_string().lines().count(), 1, "an error is one line: {error}"),
         }

@@ -2,9 +2,28 @@
 //! The shaders in the shading language that a scene's file names for its materials and cameras, compiled and put in their place.
 //! Tests: `tests` below; bindings/python/tests/test_shaders.py.
 
+use std::sync::Arc;
+
 use gnurt_render::ShaderTable;
-use gnurt_scene::{CameraId, MaterialId, Scene, ShaderFile, Surface};
-use gnurt_sl_shading::{Access, CameraScript, Script};
+use gnurt_scene::{CameraId, MaterialId, Scene, ShaderFile, Surface, TextureId};
+use gnurt_sl_shading::{Access, CameraScript, Script, sampler};
+
+/// Compiles a shader that a scene's file names or holds, and gives its parameters their values.
+fn script(scene: &Scene, named: &ShaderFile) -> Result<Script, String> {
+    let ShaderFile { file, text, pictures, parameters, confined_to } = named;
+    let sampled = |(name, id): &(String, TextureId)| {
+        let texture = scene.textures().get(id.index())?;
+        Some((name.clone(), Arc::new(sampler(texture.texels.clone()))))
+    };
+    let pictures = Arc::new(pictures.iter().filter_map(sampled).collect());
+    let access = Access { confined_to: confined_to.clone(), pictures, ..Access::default() };
+    let mut script = match text {
+        Some(text) => Script::from_text(file, text, &access)?,
+        None => Script::open(file, &access)?,
+    };
+    parameters.iter().try_for_each(|(name, value)| script.set_text(name, value))?;
+    Ok(script)
+}
 
 /// Compiles the shader that a scene's file names for a camera, and gives its parameters the values of the file; nothing if it names none.
 ///
@@ -14,12 +33,10 @@ pub fn named_camera_shader(
     scene: &Scene,
     camera: CameraId,
 ) -> Result<Option<(Script, CameraScript)>, String> {
-    let Some(ShaderFile { file, parameters, confined_to }) = scene.camera_file(camera) else {
+    let Some(named) = scene.camera_file(camera) else {
         return Ok(None);
     };
-    let access = Access { confined_to: confined_to.clone(), ..Access::default() };
-    let made = Script::open(file, &access).and_then(|mut script| {
-        parameters.iter().try_for_each(|(name, value)| script.set_text(name, value))?;
+    let made = script(scene, named).and_then(|script| {
         let camera = script.camera_anywhere()?;
         Ok(Some((script, camera)))
     });
@@ -36,12 +53,8 @@ pub fn put_named_shaders(scene: &mut Scene, table: &mut ShaderTable) -> (Vec<Scr
     let named: Vec<(MaterialId, ShaderFile)> =
         scene.shader_files().map(|(id, file)| (id, file.clone())).collect();
     let (mut scripts, mut reported) = (Vec::new(), Vec::new());
-    for (id, ShaderFile { file, parameters, confined_to }) in named {
-        let access = Access { confined_to, ..Access::default() };
-        let made = Script::open(&file, &access).and_then(|mut script| {
-            parameters.iter().try_for_each(|(name, value)| script.set_text(name, value))?;
-            Ok((script.surface()?, script))
-        });
+    for (id, named) in named {
+        let made = script(scene, &named).and_then(|script| Ok((script.surface()?, script)));
         match made {
             Ok((surface, script)) => {
                 reported.extend(script.warnings().iter().map(|warning| warning.trim_end().to_owned()));
@@ -77,7 +90,7 @@ mod tests {
             let id = scene.add_material(Material::matte("", [0.5; 3]));
             let parameters = parameters.iter().map(|(name, value)| (name.to_string(), value.to_string()));
             let parameters = parameters.collect();
-            scene.set_shader_file(id, ShaderFile { file, parameters, confined_to: None });
+            scene.set_shader_file(id, ShaderFile { file, parameters, ..ShaderFile::default() });
             id
         };
         let good = named(&[("k", "0.25")], file.clone());

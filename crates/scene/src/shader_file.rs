@@ -4,12 +4,19 @@
 //! `gnurt_shader wood.osl scale=2 tint=1,0.5,0.2`. Tests: `tests/obj.rs`, `tests/gltf.rs`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
+
+use crate::id::TextureId;
 
 /// A file in the shading language, and values for its parameters.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShaderFile {
-    /// The file.
+    /// The file; of a shader in memory the name that messages call it.
     pub file: PathBuf,
+    /// The source text of a shader in memory, which a reader has made.
+    pub text: Option<Arc<str>>,
+    /// Textures of the scene by the names that the shader calls them.
+    pub pictures: Vec<(String, TextureId)>,
     /// Names and values: numbers between commas, or texts.
     pub parameters: Vec<(String, String)>,
     /// The folder that it and all that it names must be in; `None` = anywhere.

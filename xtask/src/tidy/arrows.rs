@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 24] = [
+const ARROWS: [(&str, &[&str]); 25] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -15,9 +15,10 @@ const ARROWS: [(&str, &[&str]); 24] = [
     ("scene", &["image"]),
     ("shading", &["simd", "image", "accel"]),
     ("sl-lib", &[]),
+    ("pbrt", &["scene", "sl-lib"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("sl-shading", &["simd", "accel", "image", "shading", "sl", "sl-lib", "jit"]),
-    ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render", "sl-shading"]),
+    ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render", "sl-shading", "pbrt"]),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),
     ("plugins", &["gnurt"]),

@@ -95,7 +95,7 @@ fn dress(scene: &mut Scene) {
         let parameters = parameters.map(|(name, value)| (name.into(), value.into())).collect();
         let file = format!("builtin/{shader}.osl").into();
         scene
-            .set_shader_file(MaterialId(location as u32), ShaderFile { file, parameters, confined_to: None });
+            .set_shader_file(MaterialId(location as u32), ShaderFile { file, parameters, ..ShaderFile::default() });
     }
 }
 

@@ -5,7 +5,7 @@
 
 pub use super::clean::clean;
 pub use super::error::quoted;
-pub use super::ply::read_mesh as read_ply_mesh;
+pub use super::ply::{read_mesh as read_ply_mesh, read_mesh_from as read_ply_mesh_from};
 pub use super::polygon::Cutter;
 pub use super::source::{Access, open, resolve};
 pub use super::textures::{Meaning, Pictures};

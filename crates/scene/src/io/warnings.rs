@@ -65,6 +65,10 @@ pub enum Oddity {
     RepeatedKey,
     /// Bytes after the end of the data.
     TrailingData,
+    /// Things of the format that something near is shown for.
+    StandIn,
+    /// Parameters that the format does not have.
+    UnknownParameter,
 }
 
 impl Oddity {
@@ -115,6 +119,8 @@ impl Oddity {
             Self::BadAnimation => "channel of an animation cannot be played, left out",
             Self::RepeatedKey => "keys of an animation have the same time, the last of them counts",
             Self::TrailingData => "bytes after the end of the data, ignored",
+            Self::StandIn => "not supported, something near is shown",
+            Self::UnknownParameter => "unknown parameter, ignored",
         }
     }
 }

@@ -6,4 +6,5 @@ mod matching;
 mod spectrum;
 mod system;
 
+pub use spectrum::wavelength_xyz;
 pub use system::{ColorSystem, UnknownColorSpace};

@@ -30,8 +30,9 @@ pub(super) fn blackbody_xyz(kelvin: f32) -> [f32; 3] {
     sum
 }
 
-/// XYZ of light of one wavelength; black outside of the visible range.
-pub(super) fn wavelength_xyz(wavelength_nm: f32) -> [f32; 3] {
+/// XYZ of light of one wavelength in nanometres by the CIE's observer of 1931; black outside of the visible range, 380 to 780 nm.
+#[must_use]
+pub fn wavelength_xyz(wavelength_nm: f32) -> [f32; 3] {
     let parameter = (wavelength_nm - 380.0) / 5.0;
     let i = parameter as i32;
     if !(0..80).contains(&i) || parameter.is_nan() {

@@ -99,7 +99,7 @@ pub(super) fn add_all(
             let outside = |(problem, remedy): (String, String)| document.error(&location, problem, &remedy);
             document.access.check(&file).map_err(outside)?;
             let confined_to = document.access.confined_to();
-            scene.set_shader_file(id, ShaderFile { file, parameters, confined_to });
+            scene.set_shader_file(id, ShaderFile { file, parameters, confined_to, ..ShaderFile::default() });
         }
         materials.added.push(AddedMaterial { id, texcoord_set, has_tangents });
         if is_driven {

@@ -93,7 +93,7 @@ fn shader_file(entry: &Entry, map_statement: &Map, access: &Access) -> Result<Sh
     };
     let parameters = parts[first..].iter().map(pair).collect::<Result<_, _>>()?;
     let file = source::resolve(&entry.path, &parts[..first].join(" "));
-    Ok(ShaderFile { file, parameters, confined_to: access.confined_to() })
+    Ok(ShaderFile { file, parameters, confined_to: access.confined_to(), ..ShaderFile::default() })
 }
 
 /// Rejects textures outside of the folder that confines the file.

@@ -15,7 +15,6 @@ mod columns;
 mod header;
 mod numbers;
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
@@ -56,8 +55,21 @@ pub fn read_mesh(path: &Path, access: &Access, warnings: &mut Warnings) -> Resul
     mesh_of(file, length, path, access, warnings)
 }
 
+/// The same of a PLY file in memory; `path` is for messages.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn read_mesh_from(
+    bytes: &[u8],
+    path: &Path,
+    access: &Access,
+    warnings: &mut Warnings,
+) -> Result<Mesh, Error> {
+    mesh_of(bytes, bytes.len() as u64, path, access, warnings)
+}
+
 fn mesh_of(
-    file: File,
+    file: impl std::io::Read,
     length: u64,
     path: &Path,
     access: &Access,

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The statements `Material` and `MakeNamedMaterial`: models and their parameters.
+//! Source: the section Materials of the file-format page. `surface` makes the renderer's materials of them.
+//! Tests: `tests/materials.rs`.
+
+use std::path::PathBuf;
+
+use gnurt_scene::io::reader::{Access, quoted, resolve};
+use gnurt_scene::io::{Error, Oddity, Warnings};
+
+use crate::parameter::{Kind, Parameters};
+use crate::place::Place;
+use crate::spectrum::{Spectrum, metal};
+use crate::tables::METALS;
+use crate::texture::Input;
+use crate::texture_parameters::Textures;
+
+/// A material as its statement says it.
+#[derive(Clone, Debug)]
+pub(crate) struct Material {
+    pub(crate) model: Model,
+    /// A picture of normals.
+    pub(crate) normal_map: Option<PathBuf>,
+    /// Heights that turn normals, in the renderer's units.
+    pub(crate) bump: Option<Input>,
+    pub(crate) place: Place,
+}
+
+/// Scattering models.
+#[derive(Clone, Debug)]
+pub(crate) enum Model {
+    /// No surface: light goes straight on.
+    Interface,
+    Diffuse(Input),
+    CoatedDiffuse { reflectance: Input, coat: Coat },
+    Conductor { metal: Metal, facets: Facets },
+    CoatedConductor { metal: Metal, facets: Facets, coat: Coat },
+    /// Index, Abbe's number.
+    Dielectric { index: f32, abbe: Option<f32>, facets: Facets },
+    ThinDielectric { index: f32 },
+    DiffuseTransmission { reflectance: Input, transmittance: Input, scale: f32 },
+    /// Materials by their numbers.
+    Mix { parts: [u32; 2], amount: Input },
+}
+
+/// Widths of facets.
+#[derive(Clone, Debug)]
+pub(crate) struct Facets {
+    /// Along u and v.
+    pub(crate) roughness: [Input; 2],
+    /// Whether the width is the root of it.
+    pub(crate) remap: bool,
+}
+
+/// A layer of glass on something.
+#[derive(Clone, Debug)]
+pub(crate) struct Coat {
+    pub(crate) facets: Facets,
+    pub(crate) index: f32,
+}
+
+/// A metal.
+#[derive(Clone, Debug)]
+pub(crate) enum Metal {
+    /// Indices and extinction coefficients.
+    Complex(Input, Input),
+    /// Reflectance at normal incidence.
+    Reflectance(Input),
+}
+
+/// What materials are read with.
+pub(crate) struct Reading<'a> {
+    pub(crate) textures: &'a Textures,
+    pub(crate) access: &'a Access,
+    /// The number of a named material.
+    pub(crate) named: &'a mut dyn FnMut(&str) -> u32,
+}
+
+impl Reading<'_> {
+    fn color(&self, parameters: &Parameters, name: &str, default: f32) -> Result<Input, Error> {
+        let given = self.textures.spectrum(parameters, name, self.access)?;
+        Ok(given.unwrap_or(Input::number(default)))
+    }
+
+    fn number(&self, parameters: &Parameters, name: &str, default: f32) -> Result<Input, Error> {
+        Ok(self.textures.float(parameters, name)?.unwrap_or(Input::number(default)))
+    }
+
+    /// Widths of facets whose parameters begin so.
+    fn facets(&self, parameters: &Parameters, prefix: &str, default: f32) -> Result<Facets, Error> {
+        let both = self.number(parameters, &format!("{prefix}roughness"), default)?;
+        let one = |axis: char| -> Result<Input, Error> {
+            let given = self.textures.float(parameters, &format!("{prefix}{axis}roughness"))?;
+            Ok(given.unwrap_or_else(|| both.clone()))
+        };
+        Ok(Facets { roughness: [one('u')?, one('v')?], remap: parameters.bool_or("remaproughness", true)? })
+    }
+
+    /// An index of refraction, and Abbe's number.
+    fn index(&self, parameters: &Parameters, name: &str) -> Result<(f32, Option<f32>), Error> {
+        let given = match parameters.float(name)? {
+            Some(index) => (index, None),
+            None => Spectrum::of(parameters, name, self.access)?.map_or((1.5, None), |found| found.index()),
+        };
+        if !(given.0 > 0.0 && given.0.is_finite()) {
+            return Err(parameters.place.error(format!("\"{name}\" is {}", given.0), "an index of refraction is above 0"));
+        }
+        Ok(given)
+    }
+
+    fn metal(&self, parameters: &Parameters, prefix: &str) -> Result<Metal, Error> {
+        let [eta_name, k_name] = ["eta", "k"].map(|name| format!("{prefix}{name}"));
+        let [is_eta, is_k] = [&eta_name, &k_name].map(|name| {
+            parameters.find(name, &[Kind::Rgb, Kind::Spectrum, Kind::Blackbody, Kind::Texture]).is_some()
+        });
+        if let Some(reflectance) = self.textures.spectrum(parameters, "reflectance", self.access)? {
+            if is_eta || is_k {
+                let problem = "a conductor has both \"reflectance\" and \"eta\" or \"k\"";
+                return Err(parameters.place.error(problem, "leave one of them out"));
+            }
+            return Ok(Metal::Reflectance(reflectance));
+        }
+        let spectra = [&eta_name, &k_name].map(|name| Spectrum::of(parameters, name, self.access));
+        let [eta, k] = spectra;
+        let (eta, k) = (eta?, k?);
+        if let (Some(eta), Some(k)) = (&eta, &k) {
+            let [eta, k] = metal(eta, k);
+            return Ok(Metal::Complex(Input::Constant(eta), Input::Constant(k)));
+        }
+        let copper = &METALS[3];
+        let eta = self.textures.spectrum(parameters, &eta_name, self.access)?;
+        let k = self.textures.spectrum(parameters, &k_name, self.access)?;
+        Ok(Metal::Complex(eta.unwrap_or(Input::Constant(copper.eta)), k.unwrap_or(Input::Constant(copper.k))))
+    }
+
+    fn coat(&self, parameters: &Parameters, prefix: &str, warnings: &mut Warnings) -> Result<Coat, Error> {
+        let eta = format!("{prefix}eta");
+        let coat = Coat { facets: self.facets(parameters, prefix, 0.0)?, index: self.index(parameters, &eta)?.0 };
+        let albedo = self.color(parameters, "albedo", 0.0)?;
+        self.number(parameters, "thickness", 0.01)?;
+        self.number(parameters, "g", 0.0)?;
+        parameters.int("maxdepth")?;
+        parameters.int("nsamples")?;
+        if albedo.constant() != Some([0.0; 3]) {
+            let detail = "\"albedo\" of what is within a coat: a clear coat is shown";
+            parameters.place.warn(warnings, Oddity::StandIn, detail);
+        }
+        Ok(coat)
+    }
+
+    /// The material of a type with these parameters.
+    pub(crate) fn read(
+        &mut self,
+        class: &str,
+        parameters: &Parameters,
+        warnings: &mut Warnings,
+    ) -> Result<Material, Error> {
+        let place = parameters.place.clone();
+        let stand_in = |warnings: &mut Warnings, detail: &str| place.warn(warnings, Oddity::StandIn, detail);
+        let model = match class {
+            "interface" | "none" | "" => Model::Interface,
+            "diffuse" => Model::Diffuse(self.color(parameters, "reflectance", 0.5)?),
+            "coateddiffuse" => Model::CoatedDiffuse {
+                reflectance: self.color(parameters, "reflectance", 0.5)?,
+                coat: self.coat(parameters, "", warnings)?,
+            },
+            "conductor" => {
+                Model::Conductor { metal: self.metal(parameters, "")?, facets: self.facets(parameters, "", 0.0)? }
+            }
+            "coatedconductor" => Model::CoatedConductor {
+                metal: self.metal(parameters, "conductor.")?,
+                facets: self.facets(parameters, "conductor.", 0.0)?,
+                coat: self.coat(parameters, "interface.", warnings)?,
+            },
+            "dielectric" => {
+                let (index, abbe) = self.index(parameters, "eta")?;
+                Model::Dielectric { index, abbe, facets: self.facets(parameters, "", 0.0)? }
+            }
+            "thindielectric" => Model::ThinDielectric { index: self.index(parameters, "eta")?.0 },
+            "diffusetransmission" => Model::DiffuseTransmission {
+                reflectance: self.color(parameters, "reflectance", 0.25)?,
+                transmittance: self.color(parameters, "transmittance", 0.25)?,
+                scale: parameters.float_or("scale", 1.0)?,
+            },
+            "mix" => {
+                let names = parameters.find("materials", &[Kind::Text]).and_then(|p| p.texts());
+                let Some([a, b]) = names else {
+                    let problem = "a mix has no two \"string materials\"";
+                    return Err(place.error(problem, "name two materials: \"string materials\" [ \"a\" \"b\" ]"));
+                };
+                let parts = [(self.named)(a), (self.named)(b)];
+                Model::Mix { parts, amount: self.number(parameters, "amount", 0.5)? }
+            }
+            "hair" => {
+                stand_in(warnings, "material \"hair\", shown as a diffuse surface of its colour");
+                let color = match self.textures.spectrum(parameters, "reflectance", self.access)? {
+                    Some(color) => color,
+                    None => self.color(parameters, "color", 0.2)?,
+                };
+                parameters.ignore();
+                Model::Diffuse(color)
+            }
+            "measured" => {
+                stand_in(warnings, "material \"measured\", shown as a diffuse grey of 0.5");
+                parameters.ignore();
+                Model::Diffuse(Input::number(0.5))
+            }
+            "subsurface" => {
+                stand_in(warnings, "material \"subsurface\", shown as a coated diffuse surface");
+                let reflectance = self.color(parameters, "reflectance", 0.8)?;
+                let coat = Coat { facets: self.facets(parameters, "", 0.0)?, index: self.index(parameters, "eta")?.0 };
+                parameters.ignore();
+                Model::CoatedDiffuse { reflectance, coat }
+            }
+            other => {
+                let known = "coatedconductor, coateddiffuse, conductor, dielectric, diffuse, diffusetransmission, hair, \
+                             interface, measured, mix, subsurface and thindielectric";
+                return Err(place.error(format!("unknown material {}", quoted(other)), format!("valid are {known}")));
+            }
+        };
+        let normal_map = parameters.text("normalmap")?.map(|name| resolve(&place.path, name));
+        let bump = self.textures.float(parameters, "displacement")?;
+        Ok(Material { model, normal_map, bump, place })
+    }
+}

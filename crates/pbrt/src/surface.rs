@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Materials of the renderer: those that it has where they are the same, shaders with its closures otherwise.
+//! Source: [PJH23] chapters 9, 10 and 14. A coat over a diffuse base is what all paths between them leave on the whole:
+//! (1 - Fi) r / (1 - r Fi), Fi being what the coat mirrors of diffuse light from within. Roughness: alpha is its root.
+//! Facets of pbrt lose what goes between them more than once; ours keep it, and are darkened by the same share.
+//! Tests: `tests/materials.rs`.
+
+use gnurt_scene::detail::Interior;
+use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
+use gnurt_scene::{Material as Made, ShaderFile, Surface, TextureId};
+
+use crate::material::{Coat, Facets, Material, Metal, Model};
+use crate::osl::{Code, Library, color, number};
+use crate::patterns::FUNCTIONS;
+use crate::texture::{Encoding, Image, Input, Mapping, Node, Texture};
+
+/// Mixes may lie in one another this deep, and be made of so many.
+const DEEPEST: u32 = 16;
+const MOST: u32 = 64;
+
+/// What a mesh is made of beside its material.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Coverage {
+    /// Radiance, of both sides?
+    pub(crate) emission: Option<([f32; 3], bool)>,
+    /// Multiplied to it.
+    pub(crate) emission_picture: Option<TextureId>,
+    pub(crate) alpha: Option<Input>,
+}
+
+/// A material, and the shader that it is shown by, if there is one.
+pub(crate) fn make(
+    number_of: u32,
+    name: &str,
+    coverage: &Coverage,
+    library: &mut dyn Library,
+) -> (Made, Option<ShaderFile>) {
+    let Some(material) = library.material(number_of) else {
+        return (Made::matte(name, [0.5; 3]), None);
+    };
+    let is_plain = material.normal_map.is_none() && material.bump.is_none();
+    let surface = if is_plain { plain(&material.model, library) } else { None };
+    let alpha = coverage.alpha.as_ref().map_or(Some(Alpha::Opaque), |alpha| plain_alpha(alpha));
+    let is_two_sided = coverage.emission.is_some_and(|(_, both)| both);
+    if let (Some(surface), Some(alpha), false) = (&surface, alpha, is_two_sided) {
+        let mut made = Made::of(name, surface.clone());
+        made.alpha = alpha;
+        made.emission = coverage.emission.map_or([0.0; 3], |(radiance, _)| radiance);
+        made.emission_texture = coverage.emission_picture.map(TextureRef::new);
+        return (made, None);
+    }
+    let mut code = Code::new(library);
+    let text = shader(&material, coverage, alpha.is_none(), &mut code);
+    let pictures = std::mem::take(&mut code.pictures);
+    let mut made = Made::of(name, surface.unwrap_or(stand_in(&material.model)));
+    made.alpha = alpha.unwrap_or(Alpha::Opaque);
+    if !is_two_sided {
+        made.emission = coverage.emission.map_or([0.0; 3], |(radiance, _)| radiance);
+        made.emission_texture = coverage.emission_picture.map(TextureRef::new);
+    }
+    let shown = ShaderFile {
+        file: format!("{name}.osl").into(),
+        text: Some(text.into()),
+        pictures,
+        ..ShaderFile::default()
+    };
+    (made, Some(shown))
+}
+
+/// What stands for a material where shaders are not run.
+fn stand_in(model: &Model) -> Surface {
+    let base_color = match model {
+        Model::Diffuse(color) | Model::CoatedDiffuse { reflectance: color, .. } => color.constant(),
+        Model::DiffuseTransmission { reflectance, .. } => reflectance.constant(),
+        _ => None,
+    };
+    Surface::Matte { base_color: Color::constant(base_color.unwrap_or([0.5; 3])) }
+}
+
+/// The renderer's own surface that is the same.
+fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
+    match model {
+        Model::Diffuse(reflectance) => {
+            plain_color(reflectance, library).map(|base_color| Surface::Matte { base_color })
+        }
+        Model::Conductor { metal, facets } => {
+            let roughness = even(facets)?;
+            // Wide facets lose light.
+            if roughness > 0.3 {
+                return None;
+            }
+            let [eta, k] = match metal {
+                Metal::Complex(eta, k) => [eta.constant()?, k.constant()?],
+                Metal::Reflectance(reflectance) => {
+                    let k = |r: f32| (2.0 * r.sqrt() / (1.0 - r).sqrt()).min(1e4);
+                    [[1.0; 3], reflectance.constant()?.map(|r| k(r.clamp(0.0, 0.9999)))]
+                }
+            };
+            Some(Surface::Metal { eta, k, roughness })
+        }
+        Model::Dielectric { index, abbe, facets } => {
+            let roughness = even(facets)?;
+            let interior = Interior { dispersion: abbe.map_or(0.0, |abbe| 20.0 / abbe), ..Interior::default() };
+            let (ior, reflectance, transmittance) = (*index, [1.0; 3], [1.0; 3]);
+            Some(match roughness {
+                // Narrower than a thousandth, alpha is none.
+                roughness if roughness * roughness < 1e-3 => {
+                    Surface::Dielectric { ior, reflectance, transmittance, interior }
+                }
+                roughness => {
+                    Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin: false, interior }
+                }
+            })
+        }
+        Model::ThinDielectric { index } => Some(Surface::RoughDielectric {
+            ior: *index,
+            roughness: 0.0,
+            reflectance: [1.0; 3],
+            transmittance: [1.0; 3],
+            thin: true,
+            interior: Interior::default(),
+        }),
+        _ => None,
+    }
+}
+
+/// The perceptual roughness of facets that are as wide along u as along v, everywhere.
+fn even(facets: &Facets) -> Option<f32> {
+    let [u, v] = &facets.roughness;
+    let [u, v] = [u.constant()?[0], v.constant()?[0]];
+    // Alpha is the square of ours.
+    let alpha = if facets.remap { u.max(0.0).sqrt() } else { u.max(0.0) };
+    (u == v).then(|| alpha.min(1.0).sqrt())
+}
+
+/// A picture under the mesh's texture coordinates, and a factor.
+fn plain_image<'a>(input: &'a Input) -> Option<(&'a Image, &'a Texture, f32)> {
+    let Input::Texture(texture) = input else { return None };
+    match &texture.node {
+        Node::Image(image) => {
+            let is_plain = !image.invert
+                && image.wrap.is_some()
+                && matches!(image.mapping, Mapping::Uv { .. })
+                && !matches!(image.encoding, Encoding::Gamma(_));
+            is_plain.then_some((image, &**texture, image.scale))
+        }
+        Node::Scale(of, by) => {
+            let (image, texture, factor) = plain_image(of)?;
+            Some((image, texture, factor * by.constant()?[0]))
+        }
+        _ => None,
+    }
+}
+
+fn plain_texture(image: &Image, texture: &Texture, library: &mut dyn Library) -> Option<TextureRef> {
+    let Mapping::Uv { scale, offset } = &image.mapping else { return None };
+    let uv_from_mesh = [scale[0], 0.0, 0.0, scale[1], offset[0], offset[1]];
+    Some(TextureRef { texture: library.picture(image, texture)?, uv_from_mesh })
+}
+
+fn plain_color(input: &Input, library: &mut dyn Library) -> Option<Color> {
+    if let Some(value) = input.constant() {
+        return Some(Color::constant(value.map(|x| x.clamp(0.0, 1.0))));
+    }
+    let (image, texture, factor) = plain_image(input)?;
+    if !(0.0..=1.0).contains(&factor) {
+        return None;
+    }
+    Some(Color { factor: [factor; 3], texture: Some(plain_texture(image, texture, library)?) })
+}
+
+fn plain_alpha(input: &Input) -> Option<Alpha> {
+    let factor = input.constant()?[0].clamp(0.0, 1.0);
+    if factor >= 1.0 {
+        return Some(Alpha::Opaque);
+    }
+    Some(Alpha::Blend { opacity: Opacity { factor, texture: None, channel: OpacityChannel::Red } })
+}
+
+/// The text of a shader.
+fn shader(material: &Material, coverage: &Coverage, has_alpha: bool, code: &mut Code) -> String {
+    normals(material, code);
+    let mut closure = model(&material.model, code, 0);
+    if let Some((radiance, true)) = coverage.emission {
+        let mut emitted = color(radiance);
+        if let Some(id) = coverage.emission_picture {
+            let name = format!("picture{}", id.0);
+            code.pictures.push((name.clone(), id));
+            emitted = format!("{emitted} * color (texture (\"{name}\", u, 1 - v, \"wrap\", \"clamp\"))");
+        }
+        closure = format!("{closure} + {emitted} * emission ()");
+    }
+    if let (Some(alpha), true) = (&coverage.alpha, has_alpha) {
+        let alpha = code.float(alpha);
+        let name = code.name('f');
+        code.line(format!("float {name} = clamp ({alpha}, 0, 1);"));
+        closure = format!("{name} * ({closure}) + (1 - {name}) * transparent ()");
+    }
+    code.line(format!("Ci = {closure};"));
+    let body = std::mem::take(&mut code.text);
+    format!("{FUNCTIONS}\nsurface pbrt ()\n{{\n{body}}}\n")
+}
+
+/// Statements that make `Nn`, the normal that lobes lie around, and `T`, along which facets are brushed.
+fn normals(material: &Material, code: &mut Code) {
+    code.line("normal Nn = normalize (N);");
+    code.line("vector T = normalize (dPdu - Nn * dot (Nn, dPdu));");
+    if let Some(path) = &material.normal_map
+        && let Some(id) = code.library.normals(path, material)
+    {
+        let name = format!("picture{}", id.0);
+        code.pictures.push((name.clone(), id));
+        code.line(format!("color map = texture (\"{name}\", u, 1 - v, \"wrap\", \"periodic\");"));
+        code.line("vector local = 2 * vector (map[0], map[1], map[2]) - vector (1);");
+        code.line("normal outer = backfacing () ? -Nn : Nn;");
+        code.line("vector B = cross (outer, T); B = dot (B, dPdv) < 0 ? -B : B;");
+        code.line("vector turned = normalize (local[0] * T + local[1] * B + local[2] * outer);");
+        code.line("Nn = backfacing () ? -turned : turned;");
+    } else if let Some(bump) = &material.bump {
+        let height = code.float(bump);
+        code.line("normal outer = backfacing () ? -Nn : Nn;");
+        code.line(format!("float height = {height};"));
+        code.line("normal turned = normalize (calculatenormal (P + height * normalize (outer)));");
+        code.line("normal flat = normalize (calculatenormal (P));");
+        code.line("turned = normalize (outer + (dot (flat, outer) < 0 ? flat - turned : turned - flat));");
+        code.line("Nn = backfacing () ? -turned : turned;");
+    }
+}
+
+/// Alphas along and across, as expressions.
+fn alphas(facets: &Facets, code: &mut Code) -> [String; 2] {
+    let mut one = |input: &Input| {
+        let roughness = code.float(input);
+        let name = code.name('a');
+        let alpha = match facets.remap {
+            true => format!("sqrt (max ({roughness}, 0))"),
+            false => format!("max ({roughness}, 0)"),
+        };
+        code.line(format!("float {name} = min ({alpha}, 1);"));
+        name
+    };
+    let [u, v] = &facets.roughness;
+    let along = one(u);
+    let across = match (u.constant(), v.constant()) {
+        (Some(a), Some(b)) if a == b => along.clone(),
+        _ => one(v),
+    };
+    [along, across]
+}
+
+/// What a glass of this index mirrors of diffuse light from outside, on average.
+fn diffuse_mirrored(index: f32) -> f32 {
+    const STEPS: usize = 256;
+    let fresnel = |cosine: f32| {
+        let sine = (1.0 - cosine * cosine) / (index * index);
+        if sine >= 1.0 {
+            return 1.0;
+        }
+        let beyond = (1.0 - sine).sqrt();
+        let a = (index * cosine - beyond) / (index * cosine + beyond);
+        let b = (cosine - index * beyond) / (cosine + index * beyond);
+        0.5 * (a * a + b * b)
+    };
+    // Uniform in the square of the cosine.
+    let sum: f32 = (0..STEPS).map(|i| fresnel(((i as f32 + 0.5) / STEPS as f32).sqrt())).sum();
+    sum / STEPS as f32
+}
+
+fn coat(coat: &Coat, code: &mut Code) -> String {
+    let [along, across] = alphas(&coat.facets, code);
+    let index = number(coat.index);
+    format!("dielectric_bsdf (Nn, T, color (1), color (0), {along}, {across}, {index}, \"ggx\")")
+}
+
+/// A metal's indices and extinction coefficients, as variables; those within glass of an index.
+fn metal(of: &Metal, within: f32, code: &mut Code) -> [String; 2] {
+    let [eta, k] = [code.name('c'), code.name('c')];
+    match of {
+        Metal::Complex(indices, extinctions) => {
+            let [indices, extinctions] = [code.color(indices), code.color(extinctions)];
+            let within = number(within);
+            code.line(format!("color {eta} = {indices} / {within};"));
+            code.line(format!("color {k} = {extinctions} / {within};"));
+        }
+        Metal::Reflectance(reflectance) => {
+            let reflectance = code.color(reflectance);
+            let r = code.name('c');
+            code.line(format!("color {r} = clamp ({reflectance}, color (0), color (0.9999));"));
+            code.line(format!("color {eta} = color ({});", number(1.0 / within)));
+            code.line(format!("color {k} = 2 * sqrt ({r}) / sqrt (color (1) - {r}) / {};", number(within)));
+        }
+    }
+    [eta, k]
+}
+
+/// A model as an expression.
+fn model(of: &Model, code: &mut Code, depth: u32) -> String {
+    code.models += 1;
+    if depth > DEEPEST || code.models > MOST {
+        return "0.5 * diffuse (Nn)".into();
+    }
+    let clamped = |code: &mut Code, input: &Input| {
+        let value = code.color(input);
+        let name = code.name('c');
+        code.line(format!("color {name} = clamp ({value}, color (0), color (1));"));
+        name
+    };
+    match of {
+        Model::Interface => "transparent ()".into(),
+        Model::Diffuse(reflectance) => {
+            let reflectance = clamped(code, reflectance);
+            format!("{reflectance} * diffuse (Nn)")
+        }
+        Model::CoatedDiffuse { reflectance, coat: over } => {
+            let r = clamped(code, reflectance);
+            let top = coat(over, code);
+            // (1 - Fi) = (1 - Fe) / eta².
+            let outer = diffuse_mirrored(over.index);
+            let inner = number(1.0 - (1.0 - outer) / (over.index * over.index));
+            format!("layer ({top}, {r} * (1 - {inner}) / (color (1) - {r} * {inner}) * diffuse (Nn))")
+        }
+        Model::Conductor { metal: of, facets } => {
+            let [along, across] = alphas(facets, code);
+            let [eta, k] = metal(of, 1.0, code);
+            format!("conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\")")
+        }
+        Model::CoatedConductor { metal: of, facets, coat: over } => {
+            let [along, across] = alphas(facets, code);
+            let [eta, k] = metal(of, over.index, code);
+            let top = coat(over, code);
+            format!("layer ({top}, conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\"))")
+        }
+        Model::Dielectric { index, facets, .. } => {
+            let [along, across] = alphas(facets, code);
+            let index = number(*index);
+            format!("dielectric_bsdf (Nn, T, color (1), color (1), {along}, {across}, {index}, \"ggx\")")
+        }
+        Model::ThinDielectric { index } => {
+            let f = code.name('f');
+            code.line(format!("float {f} = pbrt_fresnel (fabs (dot (Nn, normalize (I))), {});", number(*index)));
+            code.line(format!("{f} = {f} < 1 ? {f} + (1 - {f}) * (1 - {f}) * {f} / (1 - {f} * {f}) : 1;"));
+            format!("{f} * reflection (Nn) + (1 - {f}) * transparent ()")
+        }
+        Model::DiffuseTransmission { reflectance, transmittance, scale } => {
+            let [r, t] = [clamped(code, reflectance), clamped(code, transmittance)];
+            let scale = number(*scale);
+            format!("{scale} * ({r} * diffuse (Nn) + {t} * translucent (Nn))")
+        }
+        Model::Mix { parts, amount } => {
+            let amount = code.float(amount);
+            let share = code.name('f');
+            code.line(format!("float {share} = clamp ({amount}, 0, 1);"));
+            let [a, b] = parts.map(|part| {
+                let part = code.library.material(part);
+                part.map_or("0.5 * diffuse (Nn)".into(), |part| model(&part.model, code, depth + 1))
+            });
+            format!("((1 - {share}) * ({a}) + {share} * ({b}))")
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn glass_mirrors_a_tenth_of_diffuse_light() {
+        // Egan and Hilgeman's value for an index of 1.5.
+        assert!((diffuse_mirrored(1.5) - 0.0918).abs() < 1e-3, "{}", diffuse_mirrored(1.5));
+        assert!(diffuse_mirrored(1.0).abs() < 1e-6);
+    }
+}

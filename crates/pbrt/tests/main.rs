@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The reader from files to scenes. One program for all files: each of its own takes a second to link.
+
+mod broken;
+mod common;
+mod lights;
+mod materials;
+mod motion;
+mod shapes;
+mod textures;
+mod view;

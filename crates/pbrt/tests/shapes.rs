@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Shapes: areas by closed forms, sides of normals, texture coordinates.
+
+use gnurt_scene::Mesh;
+
+use crate::common::world;
+
+fn mesh(text: &str) -> Mesh {
+    let loaded = world(text);
+    assert_eq!(loaded.scene.meshes().len(), 1, "{text}");
+    Mesh::clone(&loaded.scene.meshes()[0])
+}
+
+fn corners(mesh: &Mesh) -> impl Iterator<Item = [[f64; 3]; 3]> + '_ {
+    mesh.indices.iter().map(|triangle| triangle.map(|i| mesh.positions[i as usize].map(f64::from)))
+}
+
+fn normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+fn area(mesh: &Mesh) -> f64 {
+    corners(mesh).map(|c| normal(c).iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0).sum()
+}
+
+/// The volume that it encloses, below zero if it is inside out.
+fn volume(mesh: &Mesh) -> f64 {
+    corners(mesh).map(|c| (0..3).map(|k| c[0][k] * normal(c)[k]).sum::<f64>() / 6.0).sum()
+}
+
+#[track_caller]
+fn near(found: f64, expected: f64) {
+    assert!((found / expected - 1.0).abs() < 5e-3, "{found} instead of {expected}");
+}
+
+#[test]
+fn quadrics_have_their_areas() {
+    use std::f64::consts::PI;
+    near(area(&mesh("Shape \"sphere\" \"float radius\" 2")), 4.0 * PI);
+    near(volume(&mesh("Shape \"sphere\"")), 4.0 / 3.0 * PI);
+    near(volume(&mesh("ReverseOrientation\nShape \"sphere\"")), -4.0 / 3.0 * PI);
+    // Archimedes: a zone's area is that of the cylinder around it.
+    near(area(&mesh("Shape \"sphere\" \"float zmin\" -0.5 \"float zmax\" 0.25 \"float phimax\" 90")), 0.75 * PI / 2.0);
+    near(area(&mesh("Shape \"disk\" \"float radius\" 2 \"float innerradius\" 1 \"float phimax\" 180")), 1.5 * PI);
+    near(area(&mesh("Shape \"cylinder\" \"float radius\" 2 \"float zmin\" 0 \"float zmax\" 3")), 12.0 * PI);
+    let disk = mesh("Shape \"disk\" \"float height\" 1");
+    assert!(corners(&disk).all(|c| normal(c)[2] > 0.0), "a disk looks along z");
+    let uv = &mesh("Shape \"cylinder\"").texcoords;
+    assert!(uv.contains(&[0.0, 0.0]) && uv.contains(&[1.0, 1.0]), "texture coordinates go around");
+}
+
+#[test]
+fn a_sphere_is_stored_once() {
+    let loaded = world("Shape \"sphere\" \"float radius\" 2\nTranslate 5 0 0\nShape \"sphere\" \"float radius\" 3");
+    let scene = &loaded.scene;
+    assert_eq!((scene.meshes().len(), scene.instances().len()), (1, 2));
+    let sizes: Vec<f64> = scene.instances().iter().map(|i| i.world_from_object.columns[1][1]).collect();
+    assert_eq!(sizes, [2.0, 3.0]);
+}
+
+#[test]
+fn triangles_turn_to_their_normals() {
+    let text = "Shape \"trianglemesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 ] \"integer indices\" [ 0 1 2 ]";
+    let down = format!("{text} \"normal N\" [ 0 0 -1 0 0 -1 0 0 -1 ]");
+    assert!(normal(corners(&mesh(text)).next().expect("one"))[2] > 0.0);
+    assert!(normal(corners(&mesh(&down)).next().expect("one"))[2] < 0.0, "the normal's side");
+    let reversed = mesh(&format!("ReverseOrientation\n{text}"));
+    assert!(normal(corners(&reversed).next().expect("one"))[2] < 0.0, "the other side");
+}
+
+#[test]
+fn patches_and_subdivision() {
+    let flat = mesh("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0 2 0 0 0 3 0 2 3 0 ]");
+    assert_eq!((flat.indices.len(), area(&flat)), (2, 6.0), "a rectangle is two triangles");
+    assert!(corners(&flat).all(|c| normal(c)[2] > 0.0), "u across v");
+    let bent = mesh("Shape \"bilinearmesh\" \"point3 P\" [ 0 0 0 1 0 0 0 1 0 1 1 1 ]");
+    // The integral of the root of 1 + x² + y² over the unit square.
+    near(area(&bent), 1.2808);
+    let cube = "\"point3 P\" [ -1 -1 -1 1 -1 -1 1 1 -1 -1 1 -1 -1 -1 1 1 -1 1 1 1 1 -1 1 1 ] \"integer indices\" [ \
+        0 2 1 0 3 2 4 5 6 4 6 7 0 1 5 0 5 4 1 2 6 1 6 5 2 3 7 2 7 6 3 0 4 3 4 7 ]";
+    let [coarse, fine] = [2, 4].map(|levels| mesh(&format!("Shape \"loopsubdiv\" \"integer levels\" {levels} {cube}")));
+    assert_eq!(coarse.indices.len(), 12 * 16);
+    // Vertices are on the limit surface at all levels, so volumes come near each other.
+    assert!((volume(&fine) / volume(&coarse) - 1.0).abs() < 0.05, "{} {}", volume(&fine), volume(&coarse));
+    assert!(volume(&fine) > 1.0 && volume(&fine) < 8.0, "rounded and outside out: {}", volume(&fine));
+    for (p, n) in fine.positions.iter().zip(&fine.normals) {
+        assert!((0..3).map(|k| p[k] * n[k]).sum::<f32>() > 0.0, "normals look out");
+    }
+}
+
+#[test]
+fn curves_are_as_wide_as_they_should_be() {
+    let straight = "\"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 ] \"float width\" 0.1";
+    let tube = mesh(&format!("Shape \"curve\" {straight}"));
+    // The mean shadow of a convex body is a quarter of its surface.
+    near(area(&tube), 0.1 * std::f64::consts::PI * 3.0);
+    let ribbon = mesh(&format!("Shape \"curve\" \"string type\" \"ribbon\" \"normal N\" [ 0 0 1 0 0 1 ] {straight}"));
+    near(area(&ribbon), 0.3);
+    let spline = mesh("Shape \"curve\" \"string basis\" \"bspline\" \"point3 P\" [ 0 0 0 1 0 0 2 0 0 3 0 0 4 0 0 ] \"float width\" 0.1");
+    let ends = spline.positions.iter().fold([f32::MAX, f32::MIN], |[a, b], p| [a.min(p[0]), b.max(p[0])]);
+    assert!((ends[0] - 1.0).abs() < 1e-5 && (ends[1] - 3.0).abs() < 1e-5, "from the second to the last but one: {ends:?}");
+}
