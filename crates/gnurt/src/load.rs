@@ -12,6 +12,8 @@ pub use io::{LoadOptions, Loaded};
 pub const FORMATS: io::Formats = io::FORMATS.with(&[
     #[cfg(feature = "pbrt")]
     &gnurt_pbrt::FORMAT,
+    #[cfg(feature = "usd")]
+    &gnurt_usd::FORMAT,
 ]);
 
 /// The prefix of built-in scenes' names.

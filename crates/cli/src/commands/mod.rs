@@ -4,7 +4,8 @@
 pub(crate) mod bench;
 mod bench_files;
 mod bench_light;
-pub(crate) mod convert;
+pub(crate) mod contents;
+mod convert;
 pub(crate) mod diff;
 mod frame;
 pub(crate) mod info;

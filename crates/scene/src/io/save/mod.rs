@@ -6,10 +6,10 @@
 //! unfolded) nor cameras nor lights; PLY holds no materials, glTF no environment; animations are not written.
 //! Tests: `tests/save.rs`.
 
-mod files;
+pub(super) mod files;
 pub(super) mod gltf;
 pub(super) mod losses;
 pub(super) mod obj;
 pub(super) mod ply;
-mod png;
+pub(super) mod png;
 mod world;
