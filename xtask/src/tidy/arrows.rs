@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 24] = [
+const ARROWS: [(&str, &[&str]); 25] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -24,6 +24,7 @@ const ARROWS: [(&str, &[&str]); 24] = [
     ("sl", &["sl-lib"]),
     ("jit", &["simd", "sl-lib", "sl"]),
     ("cli", &["gnurt", "bench", "view", "plugins", "sl", "jit"]),
+    ("anari", &["gnurt"]),
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
     ("python", &["accel", "gnurt", "cli"]),
