@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 26] = [
+const ARROWS: [(&str, &[&str]); 27] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -26,6 +26,7 @@ const ARROWS: [(&str, &[&str]); 26] = [
     ("sl", &["sl-lib"]),
     ("jit", &["simd", "sl-lib", "sl"]),
     ("cli", &["gnurt", "bench", "view", "plugins", "sl", "jit"]),
+    ("anari", &["gnurt"]),
     ("openrt", &["gnurt", "plugins"]),
     ("rtut", &[]),
     ("python", &["accel", "gnurt", "cli"]),

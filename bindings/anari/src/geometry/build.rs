@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The geometry of an object, by its subtype. Tests: tests/shapes.rs.
+
+use super::data::Geometry;
+use super::{faces, isosurface, segments};
+use crate::field::Field;
+use crate::object::Object;
+use crate::types;
+
+/// The geometry of an object, and a warning; an error in words where it cannot be shown.
+pub(crate) fn build(object: &Object) -> Result<(Geometry, Option<String>), String> {
+    let now = object.committed();
+    match object.subtype.as_str() {
+        "triangle" => faces::faces::<3>(&now),
+        "quad" => faces::faces::<4>(&now),
+        "sphere" => segments::spheres(&now),
+        "cylinder" => segments::cylinders(&now),
+        "cone" => segments::cones(&now),
+        "curve" => segments::curves(&now),
+        "isosurface" => {
+            let field = now.object("field", types::SPATIAL_FIELD).ok_or("parameter 'field': missing")?;
+            isosurface::isosurface(&now, &Field::new(field)?)
+        }
+        other => Err(format!("subtype '{other}': unsupported")),
+    }
+}

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Spheres, cylinders, cones and curves. Spheres and cylinders are unit shapes in many places; cones, whose form differs, have 64 sides
+//! each. A curve's pieces are the cones that touch the balls around both vertices, and those balls.
+//! Tests: tests/shapes.rs.
+
+use glam::Vec3;
+use gnurt::scene::{Affine, Mesh};
+
+use super::data::{Form, Geometry, Part, Placement, Primitives, Vertices};
+use super::faces::{indices, positions, told};
+use super::rates::{Rates, list};
+use super::unit;
+use crate::object::Snapshot;
+
+/// Sides of a cone.
+const SIDES: u32 = 64;
+
+type Built = Result<(Geometry, Option<String>), String>;
+
+fn radius_at(list: &[[f32; 4]], place: usize, otherwise: f32) -> f32 {
+    let radius = list.get(place).map_or(otherwise, |value| value[0]);
+    if radius.is_finite() { radius.abs() } else { 0.0 }
+}
+
+fn ball(p: [f32; 3], radius: f32, primitive: u32, vertex: u32) -> Placement {
+    let r = f64::from(radius);
+    let object_from_part = Affine::translation(p.map(f64::from)) * Affine::scale([r; 3]);
+    Placement { object_from_part, primitive, ends: [vertex; 2] }
+}
+
+/// Where the unit cylinder becomes this one; `None` where it has no length or no radius.
+fn rod(ends: [[f32; 3]; 2], radius: f32, primitive: u32, vertices: [u32; 2]) -> Option<Placement> {
+    let [a, b] = ends.map(Vec3::from);
+    let along = (b - a).try_normalize().filter(|_| radius > 0.0)?;
+    let (x, y) = along.any_orthonormal_pair();
+    let column = |v: Vec3| v.to_array().map(f64::from);
+    let object_from_part = Affine { columns: [column(x * radius), column(y * radius), column(b - a), column(a)] };
+    Some(Placement { object_from_part, primitive, ends: vertices })
+}
+
+/// Spheres.
+pub(super) fn spheres(now: &Snapshot) -> Built {
+    let points = positions(now)?;
+    let (rows, wrong) = indices::<1>(now, points.len())?;
+    let warning = told(wrong, rows.len());
+    let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
+    let all = rows.iter().enumerate().map(|(i, &[vertex])| {
+        let radius = radius_at(&radii, vertex as usize, otherwise);
+        ball(points[vertex as usize], radius, i as u32, vertex)
+    });
+    let placements = all.collect();
+    let parts = vec![Part::placed(unit::sphere(), Form::Ball, placements)];
+    Ok((Geometry { parts, attributes: Rates::all(now), points: Vec::new() }, warning))
+}
+
+/// Which ends are closed, for each pair of vertices.
+fn caps(now: &Snapshot) -> impl Fn([u32; 2]) -> [bool; 2] + use<> {
+    let word = now.text("caps").unwrap_or("none");
+    let all = [["first", "both"].contains(&word), ["second", "both"].contains(&word)];
+    let own = list(now, "vertex.cap");
+    move |ends| {
+        let closed = |k: usize| own.get(ends[k] as usize).map_or(all[k], |value| value[0] != 0.0);
+        [closed(0), closed(1)]
+    }
+}
+
+/// Cylinders.
+pub(super) fn cylinders(now: &Snapshot) -> Built {
+    let points = positions(now)?;
+    let (rows, wrong) = indices::<2>(now, points.len())?;
+    let warning = told(wrong, rows.len());
+    let (radii, otherwise) = (list(now, "primitive.radius"), now.f32("radius").unwrap_or(1.0));
+    let caps = caps(now);
+    let mut by_caps: [Vec<Placement>; 4] = Default::default();
+    for (i, &row) in rows.iter().enumerate() {
+        let ends = row.map(|vertex| points[vertex as usize]);
+        if let Some(placement) = rod(ends, radius_at(&radii, i, otherwise), i as u32, row) {
+            let [first, second] = caps(row);
+            by_caps[usize::from(first) + 2 * usize::from(second)].push(placement);
+        }
+    }
+    let shape = |k: usize| unit::cylinder([k & 1 != 0, k & 2 != 0]);
+    let all = by_caps.into_iter().enumerate().filter(|(_, placements)| !placements.is_empty());
+    let parts = all.map(|(k, placements)| Part::placed(shape(k), Form::Rod, placements)).collect();
+    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+}
+
+/// Cones between places, and where their vertices and primitives come from.
+#[derive(Default)]
+struct Cones {
+    mesh: Mesh,
+    primitives: Vec<u32>,
+    sources: Vec<([u32; 2], f32)>,
+}
+
+impl Cones {
+    fn add(&mut self, ends: [Vec3; 2], radii: [f32; 2], caps: [bool; 2], primitive: u32, vertices: [u32; 2]) {
+        let rings = unit::frustum(&mut self.mesh, ends, radii, SIDES, caps);
+        self.sources.extend(rings.into_iter().map(|end| (vertices, end as f32)));
+        self.primitives.resize(self.mesh.indices.len(), primitive);
+    }
+
+    fn part(self) -> Option<Part> {
+        let (primitives, vertices) = (Primitives::Listed(self.primitives), Vertices::Mixed(self.sources));
+        (!self.mesh.indices.is_empty()).then(|| Part::once(self.mesh, primitives, vertices))
+    }
+}
+
+/// Cones.
+pub(super) fn cones(now: &Snapshot) -> Built {
+    let points = positions(now)?;
+    let (rows, wrong) = indices::<2>(now, points.len())?;
+    let warning = told(wrong, rows.len());
+    let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
+    let caps = caps(now);
+    let mut cones = Cones::default();
+    for (i, &row) in rows.iter().enumerate() {
+        let ends = row.map(|vertex| Vec3::from(points[vertex as usize]));
+        let radii = row.map(|vertex| radius_at(&radii, vertex as usize, otherwise));
+        cones.add(ends, radii, caps(row), i as u32, row);
+    }
+    let parts = cones.part().into_iter().collect();
+    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+}
+
+/// Curves.
+pub(super) fn curves(now: &Snapshot) -> Built {
+    let points = positions(now)?;
+    let has_index = now.get("primitive.index").is_some();
+    let (rows, mut wrong) = indices::<1>(now, points.len())?;
+    // Without an index all vertices make one curve: the last one begins no piece.
+    let pieces = if has_index { &rows[..] } else { &rows[..rows.len().saturating_sub(1)] };
+    let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
+    let (mut rods, mut balls, mut cones) = (Vec::new(), Vec::new(), Cones::default());
+    let mut has_ball = vec![false; points.len()];
+    for (i, &[first]) in pieces.iter().enumerate() {
+        let row = [first, first + 1];
+        if row[1] as usize >= points.len() {
+            wrong += 1;
+            continue;
+        }
+        let [r0, r1] = row.map(|vertex| radius_at(&radii, vertex as usize, otherwise));
+        let ends = row.map(|vertex| Vec3::from(points[vertex as usize]));
+        for (vertex, radius) in row.into_iter().zip([r0, r1]) {
+            if !std::mem::replace(&mut has_ball[vertex as usize], true) && radius > 0.0 {
+                balls.push(ball(points[vertex as usize], radius, i as u32, vertex));
+            }
+        }
+        if r0 == r1 {
+            rods.extend(rod(row.map(|vertex| points[vertex as usize]), r0, i as u32, row));
+            continue;
+        }
+        // The cone touches both balls where its side is upright to their radii.
+        let length = ends[0].distance(ends[1]);
+        let sin = (r0 - r1) / length;
+        if sin.is_finite() && sin.abs() < 1.0 {
+            let (along, cos) = ((ends[1] - ends[0]) / length, (1.0 - sin * sin).sqrt());
+            let touching = [ends[0] + along * (r0 * sin), ends[1] + along * (r1 * sin)];
+            cones.add(touching, [r0 * cos, r1 * cos], [false; 2], i as u32, row);
+        }
+    }
+    let warning = told(wrong, rows.len());
+    let mut parts: Vec<Part> = cones.part().into_iter().collect();
+    if !rods.is_empty() {
+        parts.push(Part::placed(unit::cylinder([false; 2]), Form::Rod, rods));
+    }
+    if !balls.is_empty() {
+        parts.push(Part::placed(unit::sphere(), Form::Ball, balls));
+    }
+    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+}

@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A picture that grows from frame to frame as long as nothing of it changes.
+//! Paths come from the renderer's accumulation; `ao` and `debug` take one sample after the other here. The channels beside the colour are
+//! those of the pixels' middles and are computed once. Tests: tests/{frames,channels,renderers}.rs.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::Vec3;
+use gnurt::denoise;
+use gnurt::render::{Accumulation, Integrator, Progress, RenderOptions, World};
+use gnurt::shading::sampling::{purpose, sample_pair};
+use gnurt::shading::{CameraSamples, CameraShader, SampleKey};
+use gnurt::ThreadPool;
+use rayon::prelude::*;
+
+use crate::attribute::Color;
+use crate::camera::View;
+use crate::look::{Look, look, walk};
+use crate::output::{Formats, Output};
+use crate::pixel::{Layers, Opacities};
+use crate::settings::{Method, Settings};
+use crate::world::Stage;
+
+/// All that a picture shows.
+pub(crate) struct Job {
+    pub(crate) stage: Arc<Stage>,
+    pub(crate) view: Arc<View>,
+    pub(crate) settings: Arc<Settings>,
+    pub(crate) size: [u32; 2],
+    pub(crate) formats: Formats,
+    /// Changes with any of these but the formats.
+    pub(crate) key: [u64; 5],
+    pub(crate) accumulates: bool,
+}
+
+/// Sums of samples.
+enum Sums {
+    Paths { accumulation: Box<Accumulation>, opacities: Arc<Opacities> },
+    /// Associated, from the uppermost row on.
+    Own(Vec<Color>),
+}
+
+/// What stays from frame to frame.
+pub(crate) struct Growing {
+    key: [u64; 5],
+    sums: Sums,
+    world: World,
+    looks: Option<Vec<Look>>,
+    samples: u32,
+}
+
+/// Stops where the program says so.
+struct Stop<'a>(&'a AtomicBool);
+
+impl Progress for Stop<'_> {
+    fn should_stop(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+impl Job {
+    fn aspect(&self) -> f32 {
+        self.size[0] as f32 / self.size[1] as f32
+    }
+
+    fn pixels(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    fn begin(&self, pool: &ThreadPool) -> Result<Growing, String> {
+        let ambient = self.settings.ambient;
+        let (sums, world) = if let Method::Path { max_depth, denoise } = self.settings.method {
+            let options = RenderOptions {
+                width: self.size[0],
+                height: self.size[1],
+                // Passes say how many.
+                spp: u32::MAX / 2,
+                integrator: Integrator::Path,
+                max_depth,
+                aovs: denoise,
+                ..RenderOptions::default()
+            };
+            let accumulation = Box::new(Accumulation::new(options).map_err(|error| error.to_string())?);
+            let opacities = Arc::new(Opacities::new(self.pixels()));
+            let layers = Layers { table: self.stage.table.clone(), opacities: opacities.clone() };
+            let world = self.stage.world(ambient, Some(Arc::new(layers)), pool)?;
+            (Sums::Paths { accumulation, opacities }, world)
+        } else {
+            (Sums::Own(vec![[0.0; 4]; self.pixels()]), self.stage.world(ambient, None, pool)?)
+        };
+        Ok(Growing { key: self.key, sums, world, looks: None, samples: 0 })
+    }
+
+    /// Adds a frame's samples; false where the program stopped it.
+    fn grow(&self, growing: &mut Growing, pool: &ThreadPool, stop: &AtomicBool) -> bool {
+        let (first, more) = (growing.samples, self.settings.samples);
+        let whole = match &mut growing.sums {
+            Sums::Paths { accumulation, .. } => {
+                accumulation.pass(&growing.world, &*self.view, more, pool, &Stop(stop))
+            }
+            Sums::Own(sums) => pool.install(|| {
+                let rows = sums.par_chunks_mut(self.size[0] as usize).enumerate();
+                rows.for_each(|(row, sums)| {
+                    if !stop.load(Ordering::Relaxed) {
+                        self.add_row(&growing.world, row as u32, first..first + more, sums);
+                    }
+                });
+                !stop.load(Ordering::Relaxed)
+            }),
+        };
+        growing.samples += more;
+        whole
+    }
+
+    /// Adds samples of a row, counted from the top.
+    fn add_row(&self, world: &World, row: u32, samples: std::ops::Range<u32>, sums: &mut [Color]) {
+        let [width, height] = self.size;
+        let (table, settings) = (&*self.stage.table, &self.settings);
+        let ambient = Vec3::from(settings.ambient);
+        let mut rays = gnurt::accel::RayBatch::default();
+        for sample in samples {
+            let key = |x: u32| SampleKey { pixel: row * width + x, sample, branch: 0 };
+            let place = |x: u32| {
+                let [dx, dy] = sample_pair(0, key(x), 0, purpose::PIXEL);
+                [(x as f32 + dx) / width as f32, 1.0 - (row as f32 + dy) / height as f32]
+            };
+            let positions: Vec<[f32; 2]> = (0..width).map(place).collect();
+            let lens: Vec<[f32; 2]> = (0..width).map(|x| sample_pair(0, key(x), 0, purpose::LENS)).collect();
+            rays.clear();
+            let camera = CameraSamples { positions: &positions, lens: &lens, times: &[] };
+            self.view.rays(&camera, self.aspect(), &mut rays);
+            for (x, sum) in sums.iter_mut().enumerate() {
+                let key = key(x as u32);
+                let [random, _] = sample_pair(0, key, 0, purpose::CHOICE);
+                let ray = rays.get(x);
+                let (light, stopped) = walk((world, table), &ray, &settings.method, ambient, key, random);
+                let all = [light.x, light.y, light.z, stopped];
+                sum.iter_mut().zip(all).for_each(|(sum, x)| *sum += if x.is_finite() { x } else { 0.0 });
+            }
+        }
+    }
+
+    /// Means of the samples over the background, from the lowest row on.
+    fn pixels_of(&self, growing: &Growing, pool: &ThreadPool) -> Result<Vec<Color>, String> {
+        let count = growing.samples.max(1) as f32;
+        let associated: Vec<Color> = match &growing.sums {
+            Sums::Own(sums) => sums.iter().map(|sum| sum.map(|x| x / count)).collect(),
+            Sums::Paths { accumulation, opacities } => {
+                let mut picture = accumulation.picture();
+                if accumulation.options().aovs {
+                    let options = denoise::Options::default();
+                    denoise::denoise(&mut picture, &options, pool).map_err(|error| error.to_string())?;
+                }
+                let opacity = |i: usize| (opacities.sum(i) / count).clamp(0.0, 1.0);
+                picture.color.iter().enumerate().map(|(i, &[r, g, b, _])| [r, g, b, opacity(i)]).collect()
+            }
+        };
+        let [width, height] = self.size;
+        let over = |i: usize| {
+            let (x, row) = (i as u32 % width, i as u32 / width);
+            // Rows count from the top there, from below here.
+            let [r, g, b, a] = associated[((height - 1 - row) * width + x) as usize];
+            let place = [(x as f32 + 0.5) / width as f32, (row as f32 + 0.5) / height as f32];
+            let [br, bg, bb, ba] = self.settings.background.at(place);
+            let rest = 1.0 - a;
+            [r + br * rest, g + bg * rest, b + bb * rest, a + ba * rest]
+        };
+        let pixels = (0..self.pixels()).map(over);
+        Ok(pixels.collect())
+    }
+
+    fn looks(&self, world: &World, pool: &ThreadPool) -> Vec<Look> {
+        let [width, height] = self.size;
+        let one = |i: usize| {
+            let (x, y) = (i as u32 % width, i as u32 / width);
+            let place = [(x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32];
+            look(world, &self.stage.table, &self.view.ray(place, self.aspect()))
+        };
+        pool.install(|| (0..self.pixels()).into_par_iter().with_min_len(256).map(one).collect())
+    }
+
+    /// Renders a frame; what grows is in `kept` before and after. `None` where the program stopped it.
+    pub(crate) fn run(
+        &self,
+        kept: &mut Option<Growing>,
+        pool: &ThreadPool,
+        stop: &AtomicBool,
+    ) -> Result<Option<Output>, String> {
+        let goes_on = |growing: &Growing| self.accumulates && growing.key == self.key;
+        let mut growing = match kept.take().filter(goes_on) {
+            Some(growing) => growing,
+            None => self.begin(pool)?,
+        };
+        if !self.grow(&mut growing, pool, stop) {
+            return Ok(None);
+        }
+        let pixels = self.pixels_of(&growing, pool)?;
+        if self.formats[1..].iter().any(Option::is_some) && growing.looks.is_none() {
+            growing.looks = Some(self.looks(&growing.world, pool));
+        }
+        let looks = growing.looks.as_deref().unwrap_or_default();
+        let mut output = Output::new(self.size, &self.formats, &pixels, looks);
+        output.samples = growing.samples;
+        *kept = Some(growing);
+        Ok(Some(output))
+    }
+}
