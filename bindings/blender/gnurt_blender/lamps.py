@@ -9,13 +9,21 @@ import math
 
 import numpy as np
 
+# Points and spots with a size that are sampled one by one.
+MOST_SAMPLED = 16
+
 POINT = """
-light blender_point (color power = 1, point where = point(0), vector axis = vector(0, 0, -1), float cone = -2, float smooth = 0)
+light blender_point (color power = 1, point where = point(0), float radius = 0, vector axis = vector(0, 0, -1), float cone = -2,
+    float smooth = 0)
 {
-    vector way = where - Ps;
+    // A disc that faces the point, as large as the sphere seems from afar.
+    vector d = normalize(where - Ps);
+    vector side = normalize(cross(d, (fabs(d[2]) < 0.9) ? vector(0, 0, 1) : vector(1, 0, 0)));
+    float r = radius * sqrt(xi[0]), a = M_2PI * xi[1];
+    vector way = where + r * cos(a) * side + r * sin(a) * cross(d, side) - Ps;
     lightdist = length(way);
-    L = normalize(way);
-    Cl = power / (lightdist * lightdist);
+    L = way / lightdist;
+    Cl = power * max(dot(L, d), 0.0) / (lightdist * lightdist);
     if (cone > -1.0) {
         float c = dot(-L, axis) - cone;
         Cl *= (c <= 0.0) ? 0.0 : ((smooth > 0.0) ? smoothstep(0.0, 1.0, c / smooth) : 1.0);
@@ -25,18 +33,43 @@ light blender_point (color power = 1, point where = point(0), vector axis = vect
 SUN = """
 light blender_sun (color power = 1, vector from = vector(0, 0, 1), vector side = vector(1, 0, 0), vector across = vector(0, 1, 0), float radius = 0)
 {
-    // A disc of this radius at distance 1; its middle counts as the whole.
-    float r = radius * sqrt(xi[0]), a = M_2PI * xi[1];
-    L = normalize(from + r * cos(a) * side + r * sin(a) * across);
+    // A cone of even radiance, by its projection onto the plane of `side` and `across`.
+    float r = radius * sqrt(xi[0]), a = M_2PI * xi[1], z = sqrt(max(1.0 - r * r, 1e-4));
+    L = z * from + r * cos(a) * side + r * sin(a) * across;
     lightdist = 1e30;
-    Cl = power;
+    Cl = power / z;
+}
+"""
+NARROW = """
+light blender_narrow (color light = 1, point where = point(0), vector side = vector(1, 0, 0), vector up = vector(0, 1, 0),
+    vector axis = vector(0, 0, -1), float wide = 1, float high = 1, float spread = 1, float spread_scale = 1, int is_round = 0)
+{
+    // Of a rectangle only the part from which the light reaches the point, by the spread.
+    vector d = Ps - where;
+    float x = dot(d, side), y = dot(d, up), z = dot(d, axis), reach = z * spread;
+    float x0 = max(-0.5 * wide, x - reach), x1 = min(0.5 * wide, x + reach);
+    float y0 = max(-0.5 * high, y - reach), y1 = min(0.5 * high, y + reach);
+    Cl = color(0);
+    L = -axis;
+    lightdist = 1.0;
+    if (z > 0.0 && x1 > x0 && y1 > y0) {
+        float px = mix(x0, x1, xi[0]), py = mix(y0, y1, xi[1]);
+        vector way = where + px * side + py * up - Ps;
+        lightdist = length(way);
+        L = way / lightdist;
+        float c = -dot(L, axis);
+        float share = max((spread - sqrt(max(1.0 - c * c, 0.0)) / max(c, 1e-6)) * spread_scale, 0.0);
+        if (is_round && 4.0 * (px * px / (wide * wide) + py * py / (high * high)) > 1.0)
+            share = 0.0;
+        Cl = light * share * c * (x1 - x0) * (y1 - y0) / (lightdist * lightdist);
+    }
 }
 """
 SHINING = """
 surface blender_lamp (color light = 1, vector axis = vector(0, 0, -1), float cone = -2, float smooth = 0, float spread = 0,
     float spread_scale = 1)
 {
-    if (backfacing())
+    if (backfacing() || (MIRRORED && !raytype("camera") && !raytype("reflection") && !raytype("refraction")))
         Ci = transparent();
     else {
         float share = 1.0;
@@ -130,19 +163,25 @@ class Lamp:
         radius = data.shadow_soft_size
         where = self.matrix[:3, 3]
         normalize = getattr(data, "normalize", True)
-        if radius <= 0 and not self.has_nodes():
-            power = self.color / (4 * math.pi * math.pi) * (math.pi if normalize else math.pi)
-            self.export.scene.add_light_shader(POINT, parameters={"power": tuple(power), "where": tuple(where), **self.spot()})
-            return
+        # In a scene of many lights each of them cannot be sampled at each point: then they are shapes that are chosen by their power.
+        is_soft = getattr(data, "use_soft_falloff", True)
+        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft and self.export.lamps <= MOST_SAMPLED)
+        area = 4 * math.pi * radius * radius
+        if is_sampled:
+            power = self.color / (4 * math.pi)
+            if not normalize:
+                power = self.color * (radius * radius if radius > 0 else 1 / math.pi)
+            parameters = {"power": tuple(power), "where": tuple(where), "radius": radius, **self.spot()}
+            self.export.scene.add_light_shader(POINT, parameters=parameters)
+            if radius <= 0:
+                return
         radius = max(radius, 1e-3)
         points, faces = icosphere()
-        points = points * radius
-        area = 4 * math.pi * radius * radius
         light = self.color / (math.pi * area) if normalize else self.color / math.pi
-        self.shape(points + where, faces, light, self.spot())
+        self.shape(points * radius + where, faces, light, self.spot(), is_sampled)
 
     def sun(self):
-        radius = math.tan(min(self.data.angle, 3.0) / 2)
+        radius = math.sin(min(self.data.angle, math.pi) / 2)
         color = self.color
         if self.has_nodes():
             self.export.warn(f"light '{self.object.name}': nodes of suns are not shown")
@@ -166,21 +205,26 @@ class Lamp:
         if half < math.pi / 2 - 1e-4:
             half = max(half, math.radians(0.5))
             parameters = {"spread": math.tan(half), "spread_scale": 1 / (math.tan(half) - half)}
-        self.shape(points, faces, light, parameters)
+        is_narrow = bool(parameters) and half < math.radians(50) and not self.has_nodes() and self.export.lamps <= MOST_SAMPLED
+        if is_narrow:
+            place = {"where": tuple(self.matrix[:3, 3]), "side": tuple(self.turn[:, 0]), "up": tuple(self.turn[:, 1]), "axis": tuple(-self.turn[:, 2])}
+            place |= {"wide": max(size, 1e-6), "high": max(size_y, 1e-6), "is_round": int(shape == "ELLIPSE")}
+            self.export.scene.add_light_shader(NARROW, parameters={"light": tuple(light), **place, **parameters})
+        self.shape(points, faces, light, parameters, is_narrow)
 
     def has_nodes(self):
         tree = getattr(self.data, "node_tree", None)
         return bool(getattr(self.data, "use_nodes", False) and tree)
 
-    def shape(self, points, faces, light, parameters):
-        """A mesh that emits."""
+    def shape(self, points, faces, light, parameters, is_mirrored=False):
+        """A mesh that emits; to mirrors and the camera only if something else lights the scene in its place."""
         export = self.export
         body, extra = "light", {}
         if self.has_nodes():
             made = export.light_nodes(self.data, self.object)
             if made is not None:
                 body, extra = made
-        shader = SHINING.replace("BODY", body)
+        shader = SHINING.replace("BODY", body).replace("MIRRORED", str(int(is_mirrored)))
         if extra:
             shader = extra["head"] + shader.replace("        float share = 1.0;", extra["lines"] + "\n        float share = 1.0;")
         material = export.scene.add_material(

@@ -114,6 +114,7 @@ class Export:
         self.objects, self.material_numbers = {}, {}
         # By the object and the path of an instance: the numbers in the package's scene.
         self.numbers = {}
+        self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
         self.view = view or cameras.of_scene(self.scene_data, camera, size, self.warn)
 
     def put_all(self, cancelled=lambda: False):

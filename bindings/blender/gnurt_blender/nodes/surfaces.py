@@ -22,6 +22,12 @@ def color_of(p, name="Color"):
     return p.var("color", f"max({p.c(name)}, color(0))")
 
 
+def fibres(p, name):
+    """The roughness of fibres; the language's closure has the root of its number."""
+    roughness = share(p, name)
+    return p.var("float", f"{roughness} * {roughness}")
+
+
 def tangent_of(p):
     """The direction of anisotropy: what is linked, or that of the texture coordinates, or around the object's axis."""
     if p.is_linked("Tangent"):
@@ -55,12 +61,18 @@ def film_of(p):
     return f', "thinfilm_thickness", {p.f("Thin Film Thickness")}, "thinfilm_ior", {p.f("Thin Film IOR")}'
 
 
+def rough_diffuse(p, n, color, roughness):
+    p.need("surfaces")
+    n = p.var("vector", n)
+    return f'b_rough({color}, {roughness}, {n}, I) * oren_nayar_diffuse_bsdf({n}, min({color}, color(1)), {roughness}, "energy_compensation", 1)'
+
+
 @node("BSDF_DIFFUSE")
 def diffuse(p):
     n, color = p.normal(), color_of(p)
     if p.is_constant("Roughness", 0.0):
         return {"BSDF": ("closure color", f"{color} * diffuse({n})")}
-    return {"BSDF": ("closure color", f"{color} * oren_nayar_diffuse_bsdf({n}, color(1), {share(p, 'Roughness')})")}
+    return {"BSDF": ("closure color", rough_diffuse(p, n, color, share(p, "Roughness")))}
 
 
 @node("BSDF_GLOSSY", "BSDF_ANISOTROPIC")
@@ -95,7 +107,9 @@ def glass(p):
     n, color, roughness = p.var("vector", p.normal()), color_of(p), share(p, "Roughness")
     alpha = p.var("float", f"{roughness} * {roughness}")
     ior = p.var("float", f"max({p.f('IOR')}, 1e-5)")
-    return {"BSDF": ("closure color", f'dielectric_bsdf({n}, vector(0), {color}, {color}, {alpha}, {alpha}, {ior}, "ggx"{film_of(p)})')}
+    p.need("surfaces")
+    through = color if p.distribution != "MULTI_GGX" else p.var("color", f"b_between_facets({color}, {alpha}, {n}, I)")
+    return {"BSDF": ("closure color", f'dielectric_bsdf({n}, vector(0), {color}, {through}, {alpha}, {alpha}, {ior}, "ggx"{film_of(p)})')}
 
 
 @node("BSDF_REFRACTION")
@@ -124,7 +138,7 @@ def translucent(p):
 def sheen(p):
     if p.distribution == "ASHIKHMIN":
         p.warn("Ashikhmin's velvet is shown as microfibres")
-    return {"BSDF": ("closure color", f'sheen_bsdf({p.normal()}, {color_of(p)}, {share(p, "Roughness")}, "mode", 1)')}
+    return {"BSDF": ("closure color", f"sheen_bsdf({p.normal()}, {color_of(p)}, {fibres(p, 'Roughness')}, \"mode\", 1)")}
 
 
 @node("SUBSURFACE_SCATTERING")
@@ -227,21 +241,26 @@ def principled(p):
         if p.is_constant("Diffuse Roughness", 0.0):
             body = f"{base} * diffuse({n})"
         else:
-            body = f'oren_nayar_diffuse_bsdf({n}, min({base}, color(1)), {share(p, "Diffuse Roughness")}, "energy_compensation", 1)'
+            body = rough_diffuse(p, n, base, share(p, "Diffuse Roughness"))
         if not (p.is_constant("Specular IOR Level", 0.0) or p.is_constant("IOR", 1.0)):
-            top = (
-                f"generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, clamp({f0} * {tint}, color(0), color(1)), "
-                f'color(1), b_power({f0}), "ggx"{film})'
-            )
+            if film or not p.is_constant("Specular Tint", 1.0):
+                top = (
+                    f"generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, clamp({f0} * {tint}, color(0), color(1)), "
+                    f'color(1), b_power({f0}), "ggx"{film})'
+                )
+            else:
+                top = f'b_gloss({roughness} * {roughness}) * microfacet("ggx", {n}, {tangent}, {along}, {across}, b_index({f0}), 0)'
             body = f"layer({top}, {body})"
         parts.append(f"((1.0 - {metal}) * (1.0 - {glass_share})) * {closure(p, body)}")
     if not p.is_constant("Metallic", 0.0):
-        metal_base, edge = p.var("color", f"min({base}, color(1))"), p.var("color", f"min({tint}, color(1))")
+        brushed = "" if p.is_constant("Anisotropic", 0.0) else f" * (1.0 - 0.045 * pow(clamp({p.f('Anisotropic')}, 0.0, 1.0), 4.0))"
+        metal_base, edge = p.var("color", f"min({base}, color(1)){brushed}"), p.var("color", f"min({tint}, color(1))")
         f90 = "color(1)" if p.is_constant("Specular Tint", 1.0) else f"b_f82({metal_base}, {edge})"
         made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {metal_base}, {f90}, 5.0, "ggx"{film})'
         parts.append(f"{metal} * {closure(p, made)}")
     if not is_metal and not p.is_constant("Transmission Weight", 0.0):
         through = p.var("color", f"sqrt(min({base}, color(1)))")
+        through = p.var("color", f"b_between_facets({through}, {roughness} * {roughness}, {n}, I)")
         made = f'dielectric_bsdf({n}, {tangent}, min({tint}, color(1)), {through}, {along}, {across}, {ior}, "ggx"{film})'
         parts.append(f"((1.0 - {metal}) * {glass_share}) * {closure(p, made)}")
     whole = closure(p, " + ".join(parts))
@@ -252,7 +271,7 @@ def principled(p):
         whole = coat(p, whole)
     if not p.is_constant("Sheen Weight", 0.0):
         color = p.var("color", f"clamp({share(p, 'Sheen Weight')} * {p.c('Sheen Tint')}, color(0), color(1))")
-        whole = closure(p, f'layer(sheen_bsdf({n}, {color}, {share(p, "Sheen Roughness")}, "mode", 1), {whole})')
+        whole = closure(p, f"layer(sheen_bsdf({n}, {color}, {fibres(p, 'Sheen Roughness')}, \"mode\", 1), {whole})")
     if not p.is_constant("Alpha", 1.0):
         alpha = share(p, "Alpha")
         whole = closure(p, f"{alpha} * {whole} + (1.0 - {alpha}) * transparent()")
@@ -268,8 +287,7 @@ def coat(p, whole):
     if not p.is_constant("Coat Tint", 1.0):
         tint = p.var("color", f"max({p.c('Coat Tint')}, color(0))")
         whole = closure(p, f"b_coat_tint({tint}, {weight}, {ior}, {n}, I) * {whole}")
-    f0 = p.var("float", f"b_f0({ior})")
-    top = f'generalized_schlick_bsdf({n}, vector(0), color(1), color(0), {alpha}, {alpha}, color({f0}), color(1), b_power({f0}), "ggx")'
+    top = f'b_gloss({alpha}) * microfacet("ggx", {n}, vector(0), {alpha}, {alpha}, {ior}, 0)'
     return closure(p, f"layer({weight} * {top}, {whole})")
 
 

@@ -53,3 +53,22 @@ float b_whole_refraction(vector n, vector i, float eta)
     float a = (g - c) / (g + c), b = ((g + c) * c - 1.0) / ((g - c) * c + 1.0);
     return 1.0 / max(1.0 - 0.5 * a * a * (1.0 + b * b), 0.05);
 }
+// The index of a reflectance at normal incidence.
+float b_index(float f0)
+{
+    float root = sqrt(clamp(f0, 0.0, 0.98));
+    return (1.0 + root) / (1.0 - root);
+}
+// A tint of rough glass: light that goes between facets more than once is tinted more than once. The share is fitted to pictures.
+color b_between_facets(color tint, float alpha, vector n, vector i)
+{
+    float share = min(alpha * alpha * (0.7 + 3.1 * (1.0 - fabs(dot(n, i)))), 0.8);
+    return tint * (color(1) - share * (color(1) - min(tint, color(1))));
+}
+// Shares by which pictures of Cycles are darker than these models: rough gloss, and rough diffuse surfaces that are neither black nor white.
+float b_gloss(float alpha) { return 1.0 - 0.4 * alpha * alpha; }
+color b_rough(color albedo, float roughness, vector n, vector i)
+{
+    color a = clamp(albedo, color(0), color(1));
+    return color(1) - roughness * (0.015 + 0.22 * fabs(dot(n, i))) * a * (color(1) - a);
+}
