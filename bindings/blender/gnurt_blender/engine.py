@@ -41,7 +41,7 @@ class GnurtEngine(bpy.types.RenderEngine):
             pass
         except Exception as error:
             traceback.print_exc()
-            self.error_set(f"GNU RT: {error}")
+            self.report({"ERROR"}, f"GNU RT: {error}")
 
     def _render(self, depsgraph):
         scene, layer = depsgraph.scene, depsgraph.view_layer

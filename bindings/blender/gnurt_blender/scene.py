@@ -55,6 +55,9 @@ class Surroundings:
     def window_from_world(self):
         return self.export.view.window_from_camera @ self.camera_from_world()
 
+    def is_orthographic(self):
+        return self.export.view.parameters.get("kind", 0) == 1
+
     def active_uv(self):
         layers = getattr(self.mesh, "uv_layers", None) or ()
         return next((layer.name for layer in layers if layer.active_render), "")

@@ -156,7 +156,6 @@ def mask():
     made = np.zeros((SIZE, SIZE), int)
     if seen.data.type == "PANO":
         return made
-    right, down = frame[3] - frame[0], frame[1] - frame[0]
     right, down = frame[0] - frame[3], frame[2] - frame[3]
     origin = seen.matrix_world.translation
     for y in range(SIZE):
@@ -179,12 +178,9 @@ def seen_forward():
     return Vector((0, 0, -1))
 
 
-def ssim(a, b):
-    """Structural similarity of two grey pictures, by windows of 7 x 7 [Wang et al. 2004]."""
+def ssim(a, b, top):
+    """Structural similarity of two grey pictures whose values span `top`, by windows of 7 x 7 [Wang et al. 2004]."""
     a, b = a.astype(np.float64), b.astype(np.float64)
-    top = max(a.max(), b.max()) - min(a.min(), b.min())
-    if top <= 0:
-        return 1.0
 
     def mean(x):
         s = np.cumsum(np.cumsum(np.pad(x, ((1, 0), (1, 0))), 0), 1)

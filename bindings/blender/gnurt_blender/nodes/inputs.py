@@ -187,7 +187,8 @@ def light_path(p):
 
 
 def camera_distance(code):
-    return f"length({camera_space(code)})"
+    at = code.var("vector", camera_space(code))
+    return f"{at}[2]" if code.host.is_orthographic() else f"length({at})"
 
 
 @node("CAMERA")
@@ -210,7 +211,7 @@ def attribute(p):
         return {
             "Color": ("color", color),
             "Vector": ("vector", f"vector({color}[0], {color}[1], {color}[2])"),
-            "Fac": ("float", f"({color}[0] + {color}[1] + {color}[2]) / 3.0"),
+            "Fac": ("float", code.attribute("float", f"mean:{name}")),
             "Alpha": ("float", code.attribute("float", f"alpha:{name}")),
         }
     if p.attribute_type != "GEOMETRY":

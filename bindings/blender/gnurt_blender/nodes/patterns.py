@@ -52,7 +52,7 @@ def white_noise(p):
 @node("TEX_VORONOI")
 def voronoi(p):
     dimensions = DIMENSIONS[p.voronoi_dimensions]
-    p.need("hash")
+    p.need("hash", "cells")
     feature = p.feature
     smoothness = p.var("float", f"clamp(0.5 * {p.f('Smoothness')}, 0.0, 0.5)")
     name = functions(p.code, dimensions, feature)

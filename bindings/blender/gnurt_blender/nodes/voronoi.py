@@ -28,13 +28,26 @@ void b_cells{d}_point(vector cell, float cell_w, float randomness, output vector
 color b_cells{d}_color(vector cell, float cell_w) {{ return {color}; }}
 """
 
+# By dimension: the point of a cell, and its colour. Up to Blender 4 they are those of the language's hash.
 POINTS = {
     1: "at = vector(b_hash1(cell[0]), 0, 0);",
+    2: "at = b_cell2(cell);",
+    3: "at = b_cell3(cell);",
+    4: "b_cell4(cell, cell_w, at, at_w);",
+}
+COLORS = {
+    1: "b_hash1c(cell[0])",
+    2: "color(b_cell3(vector(cell[0], cell[1], 0)))",
+    3: "color(b_cell3(cell))",
+    4: "b_cell4c(cell, cell_w)",
+}
+OLD_POINTS = {
+    **POINTS,
     2: "at = b_hash2v(cell[0], cell[1]);",
     3: "at = b_hash3v(cell);",
     4: "b_hash4v(cell, cell_w, at, at_w);",
 }
-COLORS = {1: "b_hash1c(cell[0])", 2: "b_hash2c(cell[0], cell[1])", 3: "b_hash3c(cell)", 4: "b_hash4c(cell, cell_w)"}
+OLD_COLORS = {**COLORS, 2: "b_hash2c(cell[0], cell[1])", 3: "b_hash3c(cell)", 4: "b_hash4c(cell, cell_w)"}
 
 
 def loops(dimensions, reach, body):
@@ -192,6 +205,12 @@ EDGE = """
         result = mix(result, mix(result, min(result, distance / scale), amplitude), share);"""
 
 
+def is_old():
+    import bpy
+
+    return bpy.app.version < (5, 0, 0)
+
+
 def functions(code, dimensions, feature):
     """Adds the functions of a feature to the shader; the name to call."""
     d = dimensions
@@ -199,7 +218,9 @@ def functions(code, dimensions, feature):
     if name in code.extra:
         return name
     if f"cells{d}" not in code.extra:
-        code.extra[f"cells{d}"] = HEAD.format(d=d, point=POINTS[d], color=COLORS[d])
+        code.extra[f"cells{d}"] = HEAD.format(
+            d=d, point=(OLD_POINTS if is_old() else POINTS)[d], color=(OLD_COLORS if is_old() else COLORS)[d]
+        )
     text = (
         f"void {name}_octave(vector p, float w, float smoothness, float exponent, float randomness, string metric, "
         "output float distance, output color tint, output vector where, output float where_w)\n{\n" + octave(d, feature) + "}\n"

@@ -32,9 +32,9 @@ vector b_mirror_ball(vector p)
     return vector(0.5 * (d[0] + 1.0), 0.5 * (d[2] + 1.0), 0);
 }
 // Shares of the three views of a box; `blend` widens the part where they mix.
-vector b_box_weights(vector normal, float blend)
+vector b_box_weights(vector facing, float blend)
 {
-    vector n = fabs(normal);
+    vector n = fabs(facing);
     n /= (n[0] + n[1] + n[2]);
     float limit = 0.5 * (1.0 + blend), w = 1.0 - blend;
     if (n[0] > limit * (n[0] + n[1]) && n[0] > limit * (n[0] + n[2]))
