@@ -35,6 +35,7 @@ class GnurtEngine(bpy.types.RenderEngine):
         passes.registered(self, scene, renderlayer)
 
     def render(self, depsgraph):
+        self.has_result = False
         try:
             self._render(depsgraph)
         except Cancelled:
@@ -42,11 +43,14 @@ class GnurtEngine(bpy.types.RenderEngine):
         except Exception as error:
             traceback.print_exc()
             self.report({"ERROR"}, f"GNU RT: {error}")
+        if not self.has_result:
+            # Blender does not survive the saving of a picture that never began.
+            box = picture_size(depsgraph.scene)
+            self.end_result(self.begin_result(0, 0, *box, layer=depsgraph.view_layer.name))
 
     def _render(self, depsgraph):
         scene, layer = depsgraph.scene, depsgraph.view_layer
-        scale = scene.render.resolution_percentage / 100
-        size = max(1, int(scene.render.resolution_x * scale)), max(1, int(scene.render.resolution_y * scale))
+        size = picture_size(scene)
         warned = Warned()
         camera = self.camera_override or scene.camera
         if camera is None:
@@ -55,7 +59,7 @@ class GnurtEngine(bpy.types.RenderEngine):
         ways = motion.Ways(self, depsgraph, camera, size, warned) if scene.render.use_motion_blur else None
         camera_now = camera.evaluated_get(depsgraph)
         export = Export(depsgraph, size, camera_now, warned=warned)
-        if not export.put_all(self.test_break):
+        if not export.put_all(self.is_stopped):
             return
         masks = holdouts.of(export, depsgraph)
         wanted = passes.wanted(layer, warned)
@@ -65,17 +69,20 @@ class GnurtEngine(bpy.types.RenderEngine):
         if ways:
             options |= ways.options(export)
         share = holdouts.rendered(masks, options) if masks else None
+        uv = passes.coordinates(export, options) if "UV" in wanted else None
         region = options.get("crop")
         x0, y0, x1, y1 = region or (0, 0, *size)
         box = slice(y0, y1), slice(x0, x1)
         result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=layer.name)
+        self.has_result = True
         try:
             picture = self.grow(export, options, lambda done: self.show(result, done, scene, export, {}, share, box))
             if scene.gnurt.denoise:
                 picture = picture.denoise()
-            self.show(result, picture, scene, export, wanted, share, box)
+            self.show(result, picture, scene, export, wanted, share, box, uv)
         except Cancelled:
-            self.end_result(result, cancel=True)
+            # The samples so far stay.
+            self.end_result(result)
             raise
         self.end_result(result)
         self.tell(scene, warned)
@@ -105,26 +112,28 @@ class GnurtEngine(bpy.types.RenderEngine):
 
         def progress(done):
             self.update_progress(min(max(done, 0.0), 1.0))
-            if self.test_break():
+            if self.is_stopped():
                 raise Cancelled
 
-        if self.test_break():
-            raise Cancelled
         for picture in export.scene.accumulate(progress=progress, **options):
             samples = max(1, samples * 2)
             self.update_stats("", f"Sample {min(samples, total)} of {total}")
-            if self.test_break():
+            if self.is_stopped():
                 raise Cancelled
             if time.monotonic() - last > INTERVAL and samples < total and not self.is_quiet():
                 show(picture)
                 last = time.monotonic()
         return picture
 
+    def is_stopped(self):
+        """Whether the user has stopped the rendering."""
+        return self.test_break()
+
     @staticmethod
     def is_quiet():
         return bpy.app.background
 
-    def show(self, result, picture, scene, export, wanted, share, box):
+    def show(self, result, picture, scene, export, wanted, share, box, uv=None):
         """Puts a picture into the result on the screen."""
         layer = result.layers[0]
         color = passes.combined(picture, scene.render.film_transparent)
@@ -132,7 +141,7 @@ class GnurtEngine(bpy.types.RenderEngine):
             color = holdouts.cut(color, share)
         passes.write(layer, "Combined", color[box])
         for name, entry in wanted.items():
-            if not passes.write(layer, name, passes.of_picture(picture, entry, export)[box]):
+            if not passes.write(layer, name, passes.of_picture(picture, entry, export, uv)[box]):
                 export.warn(f"view layer '{layer.name}': the pass {name} is not rendered")
         if not wanted:
             self.update_result(result)
@@ -158,6 +167,12 @@ class GnurtEngine(bpy.types.RenderEngine):
         if state is None:
             state = self.viewport = Viewport(self, context, depsgraph)
         state.draw(context, depsgraph)
+
+
+def picture_size(scene):
+    """Pixels across and down, by the percentage of the resolution."""
+    scale = scene.render.resolution_percentage / 100
+    return max(1, int(scene.render.resolution_x * scale)), max(1, int(scene.render.resolution_y * scale))
 
 
 def register():

@@ -32,10 +32,23 @@ def collections(layer, inside=False):
         yield from collections(child, inside)
 
 
+def rendered_as(export, shader_of, options):
+    """What the camera sees where objects have these shaders, (height, width, 3)."""
+    from .scene import Export
+
+    other = Export(export.depsgraph, export.size, view=export.view, warned=export.warn, override=shader_of)
+    other.put_all()
+    return light_of(other, options)[..., :3]
+
+
 def rendered(masks, options):
     """The share of holdouts, (height, width)."""
+    return light_of(masks, options)[..., 0]
+
+
+def light_of(other, options):
     kept = {name: options[name] for name in ("width", "height", "spp", "seed", "threads", "filter", "camera", "camera_shader", "camera_parameters", "motion", "crop") if name in options}
-    return np.asarray(masks.scene.render(integrator="path", max_depth=1, **kept))[..., 0]
+    return np.asarray(other.scene.render(integrator="path", max_depth=1, **kept))
 
 
 def cut(color, share):

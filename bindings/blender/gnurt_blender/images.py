@@ -5,7 +5,10 @@ import numpy as np
 
 
 def pixels(image, warn):
-    """(array, colour space) for `gnurt.Scene.add_texture`, the upper row first; None where there are no pixels."""
+    """(array, colour space) for `gnurt.Scene.add_texture`, the upper row first; None where there are no pixels.
+
+    The space "coded" is that of bytes in sRGB which are to be decoded after they are interpolated.
+    """
     if image.source == "TILED":
         warn(f"image '{image.name}': only the first of its tiles is shown")
     if image.source in {"SEQUENCE", "MOVIE"}:
@@ -25,7 +28,8 @@ def pixels(image, warn):
     if space in {"sRGB", "Filmic sRGB", "AgX Base sRGB"}:
         if space != "sRGB":
             warn(f"image '{image.name}': colour space '{space}' is read as sRGB")
-        return np.round(values * 255).astype(np.uint8), "srgb"
+        # Cycles interpolates the stored values and decodes the result: the shader does so, too.
+        return np.round(values * 255).astype(np.uint8), "coded"
     if not (space.startswith("Non-Color") or space.startswith("Linear Rec.709") or space in {"Raw", "Linear"}):
         warn(f"image '{image.name}': colour space '{space}' is read as linear")
     return np.ascontiguousarray(values), "linear"

@@ -11,7 +11,6 @@ PASSES = {
     "use_pass_z": ("Depth", 1, "Z", "VALUE"),
     "use_pass_normal": ("Normal", 3, "XYZ", "VECTOR"),
     "use_pass_position": ("Position", 3, "XYZ", "VECTOR"),
-    "use_pass_vector": ("Vector", 4, "XYZW", "VECTOR"),
     "use_pass_uv": ("UV", 3, "UVA", "VECTOR"),
     "use_pass_object_index": ("Object Index", 1, "X", "VALUE"),
     "use_pass_material_index": ("Material Index", 1, "X", "VALUE"),
@@ -20,10 +19,14 @@ PASSES = {
     "use_pass_environment": ("Environment", 3, "RGB", "COLOR"),
 }
 OLD_NAMES = {"Object Index": "IndexOB", "Material Index": "IndexMA", "Diffuse Color": "DiffCol", "Emission": "Emit", "Environment": "Env"}
-NAMED = {"use_pass_mist": "Mist", "use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "Ambient occlusion"}
+NAMED = {"use_pass_vector": "Vector", "use_pass_mist": "Mist", "use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "Ambient occlusion"}
 NAMED |= {f"use_pass_{kind}_{part}": f"{kind} {part}" for kind in ("diffuse", "glossy", "transmission", "subsurface") for part in ("direct", "indirect", "color") if (kind, part) != ("diffuse", "color")}
 NAMED |= {"use_pass_cryptomatte_object": "Cryptomatte", "use_pass_cryptomatte_material": "Cryptomatte", "use_pass_cryptomatte_asset": "Cryptomatte"}
 FAR = 1e10
+# Channels of the layer of ids.
+ID_INSTANCE, ID_MATERIAL = 1, 3
+
+UV = "surface blender_uv () { Ci = color(u, v, 1) * emission(); }"
 
 
 def wanted(layer, warn=None):
@@ -57,7 +60,7 @@ def needs_layers(layer, transparent):
 
 def of_picture(picture, entry, export, uv=None):
     """One pass, (height, width, channels)."""
-    name, channels = entry[0], entry[1]
+    name = entry[0]
     hit = np.isfinite(picture["depth"])
     if name == "Depth":
         depth = picture["Z"] if export.view.parameters.get("kind", 0) < 2 else picture["depth"]
@@ -72,26 +75,33 @@ def of_picture(picture, entry, export, uv=None):
         return picture["emission"] - picture["background"][..., :3]
     if name == "Environment":
         return picture["background"][..., :3]
-    if name in {"Object Index", "Material Index"}:
-        return indices(picture, name, export)
-    return np.zeros((*hit.shape, channels), np.float32)
+    if name == "UV":
+        return uv
+    return indices(picture, name, export)
 
 
 def indices(picture, name, export):
     """Pass indices of objects or materials at the first sample of each pixel."""
     ids = picture["id"]
-    instance = ids[..., export.id_channels["instance"]]
-    material = ids[..., export.id_channels["material"]]
+    instance = ids[..., ID_INSTANCE]
+    material = ids[..., ID_MATERIAL]
     made = np.zeros((*instance.shape, 1), np.float32)
     if name == "Object Index":
         for number in np.unique(instance):
             found = export.objects.get(int(number))
             if found:
-                made[instance == number] = found[2]
+                made[instance == number] = found[0].pass_index
         return made
     for number in np.unique(material):
         made[material == number] = export.material_indices.get(int(number), 0)
     return made
+
+
+def coordinates(export, options):
+    """Texture coordinates of what the camera sees, by a picture in which all surfaces shine with them."""
+    from .holdouts import rendered_as
+
+    return rendered_as(export, lambda found: UV, options)
 
 
 def write(layer, name, values):

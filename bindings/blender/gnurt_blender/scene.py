@@ -4,6 +4,7 @@
 Meshes go over as arrays once; other places of the same mesh are instances of it.
 """
 
+import re
 import zlib
 
 import numpy as np
@@ -17,8 +18,6 @@ from .nodes.surfaces import bump_of_displacement
 from .warned import Warned
 
 GREY = 'surface blender_default () { Ci = 0.8 * diffuse(N); }'
-BLACK = "surface blender_black () { Ci = 0; }"
-DEFORMING = {"ARMATURE", "CLOTH", "SOFT_BODY", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "HOOK", "SHRINKWRAP", "CURVE", "LATTICE", "WAVE"}
 
 
 class Surroundings:
@@ -114,7 +113,7 @@ class Export:
         self.scene = gnurt.Scene()
         self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
         # By instances of the package: the object and material that they show, for passes.
-        self.objects, self.material_numbers = {}, {}
+        self.objects, self.material_indices, self.reads_uv = {}, {}, {}
         # By the object and the path of an instance: the numbers in the package's scene.
         self.numbers = {}
         self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
@@ -137,9 +136,7 @@ class Export:
 
     def put(self, instance, found):
         """Shows an object at the place of an instance."""
-        if found.is_holdout and self.override is None:
-            pass
-        hair = self.particle_hair(instance, found)
+        self.particle_hair(instance, found)
         if not instance.show_self:
             return
         matrix = np.array(instance.matrix_world, dtype=np.float64)
@@ -155,7 +152,6 @@ class Export:
             self.place(instance, found, matrix, rays, self.points_of)
         elif found.type in {"VOLUME", "GREASEPENCIL", "GPENCIL"}:
             self.warn(f"object '{found.name}': objects of type {found.type} are not shown")
-        del hair
 
     def rays_of(self, found):
         """The kinds of rays that meet an object."""
@@ -227,7 +223,9 @@ class Export:
             properties["face_materials"] = places[np.clip(arrays.slots, 0, len(slots) - 1)]
         if arrays.normals is not None:
             properties["normals"] = arrays.normals
-        coordinates = arrays.uv("") if hasattr(mesh, "uv_layers") else None
+        # Coordinates per corner cost time: only what is read goes over.
+        is_read = self.override is not None or any(self.reads_uv[number] for number in numbers)
+        coordinates = arrays.uv("") if is_read and hasattr(mesh, "uv_layers") else None
         if coordinates is not None:
             properties["texcoords"] = coordinates
         made = {}
@@ -319,17 +317,19 @@ class Export:
         else:
             result = []
         text = code.text("blender_material", result or ["Ci = 0;"])
-        number = self.shader(text, material.name, code.textures)
+        number = self.shader(text, material.name, code.textures, material.pass_index)
+        self.material_indices[number] = material.pass_index
         made = (number, code.attributes, code.uses_object)
         if not code.uses_object:
             self.materials[key] = made
         return made
 
-    def shader(self, text, name, textures):
-        """The number of a material with this shader."""
-        key = (text, tuple(sorted(textures.items())))
+    def shader(self, text, name, textures, index=0):
+        """The number of a material with this shader and pass index."""
+        key = (text, tuple(sorted(textures.items())), index)
         if key not in self.shaders:
             self.shaders[key] = self.scene.add_material(name, shader=text, **({"textures": textures} if textures else {}))
+            self.reads_uv[self.shaders[key]] = bool(re.search(r"\(u, v|dPdu", text))
         return self.shaders[key]
 
     def image(self, image):
@@ -338,7 +338,8 @@ class Export:
             number = None
             if found is not None:
                 values, space = found
-                number = self.scene.add_texture(values, name=image.name, colorspace=space)
+                number = self.scene.add_texture(values, name=image.name, colorspace="linear")
+                number = (number, space == "coded")
             self.images[image.name_full] = number
         return self.images[image.name_full]
 

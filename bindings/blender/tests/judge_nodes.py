@@ -8,8 +8,7 @@ import argparse
 import pathlib
 import sys
 
-import bpy
-from common import add, np, png, render, ssim, start
+from common import add, bpy, np, png, render, ssim, start
 from nodes import CASES
 
 MEAN, STRUCTURE = 0.02, 0.98

@@ -10,10 +10,14 @@ MISSING = "color(1, 0, 1)"
 
 def read(p, name, uv, color, alpha, wrap):
     """A statement that reads a picture at a point without filtering, as Cycles does."""
+    name, is_coded = name
     interp = INTERPOLATIONS[p.interpolation]
     p.code.line(
         f'color {color} = texture("{name}", {uv}[0], 1.0 - {uv}[1], 0.0, 0.0, 0.0, 0.0, "wrap", "{wrap}", "interp", "{interp}", "alpha", {alpha});'
     )
+    if is_coded:
+        p.need("srgb")
+        p.code.line(f"{color} = b_decoded({color});")
 
 
 @node("TEX_IMAGE")
