@@ -14,18 +14,32 @@ def flat(collection, name, dtype, width=1):
     return values.reshape(-1, width) if width > 1 else values
 
 
+def whole(mesh, attribute, name, dtype, width, collection, other):
+    """An attribute that every mesh has, or the property of the same values."""
+    found = mesh.attributes.get(attribute)
+    if found is not None and len(found.data) == len(collection):
+        return flat(found.data, name, dtype, width)
+    return flat(collection, other, dtype, width)
+
+
 class MeshArrays:
     """What of a mesh does not depend on materials."""
 
     def __init__(self, mesh):
         self.mesh = mesh
-        self.vertices = flat(mesh.vertices, "co", np.float32, 3)
+        # Attributes are arrays that Blender copies as a whole; properties of triangles are computed one by one.
+        self.vertices = whole(mesh, "position", "vector", np.float32, 3, mesh.vertices, "co")
         mesh.calc_loop_triangles()
-        triangles = mesh.loop_triangles
-        self.faces = flat(triangles, "vertices", np.int32, 3)
-        self.loops = flat(triangles, "loops", np.int32, 3)
-        self.polygons = flat(triangles, "polygon_index", np.int32)
-        self.slots = flat(triangles, "material_index", np.int32)
+        self.loops = flat(mesh.loop_triangles, "loops", np.int32, 3)
+        corners = whole(mesh, ".corner_vert", "value", np.int32, 1, mesh.loops, "vertex_index")
+        self.faces = corners[self.loops]
+        totals = flat(mesh.polygons, "loop_total", np.int32)
+        # Triangles are in the order of their polygons.
+        self.polygons = np.repeat(np.arange(len(totals), dtype=np.int32), totals - 2)
+        slots = mesh.attributes.get("material_index")
+        self.slots = np.zeros(len(self.loops), np.int32)
+        if slots is not None and slots.domain == "FACE" and len(slots.data):
+            self.slots = flat(slots.data, "value", np.int32)[self.polygons]
         self.normals = self._normals()
 
     def _normals(self):

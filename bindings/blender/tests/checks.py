@@ -178,6 +178,7 @@ def the_first_pixel_comes_soon():
 
 @check
 def it_goes_and_comes_again():
+    start()
     gnurt_blender.unregister()
     assert "gnurt" not in bpy.types.Scene.bl_rna.properties
     gnurt_blender.register()
