@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | notices | dist | miri | sanitize | results`.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | blender | notices | dist | miri | sanitize | results`.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
+mod blender;
 mod ci;
 mod command;
 mod dist;
@@ -27,7 +28,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 10] = [
+const CHORES: [Chore; 11] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -47,6 +48,11 @@ const CHORES: [Chore; 10] = [
         name: "python",
         about: "build the Python package's compiled part, and run its tests",
         run: python::run,
+    },
+    Chore {
+        name: "blender",
+        about: "pack the extension for Blender: [--wheel FILE]; [--judge] renders beside Cycles",
+        run: blender::run,
     },
     Chore {
         name: "installed",

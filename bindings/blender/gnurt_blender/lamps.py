@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights: those with a size are shapes that emit, so that mirrors show them; those without are lights of the shading language.
+
+Units: watts for points, spots and areas, W/m2 for suns, as in Blender. A point of P watts has the radiant intensity P / (4 pi^2)
+times pi, which Blender spreads over its sphere. Space: world.
+"""
+
+import math
+
+import numpy as np
+
+# Points and spots with a size that are sampled one by one.
+MOST_SAMPLED = 16
+
+POINT = """
+light blender_point (color power = 1, point where = point(0), float radius = 0, vector axis = vector(0, 0, -1), float cone = -2,
+    float smooth = 0)
+{
+    // A disc that faces the point, as large as the sphere seems from afar.
+    vector d = normalize(where - Ps);
+    vector side = normalize(cross(d, (fabs(d[2]) < 0.9) ? vector(0, 0, 1) : vector(1, 0, 0)));
+    float r = radius * sqrt(xi[0]), a = M_2PI * xi[1];
+    vector way = where + r * cos(a) * side + r * sin(a) * cross(d, side) - Ps;
+    lightdist = length(way);
+    L = way / lightdist;
+    Cl = power * max(dot(L, d), 0.0) / (lightdist * lightdist);
+    if (cone > -1.0) {
+        float c = dot(-L, axis) - cone;
+        Cl *= (c <= 0.0) ? 0.0 : ((smooth > 0.0) ? smoothstep(0.0, 1.0, c / smooth) : 1.0);
+    }
+}
+"""
+SUN = """
+light blender_sun (color power = 1, vector from = vector(0, 0, 1), vector side = vector(1, 0, 0), vector across = vector(0, 1, 0), float radius = 0)
+{
+    // A cone of even radiance, by its projection onto the plane of `side` and `across`.
+    float r = radius * sqrt(xi[0]), a = M_2PI * xi[1], z = sqrt(max(1.0 - r * r, 1e-4));
+    L = z * from + r * cos(a) * side + r * sin(a) * across;
+    lightdist = 1e30;
+    Cl = power / z;
+}
+"""
+NARROW = """
+light blender_narrow (color light = 1, point where = point(0), vector side = vector(1, 0, 0), vector up = vector(0, 1, 0),
+    vector axis = vector(0, 0, -1), float wide = 1, float high = 1, float spread = 1, float spread_scale = 1, int is_round = 0)
+{
+    // Of a rectangle only the part from which the light reaches the point, by the spread.
+    vector d = Ps - where;
+    float x = dot(d, side), y = dot(d, up), z = dot(d, axis), reach = z * spread;
+    float x0 = max(-0.5 * wide, x - reach), x1 = min(0.5 * wide, x + reach);
+    float y0 = max(-0.5 * high, y - reach), y1 = min(0.5 * high, y + reach);
+    Cl = color(0);
+    L = -axis;
+    lightdist = 1.0;
+    if (z > 0.0 && x1 > x0 && y1 > y0) {
+        float px = mix(x0, x1, xi[0]), py = mix(y0, y1, xi[1]);
+        vector way = where + px * side + py * up - Ps;
+        lightdist = length(way);
+        L = way / lightdist;
+        float c = -dot(L, axis);
+        float share = max((spread - sqrt(max(1.0 - c * c, 0.0)) / max(c, 1e-6)) * spread_scale, 0.0);
+        if (is_round && 4.0 * (px * px / (wide * wide) + py * py / (high * high)) > 1.0)
+            share = 0.0;
+        Cl = light * share * c * (x1 - x0) * (y1 - y0) / (lightdist * lightdist);
+    }
+}
+"""
+SHINING = """
+surface blender_lamp (color light = 1, vector axis = vector(0, 0, -1), float cone = -2, float smooth = 0, float spread = 0,
+    float spread_scale = 1)
+{
+    if (backfacing() || (MIRRORED && !raytype("camera") && !raytype("reflection") && !raytype("refraction")))
+        Ci = transparent();
+    else {
+        float share = 1.0;
+        vector d = normalize(-I);
+        if (cone > -1.0) {
+            float c = dot(d, axis) - cone;
+            share = (c <= 0.0) ? 0.0 : ((smooth > 0.0) ? smoothstep(0.0, 1.0, c / smooth) : 1.0);
+        }
+        if (spread > 0.0) {
+            float c = max(fabs(dot(d, Ng)), 1e-6);
+            share *= max((spread - sqrt(max(1.0 - c * c, 0.0)) / c) * spread_scale, 0.0);
+        }
+        Ci = (BODY) * share * emission();
+    }
+}
+"""
+
+
+def icosphere(levels=2):
+    """A sphere of triangles of equal size; scaled to the area of a sphere of radius 1."""
+    t = (1 + math.sqrt(5)) / 2
+    points = [(-1, t, 0), (1, t, 0), (-1, -t, 0), (1, -t, 0), (0, -1, t), (0, 1, t), (0, -1, -t), (0, 1, -t), (t, 0, -1), (t, 0, 1), (-t, 0, -1), (-t, 0, 1)]
+    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6), (7, 1, 8)]
+    faces += [(3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]
+    points, faces = np.array(points, float), np.array(faces)
+    for _ in range(levels):
+        p = points[faces]
+        middle = [(p[:, i] + p[:, (i + 1) % 3]) / 2 for i in range(3)]
+        parts = [(p[:, 0], middle[0], middle[2]), (middle[0], p[:, 1], middle[1]), (middle[2], middle[1], p[:, 2]), (middle[0], middle[1], middle[2])]
+        soup = np.concatenate([np.stack(part, axis=1) for part in parts])
+        soup /= np.linalg.norm(soup, axis=2, keepdims=True)
+        points, inverse = np.unique(np.round(soup.reshape(-1, 3), 9), axis=0, return_inverse=True)
+        faces = inverse.reshape(-1, 3)
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    return points * math.sqrt(4 * math.pi / area_of(points, faces)), faces
+
+
+def area_of(points, faces):
+    p = points[faces]
+    return 0.5 * np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum()
+
+
+def flat_shape(shape, size, size_y, segments=48):
+    """A rectangle or an ellipse of exact area around the origin that faces -z."""
+    if shape in {"SQUARE", "RECTANGLE"}:
+        high = size if shape == "SQUARE" else size_y
+        points = np.array([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]) * (size, high, 1)
+        return points, np.array([(0, 2, 1), (0, 3, 2)]), size * high
+    high = size if shape == "DISK" else size_y
+    angles = np.arange(segments) * (2 * math.pi / segments)
+    # As large as the ellipse.
+    grown = math.sqrt(2 * math.pi / segments / math.sin(2 * math.pi / segments))
+    rim = np.stack([np.cos(angles) * size / 2 * grown, np.sin(angles) * high / 2 * grown, 0 * angles], axis=1)
+    points = np.concatenate([[(0, 0, 0)], rim])
+    faces = np.array([(0, (i + 1) % segments + 1, i + 1) for i in range(segments)])
+    return points, faces, math.pi * size * high / 4
+
+
+class Lamp:
+    """A light of Blender on its way into the scene of `export`."""
+
+    def __init__(self, export, lamp_object, matrix, data):
+        self.export, self.object, self.data = export, lamp_object, data
+        self.matrix = np.array(matrix, dtype=np.float64)
+        self.scale = np.linalg.norm(self.matrix[:3, :3], axis=0)
+        self.turn = self.matrix[:3, :3] / np.maximum(self.scale, 1e-20)
+        self.color = self._color()
+
+    def _color(self):
+        data = self.data
+        color = np.array(data.color, float)
+        if getattr(data, "use_temperature", False):
+            color *= np.array(data.temperature_color)
+        return color * data.energy * 2.0 ** getattr(data, "exposure", 0.0)
+
+    def put(self):
+        data = self.data
+        if getattr(data, "use_custom_distance", False):
+            pass
+        getattr(self, {"POINT": "point", "SPOT": "point", "SUN": "sun", "AREA": "area"}[data.type])()
+
+    def spot(self):
+        """Parameters of the cone of a spot."""
+        if self.data.type != "SPOT":
+            return {}
+        cone = math.cos(self.data.spot_size / 2)
+        return {"axis": tuple(-self.turn[:, 2]), "cone": cone, "smooth": (1 - cone) * self.data.spot_blend}
+
+    def point(self):
+        data = self.data
+        radius = data.shadow_soft_size
+        where = self.matrix[:3, 3]
+        normalize = getattr(data, "normalize", True)
+        # In a scene of many lights each of them cannot be sampled at each point: then they are shapes that are chosen by their power.
+        is_soft = getattr(data, "use_soft_falloff", True)
+        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft and self.export.lamps <= MOST_SAMPLED)
+        area = 4 * math.pi * radius * radius
+        if is_sampled:
+            power = self.color / (4 * math.pi)
+            if not normalize:
+                power = self.color * (radius * radius if radius > 0 else 1 / math.pi)
+            parameters = {"power": tuple(power), "where": tuple(where), "radius": radius, **self.spot()}
+            self.export.scene.add_light_shader(POINT, parameters=parameters)
+            if radius <= 0:
+                return
+        radius = max(radius, 1e-3)
+        points, faces = icosphere()
+        light = self.color / (math.pi * area) if normalize else self.color / math.pi
+        self.shape(points * radius + where, faces, light, self.spot(), is_sampled)
+
+    def sun(self):
+        radius = math.sin(min(self.data.angle, math.pi) / 2)
+        color = self.color
+        if self.has_nodes():
+            self.export.warn(f"light '{self.object.name}': nodes of suns are not shown")
+        if radius > 0 and not getattr(self.data, "normalize", True):
+            color = color * math.pi * radius * radius
+        parameters = {"power": tuple(color), "from": tuple(self.turn[:, 2]), "side": tuple(self.turn[:, 0]), "across": tuple(self.turn[:, 1]), "radius": radius}
+        self.export.scene.add_light_shader(SUN, parameters=parameters)
+
+    def area(self):
+        data = self.data
+        size = data.size * self.scale[0]
+        size_y = (data.size_y if data.shape in {"RECTANGLE", "ELLIPSE"} else data.size) * self.scale[1]
+        shape = {"SQUARE": "RECTANGLE", "DISK": "ELLIPSE"}.get(data.shape, data.shape)
+        points, faces, area = flat_shape(shape, max(size, 1e-6), max(size_y, 1e-6))
+        points = points @ self.turn.T + self.matrix[:3, 3]
+        if np.linalg.det(self.turn) < 0:
+            faces = faces[:, ::-1]
+        light = self.color / (math.pi * area) if getattr(data, "normalize", True) else self.color / math.pi
+        parameters = {}
+        half = min(data.spread, math.pi) / 2
+        if half < math.pi / 2 - 1e-4:
+            half = max(half, math.radians(0.5))
+            parameters = {"spread": math.tan(half), "spread_scale": 1 / (math.tan(half) - half)}
+        is_narrow = bool(parameters) and half < math.radians(50) and not self.has_nodes() and self.export.lamps <= MOST_SAMPLED
+        if is_narrow:
+            place = {"where": tuple(self.matrix[:3, 3]), "side": tuple(self.turn[:, 0]), "up": tuple(self.turn[:, 1]), "axis": tuple(-self.turn[:, 2])}
+            place |= {"wide": max(size, 1e-6), "high": max(size_y, 1e-6), "is_round": int(shape == "ELLIPSE")}
+            self.export.scene.add_light_shader(NARROW, parameters={"light": tuple(light), **place, **parameters})
+        self.shape(points, faces, light, parameters, is_narrow)
+
+    def has_nodes(self):
+        tree = getattr(self.data, "node_tree", None)
+        return bool(getattr(self.data, "use_nodes", False) and tree)
+
+    def shape(self, points, faces, light, parameters, is_mirrored=False):
+        """A mesh that emits; to mirrors and the camera only if something else lights the scene in its place."""
+        export = self.export
+        body, extra = "light", {}
+        if self.has_nodes():
+            made = export.light_nodes(self.data, self.object)
+            if made is not None:
+                body, extra = made
+        shader = SHINING.replace("BODY", body).replace("MIRRORED", str(int(is_mirrored)))
+        if extra:
+            shader = extra["head"] + shader.replace("        float share = 1.0;", extra["lines"] + "\n        float share = 1.0;")
+        material = export.scene.add_material(
+            self.object.name, shader=shader, parameters={"light": tuple(light), **parameters}, textures=extra.get("textures") or {}
+        )
+        rays = [*(["camera"] if export.lamp_shows(self.object) else []), *(["other"] if light.any() else [])]
+        if rays:
+            export.scene.add_mesh(points, faces, material=material, rays=rays, name=self.object.name)

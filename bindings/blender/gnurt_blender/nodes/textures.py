@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes that read pictures: images by every projection, and surroundings."""
+
+from .tree import node, number
+
+WRAPS = {"REPEAT": "periodic", "EXTEND": "clamp", "CLIP": "black", "MIRROR": "mirror"}
+INTERPOLATIONS = {"Linear": "bilinear", "Closest": "closest", "Cubic": "bicubic", "Smart": "bicubic"}
+MISSING = "color(1, 0, 1)"
+
+
+def read(p, name, uv, color, alpha, wrap):
+    """A statement that reads a picture at a point without filtering, as Cycles does."""
+    name, is_coded = name
+    interp = INTERPOLATIONS[p.interpolation]
+    p.code.line(
+        f'color {color} = texture("{name}", {uv}[0], 1.0 - {uv}[1], 0.0, 0.0, 0.0, 0.0, "wrap", "{wrap}", "interp", "{interp}", "alpha", {alpha});'
+    )
+    if is_coded:
+        p.need("srgb")
+        p.code.line(f"{color} = b_decoded({color});")
+
+
+@node("TEX_IMAGE")
+def image_texture(p):
+    p.need("projections")
+    if p.image is None:
+        return {"Color": ("color", "color(0)"), "Alpha": ("float", "1.0")}
+    if p.projection != "FLAT" and not p.is_linked("Vector"):
+        at = p.mapped(p.generated())
+    elif p.is_linked("Vector"):
+        at = p.mapped(p.v("Vector"))
+    else:
+        from .inputs import uv
+
+        at = p.mapped(uv(p.code, "") if p.code.kind == "surface" else p.generated())
+    name = p.code.texture(p.image)
+    if name is None:
+        return {"Color": ("color", MISSING), "Alpha": ("float", "1.0")}
+    at = p.var("vector", at)
+    wrap = WRAPS[p.extension]
+    color, alpha = p.code.fresh(), p.code.fresh()
+    p.code.line(f"float {alpha} = 1.0;")
+    if p.projection == "BOX":
+        return box(p, name, at, color, alpha, wrap)
+    if p.projection in {"SPHERE", "TUBE"}:
+        at = p.var("vector", f"b_{p.projection.lower()}({at})")
+    read(p, name, at, color, alpha, wrap)
+    return {"Color": ("color", color), "Alpha": ("float", alpha)}
+
+
+def box(p, name, at, color, alpha, wrap):
+    """Three views along the axes of the object, mixed at the edges."""
+    n = p.var("vector", 'vector(normalize(transform("object", N)))')
+    n = p.var("vector", f"backfacing() ? -{n} : {n}")
+    weights = p.var("vector", f"b_box_weights({n}, {number(p.projection_blend)})")
+    views = (
+        f"vector(({n}[0] < 0.0) ? 1.0 - {at}[1] : {at}[1], {at}[2], 0)",
+        f"vector(({n}[1] > 0.0) ? 1.0 - {at}[0] : {at}[0], {at}[2], 0)",
+        f"vector(({n}[2] > 0.0) ? 1.0 - {at}[1] : {at}[1], {at}[0], 0)",
+    )
+    p.code.line(f"color {color} = color(0); {alpha} = 0.0;")
+    for axis, view in enumerate(views):
+        uv, own, own_alpha = p.var("vector", view), p.code.fresh(), p.code.fresh()
+        p.code.line(f"float {own_alpha} = 1.0;")
+        read(p, name, uv, own, own_alpha, wrap)
+        p.code.line(f"{color} += {weights}[{axis}] * {own}; {alpha} += {weights}[{axis}] * {own_alpha};")
+    return {"Color": ("color", color), "Alpha": ("float", alpha)}
+
+
+@node("TEX_ENVIRONMENT")
+def environment_texture(p):
+    p.need("projections")
+    if p.image is None:
+        return {"Color": ("color", "color(0)")}
+    name = p.code.texture(p.image)
+    if name is None:
+        return {"Color": ("color", MISSING)}
+    if p.is_linked("Vector"):
+        at = p.mapped(p.v("Vector"))
+    else:
+        at = p.mapped("vector(normalize(I))" if p.code.kind == "environment" else "vector(P)")
+    made = "b_equirectangular" if p.projection == "EQUIRECTANGULAR" else "b_mirror_ball"
+    uv = p.var("vector", f"{made}({at})")
+    color, alpha = p.code.fresh(), p.code.fresh()
+    p.code.line(f"float {alpha} = 1.0;")
+    read(p, name, uv, color, alpha, "periodic" if p.projection == "EQUIRECTANGULAR" else "black")
+    return {"Color": ("color", color)}
+
+
+@node("TEX_IES")
+def ies_texture(p):
+    p.warn("light profiles of IES files are not shown")
+    return {"Fac": ("float", p.f("Strength"))}
+
+
+@node("TEX_SKY")
+def sky_texture(p):
+    p.need("sky")
+    if p.sky_type != "PREETHAM":
+        p.warn(f"the sky of type {p.sky_type} is shown as Preetham's sky, without a sun disc")
+    at = p.mapped(p.v("Vector") if p.is_linked("Vector") else "vector(normalize(I))")
+    from math import cos, sin
+
+    if p.sky_type in {"PREETHAM", "HOSEK_WILKIE"}:
+        sun, turbidity = tuple(p.sun_direction), p.turbidity
+    else:
+        high, turn = p.sun_elevation, p.sun_rotation
+        sun, turbidity = (sin(turn) * cos(high), cos(turn) * cos(high), sin(high)), 2.2
+    direction = f"vector({', '.join(number(x) for x in sun)})"
+    return {"Color": ("color", f"b_preetham({at}, {direction}, {number(turbidity)})")}
+
+
+@node("TEX_POINTDENSITY")
+def point_density(p):
+    p.warn("point densities are not shown")
+    return {}

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Passes of a view layer from the layers of a picture.
+
+Blender's rows begin with the lowest; ours with the upper one. Depth is that along the view, as Cycles has it.
+"""
+
+import numpy as np
+
+# Property of the view layer: (name of the pass, channels, kind). Properties that are missing in a version are skipped.
+PASSES = {
+    "use_pass_z": ("Depth", 1, "Z", "VALUE"),
+    "use_pass_normal": ("Normal", 3, "XYZ", "VECTOR"),
+    "use_pass_position": ("Position", 3, "XYZ", "VECTOR"),
+    "use_pass_uv": ("UV", 3, "UVA", "VECTOR"),
+    "use_pass_object_index": ("Object Index", 1, "X", "VALUE"),
+    "use_pass_material_index": ("Material Index", 1, "X", "VALUE"),
+    "use_pass_diffuse_color": ("Diffuse Color", 3, "RGB", "COLOR"),
+    "use_pass_emit": ("Emission", 3, "RGB", "COLOR"),
+    "use_pass_environment": ("Environment", 3, "RGB", "COLOR"),
+}
+OLD_NAMES = {"Object Index": "IndexOB", "Material Index": "IndexMA", "Diffuse Color": "DiffCol", "Emission": "Emit", "Environment": "Env"}
+NAMED = {"use_pass_vector": "Vector", "use_pass_mist": "Mist", "use_pass_shadow": "Shadow", "use_pass_ambient_occlusion": "Ambient occlusion"}
+NAMED |= {f"use_pass_{kind}_{part}": f"{kind} {part}" for kind in ("diffuse", "glossy", "transmission", "subsurface") for part in ("direct", "indirect", "color") if (kind, part) != ("diffuse", "color")}
+NAMED |= {"use_pass_cryptomatte_object": "Cryptomatte", "use_pass_cryptomatte_material": "Cryptomatte", "use_pass_cryptomatte_asset": "Cryptomatte"}
+FAR = 1e10
+# Channels of the layer of ids.
+ID_INSTANCE, ID_MATERIAL = 1, 3
+
+UV = "surface blender_uv () { Ci = color(u, v, 1) * emission(); }"
+
+
+def wanted(layer, warn=None):
+    """The passes of a view layer beside Combined, by name."""
+    for name in NAMED:
+        if warn and getattr(layer, name, False):
+            warn(f"view layer '{layer.name}': the pass {NAMED[name]} is not rendered")
+    return {entry[0]: entry for name, entry in PASSES.items() if getattr(layer, name, False)}
+
+
+def registered(engine, scene, layer):
+    """Tells Blender which passes there will be."""
+    engine.register_pass(scene, layer, "Combined", 4, "RGBA", "COLOR")
+    for name, channels, letters, kind in wanted(layer).values():
+        engine.register_pass(scene, layer, name, channels, letters, kind)
+
+
+def combined(picture, transparent):
+    """Light and opacity, (height, width, 4), premultiplied."""
+    color = np.asarray(picture)
+    if not transparent:
+        color[..., 3] = 1.0
+        return color
+    color[..., :3] -= picture["background"][..., :3]
+    return color
+
+
+def needs_layers(layer, transparent):
+    return transparent or bool(wanted(layer))
+
+
+def of_picture(picture, entry, export, uv=None):
+    """One pass, (height, width, channels)."""
+    name = entry[0]
+    hit = np.isfinite(picture["depth"])
+    if name == "Depth":
+        depth = picture["Z"] if export.view.parameters.get("kind", 0) < 2 else picture["depth"]
+        return np.where(hit, depth, FAR)[..., None]
+    if name == "Normal":
+        return picture["N"]
+    if name == "Position":
+        return np.where(hit[..., None], picture["P"], 0.0)
+    if name == "Diffuse Color":
+        return picture["albedo"]
+    if name == "Emission":
+        return picture["emission"] - picture["background"][..., :3]
+    if name == "Environment":
+        return picture["background"][..., :3]
+    if name == "UV":
+        return uv
+    return indices(picture, name, export)
+
+
+def indices(picture, name, export):
+    """Pass indices of objects or materials at the first sample of each pixel."""
+    ids = picture["id"]
+    instance = ids[..., ID_INSTANCE]
+    material = ids[..., ID_MATERIAL]
+    made = np.zeros((*instance.shape, 1), np.float32)
+    if name == "Object Index":
+        for number in np.unique(instance):
+            found = export.objects.get(int(number))
+            if found:
+                made[instance == number] = found[0].pass_index
+        return made
+    for number in np.unique(material):
+        made[material == number] = export.material_indices.get(int(number), 0)
+    return made
+
+
+def coordinates(export, options):
+    """Texture coordinates of what the camera sees, by a picture in which all surfaces shine with them."""
+    from .holdouts import rendered_as
+
+    return rendered_as(export, lambda found: UV, options)
+
+
+def write(layer, name, values):
+    """Puts an array into a pass of a result."""
+    found = layer.passes.get(name) or layer.passes.get(OLD_NAMES.get(name, name))
+    if found is None:
+        return False
+    found.rect.foreach_set(np.ascontiguousarray(values[::-1], dtype=np.float32).ravel())
+    return True

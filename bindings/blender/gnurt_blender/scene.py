@@ -1,0 +1,401 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An evaluated dependency graph as a scene of the package: objects, instances, materials, lights, world.
+
+Meshes go over as arrays once; other places of the same mesh are instances of it.
+"""
+
+import re
+import zlib
+
+import numpy as np
+
+import gnurt
+
+from . import cameras, images, meshes, strands
+from .lamps import Lamp
+from .nodes import Code, compile_tree
+from .nodes.surfaces import bump_of_displacement
+from .warned import Warned
+
+GREY = 'surface blender_default () { Ci = 0.8 * diffuse(N); }'
+
+
+class Surroundings:
+    """What the shader of one material of one object reads: the host of `nodes.Code`."""
+
+    def __init__(self, export, material, lit_object, mesh, slot=0):
+        self.export, self.material, self.object, self.mesh, self.slot = export, material, lit_object, mesh, slot
+        self.warn = export.warn
+        self.holdout = False
+        self.instance = None
+
+    @property
+    def owner(self):
+        return f"'{self.material.name}'"
+
+    def image(self, image, colorspace):
+        return self.export.image(image)
+
+    def generated(self, code):
+        if code.kind == "environment":
+            return "vector(normalize(I))"
+        low, scale = code.attribute("vector", "box_low"), code.attribute("vector", "box_scale")
+        return code.var("vector", f'(vector(transform("object", P)) - {low}) * {scale}')
+
+    def inverse_of(self, other):
+        return np.linalg.inv(np.array(other.matrix_world))
+
+    def camera_from_world(self):
+        return np.linalg.inv(self.export.view.world_from_camera)
+
+    def world_from_camera(self):
+        return self.export.view.world_from_camera
+
+    def window_from_world(self):
+        return self.export.view.window_from_camera @ self.camera_from_world()
+
+    def is_orthographic(self):
+        return self.export.view.parameters.get("kind", 0) == 1
+
+    def active_uv(self):
+        layers = getattr(self.mesh, "uv_layers", None) or ()
+        return next((layer.name for layer in layers if layer.active_render), "")
+
+    def is_active_uv(self, name):
+        return name == self.active_uv()
+
+    def material_index(self):
+        return getattr(self.material, "pass_index", 0)
+
+    def object_values(self):
+        """Colour, opacity, index and random number of the object."""
+        if self.object is None:
+            return (1, 1, 1), 1, 0, 0
+        color = self.object.color
+        number = self.instance[1] if self.instance else string_hash(self.object.name)
+        return tuple(color[:3]), color[3], self.object.pass_index, (number % (1 << 32)) / float((1 << 32) - 1)
+
+    def particle(self):
+        return None
+
+    def property_of(self, kind, name):
+        """The value of a custom property and its opacity."""
+        holders = [self.export.view_layer, self.export.scene_data, self.export.scene_data.world] if kind == "VIEW_LAYER" else [self.object, getattr(self.object, "data", None)]
+        for holder in holders:
+            if holder is None:
+                continue
+            try:
+                value = holder[name] if not name.startswith("[") and name in holder else holder.path_resolve(name)
+            except (ValueError, TypeError, KeyError, AttributeError):
+                continue
+            if isinstance(value, (int, float, bool)):
+                return (float(value),) * 3, 1.0
+            if hasattr(value, "__len__") and len(value) >= 3:
+                value = [float(x) for x in value]
+                return tuple(value[:3]), value[3] if len(value) > 3 else 1.0
+        self.warn(f"material {self.owner}: there is no property '{name}' of kind {kind}")
+        return (0.0, 0.0, 0.0), 0.0
+
+
+def string_hash(text):
+    """A number for a name, the same in every run."""
+    return zlib.crc32(text.encode())
+
+
+class Export:
+    """A scene of the package in the making. `overrides` replaces materials: a function of an object that returns shader text or None."""
+
+    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None):
+        self.depsgraph, self.size = depsgraph, size
+        self.scene_data, self.view_layer = depsgraph.scene, depsgraph.view_layer
+        self.warn = warned or Warned()
+        self.override = override
+        self.scene = gnurt.Scene()
+        self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
+        # By instances of the package: the object and material that they show, for passes.
+        self.objects, self.material_indices, self.reads_uv = {}, {}, {}
+        # By the object and the path of an instance: the numbers in the package's scene.
+        self.numbers = {}
+        self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
+        self.view = view or cameras.of_scene(self.scene_data, camera, size, self.warn)
+
+    def put_all(self, cancelled=lambda: False):
+        for instance in self.depsgraph.object_instances:
+            if cancelled():
+                return False
+            found = instance.object
+            if found.type == "LIGHT":
+                if self.override is None:
+                    Lamp(self, found, instance.matrix_world, found.data).put()
+                continue
+            self.put(instance, found)
+        self.world()
+        return True
+
+    # Objects
+
+    def put(self, instance, found):
+        """Shows an object at the place of an instance."""
+        self.particle_hair(instance, found)
+        if not instance.show_self:
+            return
+        matrix = np.array(instance.matrix_world, dtype=np.float64)
+        rays = self.rays_of(found)
+        if not rays:
+            return
+        if found.type in {"MESH", "CURVE", "SURFACE", "FONT", "META"}:
+            self.place(instance, found, matrix, rays, self.mesh_of)
+        elif found.type == "CURVES":
+            self.warn(f"object '{found.name}': hair is shown as tubes of triangles")
+            self.place(instance, found, matrix, rays, self.curves_of)
+        elif found.type == "POINTCLOUD":
+            self.place(instance, found, matrix, rays, self.points_of)
+        elif found.type in {"VOLUME", "GREASEPENCIL", "GPENCIL"}:
+            self.warn(f"object '{found.name}': objects of type {found.type} are not shown")
+
+    def rays_of(self, found):
+        """The kinds of rays that meet an object."""
+        others = (found.visible_diffuse, found.visible_glossy, found.visible_transmission)
+        if len(set(others)) > 1:
+            self.warn(f"object '{found.name}': visibility to diffuse, glossy and transmitted rays is the same here")
+        rays = ["camera"] if found.visible_camera else []
+        rays += ["shadow"] if found.visible_shadow else []
+        return rays + (["other"] if any(others) else [])
+
+    def lamp_shows(self, found):
+        return found.visible_camera and self.override is None
+
+    def key_of(self, instance, found):
+        """What tells instances apart that a shader sees as different."""
+        persistent = tuple(instance.persistent_id) if instance.is_instance else ()
+        return (found.name, persistent)
+
+    def place(self, instance, found, matrix, rays, arrays_of):
+        """Adds the mesh of an object, or another place of it."""
+        slots = [slot.material for slot in found.material_slots] or [None]
+        key = (found.type, found.data.as_pointer() if found.data else 0, tuple(m.as_pointer() if m else 0 for m in slots))
+        if found.type not in {"MESH", "CURVES", "POINTCLOUD"}:
+            key = (*key, found.name)
+        own = self.shown.get(key)
+        if own is None and key not in self.shown:
+            number = arrays_of(instance, found, slots, matrix, rays)
+            if number is None:
+                self.shown[key] = None
+                return
+            number, is_own = number
+            if not is_own:
+                self.shown[key] = number
+        elif own is None:
+            return
+        else:
+            number = self.scene.add_instance(own, matrix)
+            self.scene.update(number, rays=rays)
+        self.objects[number] = (found, slots)
+        self.numbers[self.key_of(instance, found)] = number
+
+    def mesh_of(self, instance, found, slots, matrix, rays):
+        mesh = found.data if found.type == "MESH" else found.to_mesh()
+        if mesh is None:
+            return None
+        try:
+            arrays = meshes.MeshArrays(mesh)
+            if len(arrays.faces) == 0:
+                return None
+            return self.add(instance, found, slots, matrix, rays, arrays, mesh)
+        finally:
+            if found.type != "MESH":
+                found.to_mesh_clear()
+
+    def add(self, instance, found, slots, matrix, rays, arrays, mesh):
+        """Adds arrays with the materials that they use; the number, and whether it is for this instance alone."""
+        used = np.unique(np.clip(arrays.slots, 0, len(slots) - 1))
+        numbers, wanted, uses_object = [], {}, False
+        for slot in used:
+            number, attributes, is_own = self.material(slots[slot], found, mesh, instance, int(slot))
+            numbers.append(number)
+            uses_object |= is_own
+            for (kind, name), known in attributes.items():
+                wanted[known] = (kind, name)
+        properties = {"material": numbers, "transform": matrix, "rays": rays, "name": found.name}
+        if len(numbers) > 1:
+            places = np.zeros(len(slots), np.int32)
+            places[used] = np.arange(len(used))
+            properties["face_materials"] = places[np.clip(arrays.slots, 0, len(slots) - 1)]
+        if arrays.normals is not None:
+            properties["normals"] = arrays.normals
+        # Coordinates per corner cost time: only what is read goes over.
+        is_read = self.override is not None or any(self.reads_uv[number] for number in numbers)
+        coordinates = arrays.uv("") if is_read and hasattr(mesh, "uv_layers") else None
+        if coordinates is not None:
+            properties["texcoords"] = coordinates
+        made = {}
+        for known, (_, name) in wanted.items():
+            values = meshes.attribute(arrays, name, self.warn)
+            if values is not None:
+                made[known] = np.ascontiguousarray(values)
+        if made:
+            properties["attributes"] = made
+        return self.scene.add_mesh(arrays.vertices, arrays.faces, **properties), uses_object
+
+    def particle_hair(self, instance, found):
+        """Hair of particle systems, which belongs to an emitter."""
+        if found.type != "MESH" or instance.is_instance:
+            return
+        for system in found.particle_systems:
+            settings = system.settings
+            if settings.type != "HAIR" or settings.render_type != "PATH":
+                continue
+            self.warn(f"object '{found.name}': hair is shown as tubes of triangles")
+            matrix = np.array(instance.matrix_world)
+            made = strands.tubes(*strands.of_particles(found, system, matrix), sides=4)
+            if made is not None:
+                slots = [slot.material for slot in found.material_slots] or [None]
+                slot = min(max(settings.material - 1, 0), len(slots) - 1)
+                self.add_strands(instance, found, slots[slot], matrix, made)
+
+    def add_strands(self, instance, found, material, matrix, made):
+        vertices, faces, owners, shares, normals = made
+        number, attributes, _ = self.material(material, found, None, instance)
+        ready = {}
+        for (kind, name), known in attributes.items():
+            values = {
+                "hair:Is Strand": np.ones(len(vertices)),
+                "hair:Intercept": shares,
+                "hair:Random": (owners * 2654435761 % (1 << 32)) / float(1 << 32),
+            }.get(name)
+            if values is not None:
+                ready[known] = values.astype(np.float32)
+        return self.scene.add_mesh(
+            vertices.astype(np.float32), faces, normals=normals.astype(np.float32), material=number, transform=matrix,
+            rays=self.rays_of(found), name=found.name, **({"attributes": ready} if ready else {}),
+        )
+
+    def curves_of(self, instance, found, slots, matrix, rays):
+        made = strands.tubes(*strands.of_curves(found.data))
+        if made is None:
+            return None
+        return self.add_strands(instance, found, slots[0], matrix, made), True
+
+    def points_of(self, instance, found, slots, matrix, rays):
+        count = len(found.data.points)
+        if count == 0:
+            return None
+        points = meshes.flat(found.data.points, "co", np.float32, 3)
+        radii = meshes.flat(found.data.points, "radius", np.float32)
+        vertices, faces, normals = strands.spheres(points, radii)
+        number, _, _ = self.material(slots[0], found, None, instance)
+        return self.scene.add_mesh(vertices.astype(np.float32), faces, normals=normals.astype(np.float32), material=number, transform=matrix, rays=rays, name=found.name), True
+
+    # Materials
+
+    def material(self, material, found, mesh, instance, slot=0):
+        """The number of a material, the attributes that it reads, and whether it is that of this object alone."""
+        if self.override is not None:
+            return self.shader(self.override(found), "override", {}), {}, False
+        if material is None:
+            return self.shader(GREY, "default", {}), {}, False
+        tree = getattr(material, "node_tree", None)
+        if tree is None or not getattr(material, "use_nodes", True):
+            color = ", ".join(repr(float(x)) for x in material.diffuse_color[:3])
+            return self.shader(f"surface blender_plain () {{ Ci = color({color}) * diffuse(N); }}", material.name, {}), {}, False
+        host = Surroundings(self, material, found, mesh, slot)
+        if instance.is_instance:
+            host.instance = (tuple(instance.persistent_id), instance.random_id)
+        key = (material.as_pointer(), host.active_uv())
+        if key in self.materials:
+            return self.materials[key]
+        code = Code("surface", host)
+        output = tree.get_output_node("CYCLES")
+        result = []
+        if output is not None:
+            if output.inputs["Displacement"].is_linked and material.displacement_method != "DISPLACEMENT_":
+                bump_of_displacement(code, tree, output, material)
+            if output.inputs["Volume"].is_linked:
+                self.warn(f"material '{material.name}': volumes are not shown")
+            surface = compile_tree(code, tree, output.inputs["Surface"])
+            result = [f"Ci = {surface};"] if surface else []
+        else:
+            result = []
+        text = code.text("blender_material", result or ["Ci = 0;"])
+        number = self.shader(text, material.name, code.textures, material.pass_index)
+        self.material_indices[number] = material.pass_index
+        made = (number, code.attributes, code.uses_object)
+        if not code.uses_object:
+            self.materials[key] = made
+        return made
+
+    def shader(self, text, name, textures, index=0):
+        """The number of a material with this shader and pass index."""
+        key = (text, tuple(sorted(textures.items())), index)
+        if key not in self.shaders:
+            self.shaders[key] = self.scene.add_material(name, shader=text, **({"textures": textures} if textures else {}))
+            self.reads_uv[self.shaders[key]] = bool(re.search(r"\(u, v|dPdu", text))
+        return self.shaders[key]
+
+    def image(self, image):
+        if image.name_full not in self.images:
+            found = images.pixels(image, self.warn)
+            number = None
+            if found is not None:
+                values, space = found
+                number = self.scene.add_texture(values, name=image.name, colorspace="linear")
+                number = (number, space == "coded")
+            self.images[image.name_full] = number
+        return self.images[image.name_full]
+
+    def light_nodes(self, data, found):
+        """The colour that the nodes of a light multiply its own by, with the statements before it."""
+        output = data.node_tree.get_output_node("CYCLES")
+        if output is None:
+            return None
+        host = Surroundings(self, data, found, None)
+        code = Code("surface", host)
+        from .nodes.tree import FOLDER, light_factor
+
+        factor = light_factor(code, data.node_tree, output.inputs["Surface"])
+        if factor is None:
+            return None
+        head = "\n".join([(FOLDER / f"{file}.h").read_text() for file in code.files] + list(code.extra.values()))
+        return f"light * {factor}", {"head": head, "lines": "\n".join(f"        {line}" for line in code.lines), "textures": code.textures}
+
+    # World
+
+    def world(self):
+        world = self.scene_data.world
+        if world is None or self.override is not None:
+            self.scene.add_light("environment", radiance=0)
+            return
+        tree = getattr(world, "node_tree", None)
+        if tree is None or not getattr(world, "use_nodes", True):
+            self.scene.add_light("environment", radiance=tuple(world.color))
+            return
+        output = tree.get_output_node("CYCLES")
+        host = Surroundings(self, world, None, None)
+        code = Code("environment", host)
+        result = None
+        plain = uniform(tree, output) if output is not None else None
+        if plain is not None:
+            self.scene.add_light("environment", radiance=plain)
+            return
+        if output is not None:
+            if output.inputs["Volume"].is_linked:
+                self.warn(f"world '{world.name}': volumes are not shown")
+            result = compile_tree(code, tree, output.inputs["Surface"])
+        if result is None:
+            self.scene.add_light("environment", radiance=0)
+            return
+        text = code.text("blender_world", [f"Ci = {result};"])
+        textures = {"textures": code.textures} if code.textures else {}
+        self.scene.add_light("environment", shader=text, up=(0.0, 0.0, 1.0), **textures)
+
+
+def uniform(tree, output):
+    """The radiance of a world that is one colour, or None."""
+    socket = output.inputs["Surface"]
+    found = socket.links[0].from_node if socket.is_linked and not socket.links[0].is_muted else None
+    if found is None or found.type not in {"BACKGROUND", "EMISSION"} or found.mute:
+        return None
+    if found.inputs["Color"].is_linked or found.inputs["Strength"].is_linked:
+        return None
+    strength = found.inputs["Strength"].default_value
+    return tuple(max(x, 0.0) * strength for x in found.inputs["Color"].default_value[:3])

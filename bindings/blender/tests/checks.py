@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks of the engine beside its pictures: equal bytes, passes beside Cycles', cancelling, warnings, registration, times.
+
+Usage: python checks.py
+"""
+
+import os
+import sys
+import tempfile
+import time
+
+from common import bpy, camera, floor, gnurt_blender, light, material, np, render, shape, start  # isort: skip
+from gnurt_blender.engine import GnurtEngine
+from scenes import SCENES, nodes_of
+
+CHECKS = []
+
+
+def check(function):
+    CHECKS.append(function)
+    return function
+
+
+@check
+def two_renders_give_the_same_bytes():
+    start()
+    SCENES["textured"]()
+    assert (render("GNURT", 8) == render("GNURT", 8)).all()
+
+
+@check
+def unknown_nodes_are_named():
+    start()
+    floor()
+    made = material("strange", "ShaderNodeBsdfDiffuse")
+    tree, _, shader = nodes_of(made)
+    node = tree.nodes.new("ShaderNodeTexGabor")
+    node.name = "my gabor"
+    tree.links.new(node.outputs[0], shader.inputs["Color"])
+    shape("cube", (0, 0, 1), made)
+    camera()
+    render("GNURT", 1)
+    told = bpy.context.scene.gnurt.warnings
+    assert "'my gabor'" in told and "'strange'" in told, told
+
+
+@check
+def what_is_stopped_ends_at_once():
+    start()
+    SCENES["glass"]()
+    asked = time.monotonic()
+    stopped = GnurtEngine.is_stopped
+    GnurtEngine.is_stopped = lambda self: time.monotonic() - asked > 1.0
+    try:
+        render("GNURT", 1 << 20)
+    except RuntimeError:
+        pass
+    finally:
+        GnurtEngine.is_stopped = stopped
+    took = time.monotonic() - asked
+    assert took < 20, f"{took} s"
+
+
+@check
+def a_scene_without_a_camera_is_an_error():
+    start()
+    floor()
+    try:
+        render("GNURT", 1)
+    except RuntimeError as error:
+        assert "camera" in str(error).lower(), error
+    else:
+        raise AssertionError("no error")
+
+
+def layers(engine, samples=16):
+    """All passes of a picture by name."""
+    import OpenEXR
+
+    scene = bpy.context.scene
+    scene.render.engine = engine
+    scene.cycles.samples = scene.gnurt.samples = samples
+    settings = scene.render.image_settings
+    if hasattr(settings, "media_type"):
+        settings.media_type = "MULTI_LAYER_IMAGE"
+    settings.file_format = "OPEN_EXR_MULTILAYER"
+    settings.color_depth = "32"
+    with tempfile.TemporaryDirectory() as folder:
+        scene.render.filepath = os.path.join(folder, "all.exr")
+        bpy.ops.render.render(write_still=True)
+        with OpenEXR.File(scene.render.filepath, separate_channels=True) as file:
+            made = {}
+            for part in file.parts:
+                for name, channel in part.channels.items():
+                    made[name.split(".", 1)[1] if name.count(".") > 1 else name] = np.array(channel.pixels, float)
+    return made
+
+
+@check
+def passes_are_those_of_cycles():
+    try:
+        import OpenEXR  # noqa: F401
+    except ImportError:
+        print("SKIPPED: passes beside Cycles'; install OpenEXR for this Python: pip install OpenEXR", file=sys.stderr)
+        return
+    start()
+    SCENES["point_lights"]()
+    for i, found in enumerate(bpy.data.materials):
+        found.pass_index = i + 1
+    layer = bpy.context.view_layer
+    for name in ("z", "normal", "position", "object_index", "material_index", "emit", "environment", "diffuse_color", "uv", "vector"):
+        setattr(layer, f"use_pass_{name}", True)
+    ours, theirs = layers("GNURT"), layers("CYCLES")
+    print("      passes:", sorted({name.rsplit(".", 1)[0] for name in ours}))
+    for name in sorted(theirs):
+        a, b = ours.get(name), theirs[name]
+        if name.startswith(("Combined", "Vector")):
+            continue
+        assert a is not None, f"{name} is missing; there are {sorted(ours)}"
+        far = max(np.abs(b[b < 1e9]).max(), 1e-3) if (b < 1e9).any() else 1
+        same = np.abs(np.minimum(a, 1e9) - np.minimum(b, 1e9)) < 0.03 * far
+        assert same.mean() > 0.93, f"{name}: {100 * same.mean():.1f} % of the pixels are equal"
+
+
+@check
+def borders_render_a_part():
+    start()
+    SCENES["diffuse"]()
+    whole = render("GNURT", 16)
+    settings = bpy.context.scene.render
+    settings.use_border = True
+    settings.border_min_x, settings.border_max_x, settings.border_min_y, settings.border_max_y = 0.25, 0.75, 0.0, 0.5
+    part = render("GNURT", 16)
+    assert part.shape == whole.shape
+    assert np.allclose(part[64:, 32:96], whole[64:, 32:96], atol=1e-4)
+    assert (part[:60] == 0).all()
+    settings.use_crop_to_border = True
+    cropped = render("GNURT", 16)
+    assert cropped.shape[:2] == (64, 64), cropped.shape
+    assert np.allclose(cropped, whole[64:, 32:96], atol=1e-4)
+
+
+@check
+def the_resolution_is_scaled():
+    start()
+    SCENES["diffuse"]()
+    bpy.context.scene.render.resolution_percentage = 50
+    assert render("GNURT", 1).shape[:2] == (64, 64)
+
+
+@check
+def two_view_layers_are_rendered():
+    start()
+    SCENES["diffuse"]()
+    bpy.context.scene.view_layers.new("second")
+    render("GNURT", 1)
+
+
+@check
+def the_first_pixel_comes_soon():
+    start()
+    floor()
+    grid = shape("grid", (0, 0, 1), material("m", Base_Color=(0.5, 0.4, 0.3)), True, x_subdivisions=354, y_subdivisions=354, size=4)
+    rng = np.random.default_rng(1)
+    points = np.empty(len(grid.data.vertices) * 3, np.float32)
+    grid.data.vertices.foreach_get("co", points)
+    points[2::3] = 0.2 * rng.random(len(points) // 3)
+    grid.data.vertices.foreach_set("co", points)
+    camera()
+    light("AREA", (2, -4, 6), 600, size=3)
+    seconds = {}
+    for engine in ("GNURT", "CYCLES", "GNURT", "CYCLES"):
+        began = time.monotonic()
+        render(engine, 1)
+        seconds[engine] = min(time.monotonic() - began, seconds.get(engine, 1e9))
+    print(f"      250,000 triangles, one sample of 128 x 128: {seconds['GNURT']:.2f} s, Cycles {seconds['CYCLES']:.2f} s")
+
+
+@check
+def it_goes_and_comes_again():
+    start()
+    gnurt_blender.unregister()
+    assert "gnurt" not in bpy.types.Scene.bl_rna.properties
+    gnurt_blender.register()
+    assert bpy.context.scene.gnurt.samples >= 1
+
+
+def main():
+    failed = 0
+    for function in CHECKS:
+        if len(sys.argv) > 1 and function.__name__ not in sys.argv[1:]:
+            continue
+        try:
+            function()
+            print(f"ok   {function.__name__}", flush=True)
+        except Exception as error:
+            failed += 1
+            print(f"FAIL {function.__name__}: {type(error).__name__}: {error}", flush=True)
+    print(f"{failed} checks failed")
+    return failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

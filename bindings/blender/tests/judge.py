@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders scenes with GNU RT and Cycles at equal light, and compares the means of pictures and objects.
+
+Usage: python judge.py [--samples N] [--out FOLDER] [SCENE ...]
+"""
+
+import argparse
+import pathlib
+import sys
+import time
+
+from common import bpy, mask, np, png, render, start
+from scenes import SCENES
+
+BAR = 0.03
+
+
+def judge(name, samples, out):
+    start()
+    SCENES[name]()
+    began = time.monotonic()
+    ours = render("GNURT", samples)
+    middle = time.monotonic()
+    theirs = render("CYCLES", samples)
+    seconds = middle - began, time.monotonic() - middle
+    parts = np.zeros(ours.shape[:2], int) if bpy.context.scene.get("means only") else mask()
+    worst, lines = 0.0, []
+
+    def compare(what, a, b):
+        nonlocal worst
+        error = abs(a.mean() - b.mean()) / max(b.mean(), 1e-3)
+        worst = max(worst, error)
+        lines.append(f"{what} {a.mean():.4f}/{b.mean():.4f}")
+
+    compare("all", ours[..., :3], theirs[..., :3])
+    compare("opacity", ours[..., 3], theirs[..., 3])
+    for index in np.unique(parts):
+        if index and (parts == index).sum() >= 60:
+            compare(f"#{index}", ours[parts == index][:, :3], theirs[parts == index][:, :3])
+    if out:
+        png(out / f"{name}.png", ours, theirs)
+    return worst, lines, seconds
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--samples", type=int, default=64)
+    parser.add_argument("--out", type=pathlib.Path)
+    parser.add_argument("scenes", nargs="*")
+    given = parser.parse_args()
+    if given.out:
+        given.out.mkdir(parents=True, exist_ok=True)
+    failed = 0
+    for name in given.scenes or SCENES:
+        worst, lines, seconds = judge(name, given.samples, given.out)
+        failed += worst > BAR
+        for line in bpy.context.scene.gnurt.warnings.splitlines():
+            print("     warned:", line)
+        print(f"{'ok  ' if worst <= BAR else 'FAIL'} {name:18} {100 * worst:5.2f} %  {seconds[0]:.1f} s / {seconds[1]:.1f} s  {' '.join(lines)}", flush=True)
+    print(f"{failed} of {len(given.scenes or SCENES)} scenes beyond {100 * BAR:.0f} %")
+    return failed > 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,499 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scenes of the judge: each a function that fills the empty scene of `common.start`."""
+
+import math
+import random
+
+from common import add, background, bpy, camera, floor, light, material, nodes_of, np, shape
+
+SCENES = {}
+
+
+def scene(function):
+    SCENES[function.__name__] = function
+    return function
+
+
+def balls(*materials, lamp=True):
+    """Balls in a row on a floor."""
+    floor()
+    count = len(materials)
+    for i, made in enumerate(materials):
+        shape("uv_sphere", ((i - (count - 1) / 2) * 1.7, 0, 0.8), made, True, radius=0.8, segments=48, ring_count=24)
+    camera((0, -7, 2.6), (0, 0, 0.7), 45)
+    if lamp:
+        light("AREA", (2, -3, 5), 400, size=2)
+        background(0.3)
+
+
+@scene
+def diffuse():
+    balls(*(material(f"m{i}", "ShaderNodeBsdfDiffuse", Color=c, Roughness=r) for i, (c, r) in enumerate([((0.8, 0.2, 0.1), 0), ((0.2, 0.7, 0.2), 0.5), ((0.8, 0.8, 0.8), 1)])))
+
+
+@scene
+def plastic():
+    balls(*(material(f"m{i}", Base_Color=(0.1, 0.3, 0.7), Roughness=r) for i, r in enumerate([0.15, 0.5, 1.0])))
+
+
+@scene
+def black_plastic():
+    balls(*(material(f"m{i}", Base_Color=(0, 0, 0), Roughness=0.4, IOR=n) for i, n in enumerate([1.2, 1.5, 2.0])))
+
+
+@scene
+def metal():
+    balls(*(material(f"m{i}", Base_Color=(0.9, 0.6, 0.2), Metallic=1, Roughness=r) for i, r in enumerate([0.1, 0.4, 0.9])))
+
+
+@scene
+def metal_tint():
+    balls(*(material(f"m{i}", Base_Color=(0.6, 0.5, 0.4), Metallic=1, Roughness=0.3, Specular_Tint=t) for i, t in enumerate([(1, 1, 1), (0.5, 0.2, 0.9), (0, 0, 0)])))
+
+
+@scene
+def half_metal():
+    balls(*(material(f"m{i}", Base_Color=(0.2, 0.6, 0.4), Metallic=x, Roughness=0.3) for i, x in enumerate([0.25, 0.5, 0.75])))
+
+
+@scene
+def glass():
+    balls(*(material(f"m{i}", Base_Color=(0.9, 0.95, 1), Transmission_Weight=1, Roughness=r, IOR=1.45) for i, r in enumerate([0, 0.2, 0.4])))
+
+
+@scene
+def coat():
+    balls(*(material(f"m{i}", Base_Color=(0.5, 0.05, 0.05), Roughness=0.6, Coat_Weight=w, Coat_Roughness=0.1, Coat_Tint=t) for i, (w, t) in enumerate([(0.5, (1, 1, 1)), (1, (1, 1, 1)), (1, (0.9, 0.7, 0.3))])))
+
+
+@scene
+def sheen():
+    balls(*(material(f"m{i}", Base_Color=(0.05, 0.05, 0.2), Roughness=0.8, Sheen_Weight=w, Sheen_Roughness=r) for i, (w, r) in enumerate([(0.5, 0.5), (1, 0.3), (1, 0.8)])))
+
+
+@scene
+def specular_level():
+    balls(*(material(f"m{i}", Base_Color=(0.1, 0.1, 0.1), Roughness=0.3, Specular_IOR_Level=l, Specular_Tint=t) for i, (l, t) in enumerate([(0, (1, 1, 1)), (1, (1, 1, 1)), (0.8, (1, 0.3, 0.3))])))
+
+
+@scene
+def anisotropic():
+    balls(*(material(f"m{i}", Base_Color=(0.7, 0.7, 0.7), Metallic=1, Roughness=0.35, Anisotropic=a, Anisotropic_Rotation=r) for i, (a, r) in enumerate([(0.4, 0), (0.9, 0), (0.9, 0.25)])))
+
+
+@scene
+def alpha_emission():
+    balls(material("a", Base_Color=(0.8, 0.1, 0.1), Alpha=0.5), material("b", Base_Color=(0, 0, 0), Emission_Color=(0.2, 0.5, 1), Emission_Strength=1.5), material("c", "ShaderNodeEmission", Color=(1, 0.6, 0.2), Strength=2.0))
+
+
+@scene
+def old_nodes():
+    balls(
+        material("a", "ShaderNodeBsdfAnisotropic", Color=(0.8, 0.7, 0.3), Roughness=0.3),
+        material("b", "ShaderNodeBsdfTranslucent", Color=(0.6, 0.8, 0.3)),
+        material("c", "ShaderNodeBsdfGlass", Color=(1, 0.9, 0.9), Roughness=0.1, IOR=1.5),
+        material("d", "ShaderNodeBsdfSheen", Color=(0.7, 0.3, 0.3), Roughness=0.4),
+    )
+
+
+@scene
+def mixes():
+    def mixed(kind, factor):
+        made = material(kind, "ShaderNodeBsdfDiffuse", Color=(0.1, 0.5, 0.1))
+        tree, output, shader = nodes_of(made)
+        other = tree.nodes.new("ShaderNodeBsdfAnisotropic")
+        other.inputs["Roughness"].default_value = 0.25
+        mix = tree.nodes.new(kind)
+        if kind == "ShaderNodeMixShader":
+            mix.inputs[0].default_value = factor
+        first = 1 if kind == "ShaderNodeMixShader" else 0
+        tree.links.new(shader.outputs[0], mix.inputs[first])
+        tree.links.new(other.outputs[0], mix.inputs[first + 1])
+        if kind == "ShaderNodeAddShader":
+            other.inputs["Color"].default_value = (0.2, 0.2, 0.2, 1)
+        tree.links.new(mix.outputs[0], output.inputs["Surface"])
+        return made
+
+    balls(mixed("ShaderNodeMixShader", 0.3), mixed("ShaderNodeMixShader", 0.8), mixed("ShaderNodeAddShader", 0))
+
+
+def stage(lamps=1):
+    floor()
+    shape("cube", (-1.2, 0, 0.6), material("Cube", "ShaderNodeBsdfDiffuse", Color=(0.7, 0.3, 0.2)), size=1.2)
+    shape("uv_sphere", (1.2, 0, 0.7), material("Ball", Base_Color=(0.2, 0.4, 0.7), Roughness=0.3), True, radius=0.7)
+    shape("torus", (0, 1.5, 0.3), material("Ring", "ShaderNodeBsdfDiffuse", Color=(0.3, 0.7, 0.3)), True)
+    camera((0, -7, 4), (0, 0, 0.4), 45)
+    background(0.02)
+
+
+@scene
+def point_lights():
+    stage()
+    light("POINT", (-2, -2, 3), 200, shadow_soft_size=0)
+    light("POINT", (2, -2, 3), 200, shadow_soft_size=0.4, color=(1, 0.7, 0.4))
+
+
+@scene
+def sun():
+    stage()
+    light("SUN", (3, -4, 6), 2, angle=math.radians(5))
+
+
+@scene
+def spots():
+    stage()
+    light("SPOT", (-3, -3, 4), 600, (-1, 0, 0), spot_size=0.7, spot_blend=0.5, shadow_soft_size=0)
+    light("SPOT", (3, -3, 4), 600, (1, 0, 0), spot_size=0.9, spot_blend=0.15, shadow_soft_size=0.2)
+
+
+@scene
+def areas():
+    stage()
+    light("AREA", (-3, -2, 4), 120, size=1)
+    light("AREA", (3, -2, 4), 120, shape="ELLIPSE", size=2, size_y=0.5, color=(0.5, 0.7, 1))
+    light("AREA", (0, 3, 4), 120, shape="RECTANGLE", size=1, size_y=3, spread=math.radians(80))
+    light("AREA", (0, -4, 3), 60, shape="DISK", size=0.8)
+
+
+def linked(made, kind, socket, output=0, **settings):
+    """Puts a new node before an input of the shader of a material."""
+    tree, _, shader = nodes_of(made)
+    node = tree.nodes.new(kind)
+    for name, value in settings.items():
+        if hasattr(node, name):
+            setattr(node, name, value)
+        else:
+            node.inputs[name.replace("_", " ")].default_value = value
+    tree.links.new(node.outputs[output], shader.inputs[socket])
+    return node
+
+
+def picture(name="picture", width=32, height=16, seed=1):
+    image = bpy.data.images.new(name, width, height)
+    values = np.random.default_rng(seed).random((height, width, 4)).astype(np.float32)
+    values[..., 3] = 1
+    image.pixels.foreach_set(values.ravel())
+    image.update()
+    image.pack()
+    return image
+
+
+def lit():
+    camera((0, -7, 4), (0, 0, 0.5), 45)
+    light("AREA", (2, -4, 6), 600, size=3)
+    background(0.2)
+
+
+@scene
+def textured():
+    made = material("image", "ShaderNodeBsdfDiffuse")
+    linked(made, "ShaderNodeTexImage", "Color", image=picture())
+    noisy = material("noise", Roughness=0.5)
+    linked(noisy, "ShaderNodeTexNoise", "Base Color", 1, Scale=6.0)
+    ground = material("checker", "ShaderNodeBsdfDiffuse")
+    linked(ground, "ShaderNodeTexChecker", "Color", Scale=8.0)
+    floor(ground)
+    shape("cube", (-1.3, 0, 0.8), made, size=1.6)
+    shape("uv_sphere", (1.3, 0, 0.9), noisy, True, radius=0.9)
+    lit()
+
+
+@scene
+def bumps():
+    rough = material("bump", "ShaderNodeBsdfDiffuse", Color=(0.7, 0.6, 0.5))
+    bump = linked(rough, "ShaderNodeBump", "Normal", Strength=0.8, Distance=0.03)
+    wave = rough.node_tree.nodes.new("ShaderNodeTexWave")
+    wave.inputs["Scale"].default_value = 3
+    rough.node_tree.links.new(wave.outputs["Fac"], bump.inputs["Height"])
+    mapped = material("map", Base_Color=(0.3, 0.5, 0.3), Roughness=0.4)
+    normal = linked(mapped, "ShaderNodeNormalMap", "Normal", Strength=0.7)
+    image = mapped.node_tree.nodes.new("ShaderNodeTexImage")
+    image.image = picture("normals", 16, 16, 4)
+    values = np.empty(16 * 16 * 4, np.float32)
+    image.image.pixels.foreach_get(values)
+    values = values.reshape(-1, 4)
+    values[:, :2], values[:, 2] = 0.35 + 0.3 * values[:, :2], 1.0
+    image.image.colorspace_settings.name = "Non-Color"
+    image.image.pixels.foreach_set(values.ravel())
+    mapped.node_tree.links.new(image.outputs["Color"], normal.inputs["Color"])
+    floor()
+    shape("uv_sphere", (-1.2, 0, 1), rough, True, radius=1, segments=64, ring_count=32)
+    shape("uv_sphere", (1.2, 0, 1), mapped, True, radius=1, segments=64, ring_count=32)
+    lit()
+
+
+@scene
+def several_materials():
+    floor()
+    cube = shape("cube", (-1.2, 0, 0.8), size=1.6)
+    for color in ((0.8, 0.1, 0.1), (0.1, 0.8, 0.1), (0.1, 0.1, 0.8)):
+        cube.data.materials.append(material("m", "ShaderNodeBsdfDiffuse", Color=color))
+    for i, polygon in enumerate(cube.data.polygons):
+        polygon.material_index = i % 3
+    other = shape("uv_sphere", (1.2, 0, 0.8), smooth=True, radius=0.8)
+    paint = other.data.color_attributes.new("paint", "BYTE_COLOR", "CORNER")
+    values = np.random.default_rng(5).random((len(other.data.loops), 4)).astype(np.float32)
+    paint.data.foreach_set("color", values.ravel())
+    made = material("paint", "ShaderNodeBsdfDiffuse")
+    linked(made, "ShaderNodeVertexColor", "Color", layer_name="paint")
+    other.data.materials.append(made)
+    lit()
+
+
+@scene
+def modifiers():
+    floor()
+    cube = shape("cube", (-2, 0, 0.6), material("a", "ShaderNodeBsdfDiffuse", Color=(0.8, 0.4, 0.2)), size=1.2)
+    cube.modifiers.new("bevel", "BEVEL").width = 0.2
+    row = shape("cube", (-0.5, 0, 0.3), material("b", "ShaderNodeBsdfDiffuse", Color=(0.3, 0.4, 0.8)), size=0.5)
+    array = row.modifiers.new("array", "ARRAY")
+    array.count, array.relative_offset_displace = 3, (0, 0, 1.2)
+    soft = shape("cube", (1.4, 0, 0.9), material("c", Base_Color=(0.3, 0.7, 0.4), Roughness=0.4), size=1.8)
+    soft.modifiers.new("subsurf", "SUBSURF").render_levels = 3
+    soft.modifiers["subsurf"].levels = 3
+    soft.data.shade_smooth()
+    lit()
+
+
+@scene
+def instances():
+    floor()
+    seed = shape("uv_sphere", (0, 0, 0), material("a", Base_Color=(0.8, 0.3, 0.1), Roughness=0.4), True, radius=0.3)
+    group = bpy.data.collections.new("group")
+    bpy.context.scene.collection.objects.unlink(seed)
+    group.objects.link(seed)
+    rng = random.Random(2)
+    for _ in range(14):
+        empty = add("place", None, (rng.uniform(-2, 2), rng.uniform(-1, 1.5), rng.uniform(0.3, 1.6)))
+        empty.instance_type, empty.instance_collection = "COLLECTION", group
+        empty.scale = (1, 1, rng.uniform(0.6, 1.4))
+    lit()
+
+
+@scene
+def particles():
+    floor()
+    leaf = shape("cube", (0, 0, -5), material("leaf", "ShaderNodeBsdfDiffuse", Color=(0.2, 0.6, 0.2)), size=0.4)
+    base = shape("uv_sphere", (0, 0, 1), material("base", "ShaderNodeBsdfDiffuse", Color=(0.6, 0.4, 0.3)), True, radius=1)
+    base.modifiers.new("grow", "PARTICLE_SYSTEM")
+    settings = base.particle_systems[0].settings
+    settings.type, settings.render_type, settings.instance_object = "HAIR", "OBJECT", leaf
+    settings.count, settings.hair_length, settings.particle_size = 60, 1.0, 0.5
+    settings.use_advanced_hair = True
+    lit()
+
+
+@scene
+def geometry_nodes():
+    floor()
+    base = shape("grid", (0, 0, 0.4), x_subdivisions=6, y_subdivisions=4, size=3)
+    tree = bpy.data.node_groups.new("points", "GeometryNodeTree")
+    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
+    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    begin, end, spread, cone = (tree.nodes.new(n) for n in ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeInstanceOnPoints", "GeometryNodeMeshCone"))
+    cone.inputs["Radius Bottom"].default_value, cone.inputs["Depth"].default_value = 0.2, 0.7
+    paint = tree.nodes.new("GeometryNodeSetMaterial")
+    paint.inputs["Material"].default_value = material("cones", Base_Color=(0.6, 0.2, 0.6), Roughness=0.5)
+    tree.links.new(begin.outputs[0], spread.inputs["Points"])
+    tree.links.new(cone.outputs[0], paint.inputs[0])
+    tree.links.new(paint.outputs[0], spread.inputs["Instance"])
+    tree.links.new(spread.outputs[0], end.inputs[0])
+    base.modifiers.new("nodes", "NODES").node_group = tree
+    lit()
+
+
+@scene
+def curves_and_text():
+    floor()
+    data = bpy.data.curves.new("way", "CURVE")
+    data.dimensions, data.bevel_depth = "3D", 0.15
+    spline = data.splines.new("BEZIER")
+    spline.bezier_points.add(2)
+    for point, at in zip(spline.bezier_points, ((-2.4, 0, 0.3), (-1, 0.5, 1.4), (0, -0.3, 0.3))):
+        point.co, point.handle_left_type, point.handle_right_type = at, "AUTO", "AUTO"
+    data.materials.append(material("way", "ShaderNodeBsdfDiffuse", Color=(0.8, 0.5, 0.1)))
+    add("way", data)
+    words = bpy.data.curves.new("words", "FONT")
+    words.body, words.extrude, words.size = "RT", 0.1, 1.6
+    words.materials.append(material("words", Base_Color=(0.1, 0.4, 0.8), Roughness=0.4))
+    made = add("words", words, (0.3, 0, 0.2))
+    made.rotation_euler = (math.pi / 2, 0, 0)
+    lit()
+
+
+@scene
+def world_image():
+    floor()
+    shape("uv_sphere", (-1.1, 0, 0.9), material("m", Base_Color=(0.9, 0.9, 0.9), Metallic=1, Roughness=0.15), True, radius=0.9)
+    shape("cube", (1.1, 0, 0.7), material("d", "ShaderNodeBsdfDiffuse", Color=(0.6, 0.6, 0.6)), size=1.4)
+    node = background(1.0)
+    tree = bpy.context.scene.world.node_tree
+    image = tree.nodes.new("ShaderNodeTexEnvironment")
+    image.image = picture("sky", 32, 16, 9)
+    tree.links.new(image.outputs[0], node.inputs["Color"])
+    camera((0, -7, 1.6), (0, 0, 0.9), 45)
+
+
+@scene
+def world_nodes():
+    floor()
+    shape("uv_sphere", (-1.1, 0, 0.9), material("m", Base_Color=(0.9, 0.9, 0.9), Metallic=1, Roughness=0.1), True, radius=0.9)
+    shape("cube", (1.1, 0, 0.7), material("d", "ShaderNodeBsdfDiffuse", Color=(0.6, 0.6, 0.6)), size=1.4)
+    node = background(1.0)
+    tree = bpy.context.scene.world.node_tree
+    where, apart, ramp = (tree.nodes.new(n) for n in ("ShaderNodeTexCoord", "ShaderNodeSeparateXYZ", "ShaderNodeValToRGB"))
+    tree.links.new(where.outputs["Generated"], apart.inputs[0])
+    tree.links.new(apart.outputs["Z"], ramp.inputs[0])
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (1, 0.7, 0.4, 1), (0.1, 0.3, 1, 1)
+    tree.links.new(ramp.outputs[0], node.inputs["Color"])
+    camera((0, -7, 1.6), (0, 0, 0.9), 45)
+
+
+@scene
+def sky_preetham():
+    floor()
+    shape("uv_sphere", (-1.1, 0, 0.9), material("m", "ShaderNodeBsdfDiffuse", Color=0.7), True, radius=0.9)
+    node = background(1.0)
+    node.inputs["Strength"].default_value = 0.1
+    tree = bpy.context.scene.world.node_tree
+    sky = tree.nodes.new("ShaderNodeTexSky")
+    sky.sky_type, sky.sun_direction, sky.turbidity = "PREETHAM", (0.3, -0.5, 0.8), 3
+    tree.links.new(sky.outputs[0], node.inputs["Color"])
+    camera((0, -7, 2.6), (0, 0, 0.9), 35)
+
+
+@scene
+def orthographic():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    bpy.context.scene.camera.data.type = "ORTHO"
+    bpy.context.scene.camera.data.ortho_scale = 5
+    bpy.context.scene.camera.data.shift_x = 0.1
+
+
+@scene
+def shifted():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    data = bpy.context.scene.camera.data
+    data.shift_x, data.shift_y, data.sensor_fit, data.sensor_height = 0.12, -0.08, "VERTICAL", 30
+    data.clip_start = 6.6
+
+
+@scene
+def blurred():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    dof = bpy.context.scene.camera.data.dof
+    dof.use_dof, dof.focus_distance, dof.aperture_fstop, dof.aperture_blades = True, 6, 0.15, 5
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def panorama():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    data = bpy.context.scene.camera.data
+    data.type, data.panorama_type = "PANO", "EQUIRECTANGULAR"
+
+
+@scene
+def fisheye():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    data = bpy.context.scene.camera.data
+    data.type, data.panorama_type, data.fisheye_fov = "PANO", "FISHEYE_EQUIDISTANT", 2.5
+
+
+@scene
+def motion():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    settings = bpy.context.scene.render
+    settings.use_motion_blur, settings.motion_blur_shutter = True, 1.0
+    ball = next(o for o in bpy.data.objects if o.name.startswith("Sphere"))
+    bpy.context.scene.frame_set(1)
+    for frame, x in ((0, 0.2), (2, 2.2)):
+        ball.location.x = x
+        ball.keyframe_insert("location", frame=frame)
+    for layer in ball.animation_data.action.layers:
+        for strip in layer.strips:
+            for bag in strip.channelbags:
+                for curve in bag.fcurves:
+                    for key in curve.keyframe_points:
+                        key.interpolation = "LINEAR"
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def transparent_film():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    bpy.data.objects["Plane"].scale = (0.25, 0.25, 1)
+    bpy.context.scene.render.film_transparent = True
+
+
+@scene
+def holdout():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    bpy.data.objects["Cube"].is_holdout = True
+    bpy.context.scene.render.film_transparent = True
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def light_nodes():
+    stage()
+    lamp = light("AREA", (2, -3, 4), 300, size=2)
+    lamp.data.use_nodes = True
+    shader = next(n for n in lamp.data.node_tree.nodes if n.type == "EMISSION")
+    shader.inputs["Color"].default_value, shader.inputs["Strength"].default_value = (1, 0.4, 0.2, 1), 0.7
+
+
+@scene
+def groups():
+    inner = bpy.data.node_groups.new("inner", "ShaderNodeTree")
+    inner.interface.new_socket("Tint", in_out="INPUT", socket_type="NodeSocketColor")
+    inner.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    begin, end, change = inner.nodes.new("NodeGroupInput"), inner.nodes.new("NodeGroupOutput"), inner.nodes.new("ShaderNodeHueSaturation")
+    change.inputs["Hue"].default_value = 0.8
+    inner.links.new(begin.outputs[0], change.inputs["Color"])
+    inner.links.new(change.outputs[0], end.inputs[0])
+
+    def made(color, muted):
+        made = material("grouped", "ShaderNodeBsdfDiffuse")
+        tree, _, shader = nodes_of(made)
+        group = tree.nodes.new("ShaderNodeGroup")
+        group.node_tree = inner
+        group.inputs[0].default_value = color
+        gamma = tree.nodes.new("ShaderNodeGamma")
+        gamma.inputs["Gamma"].default_value, gamma.mute = 3.0, muted
+        through = tree.nodes.new("NodeReroute")
+        tree.links.new(group.outputs[0], through.inputs[0])
+        tree.links.new(through.outputs[0], gamma.inputs[0])
+        tree.links.new(gamma.outputs[0], shader.inputs["Color"])
+        return made
+
+    balls(made((0.8, 0.2, 0.1, 1), True), made((0.1, 0.7, 0.3, 1), False), made((0.3, 0.3, 0.9, 1), True))
+
+
+@scene
+def visibility():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    bpy.data.objects["Cube"].visible_shadow = False
+    bpy.data.objects["Sphere"].visible_camera = False
+
+
+@scene
+def hair():
+    floor()
+    base = shape("uv_sphere", (0, 0, 1), material("base", "ShaderNodeBsdfDiffuse", Color=(0.6, 0.4, 0.3)), True, radius=1)
+    base.modifiers.new("grow", "PARTICLE_SYSTEM")
+    settings = base.particle_systems[0].settings
+    settings.type, settings.count, settings.hair_length = "HAIR", 200, 0.6
+    settings.root_radius, settings.radius_scale, settings.tip_radius = 2.0, 0.02, 1.0
+    bpy.context.scene["means only"] = True
+    lit()
