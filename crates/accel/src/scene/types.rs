@@ -8,6 +8,7 @@ use std::sync::Arc;
 use gnurt_accel_bvh::BoxIndex;
 use gnurt_accel_core::affine::ObjectFromWorld;
 
+use super::entries::Entries;
 use super::exact::Exact;
 use super::leaves::Leaves;
 use super::path::{MotionPath, Piece};
@@ -26,6 +27,8 @@ pub struct SceneTree {
     pub(super) only: Option<usize>,
     /// By place in the list that the scene was built from.
     pub(super) slots: SharedList<Slot>,
+    /// The same for rays, by place in `top`.
+    pub(super) entries: Entries,
     /// The numbers of objects.
     pub(super) leaves: Leaves,
     /// Instances by the depth of what can be seen of them: 0 of objects.
