@@ -60,7 +60,8 @@ fn meet<'t>(world: &World, table: &'t Table, ray: &Ray) -> Option<Met<'t>> {
     let p = Vec3::from(ray.at(hit.t));
     let ng = Vec3::from(world.normal(&hit)?);
     let uv = [hit.u, hit.v];
-    let Place::Surface { surface, instance, part, placement } = *table.places.get(hit.inst_id as usize)? else {
+    let Place::Surface { surface, instance, part, placement } = *table.places.get(hit.inst_id as usize)?
+    else {
         let lamp = table.lamp(hit.inst_id)?.radiance(ng, -Vec3::from(ray.dir));
         return Some(Met { t: hit.t, p, ng, at: None, ns: ng, uv, lamp });
     };
@@ -138,7 +139,13 @@ fn debug(method: &str, met: &Met, dir: Vec3) -> Vec3 {
         "instanceId" => color_of(at.instance.id),
         "depth" => Vec3::splat(1.0 / (1.0 + met.t)),
         "uv" => Vec3::new(met.uv[0], met.uv[1], 1.0 - met.uv[0] - met.uv[1]),
-        "backFace" => if met.ng.dot(dir) > 0.0 { Vec3::X } else { Vec3::Y },
+        "backFace" => {
+            if met.ng.dot(dir) > 0.0 {
+                Vec3::X
+            } else {
+                Vec3::Y
+            }
+        }
         _ => of_normal(met.ns),
     }
 }

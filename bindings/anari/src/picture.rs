@@ -7,11 +7,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
+use gnurt::ThreadPool;
 use gnurt::denoise;
 use gnurt::render::{Accumulation, Integrator, Progress, RenderOptions, World};
 use gnurt::shading::sampling::{purpose, sample_pair};
 use gnurt::shading::{CameraSamples, CameraShader, SampleKey};
-use gnurt::ThreadPool;
 use rayon::prelude::*;
 
 use crate::attribute::Color;
@@ -36,7 +36,10 @@ pub(crate) struct Job {
 
 /// Sums of samples.
 enum Sums {
-    Paths { accumulation: Box<Accumulation>, opacities: Arc<Opacities> },
+    Paths {
+        accumulation: Box<Accumulation>,
+        opacities: Arc<Opacities>,
+    },
     /// Associated, from the uppermost row on.
     Own(Vec<Color>),
 }

@@ -43,7 +43,9 @@ impl Settings {
     /// Those of an object.
     pub(crate) fn new(object: &Object) -> Self {
         let now = object.committed();
-        let whole = |name: &str, default: u32, most: u32| now.u32(name).filter(|&n| n > 0).unwrap_or(default).min(most);
+        let whole = |name: &str, default: u32, most: u32| {
+            now.u32(name).filter(|&n| n > 0).unwrap_or(default).min(most)
+        };
         let method = match object.subtype.as_str() {
             "ao" => Method::Occlusion {
                 rays: whole("aoSamples", 1, 1 << 12),

@@ -8,10 +8,17 @@ use crate::common::{Set, assert_close};
 /// Two triangles side by side, facing the camera, of one surface with a number.
 fn pair() -> Set {
     let mut set = Set::new("default");
-    let faces = set.faces("triangle", &[
-        [-0.9, -0.9, 0.0], [-0.1, -0.9, 0.0], [-0.5, 0.9, 0.0],
-        [0.1, -0.9, 1.0], [0.9, -0.9, 1.0], [0.5, 0.9, 1.0],
-    ]);
+    let faces = set.faces(
+        "triangle",
+        &[
+            [-0.9, -0.9, 0.0],
+            [-0.1, -0.9, 0.0],
+            [-0.5, 0.9, 0.0],
+            [0.1, -0.9, 1.0],
+            [0.9, -0.9, 1.0],
+            [0.5, 0.9, 1.0],
+        ],
+    );
     let grey = set.matte([0.5, 0.25, 1.0]);
     let surface = set.add(faces, grey);
     set.client.set_u32(surface, "id", t::UINT32, 77);
@@ -62,10 +69,16 @@ fn colours_come_in_three_formats() {
 fn several_channels_come_at_once() {
     let set = pair();
     set.commit();
-    let frame = set.frame([6, 4], &[("channel.color", t::UFIXED8_VEC4), ("channel.depth", t::FLOAT32), ("channel.objectId", t::UINT32)]);
+    let frame = set.frame(
+        [6, 4],
+        &[("channel.color", t::UFIXED8_VEC4), ("channel.depth", t::FLOAT32), ("channel.objectId", t::UINT32)],
+    );
     set.client.render(frame);
     let names = ["channel.color", "channel.depth", "channel.objectId"];
     let channels = names.map(|name| set.client.channel(frame, name).expect("it was asked for"));
-    assert!(channels.iter().all(|channel| channel.size == [6, 4] && channel.bytes.len() == 96), "{channels:?}");
+    assert!(
+        channels.iter().all(|channel| channel.size == [6, 4] && channel.bytes.len() == 96),
+        "{channels:?}"
+    );
     assert_eq!(set.client.channel(frame, "channel.normal"), None, "not asked for");
 }

@@ -27,7 +27,8 @@ fn bits(set: &Set, frame: usize) -> Vec<u8> {
 #[test]
 fn equal_frames_are_equal_and_accumulation_adds_up() {
     let set = scene();
-    let (once, twice, sums) = (set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR));
+    let (once, twice, sums) =
+        (set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR));
     set.client.set(sums, "accumulation", t::BOOL, &[1]);
     set.client.commit(sums);
     for frame in [once, twice, twice, sums] {
@@ -71,7 +72,10 @@ fn frames_run_beside_the_program_and_are_stopped() {
     set.samples(1);
     set.client.render(frame);
     assert!(set.client.is_ready(frame, true), "and it renders again");
-    assert!(set.client.property(frame, "duration", t::FLOAT32).is_some_and(|b| b != [0; 4]), "it took some time");
+    assert!(
+        set.client.property(frame, "duration", t::FLOAT32).is_some_and(|b| b != [0; 4]),
+        "it took some time"
+    );
 }
 
 #[test]

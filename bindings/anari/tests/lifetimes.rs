@@ -73,8 +73,11 @@ fn captured_memory_is_freed_once() {
 fn released_shared_memory_is_not_read_again() {
     let mut set = Set::new("ao");
     set.ambient(1.0);
-    let mut corners: Vec<u8> =
-        [[-9.0_f32, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]].iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
+    let mut corners: Vec<u8> = [[-9.0_f32, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]]
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_ne_bytes())
+        .collect();
     let geometry = set.client.object(t::GEOMETRY, "triangle");
     set.client.shared_for(&corners, t::FLOAT32_VEC3, |array| {
         set.client.set_object(geometry, "vertex.position", t::ARRAY1D, array);
@@ -101,8 +104,17 @@ fn mapped_arrays_change_what_is_seen() {
     set.add(square, material);
     assert_eq!(set.picture([2, 2]).pixel(0, 0)[..3], [1.0, 0.0, 0.0], "red");
     set.client.write(colors, &[0.0_f32, 1.0, 0.0].map(f32::to_ne_bytes).concat());
-    assert_eq!(set.picture([2, 2]).pixel(0, 0)[..3], [0.0, 1.0, 0.0], "green, without a commit of the geometry");
-    set.client.map_parameter(square, "primitive.color", t::FLOAT32_VEC3, &[0.0_f32, 0.0, 1.0].map(f32::to_ne_bytes).concat());
+    assert_eq!(
+        set.picture([2, 2]).pixel(0, 0)[..3],
+        [0.0, 1.0, 0.0],
+        "green, without a commit of the geometry"
+    );
+    set.client.map_parameter(
+        square,
+        "primitive.color",
+        t::FLOAT32_VEC3,
+        &[0.0_f32, 0.0, 1.0].map(f32::to_ne_bytes).concat(),
+    );
     set.client.commit(square);
     assert_eq!(set.picture([2, 2]).pixel(0, 0)[..3], [0.0, 0.0, 1.0], "blue, by a mapped parameter");
     set.assert_quiet();
@@ -135,7 +147,8 @@ fn resident() -> u64 {
 #[test]
 fn a_hundred_thousand_commits_leak_nothing() {
     let set = Set::new("ao");
-    let (geometry, material) = (set.client.object(t::GEOMETRY, "sphere"), set.client.object(t::MATERIAL, "matte"));
+    let (geometry, material) =
+        (set.client.object(t::GEOMETRY, "sphere"), set.client.object(t::MATERIAL, "matte"));
     let round = |count: usize| {
         for k in 0..count {
             let list = set.client.floats(t::FLOAT32_VEC3, &[k as f32, 0.0, 0.0]);

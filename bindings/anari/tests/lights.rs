@@ -18,8 +18,13 @@ fn floor(subtype: &str, parameters: &[(&str, &[f32])]) -> Set {
 
 #[test]
 fn directional_light_follows_lambert() {
-    for (direction, cos) in [([0.0, 0.0, -2.0], 1.0), ([0.0, -1.0, -1.0], 0.5_f32.sqrt()), ([0.0, 0.0, 1.0], 1.0)] {
-        let set = floor("directional", &[("direction", &direction), ("irradiance", &[3.0]), ("color", &[1.0, 0.5, 0.25])]);
+    for (direction, cos) in
+        [([0.0, 0.0, -2.0], 1.0), ([0.0, -1.0, -1.0], 0.5_f32.sqrt()), ([0.0, 0.0, 1.0], 1.0)]
+    {
+        let set = floor(
+            "directional",
+            &[("direction", &direction), ("irradiance", &[3.0]), ("color", &[1.0, 0.5, 0.25])],
+        );
         let [r, g, b, a] = set.mean([16, 16]);
         assert_close(r, 3.0 * cos / PI, 1e-3, "red");
         assert_close(g, 1.5 * cos / PI, 1e-3, "green");
@@ -93,7 +98,12 @@ fn quads_shine_to_the_sides_that_are_asked_for() {
         set.add(square, white);
         let lamp = set.light(
             "quad",
-            &[("position", &[-0.5, -0.5, from]), ("edge1", &[1.0, 0.0, 0.0]), ("edge2", &[0.0, 1.0, 0.0]), ("power", &[3.0])],
+            &[
+                ("position", &[-0.5, -0.5, from]),
+                ("edge1", &[1.0, 0.0, 0.0]),
+                ("edge2", &[0.0, 1.0, 0.0]),
+                ("power", &[3.0]),
+            ],
         );
         set.client.set_text(lamp, "side", side);
         set.client.set(lamp, "visible", t::BOOL, &[0]);
@@ -115,7 +125,8 @@ fn pictures_all_around_are_seen_and_light() {
     set.add(square, white);
     let sky = set.light("hdri", &[("scale", &[2.0])]);
     // Upper half bright, lower half dark.
-    let texels: Vec<u8> = [[1.0_f32; 3], [1.0; 3], [0.0; 3], [0.0; 3]].iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
+    let texels: Vec<u8> =
+        [[1.0_f32; 3], [1.0; 3], [0.0; 3], [0.0; 3]].iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
     let picture = set.client.array(t::FLOAT32_VEC3, &[1, 4], &texels);
     set.client.give(sky, "radiance", t::ARRAY2D, picture);
     set.client.set_vec3(sky, "up", [0.0, 1.0, 0.0]);

@@ -12,7 +12,8 @@ fn open_floors_have_all_light_and_corners_half() {
     set.add(square, grey);
     set.ambient(2.0);
     assert_close(set.mean([8, 8])[0], 1.0, 1e-3, "albedo times radiance");
-    let wall = set.faces("quad", &[[0.0, -50.0, 0.0], [0.0, 50.0, 0.0], [0.0, 50.0, 50.0], [0.0, -50.0, 50.0]]);
+    let wall =
+        set.faces("quad", &[[0.0, -50.0, 0.0], [0.0, 50.0, 0.0], [0.0, 50.0, 50.0], [0.0, -50.0, 50.0]]);
     let black = set.matte([0.0; 3]);
     set.add(wall, black);
     set.samples(256);
@@ -27,7 +28,9 @@ fn debug_shows_numbers() {
     let mut set = Set::new("debug");
     let (square, grey) = (set.square(50.0), set.matte([0.5, 0.25, 0.125]));
     set.add(square, grey);
-    for (method, color) in [("normal", [0.5, 0.5, 1.0]), ("albedo", [0.5, 0.25, 0.125]), ("backFace", [0.0, 1.0, 0.0])] {
+    for (method, color) in
+        [("normal", [0.5, 0.5, 1.0]), ("albedo", [0.5, 0.25, 0.125]), ("backFace", [0.0, 1.0, 0.0])]
+    {
         set.client.set_text(set.renderer, "method", method);
         set.client.commit(set.renderer);
         let [r, g, b, _] = set.mean([4, 4]);
@@ -48,7 +51,11 @@ fn backgrounds_are_colours_or_pictures() {
         set.client.give(set.renderer, "background", t::ARRAY2D, rows);
         set.client.commit(set.renderer);
         let picture = set.picture([4, 4]);
-        assert_eq!([picture.pixel(0, 0)[0], picture.pixel(0, 3)[0]], [0.0, 1.0], "{renderer}: the lowest row first");
+        assert_eq!(
+            [picture.pixel(0, 0)[0], picture.pixel(0, 3)[0]],
+            [0.0, 1.0],
+            "{renderer}: the lowest row first"
+        );
         set.assert_quiet();
     }
 }

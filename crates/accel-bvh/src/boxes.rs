@@ -11,6 +11,7 @@
 //! Tests: `build::tests`, `update::tests`, `tests/instances.rs` and `tests/moving_instances.rs` of `gnurt-accel`.
 
 mod build;
+mod met;
 mod search;
 mod tile;
 mod update;
@@ -19,6 +20,7 @@ use gnurt_accel_core::{Aabb, Quality, SharedList, TreeStats};
 
 use crate::treelet::{NodesAtKeys, Treelet};
 
+pub use met::{EnterMembers, Member, MetBlock};
 pub use update::BoxEdit;
 
 /// Tree over boxes by their indices in a list. A clone shares all of it.

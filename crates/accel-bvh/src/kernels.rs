@@ -17,7 +17,7 @@ use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::traversal::{RayKind, RayTraversal, TileTraversal};
 use gnurt_simd::{Simd, Token, by_level};
 
-use crate::boxes::BoxIndex;
+use crate::boxes::{BoxIndex, EnterMembers, MetBlock};
 use crate::incoherent::walk_incoherent;
 use crate::index::BvhIndex;
 use crate::motion::MotionIndex;
@@ -33,8 +33,8 @@ pub struct Kernels {
 }
 
 type OnRay<I> = fn(Token, &I, &mut RayTraversal);
-type EnterRay<'a> = &'a mut dyn FnMut(usize) -> f32;
-type EnterTile<'a> = &'a mut dyn FnMut(usize, &mut TileTraversal);
+type EnterRay<'a> = &'a mut dyn FnMut(MetBlock) -> f32;
+type EnterTile<'a> = &'a mut dyn EnterMembers;
 type EnterPoint<'a> = &'a mut dyn FnMut(usize) -> f64;
 type OnTile<I> = fn(Token, &I, DirectionClass, &mut TileTraversal);
 type OnBoxesTile = fn(Token, &BoxIndex, DirectionClass, &mut TileTraversal, EnterTile);
@@ -219,7 +219,7 @@ fn boxes_tile<S: Simd>(
     index: &BoxIndex,
     direction_class: DirectionClass,
     traversal: &mut TileTraversal,
-    enter: &mut dyn FnMut(usize, &mut TileTraversal),
+    enter: &mut dyn EnterMembers,
 ) {
     let simd = S::from_token(token);
     simd.vectorize(
@@ -323,10 +323,10 @@ impl Kernels {
         (self.table.user_point)(self.token, index, probe, slot, nearest);
     }
 
-    /// Calls `enter` with the indices of boxes that `ray`, which is relative to their origin, hits before
-    /// `reach`; it returns the new reach. Returns the number of nodes visited.
+    /// Calls `enter` with the blocks of boxes that `ray`, which is relative to their origin, meets before `reach`; it
+    /// answers with the new reach. Returns the number of nodes visited.
     #[inline]
-    pub fn boxes(&self, index: &BoxIndex, ray: &Ray, reach: f32, enter: &mut dyn FnMut(usize) -> f32) -> u32 {
+    pub fn boxes(&self, index: &BoxIndex, ray: &Ray, reach: f32, enter: EnterRay) -> u32 {
         (self.table.boxes)(self.token, index, ray, reach, enter)
     }
 
@@ -336,7 +336,7 @@ impl Kernels {
         index: &BoxIndex,
         direction_class: DirectionClass,
         traversal: &mut TileTraversal,
-        enter: &mut dyn FnMut(usize, &mut TileTraversal),
+        enter: &mut dyn EnterMembers,
     ) -> bool {
         self.table
             .boxes_tile

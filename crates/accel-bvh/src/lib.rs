@@ -44,7 +44,7 @@ mod triangles;
 mod user;
 mod walk;
 
-pub use boxes::{BoxEdit, BoxIndex};
+pub use boxes::{BoxEdit, BoxIndex, EnterMembers, Member, MetBlock};
 pub use index::BvhIndex;
 pub use kernels::Kernels;
 pub use motion::MotionIndex;

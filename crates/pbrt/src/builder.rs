@@ -303,7 +303,8 @@ impl<'a> Builder<'a> {
         if light.both_sides {
             of_unit *= 2.0;
         }
-        if let Some(Ok(texels)) = light.picture.as_ref().map(|path| self.pictures.file(path, Meaning::Color)) {
+        if let Some(Ok(texels)) = light.picture.as_ref().map(|path| self.pictures.file(path, Meaning::Color))
+        {
             let mut sum = 0.0;
             for y in 0..texels.height as usize {
                 for x in 0..texels.width as usize {
@@ -328,7 +329,9 @@ impl<'a> Builder<'a> {
         for slot in &self.slots {
             if let (None, Some(name)) = (&slot.material, &slot.name) {
                 let problem = format!("no material {} is defined", gnurt_scene::io::reader::quoted(name));
-                return Err(slot.place.error(problem, "define it: MakeNamedMaterial \"NAME\" \"string type\" ..."));
+                return Err(slot
+                    .place
+                    .error(problem, "define it: MakeNamedMaterial \"NAME\" \"string type\" ..."));
             }
         }
         for pending in std::mem::take(&mut self.pending) {
@@ -351,7 +354,8 @@ impl<'a> Builder<'a> {
         if let Some((light, radiance)) = light {
             coverage.emission = Some((radiance, light.both_sides));
             if let Some(path) = &light.picture {
-                coverage.emission_picture = self.file(path, Meaning::Color, Wrap::ClampToEdge, false, &light.place);
+                coverage.emission_picture =
+                    self.file(path, Meaning::Color, Wrap::ClampToEdge, false, &light.place);
                 if coverage.emission_picture.is_none() {
                     coverage.emission = None;
                 }
@@ -384,8 +388,10 @@ impl<'a> Builder<'a> {
             }
         };
         if texels.width != texels.height {
-            let problem = format!("the picture of an infinite light has {} x {} pixels", texels.width, texels.height);
-            let remedy = "it must be square: imgtool makeequiarea of pbrt makes one of a latitude-longitude picture";
+            let problem =
+                format!("the picture of an infinite light has {} x {} pixels", texels.width, texels.height);
+            let remedy =
+                "it must be square: imgtool makeequiarea of pbrt makes one of a latitude-longitude picture";
             return Err(light.place.error(problem, remedy));
         }
         let light_from_world = world_from_light
@@ -422,7 +428,14 @@ impl<'a> Builder<'a> {
     }
 
     /// The texture of the scene for a picture's file.
-    fn file(&mut self, path: &Path, meaning: Meaning, wrap: Wrap, nearest: bool, place: &Place) -> Option<TextureId> {
+    fn file(
+        &mut self,
+        path: &Path,
+        meaning: Meaning,
+        wrap: Wrap,
+        nearest: bool,
+        place: &Place,
+    ) -> Option<TextureId> {
         let key = (path.to_owned(), meaning == Meaning::Color, wrap, nearest);
         if let Some(known) = self.textures.get(&key) {
             return *known;

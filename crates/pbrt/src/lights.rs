@@ -85,7 +85,9 @@ impl Reading<'_> {
     fn scale(&self, parameters: &Parameters) -> Result<f32, Error> {
         let scale = parameters.float_or("scale", 1.0)?;
         if !(scale >= 0.0 && scale.is_finite()) {
-            return Err(parameters.place.error(format!("\"scale\" of a light is {scale}"), "it must be 0 or above"));
+            return Err(parameters
+                .place
+                .error(format!("\"scale\" of a light is {scale}"), "it must be 0 or above"));
         }
         Ok(scale * self.exposure)
     }
@@ -146,7 +148,9 @@ impl Reading<'_> {
             }
             other => {
                 let known = "distant, goniometric, infinite, point, projection and spot";
-                return Err(place.error(format!("unknown light {}", quoted(other)), format!("valid are {known}")));
+                return Err(
+                    place.error(format!("unknown light {}", quoted(other)), format!("valid are {known}"))
+                );
             }
         };
         Ok(Found::Plain(light))
@@ -167,7 +171,10 @@ impl Reading<'_> {
         Ok(Light::Spot {
             position: single(self.point(from)),
             direction: self.towards(parameters)?,
-            intensity: times(spectrum(parameters, "I", self.access)?, self.scale(parameters)? * power(of_unit)?),
+            intensity: times(
+                spectrum(parameters, "I", self.access)?,
+                self.scale(parameters)? * power(of_unit)?,
+            ),
             inner_angle: cos_inner.clamp(-1.0, 1.0).acos(),
             outer_angle: outer.to_radians(),
         })
@@ -176,7 +183,11 @@ impl Reading<'_> {
     fn infinite(&self, parameters: &Parameters, warnings: &mut Warnings) -> Result<Infinite, Error> {
         let place = &parameters.place;
         if parameters.triples("portal").is_some() {
-            place.warn(warnings, Oddity::StandIn, "\"portal\" of an infinite light: light comes from everywhere");
+            place.warn(
+                warnings,
+                Oddity::StandIn,
+                "\"portal\" of an infinite light: light comes from everywhere",
+            );
         }
         let picture = parameters.text("filename")?.map(|name| resolve(&place.path, name));
         let color = Spectrum::of(parameters, "L", self.access)?;
@@ -188,9 +199,12 @@ impl Reading<'_> {
         let radiance = times(color, self.scale(parameters)?);
         let illuminance = parameters.float("illuminance")?.filter(|e| *e > 0.0);
         Ok(match (picture, illuminance) {
-            (None, Some(illuminance)) => {
-                Infinite { radiance: times(radiance, illuminance / PI), picture: None, illuminance: None, place: place.clone() }
-            }
+            (None, Some(illuminance)) => Infinite {
+                radiance: times(radiance, illuminance / PI),
+                picture: None,
+                illuminance: None,
+                place: place.clone(),
+            },
             (picture, illuminance) => Infinite { radiance, picture, illuminance, place: place.clone() },
         })
     }

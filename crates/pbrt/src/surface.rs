@@ -100,16 +100,22 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
         }
         Model::Dielectric { index, abbe, facets } => {
             let roughness = even(facets)?;
-            let interior = Interior { dispersion: abbe.map_or(0.0, |abbe| 20.0 / abbe), ..Interior::default() };
+            let interior =
+                Interior { dispersion: abbe.map_or(0.0, |abbe| 20.0 / abbe), ..Interior::default() };
             let (ior, reflectance, transmittance) = (*index, [1.0; 3], [1.0; 3]);
             Some(match roughness {
                 // Narrower than a thousandth, alpha is none.
                 roughness if roughness * roughness < 1e-3 => {
                     Surface::Dielectric { ior, reflectance, transmittance, interior }
                 }
-                roughness => {
-                    Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin: false, interior }
-                }
+                roughness => Surface::RoughDielectric {
+                    ior,
+                    roughness,
+                    reflectance,
+                    transmittance,
+                    thin: false,
+                    interior,
+                },
             })
         }
         Model::ThinDielectric { index } => Some(Surface::RoughDielectric {
@@ -337,7 +343,10 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
         }
         Model::ThinDielectric { index } => {
             let f = code.name('f');
-            code.line(format!("float {f} = pbrt_fresnel (fabs (dot (Nn, normalize (I))), {});", number(*index)));
+            code.line(format!(
+                "float {f} = pbrt_fresnel (fabs (dot (Nn, normalize (I))), {});",
+                number(*index)
+            ));
             code.line(format!("{f} = {f} < 1 ? {f} + (1 - {f}) * (1 - {f}) * {f} / (1 - {f} * {f}) : 1;"));
             format!("{f} * reflection (Nn) + (1 - {f}) * transparent ()")
         }

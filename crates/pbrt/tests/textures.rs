@@ -6,7 +6,9 @@ use gnurt_scene::ShaderFile;
 use crate::common::{read_beside, world};
 
 fn shader(texture: &str) -> ShaderFile {
-    let loaded = world(&format!("{texture}\nMaterial \"coateddiffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\""));
+    let loaded = world(&format!(
+        "{texture}\nMaterial \"coateddiffuse\" \"texture reflectance\" \"t\"\nShape \"sphere\""
+    ));
     let (_, file) = loaded.scene.shader_files().next().expect("a shader");
     file.clone()
 }

@@ -74,11 +74,18 @@ impl Attribute {
         match (self.spread, channel) {
             (Spread::Faces(elements), _) => {
                 let elements = refined.parents.iter().map(|&parent| elements[parent as usize]).collect();
-                Self { spread: Spread::Faces(elements), ..Self { width, values: self.values, spread: Spread::Constant } }
+                Self {
+                    spread: Spread::Faces(elements),
+                    ..Self { width, values: self.values, spread: Spread::Constant }
+                }
             }
             (Spread::Points(_, is_linear), Some(channel)) => {
                 let count = (channel.values.len() / width.max(1)) as u32;
-                Self { width, values: channel.values, spread: Spread::Points((0..count).collect(), is_linear) }
+                Self {
+                    width,
+                    values: channel.values,
+                    spread: Spread::Points((0..count).collect(), is_linear),
+                }
             }
             (Spread::Corners(_), Some(channel)) => {
                 let corners = channel.corners.unwrap_or_default();
@@ -110,7 +117,11 @@ impl Reader {
             "vertex" | "varying" => faces.vertices(),
             "faceVarying" => faces.corners().len(),
             other => {
-                self.note(Oddity::BadAttribute, prim, format_args!("{name} has the unknown interpolation '{other}'"));
+                self.note(
+                    Oddity::BadAttribute,
+                    prim,
+                    format_args!("{name} has the unknown interpolation '{other}'"),
+                );
                 return None;
             }
         };
@@ -124,7 +135,8 @@ impl Reader {
         // One value too many does no harm where one is meant for all.
         let fits = elements.len() == places || interpolation == "constant" && !elements.is_empty();
         if !fits || !in_range {
-            let fault = format!("{name} ({interpolation}) has {} values, the mesh needs {places}", elements.len());
+            let fault =
+                format!("{name} ({interpolation}) has {} values, the mesh needs {places}", elements.len());
             let fault = if fits { format!("{name} has indices out of range") } else { fault };
             self.note(Oddity::BadAttribute, prim, fault);
             return None;

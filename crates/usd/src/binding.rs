@@ -42,7 +42,8 @@ impl Bindings {
             for own in &chain {
                 let direct = own.direct[purpose].iter();
                 let members = own.collections[purpose].iter();
-                let members = members.filter(|(query, _)| query.is_path_included(prim)).map(|(_, bound)| bound);
+                let members =
+                    members.filter(|(query, _)| query.is_path_included(prim)).map(|(_, bound)| bound);
                 // At one prim collections go before the direct binding.
                 for bound in members.chain(direct) {
                     if best.is_none() || bound.is_strong {
@@ -71,7 +72,8 @@ fn read(reader: &Reader, prim: &Path) -> Own {
         let parts: Vec<&str> = rest.split(':').skip(1).collect();
         let targets = reader.targets(prim, name);
         let strength = reader.metadata_of_relationship(prim, name, "bindMaterialAs");
-        let is_strong = strength.as_ref().and_then(value::word).is_some_and(|s| s == "strongerThanDescendants");
+        let is_strong =
+            strength.as_ref().and_then(value::word).is_some_and(|s| s == "strongerThanDescendants");
         let purpose = |name: &str| PURPOSES.iter().position(|known| *known == name);
         match parts[..] {
             [] | [_] if parts.first() != Some(&"collection") => {

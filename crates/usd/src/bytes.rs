@@ -26,7 +26,8 @@ impl<'a> Bytes<'a> {
     /// A number of `N` bytes, the lowest first.
     pub(crate) fn number<const N: usize>(&self, at: u64) -> Result<u64, Fault> {
         let begin = usize::try_from(at).ok();
-        let digits = begin.and_then(|at| self.all.get(at..at.checked_add(N)?)).ok_or("the file ends too early")?;
+        let digits =
+            begin.and_then(|at| self.all.get(at..at.checked_add(N)?)).ok_or("the file ends too early")?;
         Ok(digits.iter().rev().fold(0, |sum, &digit| sum << 8 | u64::from(digit)))
     }
 
@@ -39,7 +40,9 @@ impl<'a> Bytes<'a> {
     /// Whether there is room for so many things in the file.
     pub(crate) fn room(&self, at: u64, count: u64, size: u64) -> Result<(), Fault> {
         if count.checked_mul(size).is_none_or(|bytes| bytes > self.left(at)) {
-            return Err(format!("{count} values are declared at byte {at}, where the file has no room for them"));
+            return Err(format!(
+                "{count} values are declared at byte {at}, where the file has no room for them"
+            ));
         }
         Ok(())
     }

@@ -44,7 +44,12 @@ impl Builder<'_> {
                 reader.unsupported(prim, name);
             }
         }
-        if reader.value(prim, "clippingPlanes").as_ref().and_then(value::vectors::<4>).is_some_and(|p| !p.is_empty()) {
+        if reader
+            .value(prim, "clippingPlanes")
+            .as_ref()
+            .and_then(value::vectors::<4>)
+            .is_some_and(|p| !p.is_empty())
+        {
             reader.unsupported(prim, "clippingPlanes");
         }
         match camera.fault() {
@@ -72,7 +77,8 @@ impl Builder<'_> {
         let resolution = reader.value(&settings, "resolution").as_ref().and_then(value::vector::<2>);
         let labels = self.scene.labels_mut();
         labels.camera = camera.map(|index| gnurt_scene::CameraId(index as u32));
-        labels.resolution = resolution.filter(|size| size.iter().all(|&n| n >= 1.0)).map(|size| size.map(|n| n as u32));
+        labels.resolution =
+            resolution.filter(|size| size.iter().all(|&n| n >= 1.0)).map(|size| size.map(|n| n as u32));
     }
 }
 

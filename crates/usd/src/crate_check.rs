@@ -19,7 +19,9 @@ pub(crate) fn check(all: &[u8]) -> Result<(), Fault> {
     let version = [8, 9, 10].map(|at| bytes.number::<1>(at).unwrap_or(0));
     if version < [0, 4, 0] {
         let [major, minor, patch] = version;
-        return Err(format!("version {major}.{minor}.{patch} of the binary format; 0.4.0 and later are read"));
+        return Err(format!(
+            "version {major}.{minor}.{patch} of the binary format; 0.4.0 and later are read"
+        ));
     }
     let toc = bytes.number::<8>(16)?;
     let sections = bytes.count(toc, 32)?;

@@ -19,7 +19,8 @@ pub(crate) struct Values<'a> {
 /// Bytes of an element of an array, by type; `None` = not of numbers.
 fn size(kind: u64) -> Option<u64> {
     const SIZES: [u64; 31] = [
-        0, 1, 1, 4, 4, 8, 8, 2, 4, 8, 0, 0, 0, 32, 72, 128, 32, 16, 8, 16, 8, 4, 8, 24, 12, 6, 12, 32, 16, 8, 16,
+        0, 1, 1, 4, 4, 8, 8, 2, 4, 8, 0, 0, 0, 32, 72, 128, 32, 16, 8, 16, 8, 4, 8, 24, 12, 6, 12, 32, 16, 8,
+        16,
     ];
     SIZES.get(kind as usize).copied().filter(|&size| size > 0).or((kind == 56).then_some(8))
 }
@@ -44,7 +45,8 @@ impl<'a> Values<'a> {
         match kind {
             _ if is_array && (10..=12).contains(&kind) || is_array && kind == 57 => {
                 // Tokens have the length of an array, the others that of a list.
-                let (count, at) = if kind == 11 { self.length(at)? } else { (self.bytes.number::<8>(at)?, at + 8) };
+                let (count, at) =
+                    if kind == 11 { self.length(at)? } else { (self.bytes.number::<8>(at)?, at + 8) };
                 self.bytes.room(at, count, 4)
             }
             _ if is_array => self.array(kind, at, is_compressed),
@@ -92,7 +94,9 @@ impl<'a> Values<'a> {
                 };
                 skip_integers(self.bytes, at, count).map(drop)
             }
-            _ if is_compressed => Err(format!("compressed array of values of type {kind}, which are never compressed")),
+            _ if is_compressed => {
+                Err(format!("compressed array of values of type {kind}, which are never compressed"))
+            }
             _ => self.bytes.room(at, count, size),
         }
     }

@@ -43,7 +43,8 @@ impl Files {
             None => self.file(Path::new(identifier)),
             Some((package, entry)) => {
                 let bytes = self.file(Path::new(package))?;
-                let entry = Package::open(&bytes).and_then(|package| package.entry(entry).map(<[u8]>::to_vec));
+                let entry =
+                    Package::open(&bytes).and_then(|package| package.entry(entry).map(<[u8]>::to_vec));
                 let entry = entry.map_err(|fault| format!("{package}: {fault}"))?;
                 self.access.budget.hold(entry.len()).map_err(|excess| format!("{package}: {excess}"))?;
                 Ok(Arc::new(entry))

@@ -22,7 +22,11 @@ impl Builder<'_> {
         let positions = reader.value(prim, "positions").as_ref().and_then(value::vectors::<3>);
         let positions = positions.filter(|positions| positions.len() == indices.len());
         let Some(positions) = positions else {
-            reader.note(Oddity::BadNode, prim, format_args!("{} protoIndices and another number of positions", indices.len()));
+            reader.note(
+                Oddity::BadNode,
+                prim,
+                format_args!("{} protoIndices and another number of positions", indices.len()),
+            );
             return Ok(None);
         };
         if let Err(excess) = reader.files.access.budget.hold(indices.len().saturating_mul(160)) {
@@ -32,7 +36,11 @@ impl Builder<'_> {
         let fitting = |name: &str, length: usize| {
             let fits = length == indices.len();
             if !fits && length > 0 {
-                reader.note(Oddity::BadAttribute, prim, format_args!("{length} {name} of {} instances", indices.len()));
+                reader.note(
+                    Oddity::BadAttribute,
+                    prim,
+                    format_args!("{length} {name} of {} instances", indices.len()),
+                );
             }
             fits
         };

@@ -27,7 +27,8 @@ impl Reader {
 
     /// Radiance before it is divided by an area.
     fn radiance(&self, prim: &Path, intensity: f64) -> [f64; 3] {
-        let color = self.value(prim, "inputs:color").as_ref().and_then(value::vector::<3>).unwrap_or([1.0; 3]);
+        let color =
+            self.value(prim, "inputs:color").as_ref().and_then(value::vector::<3>).unwrap_or([1.0; 3]);
         let strength =
             self.light_number(prim, "intensity", intensity) * self.light_number(prim, "exposure", 0.0).exp2();
         let tint = match self.flag(prim, "inputs:enableColorTemperature") {
@@ -117,7 +118,8 @@ impl Builder<'_> {
         if reader.flag(prim, "inputs:shadow:enable") == Some(false) {
             reader.unsupported(prim, "a light without shadows");
         }
-        if matches!(reader.value(prim, "inputs:shaping:ies:file"), Some(Value::AssetPath(file)) if !file.is_empty()) {
+        if matches!(reader.value(prim, "inputs:shaping:ies:file"), Some(Value::AssetPath(file)) if !file.is_empty())
+        {
             reader.unsupported(prim, "inputs:shaping:ies:file");
         }
         for name in ["collection:lightLink:includes", "collection:shadowLink:includes", "light:filters"] {
@@ -194,10 +196,12 @@ impl Builder<'_> {
         let texture = self.light_texture(prim, [Wrap::Repeat, Wrap::ClampToEdge]);
         // The middle of a picture lies along +z of a dome, and along -z of our environments.
         let unit = transform.determinant().abs().cbrt();
-        let turn = Affine { columns: [transform.columns[0], transform.columns[1], transform.columns[2], [0.0; 3]] };
+        let turn =
+            Affine { columns: [transform.columns[0], transform.columns[1], transform.columns[2], [0.0; 3]] };
         let mut turned = turn * Affine::scale([1.0 / unit; 3]);
         if self.reader.word(prim, "poleAxis").as_deref() == Some("Z") {
-            turned = turned * Affine { columns: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0; 3]] };
+            turned =
+                turned * Affine { columns: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0; 3]] };
         }
         let world_from_light = turned * Affine::rotation([0.0, 1.0, 0.0], PI);
         if self.scene.lights().iter().any(|light| matches!(light, Light::Environment { .. })) {
@@ -208,7 +212,9 @@ impl Builder<'_> {
     }
 
     fn light_texture(&mut self, prim: &Path, wrap: [Wrap; 2]) -> Option<TextureId> {
-        let Some(Value::AssetPath(asset)) = self.reader.value(prim, "inputs:texture:file") else { return None };
+        let Some(Value::AssetPath(asset)) = self.reader.value(prim, "inputs:texture:file") else {
+            return None;
+        };
         if asset.is_empty() {
             return None;
         }
@@ -245,7 +251,9 @@ impl Builder<'_> {
         if transform.inverse().is_none() || mesh.indices.is_empty() {
             return;
         }
-        mesh.material = self.scene.add_material(Material::of("", Surface::Matte { base_color: Color::constant([0.0; 3]) }));
+        mesh.material = self
+            .scene
+            .add_material(Material::of("", Surface::Matte { base_color: Color::constant([0.0; 3]) }));
         let id = self.scene.add_mesh(mesh);
         self.let_shine(prim, id, transform, luminaire);
         let object = self.scene.add_object_of(prim.as_str(), vec![id]);

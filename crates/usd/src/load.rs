@@ -29,9 +29,11 @@ pub(crate) fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
         let running = thread.spawn_scoped(scope, guarded).map_err(|error| {
             Error::io(path, format!("cannot be read on a thread of its own: {error}"), "free some memory")
         })?;
-        running.join().ok().flatten().unwrap_or_else(|| {
-            Err(Error::data(path, None, "the file contradicts itself", REMEDY))
-        })
+        running
+            .join()
+            .ok()
+            .flatten()
+            .unwrap_or_else(|| Err(Error::data(path, None, "the file contradicts itself", REMEDY)))
     })?;
     access.budget.add_file(length);
     Ok(loaded)
@@ -40,9 +42,8 @@ pub(crate) fn load(path: &Path, access: &Access) -> Result<Loaded, Error> {
 /// The scene, and the bytes of all files.
 fn open(path: &Path, access: Access) -> Result<(Loaded, u64), Error> {
     let at = access.at;
-    let session = session_layer(&access.variants).map_err(|(problem, remedy)| {
-        Error::data(path, None, problem, remedy)
-    })?;
+    let session = session_layer(&access.variants)
+        .map_err(|(problem, remedy)| Error::data(path, None, problem, remedy))?;
     let root = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let root = root.to_string_lossy().into_owned();
     let has_session = !access.variants.is_empty();
@@ -82,7 +83,8 @@ fn line_of(message: &str) -> Option<u64> {
 fn session_layer(variants: &[VariantChoice]) -> Result<String, (String, String)> {
     let mut text = "#usda 1.0\n".to_owned();
     for VariantChoice { prim, set, variant } in variants {
-        let is_name = |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-|.".contains(c));
+        let is_name =
+            |name: &str| !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-|.".contains(c));
         let is_path = prim.starts_with('/') && prim.len() > 1 && prim[1..].split('/').all(is_name);
         if !is_path || !is_name(set) || !is_name(variant) {
             return Err((

@@ -121,7 +121,8 @@ impl Network<'_, '_> {
 
     fn preview(&mut self, shader: &Path, name: String) -> Material {
         let reader = self.reader;
-        let number = |name: &str, fallback: f32| reader.input_number(shader, name).map_or(fallback, |x| x as f32);
+        let number =
+            |name: &str, fallback: f32| reader.input_number(shader, name).map_or(fallback, |x| x as f32);
         let (diffuse, base_map) = self.color(shader, "diffuseColor", GREY);
         let (emission, emission_map) = self.color(shader, "emissiveColor", [0.0; 3]);
         let is_specular = number("useSpecularWorkflow", 0.0) != 0.0;
@@ -197,7 +198,8 @@ impl Network<'_, '_> {
 
     /// The texture that an input is connected to.
     fn map(&mut self, shader: &Path, name: &str, meaning: Meaning) -> Option<Sampled> {
-        let Some(Source::Shader { prim, output }) = self.reader.source(shader, &format!("inputs:{name}")) else {
+        let Some(Source::Shader { prim, output }) = self.reader.source(shader, &format!("inputs:{name}"))
+        else {
             return None;
         };
         match &self.reader.shader_id(&prim)[..] {
@@ -209,7 +211,9 @@ impl Network<'_, '_> {
                         let second = &map.primvar;
                         self.reader.unsupported(
                             &prim,
-                            format_args!("texture coordinates '{second}' beside '{known}', those are used for both"),
+                            format_args!(
+                                "texture coordinates '{second}' beside '{known}', those are used for both"
+                            ),
                         );
                     }
                     Some(_) => {}
@@ -254,7 +258,9 @@ impl Network<'_, '_> {
         let rough = self.map(shader, "roughness", Meaning::Data);
         let metal = if is_specular { None } else { self.map(shader, "metallic", Meaning::Data) };
         let is_as_is = |map: &Sampled, output: &str| {
-            map.output == output && map.bias == [0.0; 4] && matches!(map.texels.data, gnurt_scene::texture::TexelData::Linear8(_))
+            map.output == output
+                && map.bias == [0.0; 4]
+                && matches!(map.texels.data, gnurt_scene::texture::TexelData::Linear8(_))
         };
         let map = match (&rough, &metal) {
             (None, None) => return,

@@ -6,7 +6,8 @@ use gnurt_scene::io::Oddity;
 use gnurt_scene::io::reader::{Excess, clean};
 use gnurt_scene::labels::ControlMesh;
 use gnurt_scene::subdivision::{
-    Boundary, Channel, Faces, LEVEL, MOST_TRIANGLES, Scheme, Surface, affordable_level, refine, smooth_normals,
+    Boundary, Channel, Faces, LEVEL, MOST_TRIANGLES, Scheme, Surface, affordable_level, refine,
+    smooth_normals,
 };
 use gnurt_scene::{Mesh, MeshId, ObjectId};
 use openusd::sdf::Path;
@@ -106,8 +107,12 @@ impl Builder<'_> {
             let level = reader.files.access.subdivision.unwrap_or(LEVEL);
             let most = MOST_TRIANGLES.min(reader.files.access.budget.left() / 256);
             let level = affordable_level(&faces, level, most);
-            let mut channels =
-                vec![Channel { width: 3, values: points.as_flattened().to_vec(), corners: None, is_linear: false }];
+            let mut channels = vec![Channel {
+                width: 3,
+                values: points.as_flattened().to_vec(),
+                corners: None,
+                is_linear: false,
+            }];
             let of_attributes: Vec<Option<Channel>> =
                 attributes.iter().map(|attribute| attribute.as_ref()?.channel()).collect();
             channels.extend(of_attributes.iter().flatten().cloned());
@@ -198,7 +203,10 @@ impl Builder<'_> {
             Some("bilinear") => Scheme::Bilinear,
             Some("loop") if faces.iter().all(|corners| corners.len() == 3) => Scheme::Loop,
             Some("loop") => {
-                reader.unsupported(prim, "subdivision by 'loop' of faces that are no triangles, shown as polygons");
+                reader.unsupported(
+                    prim,
+                    "subdivision by 'loop' of faces that are no triangles, shown as polygons",
+                );
                 return None;
             }
             Some("none") => return None,
@@ -212,7 +220,8 @@ impl Builder<'_> {
             Some("edgeOnly") => Boundary::EdgeOnly,
             _ => Boundary::EdgeAndCorner,
         };
-        let integers = |name: &str| reader.value(prim, name).as_ref().and_then(value::integers).unwrap_or_default();
+        let integers =
+            |name: &str| reader.value(prim, name).as_ref().and_then(value::integers).unwrap_or_default();
         let numbers = |name: &str| {
             reader.value(prim, name).as_ref().and_then(value::floats).map(|(_, v)| v).unwrap_or_default()
         };
@@ -234,7 +243,8 @@ impl Builder<'_> {
             at = end;
         }
         let corners = integers("cornerIndices").into_iter().zip(numbers("cornerSharpnesses"));
-        let corners = corners.filter_map(|(vertex, sharpness)| Some((u32::try_from(vertex).ok()?, sharpness)));
+        let corners =
+            corners.filter_map(|(vertex, sharpness)| Some((u32::try_from(vertex).ok()?, sharpness)));
         Some(Surface { scheme, boundary, faces: faces.clone(), creases, corners: corners.collect() })
     }
 
@@ -264,7 +274,8 @@ impl Builder<'_> {
 
     /// The texture coordinates that a material reads, or else those that meshes usually have.
     fn texcoords(&self, prim: &Path, faces: &Faces, material: &Use) -> Option<Attribute> {
-        let of = |name: &str| self.reader.attribute(prim, &format!("primvars:{name}"), faces, 2..=3, "constant");
+        let of =
+            |name: &str| self.reader.attribute(prim, &format!("primvars:{name}"), faces, 2..=3, "constant");
         match &material.texcoords {
             Some(name) => of(name),
             None => of("st").or_else(|| of("UVMap")),

@@ -15,10 +15,7 @@ pub(crate) enum Source {
     /// From here.
     Value(Value),
     /// From an output of a shader.
-    Shader {
-        prim: Path,
-        output: String,
-    },
+    Shader { prim: Path, output: String },
 }
 
 impl Reader {

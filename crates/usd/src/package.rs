@@ -63,7 +63,9 @@ impl<'a> Package<'a> {
         };
         let first = self.entries.first().map(|entry| &entry.name[..]);
         first.filter(|name| is_layer(name)).ok_or_else(|| match first {
-            Some(first) => format!("its first entry is '{first}'; a package begins with a .usd, .usda or .usdc"),
+            Some(first) => {
+                format!("its first entry is '{first}'; a package begins with a .usd, .usda or .usdc")
+            }
             None => "no entries; a package begins with a .usd, .usda or .usdc".to_owned(),
         })
     }
@@ -73,7 +75,9 @@ impl<'a> Package<'a> {
         let entry = self.entries.iter().find(|entry| entry.name == name);
         let entry = entry.ok_or_else(|| format!("no entry '{name}'"))?;
         if !entry.is_stored {
-            return Err(format!("entry '{name}' is compressed or encrypted; USDZ stores entries as they are"));
+            return Err(format!(
+                "entry '{name}' is compressed or encrypted; USDZ stores entries as they are"
+            ));
         }
         let damaged = || format!("entry '{name}' is damaged");
         let names = |at| number(self.bytes, entry.header + at, 2).ok_or_else(damaged);

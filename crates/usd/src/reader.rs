@@ -95,9 +95,10 @@ impl Reader {
         let attribute = self.stage.attribute(path.clone());
         let value = match self.time {
             Some(time) => self.checked(&path, attribute.get_at::<Value>(TimeCode::new(time))),
-            None => self.checked(&path, attribute.get::<Value>()).filter(is_value).or_else(|| {
-                self.checked(&path, attribute.get_at::<Value>(TimeCode::EARLIEST))
-            }),
+            None => self
+                .checked(&path, attribute.get::<Value>())
+                .filter(is_value)
+                .or_else(|| self.checked(&path, attribute.get_at::<Value>(TimeCode::EARLIEST))),
         };
         value.filter(is_value)
     }
@@ -201,7 +202,8 @@ impl Reader {
                 return wrong(format!("no prim '{}'", choice.prim), "check the path of --variant".into());
             }
             let selections = prim.variant_sets().get_all_variant_selections().unwrap_or_default();
-            let is_chosen = |(set, variant): &(String, String)| *set == choice.set && *variant == choice.variant;
+            let is_chosen =
+                |(set, variant): &(String, String)| *set == choice.set && *variant == choice.variant;
             // The choice alone makes a selection; whether there is such a variant say the layers.
             let is_there = |(layer, path): &(String, Path)| {
                 let path = path.append_variant_selection(&choice.set, &choice.variant);

@@ -119,7 +119,9 @@ pub(crate) fn tube(radius: f64, length: f64, sides: u32) -> Mesh {
     }
     for side in 0..sides {
         let next = (side + 1) % sides;
-        mesh.indices.extend([[side, next + sides, next], [side, side + sides, next + sides]].map(|[a, b, c]| [a, c, b]));
+        mesh.indices.extend(
+            [[side, next + sides, next], [side, side + sides, next + sides]].map(|[a, b, c]| [a, c, b]),
+        );
     }
     mesh
 }

@@ -55,7 +55,8 @@ impl Builder<'_> {
             reader.note(Oddity::BadNode, prim, "a skeleton needs as many bindTransforms as joints");
             return None;
         };
-        let numbers: HashMap<&str, usize> = joints.iter().enumerate().map(|(i, joint)| (&joint[..], i)).collect();
+        let numbers: HashMap<&str, usize> =
+            joints.iter().enumerate().map(|(i, joint)| (&joint[..], i)).collect();
         let parent = |i: usize| {
             let mut path = &joints[i][..];
             while let Some((above, _)) = path.rsplit_once('/') {
@@ -80,8 +81,13 @@ impl Builder<'_> {
             let local = pose.as_ref().and_then(|pose| pose.joints.get(joint)).copied().unwrap_or(rest[i]);
             now.push(parent(i).map_or(local, |above| now[above] * local));
         }
-        let moves = now.iter().zip(&bind).map(|(now, bind)| bind.inverse().map_or(*now, |unbound| *now * unbound));
-        Some(Skeleton { moves: moves.collect(), joints, weights: pose.map(|pose| pose.weights).unwrap_or_default() })
+        let moves =
+            now.iter().zip(&bind).map(|(now, bind)| bind.inverse().map_or(*now, |unbound| *now * unbound));
+        Some(Skeleton {
+            moves: moves.collect(),
+            joints,
+            weights: pose.map(|pose| pose.weights).unwrap_or_default(),
+        })
     }
 
     fn pose(&self, prim: &Path) -> Pose {
@@ -95,7 +101,8 @@ impl Builder<'_> {
         };
         let (translations, scales) = (vectors("translations", [0.0; 3]), vectors("scales", [1.0; 3]));
         let turns = reader.value(prim, "rotations").as_ref().and_then(value::quaternions);
-        let turns = turns.filter(|all| all.len() == count).unwrap_or_else(|| vec![[1.0, 0.0, 0.0, 0.0]; count]);
+        let turns =
+            turns.filter(|all| all.len() == count).unwrap_or_else(|| vec![[1.0, 0.0, 0.0, 0.0]; count]);
         let local = |i: usize| {
             let [translation, scale] = [translations[i], scales[i]].map(|v| v.map(f64::from));
             Affine::translation(translation) * rotation(turns[i]) * Affine::scale(scale)

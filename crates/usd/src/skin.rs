@@ -48,7 +48,8 @@ impl Bent {
                 (values.collect(), Spread::Points(points.collect(), false))
             }
             false => {
-                let corners = (0..faces.len()).flat_map(|face| faces.range(face).map(move |corner| (face, corner)));
+                let corners =
+                    (0..faces.len()).flat_map(|face| faces.range(face).map(move |corner| (face, corner)));
                 let values = corners.map(|(face, corner)| {
                     let point = faces.corners()[corner];
                     turned(normals.element(face, corner, point), point)
@@ -123,17 +124,23 @@ impl Builder<'_> {
         let (_, weights) = value::floats(&weights)?;
         let metadata = |key: &str| reader.metadata(&owner, "primvars:skel:jointIndices", key);
         let each = metadata("elementSize").as_ref().and_then(value::number).unwrap_or(1.0).max(1.0) as usize;
-        let is_rigid = metadata("interpolation").as_ref().and_then(value::word).is_some_and(|word| word == "constant");
+        let is_rigid =
+            metadata("interpolation").as_ref().and_then(value::word).is_some_and(|word| word == "constant");
         let needed = if is_rigid { each } else { each.saturating_mul(points.len()) };
         if indices.len() < needed || weights.len() < needed {
-            let fault = format!("{} joint indices and {} weights, the mesh needs {needed}", indices.len(), weights.len());
+            let fault = format!(
+                "{} joint indices and {} weights, the mesh needs {needed}",
+                indices.len(),
+                weights.len()
+            );
             reader.note(Oddity::BadAttribute, prim, fault);
             return None;
         }
         if reader.word(prim, "primvars:skel:skinningMethod").is_some_and(|method| method != "classicLinear") {
             reader.unsupported(prim, "skinning by dual quaternions, shown as linear");
         }
-        let own = self.inherited_value(prim, "skel:joints").as_ref().and_then(|(_, value)| value::words(value));
+        let own =
+            self.inherited_value(prim, "skel:joints").as_ref().and_then(|(_, value)| value::words(value));
         let joint = |index: i32| {
             let index = usize::try_from(index).ok()?;
             let place = match &own {
@@ -144,7 +151,8 @@ impl Builder<'_> {
         };
         let bound = self.inherited_value(prim, "primvars:skel:geomBindTransform");
         let bound = bound.as_ref().and_then(|(_, value)| value::matrices(value));
-        let bound = bound.and_then(|all| all.first().map(Affine::from_column_major)).unwrap_or(Affine::IDENTITY);
+        let bound =
+            bound.and_then(|all| all.first().map(Affine::from_column_major)).unwrap_or(Affine::IDENTITY);
         let mut turns = Vec::with_capacity(points.len());
         let mut is_lost = false;
         for (i, point) in points.iter_mut().enumerate() {
@@ -160,7 +168,9 @@ impl Builder<'_> {
                     continue;
                 };
                 sum += f64::from(weight);
-                for (to, from) in blend.columns.as_flattened_mut().iter_mut().zip(moved.columns.as_flattened()) {
+                for (to, from) in
+                    blend.columns.as_flattened_mut().iter_mut().zip(moved.columns.as_flattened())
+                {
                     *to += f64::from(weight) * from;
                 }
             }
@@ -181,7 +191,8 @@ impl Builder<'_> {
     /// Adds what blend shapes add.
     fn blend(&self, prim: &Path, skeleton: &Skeleton, shapes: &[Path], points: &mut [[f32; 3]]) {
         let reader = self.reader;
-        let names = reader.value(prim, "skel:blendShapes").as_ref().and_then(value::words).unwrap_or_default();
+        let names =
+            reader.value(prim, "skel:blendShapes").as_ref().and_then(value::words).unwrap_or_default();
         for (name, shape) in names.iter().zip(shapes) {
             let weight = skeleton.weights.get(name).copied().unwrap_or(0.0);
             if weight == 0.0 || !weight.is_finite() {
@@ -205,7 +216,8 @@ impl Builder<'_> {
     /// The offsets that a weight of a shape adds, and how much of each: the shape's own at 1, those between at theirs, none at 0.
     fn shares(&self, shape: &Path, weight: f32) -> Vec<(Vec<[f32; 3]>, f32)> {
         let reader = self.reader;
-        let offsets = |name: &str| reader.value(shape, name).as_ref().and_then(value::vectors::<3>).unwrap_or_default();
+        let offsets =
+            |name: &str| reader.value(shape, name).as_ref().and_then(value::vectors::<3>).unwrap_or_default();
         let mut keys = vec![(0.0, String::new()), (1.0, "offsets".to_owned())];
         for name in reader.properties(shape).into_iter().filter(|name| name.starts_with("inbetweens:")) {
             let at = reader.metadata(shape, &name, "weight").as_ref().and_then(value::number);

@@ -59,7 +59,10 @@ impl Builder<'_> {
         let color = reader.value(prim, "primvars:displayColor").as_ref().and_then(value::vectors::<3>);
         let color = color.filter(|colors| !colors.is_empty());
         if color.as_ref().is_some_and(|colors| colors.len() > 1) {
-            reader.unsupported(prim, "displayColor that changes along curves or points, the first one is shown");
+            reader.unsupported(
+                prim,
+                "displayColor that changes along curves or points, the first one is shown",
+            );
         }
         let material = match self.bound(prim) {
             Some(material) => self.materials.of(reader, &mut self.scene, &material),
@@ -84,7 +87,8 @@ impl Builder<'_> {
             ball.normals = ball.positions.iter().map(|p| p.map(|x| 2.0 * x)).collect();
             reader.files.access.budget.hold(points.len().saturating_mul(160)).ok()?;
             let ball = finish(self, ball)?;
-            let width = |i: usize| f64::from(if widths.len() == points.len() { widths[i] } else { widths[0] });
+            let width =
+                |i: usize| f64::from(if widths.len() == points.len() { widths[i] } else { widths[0] });
             let member = |(i, point): (usize, &[f32; 3])| {
                 Member::new(ball, Affine::translation(point.map(f64::from)) * Affine::scale([width(i); 3]))
             };
@@ -109,7 +113,11 @@ impl Builder<'_> {
         let wrap = reader.word(prim, "wrap").unwrap_or_default();
         let all: i64 = counts.iter().map(|&count| i64::from(count).max(0)).sum();
         if all != points.len() as i64 {
-            reader.note(Oddity::BadMesh, prim, format_args!("curves of {all} points, but there are {}", points.len()));
+            reader.note(
+                Oddity::BadMesh,
+                prim,
+                format_args!("curves of {all} points, but there are {}", points.len()),
+            );
             return None;
         }
         if reader.value(prim, "normals").is_some() {
@@ -166,8 +174,20 @@ fn spans(count: usize, basis: Basis, wrap: &str) -> Vec<[i64; 4]> {
     let n = count as i64;
     let is_periodic = wrap == "periodic";
     let spans = match basis {
-        Basis::Linear => if is_periodic { n } else { n - 1 },
-        Basis::Bezier => if is_periodic { n / 3 } else { (n - 1) / 3 },
+        Basis::Linear => {
+            if is_periodic {
+                n
+            } else {
+                n - 1
+            }
+        }
+        Basis::Bezier => {
+            if is_periodic {
+                n / 3
+            } else {
+                (n - 1) / 3
+            }
+        }
         _ if is_periodic => n,
         _ if wrap == "pinned" => n - 1,
         _ => n - 3,
@@ -216,7 +236,8 @@ fn sweep(mesh: &mut Mesh, path: &[Point], radii: &[f64]) {
         let dot: f64 = (0..3).map(|k| side[k] * forward[k]).sum();
         let across: Point = std::array::from_fn(|k| side[k] - dot * forward[k]);
         side = unit(across).unwrap_or_else(|| {
-            let least = (0..3).fold(0, |best, k| if forward[k].abs() < forward[best].abs() { k } else { best });
+            let least =
+                (0..3).fold(0, |best, k| if forward[k].abs() < forward[best].abs() { k } else { best });
             let mut axis = [0.0; 3];
             axis[least] = 1.0;
             unit(cross(forward, axis)).unwrap_or([1.0, 0.0, 0.0])

@@ -21,7 +21,8 @@ pub(crate) fn check(bytes: &[u8]) -> Result<(), String> {
             b'\n' => line += 1,
             b'#' => at += bytes[at..].iter().position(|&byte| byte == b'\n').unwrap_or(bytes.len() - at) - 1,
             quote @ (b'"' | b'\'' | b'@') => {
-                let end = string_end(&bytes[at..], quote).ok_or_else(|| format!("line {line}: text without end"))?;
+                let end = string_end(&bytes[at..], quote)
+                    .ok_or_else(|| format!("line {line}: text without end"))?;
                 line += bytes[at..at + end].iter().filter(|&&byte| byte == b'\n').count();
                 at += end - 1;
             }

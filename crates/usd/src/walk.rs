@@ -76,13 +76,8 @@ pub(crate) fn scene(reader: &Reader) -> Result<Scene, Error> {
         builder.prim(&child, &state, &mut placed)?;
     }
     for Placed { object, transform, path, luminaire } in placed {
-        let instance = Instance {
-            name: path,
-            object,
-            world_from_object: transform,
-            visible: true,
-            mask: RayMask::ALL,
-        };
+        let instance =
+            Instance { name: path, object, world_from_object: transform, visible: true, mask: RayMask::ALL };
         let id = builder.scene.add_instance(instance);
         if let Some(luminaire) = luminaire {
             builder.scene.labels_mut().luminaires.insert(id, luminaire);
@@ -145,7 +140,13 @@ impl Builder<'_> {
         state
     }
 
-    fn show(&mut self, prim: &Path, kind: &str, state: &State, placed: &mut Vec<Placed>) -> Result<(), Error> {
+    fn show(
+        &mut self,
+        prim: &Path,
+        kind: &str,
+        state: &State,
+        placed: &mut Vec<Placed>,
+    ) -> Result<(), Error> {
         if !state.is_of_purpose {
             return Ok(());
         }

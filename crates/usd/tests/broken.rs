@@ -35,7 +35,9 @@ fn texts_that_are_none() {
 #[test]
 fn meshes_that_contradict_themselves() {
     let mesh = |name: &str, values: &str| {
-        format!("def Mesh \"{name}\" {{ uniform token subdivisionScheme = \"none\"\n point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]\n {values} }}\n")
+        format!(
+            "def Mesh \"{name}\" {{ uniform token subdivisionScheme = \"none\"\n point3f[] points = [(0,0,0), (1,0,0), (0,1,0)]\n {values} }}\n"
+        )
     };
     let loaded = load(
         &[
@@ -44,7 +46,10 @@ fn meshes_that_contradict_themselves() {
             mesh("Negative", "int[] faceVertexCounts = [-3]\n int[] faceVertexIndices = [0, 1, 2]"),
             mesh("Long", "int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 2, 0]"),
             mesh("Far", "int[] faceVertexCounts = [3]\n int[] faceVertexIndices = [0, 1, 9]"),
-            mesh("Huge", "int[] faceVertexCounts = [2147483647, 2147483647]\n int[] faceVertexIndices = [0, 1, 2]"),
+            mesh(
+                "Huge",
+                "int[] faceVertexCounts = [2147483647, 2147483647]\n int[] faceVertexIndices = [0, 1, 2]",
+            ),
         ]
         .concat(),
     );

@@ -31,5 +31,9 @@ def Scope "Render" {
     assert_eq!(camera.lens.focus, Some(4.0));
     assert_eq!(parallel.projection, Projection::Orthographic { height: 3.0 });
     let labels = loaded.scene.labels();
-    assert_eq!((labels.camera.map(|id| id.0), labels.resolution), (Some(1), Some([640, 480])), "what is wished");
+    assert_eq!(
+        (labels.camera.map(|id| id.0), labels.resolution),
+        (Some(1), Some([640, 480])),
+        "what is wished"
+    );
 }

@@ -58,7 +58,11 @@ fn files_stay_in_their_folder() {
     assert_eq!(free.scene.meshes().len(), 1, "{}", warnings(&free));
     let options = LoadOptions { confine: Some(outer.path("in")), ..LoadOptions::default() };
     let confined = outer.load("in/scene.usda", &options).expect("the rest is shown");
-    assert!(confined.scene.meshes().is_empty() && warnings(&confined).contains("outside"), "{}", warnings(&confined));
+    assert!(
+        confined.scene.meshes().is_empty() && warnings(&confined).contains("outside"),
+        "{}",
+        warnings(&confined)
+    );
 }
 
 #[test]

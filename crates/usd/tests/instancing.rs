@@ -50,7 +50,11 @@ def PointInstancer "Outer" {{
     // Scaled along x, then turned to y.
     let along = shown[1].world_from_object.vector([1.0, 0.0, 0.0]);
     assert!(along[0].abs() < 1e-2 && (along[1] - 3.0).abs() < 1e-2, "{along:?}");
-    assert_eq!(shown[2].world_from_object.columns[3], [0.0, 10.0, 0.0], "the second instance of the inner one");
+    assert_eq!(
+        shown[2].world_from_object.columns[3],
+        [0.0, 10.0, 0.0],
+        "the second instance of the inner one"
+    );
 }
 
 #[test]

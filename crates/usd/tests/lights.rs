@@ -20,10 +20,15 @@ def CylinderLight "Tube" { float inputs:length = 2 }
     assert_eq!(warnings(&loaded), "");
     let scene = &loaded.scene;
     let kinds: Vec<Luminaire> = scene.labels().luminaires.values().copied().collect();
-    let expected = [Luminaire::Rect, Luminaire::Rect, Luminaire::Disk, Luminaire::Sphere, Luminaire::Cylinder];
+    let expected =
+        [Luminaire::Rect, Luminaire::Rect, Luminaire::Disk, Luminaire::Sphere, Luminaire::Cylinder];
     assert_eq!(kinds, expected);
     let emission = |i: usize| scene.material(scene.meshes()[i].material).emission;
-    assert_eq!((emission(0), emission(1), emission(2)), ([10.0; 3], [10.0; 3], [1.0, 0.5, 0.0]), "W per area and angle");
+    assert_eq!(
+        (emission(0), emission(1), emission(2)),
+        ([10.0; 3], [10.0; 3], [1.0, 0.5, 0.0]),
+        "W per area and angle"
+    );
     // They shine along -z, and balls outwards.
     for mesh in &scene.meshes()[..3] {
         let [a, b, c] = mesh.indices[0].map(|i| mesh.positions[i as usize]);
@@ -56,7 +61,10 @@ def DomeLight "Sky" { float inputs:intensity = 0.5 }
     let spread = std::f64::consts::PI * 0.5_f64.to_radians().sin().powi(2);
     assert!((f64::from(irradiance[0]) / (100.0 * spread) - 1.0).abs() < 1e-5, "{irradiance:?}");
     let Light::Point { intensity, .. } = point else { panic!("a point") };
-    assert!((intensity[0] - 4.0 * std::f32::consts::PI).abs() < 1e-4, "radiance times the disk: {intensity:?}");
+    assert!(
+        (intensity[0] - 4.0 * std::f32::consts::PI).abs() < 1e-4,
+        "radiance times the disk: {intensity:?}"
+    );
     let Light::Spot { intensity, inner_angle, outer_angle, .. } = spot else { panic!("a spot") };
     assert!((intensity[0] - 2.0).abs() < 1e-5 && (outer_angle.to_degrees() - 30.0).abs() < 1e-3, "{spot:?}");
     assert!((inner_angle.to_degrees() - 15.0).abs() < 0.1, "{inner_angle}");
@@ -79,7 +87,9 @@ fn temperatures_tint() {
 
 #[test]
 fn what_is_not_there_is_named() {
-    let loaded = load("def RectLight \"L\" ( prepend apiSchemas = [\"ShapingAPI\"] ) { float inputs:shaping:cone:angle = 20\n bool inputs:shadow:enable = 0 }");
+    let loaded = load(
+        "def RectLight \"L\" ( prepend apiSchemas = [\"ShapingAPI\"] ) { float inputs:shaping:cone:angle = 20\n bool inputs:shadow:enable = 0 }",
+    );
     let told = warnings(&loaded);
     assert!(told.contains("/L: the shaping") && told.contains("/L: a light without shadows"), "{told}");
 }

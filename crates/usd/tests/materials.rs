@@ -39,8 +39,16 @@ def Material "M" {{
     let Surface::MetallicRoughness { base_color, metallic, roughness, .. } = &material.surface else {
         panic!("{material:?}")
     };
-    assert_eq!((base_color.factor, *metallic, *roughness), ([0.1, 0.2, 0.3], 1.0, 0.25), "through the interface");
-    assert!(matches!(material.alpha, Alpha::Blend { opacity } if opacity.factor == 0.5), "{:?}", material.alpha);
+    assert_eq!(
+        (base_color.factor, *metallic, *roughness),
+        ([0.1, 0.2, 0.3], 1.0, 0.25),
+        "through the interface"
+    );
+    assert!(
+        matches!(material.alpha, Alpha::Blend { opacity } if opacity.factor == 0.5),
+        "{:?}",
+        material.alpha
+    );
 }
 
 /// A picture of 2 x 1: red, then blue.

@@ -41,7 +41,8 @@ fn archive(entries: &[(&str, &[u8])], method: u8) -> Vec<u8> {
     bytes
 }
 
-const ROOT: &[u8] = b"#usda 1.0\n( metersPerUnit = 1 )\ndef \"A\" ( prepend references = @./parts/part.usda@</P> ) {}\n";
+const ROOT: &[u8] =
+    b"#usda 1.0\n( metersPerUnit = 1 )\ndef \"A\" ( prepend references = @./parts/part.usda@</P> ) {}\n";
 const PART: &[u8] = b"#usda 1.0\ndef Cube \"P\" {\n}\n";
 
 fn load(bytes: &[u8]) -> Result<gnurt_scene::io::Loaded, String> {

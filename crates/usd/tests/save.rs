@@ -21,10 +21,19 @@ fn scene() -> Scene {
     let object = scene.add_object_of("thing", vec![mesh]);
     scene.instantiate(object, Affine::translation([1.0, 2.0, 3.0]) * Affine::rotation([1.0, 0.0, 0.0], 0.5));
     scene.instantiate(object, Affine::translation([0.0, 0.0, -5.0]));
-    scene.add_camera(Camera { eye: [0.0, 1.0, 5.0], target: [0.0, 1.0, 0.0], fov_y: 33.0, ..Camera::default() });
+    scene.add_camera(Camera {
+        eye: [0.0, 1.0, 5.0],
+        target: [0.0, 1.0, 0.0],
+        fov_y: 33.0,
+        ..Camera::default()
+    });
     scene.add_light(Light::Point { position: [1.0, 2.0, 3.0], intensity: [4.0, 5.0, 6.0] });
     scene.add_light(Light::Directional { direction: [0.0, -1.0, 0.0], irradiance: [2.0, 1.0, 0.5] });
-    scene.add_light(Light::Environment { radiance: [0.25; 3], texture: None, world_from_light: Affine::IDENTITY });
+    scene.add_light(Light::Environment {
+        radiance: [0.25; 3],
+        texture: None,
+        world_from_light: Affine::IDENTITY,
+    });
     scene
 }
 
@@ -40,15 +49,26 @@ fn both_forms_come_back() {
         let after = &loaded.scene;
         assert_eq!((after.meshes().len(), after.instances().len()), (1, 2), "{name}: one mesh, shown twice");
         let [old, new] = [&before.meshes()[0], &after.meshes()[0]];
-        assert_eq!((&old.positions, &old.normals, &old.texcoords), (&new.positions, &new.normals, &new.texcoords));
+        assert_eq!(
+            (&old.positions, &old.normals, &old.texcoords),
+            (&new.positions, &new.normals, &new.texcoords)
+        );
         for (a, b) in before.instances().iter().zip(after.instances()) {
-            let far = a.world_from_object.columns.as_flattened().iter().zip(b.world_from_object.columns.as_flattened());
+            let far = a
+                .world_from_object
+                .columns
+                .as_flattened()
+                .iter()
+                .zip(b.world_from_object.columns.as_flattened());
             assert!(far.clone().all(|(a, b)| (a - b).abs() < 1e-9), "{name}: {a:?} {b:?}");
         }
         let (a, b) = (&before.cameras()[0], &after.cameras()[0]);
         assert!((a.fov_y - b.fov_y).abs() < 1e-3 && a.eye == b.eye, "{name}: {b:?}");
-        let [Light::Point { intensity, .. }, Light::Directional { direction, irradiance }, Light::Environment { radiance, .. }] =
-            after.lights()
+        let [
+            Light::Point { intensity, .. },
+            Light::Directional { direction, irradiance },
+            Light::Environment { radiance, .. },
+        ] = after.lights()
         else {
             panic!("{name}: {:?}", after.lights())
         };

@@ -23,7 +23,12 @@ fn areas_and_volumes() {
     let shapes = [
         ("Cube", "double size = 3", 54.0, 27.0),
         ("Sphere", "double radius = 2", 16.0 * PI, 32.0 / 3.0 * PI),
-        ("Cylinder", "double radius = 2\n double height = 3\n uniform token axis = \"X\"", 20.0 * PI, 12.0 * PI),
+        (
+            "Cylinder",
+            "double radius = 2\n double height = 3\n uniform token axis = \"X\"",
+            20.0 * PI,
+            12.0 * PI,
+        ),
         ("Cone", "double radius = 3\n double height = 4\n uniform token axis = \"Y\"", 24.0 * PI, 12.0 * PI),
         ("Capsule", "double radius = 1\n double height = 2", 8.0 * PI, 10.0 / 3.0 * PI),
     ];
@@ -32,9 +37,13 @@ fn areas_and_volumes() {
         assert_eq!(warnings(&loaded), "", "{kind}");
         let [found_area, found_volume] = measure(&loaded.scene.meshes()[0]);
         assert!((found_area / area - 1.0).abs() < 2e-3, "{kind}: area {found_area}, expected {area}");
-        assert!((found_volume / volume - 1.0).abs() < 3e-3, "{kind}: volume {found_volume}, expected {volume}");
+        assert!(
+            (found_volume / volume - 1.0).abs() < 3e-3,
+            "{kind}: volume {found_volume}, expected {volume}"
+        );
         let normals = loaded.scene.meshes()[0].normals.iter();
-        let good = normals.map(|n| n.iter().map(|x| x * x).sum::<f32>()).all(|square| (square - 1.0).abs() < 1e-4);
+        let good =
+            normals.map(|n| n.iter().map(|x| x * x).sum::<f32>()).all(|square| (square - 1.0).abs() < 1e-4);
         assert!(good, "{kind}: normals of unit length");
     }
     let plane = load("def Plane \"P\" { double width = 2\n double length = 3\n uniform token axis = \"Y\" }");

@@ -33,7 +33,8 @@ def BasisCurves "Naked" { int[] curveVertexCounts = [2]  point3f[] points = [(0,
 
 #[test]
 fn points_are_balls() {
-    let loaded = load("def Points \"P\" { point3f[] points = [(0, 0, 0), (3, 0, 0)]\n float[] widths = [1, 2] }");
+    let loaded =
+        load("def Points \"P\" { point3f[] points = [(0, 0, 0), (3, 0, 0)]\n float[] widths = [1, 2] }");
     assert_eq!(warnings(&loaded), "");
     let shown = loaded.scene.occurrences().filter(|found| !found.object.meshes.is_empty());
     let places: Vec<f64> = shown.map(|found| found.world_from_object.point([0.5, 0.0, 0.0])[0]).collect();

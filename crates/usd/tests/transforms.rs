@@ -20,7 +20,8 @@ fn place(operations: &str) -> Affine {
 }
 
 fn close(a: Affine, b: Affine) {
-    let far = a.columns.as_flattened().iter().zip(b.columns.as_flattened()).any(|(a, b)| (a - b).abs() > 1e-6);
+    let far =
+        a.columns.as_flattened().iter().zip(b.columns.as_flattened()).any(|(a, b)| (a - b).abs() > 1e-6);
     assert!(!far, "{a:?} is not {b:?}");
 }
 
@@ -52,7 +53,8 @@ fn inverses_and_matrices() {
 #[test]
 fn units_and_axes_become_metres_and_y() {
     let text = format!("#usda 1.0\n(\n upAxis = \"Z\"\n)\ndef Mesh \"M\" {{ {TRIANGLE} }}\n");
-    let loaded = Folder::with(&[("a.usda", &text)]).load("a.usda", &LoadOptions::default()).expect("a triangle");
+    let loaded =
+        Folder::with(&[("a.usda", &text)]).load("a.usda", &LoadOptions::default()).expect("a triangle");
     // Centimetres where nothing is said; z is y.
     let found = loaded.scene.instances()[0].world_from_object;
     let corner = found.point([1.0, 2.0, 3.0]);

@@ -19,7 +19,10 @@ const ARROWS: [(&str, &[&str]); 27] = [
     ("pbrt", &["scene", "sl-lib"]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("sl-shading", &["simd", "accel", "image", "shading", "sl", "sl-lib", "jit"]),
-    ("gnurt", &["simd", "accel", "image", "denoise", "scene", "usd", "shading", "render", "sl-shading", "pbrt"]),
+    (
+        "gnurt",
+        &["simd", "accel", "image", "denoise", "scene", "usd", "shading", "render", "sl-shading", "pbrt"],
+    ),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),
     ("plugins", &["gnurt"]),

@@ -91,7 +91,8 @@ impl Part {
         };
         for placement in placements {
             let [x, y, z, middle] = (*world_from_object * placement.object_from_part).columns;
-            let length = |with: f64| [0, 1, 2].map(|k| (x[k] * x[k] + y[k] * y[k] + with * z[k] * z[k]).sqrt());
+            let length =
+                |with: f64| [0, 1, 2].map(|k| (x[k] * x[k] + y[k] * y[k] + with * z[k] * z[k]).sqrt());
             if self.form == Form::Ball {
                 bounds.add(middle, length(1.0));
             } else {
@@ -150,7 +151,8 @@ impl Bounds {
     pub(crate) fn add(&mut self, p: [f64; 3], around: [f64; 3]) {
         for k in 0..3 {
             if p[k].is_finite() && around[k].is_finite() {
-                (self.low[k], self.high[k]) = (self.low[k].min(p[k] - around[k]), self.high[k].max(p[k] + around[k]));
+                (self.low[k], self.high[k]) =
+                    (self.low[k].min(p[k] - around[k]), self.high[k].max(p[k] + around[k]));
             }
         }
     }

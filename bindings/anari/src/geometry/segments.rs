@@ -34,7 +34,8 @@ fn rod(ends: [[f32; 3]; 2], radius: f32, primitive: u32, vertices: [u32; 2]) -> 
     let along = (b - a).try_normalize().filter(|_| radius > 0.0)?;
     let (x, y) = along.any_orthonormal_pair();
     let column = |v: Vec3| v.to_array().map(f64::from);
-    let object_from_part = Affine { columns: [column(x * radius), column(y * radius), column(b - a), column(a)] };
+    let object_from_part =
+        Affine { columns: [column(x * radius), column(y * radius), column(b - a), column(a)] };
     Some(Placement { object_from_part, primitive, ends: vertices })
 }
 

@@ -155,7 +155,8 @@ impl Set {
 
     /// Complains about warnings and errors so far.
     pub(crate) fn assert_quiet(&self) {
-        let loud: Vec<_> = self.client.messages().into_iter().filter(|message| message.severity < 5).collect();
+        let loud: Vec<_> =
+            self.client.messages().into_iter().filter(|message| message.severity < 5).collect();
         assert!(loud.is_empty(), "{loud:?}");
     }
 }

@@ -8,7 +8,8 @@ use gnurt_accel_core::Ray;
 use gnurt_simd::{Simd, StackBuffer, prelude::*};
 
 use super::BoxIndex;
-use crate::node::{Child, WIDTH};
+use super::met::{Member, MetBlock};
+use crate::node::Child;
 use crate::node_ray::NodeRay;
 use crate::point::{Around, square_of, walk_near};
 use crate::tree::DEEPEST;
@@ -16,20 +17,13 @@ use crate::treelet::{DEEPEST_TREELET, NodesAtKeys, Treelet};
 use crate::walk::{Nodes, walk_with};
 
 impl BoxIndex {
-    /// Calls `enter` with the indices of boxes that `ray`, which is regular and relative to the origin, hits
-    /// before `reach`, nearer ones first; it returns the new reach. Returns the number of nodes visited.
-    /// There are boxes.
+    /// Calls `enter` with the blocks of boxes that `ray`, which is regular and relative to the origin, meets before `reach`,
+    /// nearer ones first; it answers with the new reach. Returns the number of nodes visited. There are boxes.
     #[inline(always)]
-    pub(crate) fn search<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        reach: f32,
-        enter: &mut dyn FnMut(usize) -> f32,
-    ) -> u32 {
+    pub(crate) fn search<S: Simd>(&self, simd: S, ray: &Ray, reach: f32, enter: EnterBlock) -> u32 {
         let for_nodes = &NodeRay::new(simd, ray, self.greatest());
         match &self.treelets[..] {
-            [only] => search_treelet(simd, only, ROOT, for_nodes, ray.time, reach, enter).1,
+            [only] => search_treelet(simd, (0, only), ROOT, for_nodes, ray.time, reach, enter).1,
             treelets => {
                 let below = Below { treelets, time: ray.time };
                 search_upper(simd, &self.upper, &below, ROOT, for_nodes, reach, enter)
@@ -63,8 +57,11 @@ const ROOT: Child = Child::node(0);
 type Long = StackBuffer<u64, { 8 * DEEPEST }>;
 type Short = StackBuffer<u64, { 8 * DEEPEST_TREELET }>;
 
-/// From `start` on, calls `enter` with the members whose boxes the ray meets before `reach`, and with that; it answers with
-/// the new one. Returns the last one, and the number of nodes visited.
+/// Takes the members of a block that a ray meets, and answers with the new reach.
+pub(super) type EnterBlock<'a> = &'a mut dyn FnMut(MetBlock) -> f32;
+
+/// From `start` on, calls `enter` with the members of each block whose boxes the ray meets before `reach`, and with that; it
+/// answers with the new one. Returns the last one, and the number of nodes visited. Blocks are counted with the nodes.
 #[inline(always)]
 fn search_nodes<S: Simd, const WAIT: usize>(
     simd: S,
@@ -73,7 +70,7 @@ fn search_nodes<S: Simd, const WAIT: usize>(
     start: Child,
     ray: &NodeRay<S>,
     mut reach: f32,
-    mut enter: impl FnMut(usize, f32) -> f32,
+    mut enter: impl FnMut(MetBlock, f32) -> f32,
 ) -> (f32, u32) {
     let visited = walk_with(
         buffer,
@@ -85,15 +82,10 @@ fn search_nodes<S: Simd, const WAIT: usize>(
         #[inline(always)]
         |range| {
             for block in range {
-                let (mut bits, near, members) = nodes.meet(simd, block, ray, reach);
-                let near = near.as_array();
-                while bits != 0 {
-                    let lane = nearest(bits, near);
-                    if near[lane & (WIDTH - 1)] > reach {
-                        break;
-                    }
-                    bits &= !(1 << lane);
-                    reach = enter(Child::at(members, lane).index(), reach);
+                let (bits, near, members) = nodes.meet(simd, block, ray, reach);
+                if bits != 0 {
+                    let near = near.as_array();
+                    reach = enter(MetBlock { treelet: 0, block, bits, near, members }, reach);
                 }
             }
             reach
@@ -102,41 +94,24 @@ fn search_nodes<S: Simd, const WAIT: usize>(
     (reach, visited)
 }
 
-/// Of the lanes in `bits`, which is not 0, the first along the ray: a hit there may make the others
-/// unnecessary.
-#[inline(always)]
-fn nearest(mut bits: u32, near: &[f32; WIDTH]) -> usize {
-    let mut nearest = bits.trailing_zeros() as usize;
-    bits &= bits - 1;
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
-        if near[lane & (WIDTH - 1)] < near[nearest & (WIDTH - 1)] {
-            nearest = lane;
-        }
-    }
-    nearest
-}
-
-/// The same at one time, as a separate function: for the treelets below the upper one.
+/// The same at a moment, as a function of its own: for the treelets below the upper one.
 #[inline(never)]
 pub(super) fn search_treelet<S: Simd>(
     simd: S,
-    treelet: &Treelet,
+    (number, treelet): (usize, &Treelet),
     start: Child,
     ray: &NodeRay<S>,
     time: f32,
     reach: f32,
-    enter: &mut dyn FnMut(usize) -> f32,
+    enter: EnterBlock,
 ) -> (f32, u32) {
+    let first_block = treelet.node_count();
+    let enter =
+        &mut |met: MetBlock| enter(MetBlock { treelet: number, block: met.block - first_block, ..met });
     match treelet.at_keys() {
         None => simd.vectorize(
             #[inline(always)]
-            || {
-                search_nodes(simd, Short::new(), treelet.nodes(), start, ray, reach, |member_index, _| {
-                    enter(member_index)
-                })
-            },
+            || search_nodes(simd, Short::new(), treelet.nodes(), start, ray, reach, |met, _| enter(met)),
         ),
         Some(keys) => search_keys(simd, keys, start, ray, time, reach, enter),
     }
@@ -151,20 +126,13 @@ fn search_keys<S: Simd>(
     ray: &NodeRay<S>,
     time: f32,
     reach: f32,
-    enter: &mut dyn FnMut(usize) -> f32,
+    enter: EnterBlock,
 ) -> (f32, u32) {
     simd.vectorize(
         #[inline(always)]
         || {
-            search_nodes(
-                simd,
-                Short::new(),
-                &keys.interpolated(time),
-                start,
-                ray,
-                reach,
-                |member_index, _| enter(member_index),
-            )
+            let nodes = &keys.interpolated(time);
+            search_nodes(simd, Short::new(), nodes, start, ray, reach, |met, _| enter(met))
         },
     )
 }
@@ -177,7 +145,7 @@ pub(super) fn search_upper<S: Simd>(
     start: Child,
     ray: &NodeRay<S>,
     reach: f32,
-    enter: &mut dyn FnMut(usize) -> f32,
+    enter: EnterBlock,
 ) -> u32 {
     match upper.at_keys() {
         None => below.search(simd, upper.nodes(), start, ray, reach, enter),
@@ -200,7 +168,7 @@ impl Below<'_> {
         start: Child,
         ray: &NodeRay<S>,
         reach: f32,
-        enter: &mut dyn FnMut(usize) -> f32,
+        enter: EnterBlock,
     ) -> u32 {
         simd.vectorize(
             #[inline(always)]
@@ -214,11 +182,14 @@ impl Below<'_> {
                     ray,
                     reach,
                     #[inline(always)]
-                    |number, reach| {
-                        let treelet = &self.treelets[number];
-                        let (reach, count) =
-                            search_treelet(simd, treelet, ROOT, ray, self.time, reach, enter);
-                        visited += count;
+                    |mut met, mut reach| {
+                        while let Some(Member { index, .. }) = met.next(reach) {
+                            let treelet = (index, &self.treelets[index]);
+                            let (nearer, count) =
+                                search_treelet(simd, treelet, ROOT, ray, self.time, reach, enter);
+                            visited += count;
+                            reach = nearer;
+                        }
                         reach
                     },
                 );

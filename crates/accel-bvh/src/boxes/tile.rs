@@ -15,7 +15,8 @@ use gnurt_accel_core::traversal::TileTraversal;
 use gnurt_simd::{Simd, StackBuffer, prelude::*};
 
 use super::BoxIndex;
-use super::search::{Below, search_treelet, search_upper};
+use super::met::{EnterMembers, Member};
+use super::search::{Below, EnterBlock, search_treelet, search_upper};
 use crate::node::{Child, Node8, WIDTH};
 use crate::node_ray::NodeRay;
 use crate::planes::{MovingMember, TilePlanes};
@@ -49,16 +50,15 @@ const MANY: u32 = 2;
 const FEW: u32 = 5;
 
 impl BoxIndex {
-    /// Calls `enter` with the indices of boxes that a tile's first rays, all of them active and of one
-    /// direction class, may hit, and with the traversal state of those rays that may hit it and are not
-    /// finished. There are boxes.
+    /// Enters the members that a tile's first rays, all of them active and of one direction class, may hit, with the traversal state of
+    /// those rays that may hit it and are not finished. There are boxes.
     #[inline(always)]
     pub(crate) fn search_tile<S: Simd>(
         &self,
         simd: S,
         direction_class: DirectionClass,
         traversal: &mut TileTraversal,
-        enter: &mut dyn FnMut(usize, &mut TileTraversal),
+        enter: &mut dyn EnterMembers,
     ) {
         let count = TILE - traversal.active.leading_zeros() as usize;
         let mut slopes = Slopes::EMPTY;
@@ -77,7 +77,7 @@ impl BoxIndex {
             visited: 0,
         };
         match &self.treelets[..] {
-            [only] => tile_treelet(simd, only, all(count), shot, traversal, enter),
+            [only] => tile_treelet(simd, (0, only), all(count), shot, traversal, enter),
             treelets => tile_upper(simd, &self.upper, treelets, shot, traversal, enter),
         }
         traversal.counters.nodes += shot.visited;
@@ -193,16 +193,16 @@ impl Shot<'_> {
         self.farthest = self.slopes.steps_ahead(simd, traversal.nearest, self.count);
     }
 
-    /// Each ray in `bits` by itself: `search` gets the ray, its time, its far end, and a callback for the
-    /// indices of hit boxes, and returns the number of visited nodes.
+    /// Each ray in `bits` by itself: `search` is given the ray, its moment, where it ends, and what to call for the blocks of
+    /// boxes that it meets, and answers with the number of nodes visited.
     #[inline(always)]
     fn go_singly<S: Simd>(
         &mut self,
         simd: S,
         bits: u64,
         traversal: &mut TileTraversal,
-        enter: &mut dyn FnMut(usize, &mut TileTraversal),
-        mut search: impl FnMut(&NodeRay<S>, f32, f32, &mut dyn FnMut(usize) -> f32) -> u32,
+        enter: &mut dyn EnterMembers,
+        mut search: impl FnMut(&NodeRay<S>, f32, f32, EnterBlock) -> u32,
     ) {
         let rows = self.direction_class.rows();
         let mut visited = 0;
@@ -214,8 +214,11 @@ impl Shot<'_> {
                 let ray = planes.single_rays(simd, i, rows, traversal.rays.t_near[i % TILE]);
                 let (time, reach) = (traversal.rays.time[i % TILE], traversal.nearest.t[i % TILE]);
                 let traversal = &mut traversal.only(1 << i);
-                visited += u64::from(search(&ray, time, reach, &mut |member_index| {
-                    enter(member_index, traversal);
+                visited += u64::from(search(&ray, time, reach, &mut |mut met| {
+                    enter.announce(met.treelet, met.block, met.bits);
+                    while let Some(member) = met.next(traversal.nearest.t[i % TILE]) {
+                        enter.enter(member, traversal);
+                    }
                     traversal.nearest.t[i % TILE]
                 }));
             },
@@ -276,11 +279,11 @@ fn walk_masks<'a, S: Simd>(
 #[inline(never)]
 fn tile_treelet<S: Simd>(
     simd: S,
-    treelet: &Treelet,
+    (number, treelet): (usize, &Treelet),
     bits: u64,
     shot: &mut Shot,
     traversal: &mut TileTraversal,
-    enter: &mut dyn FnMut(usize, &mut TileTraversal),
+    enter: &mut dyn EnterMembers,
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -294,7 +297,7 @@ fn tile_treelet<S: Simd>(
                 traversal,
                 #[inline(always)]
                 |shot, stop, bits, traversal| match stop {
-                    Stop::Block(at) => enter_block(simd, treelet, at, bits, shot, traversal, enter),
+                    Stop::Block(at) => enter_block(simd, (number, treelet), at, bits, shot, traversal, enter),
                     Stop::SingleRays(child) => shot.go_singly(
                         simd,
                         bits,
@@ -302,7 +305,7 @@ fn tile_treelet<S: Simd>(
                         enter,
                         #[inline(always)]
                         |ray, time, reach, enter| {
-                            search_treelet(simd, treelet, child, ray, time, reach, enter).1
+                            search_treelet(simd, (number, treelet), child, ray, time, reach, enter).1
                         },
                     ),
                 },
@@ -326,15 +329,16 @@ fn rank(&(_, steps, _): &Met) -> u32 {
 #[inline(always)]
 fn enter_block<S: Simd>(
     simd: S,
-    treelet: &Treelet,
+    (number, treelet): (usize, &Treelet),
     at: usize,
     bits: u64,
     shot: &mut Shot,
     traversal: &mut TileTraversal,
-    enter: &mut dyn FnMut(usize, &mut TileTraversal),
+    enter: &mut dyn EnterMembers,
 ) {
     let block = &treelet.nodes()[at];
     let (mut members, mut count): ([Met; WIDTH], usize) = ([(0, 0.0, 0); WIDTH], 0);
+    let mut met = 0;
     shot.meet(
         simd,
         block,
@@ -344,8 +348,11 @@ fn enter_block<S: Simd>(
         |lane, steps, rays| {
             members[count & (WIDTH - 1)] = (lane, steps, rays);
             count += 1;
+            met |= 1 << lane;
         },
     );
+    let number_in_treelet = at - treelet.node_count();
+    enter.announce(number, number_in_treelet, met);
     farthest_first(&mut members[..count], rank);
     for &(lane, steps, rays) in members[..count].iter().rev() {
         let mut rays = rays & traversal.nearest.looking(simd);
@@ -358,7 +365,9 @@ fn enter_block<S: Simd>(
             rays &= shot.at_ray_times(simd, MovingMember { keys, block: at, lane }, traversal);
         }
         if rays != 0 {
-            enter(block.child(lane).index(), &mut traversal.only(rays));
+            let place = WIDTH * number_in_treelet + lane;
+            let member = Member { treelet: number, place, index: block.child(lane).index() };
+            enter.enter(member, &mut traversal.only(rays));
             shot.update_reach(simd, traversal);
         }
     }
@@ -372,7 +381,7 @@ fn tile_upper<S: Simd>(
     treelets: &[Treelet],
     shot: &mut Shot,
     traversal: &mut TileTraversal,
-    enter: &mut dyn FnMut(usize, &mut TileTraversal),
+    enter: &mut dyn EnterMembers,
 ) {
     simd.vectorize(
         #[inline(always)]
@@ -402,7 +411,7 @@ fn tile_upper<S: Simd>(
                         );
                         farthest_first(&mut members[..count], rank);
                         for &(number, _, rays) in members[..count].iter().rev() {
-                            tile_treelet(simd, &treelets[number], rays, shot, traversal, enter);
+                            tile_treelet(simd, (number, &treelets[number]), rays, shot, traversal, enter);
                         }
                     }
                     Stop::SingleRays(child) => shot.go_singly(

@@ -10,6 +10,7 @@ use gnurt_accel_core::threads::extend;
 use gnurt_accel_core::{BuildControl, Quality};
 
 use super::box64::Box64;
+use super::entries::{Entries, Entry};
 use super::error::SceneError;
 use super::leaves::Leaves;
 use super::types::{DEEPEST_SCENE, Instance, PlacedInstance, SceneTree, Slot};
@@ -103,7 +104,7 @@ fn build(
     watch: &Watch,
     all: bool,
 ) -> Result<SceneTree, SceneError> {
-    let held = instances.len() * size_of::<Slot>();
+    let held = instances.len() * (size_of::<Slot>() + size_of::<Entry>());
     let passing = instances.len() * (size_of::<InstanceProperties>() + size_of::<Aabb>());
     watch.take(held + passing);
     watch.result()?;
@@ -148,7 +149,8 @@ fn build(
         let top = BoxIndex::build(&boxes, &boxes_at, origin, quality, threads, watch)?;
         watch.give(passing);
         watch.result()?;
-        Ok(SceneTree { only: top.only(), top, slots, leaves, depths, dropped, moving })
+        let entries = Entries::new(&top, None, &slots, parallel);
+        Ok(SceneTree { only: top.only(), top, slots, entries, leaves, depths, dropped, moving })
     })
 }
 

@@ -4,6 +4,7 @@
 
 mod box64;
 mod build;
+mod entries;
 mod error;
 mod exact;
 mod instance;

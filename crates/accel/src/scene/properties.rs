@@ -88,8 +88,9 @@ impl SceneTree {
     /// Size and shape of the top tree.
     #[must_use]
     pub fn stats(&self) -> TreeStats {
-        let primitive_bytes = (self.slots.memory_bytes() + self.leaves.memory_bytes()) as u64;
-        TreeStats { primitive_bytes, ..self.top.stats() }
+        let primitive_bytes =
+            self.slots.memory_bytes() + self.entries.memory_bytes() + self.leaves.memory_bytes();
+        TreeStats { primitive_bytes: primitive_bytes as u64, ..self.top.stats() }
     }
 
     /// An instance that is placed.

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use gnurt_accel_bvh::BoxIndex;
 use gnurt_accel_core::affine::ObjectFromWorld;
 
+use super::entries::Entries;
 use super::exact::Exact;
 use super::leaves::Leaves;
 use super::path::{MotionPath, Piece};
@@ -27,6 +28,8 @@ pub struct SceneTree {
     pub(super) only: Option<usize>,
     /// By index in the list of the build.
     pub(super) slots: SharedList<Slot>,
+    /// The same for rays, by place in `top`.
+    pub(super) entries: Entries,
     /// The numbers of objects.
     pub(super) leaves: Leaves,
     /// Instances by the depth of their visible part: 0 for objects.

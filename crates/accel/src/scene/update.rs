@@ -8,6 +8,7 @@ use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::threads::extend;
 
 use super::build::{InstanceProperties, is_near, origin_for, place_instance};
+use super::entries::Entries;
 use super::types::{Instance, SceneTree, Slot};
 use crate::{INVALID_ID, SceneError, Threads};
 
@@ -56,7 +57,7 @@ impl SceneTree {
 
     fn after(&self, len: usize, mut changes: Vec<Change>, threads: Threads) -> Self {
         let before = self.slots.len();
-        let mut scene = self.clone();
+        let mut scene = Self { entries: Entries::default(), ..self.clone() };
         for index in len..before {
             scene.forget(&self.slots[index]);
         }
@@ -90,6 +91,8 @@ impl SceneTree {
             scene.move_origin(origin_for(&bounds), threads);
         }
         scene.only = scene.top.only();
+        let before = Some((&self.top, &self.entries));
+        scene.entries = threads.run(|parallel| Entries::new(&scene.top, before, &scene.slots, parallel));
         scene
     }
 

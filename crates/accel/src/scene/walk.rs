@@ -3,11 +3,15 @@
 //! Source: [WBS03a] for the two levels; nearer boxes first, boxes beyond the best hit skipped.
 //! Space: world until an instance is entered. Tests: `tests/instances.rs`, `tests/brute_force.rs` (`query`).
 
+use gnurt_accel_bvh::{EnterMembers, Member};
+use gnurt_accel_core::affine::ObjectFromWorld;
 use gnurt_accel_core::bits::TILE;
+use gnurt_accel_core::blocks::WIDTH;
 use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::tile::RayTile;
 use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 
+use super::entries::TreeletEntries;
 use super::instance::rounded;
 use super::types::{At, PlacedInstance, SceneTree, Shape};
 use crate::Ray;
@@ -23,7 +27,7 @@ impl SceneTree {
     /// object in the whole.
     pub(crate) fn ray(&self, engine: &Engine, traversal: &mut RayTraversal) {
         if let Some(only) = self.only {
-            return self.enter(engine, only, traversal);
+            return self.enter_slot(engine, only, traversal);
         }
         if self.top.count() == 0 {
             return;
@@ -34,11 +38,15 @@ impl SceneTree {
         } else {
             traversal.ray.within(traversal.ray.t_near, traversal.reach()).regular()
         };
-        let scaled = |t: f32| (f64::from(t) / scale) as f32;
+        let scaled = |t: f32| if scale == 1.0 { t } else { (f64::from(t) / scale) as f32 };
         let ray = self.relative(&regular, traversal.origin);
         let reach = scaled(traversal.reach());
-        let visited = engine.bvh.boxes(&self.top, &ray, reach, &mut |index| {
-            self.enter(engine, index, traversal);
+        let visited = engine.bvh.boxes(&self.top, &ray, reach, &mut |mut met| {
+            let entries = self.entries.of(met.treelet());
+            met.places(|place| entries.prefetch(place));
+            while let Some(Member { place, index, .. }) = met.next(scaled(traversal.reach())) {
+                self.enter(engine, entries, place, index, traversal);
+            }
             scaled(traversal.reach())
         });
         traversal.counters.nodes += u64::from(visited);
@@ -58,8 +66,32 @@ impl SceneTree {
         moved
     }
 
-    /// Into one instance.
-    fn enter(&self, engine: &Engine, index: usize, traversal: &mut RayTraversal) {
+    /// Into one instance, which is at a place of a treelet.
+    #[inline(always)]
+    fn enter(
+        &self,
+        engine: &Engine,
+        entries: &TreeletEntries,
+        place: usize,
+        index: usize,
+        traversal: &mut RayTraversal,
+    ) {
+        let (Some((map, shown)), None) = (entries.get(place), traversal.origin) else {
+            return self.enter_slot(engine, index, traversal);
+        };
+        if shown.mask & traversal.ray.mask == 0 {
+            return;
+        }
+        let inside = map.ray(traversal.ray);
+        if inside.is_sound() {
+            let slot = traversal.slot + self.leaves.first(index);
+            shown.shape.ray(engine, &mut traversal.inside(&inside, None, slot));
+        }
+    }
+
+    /// Into one instance by its slot.
+    #[inline(never)]
+    fn enter_slot(&self, engine: &Engine, index: usize, traversal: &mut RayTraversal) {
         let Some(placed) = self.placed(index).filter(|placed| placed.mask & traversal.ray.mask != 0) else {
             return;
         };
@@ -120,7 +152,7 @@ impl SceneTree {
         let single = if depth > DEEPEST_TILE {
             traversal.active
         } else if let Some(only) = self.only {
-            return self.enter_tile(engine, only, traversal, incoherent, depth);
+            return self.enter_slot_tile(engine, only, traversal, incoherent, depth);
         } else if incoherent || !engine.has_tiles() {
             traversal.active
         } else {
@@ -139,13 +171,29 @@ impl SceneTree {
         traversal: &mut TileTraversal,
         depth: u32,
     ) {
-        engine.bvh.boxes_tile(&self.top, direction_class, traversal, &mut |index, traversal| {
-            self.enter_tile(engine, index, traversal, false, depth);
-        });
+        let mut enter = EnterTiles { scene: self, engine, depth };
+        engine.bvh.boxes_tile(&self.top, direction_class, traversal, &mut enter);
     }
 
-    /// Into one instance.
-    fn enter_tile(
+    /// Into one instance, which is at a place of a treelet.
+    fn enter_tile(&self, engine: &Engine, member: Member, traversal: &mut TileTraversal, depth: u32) {
+        let entries = self.entries.of(member.treelet);
+        let Some((map, shown)) = entries.get(member.place) else {
+            return self.enter_slot_tile(engine, member.index, traversal, false, depth);
+        };
+        if shown.mask & traversal.rays.mask == 0 {
+            return;
+        }
+        if traversal.active.count_ones() < WORTH_A_TILE {
+            return traversal
+                .one_by_one(|traversal| self.enter(engine, entries, member.place, member.index, traversal));
+        }
+        let slot = traversal.slot + self.leaves.first(member.index);
+        carry_tile(engine, map, &shown.shape, traversal, slot, false, depth);
+    }
+
+    /// Into one instance by its slot.
+    fn enter_slot_tile(
         &self,
         engine: &Engine,
         index: usize,
@@ -157,7 +205,7 @@ impl SceneTree {
             return;
         };
         if traversal.active.count_ones() < WORTH_A_TILE {
-            return traversal.one_by_one(|traversal| self.enter(engine, index, traversal));
+            return traversal.one_by_one(|traversal| self.enter_slot(engine, index, traversal));
         }
         let slot = traversal.slot + self.leaves.first(index);
         let stopped;
@@ -183,17 +231,51 @@ impl SceneTree {
                 let (rays, active) = (traversal.rays, traversal.active);
                 placed.shape.tile(engine, &mut traversal.inside(rays, active, slot), incoherent, depth);
             }
-            Some(map) => {
-                let mut inside = RayTile::EMPTY;
-                engine.tiles.carry(map, traversal.rays, &mut inside);
-                let active = traversal.active & engine.tiles.sound(&inside, traversal.nearest);
-                placed.shape.tile(engine, &mut traversal.inside(&inside, active, slot), incoherent, depth);
-            }
+            Some(map) => carry_tile(engine, map, &placed.shape, traversal, slot, incoherent, depth),
         }
     }
 }
 
-/// The common time of all active rays of a tile, if they have one and are worth a tile.
+/// Members of a top tree on the way of a tile's rays, which have one direction class.
+struct EnterTiles<'a> {
+    scene: &'a SceneTree,
+    engine: &'a Engine,
+    depth: u32,
+}
+
+impl EnterMembers for EnterTiles<'_> {
+    #[inline]
+    fn announce(&self, treelet: usize, block: usize, mut bits: u32) {
+        let entries = self.scene.entries.of(treelet);
+        while bits != 0 {
+            entries.prefetch(WIDTH * block + bits.trailing_zeros() as usize);
+            bits &= bits - 1;
+        }
+    }
+
+    #[inline]
+    fn enter(&mut self, member: Member, traversal: &mut TileTraversal) {
+        self.scene.enter_tile(self.engine, member, traversal, self.depth);
+    }
+}
+
+/// A tile's active rays into what is shown behind a map.
+fn carry_tile(
+    engine: &Engine,
+    map: &ObjectFromWorld,
+    shape: &Shape,
+    traversal: &mut TileTraversal,
+    slot: u32,
+    incoherent: bool,
+    depth: u32,
+) {
+    let mut inside = RayTile::EMPTY;
+    engine.tiles.carry(map, traversal.rays, &mut inside);
+    let active = traversal.active & engine.tiles.sound(&inside, traversal.nearest);
+    shape.tile(engine, &mut traversal.inside(&inside, active, slot), incoherent, depth);
+}
+
+/// The moment of all active rays of a tile, if they have the same one and are worth a tile.
 fn only_interval(traversal: &TileTraversal) -> Option<f32> {
     let time = &traversal.rays.time;
     if traversal.active.count_ones() < WORTH_A_TILE {

@@ -27,12 +27,19 @@ struct Measured {
 
 impl Measured {
     fn nothing() -> Self {
-        Self { triangles: 0, area: 0.0, min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3], moment: [0.0; 3] }
+        Self {
+            triangles: 0,
+            area: 0.0,
+            min: [f64::INFINITY; 3],
+            max: [f64::NEG_INFINITY; 3],
+            moment: [0.0; 3],
+        }
     }
 
     fn add(&mut self, mesh: &Mesh, world_from_object: &Affine) {
         for &triangle in &mesh.indices {
-            let corners = triangle.map(|i| world_from_object.point(mesh.positions[i as usize].map(f64::from)));
+            let corners =
+                triangle.map(|i| world_from_object.point(mesh.positions[i as usize].map(f64::from)));
             let [u, v]: [[f64; 3]; 2] =
                 [1, 2].map(|i: usize| std::array::from_fn(|k| corners[i][k] - corners[0][k]));
             let cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
@@ -91,7 +98,8 @@ fn occurrence(scene: &Scene, found: &Occurrence<'_>) -> Value {
     let labels = scene.labels();
     let bound = labels.bound_materials.get(&found.object_id).map(|name| &name[..]);
     // Of several materials that of the largest part.
-    let largest = parts.iter().max_by(|a, b| a.1.1.total_cmp(&b.1.1)).and_then(|(&material, _)| name(material));
+    let largest =
+        parts.iter().max_by(|a, b| a.1.1.total_cmp(&b.1.1)).and_then(|(&material, _)| name(material));
     let mut value = json!({
         "path": found.name,
         "triangles": whole.triangles,
@@ -102,9 +110,7 @@ fn occurrence(scene: &Scene, found: &Occurrence<'_>) -> Value {
     });
     let Value::Object(fields) = &mut value else { return value };
     if parts.len() > 1 {
-        let part = |(&material, &(triangles, area)): (&u32, &(u64, f64))| {
-            json!({ "material": name(material), "triangles": triangles, "area": area })
-        };
+        let part = |(&material, &(triangles, area)): (&u32, &(u64, f64))| json!({ "material": name(material), "triangles": triangles, "area": area });
         fields.insert("parts".into(), parts.iter().map(part).collect());
     }
     if let Some(control) = labels.control_meshes.get(&found.object_id) {

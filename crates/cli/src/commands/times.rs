@@ -176,7 +176,12 @@ impl Studio<'_> {
     }
 
     /// What moves while the shutter is open, of a file that is read at moments.
-    fn exposure(&self, opens: &Scene, at: &dyn Fn(u32, f64) -> Source, frame: &Frame) -> Result<Exposure, Failure> {
+    fn exposure(
+        &self,
+        opens: &Scene,
+        at: &dyn Fn(u32, f64) -> Source,
+        frame: &Frame,
+    ) -> Result<Exposure, Failure> {
         const PIECES: u32 = 4;
         if !self.arguments.times.is_open() {
             return Ok(Exposure::default());

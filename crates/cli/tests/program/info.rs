@@ -18,8 +18,15 @@ fn counts() {
         assert_eq!(info[name], serde_json::json!([]), "{name}: {info}");
     }
     let shown = &info["occurrences"][0];
-    assert_eq!((&shown["triangles"], &shown["bounds"][1]), (&2.into(), &serde_json::json!([1.0, 2.0, 0.0])), "{shown}");
-    assert!(shown["area"].as_f64().is_some_and(|area| area > 0.0) && shown["centroid"][0].is_f64(), "{shown}");
+    assert_eq!(
+        (&shown["triangles"], &shown["bounds"][1]),
+        (&2.into(), &serde_json::json!([1.0, 2.0, 0.0])),
+        "{shown}"
+    );
+    assert!(
+        shown["area"].as_f64().is_some_and(|area| area > 0.0) && shown["centroid"][0].is_f64(),
+        "{shown}"
+    );
     assert_eq!(info["bounds"]["max"], serde_json::json!([1.0, 2.0, 0.0]), "the upper corner");
     assert!(info["memory"]["total"].as_u64().is_some_and(|bytes| bytes > 0), "memory: {info}");
     assert_eq!(info["material_names"][1], "red", "what --shader takes: {info}");

@@ -9,9 +9,9 @@ mod loops;
 mod quadric;
 mod triangles;
 
-use gnurt_scene::{Affine, Mesh};
 use gnurt_scene::io::reader::{Access, quoted};
 use gnurt_scene::io::{Error, Oddity, Warnings};
+use gnurt_scene::{Affine, Mesh};
 
 use crate::parameter::{Kind, Parameters};
 use crate::transform::{cross, dot, double};
@@ -54,8 +54,7 @@ pub(crate) fn read(
         "cylinder" => quadric::cylinder(parameters)?,
         "curve" => curve::mesh(parameters, reading)?,
         other => {
-            let known =
-                "bilinearmesh, curve, cylinder, disk, loopsubdiv, plymesh, sphere and trianglemesh";
+            let known = "bilinearmesh, curve, cylinder, disk, loopsubdiv, plymesh, sphere and trianglemesh";
             return Err(place.error(format!("unknown shape {}", quoted(other)), format!("valid are {known}")));
         }
     };

@@ -16,8 +16,8 @@ mod topology;
 pub use normals::smooth_normals;
 use sharpness::Sharpness;
 use stencils::Stencils;
-pub use topology::{Faces, FacesError};
 use topology::Topology;
+pub use topology::{Faces, FacesError};
 
 /// How often surfaces are refined where nobody says.
 pub const LEVEL: u32 = 2;
@@ -157,7 +157,13 @@ fn drop_faces(refined: &mut Refined, hidden: &[bool]) {
 }
 
 /// The weights of one step.
-fn stencils(scheme: Scheme, is_linear: bool, topology: &Topology, sharpness: &Sharpness, faces: &Faces) -> Stencils {
+fn stencils(
+    scheme: Scheme,
+    is_linear: bool,
+    topology: &Topology,
+    sharpness: &Sharpness,
+    faces: &Faces,
+) -> Stencils {
     match scheme {
         Scheme::Loop if is_linear => linear::of_triangles(topology),
         Scheme::Loop => loop_scheme::stencils(topology, sharpness, faces),

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use gnurt_scene::io::Warnings;
 use gnurt_scene::io::writer::leave_out;
-use gnurt_scene::material::{Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Surface, TextureRef};
+use gnurt_scene::material::{
+    Alpha, Color, Material, NormalMap, Opacity, OpacityChannel, Surface, TextureRef,
+};
 use gnurt_scene::texture::Wrap;
 use gnurt_scene::{Scene, Texture};
 
@@ -29,7 +31,8 @@ struct Preview {
 /// Writes a material; its name.
 pub(super) fn write(material: &Material, scene: &Scene, files: &[String], text: &mut Text) -> String {
     let preview = preview(material);
-    let name = text.open("def Material", if material.name.is_empty() { "Material" } else { &material.name }, &[]);
+    let name =
+        text.open("def Material", if material.name.is_empty() { "Material" } else { &material.name }, &[]);
     let path = format!("/World/Looks/{name}");
     text.line(format_args!("token outputs:surface.connect = <{path}/Surface.outputs:surface>"));
     text.open("def Shader", "Surface", &[]);
@@ -56,11 +59,22 @@ pub(super) fn write(material: &Material, scene: &Scene, files: &[String], text: 
         })
     };
     let diffuse = preview.diffuse;
-    input(text, "color3f", "diffuseColor", tuple(diffuse.factor), color(diffuse.factor, diffuse.texture, "Color"));
+    input(
+        text,
+        "color3f",
+        "diffuseColor",
+        tuple(diffuse.factor),
+        color(diffuse.factor, diffuse.texture, "Color"),
+    );
     let detail = |output: &'static str| {
         let scale = [1.0, preview.roughness, preview.metallic, 1.0];
         preview.details.map(|texture| Map {
-            shader: "Details".into(), texture, output, scale, bias: [0.0; 4], is_color: false,
+            shader: "Details".into(),
+            texture,
+            output,
+            scale,
+            bias: [0.0; 4],
+            is_color: false,
         })
     };
     input(text, "float", "roughness", preview.roughness.to_string(), detail("g"));
@@ -114,7 +128,12 @@ pub(super) fn write(material: &Material, scene: &Scene, files: &[String], text: 
         text.close();
     }
     for map in &maps {
-        map.write(&path, &scene.textures()[map.texture.texture.index()], &files[map.texture.texture.index()], text);
+        map.write(
+            &path,
+            &scene.textures()[map.texture.texture.index()],
+            &files[map.texture.texture.index()],
+            text,
+        );
     }
     text.close();
     name
@@ -169,7 +188,9 @@ impl Map {
         if self.bias != [0.0; 4] {
             text.line(format_args!("float4 inputs:bias = {}", tuple(self.bias)));
         }
-        for output in ["float3 outputs:rgb", "float outputs:r", "float outputs:g", "float outputs:b", "float outputs:a"] {
+        for output in
+            ["float3 outputs:rgb", "float outputs:r", "float outputs:g", "float outputs:b", "float outputs:a"]
+        {
             text.line(output);
         }
         text.close();
@@ -189,7 +210,14 @@ fn preview(material: &Material) -> Preview {
         emission_texture: material.emission_texture,
     };
     match &material.surface {
-        Surface::MetallicRoughness { metallic, roughness, metallic_roughness_texture, ior, normal_texture, .. } => Preview {
+        Surface::MetallicRoughness {
+            metallic,
+            roughness,
+            metallic_roughness_texture,
+            ior,
+            normal_texture,
+            ..
+        } => Preview {
             metallic: *metallic,
             roughness: *roughness,
             details: *metallic_roughness_texture,
@@ -209,7 +237,9 @@ fn preview(material: &Material) -> Preview {
         Surface::Metal { roughness, .. } => Preview { metallic: 1.0, roughness: *roughness, ..plain },
         Surface::Mirror { .. } => Preview { metallic: 1.0, roughness: 0.0, ..plain },
         Surface::Dielectric { ior, .. } => Preview { roughness: 0.0, ior: *ior, ..plain },
-        Surface::RoughDielectric { ior, roughness, .. } => Preview { roughness: *roughness, ior: *ior, ..plain },
+        Surface::RoughDielectric { ior, roughness, .. } => {
+            Preview { roughness: *roughness, ior: *ior, ..plain }
+        }
         Surface::Unlit { color } => Preview {
             diffuse: Color::constant([0.0; 3]),
             emission: color.factor,
@@ -243,9 +273,7 @@ pub(super) fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnin
     count(&is_glass, "glass, written as a transparent surface");
     count(&|m| matches!(m.surface, Surface::Unlit { .. }), "unlit colour, written as a lamp");
     count(&|m| m.bump.is_some(), "bump map");
-    let principled = |is: fn(&gnurt_scene::material::Principled) -> bool| {
-        move |m: &Material| matches!(&m.surface, Surface::Principled(p) if is(p))
-    };
+    let principled = |is: fn(&gnurt_scene::material::Principled) -> bool| move |m: &Material| matches!(&m.surface, Surface::Principled(p) if is(p));
     count(&principled(|p| p.transmission > 0.0), "transmission");
     count(&principled(|p| p.sheen_color != [0.0; 3]), "sheen");
     count(&principled(|p| p.specular != 1.0 || p.specular_color != [1.0; 3]), "specular weight and colour");

@@ -70,7 +70,8 @@ fn leave_out_rest(scene: &Scene, path: &Path, warnings: &mut Warnings) {
 fn texture_files(scene: &Scene, path: &Path) -> Vec<PathBuf> {
     let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     let of_environment = |k: usize| {
-        let is_it = |light: &Light| matches!(light, Light::Environment { texture: Some(id), .. } if id.index() == k);
+        let is_it =
+            |light: &Light| matches!(light, Light::Environment { texture: Some(id), .. } if id.index() == k);
         scene.lights().iter().any(is_it)
     };
     let name = |(k, texture): (usize, &gnurt_scene::Texture)| {

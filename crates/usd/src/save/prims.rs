@@ -19,7 +19,8 @@ pub(super) fn write(scene: &Scene, files: &[String], text: &mut Text) {
     let placed = scene.instances().iter().filter(|instance| instance.visible).map(|instance| instance.object);
     let within = scene.objects().iter().flat_map(|object| object.members.iter().map(|member| member.object));
     placed.chain(within).for_each(|object| uses[object.index()] += 1);
-    let writer = Writer { scene, is_shared: uses.into_iter().map(|uses| uses > 1).collect(), looks: Vec::new() };
+    let writer =
+        Writer { scene, is_shared: uses.into_iter().map(|uses| uses > 1).collect(), looks: Vec::new() };
     writer.world(files, text);
 }
 
@@ -87,7 +88,12 @@ impl Writer<'_> {
             self.mesh(self.scene.mesh(id), text);
         }
         for member in &object.members {
-            self.place(&self.scene.object(member.object).name, member.object, &member.object_from_member, text);
+            self.place(
+                &self.scene.object(member.object).name,
+                member.object,
+                &member.object_from_member,
+                text,
+            );
         }
     }
 
@@ -116,7 +122,11 @@ impl Writer<'_> {
                 VERTEX,
             );
             if mesh.colors.iter().any(|color| color[3] != 1.0) {
-                text.numbers("float[] primvars:displayOpacity", mesh.colors.iter().map(|color| color[3]), VERTEX);
+                text.numbers(
+                    "float[] primvars:displayOpacity",
+                    mesh.colors.iter().map(|color| color[3]),
+                    VERTEX,
+                );
             }
         }
         if let Some(look) = look {

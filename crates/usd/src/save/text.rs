@@ -48,7 +48,12 @@ impl Text {
     }
 
     /// An attribute with an array of vectors.
-    pub(super) fn vectors<const N: usize>(&mut self, head: &str, values: impl Iterator<Item = [f32; N]>, tail: &str) {
+    pub(super) fn vectors<const N: usize>(
+        &mut self,
+        head: &str,
+        values: impl Iterator<Item = [f32; N]>,
+        tail: &str,
+    ) {
         let mut array = String::new();
         for value in values {
             let separator = if array.is_empty() { "" } else { ", " };
@@ -82,7 +87,8 @@ pub(super) fn tuple<const N: usize>(values: [f32; N]) -> String {
 fn identifier(name: &str) -> String {
     // The last part of a path says most.
     let last = name.rsplit('/').find(|part| !part.is_empty()).unwrap_or("");
-    let mut valid: String = last.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).take(200).collect();
+    let mut valid: String =
+        last.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).take(200).collect();
     if valid.is_empty() || valid.starts_with(|c: char| c.is_ascii_digit()) {
         valid.insert(0, '_');
     }

@@ -26,10 +26,16 @@ mod tests {
     #[test]
     fn variants_have_three_names() {
         let choice = variant("/World/Chair:fabric=red").expect("a choice");
-        assert_eq!((&choice.prim[..], &choice.set[..], &choice.variant[..]), ("/World/Chair", "fabric", "red"));
+        assert_eq!(
+            (&choice.prim[..], &choice.set[..], &choice.variant[..]),
+            ("/World/Chair", "fabric", "red")
+        );
         for bad in ["", "/World", "/World:a", "World:a=b", "/:a=b", "/W:=b", "/W:a="] {
             assert!(variant(bad).is_err(), "'{bad}' is no choice");
         }
-        assert!(subdivision("6").is_ok() && subdivision("7").is_err() && subdivision("-1").is_err(), "levels");
+        assert!(
+            subdivision("6").is_ok() && subdivision("7").is_err() && subdivision("-1").is_err(),
+            "levels"
+        );
     }
 }

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What rays need of instances, in the order of the top tree: one line of the cache each.
+//! A ray that meets many small instances waits for memory at each. Here its map lies at a place that is known from the tree's
+//! block alone, so that all instances of a block are requested at once; what they show is in a short list for each treelet.
+//! Space: world. Invariant: entries equal what slots hold; treelets that a scene shares with the one before share these, too.
+//! Tests: `tests`, `tests/instances.rs`, `tests/moving_instances.rs`.
+
+use std::sync::Arc;
+
+use gnurt_accel_bvh::BoxIndex;
+use gnurt_accel_core::affine::ObjectFromWorld;
+use gnurt_simd::prefetch;
+use rayon::prelude::*;
+
+use super::types::{At, Shape, Slot};
+use crate::SharedList;
+
+/// The map into an instance, and the number of what is there.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Entry {
+    pub(super) map: ObjectFromWorld,
+    shown: u32,
+}
+
+/// What instances show, and to which rays.
+#[derive(Clone, Debug)]
+pub(super) struct Shown {
+    pub(super) shape: Shape,
+    pub(super) mask: u32,
+}
+
+/// The instances of a treelet.
+#[derive(Debug, Default)]
+pub(super) struct TreeletEntries {
+    /// By place in the treelet.
+    list: Vec<Entry>,
+    shown: Vec<Shown>,
+}
+
+/// The instances of a scene, by treelet.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Entries(Vec<Arc<TreeletEntries>>);
+
+impl Entry {
+    /// Of one that is entered by its slot: it moves, or is where the world is, or is not there.
+    const BY_SLOT: Self = {
+        let map = ObjectFromWorld { rows: [[0.0; 3]; 3], translation: [[0.0; 3]; 2] };
+        Self { map, shown: u32::MAX }
+    };
+}
+
+impl TreeletEntries {
+    /// Of the treelet with this number.
+    fn new(top: &BoxIndex, treelet: usize, slots: &SharedList<Slot>) -> Self {
+        let mut list = vec![Entry::BY_SLOT; top.places(treelet)];
+        let mut shown: Vec<Shown> = Vec::new();
+        for member in top.members(treelet) {
+            let Slot::PlacedInstance(placed) = &slots[member.index] else { continue };
+            let At::Still { object_from_world: Some(map), .. } = &placed.at else { continue };
+            let is_same = |other: &Shown| other.mask == placed.mask && other.shape.is_same(&placed.shape);
+            // Neighbours often show the same.
+            let number = shown.iter().rposition(is_same).unwrap_or_else(|| {
+                shown.push(Shown { shape: placed.shape.clone(), mask: placed.mask });
+                shown.len() - 1
+            });
+            list[member.place] = Entry { map: *map, shown: number as u32 };
+        }
+        Self { list, shown }
+    }
+
+    /// Asks for the memory of an instance.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, place: usize) {
+        prefetch(&self.list, place);
+    }
+
+    /// An instance at a place, unless it is to be entered by its slot.
+    #[inline(always)]
+    pub(super) fn get(&self, place: usize) -> Option<(&ObjectFromWorld, &Shown)> {
+        let entry = &self.list[place];
+        self.shown.get(entry.shown as usize).map(|shown| (&entry.map, shown))
+    }
+}
+
+impl Entries {
+    /// Of all treelets of `top`; those that it shares with the tree before are as they were. `parallel`: by the threads of the
+    /// present pool.
+    pub(super) fn new(
+        top: &BoxIndex,
+        before: Option<(&BoxIndex, &Self)>,
+        slots: &SharedList<Slot>,
+        parallel: bool,
+    ) -> Self {
+        let of = |treelet: usize| match before {
+            Some((tree, entries)) if top.shares_treelet(tree, treelet) => entries.0[treelet].clone(),
+            _ => Arc::new(TreeletEntries::new(top, treelet, slots)),
+        };
+        Self(match parallel {
+            true => (0..top.treelet_count()).into_par_iter().map(of).collect(),
+            false => (0..top.treelet_count()).map(of).collect(),
+        })
+    }
+
+    /// Those of a treelet.
+    #[inline(always)]
+    pub(super) fn of(&self, treelet: usize) -> &TreeletEntries {
+        &self.0[treelet]
+    }
+
+    /// Bytes of all.
+    pub(super) fn memory_bytes(&self) -> usize {
+        let of = |entries: &Arc<TreeletEntries>| {
+            size_of::<TreeletEntries>() + size_of_val(&entries.list[..]) + size_of_val(&entries.shown[..])
+        };
+        size_of_val(&self.0[..]) + self.0.iter().map(of).sum::<usize>()
+    }
+}
+
+impl Shape {
+    /// Whether it is the same object or scene.
+    fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Object(a), Self::Object(b)) => Arc::ptr_eq(a, b),
+            (Self::Scene(a), Self::Scene(b)) => Arc::ptr_eq(a, b),
+            (Self::Object(_), Self::Scene(_)) | (Self::Scene(_), Self::Object(_)) => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Instance, MotionPath, ObjectTree, SceneTree, Threads};
+    use gnurt_testkit::Random;
+
+    /// Every instance that is placed has what its slot holds, or is entered by that.
+    fn check(scene: &SceneTree) {
+        let mut found = vec![false; scene.slots.len()];
+        for treelet in 0..scene.top.treelet_count() {
+            for member in scene.top.members(treelet) {
+                found[member.index] = true;
+                let placed = scene.placed(member.index).expect("what has a box is placed");
+                let entry = scene.entries.of(treelet).get(member.place);
+                let At::Still { object_from_world: Some(map), .. } = &placed.at else {
+                    assert!(entry.is_none(), "{} moves, or is where the world is", member.index);
+                    continue;
+                };
+                let (own, shown) = entry.expect("one that stands still");
+                assert_eq!((own.rows, own.translation), (map.rows, map.translation), "{}", member.index);
+                assert!(shown.shape.is_same(&placed.shape) && shown.mask == placed.mask, "{}", member.index);
+            }
+        }
+        let placed = (0..scene.slots.len()).filter(|&i| scene.placed(i).is_some()).count();
+        assert_eq!(found.iter().filter(|&&found| found).count(), placed, "all are there");
+    }
+
+    #[test]
+    fn entries_follow_the_slots() {
+        let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let triangle = crate::Triangles { positions: &corners, indices: &[[0, 1, 2]] };
+        let build =
+            || Arc::new(ObjectTree::build(&[triangle], &crate::BuildOptions::default(), Threads::Single));
+        let objects = [build(), build(), build()];
+        let mut random = Random::new(5);
+        let mut any = |kind: u32| {
+            let mut columns = [[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
+            columns[3] = random.point().map(|x| 100.0 * f64::from(x));
+            let object = objects[random.below(3) as usize].clone();
+            match kind % 10 {
+                0 => Instance::identity(object),
+                1 => {
+                    let mut end = columns;
+                    end[3][0] += 3.0;
+                    Instance::moving(object, Arc::new(MotionPath::new(&[columns, end]).expect("two places")))
+                }
+                2 => Instance::new(object, columns).with_mask(6),
+                _ => Instance::new(object, columns),
+            }
+        };
+        let instances: Vec<Instance> = (0..3000).map(&mut any).collect();
+        let mut scene = SceneTree::build(&instances, &crate::BuildOptions::default(), Threads::Single);
+        check(&scene);
+        let size = scene.entries.memory_bytes();
+        assert!((64 * 3000..200 * 3000).contains(&size), "{size} bytes");
+        for (step, count) in [1, 5, 300, 2000, 3].into_iter().enumerate() {
+            let edits: Vec<(u32, Option<Instance>)> =
+                (0..count).map(|i| ((7 * i + step as u32) % 3000, (i % 9 != 8).then(|| any(i)))).collect();
+            let after = scene.updated(3000 + step, &edits, Threads::Single);
+            check(&after);
+            check(&scene);
+            let pairs = scene.entries.0.iter().zip(&after.entries.0);
+            let shared = pairs.filter(|(before, after)| Arc::ptr_eq(before, after)).count();
+            assert!(
+                count > 5 || shared + 3 * count as usize >= after.top.treelet_count(),
+                "{shared} are shared"
+            );
+            scene = after;
+        }
+    }
+}
