@@ -5,7 +5,7 @@ pub(crate) mod bench;
 mod bench_files;
 mod bench_light;
 pub(crate) mod contents;
-mod convert;
+pub(crate) mod convert;
 pub(crate) mod diff;
 mod frame;
 pub(crate) mod info;

@@ -192,7 +192,7 @@ impl Studio<'_> {
         let later = later.collect::<Result<Vec<_>, _>>()?;
         let moments: Vec<&Scene> = std::iter::once(opens).chain(&later).collect();
         let exposure = Exposure::between(&moments);
-        self.tell_held(&exposure, &mut false);
+        self.warn_held(&exposure, &mut false);
         Ok(exposure)
     }
 
