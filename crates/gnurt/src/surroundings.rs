@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use gnurt_sl_shading::Script;
+use gnurt_sl_shading::{Script, is_carried};
 
 use crate::error::Error;
 use crate::image::{self, Texels};
@@ -38,10 +38,11 @@ impl Surroundings {
         SKIES.iter().find(|sky| sky.name == name).map(Self::Sky)
     }
 
-    /// The file that they are read from.
+    /// The file that they are read from; none of a shader that the program carries.
     #[must_use]
     pub fn file(&self) -> Option<&Path> {
         match self {
+            Self::Picture(path) | Self::Shader(path, _) if is_carried(path) => None,
             Self::Picture(path) | Self::Shader(path, _) => Some(path),
             Self::Uniform(_) | Self::Sky(_) => None,
         }

@@ -24,6 +24,7 @@ fn what_surrounds_is_seen() {
     assert_eq!(corner[..3], [0.25, 0.5, 2.0], "the radiance that was given");
     let day = color("--environment builtin:day");
     assert!(day[2] > day[0] && day[2] > 0.3, "a blue sky: {day:?}");
+    assert_ne!(color("--environment builtin/sunset.osl"), day, "a sky of the library");
     // A picture of nothing but that, all around.
     folder.gnurt(&format!("{RENDER} --target 0,1,9 --environment 0.25,0.5,2 -o sky.hdr")).success();
     let again = color("--environment sky.hdr");
