@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use gnurt_scene::io::reader::{Access, Meaning, Pictures};
 use gnurt_scene::io::{Error, Oddity, Warnings};
-use gnurt_scene::texture::{Filter, Wrap};
+use gnurt_scene::texture::{Filter, Texels, Wrap};
 use gnurt_scene::{
     Affine, InstanceId, Light, Material as Made, MaterialId, Member, Mesh, MeshId, Object, ObjectId, Scene,
     Texture as SceneTexture, TextureId,
@@ -112,6 +112,15 @@ fn area(mesh: &Mesh, transform: &Affine) -> f64 {
     mesh.indices.iter().map(of).sum()
 }
 
+/// The mean of a picture.
+fn mean(texels: &Texels) -> [f32; 3] {
+    let mut sum = [0.0_f64; 3];
+    for (x, y) in (0..texels.height as usize).flat_map(|y| (0..texels.width as usize).map(move |x| (x, y))) {
+        sum.iter_mut().zip(texels.texel(x, y)).for_each(|(sum, x)| *sum += f64::from(x));
+    }
+    sum.map(|sum| (sum / (f64::from(texels.width) * f64::from(texels.height))) as f32)
+}
+
 impl<'a> Builder<'a> {
     pub(crate) fn new(access: &'a Access) -> Self {
         Self {
@@ -159,6 +168,11 @@ impl<'a> Builder<'a> {
         let is_new = slot.material.is_none();
         slot.material.get_or_insert(material);
         is_new
+    }
+
+    /// Whether a material may read texture coordinates, which one that is defined later may.
+    pub(crate) fn is_textured(&self, number: u32) -> bool {
+        self.slots[number as usize].material.as_ref().is_none_or(Material::is_textured)
     }
 
     /// Whether a material is no surface at all; one that is defined later is one.
@@ -303,18 +317,30 @@ impl<'a> Builder<'a> {
         if light.both_sides {
             of_unit *= 2.0;
         }
-        if let Some(Ok(texels)) = light.picture.as_ref().map(|path| self.pictures.file(path, Meaning::Color)) {
-            let mut sum = 0.0;
-            for y in 0..texels.height as usize {
-                for x in 0..texels.width as usize {
-                    let [r, g, b, _] = texels.texel(x, y);
-                    sum += f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
-                }
-            }
-            of_unit *= (sum / (f64::from(texels.width) * f64::from(texels.height))) as f32;
+        if let Some(Ok(texels)) = light.picture.as_ref().map(|path| self.pictures.file(path, Meaning::Color))
+        {
+            let [r, g, b] = mean(&texels);
+            of_unit *= 0.2126 * r + 0.7152 * g + 0.0722 * b;
         }
         let scale = if of_unit > 0.0 { power / of_unit } else { 0.0 };
         light.radiance.map(|c| c * scale)
+    }
+
+    /// Adds a light that has the mean of a picture.
+    pub(crate) fn add_pictured(&mut self, mut light: Light, path: &Path, grey: bool, place: &Place) {
+        match self.pictures.file(path, Meaning::Color) {
+            Ok(texels) => {
+                let mut color = mean(&texels);
+                if grey {
+                    color = [color.iter().sum::<f32>() / 3.0; 3];
+                }
+                if let Light::Point { intensity, .. } | Light::Spot { intensity, .. } = &mut light {
+                    intensity.iter_mut().zip(color).for_each(|(i, c)| *i *= c);
+                }
+            }
+            Err(why) => place.warn(&mut self.warnings, Oddity::BadTexture, why),
+        }
+        self.scene.add_light(light);
     }
 
     /// Adds a light from all directions; `world_from_light` goes to the renderer's world.
@@ -328,7 +354,9 @@ impl<'a> Builder<'a> {
         for slot in &self.slots {
             if let (None, Some(name)) = (&slot.material, &slot.name) {
                 let problem = format!("no material {} is defined", gnurt_scene::io::reader::quoted(name));
-                return Err(slot.place.error(problem, "define it: MakeNamedMaterial \"NAME\" \"string type\" ..."));
+                return Err(slot
+                    .place
+                    .error(problem, "define it: MakeNamedMaterial \"NAME\" \"string type\" ..."));
             }
         }
         for pending in std::mem::take(&mut self.pending) {
@@ -351,7 +379,8 @@ impl<'a> Builder<'a> {
         if let Some((light, radiance)) = light {
             coverage.emission = Some((radiance, light.both_sides));
             if let Some(path) = &light.picture {
-                coverage.emission_picture = self.file(path, Meaning::Color, Wrap::ClampToEdge, false, &light.place);
+                coverage.emission_picture =
+                    self.file(path, Meaning::Color, Wrap::ClampToEdge, false, &light.place);
                 if coverage.emission_picture.is_none() {
                     coverage.emission = None;
                 }
@@ -384,8 +413,10 @@ impl<'a> Builder<'a> {
             }
         };
         if texels.width != texels.height {
-            let problem = format!("the picture of an infinite light has {} x {} pixels", texels.width, texels.height);
-            let remedy = "it must be square: imgtool makeequiarea of pbrt makes one of a latitude-longitude picture";
+            let problem =
+                format!("the picture of an infinite light has {} x {} pixels", texels.width, texels.height);
+            let remedy =
+                "it must be square: imgtool makeequiarea of pbrt makes one of a latitude-longitude picture";
             return Err(light.place.error(problem, remedy));
         }
         let light_from_world = world_from_light
@@ -422,7 +453,14 @@ impl<'a> Builder<'a> {
     }
 
     /// The texture of the scene for a picture's file.
-    fn file(&mut self, path: &Path, meaning: Meaning, wrap: Wrap, nearest: bool, place: &Place) -> Option<TextureId> {
+    fn file(
+        &mut self,
+        path: &Path,
+        meaning: Meaning,
+        wrap: Wrap,
+        nearest: bool,
+        place: &Place,
+    ) -> Option<TextureId> {
         let key = (path.to_owned(), meaning == Meaning::Color, wrap, nearest);
         if let Some(known) = self.textures.get(&key) {
             return *known;

@@ -130,7 +130,10 @@ impl<'a> Reader<'a> {
                     return Err(place.error(problem, "each statement begins with its name"));
                 }
                 Some(_) => {
-                    return Err(place.error("a bracket where a statement should begin", "brackets are around values only"));
+                    return Err(place.error(
+                        "a bracket where a statement should begin",
+                        "brackets are around values only",
+                    ));
                 }
                 None => {}
             }
@@ -209,7 +212,12 @@ impl<'a> Reader<'a> {
     }
 
     /// A text, and the parameters that follow it.
-    fn named(&mut self, of: &str, place: &Place, target: Option<usize>) -> Result<(String, Parameters), Error> {
+    fn named(
+        &mut self,
+        of: &str,
+        place: &Place,
+        target: Option<usize>,
+    ) -> Result<(String, Parameters), Error> {
         let name = self.text(of, place)?;
         Ok((name, self.parameters(place, target)?))
     }
@@ -235,10 +243,14 @@ impl<'a> Reader<'a> {
             }
             Some(saved) => {
                 let [_, other] = saved.block.names();
-                let problem = format!("{end} after the {} of line {}", saved.block.names()[0], saved.place.line);
+                let problem =
+                    format!("{end} after the {} of line {}", saved.block.names()[0], saved.place.line);
                 Err(place.error(problem, format!("expected {other} first")))
             }
-            None => Err(place.error(format!("{end} without {begin}"), format!("leave it out, or begin with {begin}"))),
+            None => {
+                Err(place
+                    .error(format!("{end} without {begin}"), format!("leave it out, or begin with {begin}")))
+            }
         }
     }
 
@@ -290,14 +302,20 @@ impl<'a> Reader<'a> {
             "LookAt" => {
                 let [ex, ey, ez, x, y, z, ux, uy, uz] = self.numbers(word, &place)?;
                 let look = look_at([ex, ey, ez], [x, y, z], [ux, uy, uz]).ok_or_else(|| {
-                    place.error("LookAt has no view", "eye and target must differ, and up must not lie along the view")
+                    place.error(
+                        "LookAt has no view",
+                        "eye and target must differ, and up must not lie along the view",
+                    )
                 })?;
                 self.state.concatenate(&look);
             }
             "Transform" | "ConcatTransform" => {
                 let numbers = self.numbers(word, &place)?;
                 let by = matrix(numbers).ok_or_else(|| {
-                    place.error(format!("{word} is no affine matrix"), "numbers 4, 8 and 12 must be 0: give columns one after the other")
+                    place.error(
+                        format!("{word} is no affine matrix"),
+                        "numbers 4, 8 and 12 must be 0: give columns one after the other",
+                    )
                 })?;
                 if word == "Transform" {
                     self.state.each(|transform| *transform = by);
@@ -351,12 +369,21 @@ impl<'a> Reader<'a> {
                 let name = self.text(word, &place)?;
                 self.state.space = ColorSpace::named(&name).ok_or_else(|| {
                     let known: Vec<&str> = ColorSpace::NAMES.iter().map(|(known, _)| *known).collect();
-                    place.error(format!("unknown ColorSpace {}", quoted(&name)), format!("valid are {}", known.join(", ")))
+                    place.error(
+                        format!("unknown ColorSpace {}", quoted(&name)),
+                        format!("valid are {}", known.join(", ")),
+                    )
                 })?;
             }
             "Option" => {
                 let parameters = self.parameters(&place, None)?;
-                for name in ["forcediffuse", "wavefront", "disablepixeljitter", "disabletexturefiltering", "disablewavelengthjitter"] {
+                for name in [
+                    "forcediffuse",
+                    "wavefront",
+                    "disablepixeljitter",
+                    "disabletexturefiltering",
+                    "disablewavelengthjitter",
+                ] {
                     parameters.find(name, &[Kind::Bool]);
                 }
                 for name in ["msereferenceimage", "msereferenceout", "rendercoordsys"] {
@@ -394,7 +421,9 @@ impl<'a> Reader<'a> {
             "WorldBegin" => self.begin_world(&place)?,
             "WorldEnd" => {
                 let problem = "WorldEnd is a statement of older formats";
-                return Err(place.error(problem, "pbrt --upgrade makes files of version 4; leave it out there"));
+                return Err(
+                    place.error(problem, "pbrt --upgrade makes files of version 4; leave it out there")
+                );
             }
             "Include" | "Import" => self.include(word, &place)?,
             "Texture" => self.texture(&place)?,
@@ -440,6 +469,9 @@ impl<'a> Reader<'a> {
                     lights::Reading { access: self.access(), world_from_light, exposure: self.exposure };
                 match reading.read(&class, &parameters, &mut self.builder.warnings)? {
                     Found::Plain(light) => _ = self.builder.scene.add_light(light),
+                    Found::Pictured { light, picture, grey } => {
+                        self.builder.add_pictured(light, &picture, grey, &place);
+                    }
                     Found::Infinite(light) => self.builder.add_infinite(light, world_from_light),
                 }
                 parameters.warn_unused(word, &mut self.builder.warnings);
@@ -459,7 +491,9 @@ impl<'a> Reader<'a> {
             "ObjectBegin" => {
                 let name = self.text(word, &place)?;
                 if self.object.is_some() {
-                    return Err(place.error("ObjectBegin within an object", "end the object before with ObjectEnd"));
+                    return Err(
+                        place.error("ObjectBegin within an object", "end the object before with ObjectEnd")
+                    );
                 }
                 self.builder.end_group();
                 self.save(Block::Object, &place)?;
@@ -482,7 +516,10 @@ impl<'a> Reader<'a> {
                     return Err(place.error(problem, "objects are made of shapes: show it outside"));
                 }
                 let id = *self.builder.objects.get(&name).ok_or_else(|| {
-                    place.error(format!("no object {} is defined", quoted(&name)), "define it before: ObjectBegin \"NAME\"")
+                    place.error(
+                        format!("no object {} is defined", quoted(&name)),
+                        "define it before: ObjectBegin \"NAME\"",
+                    )
                 })?;
                 self.hold_name(&place)?;
                 self.builder.end_group();
@@ -490,7 +527,9 @@ impl<'a> Reader<'a> {
             }
             other => {
                 let problem = format!("unknown statement {}", quoted(other));
-                return Err(place.error(problem, "pbrt-v4's file-format page lists them; names are case-sensitive"));
+                return Err(
+                    place.error(problem, "pbrt-v4's file-format page lists them; names are case-sensitive")
+                );
             }
         }
         Ok(())
@@ -522,7 +561,9 @@ impl<'a> Reader<'a> {
         parameters.warn_unused("Camera", warnings);
         let open = shutter[1] - shutter[0];
         if !(open > 0.0) {
-            return Err(parameters.place.error("the shutter is not open", "\"shutterclose\" must be above \"shutteropen\""));
+            return Err(parameters
+                .place
+                .error("the shutter is not open", "\"shutterclose\" must be above \"shutteropen\""));
         }
         self.exposure = open * self.film.iso / 100.0;
         self.builder.world_from_file = world_from_file;
@@ -588,9 +629,9 @@ impl<'a> Reader<'a> {
         let parameters = self.parameters(place, Some(4))?;
         self.hold_name(place)?;
         let world_from_texture = self.builder.world_from_file * self.state.transforms[0];
-        let texture_from_world = world_from_texture
-            .inverse()
-            .ok_or_else(|| place.error("the transform of a texture flattens space", "it must have an inverse"))?;
+        let texture_from_world = world_from_texture.inverse().ok_or_else(|| {
+            place.error("the transform of a texture flattens space", "it must have an inverse")
+        })?;
         let reading = texture_parameters::Reading {
             textures: &self.textures,
             access: self.access(),
@@ -603,7 +644,9 @@ impl<'a> Reader<'a> {
         parameters.release(&self.access().budget);
         let list = if is_float { &mut self.textures.floats } else { &mut self.textures.spectra };
         if list.insert(name.clone(), Arc::new(texture)).is_some() {
-            return Err(place.error(format!("texture {} is defined twice", quoted(&name)), "give each its own name"));
+            return Err(
+                place.error(format!("texture {} is defined twice", quoted(&name)), "give each its own name")
+            );
         }
         Ok(())
     }
@@ -629,15 +672,16 @@ impl<'a> Reader<'a> {
     fn shape(&mut self, place: &Place) -> Result<(), Error> {
         let (class, parameters) = self.named("Shape", place, Some(0))?;
         let access = self.access();
-        let alpha = self.textures.float(&parameters, "alpha")?.filter(|alpha| alpha.constant() != Some([1.0; 3]));
+        let alpha =
+            self.textures.float(&parameters, "alpha")?.filter(|alpha| alpha.constant() != Some([1.0; 3]));
         let mut area_light = self.state.area_light.clone();
         if area_light.is_some() && self.object.is_some() {
             self.warn(place, Oddity::NotShown, "area lights of objects that are instanced");
             area_light = None;
         }
-        let has_textures = !(self.textures.floats.is_empty() && self.textures.spectra.is_empty());
-        let wants_texcoords =
-            has_textures || area_light.as_ref().is_some_and(|light| light.picture.is_some());
+        let wants_texcoords = self.builder.is_textured(self.state.material)
+            || matches!(alpha, Some(Input::Texture(_)))
+            || area_light.as_ref().is_some_and(|light| light.picture.is_some());
         let mut reading = shapes::Reading {
             access,
             warnings: &mut self.builder.warnings,

@@ -40,9 +40,10 @@ impl Film {
         }
         let side = |name: &str, default: i32| -> Result<u32, Error> {
             let given = parameters.int(name)?.unwrap_or(default);
-            u32::try_from(given).ok().filter(|side| (1..=1 << 16).contains(side)).ok_or_else(|| {
-                place.error(format!("\"{name}\" of a film is {given}"), "expected 1 to 65536")
-            })
+            u32::try_from(given)
+                .ok()
+                .filter(|side| (1..=1 << 16).contains(side))
+                .ok_or_else(|| place.error(format!("\"{name}\" of a film is {given}"), "expected 1 to 65536"))
         };
         let standard = Self::default();
         let size = [side("xresolution", 1280)?, side("yresolution", 720)?];
@@ -54,7 +55,11 @@ impl Film {
             crop = Some([left as f32 / x, right as f32 / x, upper as f32 / y, lower as f32 / y]);
         }
         if let Some(sensor) = parameters.text("sensor")?.filter(|sensor| *sensor != "cie1931") {
-            place.warn(warnings, Oddity::StandIn, format!("\"sensor\" {}: the CIE's observer", quoted(sensor)));
+            place.warn(
+                warnings,
+                Oddity::StandIn,
+                format!("\"sensor\" {}: the CIE's observer", quoted(sensor)),
+            );
         }
         if parameters.float("whitebalance")?.is_some_and(|kelvin| kelvin != 0.0) {
             place.warn(warnings, Oddity::NotShown, "\"whitebalance\" of a film");

@@ -58,7 +58,8 @@ pub(crate) fn picture(square: &Texels, light_from_world: &Affine) -> Texels {
         }
     }
     let whole = total(square);
-    let scale: [f32; 3] = std::array::from_fn(|k| if sum[k] > 0.0 { (whole[k] / sum[k]) as f32 } else { 1.0 });
+    let scale: [f32; 3] =
+        std::array::from_fn(|k| if sum[k] > 0.0 { (whole[k] / sum[k]) as f32 } else { 1.0 });
     for texel in &mut texels {
         (0..3).for_each(|k| texel[k] *= scale[k]);
     }

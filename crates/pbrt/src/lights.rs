@@ -10,7 +10,7 @@ use gnurt_scene::io::reader::{Access, quoted, resolve};
 use gnurt_scene::io::{Error, Oddity, Warnings};
 use gnurt_scene::{Affine, Light};
 
-use crate::parameter::{Kind, Parameters};
+use crate::parameter::Parameters;
 use crate::place::Place;
 use crate::spectrum::Spectrum;
 use crate::transform::{double, single, unit};
@@ -40,7 +40,12 @@ pub(crate) struct Infinite {
 /// A light.
 pub(crate) enum Found {
     Plain(Light),
-    /// To all sides as a picture says, around these axes.
+    /// One that a picture is before: it has the picture's mean, as a colour or grey.
+    Pictured {
+        light: Light,
+        picture: PathBuf,
+        grey: bool,
+    },
     Infinite(Infinite),
 }
 
@@ -60,6 +65,16 @@ fn times(color: [f32; 3], by: f32) -> [f32; 3] {
 /// The colour of a light under this name; white if it is not given.
 fn spectrum(parameters: &Parameters, name: &str, access: &Access) -> Result<[f32; 3], Error> {
     Ok(Spectrum::of(parameters, name, access)?.map_or([1.0; 3], |found| found.light()))
+}
+
+/// A light with the mean of its picture; a power is that of all of it already.
+fn pictured(parameters: &Parameters, light: Light, grey: bool) -> Result<Found, Error> {
+    let picture = parameters.text("filename")?.map(|name| resolve(&parameters.place.path, name));
+    let has_power = parameters.float("power")?.is_some_and(|power| power > 0.0);
+    Ok(match picture.filter(|_| !has_power) {
+        Some(picture) => Found::Pictured { light, picture, grey },
+        None => Found::Plain(light),
+    })
 }
 
 impl Reading<'_> {
@@ -85,7 +100,9 @@ impl Reading<'_> {
     fn scale(&self, parameters: &Parameters) -> Result<f32, Error> {
         let scale = parameters.float_or("scale", 1.0)?;
         if !(scale >= 0.0 && scale.is_finite()) {
-            return Err(parameters.place.error(format!("\"scale\" of a light is {scale}"), "it must be 0 or above"));
+            return Err(parameters
+                .place
+                .error(format!("\"scale\" of a light is {scale}"), "it must be 0 or above"));
         }
         Ok(scale * self.exposure)
     }
@@ -121,32 +138,38 @@ impl Reading<'_> {
             "infinite" => return self.infinite(parameters, warnings).map(Found::Infinite),
             "goniometric" => {
                 place.warn(warnings, Oddity::StandIn, "light \"goniometric\", the same to all sides");
-                parameters.find("filename", &[Kind::Text]);
-                Light::Point {
+                let light = Light::Point {
                     position: single(self.point([0.0; 3])),
                     intensity: times(
                         spectrum(parameters, "I", self.access)?,
                         self.scale(parameters)? * power(4.0 * PI)?,
                     ),
-                }
+                };
+                return pictured(parameters, light, true);
             }
             "projection" => {
-                place.warn(warnings, Oddity::StandIn, "light \"projection\", a white spot");
-                parameters.find("filename", &[Kind::Text]);
+                place.warn(
+                    warnings,
+                    Oddity::StandIn,
+                    "light \"projection\", a spot of its picture's mean colour",
+                );
                 let half = (parameters.float_or("fov", 90.0)? / 2.0).clamp(0.1, 89.0).to_radians();
                 let along = self.world_from_light.vector([0.0, 0.0, 1.0]);
                 let solid = 2.0 * PI * (1.0 - half.cos());
-                Light::Spot {
+                let light = Light::Spot {
                     position: single(self.point([0.0; 3])),
                     direction: single(unit(along).unwrap_or([0.0, 0.0, 1.0])),
                     intensity: [self.scale(parameters)? * power(solid)?; 3],
                     inner_angle: 0.999 * half,
                     outer_angle: half,
-                }
+                };
+                return pictured(parameters, light, false);
             }
             other => {
                 let known = "distant, goniometric, infinite, point, projection and spot";
-                return Err(place.error(format!("unknown light {}", quoted(other)), format!("valid are {known}")));
+                return Err(
+                    place.error(format!("unknown light {}", quoted(other)), format!("valid are {known}"))
+                );
             }
         };
         Ok(Found::Plain(light))
@@ -167,7 +190,10 @@ impl Reading<'_> {
         Ok(Light::Spot {
             position: single(self.point(from)),
             direction: self.towards(parameters)?,
-            intensity: times(spectrum(parameters, "I", self.access)?, self.scale(parameters)? * power(of_unit)?),
+            intensity: times(
+                spectrum(parameters, "I", self.access)?,
+                self.scale(parameters)? * power(of_unit)?,
+            ),
             inner_angle: cos_inner.clamp(-1.0, 1.0).acos(),
             outer_angle: outer.to_radians(),
         })
@@ -176,7 +202,11 @@ impl Reading<'_> {
     fn infinite(&self, parameters: &Parameters, warnings: &mut Warnings) -> Result<Infinite, Error> {
         let place = &parameters.place;
         if parameters.triples("portal").is_some() {
-            place.warn(warnings, Oddity::StandIn, "\"portal\" of an infinite light: light comes from everywhere");
+            place.warn(
+                warnings,
+                Oddity::StandIn,
+                "\"portal\" of an infinite light: light comes from everywhere",
+            );
         }
         let picture = parameters.text("filename")?.map(|name| resolve(&place.path, name));
         let color = Spectrum::of(parameters, "L", self.access)?;
@@ -188,9 +218,12 @@ impl Reading<'_> {
         let radiance = times(color, self.scale(parameters)?);
         let illuminance = parameters.float("illuminance")?.filter(|e| *e > 0.0);
         Ok(match (picture, illuminance) {
-            (None, Some(illuminance)) => {
-                Infinite { radiance: times(radiance, illuminance / PI), picture: None, illuminance: None, place: place.clone() }
-            }
+            (None, Some(illuminance)) => Infinite {
+                radiance: times(radiance, illuminance / PI),
+                picture: None,
+                illuminance: None,
+                place: place.clone(),
+            },
             (picture, illuminance) => Infinite { radiance, picture, illuminance, place: place.clone() },
         })
     }

@@ -32,15 +32,65 @@ pub(crate) enum Model {
     /// No surface: light goes straight on.
     Interface,
     Diffuse(Input),
-    CoatedDiffuse { reflectance: Input, coat: Coat },
-    Conductor { metal: Metal, facets: Facets },
-    CoatedConductor { metal: Metal, facets: Facets, coat: Coat },
+    CoatedDiffuse {
+        reflectance: Input,
+        coat: Coat,
+    },
+    Conductor {
+        metal: Metal,
+        facets: Facets,
+    },
+    CoatedConductor {
+        metal: Metal,
+        facets: Facets,
+        coat: Coat,
+    },
     /// Index, Abbe's number.
-    Dielectric { index: f32, abbe: Option<f32>, facets: Facets },
-    ThinDielectric { index: f32 },
-    DiffuseTransmission { reflectance: Input, transmittance: Input, scale: f32 },
+    Dielectric {
+        index: f32,
+        abbe: Option<f32>,
+        facets: Facets,
+    },
+    ThinDielectric {
+        index: f32,
+    },
+    DiffuseTransmission {
+        reflectance: Input,
+        transmittance: Input,
+        scale: f32,
+    },
     /// Materials by their numbers.
-    Mix { parts: [u32; 2], amount: Input },
+    Mix {
+        parts: [u32; 2],
+        amount: Input,
+    },
+}
+
+impl Material {
+    /// Whether it may read texture coordinates.
+    pub(crate) fn is_textured(&self) -> bool {
+        let textured = |input: &Input| matches!(input, Input::Texture(_));
+        let rough = |facets: &Facets| facets.roughness.iter().any(textured);
+        let of_metal = |metal: &Metal| match metal {
+            Metal::Complex(eta, k) => textured(eta) || textured(k),
+            Metal::Reflectance(reflectance) => textured(reflectance),
+        };
+        let by_model = match &self.model {
+            Model::Interface | Model::ThinDielectric { .. } => false,
+            Model::Diffuse(reflectance) => textured(reflectance),
+            Model::CoatedDiffuse { reflectance, coat } => textured(reflectance) || rough(&coat.facets),
+            Model::Conductor { metal, facets } => of_metal(metal) || rough(facets),
+            Model::CoatedConductor { metal, facets, coat } => {
+                of_metal(metal) || rough(facets) || rough(&coat.facets)
+            }
+            Model::Dielectric { facets, .. } => rough(facets),
+            Model::DiffuseTransmission { reflectance, transmittance, .. } => {
+                textured(reflectance) || textured(transmittance)
+            }
+            Model::Mix { .. } => true,
+        };
+        by_model || self.normal_map.is_some() || self.bump.is_some()
+    }
 }
 
 /// Widths of facets.
@@ -103,7 +153,9 @@ impl Reading<'_> {
             None => Spectrum::of(parameters, name, self.access)?.map_or((1.5, None), |found| found.index()),
         };
         if !(given.0 > 0.0 && given.0.is_finite()) {
-            return Err(parameters.place.error(format!("\"{name}\" is {}", given.0), "an index of refraction is above 0"));
+            return Err(parameters
+                .place
+                .error(format!("\"{name}\" is {}", given.0), "an index of refraction is above 0"));
         }
         Ok(given)
     }
@@ -135,7 +187,8 @@ impl Reading<'_> {
 
     fn coat(&self, parameters: &Parameters, prefix: &str, warnings: &mut Warnings) -> Result<Coat, Error> {
         let eta = format!("{prefix}eta");
-        let coat = Coat { facets: self.facets(parameters, prefix, 0.0)?, index: self.index(parameters, &eta)?.0 };
+        let coat =
+            Coat { facets: self.facets(parameters, prefix, 0.0)?, index: self.index(parameters, &eta)?.0 };
         let albedo = self.color(parameters, "albedo", 0.0)?;
         self.number(parameters, "thickness", 0.01)?;
         self.number(parameters, "g", 0.0)?;
@@ -164,9 +217,10 @@ impl Reading<'_> {
                 reflectance: self.color(parameters, "reflectance", 0.5)?,
                 coat: self.coat(parameters, "", warnings)?,
             },
-            "conductor" => {
-                Model::Conductor { metal: self.metal(parameters, "")?, facets: self.facets(parameters, "", 0.0)? }
-            }
+            "conductor" => Model::Conductor {
+                metal: self.metal(parameters, "")?,
+                facets: self.facets(parameters, "", 0.0)?,
+            },
             "coatedconductor" => Model::CoatedConductor {
                 metal: self.metal(parameters, "conductor.")?,
                 facets: self.facets(parameters, "conductor.", 0.0)?,
@@ -186,7 +240,9 @@ impl Reading<'_> {
                 let names = parameters.find("materials", &[Kind::Text]).and_then(|p| p.texts());
                 let Some([a, b]) = names else {
                     let problem = "a mix has no two \"string materials\"";
-                    return Err(place.error(problem, "name two materials: \"string materials\" [ \"a\" \"b\" ]"));
+                    return Err(
+                        place.error(problem, "name two materials: \"string materials\" [ \"a\" \"b\" ]")
+                    );
                 };
                 let parts = [(self.named)(a), (self.named)(b)];
                 Model::Mix { parts, amount: self.number(parameters, "amount", 0.5)? }
@@ -208,14 +264,19 @@ impl Reading<'_> {
             "subsurface" => {
                 stand_in(warnings, "material \"subsurface\", shown as a coated diffuse surface");
                 let reflectance = self.color(parameters, "reflectance", 0.8)?;
-                let coat = Coat { facets: self.facets(parameters, "", 0.0)?, index: self.index(parameters, "eta")?.0 };
+                let coat = Coat {
+                    facets: self.facets(parameters, "", 0.0)?,
+                    index: self.index(parameters, "eta")?.0,
+                };
                 parameters.ignore();
                 Model::CoatedDiffuse { reflectance, coat }
             }
             other => {
                 let known = "coatedconductor, coateddiffuse, conductor, dielectric, diffuse, diffusetransmission, hair, \
                              interface, measured, mix, subsurface and thindielectric";
-                return Err(place.error(format!("unknown material {}", quoted(other)), format!("valid are {known}")));
+                return Err(
+                    place.error(format!("unknown material {}", quoted(other)), format!("valid are {known}"))
+                );
             }
         };
         let normal_map = parameters.text("normalmap")?.map(|name| resolve(&place.path, name));

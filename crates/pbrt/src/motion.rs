@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use gnurt_scene::animation::{
-    Animation, Attachment, Channel, Clip, Interpolation, Local, MovingCamera, MovingInstance, MovingMember, Node,
-    Sampler, Target, Trs,
+    Animation, Attachment, Channel, Clip, Interpolation, Local, MovingCamera, MovingInstance, MovingMember,
+    Node, Sampler, Target, Trs,
 };
 use gnurt_scene::{Affine, CameraId, InstanceId, ObjectId};
 
@@ -126,7 +126,12 @@ mod tests {
             * Affine::rotation([0.3, -1.0, 0.2], 2.9)
             * Affine::scale([2.0, -0.5, 3.0]);
         let again = parts(&of).expect("parts").affine();
-        let near = again.columns.iter().flatten().zip(of.columns.iter().flatten()).all(|(a, b)| (a - b).abs() < 1e-9);
+        let near = again
+            .columns
+            .iter()
+            .flatten()
+            .zip(of.columns.iter().flatten())
+            .all(|(a, b)| (a - b).abs() < 1e-9);
         assert!(near, "{again:?} instead of {of:?}");
         let sheared = Affine { columns: [[1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]] };
         assert!(parts(&sheared).is_none());

@@ -53,7 +53,14 @@ pub(crate) fn color(c: [f32; 3]) -> String {
 
 impl<'a> Code<'a> {
     pub(crate) fn new(library: &'a mut dyn Library) -> Self {
-        Self { text: String::new(), pictures: Vec::new(), library, known: HashMap::new(), count: 0, models: 0 }
+        Self {
+            text: String::new(),
+            pictures: Vec::new(),
+            library,
+            known: HashMap::new(),
+            count: 0,
+            models: 0,
+        }
     }
 
     /// The name of a new variable.

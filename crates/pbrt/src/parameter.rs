@@ -260,7 +260,12 @@ impl Parameters {
         self.list.iter().for_each(|parameter| parameter.used.set(true));
     }
 
-    fn one<'a, T>(&'a self, name: &str, kinds: &[Kind], list: fn(&Values) -> Option<&[T]>) -> Result<Option<&'a T>, Error> {
+    fn one<'a, T>(
+        &'a self,
+        name: &str,
+        kinds: &[Kind],
+        list: fn(&Values) -> Option<&[T]>,
+    ) -> Result<Option<&'a T>, Error> {
         let Some(found) = self.find(name, kinds) else { return Ok(None) };
         match list(&found.values) {
             Some([one]) => Ok(Some(one)),
@@ -369,7 +374,8 @@ fn read_values(source: &mut Source, parameter: &mut Parameter, budget: &Budget) 
     let mut held = parameter.bytes();
     let excess = |source: &Source, e| source.place().excess(e);
     budget.hold(held).map_err(|e| excess(source, e))?;
-    let missing = |parameter: &Parameter| parameter.error("has no value", "give one, or some between [ and ]");
+    let missing =
+        |parameter: &Parameter| parameter.error("has no value", "give one, or some between [ and ]");
     if source.peek() != Some(b'[') {
         let token = source.next()?.ok_or_else(|| missing(parameter))?;
         return parameter.push(&token, source);

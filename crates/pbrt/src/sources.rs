@@ -29,7 +29,12 @@ pub(crate) fn unpack(packed: &[u8], path: &Path, access: &Access) -> Result<Vec<
     let mut piece = vec![0; PIECE];
     loop {
         let count = decoder.read(&mut piece).map_err(|e| {
-            Error::data(path, None, format!("is not a whole gzip file: {e}"), "pack it again, or give it unpacked")
+            Error::data(
+                path,
+                None,
+                format!("is not a whole gzip file: {e}"),
+                "pack it again, or give it unpacked",
+            )
         })?;
         if count == 0 {
             return Ok(unpacked);

@@ -90,7 +90,9 @@ fn planck(wavelength: f32, kelvin: f32) -> f64 {
 
 fn sampled(samples: &[[f32; 2]], wavelength: f32) -> f64 {
     let after = samples.partition_point(|sample| sample[0] <= wavelength);
-    let Some(&[first, value]) = after.checked_sub(1).and_then(|before| samples.get(before)) else { return 0.0 };
+    let Some(&[first, value]) = after.checked_sub(1).and_then(|before| samples.get(before)) else {
+        return 0.0;
+    };
     match samples.get(after) {
         Some(&[next, at_next]) => {
             f64::from(value) + f64::from((wavelength - first) / (next - first)) * f64::from(at_next - value)
@@ -150,7 +152,9 @@ impl Spectrum {
     fn of_parameter(parameter: &Parameter, access: &Access) -> Result<Self, Error> {
         match (parameter.kind, &parameter.values) {
             (Kind::Rgb, Values::Floats(list)) => {
-                let &[r, g, b] = &list[..] else { return Err(parameter.error("has more than one value", "give one")) };
+                let &[r, g, b] = &list[..] else {
+                    return Err(parameter.error("has more than one value", "give one"));
+                };
                 if r < 0.0 || g < 0.0 || b < 0.0 {
                     return Err(parameter.error("has a negative component", "colours are 0 or above"));
                 }
@@ -163,7 +167,9 @@ impl Spectrum {
             (_, Values::Floats(list)) => {
                 let (pairs, rest) = list.as_chunks::<2>();
                 if !rest.is_empty() {
-                    return Err(parameter.error("has an odd number of values", "give a value for each wavelength"));
+                    return Err(
+                        parameter.error("has an odd number of values", "give a value for each wavelength")
+                    );
                 }
                 check(pairs).map_err(|why| parameter.error(why, "give pairs of a wavelength and a value"))?;
                 Ok(Self::Samples(pairs.to_vec()))
@@ -210,7 +216,10 @@ fn read(parameter: &Parameter, name: &str, access: &Access) -> Result<Spectrum, 
     let remedy = "give the file of a spectrum, or one of pbrt's names like metal-Au-eta";
     let before = access.budget.held();
     let bytes = access.read(&path, LONGEST).map_err(|e| {
-        parameter.error(&format!("names {}, which is no spectrum that is known: {}", quoted(name), e.problem), remedy)
+        parameter.error(
+            &format!("names {}, which is no spectrum that is known: {}", quoted(name), e.problem),
+            remedy,
+        )
     })?;
     let text = String::from_utf8_lossy(&bytes);
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());

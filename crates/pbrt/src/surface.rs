@@ -2,13 +2,14 @@
 //! Materials of the renderer: those that it has where they are the same, shaders with its closures otherwise.
 //! Source: [PJH23] chapters 9, 10 and 14. A coat over a diffuse base is what all paths between them leave on the whole:
 //! (1 - Fi) r / (1 - r Fi), Fi being what the coat mirrors of diffuse light from within. Roughness: alpha is its root.
-//! Facets of pbrt lose what goes between them more than once; ours keep it, and are darkened by the same share.
+//! Facets of pbrt lose what goes between them more than once; ours keep it, and are darkened by the same share: `facets`.
 //! Tests: `tests/materials.rs`.
 
 use gnurt_scene::detail::Interior;
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
 use gnurt_scene::{Material as Made, ShaderFile, Surface, TextureId};
 
+use crate::facets::{STEPS, table};
 use crate::material::{Coat, Facets, Material, Metal, Model};
 use crate::osl::{Code, Library, color, number};
 use crate::patterns::FUNCTIONS;
@@ -17,6 +18,8 @@ use crate::texture::{Encoding, Image, Input, Mapping, Node, Texture};
 /// Mixes may lie in one another this deep, and be made of so many.
 const DEEPEST: u32 = 16;
 const MOST: u32 = 64;
+/// Perceptual roughness from which on facets lose light that counts.
+const NARROW: f32 = 0.2;
 
 /// What a mesh is made of beside its material.
 #[derive(Clone, Debug, Default)]
@@ -85,8 +88,7 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
         }
         Model::Conductor { metal, facets } => {
             let roughness = even(facets)?;
-            // Wide facets lose light.
-            if roughness > 0.3 {
+            if roughness > NARROW {
                 return None;
             }
             let [eta, k] = match metal {
@@ -100,16 +102,23 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
         }
         Model::Dielectric { index, abbe, facets } => {
             let roughness = even(facets)?;
-            let interior = Interior { dispersion: abbe.map_or(0.0, |abbe| 20.0 / abbe), ..Interior::default() };
+            let interior =
+                Interior { dispersion: abbe.map_or(0.0, |abbe| 20.0 / abbe), ..Interior::default() };
             let (ior, reflectance, transmittance) = (*index, [1.0; 3], [1.0; 3]);
             Some(match roughness {
                 // Narrower than a thousandth, alpha is none.
                 roughness if roughness * roughness < 1e-3 => {
                     Surface::Dielectric { ior, reflectance, transmittance, interior }
                 }
-                roughness => {
-                    Surface::RoughDielectric { ior, roughness, reflectance, transmittance, thin: false, interior }
-                }
+                roughness if roughness <= NARROW => Surface::RoughDielectric {
+                    ior,
+                    roughness,
+                    reflectance,
+                    transmittance,
+                    thin: false,
+                    interior,
+                },
+                _ => return None,
             })
         }
         Model::ThinDielectric { index } => Some(Surface::RoughDielectric {
@@ -293,6 +302,71 @@ fn metal(of: &Metal, within: f32, code: &mut Code) -> [String; 2] {
     [eta, k]
 }
 
+/// The share that facets send on after one bounce, as a variable, and the same for light from all sides; `index` is glass's, outside.
+fn retained(
+    facets: &Facets,
+    [along, across]: &[String; 2],
+    index: Option<f64>,
+    code: &mut Code,
+) -> [String; 2] {
+    let alpha = even(facets).map(|roughness| roughness * roughness);
+    let looked = |index: Option<f64>, code: &mut Code| {
+        let table: Vec<String> = table(alpha, index).into_iter().map(number).collect();
+        let [rows, at, kept, all] = [code.name('k'), code.name('f'), code.name('f'), code.name('f')];
+        code.line(format!("float {rows}[{}] = {{ {} }};", table.len(), table.join(", ")));
+        code.line(format!("float {at} = sqrt (min (fabs (dot (Nn, normalize (I))), 1)) * {STEPS};"));
+        let one = |at: &str, code: &mut Code| {
+            let column = code.name('i');
+            code.line(format!("int {column} = min (int ({at}), {});", STEPS - 1));
+            if alpha.is_some() {
+                return format!("mix ({rows}[{column}], {rows}[{column} + 1], {at} - {column})");
+            }
+            let [wide, row] = [code.name('f'), code.name('i')];
+            code.line(format!("float {wide} = sqrt ({along} * {across}) * {STEPS};"));
+            code.line(format!("int {row} = min (int ({wide}), {});", STEPS - 1));
+            let width = STEPS + 1;
+            let of = |more: &str| {
+                let first = format!("({row}{more}) * {width} + {column}");
+                format!("mix ({rows}[{first}], {rows}[{first} + 1], {at} - {column})")
+            };
+            format!("mix ({}, {}, {wide} - {row})", of(""), of(" + 1"))
+        };
+        let share = one(&at, code);
+        code.line(format!("float {kept} = {share};"));
+        // A cosine of two thirds stands for all.
+        let mean = one("6.53", code);
+        code.line(format!("float {all} = {mean};"));
+        [kept, all]
+    };
+    let Some(outside) = index else { return looked(None, code) };
+    let [[out, out_all], [within, within_all]] =
+        [outside, 1.0 / outside].map(|index| looked(Some(index), code));
+    let [kept, all] = [code.name('f'), code.name('f')];
+    code.line(format!("float {kept} = backfacing () ? {within} : {out};"));
+    code.line(format!("float {all} = backfacing () ? {within_all} : {out_all};"));
+    [kept, all]
+}
+
+/// A metal's lobe without what goes between its facets more than once.
+fn metal_lobe(of: &Metal, facets: &Facets, within: f32, code: &mut Code) -> String {
+    let alphas = alphas(facets, code);
+    let [eta, k] = metal(of, within, code);
+    let [along, across] = &alphas;
+    let lobe = format!("conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\")");
+    if even(facets).is_some_and(|roughness| roughness <= NARROW) {
+        return lobe;
+    }
+    let [kept, all] = retained(facets, &alphas, None, code);
+    let [mirrored, share] = [code.name('c'), code.name('c')];
+    code.line(format!(
+        "color {mirrored} = (({eta} - 1) * ({eta} - 1) + {k} * {k}) / (({eta} + 1) * ({eta} + 1) + {k} * {k});"
+    ));
+    code.line(format!(
+        "color {share} = color ({kept}) / (color ({kept}) + (1 - {kept}) * {all} * {mirrored} / (color (1) - {mirrored} * (1 - {all})));"
+    ));
+    format!("{share} * {lobe}")
+}
+
 /// A model as an expression.
 fn model(of: &Model, code: &mut Code, depth: u32) -> String {
     code.models += 1;
@@ -319,25 +393,31 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
             let inner = number(1.0 - (1.0 - outer) / (over.index * over.index));
             format!("layer ({top}, {r} * (1 - {inner}) / (color (1) - {r} * {inner}) * diffuse (Nn))")
         }
-        Model::Conductor { metal: of, facets } => {
-            let [along, across] = alphas(facets, code);
-            let [eta, k] = metal(of, 1.0, code);
-            format!("conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\")")
-        }
+        Model::Conductor { metal: of, facets } => metal_lobe(of, facets, 1.0, code),
         Model::CoatedConductor { metal: of, facets, coat: over } => {
-            let [along, across] = alphas(facets, code);
-            let [eta, k] = metal(of, over.index, code);
+            let base = metal_lobe(of, facets, over.index, code);
             let top = coat(over, code);
-            format!("layer ({top}, conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\"))")
+            format!("layer ({top}, {base})")
         }
         Model::Dielectric { index, facets, .. } => {
-            let [along, across] = alphas(facets, code);
+            let alphas = alphas(facets, code);
+            let [along, across] = &alphas;
+            let is_narrow = even(facets).is_some_and(|roughness| roughness <= NARROW);
+            let kept = match is_narrow {
+                true => "1".to_owned(),
+                false => retained(facets, &alphas, Some(f64::from(*index)), code)[0].clone(),
+            };
             let index = number(*index);
-            format!("dielectric_bsdf (Nn, T, color (1), color (1), {along}, {across}, {index}, \"ggx\")")
+            format!(
+                "{kept} * dielectric_bsdf (Nn, T, color (1), color (1), {along}, {across}, {index}, \"ggx\")"
+            )
         }
         Model::ThinDielectric { index } => {
             let f = code.name('f');
-            code.line(format!("float {f} = pbrt_fresnel (fabs (dot (Nn, normalize (I))), {});", number(*index)));
+            code.line(format!(
+                "float {f} = pbrt_fresnel (fabs (dot (Nn, normalize (I))), {});",
+                number(*index)
+            ));
             code.line(format!("{f} = {f} < 1 ? {f} + (1 - {f}) * (1 - {f}) * {f} / (1 - {f} * {f}) : 1;"));
             format!("{f} * reflection (Nn) + (1 - {f}) * transparent ()")
         }

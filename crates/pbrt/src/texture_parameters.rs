@@ -29,7 +29,8 @@ pub(crate) struct Textures {
 impl Textures {
     /// The texture of this name.
     fn find(&self, name: &str, is_float: bool, parameters: &Parameters) -> Result<Arc<Texture>, Error> {
-        let [list, others] = if is_float { [&self.floats, &self.spectra] } else { [&self.spectra, &self.floats] };
+        let [list, others] =
+            if is_float { [&self.floats, &self.spectra] } else { [&self.spectra, &self.floats] };
         list.get(name).cloned().ok_or_else(|| {
             let kind = if is_float { "float" } else { "spectrum" };
             let problem = format!("no {kind} texture {} is defined before", quoted(name));
@@ -110,7 +111,8 @@ impl Reading<'_> {
                 (Node::Constant([0.5; 3]), 0)
             }
             "scale" => {
-                let [tex, scale] = [self.input(parameters, "tex", 1.0)?, self.number(parameters, "scale", 1.0)?];
+                let [tex, scale] =
+                    [self.input(parameters, "tex", 1.0)?, self.number(parameters, "scale", 1.0)?];
                 let depth = tex.depth().max(scale.depth());
                 (Node::Scale(tex, scale), depth)
             }
@@ -143,7 +145,8 @@ impl Reading<'_> {
                     2 => (Node::Checkerboard(self.mapping(parameters)?, ends), depth),
                     3 => (Node::Boxes(self.texture_from_world, ends), depth),
                     other => {
-                        return Err(place.error(format!("\"dimension\" {other} of a checkerboard"), "expected 2 or 3"));
+                        return Err(place
+                            .error(format!("\"dimension\" {other} of a checkerboard"), "expected 2 or 3"));
                     }
                 }
             }
@@ -185,7 +188,10 @@ impl Reading<'_> {
             place.error("an imagemap has no \"string filename\"", "name the file of its picture")
         })?;
         let wrong = |what: &str, found: &str, valid: &str| {
-            place.error(format!("unknown {what} {} of an imagemap", quoted(found)), format!("valid are {valid}"))
+            place.error(
+                format!("unknown {what} {} of an imagemap", quoted(found)),
+                format!("valid are {valid}"),
+            )
         };
         let wrap = match parameters.text("wrap")?.unwrap_or("repeat") {
             "repeat" => Some(Wrap::Repeat),
@@ -240,7 +246,9 @@ impl Reading<'_> {
             },
             other => {
                 let problem = format!("unknown mapping {}", quoted(other));
-                return Err(parameters.place.error(problem, "valid are cylindrical, planar, spherical and uv"));
+                return Err(parameters
+                    .place
+                    .error(problem, "valid are cylindrical, planar, spherical and uv"));
             }
         })
     }

@@ -75,9 +75,9 @@ pub(crate) fn read(
     warnings: &mut Warnings,
 ) -> Result<View, Error> {
     let place = &parameters.place;
-    let file_from_camera = camera_from_file.inverse().ok_or_else(|| {
-        place.error("the camera's transform flattens space", "it must have an inverse")
-    })?;
+    let file_from_camera = camera_from_file
+        .inverse()
+        .ok_or_else(|| place.error("the camera's transform flattens space", "it must have an inverse"))?;
     let is_mirrored = file_from_camera.determinant() < 0.0;
     let panorama = class == "spherical" && parameters.text("mapping")? == Some("equirectangular");
     // A panorama's middle is the camera's -x, and goes on to -z: that is right-handed.
@@ -97,7 +97,9 @@ pub(crate) fn read(
         false => [-1.0, 1.0, -1.0 / aspect, 1.0 / aspect],
     };
     match parameters.floats("screenwindow") {
-        Some(&[left, right, lower, upper]) if left < right && lower < upper => window = [left, right, lower, upper],
+        Some(&[left, right, lower, upper]) if left < right && lower < upper => {
+            window = [left, right, lower, upper]
+        }
         Some(other) => {
             let problem = format!("\"screenwindow\" is {other:?}");
             return Err(place.error(problem, "give left, right, lower, upper, each pair ascending"));
@@ -111,9 +113,13 @@ pub(crate) fn read(
     }
     let shutter = [parameters.float_or("shutteropen", 0.0)?, parameters.float_or("shutterclose", 1.0)?];
     let [left, across, lower, upper] = window;
-    let pixel = [(across - left) * wide as f32 / film.size[0] as f32, (upper - lower) * high as f32 / film.size[1] as f32];
+    let pixel = [
+        (across - left) * wide as f32 / film.size[0] as f32,
+        (upper - lower) * high as f32 / film.size[1] as f32,
+    ];
     let is_square = (pixel[0] / pixel[1] - 1.0).abs() < 1e-3;
-    let is_middle = (left + across).abs() < 1e-4 * (across - left) && (lower + upper).abs() < 1e-4 * (upper - lower);
+    let is_middle =
+        (left + across).abs() < 1e-4 * (across - left) && (lower + upper).abs() < 1e-4 * (upper - lower);
 
     let target = |along: [f64; 3]| [0, 1, 2].map(|k| eye[k] + along[k]);
     let mut camera = Camera {
@@ -144,10 +150,8 @@ pub(crate) fn read(
             ..ShaderFile::default()
         });
     };
-    let thin = || Lens {
-        aperture: 2.0 * lens * deep as f32,
-        focus: (lens > 0.0).then_some(focus * deep as f32),
-    };
+    let thin =
+        || Lens { aperture: 2.0 * lens * deep as f32, focus: (lens > 0.0).then_some(focus * deep as f32) };
     match class {
         "perspective" | "realistic" => {
             let mut fov = parameters.float_or("fov", 90.0)?;
@@ -157,13 +161,17 @@ pub(crate) fn read(
                 fov = 40.0;
             }
             if !(fov > 0.0 && fov < 180.0) {
-                return Err(place.error(format!("\"fov\" is {fov}"), "an angle of view is above 0 and below 180 degrees"));
+                return Err(place.error(
+                    format!("\"fov\" is {fov}"),
+                    "an angle of view is above 0 and below 180 degrees",
+                ));
             }
             let slope = (f64::from(fov).to_radians() / 2.0).tan();
             camera.fov_y = (2.0 * (slope * f64::from(upper) * high / deep).atan()).to_degrees() as f32;
             camera.lens = thin();
             if !(is_square && is_middle) {
-                camera.fov_y = (2.0 * (slope * f64::from((upper - lower) / 2.0) * high / deep).atan()).to_degrees() as f32;
+                camera.fov_y = (2.0 * (slope * f64::from((upper - lower) / 2.0) * high / deep).atan())
+                    .to_degrees() as f32;
                 windowed(slope, false);
             }
         }
@@ -191,12 +199,17 @@ pub(crate) fn read(
         },
         other => {
             let known = "orthographic, perspective, realistic and spherical";
-            return Err(place.error(format!("unknown camera {}", quoted(other)), format!("valid are {known}")));
+            return Err(
+                place.error(format!("unknown camera {}", quoted(other)), format!("valid are {known}"))
+            );
         }
     }
     parameters.find("medium", &[Kind::Text]);
     if let Some(fault) = camera.fault() {
-        return Err(place.error(format!("the camera cannot be used: {fault}"), "look at LookAt and the transform before it"));
+        return Err(place.error(
+            format!("the camera cannot be used: {fault}"),
+            "look at LookAt and the transform before it",
+        ));
     }
     Ok(View { camera, shader, world_from_file, shutter })
 }

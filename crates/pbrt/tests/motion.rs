@@ -18,9 +18,12 @@ fn shapes_instances_and_cameras_move() {
     };
     let before = places(&scene);
     let eye = scene.cameras()[0].eye;
-    scene.pose(0, 0.5);
+    let _ = scene.pose(0, 0.5);
     let after = places(&scene);
-    assert!((after[0][0] - before[0][0]).abs() > 1.99 && (after[0][0] - before[0][0]).abs() < 2.01, "{before:?} {after:?}");
+    assert!(
+        (after[0][0] - before[0][0]).abs() > 1.99 && (after[0][0] - before[0][0]).abs() < 2.01,
+        "{before:?} {after:?}"
+    );
     let turned = after[1];
     let half = std::f64::consts::FRAC_1_SQRT_2;
     assert!((turned[0].abs() - half).abs() < 1e-6 && (turned[1].abs() - half).abs() < 1e-6, "{turned:?}");

@@ -62,7 +62,10 @@ fn other_cameras() {
     let (parallel, _) = camera("Scale .5 .5 .5\nCamera \"orthographic\"");
     assert_eq!(parallel.projection, Projection::Orthographic { height: 4.0 });
     assert!(camera("Camera \"spherical\"").1, "equal areas are a shader");
-    assert_eq!(camera("Camera \"spherical\" \"string mapping\" \"equirectangular\"").0.projection, Projection::Panorama);
+    assert_eq!(
+        camera("Camera \"spherical\" \"string mapping\" \"equirectangular\"").0.projection,
+        Projection::Panorama
+    );
     assert!(camera("Camera \"perspective\" \"float screenwindow\" [ 0 1 0 1 ]").1, "a window aside");
     let (lens, _) = camera("Camera \"perspective\" \"float lensradius\" .1 \"float focaldistance\" 5");
     assert_eq!((lens.lens.aperture, lens.lens.focus), (0.2, Some(5.0)));

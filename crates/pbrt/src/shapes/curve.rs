@@ -10,7 +10,7 @@ use gnurt_scene::Mesh;
 use gnurt_scene::io::Error;
 use gnurt_scene::io::reader::quoted;
 
-use super::Reading;
+use super::reading::Reading;
 use super::triangles::positions;
 use crate::parameter::Parameters;
 use crate::transform::{cross, dot, double, single, unit};
@@ -40,7 +40,12 @@ fn bezier(points: &[[f64; 3]], is_spline: bool) -> Vec<[f64; 3]> {
         (false, _) => points.to_vec(),
         (true, 3) => vec![mixed(0, 1, 0.5), points[1], mixed(1, 2, 0.5)],
         (true, _) => {
-            let [a, b, c, d] = [mixed(0, 1, 2.0 / 3.0), mixed(1, 2, 1.0 / 3.0), mixed(1, 2, 2.0 / 3.0), mixed(2, 3, 1.0 / 3.0)];
+            let [a, b, c, d] = [
+                mixed(0, 1, 2.0 / 3.0),
+                mixed(1, 2, 1.0 / 3.0),
+                mixed(1, 2, 2.0 / 3.0),
+                mixed(2, 3, 1.0 / 3.0),
+            ];
             vec![middle(a, b), b, c, middle(c, d)]
         }
     }
@@ -50,7 +55,8 @@ fn bezier(points: &[[f64; 3]], is_spline: bool) -> Vec<[f64; 3]> {
 fn point(points: &[[f64; 3]], t: f64) -> ([f64; 3], [f64; 3]) {
     let mut level = points.to_vec();
     while level.len() > 2 {
-        level = level.windows(2).map(|pair| [0, 1, 2].map(|k| pair[0][k] * (1.0 - t) + pair[1][k] * t)).collect();
+        level =
+            level.windows(2).map(|pair| [0, 1, 2].map(|k| pair[0][k] * (1.0 - t) + pair[1][k] * t)).collect();
     }
     let [a, b] = [level[0], level[1]];
     ([0, 1, 2].map(|k| a[k] * (1.0 - t) + b[k] * t), [0, 1, 2].map(|k| b[k] - a[k]))
@@ -99,7 +105,11 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
         false => (points.len() > degree && (points.len() - 1) % degree == 0, degree),
     };
     if !fits {
-        let remedy = if is_spline { "give at least one more than the degree" } else { "give n times the degree and one" };
+        let remedy = if is_spline {
+            "give at least one more than the degree"
+        } else {
+            "give n times the degree and one"
+        };
         return Err(place.error(format!("a curve of {} points, degree {degree}", points.len()), remedy));
     }
     let segments = (points.len() - 1 - degree) / step + 1;

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use gnurt_scene::Mesh;
 use gnurt_scene::io::Error;
 
-use super::Reading;
+use super::reading::Reading;
 use super::triangles::{corners, positions};
 use crate::parameter::Parameters;
 use crate::transform::{cross, double, single};
@@ -138,7 +138,8 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
     }
     let limits = rings(&points, &edges(&points, &faces));
     let gamma = |valence: f64| 1.0 / (valence + 3.0 / (8.0 * beta(valence)));
-    let points: Vec<Point> = points.iter().zip(&limits).map(|(p, ring)| moved(*p, ring, gamma, 1.0 / 5.0)).collect();
+    let points: Vec<Point> =
+        points.iter().zip(&limits).map(|(p, ring)| moved(*p, ring, gamma, 1.0 / 5.0)).collect();
     let mut normals = vec![[0.0; 3]; points.len()];
     for &face in &faces {
         let [a, b, c] = face.map(|i| points[i as usize]);

@@ -6,7 +6,7 @@ use gnurt_scene::io::Error;
 use gnurt_scene::io::reader::{read_ply_mesh, read_ply_mesh_from, resolve};
 use gnurt_scene::{Attribute, Mesh, Rate};
 
-use super::Reading;
+use super::reading::Reading;
 use crate::parameter::{Kind, Parameters};
 use crate::sources::{is_packed, unpack};
 
@@ -56,7 +56,9 @@ pub(super) fn per_vertex<T: Copy>(
 /// The vertices of a shape.
 pub(super) fn positions<'a>(parameters: &'a Parameters, class: &str) -> Result<&'a [[f32; 3]], Error> {
     parameters.triples("P").ok_or_else(|| {
-        parameters.place.error(format!("a {class} has no \"point3 P\""), "give its vertices: \"point3 P\" [ ... ]")
+        parameters
+            .place
+            .error(format!("a {class} has no \"point3 P\""), "give its vertices: \"point3 P\" [ ... ]")
     })
 }
 
@@ -94,9 +96,9 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
 
 pub(super) fn ply(parameters: &Parameters, reading: &mut Reading) -> Result<Mesh, Error> {
     let place = &parameters.place;
-    let name = parameters.text("filename")?.ok_or_else(|| {
-        place.error("a plymesh has no \"string filename\"", "name the file of its mesh")
-    })?;
+    let name = parameters
+        .text("filename")?
+        .ok_or_else(|| place.error("a plymesh has no \"string filename\"", "name the file of its mesh"))?;
     let path = resolve(&place.path, name);
     let (access, warnings) = (reading.access, &mut *reading.warnings);
     let before = access.budget.held();

@@ -94,8 +94,10 @@ fn dress(scene: &mut Scene) {
         let parameters = values.split(' ').filter_map(|value| value.split_once('='));
         let parameters = parameters.map(|(name, value)| (name.into(), value.into())).collect();
         let file = format!("builtin/{shader}.osl").into();
-        scene
-            .set_shader_file(MaterialId(location as u32), ShaderFile { file, parameters, ..ShaderFile::default() });
+        scene.set_shader_file(
+            MaterialId(location as u32),
+            ShaderFile { file, parameters, ..ShaderFile::default() },
+        );
     }
 }
 

@@ -353,7 +353,10 @@ impl Adder<'_> {
             match access.check(&file) {
                 Ok(()) => {
                     let confined_to = access.confined_to();
-                    self.scene.set_camera_file(camera, ShaderFile { file, parameters, confined_to, ..ShaderFile::default() });
+                    self.scene.set_camera_file(
+                        camera,
+                        ShaderFile { file, parameters, confined_to, ..ShaderFile::default() },
+                    );
                 }
                 Err((problem, _)) => {
                     warnings.note(Oddity::CameraExtras, path, None, format!("{name}: {problem}"))
