@@ -145,10 +145,10 @@ impl<'a> Reader<'a> {
     fn close(&mut self) -> Result<(), Error> {
         let Some(source) = self.sources.close() else { return Ok(()) };
         if let Some(depth) = source.import {
-            if let Some(open) = self.saved.get(depth..).and_then(<[Saved]>::last) {
-                if open.block != Block::Import {
-                    return Err(unended(open));
-                }
+            if let Some(open) = self.saved.get(depth..).and_then(<[Saved]>::last)
+                && open.block != Block::Import
+            {
+                return Err(unended(open));
             }
             self.restore(Block::Import, &source.place())?;
         }
@@ -560,7 +560,7 @@ impl<'a> Reader<'a> {
             view::read(&class, &parameters, &transforms[0], &self.film, warnings)?;
         parameters.warn_unused("Camera", warnings);
         let open = shutter[1] - shutter[0];
-        if !(open > 0.0) {
+        if open <= 0.0 || !open.is_finite() {
             return Err(parameters
                 .place
                 .error("the shutter is not open", "\"shutterclose\" must be above \"shutteropen\""));

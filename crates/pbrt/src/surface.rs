@@ -43,7 +43,7 @@ pub(crate) fn make(
     };
     let is_plain = material.normal_map.is_none() && material.bump.is_none();
     let surface = if is_plain { plain(&material.model, library) } else { None };
-    let alpha = coverage.alpha.as_ref().map_or(Some(Alpha::Opaque), |alpha| plain_alpha(alpha));
+    let alpha = coverage.alpha.as_ref().map_or(Some(Alpha::Opaque), plain_alpha);
     let is_two_sided = coverage.emission.is_some_and(|(_, both)| both);
     if let (Some(surface), Some(alpha), false) = (&surface, alpha, is_two_sided) {
         let mut made = Made::of(name, surface.clone());
@@ -143,7 +143,7 @@ fn even(facets: &Facets) -> Option<f32> {
 }
 
 /// A picture under the mesh's texture coordinates, and a factor.
-fn plain_image<'a>(input: &'a Input) -> Option<(&'a Image, &'a Texture, f32)> {
+fn plain_image(input: &Input) -> Option<(&Image, &Texture, f32)> {
     let Input::Texture(texture) = input else { return None };
     match &texture.node {
         Node::Image(image) => {

@@ -102,7 +102,7 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
     parameters.int("splitdepth")?;
     let (fits, step) = match is_spline {
         true => (points.len() > degree, 1),
-        false => (points.len() > degree && (points.len() - 1) % degree == 0, degree),
+        false => (points.len() > degree && (points.len() - 1).is_multiple_of(degree), degree),
     };
     if !fits {
         let remedy = if is_spline {
