@@ -492,6 +492,12 @@ impl Library for Builder<'_> {
         self.file(&image.path, meaning, image.wrap.unwrap_or_default(), image.nearest, &texture.place)
     }
 
+    fn has_opacity(&self, id: TextureId) -> bool {
+        let texels = &self.scene.texture(id).texels;
+        let (columns, rows) = (texels.width as usize, texels.height as usize);
+        (0..rows).any(|y| (0..columns).any(|x| texels.texel(x, y)[3] < 1.0))
+    }
+
     fn normals(&mut self, path: &Path, material: &Material) -> Option<TextureId> {
         self.file(path, Meaning::Data, Wrap::Repeat, false, &material.place)
     }
