@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use gnurt_scene::io::reader::{Access, Meaning, Pictures};
 use gnurt_scene::io::{Error, Oddity, Warnings};
-use gnurt_scene::texture::{Filter, Wrap};
+use gnurt_scene::texture::{Filter, Texels, Wrap};
 use gnurt_scene::{
     Affine, InstanceId, Light, Material as Made, MaterialId, Member, Mesh, MeshId, Object, ObjectId, Scene,
     Texture as SceneTexture, TextureId,
@@ -112,6 +112,15 @@ fn area(mesh: &Mesh, transform: &Affine) -> f64 {
     mesh.indices.iter().map(of).sum()
 }
 
+/// The mean of a picture.
+fn mean(texels: &Texels) -> [f32; 3] {
+    let mut sum = [0.0_f64; 3];
+    for (x, y) in (0..texels.height as usize).flat_map(|y| (0..texels.width as usize).map(move |x| (x, y))) {
+        sum.iter_mut().zip(texels.texel(x, y)).for_each(|(sum, x)| *sum += f64::from(x));
+    }
+    sum.map(|sum| (sum / (f64::from(texels.width) * f64::from(texels.height))) as f32)
+}
+
 impl<'a> Builder<'a> {
     pub(crate) fn new(access: &'a Access) -> Self {
         Self {
@@ -159,6 +168,11 @@ impl<'a> Builder<'a> {
         let is_new = slot.material.is_none();
         slot.material.get_or_insert(material);
         is_new
+    }
+
+    /// Whether a material may read texture coordinates, which one that is defined later may.
+    pub(crate) fn is_textured(&self, number: u32) -> bool {
+        self.slots[number as usize].material.as_ref().is_none_or(Material::is_textured)
     }
 
     /// Whether a material is no surface at all; one that is defined later is one.
@@ -305,17 +319,28 @@ impl<'a> Builder<'a> {
         }
         if let Some(Ok(texels)) = light.picture.as_ref().map(|path| self.pictures.file(path, Meaning::Color))
         {
-            let mut sum = 0.0;
-            for y in 0..texels.height as usize {
-                for x in 0..texels.width as usize {
-                    let [r, g, b, _] = texels.texel(x, y);
-                    sum += f64::from(0.2126 * r + 0.7152 * g + 0.0722 * b);
-                }
-            }
-            of_unit *= (sum / (f64::from(texels.width) * f64::from(texels.height))) as f32;
+            let [r, g, b] = mean(&texels);
+            of_unit *= 0.2126 * r + 0.7152 * g + 0.0722 * b;
         }
         let scale = if of_unit > 0.0 { power / of_unit } else { 0.0 };
         light.radiance.map(|c| c * scale)
+    }
+
+    /// Adds a light that has the mean of a picture.
+    pub(crate) fn add_pictured(&mut self, mut light: Light, path: &Path, grey: bool, place: &Place) {
+        match self.pictures.file(path, Meaning::Color) {
+            Ok(texels) => {
+                let mut color = mean(&texels);
+                if grey {
+                    color = [color.iter().sum::<f32>() / 3.0; 3];
+                }
+                if let Light::Point { intensity, .. } | Light::Spot { intensity, .. } = &mut light {
+                    intensity.iter_mut().zip(color).for_each(|(i, c)| *i *= c);
+                }
+            }
+            Err(why) => place.warn(&mut self.warnings, Oddity::BadTexture, why),
+        }
+        self.scene.add_light(light);
     }
 
     /// Adds a light from all directions; `world_from_light` goes to the renderer's world.
@@ -465,6 +490,12 @@ impl Library for Builder<'_> {
     fn picture(&mut self, image: &Image, texture: &Texture) -> Option<TextureId> {
         let meaning = if image.encoding == Encoding::Srgb { Meaning::Color } else { Meaning::Data };
         self.file(&image.path, meaning, image.wrap.unwrap_or_default(), image.nearest, &texture.place)
+    }
+
+    fn has_opacity(&self, id: TextureId) -> bool {
+        let texels = &self.scene.texture(id).texels;
+        let (columns, rows) = (texels.width as usize, texels.height as usize);
+        (0..rows).any(|y| (0..columns).any(|x| texels.texel(x, y)[3] < 1.0))
     }
 
     fn normals(&mut self, path: &Path, material: &Material) -> Option<TextureId> {

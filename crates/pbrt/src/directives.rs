@@ -145,10 +145,10 @@ impl<'a> Reader<'a> {
     fn close(&mut self) -> Result<(), Error> {
         let Some(source) = self.sources.close() else { return Ok(()) };
         if let Some(depth) = source.import {
-            if let Some(open) = self.saved.get(depth..).and_then(<[Saved]>::last) {
-                if open.block != Block::Import {
-                    return Err(unended(open));
-                }
+            if let Some(open) = self.saved.get(depth..).and_then(<[Saved]>::last)
+                && open.block != Block::Import
+            {
+                return Err(unended(open));
             }
             self.restore(Block::Import, &source.place())?;
         }
@@ -469,6 +469,9 @@ impl<'a> Reader<'a> {
                     lights::Reading { access: self.access(), world_from_light, exposure: self.exposure };
                 match reading.read(&class, &parameters, &mut self.builder.warnings)? {
                     Found::Plain(light) => _ = self.builder.scene.add_light(light),
+                    Found::Pictured { light, picture, grey } => {
+                        self.builder.add_pictured(light, &picture, grey, &place);
+                    }
                     Found::Infinite(light) => self.builder.add_infinite(light, world_from_light),
                 }
                 parameters.warn_unused(word, &mut self.builder.warnings);
@@ -557,7 +560,7 @@ impl<'a> Reader<'a> {
             view::read(&class, &parameters, &transforms[0], &self.film, warnings)?;
         parameters.warn_unused("Camera", warnings);
         let open = shutter[1] - shutter[0];
-        if !(open > 0.0) {
+        if open <= 0.0 || !open.is_finite() {
             return Err(parameters
                 .place
                 .error("the shutter is not open", "\"shutterclose\" must be above \"shutteropen\""));
@@ -676,9 +679,9 @@ impl<'a> Reader<'a> {
             self.warn(place, Oddity::NotShown, "area lights of objects that are instanced");
             area_light = None;
         }
-        let has_textures = !(self.textures.floats.is_empty() && self.textures.spectra.is_empty());
-        let wants_texcoords =
-            has_textures || area_light.as_ref().is_some_and(|light| light.picture.is_some());
+        let wants_texcoords = self.builder.is_textured(self.state.material)
+            || matches!(alpha, Some(Input::Texture(_)))
+            || area_light.as_ref().is_some_and(|light| light.picture.is_some());
         let mut reading = shapes::Reading {
             access,
             warnings: &mut self.builder.warnings,

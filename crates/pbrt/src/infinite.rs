@@ -12,7 +12,7 @@ use crate::octahedral;
 use crate::transform::unit;
 
 /// Rows that a picture has at most.
-const MOST_ROWS: u32 = 4096;
+const MOST_ROWS: u32 = 2048;
 /// Parts of a texel along each side.
 const PARTS: u32 = 3;
 

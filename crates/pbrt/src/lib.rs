@@ -12,6 +12,7 @@
 mod builder;
 mod color_space;
 mod directives;
+mod facets;
 mod film;
 mod infinite;
 mod lights;

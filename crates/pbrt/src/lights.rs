@@ -10,7 +10,7 @@ use gnurt_scene::io::reader::{Access, quoted, resolve};
 use gnurt_scene::io::{Error, Oddity, Warnings};
 use gnurt_scene::{Affine, Light};
 
-use crate::parameter::{Kind, Parameters};
+use crate::parameter::Parameters;
 use crate::place::Place;
 use crate::spectrum::Spectrum;
 use crate::transform::{double, single, unit};
@@ -40,7 +40,12 @@ pub(crate) struct Infinite {
 /// A light.
 pub(crate) enum Found {
     Plain(Light),
-    /// To all sides as a picture says, around these axes.
+    /// One that a picture is before: it has the picture's mean, as a colour or grey.
+    Pictured {
+        light: Light,
+        picture: PathBuf,
+        grey: bool,
+    },
     Infinite(Infinite),
 }
 
@@ -60,6 +65,16 @@ fn times(color: [f32; 3], by: f32) -> [f32; 3] {
 /// The colour of a light under this name; white if it is not given.
 fn spectrum(parameters: &Parameters, name: &str, access: &Access) -> Result<[f32; 3], Error> {
     Ok(Spectrum::of(parameters, name, access)?.map_or([1.0; 3], |found| found.light()))
+}
+
+/// A light with the mean of its picture; a power is that of all of it already.
+fn pictured(parameters: &Parameters, light: Light, grey: bool) -> Result<Found, Error> {
+    let picture = parameters.text("filename")?.map(|name| resolve(&parameters.place.path, name));
+    let has_power = parameters.float("power")?.is_some_and(|power| power > 0.0);
+    Ok(match picture.filter(|_| !has_power) {
+        Some(picture) => Found::Pictured { light, picture, grey },
+        None => Found::Plain(light),
+    })
 }
 
 impl Reading<'_> {
@@ -123,28 +138,32 @@ impl Reading<'_> {
             "infinite" => return self.infinite(parameters, warnings).map(Found::Infinite),
             "goniometric" => {
                 place.warn(warnings, Oddity::StandIn, "light \"goniometric\", the same to all sides");
-                parameters.find("filename", &[Kind::Text]);
-                Light::Point {
+                let light = Light::Point {
                     position: single(self.point([0.0; 3])),
                     intensity: times(
                         spectrum(parameters, "I", self.access)?,
                         self.scale(parameters)? * power(4.0 * PI)?,
                     ),
-                }
+                };
+                return pictured(parameters, light, true);
             }
             "projection" => {
-                place.warn(warnings, Oddity::StandIn, "light \"projection\", a white spot");
-                parameters.find("filename", &[Kind::Text]);
+                place.warn(
+                    warnings,
+                    Oddity::StandIn,
+                    "light \"projection\", a spot of its picture's mean colour",
+                );
                 let half = (parameters.float_or("fov", 90.0)? / 2.0).clamp(0.1, 89.0).to_radians();
                 let along = self.world_from_light.vector([0.0, 0.0, 1.0]);
                 let solid = 2.0 * PI * (1.0 - half.cos());
-                Light::Spot {
+                let light = Light::Spot {
                     position: single(self.point([0.0; 3])),
                     direction: single(unit(along).unwrap_or([0.0, 0.0, 1.0])),
                     intensity: [self.scale(parameters)? * power(solid)?; 3],
                     inner_angle: 0.999 * half,
                     outer_angle: half,
-                }
+                };
+                return pictured(parameters, light, false);
             }
             other => {
                 let known = "distant, goniometric, infinite, point, projection and spot";

@@ -66,6 +66,33 @@ pub(crate) enum Model {
     },
 }
 
+impl Material {
+    /// Whether it may read texture coordinates.
+    pub(crate) fn is_textured(&self) -> bool {
+        let textured = |input: &Input| matches!(input, Input::Texture(_));
+        let rough = |facets: &Facets| facets.roughness.iter().any(textured);
+        let of_metal = |metal: &Metal| match metal {
+            Metal::Complex(eta, k) => textured(eta) || textured(k),
+            Metal::Reflectance(reflectance) => textured(reflectance),
+        };
+        let by_model = match &self.model {
+            Model::Interface | Model::ThinDielectric { .. } => false,
+            Model::Diffuse(reflectance) => textured(reflectance),
+            Model::CoatedDiffuse { reflectance, coat } => textured(reflectance) || rough(&coat.facets),
+            Model::Conductor { metal, facets } => of_metal(metal) || rough(facets),
+            Model::CoatedConductor { metal, facets, coat } => {
+                of_metal(metal) || rough(facets) || rough(&coat.facets)
+            }
+            Model::Dielectric { facets, .. } => rough(facets),
+            Model::DiffuseTransmission { reflectance, transmittance, .. } => {
+                textured(reflectance) || textured(transmittance)
+            }
+            Model::Mix { .. } => true,
+        };
+        by_model || self.normal_map.is_some() || self.bump.is_some()
+    }
+}
+
 /// Widths of facets.
 #[derive(Clone, Debug)]
 pub(crate) struct Facets {

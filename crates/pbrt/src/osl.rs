@@ -21,6 +21,8 @@ const MOST: usize = 256;
 pub(crate) trait Library {
     /// The texture of the scene for a picture, or `None` if it cannot be read.
     fn picture(&mut self, image: &Image, texture: &Texture) -> Option<TextureId>;
+    /// Whether some texels of a picture are not opaque.
+    fn has_opacity(&self, id: TextureId) -> bool;
     /// That for a picture of normals.
     fn normals(&mut self, path: &Path, material: &Material) -> Option<TextureId>;
     /// The material of a number.
@@ -243,7 +245,17 @@ impl<'a> Code<'a> {
         if image.nearest {
             options += ", \"interp\", \"closest\"";
         }
-        let mut shown = format!("color (texture (\"{picture}\", {s}, 1 - {t}{options}))");
+        let read = format!("texture (\"{picture}\", {s}, 1 - {t}{options}");
+        let mut shown = match (image.is_float, image.is_float && self.library.has_opacity(id)) {
+            (true, true) => {
+                let [opacity, all] = [self.name('f'), self.name('c')];
+                self.line(format!("float {opacity} = 0;"));
+                self.line(format!("color {all} = {read}, \"alpha\", {opacity});"));
+                format!("color ({opacity})")
+            }
+            (true, false) => format!("color (pbrt_mean ({read})))"),
+            (false, _) => format!("color ({read}))"),
+        };
         if let Encoding::Gamma(gamma) = image.encoding {
             let gamma = number(gamma);
             shown = format!("pow ({shown}, {gamma})");

@@ -2,13 +2,14 @@
 //! Materials of the renderer: those that it has where they are the same, shaders with its closures otherwise.
 //! Source: [PJH23] chapters 9, 10 and 14. A coat over a diffuse base is what all paths between them leave on the whole:
 //! (1 - Fi) r / (1 - r Fi), Fi being what the coat mirrors of diffuse light from within. Roughness: alpha is its root.
-//! Facets of pbrt lose what goes between them more than once; ours keep it, and are darkened by the same share.
+//! Facets of pbrt lose what goes between them more than once; ours keep it, and are darkened by the same share: `facets`.
 //! Tests: `tests/materials.rs`.
 
 use gnurt_scene::detail::Interior;
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
 use gnurt_scene::{Material as Made, ShaderFile, Surface, TextureId};
 
+use crate::facets::{STEPS, table};
 use crate::material::{Coat, Facets, Material, Metal, Model};
 use crate::osl::{Code, Library, color, number};
 use crate::patterns::FUNCTIONS;
@@ -17,6 +18,8 @@ use crate::texture::{Encoding, Image, Input, Mapping, Node, Texture};
 /// Mixes may lie in one another this deep, and be made of so many.
 const DEEPEST: u32 = 16;
 const MOST: u32 = 64;
+/// Perceptual roughness from which on facets lose light that counts.
+const NARROW: f32 = 0.2;
 
 /// What a mesh is made of beside its material.
 #[derive(Clone, Debug, Default)]
@@ -40,7 +43,7 @@ pub(crate) fn make(
     };
     let is_plain = material.normal_map.is_none() && material.bump.is_none();
     let surface = if is_plain { plain(&material.model, library) } else { None };
-    let alpha = coverage.alpha.as_ref().map_or(Some(Alpha::Opaque), |alpha| plain_alpha(alpha));
+    let alpha = coverage.alpha.as_ref().map_or(Some(Alpha::Opaque), plain_alpha);
     let is_two_sided = coverage.emission.is_some_and(|(_, both)| both);
     if let (Some(surface), Some(alpha), false) = (&surface, alpha, is_two_sided) {
         let mut made = Made::of(name, surface.clone());
@@ -85,8 +88,7 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
         }
         Model::Conductor { metal, facets } => {
             let roughness = even(facets)?;
-            // Wide facets lose light.
-            if roughness > 0.3 {
+            if roughness > NARROW {
                 return None;
             }
             let [eta, k] = match metal {
@@ -108,7 +110,7 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
                 roughness if roughness * roughness < 1e-3 => {
                     Surface::Dielectric { ior, reflectance, transmittance, interior }
                 }
-                roughness => Surface::RoughDielectric {
+                roughness if roughness <= NARROW => Surface::RoughDielectric {
                     ior,
                     roughness,
                     reflectance,
@@ -116,6 +118,7 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
                     thin: false,
                     interior,
                 },
+                _ => return None,
             })
         }
         Model::ThinDielectric { index } => Some(Surface::RoughDielectric {
@@ -140,7 +143,7 @@ fn even(facets: &Facets) -> Option<f32> {
 }
 
 /// A picture under the mesh's texture coordinates, and a factor.
-fn plain_image<'a>(input: &'a Input) -> Option<(&'a Image, &'a Texture, f32)> {
+fn plain_image(input: &Input) -> Option<(&Image, &Texture, f32)> {
     let Input::Texture(texture) = input else { return None };
     match &texture.node {
         Node::Image(image) => {
@@ -299,6 +302,71 @@ fn metal(of: &Metal, within: f32, code: &mut Code) -> [String; 2] {
     [eta, k]
 }
 
+/// The share that facets send on after one bounce, as a variable, and the same for light from all sides; `index` is glass's, outside.
+fn retained(
+    facets: &Facets,
+    [along, across]: &[String; 2],
+    index: Option<f64>,
+    code: &mut Code,
+) -> [String; 2] {
+    let alpha = even(facets).map(|roughness| roughness * roughness);
+    let looked = |index: Option<f64>, code: &mut Code| {
+        let table: Vec<String> = table(alpha, index).into_iter().map(number).collect();
+        let [rows, at, kept, all] = [code.name('k'), code.name('f'), code.name('f'), code.name('f')];
+        code.line(format!("float {rows}[{}] = {{ {} }};", table.len(), table.join(", ")));
+        code.line(format!("float {at} = sqrt (min (fabs (dot (Nn, normalize (I))), 1)) * {STEPS};"));
+        let one = |at: &str, code: &mut Code| {
+            let column = code.name('i');
+            code.line(format!("int {column} = min (int ({at}), {});", STEPS - 1));
+            if alpha.is_some() {
+                return format!("mix ({rows}[{column}], {rows}[{column} + 1], {at} - {column})");
+            }
+            let [wide, row] = [code.name('f'), code.name('i')];
+            code.line(format!("float {wide} = sqrt ({along} * {across}) * {STEPS};"));
+            code.line(format!("int {row} = min (int ({wide}), {});", STEPS - 1));
+            let width = STEPS + 1;
+            let of = |more: &str| {
+                let first = format!("({row}{more}) * {width} + {column}");
+                format!("mix ({rows}[{first}], {rows}[{first} + 1], {at} - {column})")
+            };
+            format!("mix ({}, {}, {wide} - {row})", of(""), of(" + 1"))
+        };
+        let share = one(&at, code);
+        code.line(format!("float {kept} = {share};"));
+        // A cosine of two thirds stands for all.
+        let mean = one("6.53", code);
+        code.line(format!("float {all} = {mean};"));
+        [kept, all]
+    };
+    let Some(outside) = index else { return looked(None, code) };
+    let [[out, out_all], [within, within_all]] =
+        [outside, 1.0 / outside].map(|index| looked(Some(index), code));
+    let [kept, all] = [code.name('f'), code.name('f')];
+    code.line(format!("float {kept} = backfacing () ? {within} : {out};"));
+    code.line(format!("float {all} = backfacing () ? {within_all} : {out_all};"));
+    [kept, all]
+}
+
+/// A metal's lobe without what goes between its facets more than once.
+fn metal_lobe(of: &Metal, facets: &Facets, within: f32, code: &mut Code) -> String {
+    let alphas = alphas(facets, code);
+    let [eta, k] = metal(of, within, code);
+    let [along, across] = &alphas;
+    let lobe = format!("conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\")");
+    if even(facets).is_some_and(|roughness| roughness <= NARROW) {
+        return lobe;
+    }
+    let [kept, all] = retained(facets, &alphas, None, code);
+    let [mirrored, share] = [code.name('c'), code.name('c')];
+    code.line(format!(
+        "color {mirrored} = (({eta} - 1) * ({eta} - 1) + {k} * {k}) / (({eta} + 1) * ({eta} + 1) + {k} * {k});"
+    ));
+    code.line(format!(
+        "color {share} = color ({kept}) / (color ({kept}) + (1 - {kept}) * {all} * {mirrored} / (color (1) - {mirrored} * (1 - {all})));"
+    ));
+    format!("{share} * {lobe}")
+}
+
 /// A model as an expression.
 fn model(of: &Model, code: &mut Code, depth: u32) -> String {
     code.models += 1;
@@ -325,21 +393,24 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
             let inner = number(1.0 - (1.0 - outer) / (over.index * over.index));
             format!("layer ({top}, {r} * (1 - {inner}) / (color (1) - {r} * {inner}) * diffuse (Nn))")
         }
-        Model::Conductor { metal: of, facets } => {
-            let [along, across] = alphas(facets, code);
-            let [eta, k] = metal(of, 1.0, code);
-            format!("conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\")")
-        }
+        Model::Conductor { metal: of, facets } => metal_lobe(of, facets, 1.0, code),
         Model::CoatedConductor { metal: of, facets, coat: over } => {
-            let [along, across] = alphas(facets, code);
-            let [eta, k] = metal(of, over.index, code);
+            let base = metal_lobe(of, facets, over.index, code);
             let top = coat(over, code);
-            format!("layer ({top}, conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\"))")
+            format!("layer ({top}, {base})")
         }
         Model::Dielectric { index, facets, .. } => {
-            let [along, across] = alphas(facets, code);
+            let alphas = alphas(facets, code);
+            let [along, across] = &alphas;
+            let is_narrow = even(facets).is_some_and(|roughness| roughness <= NARROW);
+            let kept = match is_narrow {
+                true => "1".to_owned(),
+                false => retained(facets, &alphas, Some(f64::from(*index)), code)[0].clone(),
+            };
             let index = number(*index);
-            format!("dielectric_bsdf (Nn, T, color (1), color (1), {along}, {across}, {index}, \"ggx\")")
+            format!(
+                "{kept} * dielectric_bsdf (Nn, T, color (1), color (1), {along}, {across}, {index}, \"ggx\")"
+            )
         }
         Model::ThinDielectric { index } => {
             let f = code.name('f');

@@ -105,6 +105,8 @@ pub(crate) struct Image {
     pub(crate) scale: f32,
     pub(crate) invert: bool,
     pub(crate) encoding: Encoding,
+    /// Whether its texels are numbers: opacity where it has some, the mean of the colours otherwise.
+    pub(crate) is_float: bool,
 }
 
 /// What bytes mean.

@@ -224,6 +224,7 @@ impl Reading<'_> {
             scale: parameters.float_or("scale", 1.0)?,
             invert: parameters.bool_or("invert", false)?,
             encoding,
+            is_float: self.is_float,
         })
     }
 

@@ -66,7 +66,7 @@ mod tests {
     #[test]
     fn matrices_have_columns_first() {
         let mut numbers = [0.0; 16];
-        [0, 5, 10, 15].map(|i| numbers[i] = 1.0);
+        [0, 5, 10, 15].into_iter().for_each(|i| numbers[i] = 1.0);
         numbers[12] = 7.0;
         assert_eq!(matrix(numbers).map(|m| m.point([0.0; 3])), Some([7.0, 0.0, 0.0]));
         numbers[3] = 0.5;

@@ -17,11 +17,11 @@ fn plain_materials_need_no_shader() {
     let (diffuse, shader) = made("Material \"diffuse\" \"rgb reflectance\" [ .1 .2 .3 ]");
     assert_eq!((diffuse.surface.base_color().factor, shader), ([0.1, 0.2, 0.3], None));
     let (gold, _) = made(
-        "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" \"float roughness\" 0.0625",
+        "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\" \"float roughness\" 0.0004",
     );
     let Surface::Metal { roughness, .. } = gold.surface else { panic!("{gold:?}") };
     // Alpha is the root, and the square of ours.
-    assert!((roughness - 0.5).abs() < 0.21, "{roughness}");
+    assert!((roughness - 0.1414).abs() < 1e-3, "{roughness}");
     let (glass, _) = made("Material \"dielectric\" \"spectrum eta\" \"glass-BK7\"");
     let Surface::Dielectric { ior, interior, .. } = glass.surface else { panic!("{glass:?}") };
     assert!((ior - 1.5168).abs() < 1e-4 && (20.0 / interior.dispersion - 64.17).abs() < 0.1);

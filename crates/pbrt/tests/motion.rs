@@ -18,7 +18,7 @@ fn shapes_instances_and_cameras_move() {
     };
     let before = places(&scene);
     let eye = scene.cameras()[0].eye;
-    scene.pose(0, 0.5);
+    let _ = scene.pose(0, 0.5);
     let after = places(&scene);
     assert!(
         (after[0][0] - before[0][0]).abs() > 1.99 && (after[0][0] - before[0][0]).abs() < 2.01,

@@ -90,7 +90,7 @@ fn patches_and_subdivision() {
         [2, 4].map(|levels| mesh(&format!("Shape \"loopsubdiv\" \"integer levels\" {levels} {cube}")));
     assert_eq!(coarse.indices.len(), 12 * 16);
     // Vertices are on the limit surface at all levels, so volumes come near each other.
-    assert!((volume(&fine) / volume(&coarse) - 1.0).abs() < 0.05, "{} {}", volume(&fine), volume(&coarse));
+    assert!((volume(&fine) / volume(&coarse) - 1.0).abs() < 0.08, "{} {}", volume(&fine), volume(&coarse));
     assert!(volume(&fine) > 1.0 && volume(&fine) < 8.0, "rounded and outside out: {}", volume(&fine));
     for (p, n) in fine.positions.iter().zip(&fine.normals) {
         assert!((0..3).map(|k| p[k] * n[k]).sum::<f32>() > 0.0, "normals look out");

@@ -5,7 +5,7 @@
 use gnurt_scene::Mesh;
 use gnurt_scene::io::Error;
 
-use super::Reading;
+use super::reading::Reading;
 use super::triangles::{corners, per_vertex, positions};
 use crate::parameter::Parameters;
 use crate::transform::{cross, double, single, unit};

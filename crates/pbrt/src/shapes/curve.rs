@@ -10,7 +10,7 @@ use gnurt_scene::Mesh;
 use gnurt_scene::io::Error;
 use gnurt_scene::io::reader::quoted;
 
-use super::Reading;
+use super::reading::Reading;
 use super::triangles::positions;
 use crate::parameter::Parameters;
 use crate::transform::{cross, dot, double, single, unit};
@@ -102,7 +102,7 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
     parameters.int("splitdepth")?;
     let (fits, step) = match is_spline {
         true => (points.len() > degree, 1),
-        false => (points.len() > degree && (points.len() - 1) % degree == 0, degree),
+        false => (points.len() > degree && (points.len() - 1).is_multiple_of(degree), degree),
     };
     if !fits {
         let remedy = if is_spline {

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use gnurt_scene::Mesh;
 use gnurt_scene::io::Error;
 
-use super::Reading;
+use super::reading::Reading;
 use super::triangles::{corners, positions};
 use crate::parameter::Parameters;
 use crate::transform::{cross, double, single};

@@ -5,26 +5,20 @@
 
 mod bilinear;
 mod curve;
+mod grid;
 mod loops;
 mod quadric;
+mod reading;
 mod triangles;
 
-use gnurt_scene::io::reader::{Access, quoted};
-use gnurt_scene::io::{Error, Oddity, Warnings};
+use gnurt_scene::io::reader::quoted;
+use gnurt_scene::io::{Error, Oddity};
 use gnurt_scene::{Affine, Mesh};
+
+pub(crate) use reading::Reading;
 
 use crate::parameter::{Kind, Parameters};
 use crate::transform::{cross, dot, double};
-
-/// What shapes are read with.
-pub(crate) struct Reading<'a> {
-    pub(crate) access: &'a Access,
-    pub(crate) warnings: &'a mut Warnings,
-    /// Whether triangles turn the other way.
-    pub(crate) reversed: bool,
-    /// Whether texture coordinates that pbrt makes up are wanted.
-    pub(crate) wants_texcoords: bool,
-}
 
 /// The mesh of a shape, and what it is, if others are the same. A sphere is one of radius 1: its size goes into the transform.
 pub(crate) fn read(
@@ -87,28 +81,4 @@ fn turn_to_normals(mesh: &mut Mesh) {
             triangle.swap(1, 2);
         }
     }
-}
-
-/// A grid of places with texture coordinates: `columns` by `rows` cells, triangles counter-clockwise where v grows to the left of u.
-fn grid(columns: u32, rows: u32, at: impl Fn(f64, f64) -> ([f64; 3], [f64; 3])) -> Mesh {
-    let mut mesh = Mesh::default();
-    for j in 0..=rows {
-        for i in 0..=columns {
-            let (u, v) = (f64::from(i) / f64::from(columns), f64::from(j) / f64::from(rows));
-            let (position, normal) = at(u, v);
-            mesh.positions.push(position.map(|x| x as f32));
-            mesh.normals.push(normal.map(|x| x as f32));
-            mesh.texcoords.push([u as f32, v as f32]);
-        }
-    }
-    let corner = |i: u32, j: u32| j * (columns + 1) + i;
-    for j in 0..rows {
-        for i in 0..columns {
-            let [a, b] = [corner(i, j), corner(i + 1, j)];
-            let [c, d] = [corner(i + 1, j + 1), corner(i, j + 1)];
-            mesh.indices.push([a, b, c]);
-            mesh.indices.push([a, c, d]);
-        }
-    }
-    mesh
 }

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use gnurt_scene::Mesh;
 use gnurt_scene::io::Error;
 
-use super::grid;
+use super::grid::grid;
 use crate::parameter::Parameters;
 
 /// Cells of a whole turn, and of half a turn from pole to pole.

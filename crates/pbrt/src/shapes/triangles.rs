@@ -6,7 +6,7 @@ use gnurt_scene::io::Error;
 use gnurt_scene::io::reader::{read_ply_mesh, read_ply_mesh_from, resolve};
 use gnurt_scene::{Attribute, Mesh, Rate};
 
-use super::Reading;
+use super::reading::Reading;
 use crate::parameter::{Kind, Parameters};
 use crate::sources::{is_packed, unpack};
 

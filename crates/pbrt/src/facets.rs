@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! The share of light that GGX facets send on after one bounce. The renderer's facets keep what goes between them more often, pbrt's lose it, so
+//! lobes are multiplied by this share. Source: [Hei14] (masking and shadowing that know of each other), visible normals after
+//! Heitz, Sampling the GGX Distribution of Visible Normals, 2018. Tests: `tests`.
+
+use std::f64::consts::TAU;
+
+/// Steps of the root of the view's cosine and of alpha, both in [0, 1].
+pub(crate) const STEPS: usize = 8;
+/// Normals along each axis of the square that they are drawn from.
+const NORMALS: usize = 24;
+
+/// Smith's function for one direction.
+fn hidden(cosine: f64, alpha: f64) -> f64 {
+    let square = cosine * cosine;
+    0.5 * ((1.0 + alpha * alpha * (1.0 - square) / square).sqrt() - 1.0)
+}
+
+/// Share of the light of a direction that one bounce sends on: metals of no loss without an index, glass of an index otherwise,
+/// beyond over this side.
+pub(crate) fn retained(cosine: f64, alpha: f64, index: Option<f64>) -> f64 {
+    let cosine = cosine.clamp(0.02, 1.0);
+    let view = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];
+    let length = (alpha * alpha * view[0] * view[0] + cosine * cosine).sqrt();
+    let stretched = [alpha * view[0] / length, 0.0, cosine / length];
+    let ours = hidden(cosine, alpha);
+    let shown = |z: f64| (1.0 + ours) / (1.0 + ours + hidden(z.abs().clamp(1e-6, 1.0), alpha));
+    let mut sum = 0.0;
+    for i in 0..NORMALS * NORMALS {
+        let [u, v] = [i % NORMALS, i / NORMALS].map(|k| (k as f64 + 0.5) / NORMALS as f64);
+        let (r, (sin, cos)) = (u.sqrt(), (TAU * v).sin_cos());
+        let across = r * cos;
+        let half = 0.5 * (1.0 + stretched[2]);
+        let along = (1.0 - half) * (1.0 - across * across).max(0.0).sqrt() + half * r * sin;
+        let up = (1.0 - across * across - along * along).max(0.0).sqrt();
+        // The tangents of the stretched view are y, and what is square to both.
+        let normal = [
+            alpha * (up * stretched[0] - along * stretched[2]),
+            alpha * across,
+            (up * stretched[2] + along * stretched[0]).max(1e-9),
+        ];
+        let size = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let normal = normal.map(|x| x / size);
+        let met: f64 = (0..3).map(|k| view[k] * normal[k]).sum();
+        let mirrored = 2.0 * met * normal[2] - view[2];
+        let back = if mirrored > 0.0 { shown(mirrored) } else { 0.0 };
+        sum += match index {
+            None => back,
+            Some(index) => {
+                let sine = (1.0 - met * met) / (index * index);
+                let beyond = (1.0 - sine).max(0.0).sqrt();
+                let a = (index * met - beyond) / (index * met + beyond);
+                let b = (met - index * beyond) / (met + index * beyond);
+                let share = if sine >= 1.0 { 1.0 } else { 0.5 * (a * a + b * b) };
+                let through = (met / index - beyond) * normal[2] - view[2] / index;
+                let on = if through < 0.0 && share < 1.0 { shown(through) } else { 0.0 };
+                share * back + (1.0 - share) * on
+            }
+        };
+    }
+    sum / (NORMALS * NORMALS) as f64
+}
+
+/// The shares by the root of the cosine: of one alpha, or of all in steps, one row after the other.
+pub(crate) fn table(alpha: Option<f32>, index: Option<f64>) -> Vec<f32> {
+    let row = |alpha: f64| {
+        let of = move |i: usize| retained((i as f64 / STEPS as f64).powi(2), alpha.max(1e-3), index) as f32;
+        (0..=STEPS).map(of)
+    };
+    match alpha {
+        Some(alpha) => row(f64::from(alpha)).collect(),
+        None => (0..=STEPS).flat_map(|i| row(i as f64 / STEPS as f64)).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn narrow_facets_lose_nothing() {
+        for index in [None, Some(1.5), Some(1.0 / 1.5)] {
+            let kept = retained(0.7, 0.01, index);
+            assert!((kept - 1.0).abs() < 5e-3, "{index:?}: {kept}");
+        }
+        let [smooth, rough] = [0.3, 0.9].map(|alpha| retained(0.7, alpha, None));
+        assert!(smooth > 0.8 && rough < 0.6 && rough > 0.3, "{smooth} {rough}");
+        // What glass loses from within is more: more of it is mirrored.
+        assert!(retained(0.7, 0.3, Some(1.0 / 1.5)) < retained(0.7, 0.3, Some(1.5)));
+    }
+}

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What shapes are read with.
+
+use gnurt_scene::io::Warnings;
+use gnurt_scene::io::reader::Access;
+
+/// What shapes are read with.
+pub(crate) struct Reading<'a> {
+    pub(crate) access: &'a Access,
+    pub(crate) warnings: &'a mut Warnings,
+    /// Whether triangles turn the other way.
+    pub(crate) reversed: bool,
+    /// Whether texture coordinates that pbrt makes up are wanted.
+    pub(crate) wants_texcoords: bool,
+}
