@@ -9,9 +9,8 @@ import zlib
 
 import numpy as np
 
-import gnurt
-
 from . import cameras, images, meshes, strands
+from .kept import Recorder
 from .lamps import Lamp
 from .nodes import Code, compile_tree
 from .nodes.surfaces import bump_of_displacement
@@ -105,12 +104,12 @@ def string_hash(text):
 class Export:
     """A scene of the package in the making. `overrides` replaces materials: a function of an object that returns shader text or None."""
 
-    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None):
+    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None):
         self.depsgraph, self.size = depsgraph, size
         self.scene_data, self.view_layer = depsgraph.scene, depsgraph.view_layer
         self.warn = warned or Warned()
         self.override = override
-        self.scene = gnurt.Scene()
+        self.scene = recorder or Recorder()
         self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
         # By instances of the package: the object and material that they show, for passes.
         self.objects, self.material_indices, self.reads_uv = {}, {}, {}
@@ -130,6 +129,7 @@ class Export:
                 continue
             self.put(instance, found)
         self.world()
+        self.scene.end()
         return True
 
     # Objects
@@ -188,8 +188,7 @@ class Export:
         elif own is None:
             return
         else:
-            number = self.scene.add_instance(own, matrix)
-            self.scene.update(number, rays=rays)
+            number = self.scene.add_instance(own, matrix, rays)
         self.objects[number] = (found, slots)
         self.numbers[self.key_of(instance, found)] = number
 
