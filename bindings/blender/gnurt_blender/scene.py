@@ -11,7 +11,7 @@ import numpy as np
 
 from . import cameras, images, meshes, strands
 from .kept import Recorder
-from .lamps import Lamp
+from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
 from .nodes.surfaces import bump_of_displacement
 from .warned import Warned
@@ -55,6 +55,9 @@ class Surroundings:
 
     def is_orthographic(self):
         return self.export.view.parameters.get("kind", 0) == 1
+
+    def near(self):
+        return self.export.view.parameters.get("near", 0.0)
 
     def active_uv(self):
         layers = getattr(self.mesh, "uv_layers", None) or ()
@@ -115,6 +118,8 @@ class Export:
         self.objects, self.material_indices, self.reads_uv = {}, {}, {}
         # By the object and the path of an instance: the numbers in the package's scene.
         self.numbers = {}
+        # Numbers of points and spots, which go over together.
+        self.points = []
         self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
         self.view = view or cameras.of_scene(self.scene_data, camera, size, self.warn)
 
@@ -128,6 +133,7 @@ class Export:
                     Lamp(self, found, instance.matrix_world, found.data).put()
                 continue
             self.put(instance, found)
+        put_points(self.scene, self.points)
         self.world()
         self.scene.end()
         return True
@@ -338,7 +344,7 @@ class Export:
             if found is not None:
                 values, space = found
                 number = self.scene.add_texture(values, name=image.name, colorspace="linear")
-                number = (number, space == "coded")
+                number = (number, space == "coded", tuple(image.size))
             self.images[image.name_full] = number
         return self.images[image.name_full]
 
