@@ -31,6 +31,14 @@ def read(p, name, uv, color, alpha, extension):
         p.code.line(f"{color} = {color}_sum; {alpha} = {sum_of_alpha};")
     else:
         tap(uv, color, alpha)
+    if extension == "CLIP" and interp == "bilinear":
+        # There is nothing beyond the border, and half of it at the border.
+        edge = p.var(
+            "float",
+            f"clamp({uv}[0] * {width} + 0.5, 0.0, 1.0) * clamp((1.0 - {uv}[0]) * {width} + 0.5, 0.0, 1.0)"
+            f" * clamp({uv}[1] * {height} + 0.5, 0.0, 1.0) * clamp((1.0 - {uv}[1]) * {height} + 0.5, 0.0, 1.0)",
+        )
+        p.code.line(f"{color} *= {edge}; {alpha} *= {edge};")
     if is_coded:
         p.need("srgb")
         p.code.line(f"{color} = b_decoded({color});")
