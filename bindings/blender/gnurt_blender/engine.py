@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The render engine: final pictures, and the viewport.
 
-Final pictures are exported anew for each frame. The viewport keeps its scene while only the view moves.
+With persistent data a frame changes the scene of the last one (`kept`); else it is exported anew. The viewport keeps its scene while only the
+view moves.
 """
 
 import time
@@ -9,7 +10,7 @@ import traceback
 
 import bpy
 
-from . import holdouts, motion, passes
+from . import holdouts, kept, motion, passes
 from .scene import Export
 from .warned import Warned
 
@@ -58,8 +59,13 @@ class GnurtEngine(bpy.types.RenderEngine):
         self.update_stats("", "Reading the scene")
         ways = motion.Ways(self, depsgraph, camera, size, warned) if scene.render.use_motion_blur else None
         camera_now = camera.evaluated_get(depsgraph)
-        export = Export(depsgraph, size, camera_now, warned=warned)
-        if not export.put_all(self.is_stopped):
+
+        def made(recorder):
+            export = Export(depsgraph, size, camera_now, warned=warned, recorder=recorder)
+            return export if export.put_all(self.is_stopped) else None
+
+        export = kept.exported((scene.name, layer.name), made, scene.render.use_persistent_data)
+        if export is None:
             return
         masks = holdouts.of(export, depsgraph)
         wanted = passes.wanted(layer, warned)
@@ -180,6 +186,7 @@ def register():
 
 
 def unregister():
+    kept.clear()
     bpy.utils.unregister_class(GnurtEngine)
 
 

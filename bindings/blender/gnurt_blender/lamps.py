@@ -9,24 +9,57 @@ import math
 
 import numpy as np
 
-# Points and spots with a size that are sampled one by one.
+# Points and spots in one light of the language; it chooses one of them for each sample.
+MOST_TOGETHER = 48
+# Narrow areas that are sampled one by one.
 MOST_SAMPLED = 16
 
 POINT = """
-light blender_point (color power = 1, point where = point(0), float radius = 0, vector axis = vector(0, 0, -1), float cone = -2,
-    float smooth = 0)
+light blender_points (float given[TOTAL] = {0})
 {
-    // A disc that faces the point, as large as the sphere seems from afar.
-    vector d = normalize(where - Ps);
-    vector side = normalize(cross(d, (fabs(d[2]) < 0.9) ? vector(0, 0, 1) : vector(1, 0, 0)));
-    float r = radius * sqrt(xi[0]), a = M_2PI * xi[1];
-    vector way = where + r * cos(a) * side + r * sin(a) * cross(d, side) - Ps;
-    lightdist = length(way);
-    L = way / lightdist;
-    Cl = power * max(dot(L, d), 0.0) / (lightdist * lightdist);
-    if (cone > -1.0) {
-        float c = dot(-L, axis) - cone;
-        Cl *= (c <= 0.0) ? 0.0 : ((smooth > 0.0) ? smoothstep(0.0, 1.0, c / smooth) : 1.0);
+    // Each light has a power, a place, a radius, an axis, the cosine of its cone (-2 is none) and the width of the cone's edge. One is
+    // chosen by its light without shadows.
+    float share[COUNT];
+    float total = 0.0;
+    for (int i = 0; i < COUNT; i += 1) {
+        int k = 12 * i;
+        vector way = point(given[k + 3], given[k + 4], given[k + 5]) - Ps;
+        float own = (given[k] + given[k + 1] + given[k + 2]) / max(dot(way, way), 1e-8);
+        if (given[k + 10] > -1.0) {
+            float c = -dot(normalize(way), vector(given[k + 7], given[k + 8], given[k + 9]));
+            // The edge of a sphere may see more than its middle.
+            if (c < given[k + 10] - 2.0 * given[k + 6] / max(length(way), 1e-4))
+                own = 0.0;
+        }
+        total += own;
+        share[i] = own;
+    }
+    Cl = color(0);
+    L = vector(0, 0, 1);
+    lightdist = 1.0;
+    if (total > 0.0) {
+        float left = xi[0] * total;
+        int n = 0;
+        while (n < COUNT - 1 && left >= share[n]) {
+            left -= share[n];
+            n += 1;
+        }
+        float chance = share[n] / total, x = (share[n] > 0.0) ? clamp(left / share[n], 0.0, 1.0) : 0.5;
+        int k = 12 * n;
+        // A disc that faces the point, as large as the sphere seems from afar.
+        point where = point(given[k + 3], given[k + 4], given[k + 5]);
+        vector d = normalize(where - Ps);
+        vector side = normalize(cross(d, (fabs(d[2]) < 0.9) ? vector(0, 0, 1) : vector(1, 0, 0)));
+        float r = given[k + 6] * sqrt(x), a = M_2PI * xi[1];
+        vector way = where + r * cos(a) * side + r * sin(a) * cross(d, side) - Ps;
+        lightdist = length(way);
+        L = way / lightdist;
+        if (chance > 0.0)
+            Cl = color(given[k], given[k + 1], given[k + 2]) * max(dot(L, d), 0.0) / (lightdist * lightdist * chance);
+        if (given[k + 10] > -1.0) {
+            float c = -dot(L, vector(given[k + 7], given[k + 8], given[k + 9])) - given[k + 10], smooth = given[k + 11];
+            Cl *= (c <= 0.0) ? 0.0 : ((smooth > 0.0) ? smoothstep(0.0, 1.0, c / smooth) : 1.0);
+        }
     }
 }
 """
@@ -128,6 +161,14 @@ def flat_shape(shape, size, size_y, segments=48):
     return points, faces, math.pi * size * high / 4
 
 
+def put_points(scene, points):
+    """Points and spots together, as lights that choose among them."""
+    for first in range(0, len(points), MOST_TOGETHER):
+        some = points[first : first + MOST_TOGETHER]
+        text = POINT.replace("TOTAL", str(12 * len(some))).replace("COUNT", str(len(some)))
+        scene.add_light_shader(text, parameters={"given": [x for point in some for x in point]})
+
+
 class Lamp:
     """A light of Blender on its way into the scene of `export`."""
 
@@ -163,16 +204,16 @@ class Lamp:
         radius = data.shadow_soft_size
         where = self.matrix[:3, 3]
         normalize = getattr(data, "normalize", True)
-        # In a scene of many lights each of them cannot be sampled at each point: then they are shapes that are chosen by their power.
         is_soft = getattr(data, "use_soft_falloff", True)
-        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft and self.export.lamps <= MOST_SAMPLED)
+        is_sampled = not self.has_nodes() and (radius <= 0 or is_soft)
         area = 4 * math.pi * radius * radius
         if is_sampled:
             power = self.color / (4 * math.pi)
             if not normalize:
                 power = self.color * (radius * radius if radius > 0 else 1 / math.pi)
-            parameters = {"power": tuple(power), "where": tuple(where), "radius": radius, **self.spot()}
-            self.export.scene.add_light_shader(POINT, parameters=parameters)
+            cone = self.spot()
+            own = [*power, *where, radius, *cone.get("axis", (0, 0, -1)), cone.get("cone", -2.0), cone.get("smooth", 0.0)]
+            self.export.points.append([float(x) for x in own])
             if radius <= 0:
                 return
         radius = max(radius, 1e-3)

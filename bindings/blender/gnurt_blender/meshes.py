@@ -193,7 +193,7 @@ def attribute(arrays, name, warn):
     if kind == "mean":
         found = arrays.values(rest)
         is_flat = found is not None and (rest in mesh.uv_layers or getattr(mesh.attributes.get(rest), "data_type", "") == "FLOAT2")
-        return None if found is None else found[..., : 2 if is_flat else 3].mean(axis=-1, keepdims=True)
+        return None if found is None else found[..., : 1 if is_flat else 3].mean(axis=-1, keepdims=True)
     if kind in {"color", "coloralpha"}:
         own = rest or (mesh.color_attributes[mesh.color_attributes.render_color_index].name if len(mesh.color_attributes) else "")
         found = arrays.values(own) if own else None

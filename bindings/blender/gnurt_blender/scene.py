@@ -9,10 +9,9 @@ import zlib
 
 import numpy as np
 
-import gnurt
-
 from . import cameras, images, meshes, strands
-from .lamps import Lamp
+from .kept import Recorder
+from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
 from .nodes.surfaces import bump_of_displacement
 from .warned import Warned
@@ -56,6 +55,9 @@ class Surroundings:
 
     def is_orthographic(self):
         return self.export.view.parameters.get("kind", 0) == 1
+
+    def near(self):
+        return self.export.view.parameters.get("near", 0.0)
 
     def active_uv(self):
         layers = getattr(self.mesh, "uv_layers", None) or ()
@@ -105,17 +107,19 @@ def string_hash(text):
 class Export:
     """A scene of the package in the making. `overrides` replaces materials: a function of an object that returns shader text or None."""
 
-    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None):
+    def __init__(self, depsgraph, size, camera=None, view=None, warned=None, override=None, recorder=None):
         self.depsgraph, self.size = depsgraph, size
         self.scene_data, self.view_layer = depsgraph.scene, depsgraph.view_layer
         self.warn = warned or Warned()
         self.override = override
-        self.scene = gnurt.Scene()
+        self.scene = recorder or Recorder()
         self.images, self.materials, self.shaders, self.shown = {}, {}, {}, {}
         # By instances of the package: the object and material that they show, for passes.
         self.objects, self.material_indices, self.reads_uv = {}, {}, {}
         # By the object and the path of an instance: the numbers in the package's scene.
         self.numbers = {}
+        # Numbers of points and spots, which go over together.
+        self.points = []
         self.lamps = sum(found.type == "LIGHT" and found.data.type != "SUN" for found in depsgraph.objects)
         self.view = view or cameras.of_scene(self.scene_data, camera, size, self.warn)
 
@@ -129,7 +133,9 @@ class Export:
                     Lamp(self, found, instance.matrix_world, found.data).put()
                 continue
             self.put(instance, found)
+        put_points(self.scene, self.points)
         self.world()
+        self.scene.end()
         return True
 
     # Objects
@@ -188,8 +194,7 @@ class Export:
         elif own is None:
             return
         else:
-            number = self.scene.add_instance(own, matrix)
-            self.scene.update(number, rays=rays)
+            number = self.scene.add_instance(own, matrix, rays)
         self.objects[number] = (found, slots)
         self.numbers[self.key_of(instance, found)] = number
 
@@ -339,7 +344,7 @@ class Export:
             if found is not None:
                 values, space = found
                 number = self.scene.add_texture(values, name=image.name, colorspace="linear")
-                number = (number, space == "coded")
+                number = (number, space == "coded", tuple(image.size))
             self.images[image.name_full] = number
         return self.images[image.name_full]
 

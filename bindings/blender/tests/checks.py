@@ -9,7 +9,8 @@ import sys
 import tempfile
 import time
 
-from common import bpy, camera, floor, gnurt_blender, light, material, np, render, shape, start  # isort: skip
+from common import background, bpy, camera, floor, gnurt_blender, light, material, np, render, shape, start  # isort: skip
+from gnurt_blender import kept as _  # noqa: F401
 from gnurt_blender.engine import GnurtEngine
 from scenes import SCENES, nodes_of
 
@@ -173,7 +174,49 @@ def the_first_pixel_comes_soon():
         began = time.monotonic()
         render(engine, 1)
         seconds[engine] = min(time.monotonic() - began, seconds.get(engine, 1e9))
+    bpy.context.scene.render.use_persistent_data = True
+    frames = []
+    ball = shape("uv_sphere", (0, 0, 2.2), radius=0.3)
+    for x in (0.0, 0.5, 1.0):
+        ball.location.x = x
+        began = time.monotonic()
+        render("GNURT", 1)
+        frames.append(time.monotonic() - began)
+    print(f"      persistent data: first frame {frames[0]:.2f} s, with one moved object {min(frames[1:]):.2f} s")
     print(f"      250,000 triangles, one sample of 128 x 128: {seconds['GNURT']:.2f} s, Cycles {seconds['CYCLES']:.2f} s")
+
+
+@check
+def persistent_data_shows_the_same():
+    def first():
+        start()
+        SCENES["textured"]()
+        bpy.context.scene.render.use_persistent_data = True
+
+    def changed():
+        ball = bpy.data.objects["Sphere"]
+        ball.location.x += 0.5
+        cube = bpy.data.objects["Cube"]
+        cube.data.vertices[0].co.x -= 0.4
+        cube.data.update()
+        bpy.data.materials["noise"].node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.1
+        bpy.data.objects["AREA"].location.x -= 3
+        background(0.6)
+
+    first()
+    before = render("GNURT", 8)
+    assert (render("GNURT", 8) == before).all(), "nothing has changed"
+    changed()
+    kept = render("GNURT", 8)
+    first()
+    changed()
+    gnurt_blender.kept.clear()
+    fresh = render("GNURT", 8)
+    assert np.abs(kept - before).max() > 0.1, "nothing is seen of the changes"
+    assert np.allclose(kept, fresh, rtol=1e-4, atol=1e-4), f"differs by {np.abs(kept - fresh).max()}"
+    # Another object: the scene is built anew.
+    shape("cube", (0, -1, 2))
+    assert np.abs(render("GNURT", 8) - kept).max() > 0.01
 
 
 @check

@@ -13,13 +13,14 @@ from nodes import CASES
 
 MEAN, STRUCTURE = 0.02, 0.98
 GRID = 4
+# Nodes that show triangles.
+COARSE = {"ShaderNodeNewGeometry", "ShaderNodeWireframe"}
 # Nodes whose numbers may be negative.
 WIDE = {"ShaderNodeMath", "ShaderNodeVectorMath", "ShaderNodeSeparateXYZ", "ShaderNodeNormal", "ShaderNodeTexNoise", "ShaderNodeMapRange"}
 
 
-def sheet(x, y):
-    """A bent sheet with texture coordinates and attributes."""
-    n = 24
+def sheet(x, y, n=24):
+    """A bent sheet of n x n quadrilaterals with texture coordinates and attributes."""
     i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="xy")
     u, v = i.ravel() / n, j.ravel() / n
     points = np.stack([u - 0.5, v - 0.5, 0.15 * np.sin(5 * u + 0.5) * np.cos(4 * v)], axis=1)
@@ -166,7 +167,7 @@ def judge(name, out):
     scene.render.resolution_x = scene.render.resolution_y = 256
     pictures = images()
     for number, setting in enumerate(settings[: GRID * GRID]):
-        sheet(number % GRID, GRID - 1 - number // GRID).data.materials.append(shader(kind, setting, pictures))
+        sheet(number % GRID, GRID - 1 - number // GRID, 8 if kind in COARSE else 24).data.materials.append(shader(kind, setting, pictures))
     data = bpy.data.cameras.new("Camera")
     data.type, data.ortho_scale = "ORTHO", GRID
     seen = add("Camera", data, (0, 0, 5))

@@ -5,8 +5,6 @@ A setting is a dict: names of inputs (identifiers) or properties and their value
 a text with `@` links an input: `@Object` to texture coordinates, `@u`, `@v` to their parts, `@color` to a colour of them.
 """
 
-import math
-
 CASES = {}
 
 
@@ -56,7 +54,6 @@ case(
 )
 case("gradient", "ShaderNodeTexGradient", *each("gradient_type", ["LINEAR", "QUADRATIC", "EASING", "DIAGONAL", "SPHERICAL", "QUADRATIC_SPHERE", "RADIAL"]), Vector=OBJECT)
 case("magic", "ShaderNodeTexMagic", *each("turbulence_depth", list(range(11))), {"Distortion": 2.3, "out": "Fac"}, {"Distortion": 0.4, "turbulence_depth": 4}, Vector=OBJECT, Scale=2.0)
-case("gabor", "ShaderNodeTexGabor", {}, {"gabor_type": "3D"}, {"Anisotropy": 0.3}, {"out": "Phase"}, Vector=OBJECT)
 case(
     "mapping", "ShaderNodeMapping", *each("vector_type", ["POINT", "TEXTURE", "VECTOR", "NORMAL"]),
     Vector=OBJECT, Location=(0.2, 0.3, 0.1), Rotation=(0.4, 0.7, 1.1), Scale=(1.5, 0.8, 2.0),
@@ -172,7 +169,4 @@ case(
     {"image": "float"}, {"image": "data"},
 )
 case("environment texture", "ShaderNodeTexEnvironment", *each("projection", ["EQUIRECTANGULAR", "MIRROR_BALL"], image=True), Vector=OBJECT)
-case("preetham", "ShaderNodeTexSky", {"sky_type": "PREETHAM"}, {"sky_type": "HOSEK_WILKIE"}, {"sky_type": "SINGLE_SCATTERING"}, {"sky_type": "MULTIPLE_SCATTERING"}, Vector=OBJECT)
-case("value", "ShaderNodeValue", {})
-case("rgb", "ShaderNodeRGB", {})
-PI = math.pi
+case("preetham", "ShaderNodeTexSky", *each("sun_direction", [(0.3, -0.5, 0.8), (0.7, 0.2, 0.3)], sky_type="PREETHAM", turbidity=3.0), Vector=OBJECT)

@@ -497,3 +497,63 @@ def hair():
     settings.root_radius, settings.radius_scale, settings.tip_radius = 2.0, 0.02, 1.0
     bpy.context.scene["means only"] = True
     lit()
+
+
+@scene
+def pixel_aspect():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=3)
+    bpy.context.scene.render.pixel_aspect_x = 1.6
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def lights_in_view():
+    floor()
+    shape("uv_sphere", (0, 0.5, 1), material("mirror", Base_Color=(0.9, 0.9, 0.9), Metallic=1, Roughness=0.0), True, radius=1)
+    light("POINT", (-1.8, -1, 1.2), 40, shadow_soft_size=0.3)
+    light("SPOT", (1.8, -1.5, 2.5), 300, (0, 0.5, 1), shadow_soft_size=0.2, spot_size=1.2)
+    light("AREA", (1.9, 1, 1.5), 60, (0, -4, 1), size=1)
+    camera((0, -7, 2.6), (0, 0, 0.9), 40)
+    bpy.context.scene["means only"] = True
+
+
+@scene
+def many_lights():
+    stage()
+    rng = random.Random(4)
+    for _ in range(30):
+        color = (rng.random(), rng.random(), rng.random())
+        light("POINT", (rng.uniform(-4, 4), rng.uniform(-4, 3), rng.uniform(1, 4)), 30, shadow_soft_size=0.15, color=color)
+
+
+@scene
+def light_path():
+    stage()
+    node = background(0.3, 0.5, 1.0)
+    tree = bpy.context.scene.world.node_tree
+    path, mix = tree.nodes.new("ShaderNodeLightPath"), tree.nodes.new("ShaderNodeMix")
+    mix.data_type = "RGBA"
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    mix.inputs[6].default_value, mix.inputs[7].default_value = (1, 0.8, 0.5, 1), (0.1, 0.1, 0.3, 1)
+    tree.links.new(mix.outputs[2], node.inputs["Color"])
+    made = material("hidden", "ShaderNodeBsdfTransparent")
+    _, output, _ = nodes_of(made)
+    tree = made.node_tree
+    choose, path, solid = (tree.nodes.new(n) for n in ("ShaderNodeMixShader", "ShaderNodeLightPath", "ShaderNodeBsdfDiffuse"))
+    solid.inputs["Color"].default_value = (0.8, 0.1, 0.1, 1)
+    tree.links.new(path.outputs["Is Shadow Ray"], choose.inputs[0])
+    tree.links.new(solid.outputs[0], choose.inputs[1])
+    tree.links.new(next(n for n in tree.nodes if n.type == "BSDF_TRANSPARENT").outputs[0], choose.inputs[2])
+    tree.links.new(choose.outputs[0], output.inputs["Surface"])
+    bpy.data.objects["Cube"].data.materials.clear()
+    bpy.data.objects["Cube"].data.materials.append(made)
+    light("SUN", (-3, -4, 6), 2, angle=0.1)
+
+
+@scene
+def transparent_shadows():
+    stage()
+    light("AREA", (2, -4, 6), 600, size=1)
+    shape("plane", (0.6, -1.3, 2.0), material("pane", "ShaderNodeBsdfTransparent", Color=(0.3, 0.8, 0.4)), size=1.6)
+    bpy.context.scene["means only"] = True

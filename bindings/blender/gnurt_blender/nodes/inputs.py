@@ -187,8 +187,10 @@ def light_path(p):
 
 
 def camera_distance(code):
+    # Rays begin at the near plane.
     at = code.var("vector", camera_space(code))
-    return f"{at}[2]" if code.host.is_orthographic() else f"length({at})"
+    near = number(code.host.near())
+    return f"({at}[2] - {near})" if code.host.is_orthographic() else f"(length({at}) * (1.0 - {near} / max({at}[2], 1e-6)))"
 
 
 @node("CAMERA")

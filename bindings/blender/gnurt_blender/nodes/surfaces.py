@@ -7,6 +7,8 @@ Shading models: docs/reference/materials.md. The Principled BSDF is layered: she
 from .inputs import radial_tangent, uv_tangent
 from .tree import node, socket_value
 
+# The width of facets below which they are mirrors.
+SMOOTH = 0.002
 FACETS = {"GGX": "ggx", "MULTI_GGX": "ggx", "BECKMANN": "beckmann", "ASHIKHMIN_SHIRLEY": "ggx"}
 
 
@@ -54,6 +56,17 @@ def widths(p, roughness, anisotropy, rotation, principled=False):
     return tangent, along, across
 
 
+def is_mirror(p):
+    """Whether facets are known to be so smooth that a mirror takes their place, which sees lights of any size."""
+    return not p.is_linked("Roughness") and p.socket("Roughness").default_value ** 2 < SMOOTH
+
+
+def mirror(p, n, f0, f90):
+    """A mirror by Schlick's reflectance."""
+    p.need("surfaces")
+    return f"b_schlick({f0}, {f90}, {n}, I) * reflection({n})"
+
+
 def film_of(p):
     """The named arguments of a thin film."""
     if p.is_constant("Thin Film Thickness", 0.0) or p.socket("Thin Film Thickness") is None:
@@ -81,7 +94,9 @@ def glossy(p):
     tangent, along, across = widths(p, roughness, "Anisotropy", "Rotation")
     if p.distribution == "ASHIKHMIN_SHIRLEY":
         p.warn("Ashikhmin and Shirley's facets are shown as GGX")
-    if FACETS[p.distribution] == "beckmann":
+    if is_mirror(p):
+        made = mirror(p, n, color, color)
+    elif FACETS[p.distribution] == "beckmann":
         made = f'{color} * microfacet("beckmann", {n}, {tangent}, {along}, {across}, 0.0, 0)'
     else:
         made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {color}, {color}, 5.0, "ggx")'
@@ -96,6 +111,8 @@ def metallic(p):
         p.need("surfaces")
         base, edge = p.var("color", f"clamp({p.c('Base Color')}, color(0), color(1))"), p.var("color", f"clamp({p.c('Edge Tint')}, color(0), color(1))")
         made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {base}, b_f82({base}, {edge}), 5.0, "ggx"{film_of(p)})'
+        if is_mirror(p) and not film_of(p):
+            made = mirror(p, n, base, f"b_f82({base}, {edge})")
     else:
         eta, k = p.var("color", f"color({p.v('IOR')})"), p.var("color", f"color({p.v('Extinction')})")
         made = f'conductor_bsdf({n}, {tangent}, {along}, {across}, {eta}, {k}, "ggx"{film_of(p)})'
@@ -257,6 +274,8 @@ def principled(p):
         metal_base, edge = p.var("color", f"min({base}, color(1)){brushed}"), p.var("color", f"min({tint}, color(1))")
         f90 = "color(1)" if p.is_constant("Specular Tint", 1.0) else f"b_f82({metal_base}, {edge})"
         made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {metal_base}, {f90}, 5.0, "ggx"{film})'
+        if is_mirror(p) and not film:
+            made = mirror(p, n, metal_base, f90)
         parts.append(f"{metal} * {closure(p, made)}")
     if not is_metal and not p.is_constant("Transmission Weight", 0.0):
         through = p.var("color", f"sqrt(min({base}, color(1)))")

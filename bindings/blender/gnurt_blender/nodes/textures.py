@@ -3,21 +3,47 @@
 
 from .tree import node, number
 
-WRAPS = {"REPEAT": "periodic", "EXTEND": "clamp", "CLIP": "black", "MIRROR": "mirror"}
-INTERPOLATIONS = {"Linear": "bilinear", "Closest": "closest", "Cubic": "bicubic", "Smart": "bicubic"}
+WRAPS = {"REPEAT": "periodic", "EXTEND": "clamp", "CLIP": "clamp", "MIRROR": "mirror"}
 MISSING = "color(1, 0, 1)"
 
 
-def read(p, name, uv, color, alpha, wrap):
+def read(p, name, uv, color, alpha, extension):
     """A statement that reads a picture at a point without filtering, as Cycles does."""
-    name, is_coded = name
-    interp = INTERPOLATIONS[p.interpolation]
-    p.code.line(
-        f'color {color} = texture("{name}", {uv}[0], 1.0 - {uv}[1], 0.0, 0.0, 0.0, 0.0, "wrap", "{wrap}", "interp", "{interp}", "alpha", {alpha});'
-    )
+    name, is_coded, (width, height) = name
+    wrap = WRAPS[extension]
+
+    def tap(at, color, alpha):
+        p.code.line(
+            f'{color} = texture("{name}", {at}[0], 1.0 - {at}[1], 0.0, 0.0, 0.0, 0.0, "wrap", "{wrap}", "interp", "{interp}", "alpha", {alpha});'
+        )
+
+    interp = "closest" if p.interpolation == "Closest" else "bilinear"
+    p.code.line(f"color {color}; {alpha} = 1.0;")
+    if p.interpolation in {"Cubic", "Smart"}:
+        # A cubic B-spline by four linear taps.
+        p.need("projections")
+        places, shares, sum_of_alpha = p.code.fresh(), p.code.fresh(), p.code.fresh()
+        p.code.line(f"vector {places}[4]; float {shares}[4]; float {sum_of_alpha} = 0.0; color {color}_sum = color(0);")
+        p.code.line(f"b_spline_taps({uv}, {width}, {height}, {places}, {shares});")
+        p.code.line(f"for (int i = 0; i < 4; i += 1) {{ vector at = {places}[i];")
+        tap("at", color, alpha)
+        p.code.line(f"{color}_sum += {shares}[i] * {color}; {sum_of_alpha} += {shares}[i] * {alpha}; }}")
+        p.code.line(f"{color} = {color}_sum; {alpha} = {sum_of_alpha};")
+    else:
+        tap(uv, color, alpha)
+    if extension == "CLIP" and interp == "bilinear":
+        # There is nothing beyond the border, and half of it at the border.
+        edge = p.var(
+            "float",
+            f"clamp({uv}[0] * {width} + 0.5, 0.0, 1.0) * clamp((1.0 - {uv}[0]) * {width} + 0.5, 0.0, 1.0)"
+            f" * clamp({uv}[1] * {height} + 0.5, 0.0, 1.0) * clamp((1.0 - {uv}[1]) * {height} + 0.5, 0.0, 1.0)",
+        )
+        p.code.line(f"{color} *= {edge}; {alpha} *= {edge};")
     if is_coded:
         p.need("srgb")
         p.code.line(f"{color} = b_decoded({color});")
+    if extension == "CLIP":
+        p.code.line(f"if ({uv}[0] < 0.0 || {uv}[0] > 1.0 || {uv}[1] < 0.0 || {uv}[1] > 1.0) {{ {color} = color(0); {alpha} = 0.0; }}")
 
 
 @node("TEX_IMAGE")
@@ -37,18 +63,17 @@ def image_texture(p):
     if name is None:
         return {"Color": ("color", MISSING), "Alpha": ("float", "1.0")}
     at = p.var("vector", at)
-    wrap = WRAPS[p.extension]
     color, alpha = p.code.fresh(), p.code.fresh()
     p.code.line(f"float {alpha} = 1.0;")
     if p.projection == "BOX":
-        return box(p, name, at, color, alpha, wrap)
+        return box(p, name, at, color, alpha)
     if p.projection in {"SPHERE", "TUBE"}:
         at = p.var("vector", f"b_{p.projection.lower()}({at})")
-    read(p, name, at, color, alpha, wrap)
+    read(p, name, at, color, alpha, p.extension)
     return {"Color": ("color", color), "Alpha": ("float", alpha)}
 
 
-def box(p, name, at, color, alpha, wrap):
+def box(p, name, at, color, alpha):
     """Three views along the axes of the object, mixed at the edges."""
     n = p.var("vector", 'vector(normalize(transform("object", N)))')
     n = p.var("vector", f"backfacing() ? -{n} : {n}")
@@ -62,7 +87,7 @@ def box(p, name, at, color, alpha, wrap):
     for axis, view in enumerate(views):
         uv, own, own_alpha = p.var("vector", view), p.code.fresh(), p.code.fresh()
         p.code.line(f"float {own_alpha} = 1.0;")
-        read(p, name, uv, own, own_alpha, wrap)
+        read(p, name, uv, own, own_alpha, p.extension)
         p.code.line(f"{color} += {weights}[{axis}] * {own}; {alpha} += {weights}[{axis}] * {own_alpha};")
     return {"Color": ("color", color), "Alpha": ("float", alpha)}
 
@@ -83,7 +108,7 @@ def environment_texture(p):
     uv = p.var("vector", f"{made}({at})")
     color, alpha = p.code.fresh(), p.code.fresh()
     p.code.line(f"float {alpha} = 1.0;")
-    read(p, name, uv, color, alpha, "periodic" if p.projection == "EQUIRECTANGULAR" else "black")
+    read(p, name, uv, color, alpha, "REPEAT" if p.projection == "EQUIRECTANGULAR" else "CLIP")
     return {"Color": ("color", color)}
 
 

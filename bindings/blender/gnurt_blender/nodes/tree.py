@@ -92,13 +92,13 @@ class Code:
         return known
 
     def texture(self, image, colorspace=None):
-        """The name of an image in the shader and whether its values are coded as sRGB, or None."""
+        """The name of an image in the shader, whether its values are coded as sRGB, and its size; or None."""
         found = self.host.image(image, colorspace)
         if found is None:
             return None
         name = f"image{found[0]}"
         self.textures[name] = found[0]
-        return name, found[1]
+        return name, *found[1:]
 
     def text(self, name, result):
         """The whole shader; `result` is the closure or statement of its end."""

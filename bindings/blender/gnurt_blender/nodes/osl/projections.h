@@ -59,3 +59,27 @@ vector b_box_weights(vector facing, float blend)
     }
     return vector((2.0 - limit) * n[0] + (limit - 1.0), (2.0 - limit) * n[1] + (limit - 1.0), (2.0 - limit) * n[2] + (limit - 1.0));
 }
+// Places and shares of the linear taps that make a cubic B-spline [Sigg and Hadwiger, Fast third-order texture filtering, 2005].
+void b_spline_axis(float at, float count, output float low, output float high, output float share)
+{
+    float x = at * count - 0.5, i = floor(x), t = x - i;
+    float w0 = (1.0 - t) * (1.0 - t) * (1.0 - t) / 6.0, w1 = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0, w3 = t * t * t / 6.0;
+    float w2 = 1.0 - w0 - w1 - w3;
+    low = (i - 0.5 + w1 / (w0 + w1)) / count;
+    high = (i + 1.5 + w3 / (w2 + w3)) / count;
+    share = w2 + w3;
+}
+void b_spline_taps(vector uv, float width, float height, output vector places[4], output float shares[4])
+{
+    float x0, x1, sx, y0, y1, sy;
+    b_spline_axis(uv[0], width, x0, x1, sx);
+    b_spline_axis(uv[1], height, y0, y1, sy);
+    places[0] = vector(x0, y0, 0);
+    places[1] = vector(x1, y0, 0);
+    places[2] = vector(x0, y1, 0);
+    places[3] = vector(x1, y1, 0);
+    shares[0] = (1.0 - sx) * (1.0 - sy);
+    shares[1] = sx * (1.0 - sy);
+    shares[2] = (1.0 - sx) * sy;
+    shares[3] = sx * sy;
+}

@@ -3,12 +3,14 @@
 float b_perez(float cos_theta, float gamma, float a, float b, float c, float d, float e)
 {
     float cg = cos(gamma);
-    return (1.0 + a * exp(b / max(cos_theta, 0.01))) * (1.0 + c * exp(d * gamma) + e * cg * cg);
+    return (1.0 + a * exp(b / cos_theta)) * (1.0 + c * exp(d * gamma) + e * cg * cg);
 }
 color b_preetham(vector at, vector sun, float t)
 {
-    vector d = normalize(at), s = normalize(sun);
-    float ct = max(d[2], 0.0);
+    // As angles: only the height of the vector counts beside its azimuth.
+    float high = clamp(at[2], -1.0, 1.0), flat = hypot(at[0], at[1]), wide = sqrt(1.0 - high * high) / max(flat, 1e-9);
+    vector d = vector(at[0] * wide, at[1] * wide, high), s = normalize(sun);
+    float ct = max(d[2], 0.001);
     float gamma = acos(clamp(dot(d, s), -1.0, 1.0)), ts = acos(clamp(s[2], -1.0, 1.0));
     float chi = (4.0 / 9.0 - t / 120.0) * (M_PI - 2.0 * ts), t2 = t * t, s2 = ts * ts, s3 = s2 * ts;
     float zy = (4.0453 * t - 4.9710) * tan(chi) - 0.2155 * t + 2.4192;

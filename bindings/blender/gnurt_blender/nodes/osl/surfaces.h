@@ -72,3 +72,9 @@ color b_rough(color albedo, float roughness, vector n, vector i)
     color a = clamp(albedo, color(0), color(1));
     return color(1) - roughness * (0.015 + 0.22 * fabs(dot(n, i))) * a * (color(1) - a);
 }
+// Schlick's reflectance.
+color b_schlick(color f0, color f90, vector n, vector i)
+{
+    float c = 1.0 - min(fabs(dot(n, i)), 1.0);
+    return f0 + (f90 - f0) * (c * c * c * c * c);
+}
