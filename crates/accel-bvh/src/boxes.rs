@@ -23,6 +23,9 @@ use crate::treelet::{NodesAtKeys, Treelet};
 pub use met::{EnterMembers, Member, MetBlock};
 pub use update::BoxEdit;
 
+/// Slack beyond which every ray meets every box.
+const MOST_SLACK: f32 = 1e7;
+
 /// Tree over boxes by their indices in a list. A clone shares all of it.
 #[derive(Clone, Debug)]
 pub struct BoxIndex {
@@ -37,6 +40,8 @@ pub struct BoxIndex {
     bounds: Aabb,
     /// The greatest coordinate of any plane.
     greatest: f32,
+    /// See [`BoxIndex::with_slack`].
+    slack: f32,
     quality: Quality,
     /// How many boxes there are.
     count: usize,
@@ -88,6 +93,30 @@ impl BoxIndex {
     /// The greatest coordinate of any plane.
     pub(crate) fn greatest(&self) -> f32 {
         self.greatest
+    }
+
+    /// The same tree whose boxes are met so many times as far beside them as rounding by itself asks for: callers that carry
+    /// rays into a member's space may round by more than what boxes allow for. At least 1.
+    #[must_use]
+    pub fn with_slack(self, slack: f32) -> Self {
+        Self { slack: slack.clamp(1.0, MOST_SLACK), ..self }
+    }
+
+    /// How much slack its boxes have.
+    #[must_use]
+    pub fn slack(&self) -> f32 {
+        self.slack
+    }
+
+    /// The greatest coordinate that gives rays, of whose origins `away` is the greatest one, as much slack as they need:
+    /// `slab.rs` of `gnurt-accel-core` takes its double and `away` together.
+    #[inline(always)]
+    pub(crate) fn greatest_for(&self, away: impl FnOnce() -> f32) -> f32 {
+        if self.slack > 1.0 {
+            self.slack * self.greatest + 0.5 * (self.slack - 1.0) * away()
+        } else {
+            self.greatest
+        }
     }
 
     /// The treelet over all.

@@ -93,6 +93,12 @@ impl Ranges {
         let moved = |[low, high]: [f32; 2], by: f32| [low - by, high - by];
         Self { org: [moved(x, origin[0]), moved(y, origin[1]), moved(z, origin[2])], ..*self }
     }
+
+    /// The greatest coordinate of any origin.
+    #[must_use]
+    pub fn away(&self) -> f32 {
+        self.org.as_flattened().iter().fold(0.0, |most, x| x.abs().max(most))
+    }
 }
 
 impl Slopes {

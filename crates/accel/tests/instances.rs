@@ -70,6 +70,65 @@ fn many_tiny_instances_equal_brute_force() {
     }
 }
 
+/// Rays carried into a sheared instance are rounded by more than its own size: its box may turn none of them away. What each
+/// instance by itself is hit by, where no box is asked, is the truth.
+#[test]
+fn sheared_instances_lose_no_rays() {
+    let (kind, _) = TESTS[0];
+    let mut random = Random::new(6);
+    let size = 1e-3;
+    let mut square = Soup::default();
+    let corner = |x: f32, z: f32| [x * size, 0.0, z * size];
+    square.push([corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0)]);
+    square.push([corner(-1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
+    let object = Arc::new(build(&[square], kind));
+    // Many more than one part of a top tree holds where they are far away.
+    for (shear, far) in [(100.0, 1), (1000.0, 1), (1000.0, 1500), (1e5, 1)] {
+        let sheared = [[1.0, 0.0, 0.0], [shear, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.25]];
+        let turned = [[0.6, 0.8, 0.0], [shear, 1.0, 0.0], [0.0, 0.0, 1.0], [0.5, 0.0, 0.0]];
+        let mut instances =
+            vec![Instance::new(Arc::clone(&object), sheared), Instance::new(Arc::clone(&object), turned)];
+        instances.extend((0..far).map(|i| {
+            let place = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [3.0, 0.01 * f64::from(i), -5.0]];
+            Instance::new(Arc::clone(&object), place)
+        }));
+        let around = |middle: [f32; 3], by: f32, random: &mut Random| {
+            let p = random.point();
+            [0, 1, 2].map(|k| middle[k] + by * p[k])
+        };
+        let rays: Vec<rays::PlainRay> = (0..1500)
+            .map(|i| {
+                let middle = [[0.0, 0.0, 0.25], [0.5, 0.0, 0.0]][i % 2];
+                let mut target = around(middle, 4e-3, &mut random);
+                target[1] = 0.0;
+                let org = around(middle, random.pick(&[0.1, 1.0, 10.0]), &mut random);
+                (org, [0, 1, 2].map(|k| target[k] - org[k]))
+            })
+            .collect();
+        let rays = batch(&rays);
+        let mut all = vec![None; rays.len()];
+        for (i, instance) in (0..).zip(&instances[..2]) {
+            let alone = run_queries(&scene_of(std::slice::from_ref(instance)), &rays);
+            for (best, hit) in all.iter_mut().zip(alone) {
+                let hit = hit.map(|hit| (hit.t, i, hit.prim_id, [hit.u, hit.v].map(f32::to_bits)));
+                *best = match (*best, hit) {
+                    (Some(best), Some(hit)) => Some(if hit < best { hit } else { best }),
+                    (best, hit) => best.or(hit),
+                };
+            }
+        }
+        let found = run_queries(&scene_of(&instances), &rays);
+        let mut hits = 0;
+        for (i, (expected, found)) in all.iter().zip(&found).enumerate() {
+            let Some(expected) = expected else { continue };
+            hits += 1;
+            let found = found.map(|hit| (hit.t, hit.inst_id, hit.prim_id, [hit.u, hit.v].map(f32::to_bits)));
+            assert_eq!(found, Some(*expected), "shear {shear}, ray {i}: {:?}", rays.get(i));
+        }
+        assert!(hits > 20, "{hits} of the rays hit something at a shear of {shear}");
+    }
+}
+
 #[test]
 fn instances_that_cannot_be_undone_are_counted() {
     for kind in WATERTIGHT {

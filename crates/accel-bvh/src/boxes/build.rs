@@ -56,6 +56,7 @@ impl BoxIndex {
             origin,
             bounds: Aabb::EMPTY,
             greatest: 0.0,
+            slack: 1.0,
             quality,
             count,
             built_cost: 0.0,

@@ -21,7 +21,8 @@ impl BoxIndex {
     /// nearer ones first; it answers with the new reach. Returns the number of nodes visited. There are boxes.
     #[inline(always)]
     pub(crate) fn search<S: Simd>(&self, simd: S, ray: &Ray, reach: f32, enter: EnterBlock) -> u32 {
-        let for_nodes = &NodeRay::new(simd, ray, self.greatest());
+        let away = || ray.org.iter().fold(0.0f32, |most, x| most.max(x.abs()));
+        let for_nodes = &NodeRay::new(simd, ray, self.greatest_for(away));
         match &self.treelets[..] {
             [only] => search_treelet(simd, (0, only), ROOT, for_nodes, ray.time, reach, enter).1,
             treelets => {

@@ -64,10 +64,13 @@ impl BoxIndex {
         let mut slopes = Slopes::EMPTY;
         slopes.prepare(simd, traversal.rays, count, direction_class);
         let whole = slopes.all_ranges(simd, traversal.rays, count);
-        let beam = Beam::new(&whole.relative_to(self.origin), direction_class, self.greatest());
+        let whole = whole.relative_to(self.origin);
+        let greatest = self.greatest_for(|| whole.away());
+        let beam = Beam::new(&whole, direction_class, greatest);
         let farthest = slopes.steps_ahead(simd, traversal.nearest, count);
         let shot = &mut Shot {
             index: self,
+            greatest,
             beam,
             slopes,
             count,
@@ -87,6 +90,8 @@ impl BoxIndex {
 /// A tile's rays during the traversal of boxes.
 struct Shot<'a> {
     index: &'a BoxIndex,
+    /// The coordinate that slack is for.
+    greatest: f32,
     beam: Beam,
     slopes: Slopes,
     /// How many rays there are.
@@ -116,7 +121,7 @@ impl Shot<'_> {
         let BoxIndex { origin, .. } = *self.index;
         simd.vectorize(
             #[inline(always)]
-            || Box::new(TilePlanes::of(simd, traversal.rays, self.count, origin, self.index.greatest())),
+            || Box::new(TilePlanes::of(simd, traversal.rays, self.count, origin, self.greatest)),
         )
     }
 

@@ -92,6 +92,7 @@ impl BoxIndex {
         // A billion boxes take a hundred times the memory of their tree before.
         Self::build(&boxes, boxes_at, self.origin, self.quality, threads, &watch)
             .unwrap_or_else(|error| panic!("{error}"))
+            .with_slack(self.slack)
     }
 
     /// The edits: treelet, index and box, ascending.

@@ -66,6 +66,8 @@ pub(super) struct InstanceProperties {
     pub(super) depth: u32,
     /// Whether it moves during an open shutter, or shows something that does.
     pub(super) moves: bool,
+    /// See [`PlacedInstance::slack`].
+    pub(super) slack: f32,
     /// The reason of its rejection.
     pub(super) error: Option<SceneError>,
 }
@@ -73,7 +75,7 @@ pub(super) struct InstanceProperties {
 impl InstanceProperties {
     /// Of an instance that is not there.
     pub(super) const ABSENT: Self =
-        Self { bounds: Aabb::EMPTY, leaves: 1, depth: 0, moves: false, error: None };
+        Self { bounds: Aabb::EMPTY, leaves: 1, depth: 0, moves: false, slack: 1.0, error: None };
 }
 
 /// An instance made ready, its box relative to `origin`.
@@ -90,8 +92,9 @@ pub(super) fn place_instance(
     match PlacedInstance::new(instance, origin) {
         Some((placed, bounds)) => {
             let (leaves, depth) = (placed.shape.leaves(), placed.shape.scene_depth());
-            let moves = placed.moves();
-            (Slot::PlacedInstance(placed), InstanceProperties { bounds, leaves, depth, moves, error: None })
+            let (moves, slack) = (placed.moves(), placed.slack());
+            let error = None;
+            (Slot::PlacedInstance(placed), InstanceProperties { bounds, leaves, depth, moves, slack, error })
         }
         None => refused(SceneError::NoInverse { inst_id }),
     }
@@ -143,10 +146,11 @@ fn build(
             boxes.clear();
             extend(parallel, &mut boxes, slots.len(), |i| slots[i].bounds_from(origin));
         }
+        let slack = properties.iter().fold(1.0, |most: f32, properties| most.max(properties.slack));
         let leaves = Leaves::new(properties.iter().map(|properties| properties.leaves));
         drop(properties);
         let boxes_at = |place_instance: usize| slots[place_instance].boxes_at(origin);
-        let top = BoxIndex::build(&boxes, &boxes_at, origin, quality, threads, watch)?;
+        let top = BoxIndex::build(&boxes, &boxes_at, origin, quality, threads, watch)?.with_slack(slack);
         watch.give(passing);
         watch.result()?;
         let entries = Entries::new(&top, None, &slots, parallel);

@@ -21,6 +21,20 @@ impl Exact {
         Some(Self { rows: inverse(columns)?, columns: *columns })
     }
 
+    /// By how much of its distance a ray is off that floats carry over and back, in units of what they round: a turn and
+    /// scales along the object's axes are 3 at most, sheared axes more. For any origin and direction: the sum over the ways
+    /// from one axis of the world to another, of the magnitudes on them.
+    pub(super) fn spread(&self) -> f64 {
+        let [axes @ .., _] = &self.columns;
+        let along = |k: usize| -> f64 {
+            let through = |(axis, row): (&[f64; 3], &[f64; 3])| {
+                axis[k].abs() * row.iter().map(|x| x.abs()).sum::<f64>()
+            };
+            axes.iter().zip(&self.rows).map(through).sum()
+        };
+        along(0).max(along(1)).max(along(2))
+    }
+
     /// The data for rays.
     pub(super) fn stand(&self) -> Stand {
         Stand { rows: self.rows, translation: self.columns[3] }

@@ -95,6 +95,10 @@ impl Shape {
 
 const IDENTITY: [[f64; 3]; 4] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
 
+/// The [`Exact::spread`] of turns and scales, for which boxes and the slabs of rays have room: 33 roundings of 2^-24, of which
+/// carrying a ray takes up to twelve for each unit.
+const TURNED: f64 = 3.01;
+
 impl PlacedInstance {
     /// With its box, in floats and relative to `origin`; `None` where the transform has no inverse in floats, or a value that
     /// is not finite, or where floats cannot hold the box.
@@ -128,6 +132,30 @@ impl PlacedInstance {
             return Some(bounds.rounded());
         }
         carry_box(&exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
+    }
+
+    /// How many times more slack than others its box needs, so that no ray is turned away that hits it once it is carried into
+    /// its space: rays are rounded there, and what is rounded counts more in the world the more the map is sheared. What moves
+    /// is asked at places on its way. At least 1.
+    pub(super) fn slack(&self) -> f32 {
+        let inner = match &self.shape {
+            Shape::Object(_) => 1.0,
+            Shape::Scene(scene) => scene.top.slack(),
+        };
+        let spread = match &self.at {
+            At::Still { object_from_world: None, .. } => 0.0,
+            At::Still { exact, .. } => exact.spread(),
+            At::Piece(_, path) | At::Path(path) => {
+                let mut most = 0.0f64;
+                path.steps(&self.shape.bounds(), |from, to, _| {
+                    for place in [from, to] {
+                        most = most.max(Exact::new(place).map_or(0.0, |exact| exact.spread()));
+                    }
+                });
+                most
+            }
+        };
+        inner * (1.0 + 0.5 * (spread - TURNED).max(0.0)) as f32
     }
 
     /// Whether it moves during an open shutter, or shows something that does.

@@ -85,7 +85,10 @@ impl SceneTree {
             });
         });
         let (slots, origin) = (&scene.slots, self.top.origin());
-        scene.top = self.top.updated(&edits, &|index| slots[index].boxes_at(origin), threads);
+        // What needed more than these may be gone: more than enough is as good.
+        let slack = changes.iter().fold(self.top.slack(), |most, change| most.max(change.2.slack));
+        scene.top =
+            self.top.updated(&edits, &|index| slots[index].boxes_at(origin), threads).with_slack(slack);
         let bounds = scene.bounds64();
         if !is_near(&bounds, scene.top.origin()) {
             scene.move_origin(origin_for(&bounds), threads);
@@ -141,8 +144,10 @@ impl SceneTree {
         threads.run(|parallel| extend(parallel, &mut boxes, slots.len(), |i| slots[i].bounds_from(origin)));
         // A billion boxes take a hundred times the memory of their tree before.
         let boxes_at = |index: usize| slots[index].boxes_at(origin);
+        let slack = self.top.slack();
         self.top = BoxIndex::build(&boxes, &boxes_at, origin, self.top.quality(), threads, &Watch::new(&()))
-            .unwrap_or_else(|error| panic!("{error}"));
+            .unwrap_or_else(|error| panic!("{error}"))
+            .with_slack(slack);
     }
 }
 
