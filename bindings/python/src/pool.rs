@@ -26,7 +26,7 @@ static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 pub(crate) struct ThreadCount(usize);
 
 impl ThreadCount {
-    /// So many threads; 0 is one for each core.
+    /// A number of threads; 0 is one for each core.
     pub(crate) fn new(threads: usize) -> PyResult<Self> {
         match threads {
             0 => Ok(Self(std::thread::available_parallelism().map_or(1, usize::from))),
@@ -63,7 +63,7 @@ impl Workers {
     }
 }
 
-/// The process's pool of so many threads.
+/// The process's pool of `count` threads.
 fn pool(count: usize) -> PyResult<Arc<ThreadPool>> {
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let pools = pools.get_or_insert_default();

@@ -293,7 +293,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryBuffer(
     unsafe { with::<Geometry, _>(geometry, set) }
 }
 
-/// Gives a geometry an array of ours, and says where it is.
+/// Gives a geometry an array of ours, and returns its address.
 ///
 /// # Safety
 /// A geometry.

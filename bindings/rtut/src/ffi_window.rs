@@ -17,7 +17,7 @@ const RT_RGB_8: u32 = 0x310;
 const RT_NEXT_FRAME_BIT: u32 = 1;
 const RT_IN_FLIGHT_BIT: u32 = 2;
 
-// They tell the program of errors, and may be left by its exceptions.
+// They report errors to the program, and may be left by its exceptions.
 unsafe extern "C-unwind" {
     unsafe fn rtSetFrameBuffer(pixels: *mut u8, width: u32, height: u32, format: u32);
     safe fn rtFrameBufferUse(pixels: *const u8) -> u32;
@@ -35,8 +35,8 @@ impl Renderer for Library {
     }
 
     fn aim(&self, memory: usize, [width, height]: [u32; 2]) {
-        // SAFETY: the buffer holds 3 bytes for each pixel; `Stage` neither moves nor frees it while `usage` says that
-        // libOpenRT has anything to do with it.
+        // SAFETY: the buffer holds 3 bytes for each pixel; `Stage` neither moves nor frees it while libOpenRT
+        // uses it by `usage`.
         unsafe { rtSetFrameBuffer(with_exposed_provenance_mut(memory), width, height, RT_RGB_8) };
     }
 
@@ -225,7 +225,7 @@ unsafe extern "C-unwind" fn rtutInitWindow(width: c_int, height: c_int, title: *
 
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutMainLoop() -> u8 {
-    // Nothing here is guarded as a whole: the program's exceptions pass through on their way to its own handler.
+    // Nothing here is guarded as a whole: the program's exceptions pass through to its own handler.
     Client.finish();
     let settings = guard(settings).unwrap_or_default();
     let is_requested = with(|shared| {
@@ -236,7 +236,7 @@ extern "C-unwind" fn rtutMainLoop() -> u8 {
     });
     let outcome =
         if is_requested { run(&Client, &settings) } else { Err("rtutInitWindow was not called".to_owned()) };
-    // A program that goes on finds no frame of ours under way.
+    // A program that continues finds no frame of ours in progress.
     Client.finish();
     let is_fine = outcome.is_ok();
     with(|shared| shared.error = CString::new(outcome.err().unwrap_or_default()).unwrap_or_default());
