@@ -109,7 +109,7 @@ impl Surroundings {
     }
 }
 
-/// Adds an environment of a picture, and of the one that rays of the camera see where it is another.
+/// Adds an environment of a picture, and the picture for rays of the camera where it is another.
 fn put_texels(
     (sky, shown): (Texels, Option<Texels>),
     name: &str,

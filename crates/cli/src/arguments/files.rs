@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that say which files a scene may read, and where their textures are kept.
+//! Options for the files that a scene may read, and for where their textures are stored.
 //! Tests: `tests/program/{confine,textures}.rs`.
 
 use std::path::PathBuf;

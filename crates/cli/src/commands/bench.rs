@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt bench`: measures ray queries and builds, beside Embree's where `EMBREE4_LIB` names a library of Embree 4.
+//! `gnurt bench`: measures ray queries and builds, and Embree's for comparison where `EMBREE4_LIB` names a
+//! library of Embree 4.
 //! Tests: `tests/program/bench.rs`.
 
 use std::ffi::OsString;
@@ -23,7 +24,7 @@ use crate::messages::{Messages, print};
 use crate::source::Source;
 use crate::workers::machine;
 
-/// The variable that names the rival.
+/// The variable that names the library to compare with.
 const EMBREE: &str = "EMBREE4_LIB";
 
 /// Runs the requested measurement.
@@ -187,7 +188,7 @@ fn find(
     scenes.iter().map(|scene| Source::find(scene, files, environment)).collect()
 }
 
-/// Embree, if it is wanted and there is any.
+/// Embree, if it is requested and there is any.
 fn embree_library(filter: &Filter, messages: Messages) -> Result<Option<EmbreeLibrary>, Failure> {
     if !filter.has_engine("embree4") {
         return Ok(None);

@@ -50,7 +50,7 @@ struct Studio<'a> {
     messages: Messages,
 }
 
-/// Renders the moments that were asked for.
+/// Renders the requested times.
 pub(super) fn run(
     arguments: &RenderArguments,
     mut plan: Plan,
@@ -78,7 +78,7 @@ pub(super) fn run(
     }
 }
 
-/// The frames, each when it is asked for: there may be many.
+/// The frames, each made when it is needed: there may be many.
 fn frames<'a>(times: &'a TimeArguments, targets: &'a Targets) -> impl Iterator<Item = Frame> + 'a {
     let range = times.frames.map(FrameRange::numbers);
     let one =
@@ -100,7 +100,7 @@ fn is_done(targets: &Targets) -> bool {
 }
 
 impl Studio<'_> {
-    /// Moments of a clip of one scene, which is read once.
+    /// Times of a clip of one scene, which is read once.
     fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
         let begin = Instant::now();
         let (mut scene, files) = plan.source.load_with_files(self.messages)?;
@@ -132,7 +132,7 @@ impl Studio<'_> {
         Ok(())
     }
 
-    /// Files of a sequence; each may have a clip of its own.
+    /// Files of a sequence; each may have its own clip.
     fn files(&self, plan: &mut Plan, first: u32, frames: impl Iterator<Item = Frame>) -> Outcome {
         let begin = Instant::now();
         let all = plan.source.clone();
@@ -164,7 +164,7 @@ impl Studio<'_> {
 
     /// Reads the first scene of a sequence.
     fn first(&self, source: &Source) -> Result<First, Failure> {
-        // Its oddities are told when it is rendered.
+        // Its warnings are printed when it is rendered.
         let mut scene = source.load(self.messages.silent())?;
         let bounds = clip(&scene, self.arguments.times.animation.as_deref())?
             .and_then(|clip| bounds_over(&mut scene, clip));
@@ -194,7 +194,8 @@ impl Studio<'_> {
         )
     }
 
-    /// Curve and exposure of all frames: the exposure is measured at the first moment, if it is left open and shows.
+    /// Curve and exposure of all frames: the exposure is measured at the first time, if none is given and it
+    /// has an effect.
     fn light(
         &self,
         scene: &Scene,
