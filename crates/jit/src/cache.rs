@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Code that was made is kept, and made beside the threads that render; the interpreter runs the group meanwhile.
+//! Code is stored, and made in parallel with the threads that render; the interpreter runs the group
+//! meanwhile.
 //! Tests: `tests/batches.rs`.
 
 use gnurt_simd::Level;
@@ -12,7 +13,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use crate::compiled::{Compiled, NoCode};
 use crate::fingerprint::fingerprint;
 
-/// Groups whose code is kept without users.
+/// Limit of groups with stored code and no users.
 const KEPT: usize = 256;
 /// Threads that make code at once: the others wait, for scenes may have thousands of groups.
 const THREADS: usize = 4;
@@ -41,7 +42,7 @@ static IS_TOLD: AtomicBool = AtomicBool::new(false);
 pub struct Job {
     plan: Arc<Plan>,
     slot: Slot,
-    /// Whether it has been told why there is no code.
+    /// Whether the reason for missing code has been reported.
     is_told: AtomicBool,
 }
 
@@ -149,7 +150,7 @@ impl Job {
     /// Waits until there is code.
     ///
     /// # Errors
-    /// Why there is none and the interpreter goes on.
+    /// Why there is none and the interpreter runs the group.
     pub fn wait(&self) -> Result<&Compiled, NoCode> {
         self.slot.wait().as_ref().map_err(Clone::clone)
     }

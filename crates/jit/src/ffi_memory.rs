@@ -25,7 +25,7 @@ impl Executable {
 
 #[cfg(unix)]
 impl Executable {
-    /// Puts code into memory of its own.
+    /// Allocates memory for code.
     ///
     /// # Errors
     /// The system's message: there may be no memory, or executable memory may be forbidden.
@@ -84,7 +84,7 @@ mod windows {
 
 #[cfg(windows)]
 impl Executable {
-    /// Puts code into memory of its own.
+    /// Allocates memory for code.
     ///
     /// # Errors
     /// The system's message.

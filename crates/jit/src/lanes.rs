@@ -20,7 +20,7 @@ use crate::program::{Call, Making};
 pub struct Lanes<'a> {
     code: &'a Compiled,
     memory: Vec<Line>,
-    /// Those that it was readied for, if layers are run one by one.
+    /// Those of its last call, if layers are run one by one.
     held: Option<Box<Points>>,
     work: Work<'a>,
 }
@@ -368,7 +368,7 @@ impl Calls for Batch<'_, '_> {
                 let made = made.map(|number| [number; LANES]);
                 match made.or_else(|| machine.make_closures(step, running, read)) {
                     Some(made) => Held { layout, memory }.put(step.args[0].at, running, &made),
-                    // It says why.
+                    // The reason.
                     None => work.one_by_one(memory, (points, running), *layer, step, (ins, outs)),
                 }
             }
