@@ -36,14 +36,14 @@ struct Queue {
 }
 
 /// Whether a warning has been given that no group has code here.
-static IS_TOLD: AtomicBool = AtomicBool::new(false);
+static IS_REPORTED: AtomicBool = AtomicBool::new(false);
 
 /// A group that runs, by code as soon as there is some.
 pub struct Job {
     plan: Arc<Plan>,
     slot: Slot,
     /// Whether the reason for missing code has been reported.
-    is_told: AtomicBool,
+    is_reported: AtomicBool,
 }
 
 impl std::fmt::Debug for Cache {
@@ -104,7 +104,7 @@ impl Cache {
         if let Some(slot) = new {
             self.make(plan.clone(), level, slot, key);
         }
-        Job { plan, slot, is_told: AtomicBool::new(false) }
+        Job { plan, slot, is_reported: AtomicBool::new(false) }
     }
 
     fn make(&self, plan: Arc<Plan>, level: Level, slot: Slot, key: (u128, Level)) {
@@ -164,9 +164,9 @@ impl Program for Job {
             code => {
                 self.plan.run(host, points, out);
                 if let Some(Err(why)) = code
-                    && !self.is_told.swap(true, Ordering::Relaxed)
+                    && !self.is_reported.swap(true, Ordering::Relaxed)
                     // A reason common to all groups is reported for one.
-                    && !(matches!(why, NoCode::Here(_)) && IS_TOLD.swap(true, Ordering::Relaxed))
+                    && !(matches!(why, NoCode::Here(_)) && IS_REPORTED.swap(true, Ordering::Relaxed))
                 {
                     let text =
                         format!("it is interpreted, which is slow, because it has no machine code: {why}");
