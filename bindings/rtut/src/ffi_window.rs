@@ -107,23 +107,23 @@ thread_local! {
 }
 
 /// The right to deal with frames. It ends when it is dropped, by an exception too.
-struct CallTurn {
-    _alone: MutexGuard<'static, ()>,
+struct FrameGuard {
+    _guard: MutexGuard<'static, ()>,
 }
 
-impl CallTurn {
+impl FrameGuard {
     /// Waits until no other thread has it. `None` if this one has.
     fn take() -> Option<Self> {
         if DEALS.get() {
             return None;
         }
-        let alone = FRAMES.lock().unwrap_or_else(PoisonError::into_inner);
+        let guard = FRAMES.lock().unwrap_or_else(PoisonError::into_inner);
         DEALS.set(true);
-        Some(Self { _alone: alone })
+        Some(Self { _guard: guard })
     }
 }
 
-impl Drop for CallTurn {
+impl Drop for FrameGuard {
     fn drop(&mut self) {
         DEALS.set(false);
     }
@@ -195,7 +195,7 @@ impl Program for Client {
     }
 
     fn finish(&self) {
-        if let Some(_turn) = CallTurn::take() {
+        if let Some(_guard) = FrameGuard::take() {
             finish(self, &Library);
         }
     }
@@ -302,7 +302,7 @@ extern "C-unwind" fn rtutPostRedisplay() {
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutSwapBuffers() {
     // Called back from within, by rtDebugCallback, it has no effect.
-    if let Some(_turn) = CallTurn::take() {
+    if let Some(_guard) = FrameGuard::take() {
         swap(&Client, &Library);
     }
 }
