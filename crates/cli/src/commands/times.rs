@@ -59,10 +59,10 @@ pub(super) fn run(
     messages: Messages,
 ) -> Outcome {
     let targets = plan.targets.clone();
-    let mut due = frames(&arguments.times, &targets)
+    let mut pending = frames(&arguments.times, &targets)
         .filter(|frame| !arguments.times.skip_existing || !is_done(&frame.targets))
         .peekable();
-    if due.peek().is_none() {
+    if pending.peek().is_none() {
         messages.note("all frames are there already");
         return Ok(());
     }
@@ -72,9 +72,9 @@ pub(super) fn run(
     match plan.source.numbered().cloned() {
         Some(numbered) => {
             let first = numbered.first().ok().flatten().unwrap_or(0);
-            studio.files(&mut plan, first, due)
+            studio.files(&mut plan, first, pending)
         }
-        None => studio.clip(&mut plan, due),
+        None => studio.clip(&mut plan, pending),
     }
 }
 

@@ -80,11 +80,11 @@ fn shown_objects(scene: &Scene) -> Vec<(ObjectId, RayMask)> {
     let objects = scene.objects();
     // Whether it was met, by rays of light and by others.
     let mut met = vec![[false; 2]; objects.len()];
-    let mut due: Vec<(ObjectId, RayMask)> = Vec::new();
+    let mut pending: Vec<(ObjectId, RayMask)> = Vec::new();
     let visible = scene.instances().iter().filter(|instance| instance.visible);
-    due.extend(visible.map(|instance| (instance.object, instance.mask)));
+    pending.extend(visible.map(|instance| (instance.object, instance.mask)));
     let mut shown = Vec::new();
-    while let Some((id, mask)) = due.pop() {
+    while let Some((id, mask)) = pending.pop() {
         if mask == RayMask::NONE {
             continue;
         }
@@ -94,7 +94,7 @@ fn shown_objects(scene: &Scene) -> Vec<(ObjectId, RayMask)> {
         };
         if !std::mem::replace(met, true) {
             shown.push((id, mask));
-            due.extend(objects[id.index()].members.iter().map(|member| (member.object, mask & member.mask)));
+            pending.extend(objects[id.index()].members.iter().map(|member| (member.object, mask & member.mask)));
         }
     }
     shown
