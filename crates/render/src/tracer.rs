@@ -54,7 +54,7 @@ pub(crate) enum Sharing {
     /// Each by its position in a pattern, which is in its key's sample.
     Pattern,
     /// Each sample by chance: its key's pixel.
-    Chance,
+    Random,
 }
 
 /// Traces for one tile at a time.
