@@ -64,20 +64,20 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
     let mut rows = Vec::new();
     for source in sources {
         let subject = Subject::new(&source.stem(), &source.load(messages)?);
-        let mut heard = Ok(());
+        let mut printed = Ok(());
         let mut tell = |news: BenchEvent| match news {
             BenchEvent::Built(what) => messages.detail(what),
             BenchEvent::Differs(what) => messages.note(what),
             BenchEvent::Class(rows) => {
                 // The first failure counts; after the reader has left, nothing more is printed.
-                if heard.is_ok() {
-                    heard = print(table::of_class(rows));
+                if printed.is_ok() {
+                    printed = print(table::of_class(rows));
                 }
             }
         };
         let measured = rays::run(&subject, &options, embree.as_ref(), Vec::new(), &pool, &mut tell);
         rows.extend(measured.map_err(failure)?);
-        heard?;
+        printed?;
     }
     write(arguments.json.as_deref(), || to_json(&rows).to_string())?;
     write(arguments.record.as_deref(), || {
