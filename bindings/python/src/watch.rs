@@ -56,7 +56,8 @@ pub(crate) fn watched<R: Send>(
             let report = |progress: &Bound<'_, PyAny>| progress.call1((done,)).map(drop);
             let is_news = done > reported;
             reported = reported.max(done);
-            let result = py.check_signals().and_then(|()| progress.filter(|_| is_news).map_or(Ok(()), report));
+            let result =
+                py.check_signals().and_then(|()| progress.filter(|_| is_news).map_or(Ok(()), report));
             if let (Err(error), None) = (result, &failure) {
                 watch.stop.store(true, Ordering::Relaxed);
                 failure = Some(error);

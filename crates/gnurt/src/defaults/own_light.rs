@@ -94,7 +94,8 @@ fn shown_objects(scene: &Scene) -> Vec<(ObjectId, RayMask)> {
         };
         if !std::mem::replace(met, true) {
             shown.push((id, mask));
-            pending.extend(objects[id.index()].members.iter().map(|member| (member.object, mask & member.mask)));
+            pending
+                .extend(objects[id.index()].members.iter().map(|member| (member.object, mask & member.mask)));
         }
     }
     shown

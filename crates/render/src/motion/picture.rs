@@ -19,7 +19,7 @@ use gnurt_shading::sampling::hash_combine;
 use rayon::prelude::*;
 
 use super::before::Before;
-use super::choose::{need, scale, rank_of};
+use super::choose::{need, rank_of, scale};
 use super::smooth::{Given, Smooth, Strength, is_shiny};
 use super::surface_key::{Light, SurfaceKey, Tint};
 use super::surface_sample::{ROWS, sample_surfaces};
