@@ -313,7 +313,7 @@ impl<'w> BatchTracer<'w> {
     }
 
     /// The first hits of rays of a kind.
-    pub(crate) fn meetings_of(
+    pub(crate) fn hits_of(
         &mut self,
         kind: RayMask,
         request: &RayRequest,
@@ -496,7 +496,7 @@ impl Tracer for BatchTracer<'_> {
     }
 
     fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
-        self.meetings_of(RayMask::OTHER, request, out);
+        self.hits_of(RayMask::OTHER, request, out);
     }
 
     fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s) {
