@@ -233,7 +233,7 @@ type DebugFunction = unsafe extern "C-unwind" fn(u32, *const c_char, *mut c_void
 /// A program's pointer, handed back to it.
 struct User(*mut c_void);
 
-// SAFETY: the pointer is never looked behind; the program knows that its function is called from any of its threads.
+// SAFETY: the pointer is never followed; the program allows calls of its function from any of its threads.
 unsafe impl Send for User {}
 // SAFETY: as above.
 unsafe impl Sync for User {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Thread pools, by number of threads. Invariant: after a fork the child makes pools of its own, because it
+//! Thread pools, by number of threads. Invariant: after a fork the child makes its own pools, because it
 //! lacks the parent's threads; an object that outlives a call keeps a [`ThreadCount`] and takes its
 //! [`Workers`] for each work.
 //! Tests: `tests/test_rays.py::test_after_fork`, `tests/test_pictures.py::test_growing_after_a_fork`.

@@ -79,7 +79,7 @@ fn cpp() -> Option<(BeginCatch, EndCatch)> {
         // SAFETY: pointers to functions are as large as others on every system that has `dlsym`.
         (!found.is_null()).then(|| unsafe { (&raw const found).cast::<F>().read() })
     }
-    // SAFETY: the C++ ABI says which types the functions of these names have. They stay as long as the library.
+    // SAFETY: the C++ ABI defines the types of the functions of these names. They stay as long as the library.
     unsafe { find::<BeginCatch>(c"__cxa_begin_catch").zip(find::<EndCatch>(c"__cxa_end_catch")) }
 }
 

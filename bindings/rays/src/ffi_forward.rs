@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `rtcForwardIntersect1/4/8/16` and similar functions: rays that the test of a user geometry forwards to
 //! another scene; and filters that it calls.
-//! Source: Embree's manual. Tests get packets in which one ray counts: only that one is sent on, whatever `valid` says.
+//! Source: Embree's manual. Tests get packets in which one ray counts: only that one is forwarded, regardless of `valid`.
 //! Tests: `tests/c/embree.c`, `tests/c/frames.c`.
 
 use std::ffi::{c_int, c_uint};

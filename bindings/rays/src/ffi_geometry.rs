@@ -347,7 +347,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryInstancedScene(geometry: Ha
 /// Sets the scenes that an array of instances shows.
 ///
 /// # Safety
-/// A geometry, and so many scenes.
+/// A geometry, and an array of this many scenes.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryInstancedScenes(
     geometry: Handle,

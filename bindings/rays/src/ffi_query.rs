@@ -421,7 +421,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
                     for hit in passed.into_iter().take(most) {
                         if let Some(hit_arrays) = hit_arrays.filter(|_| end < capacity) {
                             let found = written(built, hit_arrays, hit, || rays.get(i).at(hit.t));
-                            // SAFETY: there is room for so many.
+                            // SAFETY: there is room for this many.
                             unsafe { hit_arrays.set(end, &found) };
                         }
                         end += 1;

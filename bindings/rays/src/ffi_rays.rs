@@ -313,7 +313,7 @@ unsafe fn primitives(user: *const User) -> Result<Primitives, String> {
     }
     let mut boxes = vec![[f32::NAN; 6]; count as usize];
     if count > 0 {
-        // SAFETY: passed on; there is room for so many boxes.
+        // SAFETY: passed on; there is room for this many boxes.
         let call = || unsafe { bounds(user, 0, count, boxes.as_mut_ptr()) };
         ffi_catch::call(call).map_err(|thrown| format!("user: bounds: {thrown}"))?;
     }

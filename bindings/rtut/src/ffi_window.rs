@@ -215,7 +215,7 @@ unsafe extern "C-unwind" fn rtutInitWindow(width: c_int, height: c_int, title: *
         let title = if title.is_null() {
             String::new()
         } else {
-            // SAFETY: the header asks for a string that ends with a zero, or NULL.
+            // SAFETY: the header requires a string that ends with a zero, or NULL.
             unsafe { CStr::from_ptr(title) }.to_string_lossy().into_owned()
         };
         let stage = &mut shared.stage;
@@ -316,7 +316,7 @@ unsafe extern "C-unwind" fn rtutShowPixels(pixels: *const u8, width: u32, height
     }
     with(|shared| {
         let bytes = width as usize * height as usize * format.pixel_bytes();
-        // SAFETY: the header asks for a frame buffer of this size and format, which is no larger than memory.
+        // SAFETY: the header requires a frame buffer of this size and format, which is no larger than memory.
         let bytes = unsafe { std::slice::from_raw_parts(pixels, bytes) };
         shared.stage.show(bytes, [width, height], format);
     });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The exposure of a picture, from the picture alone.
+//! The exposure of a picture, from only the picture.
 //! Source: [Rei02] section 3 (the log-average shows as a key value), [Rei03] (the key from the log-average
 //! relative to the darkest and the brightest); robust here: percentiles represent darkest and brightest, the
 //! average is taken between them. In: linear light of any unit. Out: stops, in hundredths, so that a printed

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Memory that holds machine code: written first, then executable, never both at once.
 //! Over the calls of the operating system.
-//! Tests: whatever runs in `tests/agreement.rs`.
+//! Tests: all tests that run code in `tests/agreement.rs`.
 
 use std::ptr::NonNull;
 
