@@ -205,7 +205,11 @@ fn checked_header(class: &Class) -> Result<Kind, String> {
                 "it is of kind RT_RENDERING_OBJECT, which plugins cannot be in this version of the interface";
             return Err(text.to_owned());
         }
-        other => return Err(format!("its kind {other:#x} is none of RT_SURFACE_SHADER to RT_CAMERA_SHADER")),
+        other => {
+            return Err(format!(
+                "its kind {other:#x} is invalid; valid are RT_SURFACE_SHADER to RT_CAMERA_SHADER"
+            ));
+        }
     };
     if !has_callback {
         return Err(format!("its callback `{callback}` is NULL, without which its kind does nothing"));
@@ -234,7 +238,7 @@ fn checked_parameter(class: &Class, kind: Kind, p: RawParameter) -> Result<Plugi
     let name = p.name.filter(|name| !name.is_empty()).ok_or("it has no name")?;
     let fail = |text: String| Err(format!("\"{name}\": {text}"));
     let Some(data) = DataType::from_code(p.kind) else {
-        return fail(format!("its type {:#x} is none that parameters have", p.kind));
+        return fail(format!("its type {:#x} is invalid for a parameter", p.kind));
     };
     let (rate, block) = match p.rate {
         0x500 => (ParameterRate::Shader, class.shader_size),
@@ -242,7 +246,7 @@ fn checked_parameter(class: &Class, kind: Kind, p: RawParameter) -> Result<Plugi
         0x502 => (ParameterRate::Triangle, class.triangle_size),
         other => {
             return fail(format!(
-                "its rate {other:#x} is none of RT_PER_SHADER, RT_PER_VERTEX, RT_PER_TRIANGLE"
+                "its rate {other:#x} is invalid; valid are RT_PER_SHADER, RT_PER_VERTEX, RT_PER_TRIANGLE"
             ));
         }
     };

@@ -313,12 +313,7 @@ impl<'w> BatchTracer<'w> {
     }
 
     /// The first hits of rays of a kind.
-    pub(crate) fn hits_of(
-        &mut self,
-        kind: RayMask,
-        request: &RayRequest,
-        out: &mut Vec<Option<SurfaceHit>>,
-    ) {
+    pub(crate) fn hits_of(&mut self, kind: RayMask, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
         self.stats.secondary_rays += request.rays.len() as u64;
         let RayRequest { rays, key: keys, .. } = request;
         let hits = &self.intersect(kind, rays, keys, Coherence::Incoherent);

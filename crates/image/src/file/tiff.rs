@@ -106,7 +106,7 @@ fn values(reader: &mut Reader<'_>, shape: Shape) -> Result<StoredValues, Error> 
     };
     let needed = shape.size[0] * shape.size[1] * shape.channels;
     if values.len() != needed {
-        return Err(Error::corrupt("TIFF", format!("{} values where {needed} are due", values.len())));
+        return Err(Error::corrupt("TIFF", format!("{} values instead of {needed}", values.len())));
     }
     Ok(values)
 }
