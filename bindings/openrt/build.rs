@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Gives the shared library the name that programs remember it by: libOpenRT.so.0.
+//! Gives the shared library the name that programs load it by: libOpenRT.so.0.
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(gnurt_plain_lock)");

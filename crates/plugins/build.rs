@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Tells the compiler that fuzzers set `cfg(fuzzing)`.
+//! Declares the `cfg(fuzzing)` of fuzzers to the compiler.
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(fuzzing)");

@@ -20,7 +20,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     }
 });
 
-/// Rays of several headings and lengths, one by one and together.
+/// Rays of several directions and lengths, one by one and together.
 fn trace(tree: &ObjectTree) {
     let ray = |i: u32| {
         let [a, b, c] = [i % 7, i % 5, i % 3].map(|x| x as f32 - 1.0);

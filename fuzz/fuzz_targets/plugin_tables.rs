@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Tables that a plugin gives: refused in one line, or keeping every promise; see crates/plugins/src/ffi_tables.rs.
+//! Tables that a plugin gives: rejected in one line, or satisfying every guarantee; see crates/plugins/src/ffi_tables.rs.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

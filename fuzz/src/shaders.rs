@@ -13,7 +13,7 @@ use gnurt_sl::types::Base;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::color::ColorSystem;
 
-/// Turns of loops of a point.
+/// Iterations of loops of a point.
 const ITERATIONS: u64 = 300;
 
 struct Empty(ColorSystem);

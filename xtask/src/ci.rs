@@ -43,7 +43,7 @@ fn check_for_other_machines() -> Result<(), Failure> {
     if there.is_empty() {
         return Ok(());
     }
-    // Its dependencies are all the libraries that know no window, file lock or signal.
+    // Its dependencies are all the libraries that use no window, file lock or signal.
     let mut check = command::cargo();
     check.args(["check", "-p", "gnurt"]);
     for target in there {

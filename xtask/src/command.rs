@@ -6,14 +6,15 @@ use std::process::Command;
 
 use crate::failure::Failure;
 
-/// The workspace's root: the folder above this package. Cargo says where that is today; where it was compiled it may be no more.
+/// The workspace's root: the folder above this package. Cargo reports its current path; the path at compile
+/// time may be out of date.
 pub(crate) fn root() -> PathBuf {
     let package = std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_else(|| env!("CARGO_MANIFEST_DIR").into());
     let package = Path::new(&package);
     package.parent().unwrap_or(package).to_path_buf()
 }
 
-/// Cargo as it was called, or the one in the path.
+/// The calling Cargo, or the one in the path.
 pub(crate) fn cargo() -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root());

@@ -21,12 +21,13 @@ const ASKING: [&str; 1] = ["trimesh"];
 const REUSE: &str = "reuse>=5";
 const INSTALL: [&str; 5] = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
 
-/// Builds and tests. Without a Python that the package is for, or without its packages, that is told and skipped.
+/// Builds and tests. Without a supported Python, or without its packages, that is reported and skipped.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     if let Some(argument) = arguments.first() {
         return Err(format!("python takes no arguments, not '{argument}'"));
     }
-    // With the same features of libraries as the tests' build: alone, half of the crates would be compiled again.
+    // With the same features of libraries as the tests' build: otherwise half of the crates would be compiled
+    // again.
     command::run(command::cargo().args(["build", "--workspace", "--all-targets"]))?;
     let target = Workspace::load()?.target;
     let source = command::root().join("bindings/python");
@@ -48,8 +49,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     )
 }
 
-/// Checks the copyright and licence of every file by the tool `reuse`, by REUSE.toml. Where pip cannot bring it, that is told and
-/// skipped.
+/// Checks the copyright and licence of every file by the tool `reuse`, by REUSE.toml. Where pip cannot
+/// install it, that is reported and skipped.
 pub(crate) fn lint_licences() -> Result<(), Failure> {
     let folder = Workspace::load()?.target.join("python");
     let python = folder.join("bin/python");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `cargo xtask miri` and `cargo xtask sanitize address|thread`: unsafe code looked at while it runs.
-//! Miri needs a nightly compiler, which nothing else does; both take long: they are run by hand once a week, with the outcome in
-//! `bench/record/`. Each has build folders of its own below `target/`.
+//! `cargo xtask miri` and `cargo xtask sanitize address|thread`: checks of unsafe code while it runs. Miri
+//! needs a nightly compiler, which nothing else does; both take long: they are run by hand once a week, with
+//! the outcome in `bench/record/`. Each has its own build folders below `target/`.
 
 use std::process::Command;
 
@@ -13,7 +13,7 @@ use crate::workspace::Workspace;
 const INTERPRETED: [&[&str]; 3] = [
     &["-p", "gnurt-simd"],
     &["-p", "gnurt-rays", "--lib"],
-    // Not the lock: Miri knows no `membarrier`.
+    // Not the lock: Miri does not support `membarrier`.
     &["-p", "openrt", "--lib", "--", "state::"],
 ];
 
@@ -54,7 +54,8 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     };
     let folder = Workspace::load()?.target.join(format!("sanitize-{sanitizer}"));
     for tests in C_TESTS {
-        // The compiler of the workspace has sanitizers, too, if asked so; the nightly one lays libraries where tests do not look.
+        // The compiler of the workspace has sanitizers, too, with a flag; the nightly one writes libraries
+        // where tests do not search them.
         let mut test = command::cargo();
         test.args(["test", "--target", TARGET]).args(library).args(tests);
         test.env("CARGO_TARGET_DIR", &folder)
@@ -66,7 +67,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Cargo of the nightly compiler, which rustup knows.
+/// Cargo of the nightly compiler, which rustup finds.
 fn nightly(arguments: &[&str]) -> Result<Command, Failure> {
     command::output_of("rustup", &["run", "nightly", "rustc", "--version"]).map_err(|failure| {
         format!(
@@ -75,7 +76,7 @@ fn nightly(arguments: &[&str]) -> Result<Command, Failure> {
     })?;
     let mut command = Command::new("rustup");
     command.args(["run", "nightly", "cargo"]).args(arguments).current_dir(command::root());
-    // Cargo that runs this says which compiler it is of.
+    // The Cargo that runs this names its compiler.
     for variable in ["CARGO", "RUSTC", "RUSTDOC", "RUSTUP_TOOLCHAIN"] {
         command.env_remove(variable);
     }

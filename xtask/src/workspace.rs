@@ -25,7 +25,7 @@ pub(crate) struct Workspace {
 }
 
 impl Workspace {
-    /// Asks cargo.
+    /// Runs cargo.
     pub(crate) fn load() -> Result<Self, Failure> {
         Self::from_metadata(&Self::metadata()?)
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Other crates on the rays of `gnurt bench rays`: obvhs, parry3d, bvh and tinybvh-rs, beside ours.
+//! Other crates on the rays of `gnurt bench rays`: obvhs, parry3d, bvh and tinybvh-rs, compared with ours.
 //! Run in this folder: `cargo run --release -- scene.obj [--class primary,ao] [--json FILE]`.
 //! One thread; one ray per call, which is all that these crates offer. Their triangle tests are not watertight, so one
 //! ray in a thousand may differ before a run is refused.

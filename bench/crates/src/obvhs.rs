@@ -16,7 +16,7 @@ use crate::one_by_one::{ISA, OneByOne, Tracer, corners};
 
 struct Tree {
     bvh: CwBvh,
-    /// In the order of the leaves, which saves a look into a table.
+    /// In the order of the leaves, which saves an access to a table.
     triangles: Vec<Triangle>,
 }
 

@@ -12,7 +12,7 @@ pub(crate) trait Tracer: Sync {
     fn any(&self, ray: &Ray) -> bool;
 }
 
-/// Asks a tracer ray by ray.
+/// Queries a tracer ray by ray.
 pub(crate) struct OneByOne<T>(pub(crate) T);
 
 impl<T: Tracer> Engine for OneByOne<T> {

@@ -26,9 +26,9 @@ use crate::state::stacks::Stacks;
 use crate::state::texture::Textures;
 use crate::state::usage::Usage;
 
-/// Everything that the API remembers.
+/// The whole state of the API.
 pub(crate) struct Context {
-    /// The first error since the program last asked.
+    /// The first error since the program last queried it.
     error: Option<Error>,
     /// The listener for errors.
     pub(crate) listener: Option<Arc<Listener>>,
@@ -94,7 +94,7 @@ impl Default for Context {
 }
 
 impl Context {
-    /// A context as rtInit makes it, following the `--rt-*` arguments among `arguments`; others are not looked at.
+    /// A context as rtInit makes it, following the `--rt-*` arguments among `arguments`; others are ignored.
     #[must_use]
     pub(crate) fn with_arguments<'a>(arguments: impl Iterator<Item = &'a [u8]>) -> Self {
         let mut context = Self::default();
@@ -110,7 +110,7 @@ impl Context {
         self.error.get_or_insert(error);
     }
 
-    /// rtGetError: the code of the noted error, which is forgotten.
+    /// rtGetError: the code of the recorded error, which is cleared.
     pub(crate) fn take_error(&mut self) -> Result<u32> {
         self.outside_block()?;
         Ok(self.error.take().map_or(Error::NONE_CODE, Error::code))

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The door between C and the safe state machine: the one context behind a mutex, pointers, and context calls.
-//! Every exported function goes through [`perform`]: it takes the lock, makes the context if there is
-//! none, notes errors, and lets no panic cross to C. A shader that calls the library while the library waits for it is
-//! turned away. Functions are `C-unwind`: exceptions of the program's own function pass to the program.
+//! The boundary between C and the safe state machine: the one context behind a mutex, pointers, and context
+//! calls. Every exported function goes through [`perform`]: it takes the lock, makes the context if there is
+//! none, notes errors, and lets no panic cross to C. A shader that calls the library while the library waits
+//! for it gets an error. Functions are `C-unwind`: exceptions of the program's own function pass to the
+//! program.
 //! Tests: the C programs of tests/c; bindings/openrt/tests/symbols.rs (exactly the functions of the header).
 
 use std::cell::Cell;
@@ -41,7 +42,8 @@ pub(crate) fn perform<T>(
     }
 }
 
-/// Looks at the context, if there is one, and makes none. From within another call nothing can be seen: `blind` it is.
+/// Reads the context, if there is one, and makes none. From within another call nothing can be seen: `blind`
+/// it is.
 pub(crate) fn look<T>(blind: T, at: impl FnOnce(Option<&Context>) -> T) -> T {
     CONTEXT.enter().map_or(blind, |guard| at(guard.as_ref()))
 }
@@ -57,7 +59,7 @@ fn reject<T>(shown: impl FnOnce() -> String, on_error: T) -> T {
 }
 
 /// Records an error and reports it after the lock is released, because the listener may call back. An
-/// exception that leaves the listener goes on to the program: nothing here catches it, and all locks on its
+/// exception that leaves the listener passes to the program: nothing here catches it, and all locks on its
 /// path are released.
 #[cold]
 fn fail<T>(
@@ -84,16 +86,16 @@ fn fail<T>(
     on_error
 }
 
-/// Whether OPENRT_DEBUG asks for errors on the standard error output.
+/// Whether OPENRT_DEBUG requests errors on the standard error output.
 static PRINTS: LazyLock<bool> =
     LazyLock::new(|| std::env::var_os("OPENRT_DEBUG").is_some_and(|value| !value.is_empty() && value != "0"));
 
 thread_local! {
-    /// Whether this thread's listener is being told of an error: it does not hear of errors of its own calls.
+    /// Whether this thread's listener is being called: it is not called for errors of its own calls.
     static LISTENING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// While it lives, this thread's listener is being told of an error.
+/// While it lives, this thread's listener is being called.
 struct Listening;
 
 impl Listening {
@@ -231,7 +233,7 @@ type DebugFunction = unsafe extern "C-unwind" fn(u32, *const c_char, *mut c_void
 /// A program's pointer, handed back to it.
 struct User(*mut c_void);
 
-// SAFETY: the pointer is never looked behind; the program knows that its function is called from any of its threads.
+// SAFETY: the pointer is never followed; the program allows calls of its function from any of its threads.
 unsafe impl Send for User {}
 // SAFETY: as above.
 unsafe impl Sync for User {}

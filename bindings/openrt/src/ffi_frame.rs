@@ -11,8 +11,8 @@ use crate::state::framebuffer::{FrameMemory, RT_IN_FLIGHT_BIT, RT_NEXT_FRAME_BIT
 /// A program's frame buffer.
 struct ProgramMemory(*mut u8);
 
-// SAFETY: the pointer is only written through, by one frame at a time; the program keeps the memory and keeps away
-// from it until rtEndRendering, as openrt/rt.h asks.
+// SAFETY: the pointer is only written through, by one frame at a time; the program must neither free nor use
+// the memory until rtEndRendering (openrt/rt.h).
 unsafe impl Send for ProgramMemory {}
 // SAFETY: as above.
 unsafe impl Sync for ProgramMemory {}
@@ -69,7 +69,7 @@ extern "C-unwind" fn rtEndRendering() {
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtRender() {
     call!(rtRender(), (), |context| context.begin_render());
-    // A frame may have started although the call failed: it goes on without plugins that cannot take part.
+    // A frame may have started although the call failed: without plugins that do not support it.
     if wait_for_frame() {
         call!(rtRender(), (), |context| context.end_rendering());
     }

@@ -84,7 +84,7 @@ impl<T> Biased<T> {
         let held = self.mutex.lock().unwrap_or_else(PoisonError::into_inner);
         match self.owner.load(Ordering::Relaxed) {
             NOBODY if barrier::is_there() => {
-                // Inside before anybody can know of the owner: the others see both in this order.
+                // Inside before the owner is visible: the others see both in this order.
                 self.inside.store(me, Ordering::Relaxed);
                 self.owner.store(me, Ordering::Release);
                 return Some(Guard { lock: self, held: None });
@@ -139,7 +139,7 @@ impl<T> Drop for Guard<'_, T> {
 }
 
 thread_local! {
-    /// A number that no other thread of the process has or had; [`NOBODY`] until it is asked for.
+    /// A number that no other thread of the process has or had; [`NOBODY`] until it is needed.
     static THREAD: Cell<u64> = const { Cell::new(NOBODY) };
 }
 
@@ -152,7 +152,7 @@ fn thread_number() -> u64 {
 }
 
 /// A barrier that all threads of the process pass when one requests it: earlier accesses of each are visible
-/// to the one, and earlier accesses of the one to each.
+/// to that one, and its earlier accesses to each.
 #[cfg(all(target_os = "linux", not(gnurt_plain_lock)))]
 mod barrier {
     const REGISTER: libc::c_int = libc::MEMBARRIER_CMD_REGISTER_PRIVATE_EXPEDITED;
@@ -178,7 +178,7 @@ mod barrier {
     }
 }
 
-/// Elsewhere, and for ThreadSanitizer, which does not know that barrier, all threads use the mutex.
+/// Elsewhere, and for ThreadSanitizer, which does not support that barrier, all threads use the mutex.
 #[cfg(not(all(target_os = "linux", not(gnurt_plain_lock))))]
 mod barrier {
     pub(super) fn is_there() -> bool {
@@ -261,8 +261,8 @@ mod tests {
         }
     }
 
-    /// Threads that add 1 in two steps lose nothing, and are never inside together: one that is first and
-    /// runs to the end, and others that start in between.
+    /// Threads that add 1 in two steps lose no additions, and are never inside together: one that is first
+    /// and runs to the end, and others that start in between.
     #[test]
     fn one_thread_at_a_time() {
         const OTHERS: usize = 3;

@@ -34,7 +34,7 @@ unsafe extern "C-unwind" fn rtTexImage2D(
 ) {
     let size = [width, height];
     let description = ImageDescription { target, level, internal_format, size, border, format, texel_type };
-    // SAFETY: the caller vouches for the texels, and the state machine asks for no more bytes than they have.
+    // SAFETY: the caller vouches for the texels, and the state machine requests no more bytes than they have.
     let read = |length| unsafe { std::slice::from_raw_parts(texels.cast::<u8>(), length) };
     let read: Option<ReadTexels> = if texels.is_null() { None } else { Some(&read) };
     call!(

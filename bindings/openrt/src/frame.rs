@@ -30,7 +30,7 @@ const DEEPEST: u32 = 1024;
 /// A rendering object's class and values.
 pub(crate) type Rendering = (&'static RenderingClass, Vec<ParameterValue>);
 
-/// Everything that a frame needs beside the stage.
+/// Everything that a frame needs in addition to the stage.
 pub(crate) struct Job {
     pub(crate) shaders: ShaderTable,
     pub(crate) camera: Arc<dyn CameraShader>,
@@ -38,7 +38,7 @@ pub(crate) struct Job {
     pub(crate) sampling: Sampling,
     /// Whether samples are added to those of the frame before.
     pub(crate) continues: bool,
-    /// Changes options as a rendering object asks for.
+    /// Changes options by a rendering object.
     pub(crate) rendering: Option<Rendering>,
     pub(crate) target: FrameBuffer,
     pub(crate) pool: Arc<gnurt::JoinedPool>,
@@ -114,7 +114,7 @@ pub(crate) fn reported(error: &dyn std::fmt::Display, code: Error) -> Error {
 fn kind_of_commit(error: &CommitError) -> Error {
     match error {
         CommitError::TooLarge(_) => Error::OutOfMemory,
-        // Objects that hold themselves, or too deep, are refused when they are closed.
+        // Closing an object that contains itself, or that nests too deep, is an error.
         CommitError::DanglingId { .. } | CommitError::UnknownShader { .. } | CommitError::Nesting(_) => {
             Error::InvalidOperation
         }
@@ -125,7 +125,7 @@ fn kind_of_commit(error: &CommitError) -> Error {
 fn kind_of_options(error: &RenderError) -> Error {
     match error {
         RenderError::NothingToDo { .. } | RenderError::TooLarge { .. } => Error::InvalidValue,
-        // Programs of this library ask for no pieces.
+        // Programs of this library request no pieces.
         RenderError::EmptyCrop { .. }
         | RenderError::NoSuchPixel { .. }
         | RenderError::NoSuchPiece { .. }

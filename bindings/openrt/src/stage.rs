@@ -36,16 +36,16 @@ pub(crate) struct Stage {
     pub(crate) world: World,
     /// The samples of the last frame.
     pub(crate) accumulation: Option<Accumulation>,
-    /// Their means, from the top row on: room that frames use again.
+    /// Their means, from the top row on: memory that frames use again.
     pub(crate) colors: Vec<[f32; 4]>,
     /// Work of the last frame's commit.
     pub(crate) report: CommitReport,
     objects: BTreeMap<u32, ObjectId>,
     /// By id, those that are visible; `RT_INVALID` for geometry outside of objects.
     instances: BTreeMap<u32, InstanceId>,
-    /// Whether all instances that there are have been looked at.
+    /// Whether all existing instances have been checked.
     knows_instances: bool,
-    /// Objects that came or went since instances were looked at: those that show them are shown or hidden.
+    /// Objects that came or went since instances were checked: those that show them are shown or hidden.
     renewed: bool,
     free_instances: BTreeSet<InstanceId>,
     free_objects: Vec<ObjectId>,
@@ -110,7 +110,7 @@ impl Stage {
             return self.show_all(all);
         }
         let changed: Vec<_> = changed.collect();
-        // Places of those that are gone are there for those that come.
+        // Numbers of those that are gone are free for new ones.
         for (id, expected) in &changed {
             let is_shown = expected.is_some_and(|shown| self.objects.contains_key(&shown.object));
             if !is_shown {
@@ -202,7 +202,7 @@ impl Stage {
     }
 
     /// The surface shaders with their present values, each at its number; mid-grey where one cannot take part in the
-    /// frame. Frees the numbers of those that are gone.
+    /// frame. Frees the numbers of removed ones.
     pub(crate) fn surfaces(
         &mut self,
         shaders: &mut Shaders,
@@ -239,7 +239,7 @@ impl Stage {
         *self.objects.entry(id).or_insert_with(fresh)
     }
 
-    /// Empties an object's meshes and keeps their places for others.
+    /// Empties an object's meshes and frees their numbers for others.
     fn release_meshes(&mut self, object: ObjectId) {
         for mesh in std::mem::take(&mut self.scene.edit_object(object).meshes) {
             self.scene.replace_mesh(mesh, Mesh::default());
@@ -271,7 +271,7 @@ impl Stage {
     }
 }
 
-/// Those that are of surfaces.
+/// The surface shaders among them.
 fn surface(made: RenderShader) -> Option<Arc<dyn SurfaceShader>> {
     match made {
         RenderShader::Surface(surface) => Some(surface),

@@ -84,8 +84,7 @@ fn errors_are_printed_on_request() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let text = printed("1");
-    let expected =
-        "libOpenRT: rtBegin(0x17): RT_INVALID_ENUM: a constant is none of those that the call takes";
+    let expected = "libOpenRT: rtBegin(0x17): RT_INVALID_ENUM: a constant is invalid for this call";
     assert!(text.lines().any(|line| line == expected), "the first error, among\n{text}");
     assert!(text.lines().count() > 8, "each of them:\n{text}");
     assert_eq!(printed("0"), "", "silent");

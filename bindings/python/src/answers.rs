@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Queries, block by block: Ctrl-C is heard between blocks, other Python threads run meanwhile.
+//! Queries, block by block: between blocks Ctrl-C is checked, and other Python threads run meanwhile.
 //! Tests: `tests/test_rays.py`, `tests/test_points.py`.
 
 use std::sync::Arc;
@@ -14,13 +14,13 @@ use crate::pool::Workers;
 use crate::rays::Rays;
 use crate::trees::{Trees, run_query};
 
-/// Points that are asked for between two looks for Ctrl-C.
+/// Points of a query between two checks for Ctrl-C.
 const POINTS: usize = 1 << 16;
 
 /// Which hits of a ray are listed.
 #[derive(Clone, Copy)]
 pub(crate) enum Which {
-    /// The nearest, so many of them, on each triangle that the ray touches.
+    /// The nearest, at most this many, on each triangle that the ray touches.
     First(usize),
     /// One for each crossing.
     Crossed,

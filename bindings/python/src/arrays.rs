@@ -147,7 +147,8 @@ impl Numbers {
     }
 }
 
-/// A place in space as numpy has them: rows of a matrix that is multiplied with columns; as columns of an affine map.
+/// A transform as numpy has it: rows of a matrix that is multiplied with columns; as columns of an affine
+/// map.
 pub(crate) fn transform(name: &str, value: &Bound<'_, PyAny>) -> PyResult<[[f64; 3]; 4]> {
     let matrix = of_type(&array(name, value)?, "float64")
         .map_err(|error| PyTypeError::new_err(format!("{name}: expected numbers ({error})")))?;

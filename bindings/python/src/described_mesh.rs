@@ -12,7 +12,7 @@ use crate::arrays::{Numbers, array};
 use crate::given::Given;
 use crate::meshes::Mesh;
 
-/// Meshes on their way into an object, each with the place of its material among `materials`.
+/// Meshes before they are in an object, each with the index of its material among `materials`.
 pub(crate) struct DescribedMesh {
     pub(crate) name: String,
     pub(crate) parts: Vec<(usize, SceneMesh)>,
@@ -105,7 +105,7 @@ fn flat(numbers: &Numbers, width: usize) -> Vec<f32> {
 /// Triangles of one material: where its vertices come from.
 #[derive(Default)]
 struct Part {
-    /// By new vertex: the old one, and one of the corners that it stands for.
+    /// By new vertex: the old one, and one of the corners that use it.
     vertices: Vec<usize>,
     corners: Vec<usize>,
     triangles: Vec<usize>,

@@ -23,7 +23,7 @@ pub(crate) enum NewMaterial {
     Script(String, Script),
 }
 
-/// A material; `kind` says which arguments there are, unless a shader stands for all of them.
+/// A material; `kind` selects its arguments, unless a shader replaces all of them.
 pub(crate) fn material(given: &mut Given, pictures: &dyn Pictures) -> PyResult<NewMaterial> {
     let name = given.text("name")?.unwrap_or_default();
     if let Some(script) = script(given, pictures)? {
@@ -160,7 +160,7 @@ pub(crate) enum NewLight {
     Texture(Texture, [f32; 3], [f32; 3], f64),
 }
 
-/// A light; `kind` says which arguments there are.
+/// A light; `kind` selects its arguments.
 pub(crate) fn light(kind: &str, given: &mut Given, pictures: &dyn Pictures) -> PyResult<NewLight> {
     let missing = |name: &str| PyValueError::new_err(format!("{name}: a {kind} light needs one"));
     let position = |given: &mut Given| given.numbers("position")?.ok_or_else(|| missing("position"));

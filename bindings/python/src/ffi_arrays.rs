@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Memory of Python's arrays as slices: the only unsafe code of this crate.
 //! Source: PEP 3118. Invariant: a slice lives no longer than the buffer that it is of, which keeps the array's memory in place.
-//! As with every extension that lets go of the interpreter's lock, a program that writes to an array while another of its
-//! threads asks with it gets answers to any of the numbers. Tests: `tests/test_arrays.py`.
+//! As with every extension that releases the interpreter's lock, a program that writes to an array during a
+//! query of another thread gets results for any of the numbers. Tests: `tests/test_arrays.py`.
 
 use std::slice;
 

@@ -25,7 +25,7 @@ impl<'a, 'py> Given<'a, 'py> {
         Ok(self.all.get_item(name)?.filter(|value| !value.is_none()))
     }
 
-    /// Several choices by words, as bits of their places in a list.
+    /// Several choices by words, as bits of their indices in a list.
     pub(crate) fn words(&mut self, name: &'static str, words: &[&str]) -> PyResult<Option<u32>> {
         let expected = format!("a list of some of: {}", words.join(", "));
         self.read(name, &expected, |value| {
@@ -97,7 +97,7 @@ impl<'a, 'py> Given<'a, 'py> {
         }
     }
 
-    /// So many finite numbers.
+    /// `N` finite numbers.
     pub(crate) fn numbers<const N: usize>(&mut self, name: &'static str) -> PyResult<Option<[f32; N]>> {
         let expected = format!("{N} finite numbers");
         self.read(name, &expected, |value| {

@@ -10,7 +10,7 @@ use crate::describing::NewLight;
 use crate::picture::surroundings_error;
 use crate::stage::Stage;
 
-/// A light, or the lights of surroundings, on their way into a scene.
+/// A light, or the lights of surroundings, before they are in a scene.
 pub(crate) struct Made {
     lights: Vec<Light>,
     /// Of those, by the numbers that their lights have for them.
@@ -50,7 +50,7 @@ pub(crate) fn add(stage: &mut Stage, made: Made) -> u32 {
     number
 }
 
-/// Puts another light in the place of one.
+/// Replaces a light by another.
 pub(crate) fn set(stage: &mut Stage, number: usize, made: Made) -> PyResult<()> {
     let count = stage.scene().lights().len();
     let Some(number) = u32::try_from(number).ok().filter(|_| number < count) else {

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use crate::arrays::{Numbers, array, numpy, of_type, transform};
 use crate::ffi_arrays::Rows;
 
-/// Triangles. The arrays are kept, so that they can be pickled and built again.
+/// Triangles. The arrays are stored, so that they can be pickled and built again.
 pub(crate) struct Mesh {
     /// float32, (n, 3), without gaps.
     pub(crate) vertices: Py<PyAny>,
@@ -18,11 +18,11 @@ pub(crate) struct Mesh {
     pub(crate) placement: Option<[[f64; 3]; 4]>,
     /// Which edit of the scene gave it these vertices; edits count from 1.
     pub(crate) shape: u64,
-    /// Which edit gave it these vertices or this place.
+    /// Which edit gave it these vertices or this transform.
     pub(crate) state: u64,
 }
 
-/// Rows of three numbers of an array that is kept.
+/// Rows of three numbers of a stored array.
 pub(crate) fn triples<T: pyo3::buffer::Element + Copy>(array: &Bound<'_, PyAny>) -> PyResult<Vec<[T; 3]>> {
     let rows = Rows::<T>::new(array)?.ok_or_else(|| PyValueError::new_err("an array has gaps"))?;
     Ok(rows.all().chunks_exact(3).map(|row| [row[0], row[1], row[2]]).collect())
@@ -107,7 +107,7 @@ impl Mesh {
     }
 }
 
-/// A point carried to its place.
+/// A transformed point.
 pub(crate) fn carried([x, y, z, w]: &[[f64; 3]; 4], point: [f32; 3]) -> [f32; 3] {
     let [a, b, c] = point.map(f64::from);
     [0, 1, 2].map(|k| (x[k] * a + y[k] * b + z[k] * c + w[k]) as f32)

@@ -13,7 +13,7 @@ use pyo3::types::{PyBytes, PyDict};
 use crate::arrays::New;
 use crate::pool::ThreadCount;
 
-/// Linear light with opacity, and layers beside it.
+/// Linear light with opacity, and its layers.
 #[pyclass(module = "gnurt", frozen)]
 pub(crate) struct Picture {
     pub(crate) picture: image::Picture,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Thread pools, by number of threads. Invariant: after a fork the child makes pools of its own, because it
+//! Thread pools, by number of threads. Invariant: after a fork the child makes its own pools, because it
 //! lacks the parent's threads; an object that outlives a call keeps a [`ThreadCount`] and takes its
 //! [`Workers`] for each work.
 //! Tests: `tests/test_rays.py::test_after_fork`, `tests/test_pictures.py::test_growing_after_a_fork`.
@@ -26,7 +26,7 @@ static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 pub(crate) struct ThreadCount(usize);
 
 impl ThreadCount {
-    /// So many threads; 0 is one for each core.
+    /// A number of threads; 0 is one for each core.
     pub(crate) fn new(threads: usize) -> PyResult<Self> {
         match threads {
             0 => Ok(Self(std::thread::available_parallelism().map_or(1, usize::from))),
@@ -63,7 +63,7 @@ impl Workers {
     }
 }
 
-/// The process's pool of so many threads.
+/// The process's pool of `count` threads.
 fn pool(count: usize) -> PyResult<Arc<ThreadPool>> {
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
     let pools = pools.get_or_insert_default();

@@ -104,14 +104,15 @@ enum Found {
     },
 }
 
-/// Triangle meshes to be asked with rays and points. Every query may be called from several threads at once.
+/// Triangle meshes for queries with rays and points. Every query may be called from several threads at once.
 #[pyclass(module = "gnurt", frozen, subclass)]
 #[derive(Default)]
 pub(crate) struct RayScene {
     state: Mutex<State>,
 }
 
-/// Held while a scene comes into another, from the look for a circle on: two threads could close one together.
+/// Held while a scene is added to another, from the check for a circle on: two threads could close one
+/// together.
 static NESTING: Mutex<()> = Mutex::new(());
 
 type Object<'a, 'py> = &'a Bound<'py, PyAny>;
@@ -199,7 +200,8 @@ impl RayScene {
         }
     }
 
-    /// Whether another scene is this one or lies in it, looked for so deep. Those that are looked at stay in `seen`.
+    /// Whether another scene is this one or contained in it, searched to this depth. Visited ones stay in
+    /// `seen`.
     fn holds(&self, py: Python<'_>, other: &Self, deepest: u32, seen: &mut Vec<Py<Self>>) -> PyResult<bool> {
         if std::ptr::eq(self, other) {
             return Ok(true);
@@ -284,8 +286,8 @@ impl RayScene {
         }))
     }
 
-    /// Shows a geometry, by its number, or all of another RayScene once more, carried to its place by `transform`, and returns its
-    /// number, inst_id.
+    /// Shows a geometry, by its number, or all of another RayScene once more, transformed by `transform`, and
+    /// returns its number, inst_id.
     #[pyo3(signature = (shown, transform))]
     fn add_instance(slf: &Bound<'_, Self>, shown: Object, transform: Object) -> PyResult<usize> {
         let (py, this) = (slf.py(), slf.get());

@@ -10,12 +10,12 @@ use pyo3::prelude::*;
 
 use crate::arrays::Numbers;
 
-/// Rays that are traced between two looks for Ctrl-C.
+/// Rays that are traced between two checks for Ctrl-C.
 const BLOCK: usize = 1 << 19;
 
-/// Pairs of neighbours that are looked at to tell whether rays go together.
+/// Pairs of neighbours that are compared to decide whether rays are coherent.
 const SAMPLES: usize = 64;
-/// Square of the cosine of the angle between neighbours that go much the same way: 3 degrees.
+/// Square of the cosine of the angle between neighbours of similar direction: 3 degrees.
 const ALIKE: f32 = 0.997;
 
 /// A number for all rays, or one for each.
@@ -91,7 +91,7 @@ impl Rays {
         (0..count).step_by(BLOCK).map(move |first| first..(first + BLOCK).min(count))
     }
 
-    /// Those of some of the rays, or the one for all of them.
+    /// The vectors of some of the rays, or the one for all of them.
     fn vectors<'a>(&self, numbers: &'a Numbers, range: &Range<usize>) -> Vectors<'a> {
         if numbers.count() != 1 || self.count == 1 {
             return Vectors::rows(numbers.rows(range.start, range.end), 0, numbers.step());
@@ -110,7 +110,7 @@ impl Rays {
         slices.map_err(|error| PyValueError::new_err(error.to_string()))
     }
 
-    /// Whether neighbours go much the same way: judged by a few of them, for answers do not depend on it.
+    /// Whether neighbours have similar directions: judged by a few of them, for results do not depend on it.
     pub(crate) fn coherence(&self, slices: &RaySlices) -> Coherence {
         let pairs = slices.len().saturating_sub(1).min(SAMPLES);
         if pairs < SAMPLES {
@@ -127,7 +127,7 @@ impl Rays {
         if 4 * count >= 3 * pairs { Coherence::Coherent } else { Coherence::Incoherent }
     }
 
-    /// Some of the rays as they are asked one by one.
+    /// Some of the rays for queries one by one.
     pub(crate) fn list(&self, range: &Range<usize>) -> PyResult<Vec<Ray64>> {
         let slices = self.slices(range)?;
         let ray = |i| {

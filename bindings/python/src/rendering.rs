@@ -26,7 +26,7 @@ use crate::scripts::script_named;
 use crate::stage::{Aim, Clip, MotionKeys, Shot, View};
 use crate::watch::watched;
 
-/// All that a rendering is asked for.
+/// All arguments of a rendering.
 pub(crate) struct BuildRequest {
     pub(crate) view: View,
     pub(crate) threads: ThreadCount,
@@ -243,7 +243,7 @@ impl Growing {
 
 #[pymethods]
 impl Growing {
-    /// So many samples more for each pixel; whether the picture is complete.
+    /// Adds samples for each pixel; whether the picture is complete.
     #[pyo3(signature = (samples, progress=None))]
     fn grow(&self, py: Python<'_>, samples: u32, progress: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
         watched(py, progress, |watch| {

@@ -84,7 +84,7 @@ impl Pictures for Textures<'_, '_> {
 /// Kinds of rays, in the order of their bits.
 const RAYS: [&str; 3] = ["camera", "shadow", "other"];
 
-/// A material on its way into a scene.
+/// A material before it is in a scene.
 enum Compiled {
     Material(Material),
     Script(String, Script, Arc<dyn SurfaceShader>),

@@ -21,13 +21,13 @@ use pyo3::prelude::*;
 /// How a scene is to be seen.
 pub(crate) struct View {
     pub(crate) camera: Aim,
-    /// The clip and the moment of it, in seconds.
+    /// The clip and the time in it, in seconds.
     pub(crate) at: Option<(Clip, f64)>,
     /// For how long the shutter is open from then, in seconds.
     pub(crate) shutter: f64,
     /// Of the picture, in pixels.
     pub(crate) size: [u32; 2],
-    /// Rays in place of the camera's, and the script that makes them.
+    /// Rays that replace the camera's, and the script that makes them.
     pub(crate) camera_shader: Option<(Script, CameraScript)>,
     /// The pixel shader, and its script.
     pub(crate) pixel_shader: Option<(Script, Arc<dyn PixelShader>)>,
@@ -73,7 +73,7 @@ pub(crate) struct Shot {
 pub(crate) struct Stage {
     scene: Scene,
     shown: Option<Shown>,
-    /// Those that materials are.
+    /// The shaders of materials.
     shaders: ShaderTable,
     scripts: Vec<Script>,
     /// Those of the last view.
@@ -90,7 +90,7 @@ pub(crate) struct Stage {
 struct Shown {
     scene: Scene,
     world: World,
-    /// Whether it is at a moment of a clip, which is no state to edit.
+    /// Whether it is posed at a time of a clip, which is no state to edit.
     is_posed: bool,
     /// Lights were added, for these.
     lit_for: Option<(Camera, bool)>,
@@ -274,7 +274,7 @@ impl Stage {
         }
     }
 
-    /// The place of the scene's camera that is meant; `None` if it has none.
+    /// The number of the scene's camera for this view; `None` if it has none.
     fn number(&self, view: &View) -> PyResult<Option<usize>> {
         let cameras = self.scene.cameras();
         match &view.camera {

@@ -20,7 +20,7 @@ use crate::meshes::{Mesh, carried};
 /// The trees for queries.
 #[derive(Debug)]
 pub(crate) struct Trees {
-    /// Of all meshes, at their places.
+    /// Of all meshes, transformed.
     all: Part,
     /// Of meshes that instances show, as they are.
     shown: BTreeMap<u32, Part>,
@@ -46,7 +46,7 @@ pub(crate) struct PlacedGeometry {
     pub(crate) placement: [[f64; 3]; 4],
 }
 
-/// A tree, and which states of meshes it is over: 0 for one that was removed.
+/// A tree, and which states of meshes it is over: 0 for a removed one.
 #[derive(Clone, Debug)]
 struct Part {
     tree: MovingTree,
@@ -237,7 +237,7 @@ impl Trees {
         }
     }
 
-    /// The geometry, or -1, of an answer in which the trees gave these, and calls `visit` with the instances on the way to it,
+    /// The geometry, or -1, of a result with these numbers; calls `visit` with the instances that contain it,
     /// outermost first.
     fn instance_path(&self, [geom_id, inst_id, leaf_id]: [u32; 3], mut visit: impl FnMut(u32)) -> u32 {
         let (mut trees, mut inst_id, mut leaf) = (self, inst_id, leaf_id);
@@ -282,7 +282,7 @@ impl Trees {
         });
     }
 
-    /// Instances on the longest way, one at least; 16 at most.
+    /// The deepest nesting of instances, one at least; 16 at most.
     pub(crate) fn levels(&self) -> usize {
         self.scene.as_ref().map_or(1, |scene| scene.depth() as usize)
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Long work while Python looks on: it is done by another thread, and meanwhile this one hears Ctrl-C and tells how far it is.
+//! Long work in Python: another thread does it, while this one checks for Ctrl-C and reports the progress.
 //! Tests: `tests/test_pictures.py::test_ctrl_c`.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -9,7 +9,7 @@ use std::time::Duration;
 use gnurt::render::Progress;
 use pyo3::prelude::*;
 
-/// Between two looks.
+/// Between two checks.
 const PATIENCE: Duration = Duration::from_millis(40);
 
 /// How far the work is, and whether it is to stop.
@@ -40,7 +40,7 @@ pub(crate) fn watched<R: Send>(
     let watch = &watch;
     std::thread::scope(|scope| {
         let worker = scope.spawn(move || {
-            // Dropped at the end, whatever the end is.
+            // Dropped at the end, also after a panic.
             let _end = end;
             job(watch)
         });
@@ -56,8 +56,9 @@ pub(crate) fn watched<R: Send>(
             let report = |progress: &Bound<'_, PyAny>| progress.call1((done,)).map(drop);
             let is_news = done > reported;
             reported = reported.max(done);
-            let heard = py.check_signals().and_then(|()| progress.filter(|_| is_news).map_or(Ok(()), report));
-            if let (Err(error), None) = (heard, &failure) {
+            let result =
+                py.check_signals().and_then(|()| progress.filter(|_| is_news).map_or(Ok(()), report));
+            if let (Err(error), None) = (result, &failure) {
                 watch.stop.store(true, Ordering::Relaxed);
                 failure = Some(error);
             }

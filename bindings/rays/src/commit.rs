@@ -112,7 +112,7 @@ pub(crate) fn commit(scene: &Scene) -> Result<(), Problem> {
     let committed = build(scene, plan, &mut moving);
     *building = moving;
     let gone = scene.publish(committed?);
-    // Its end is told to the memory monitor, which may commit.
+    // The memory monitor is called at its end, and may commit.
     drop((building, _inside));
     drop(gone);
     Ok(())
@@ -149,7 +149,8 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
         surfaces.push(surface(geom_id, geometry, &settings)?);
         masks.push(settings.mask);
     }
-    // From here on functions of the program may ask for settings, and edit them: nothing is locked but commits of this scene.
+    // From here on functions of the program may query settings, and edit them: nothing is locked but commits
+    // of this scene.
     let mut prepared = Vec::new();
     for ((surface, &mask), user) in surfaces.iter().zip(&masks).zip(users) {
         let arrays = match (surface.kind, user) {
@@ -252,7 +253,7 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
     };
     let kind = geometry.kind;
     let (vertices, indices) = match kind {
-        // Nothing was said: nothing is there, which is no error with Embree either.
+        // No setting means no primitives, which is no error with Embree either.
         _ if settings.arrays.is_empty() => (View::empty(), View::empty()),
         Kind::Triangles | Kind::Quads | Kind::Lines => {
             (array(buffer::VERTEX, "vertex")?, array(buffer::INDEX, "index")?)
@@ -264,7 +265,7 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
     Ok(Surface { geom_id, geometry: Arc::clone(geometry), kind, vertices, indices, filters, point })
 }
 
-/// Instances that a geometry stands for.
+/// Instances of a geometry's scene or scenes.
 fn add_instances(
     geom_id: u32,
     geometry: &Geometry,
@@ -331,7 +332,7 @@ fn options_of(settings: &SceneSettings) -> BuildOptions {
 /// How a tree follows its geometry.
 #[derive(Clone, Copy)]
 struct Follow {
-    /// Whether it is kept, to be refitted by later commits.
+    /// Whether it is stored, to be refitted by later commits.
     moves: bool,
     /// Whether all that was edited since the last commit may be refitted.
     may_refit: bool,
@@ -355,7 +356,7 @@ fn build_object(
         && let Some((tree, before)) = moving
         && *before == shape
     {
-        // A refit takes no memory that was not told of, and is over before it could be stopped halfway.
+        // A refit takes no unreported memory, and is over before it could be stopped halfway.
         control.progress(0.0);
         if !control.keep_going() {
             return Err(control.problem(&BuildError::Cancelled));
@@ -378,9 +379,9 @@ fn build_object(
 struct Control<'a> {
     scene: &'a Scene,
     progress: Option<Callback<ProgressFunction>>,
-    /// Bytes that the memory monitor was told of.
+    /// Bytes that were reported to the memory monitor.
     reported: AtomicI64,
-    /// Whether the memory monitor has said no.
+    /// Whether the memory monitor has refused memory.
     refused: AtomicBool,
     cancelled: AtomicBool,
     thrown: AtomicBool,

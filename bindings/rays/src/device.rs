@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A device: settings, threads that build, and errors. The rules for remembered errors are those of Embree's
+//! A device: settings, threads that build, and errors. The rules for recorded errors are those of Embree's
 //! manual.
-//! Invariant: the first error of a thread is remembered until it is queried, for each device, and for calls
+//! Invariant: the first error of a thread is stored until it is queried, for each device, and for calls
 //! without a device.
 //! Tests: `tests/c/embree.c`.
 
@@ -50,14 +50,15 @@ pub(crate) struct Device {
     threads: usize,
     pub(crate) level: Level,
     pub(crate) is_verbose: bool,
-    /// Whether the program knows arrays of instances, and so has room for the numbers of instances in hits and contexts.
+    /// Whether the program uses arrays of instances, and so has memory for the numbers of instances in hits
+    /// and contexts.
     pub(crate) has_arrays: AtomicBool,
     pub(crate) on_error: Mutex<Option<Callback<ErrorFunction>>>,
     pub(crate) monitor: Mutex<Option<Callback<MemoryFunction>>>,
     held: AtomicI64,
 }
 
-/// Errors of calls without a device are kept under this number.
+/// The key of errors of calls without a device.
 const NO_DEVICE: u64 = 0;
 
 /// A first error, and the last message.
@@ -105,7 +106,7 @@ impl Device {
             monitor: Mutex::default(),
             held: AtomicI64::new(0),
         };
-        // Blanks may stand around names and values, and separate settings where there is no comma.
+        // Blanks may surround names and values, and separate settings where there is no comma.
         let tokens = settings.replace('=', " = ");
         let mut tokens =
             tokens.split([',', ' ', '\t', '\n', '\r']).filter(|token| !token.is_empty()).peekable();
@@ -130,7 +131,7 @@ impl Device {
         Ok(device)
     }
 
-    /// Remembers a problem and tells the program.
+    /// Records a problem and reports it to the program.
     pub(crate) fn report(&self, problem: &Problem) {
         let message = text(&problem.message);
         keep(self.number, problem.code, &message);
@@ -145,13 +146,13 @@ impl Device {
         }
     }
 
-    /// For a build over so many primitives.
+    /// For a build over a number of primitives.
     pub(crate) fn workers(&self, primitives: usize) -> Workers {
         // Starting threads takes as long as building over some thousand triangles.
         if primitives < 4096 { Workers::single() } else { Workers::new(self.threads) }
     }
 
-    /// Reports a change of memory in bytes to the monitor. The answer is false if the monitor refuses it.
+    /// Reports a change of memory in bytes to the monitor. The result is false if the monitor refuses it.
     pub(crate) fn report_memory(&self, bytes: i64) -> Result<bool, Thrown> {
         self.held.fetch_add(bytes, Ordering::Relaxed);
         let monitor = *self.monitor.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Layouts and numbers of Embree 4's C interface, as far as they are needed here.
 //! Source: the public headers of Embree 4.4, whose facts are restated.
-//! Rays and hits of 1, 4, 8 and 16 lanes are rows of so many values, one behind the other: row R of lane I is number
-//! `R * N + I`, and [`row`] names the rows. Tests: `tests::layouts_are_those_of_the_headers`, and programs of `tests/c`.
+//! Rays and hits of 1, 4, 8 and 16 lanes are rows of N values, one behind the other: row R of lane I is
+//! number `R * N + I`, and [`row`] names the rows. Tests: `tests::layouts_are_those_of_the_headers`, and
+//! programs of `tests/c`.
 
 use std::ffi::{c_int, c_uint, c_void};
 
@@ -69,7 +70,7 @@ pub(crate) struct HitPacketFrame(pub(crate) [f32; 9 * 16]);
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayHitPacketFrame(pub(crate) [f32; 21 * 16]);
 
-/// Which lanes of a packet count: those that are not 0.
+/// Which lanes of a packet are active: those that are not 0.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Valid(pub(crate) [c_int; 16]);
@@ -95,7 +96,7 @@ pub(crate) struct Ray {
     pub(crate) flags: u32,
 }
 
-/// `RTCRayHit`, with room for all fields.
+/// `RTCRayHit`, with all fields.
 #[repr(C, align(16))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RayHit {
@@ -125,7 +126,7 @@ pub(crate) struct Arguments {
 /// Of [`Arguments::flags`]: the filter of the arguments is for all geometries.
 pub(crate) const INVOKE_ARGUMENT_FILTER: c_uint = 1 << 1;
 
-/// Of [`Arguments::flags`]: the rays of a packet go much the same way.
+/// Of [`Arguments::flags`]: the rays of a packet are coherent.
 pub(crate) const COHERENT: c_uint = 1 << 16;
 
 /// `RTCFilterFunctionNArguments`.
@@ -140,7 +141,8 @@ pub(crate) struct FilterArguments {
     pub(crate) n: c_uint,
 }
 
-/// `RTCIntersectFunctionNArguments` and `RTCOccludedFunctionNArguments`: rays with hits in the one, without in the other.
+/// `RTCIntersectFunctionNArguments` and `RTCOccludedFunctionNArguments`: the former with hits, the latter
+/// without.
 #[repr(C)]
 #[derive(Debug)]
 pub(crate) struct UserArguments {
@@ -244,7 +246,7 @@ pub(crate) enum Code {
     Cancelled = 6,
 }
 
-/// `RTCGeometryType`, those that are here.
+/// The supported values of `RTCGeometryType`.
 pub(crate) mod kind {
     pub(crate) const TRIANGLE: u32 = 0;
     pub(crate) const QUAD: u32 = 1;
@@ -255,7 +257,7 @@ pub(crate) mod kind {
     pub(crate) const INSTANCE_ARRAY: u32 = 122;
 }
 
-/// `RTCBufferType`, those that are here.
+/// The supported values of `RTCBufferType`.
 pub(crate) mod buffer {
     pub(crate) const INDEX: u32 = 0;
     pub(crate) const VERTEX: u32 = 1;
@@ -263,7 +265,7 @@ pub(crate) mod buffer {
     pub(crate) const TRANSFORM: u32 = 23;
 }
 
-/// `RTCFormat`, those that are here.
+/// The supported values of `RTCFormat`.
 pub(crate) mod format {
     pub(crate) const UINT: u32 = 0x5001;
     pub(crate) const UINT3: u32 = 0x5003;

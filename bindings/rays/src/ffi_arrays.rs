@@ -39,7 +39,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewBuffer(device: Handle, bytes: usize
 /// A buffer of the program's.
 ///
 /// # Safety
-/// A device, and so many bytes that stay where they are as long as the buffer is used.
+/// A device, and bytes that stay in place while the buffer is used.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcNewSharedBuffer(
     device: Handle,
@@ -212,7 +212,7 @@ impl Given {
 /// Gives a geometry an array of the program's.
 ///
 /// # Safety
-/// A geometry, and so many rows that stay where they are as long as the geometry is used.
+/// A geometry, and rows that stay in place while the geometry is used.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcSetSharedGeometryBuffer(
     geometry: Handle,
@@ -293,7 +293,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryBuffer(
     unsafe { with::<Geometry, _>(geometry, set) }
 }
 
-/// Gives a geometry an array of ours, and says where it is.
+/// Gives a geometry an array of ours, and returns its address.
 ///
 /// # Safety
 /// A geometry.
@@ -314,7 +314,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetNewGeometryBuffer(
         let bytes = bytes.ok_or_else(|| out_of_memory(usize::MAX))?;
         let block = Arc::new(Block::new(bytes).ok_or_else(|| out_of_memory(bytes))?);
         let start = block.start();
-        // SAFETY: the block has so many rows, the last one whole, and 16 bytes more.
+        // SAFETY: the block has this many rows, the last one whole, and 16 bytes more.
         unsafe { given.set(geometry, start, Some(block)) }?;
         Ok(Pointer(start))
     };

@@ -21,7 +21,8 @@ thread_local! {
     static THROWN: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Asks the program during a query, which has `stopped` after an exception: nothing is called then, and the answer is `None`.
+/// Calls the program during a query, which has `stopped` after an exception: nothing is called then, and the
+/// result is `None`.
 #[inline]
 pub(crate) fn call_program<R>(stopped: &Cell<bool>, call: impl FnOnce() -> R) -> Option<R> {
     if stopped.get() {
@@ -39,7 +40,7 @@ pub(crate) fn has_thrown() -> bool {
     THROWN.get()
 }
 
-/// Whether exceptions came since this was last asked for.
+/// Whether exceptions came since the last call of this.
 pub(crate) fn take_thrown() -> Result<(), Thrown> {
     if THROWN.take() { Err(Thrown) } else { Ok(()) }
 }
@@ -53,7 +54,7 @@ pub(crate) struct Callback<F> {
 
 impl<F> Callback<F> {
     /// # Safety
-    /// The function may be called with the pointer, from any thread, as long as this is kept.
+    /// The function may be called with the pointer, from any thread, while this exists.
     pub(crate) unsafe fn new(function: Option<F>, user: *mut c_void) -> Option<Self> {
         function.map(|function| Self { function, user: Pointer(user) })
     }
@@ -68,7 +69,7 @@ impl Callback<ErrorFunction> {
 }
 
 impl Callback<MemoryFunction> {
-    /// Whether so many bytes more may be held.
+    /// Whether the program allows this many bytes more.
     pub(crate) fn call(&self, bytes: i64, after: bool) -> Result<bool, Thrown> {
         // SAFETY: guaranteed by the maker of this.
         ffi_catch::call(|| unsafe { (self.function)(self.user.0, bytes as isize, after) })

@@ -64,7 +64,8 @@ fn cpp() -> Option<(BeginCatch, EndCatch)> {
     None
 }
 
-/// The C++ runtime of the process, which counts the exceptions under way; none where it is not seen by all libraries.
+/// The C++ runtime of the process, which counts the exceptions in progress; none where it is not visible to
+/// all libraries.
 #[cfg(unix)]
 fn cpp() -> Option<(BeginCatch, EndCatch)> {
     unsafe extern "C" {
@@ -78,7 +79,7 @@ fn cpp() -> Option<(BeginCatch, EndCatch)> {
         // SAFETY: pointers to functions are as large as others on every system that has `dlsym`.
         (!found.is_null()).then(|| unsafe { (&raw const found).cast::<F>().read() })
     }
-    // SAFETY: the C++ ABI says which types the functions of these names have. They stay as long as the library.
+    // SAFETY: the C++ ABI defines the types of the functions of these names. They stay as long as the library.
     unsafe { find::<BeginCatch>(c"__cxa_begin_catch").zip(find::<EndCatch>(c"__cxa_end_catch")) }
 }
 
@@ -98,7 +99,7 @@ mod catcher {
         ".hidden gnurt_rays_landing",
         "gnurt_rays_call:",
         ".cfi_startproc",
-        // Indirect, relative to its own place, four bytes: as position-independent code of others has it.
+        // Indirect, relative to its own address, four bytes: as position-independent code of others has it.
         ".cfi_personality 155, gnurt_rays_personality_at",
         "push rbp",
         ".cfi_def_cfa_offset 16",

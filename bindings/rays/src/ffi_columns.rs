@@ -201,13 +201,13 @@ impl HitArrays {
         !self.normal.is_null()
     }
 
-    /// Writes place `i`.
+    /// Writes element `i`.
     ///
     /// # Safety
-    /// There is such a place in each array that is not null.
+    /// There is such an element in each array that is not null.
     pub(crate) unsafe fn set(&self, i: usize, hit: &Written) {
         /// # Safety
-        /// There is such a place, or the pointer is null.
+        /// There is such an element, or the pointer is null.
         unsafe fn put<T>(start: *mut T, stride: usize, i: usize, value: T) {
             let stride = if stride == 0 { size_of::<T>() } else { stride };
             if !start.is_null() {

@@ -136,7 +136,7 @@ pub(crate) extern "C-unwind" fn rtcGetErrorString(code: c_uint) -> *const c_char
     name.as_ptr()
 }
 
-/// Sets the function that is told of errors.
+/// Sets the function that errors are reported to.
 ///
 /// # Safety
 /// A device, and a function that may be called with the pointer.
@@ -157,7 +157,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetDeviceErrorFunction(
     }
 }
 
-/// Sets the function that is told of memory.
+/// Sets the function that memory is reported to.
 ///
 /// # Safety
 /// A device, and a function that may be called with the pointer.

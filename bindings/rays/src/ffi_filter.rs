@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Queries during which functions of the program are asked: filters of hits, and tests of user geometry. Source: Embree's manual.
+//! Queries that call functions of the program: filters of hits, and tests of user geometry. Source: Embree's
+//! manual.
 //!
-//! Callbacks get a packet as wide as the call's (`N`) with one ray that counts, in its lane: programs that work on all lanes at
-//! once, whatever `valid` says, find memory there. Filters see the ray in the program's memory and in the space of the geometry, which is another one inside of instances.
-//! An exception ends at the callback that it leaves: no other is called in this query, which has no hit. Tests: `tests/c/embree.c`,
+//! Callbacks get a packet as wide as the call's (`N`) with one active ray, in its lane: programs that work on
+//! all lanes at once, regardless of `valid`, find memory there. Filters see the ray in the program's memory
+//! and in the space of the geometry, which is another one inside of instances. An exception ends at the
+//! callback that it leaves: no other is called in this query, which has no hit. Tests: `tests/c/embree.c`,
 //! `tests/c/frames.c`, `tests/c/throws.cpp`.
 
 use std::collections::HashSet;
@@ -22,7 +24,7 @@ use crate::ffi_user::Frame;
 use crate::objects::{Committed, Kind, run_query};
 use crate::transform::{self, Columns};
 
-/// A query during which the program is asked.
+/// A query that calls functions of the program.
 struct FilteredQuery<'a> {
     committed: &'a Committed,
     frame: &'a Frame,
@@ -32,11 +34,11 @@ struct FilteredQuery<'a> {
     passed: Option<(Hit, abi::Hit, f32)>,
     /// How far the ray reaches: filters may shorten it.
     reach: f32,
-    /// Hits that were rejected: leaves list some primitives twice, and filters are asked once.
+    /// Hits that were rejected: leaves list some primitives twice, and filters are called once.
     rejected: Rejected,
 }
 
-/// A few are looked through, many looked up.
+/// A few are compared one by one, many are looked up.
 #[derive(Default)]
 struct Rejected {
     few: Vec<Key>,
@@ -60,12 +62,12 @@ impl Rejected {
     }
 }
 
-/// A hit that filters are asked about.
+/// A hit for filters.
 struct Candidate {
     t: f32,
     /// Of instances.
     ids: [u32; 2],
-    /// The way into the instance, if it is in one.
+    /// The map into the instance, if it is in one.
     inward: Option<Columns>,
     user_data: *mut c_void,
 }
@@ -80,7 +82,7 @@ impl FilteredQuery<'_> {
             return false;
         }
         let located = self.committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
-        // User geometry asks its filters itself.
+        // User geometry calls its filters itself.
         if located.surface.kind == Kind::User {
             return true;
         }
@@ -128,7 +130,7 @@ impl FilteredQuery<'_> {
         true
     }
 
-    /// Asks filters; how far the hit is then. `None` where one rejects it, or throws.
+    /// Calls filters; returns how far the hit is then. `None` where one rejects it, or throws.
     ///
     /// # Safety
     /// `valid` are as many numbers as the packet has lanes, `rows` as many hits.
@@ -198,7 +200,7 @@ pub(crate) unsafe fn set_inst_ids(context: *mut Context, has_arrays: bool, ids: 
     }
 }
 
-/// Prepares frame and context, and asks.
+/// Prepares frame and context, and calls the function.
 fn with_frame<R>(
     committed: &Committed,
     lane: Lane,
@@ -240,7 +242,7 @@ pub(crate) fn intersect_filtered(committed: &Committed, lane: Lane, query_ray: Q
     });
 }
 
-/// The result of the program's test, with the fields that only the library knows.
+/// The result of the program's test, with the fields that only the library can fill.
 fn completed(retained: abi::Hit, found: &abi::Hit) -> abi::Hit {
     let or = |retained: u32, found: u32| if retained == INVALID { found } else { retained };
     abi::Hit {

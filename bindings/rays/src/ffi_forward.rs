@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcForwardIntersect1/4/8/16` and kin: rays that the test of a user geometry sends on into another scene; and filters that it asks.
-//! Source: Embree's manual. Tests get packets in which one ray counts: only that one is sent on, whatever `valid` says.
+//! `rtcForwardIntersect1/4/8/16` and similar functions: rays that the test of a user geometry forwards to
+//! another scene; and filters that it calls.
+//! Source: Embree's manual. Tests get packets in which one ray counts: only that one is forwarded, regardless of `valid`.
 //! Tests: `tests/c/embree.c`, `tests/c/frames.c`.
 
 use std::ffi::{c_int, c_uint};
@@ -19,7 +20,8 @@ use crate::objects::{Committed, Scene};
 /// Sends the ray of a user geometry's test on into another scene.
 ///
 /// # Safety
-/// `arguments` are those that the test was called with, `rays` a packet of `N`, `valid` as many numbers, or null for one ray.
+/// `arguments` are those of the test's call, `rays` a packet of `N`, `valid` `N` numbers, or null for one
+/// ray.
 unsafe fn forward<const N: usize>(
     valid: *const c_int,
     arguments: *const UserArguments,
@@ -32,7 +34,7 @@ unsafe fn forward<const N: usize>(
     // SAFETY: the handle is a scene's.
     let Some(committed) = (unsafe { committed(scene) }) else { return };
     // SAFETY: tests are called with the first part of a `Call`, whose frame is that of the query under way; its context
-    // is never null. The rays of a call are ours, with room for all fields.
+    // is never null. The rays of a call are ours, with all fields.
     unsafe {
         let call = &*arguments.cast::<Call>();
         let frame = &*call.frame;
@@ -86,7 +88,7 @@ macro_rules! forward {
             unsafe { forward::<1>(std::ptr::null(), arguments, scene, ray, inst_id, None, $trace) }
         }
 
-        /// The same with a place in an array of instances.
+        /// The same with an index in an array of instances.
         ///
         /// # Safety
         /// As above.
@@ -129,7 +131,7 @@ macro_rules! forward_packets {
             unsafe { forward::<$n>(valid, arguments, scene, rays, inst_id, None, $trace) }
         }
 
-        /// The same with a place in an array of instances.
+        /// The same with an index in an array of instances.
         ///
         /// # Safety
         /// As above.
@@ -163,7 +165,7 @@ forward_packets! {
     rtcTraversableForwardOccluded16, rtcTraversableForwardOccluded16Ex: 16, occluded;
 }
 
-/// Asks the geometry's own filter from a user geometry's test.
+/// Calls the geometry's own filter from a user geometry's test.
 ///
 /// # Safety
 /// Both arguments are as Embree's headers say.
@@ -177,7 +179,7 @@ unsafe fn invoke(arguments: *const UserArguments, filter: *const FilterArguments
     }
 }
 
-/// Asks a user geometry's filter of hits.
+/// Calls a user geometry's filter of hits.
 ///
 /// # Safety
 /// As Embree's headers say.
@@ -190,7 +192,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcInvokeIntersectFilterFromGeometry(
     unsafe { invoke(arguments, filter, false) }
 }
 
-/// Asks a user geometry's filter of occlusion.
+/// Calls a user geometry's filter of occlusion.
 ///
 /// # Safety
 /// As Embree's headers say.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `rtcNewGeometry` and its kin: settings, callbacks and places of geometries. Source: Embree's manual.
-//! Arrays are in `ffi_arrays.rs`. Tests: `tests/c/embree.c`.
+//! `rtcNewGeometry` and similar functions: settings, callbacks and transforms of geometries. Source: Embree's
+//! manual. Arrays are in `ffi_arrays.rs`. Tests: `tests/c/embree.c`.
 
 use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;
@@ -74,7 +74,7 @@ unsafe fn edit(geometry: Handle, change: impl FnOnce(&mut Settings) -> Result<()
     unsafe { with::<Geometry, _>(geometry, |geometry| change(&mut geometry.edit())) }
 }
 
-/// Whether it is seen. Needs no commit of its own.
+/// Whether it is seen. Needs no separate commit.
 fn enable(settings: &mut Settings, is_enabled: bool) {
     if settings.is_enabled != is_enabled {
         settings.is_enabled = is_enabled;
@@ -152,12 +152,12 @@ setters! {
         settings.filters.occluded = filter;
         settings.touched();
     };
-    /// Whether filters of queries' arguments are asked.
+    /// Whether filters of queries' arguments are called.
     rtcSetGeometryEnableFilterFunctionFromArguments(enable: bool) => |settings, enable| {
         settings.filters.from_arguments = enable;
         settings.touched();
     };
-    /// Asked about near points.
+    /// Called for near points.
     rtcSetGeometryPointQueryFunction(function: PointFunction) => |settings, function| {
         settings.point = function;
         settings.touched();
@@ -210,7 +210,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTimeRange(geometry: Handle,
     unsafe { edit(geometry, change) }
 }
 
-/// There are no curves whose radius could be scaled; spheres keep theirs, as they do in Embree unless a query says otherwise.
+/// There are no curves whose radius could be scaled; the radii of spheres remain, as they do in Embree
+/// without a query's own setting.
 ///
 /// # Safety
 /// A geometry.
@@ -331,7 +332,7 @@ const INSTANCES: [Kind; 2] = [Kind::Instance, Kind::Instances];
 pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryInstancedScene(geometry: Handle, scene: Handle) {
     // SAFETY: passed on.
     let scene = unsafe { shared::<Scene>(scene) };
-    // Dropped where nothing is locked: the end of a scene is told to the memory monitor.
+    // Dropped where nothing is locked: the end of a scene is reported to the memory monitor.
     let mut before = Vec::new();
     let change = |settings: &mut Settings| {
         before = std::mem::replace(&mut settings.scenes, scene.into_iter().collect());
@@ -346,7 +347,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryInstancedScene(geometry: Ha
 /// Sets the scenes that an array of instances shows.
 ///
 /// # Safety
-/// A geometry, and so many scenes.
+/// A geometry, and an array of this many scenes.
 #[unsafe(no_mangle)]
 pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryInstancedScenes(
     geometry: Handle,
@@ -410,7 +411,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTransform(
     unsafe { set_place(geometry, time_step, of, matrix, "rtcSetGeometryTransform") }
 }
 
-/// The same, taken apart.
+/// The same, decomposed.
 ///
 /// # Safety
 /// A geometry, and a decomposition.

@@ -19,10 +19,10 @@ struct Corners {
     sign: f32,
 }
 
-/// Finds values, and writes those that are wanted.
+/// Computes values, and writes the requested ones.
 ///
 /// # Safety
-/// There is room for so many values wherever a pointer is not null.
+/// Each pointer is null or has memory for all values.
 unsafe fn interpolate(geometry: &Geometry, arguments: &InterpolateArguments) -> Result<(), Problem> {
     let &InterpolateArguments { prim_id, u, v, buffer_type, slot, count, .. } = arguments;
     let settings = geometry.settings();

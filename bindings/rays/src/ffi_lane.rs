@@ -33,7 +33,7 @@ impl Lane {
     /// # Safety
     /// `rows` points to hits of `n` lanes in which `at` is one; only hits are read and written.
     pub(crate) unsafe fn of_hits(rows: *mut f32, n: usize, at: usize) -> Self {
-        // The rows of rays would stand before them; nothing is read there.
+        // The rows of rays would precede them; nothing is read there.
         Self { first: rows.wrapping_add(at).wrapping_sub(row::NORMAL * n), n: n as u32, at: at as u32 }
     }
 
@@ -88,7 +88,7 @@ impl Lane {
         }
     }
 
-    /// The ray with the fields that only the program knows.
+    /// The ray with the fields that only the program can fill.
     pub(crate) fn whole(self) -> abi::Ray {
         let Ray { org, t_near, dir, t_far, mask, time } = self.ray();
         let (id, flags) = (self.get(row::ID).to_bits(), self.get(row::FLAGS).to_bits());
@@ -127,7 +127,7 @@ impl Lane {
         }
     }
 
-    /// Writes the hit; `instPrimID` where there is room for it.
+    /// Writes the hit; `instPrimID` where the program has a field for it.
     #[inline(always)]
     pub(crate) fn put_hit(self, hit: &abi::Hit, has_arrays: bool) {
         (0..3).for_each(|k| self.set(row::NORMAL + k, hit.normal[k]));
@@ -149,8 +149,8 @@ impl Lane {
     }
 }
 
-/// Whether the program has room for `instPrimID` in hits and contexts: programs that were compiled without arrays of instances
-/// have none, and cannot have made one.
+/// Whether the program has a field for `instPrimID` in hits and contexts: programs that were compiled without
+/// arrays of instances have none, and cannot have made one.
 #[inline(always)]
 pub(crate) fn has_arrays(committed: &Committed) -> bool {
     committed.device.has_arrays.load(Ordering::Relaxed)
@@ -205,7 +205,7 @@ impl QueryRay {
         self.get().is_some_and(|a| a.flags & INVOKE_ARGUMENT_FILTER != 0 && a.filter.is_some())
     }
 
-    /// Whether the rays of a packet go much the same way.
+    /// Whether the rays of a packet are coherent.
     #[inline(always)]
     pub(crate) fn is_coherent(self) -> bool {
         self.get().is_some_and(|a| a.flags & COHERENT != 0)

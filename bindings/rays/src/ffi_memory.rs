@@ -9,7 +9,7 @@ use std::fmt;
 use std::ptr::null_mut;
 use std::sync::Arc;
 
-/// A pointer of the program's that is kept for it, and never followed here.
+/// A pointer of the program's that is stored for it, and never followed here.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pointer(pub(crate) *mut c_void);
 
@@ -36,7 +36,7 @@ unsafe impl Send for Block {}
 unsafe impl Sync for Block {}
 
 impl Block {
-    /// At least so many bytes, and 16 more; `None` where that is more than there can be.
+    /// At least this many bytes, and 16 more; `None` where that is more than there can be.
     pub(crate) fn new(bytes: usize) -> Option<Self> {
         let u32_rows = bytes.checked_add(31)? / 16;
         let mut memory = Vec::new();

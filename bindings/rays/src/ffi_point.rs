@@ -26,7 +26,7 @@ fn matrix(columns: &Columns) -> [f32; 16] {
     })
 }
 
-/// The other way.
+/// The opposite map.
 fn columns(matrix: &[f32; 16]) -> Columns {
     transform::columns(crate::ffi_abi::format::FLOAT4X4_COLUMNS, matrix)
 }
@@ -37,7 +37,7 @@ struct Visit {
     context: *mut PointContext,
     function: PointFunction,
     user: *mut c_void,
-    /// The way into the innermost of the program's own places.
+    /// The map into the innermost of the program's own instances.
     own: Columns,
     changed: bool,
     /// After an exception.
@@ -48,7 +48,7 @@ impl Visit {
     /// Shows a primitive; the radius afterwards, in the world.
     ///
     /// # Safety
-    /// The pointers are those of the program's call, which is under way.
+    /// The pointers are those of the program's current call.
     unsafe fn show(&mut self, located: &Located, prim_id: u32) -> f64 {
         let Self { query, context, .. } = *self;
         // SAFETY: passed on; only fields are touched, one by one: the program reads and writes them, too.
@@ -86,7 +86,7 @@ impl Visit {
     }
 }
 
-/// The way into the instance on the stack.
+/// The map into the instance on the stack.
 ///
 /// # Safety
 /// A context.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The queries of `gnurt/rays.h`. See include/gnurt/rays.h. Rays are gathered some thousand at a time; answers are
-//! those of single rays, whatever threads there are. Tests: `tests/c/rays.c`.
+//! The queries of `gnurt/rays.h`. See include/gnurt/rays.h. Rays are gathered some thousand at a time;
+//! results are those of single rays, for any number of threads. Tests: `tests/c/rays.c`.
 
 use std::cell::Cell;
 use std::ffi::{c_int, c_uint, c_void};
@@ -102,7 +102,7 @@ impl Rays {
         }
     }
 
-    /// In parts of so many rays.
+    /// In parts of this many rays.
     fn parts(&self, size: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
         let count = self.count;
         (0..count).step_by(size).map(move |first| first..(first + size).min(count))
@@ -114,7 +114,7 @@ fn single(ray: Ray64) -> Ray {
     Ray { org: org.map(|x| x as f32), t_near, dir, t_far, mask, time }
 }
 
-/// How to ask.
+/// The kind of query.
 struct RayQuery {
     query: Query,
     threads: usize,
@@ -138,7 +138,7 @@ impl RayQuery {
     }
 }
 
-/// Asks a scene. An exception that a function of the program throws meanwhile is an error.
+/// Queries a scene. An exception that a function of the program throws meanwhile is an error.
 ///
 /// # Safety
 /// A scene, and a query or null.
@@ -160,7 +160,7 @@ unsafe fn asking(
     })
 }
 
-/// Asks a filter about hits of rays; none passes once it has thrown.
+/// Calls a filter for hits of rays; none passes once it has thrown.
 fn accepted(
     built: &Built,
     ray_query: &RayQuery,
@@ -254,7 +254,7 @@ fn written(built: &Built, hit_arrays: &HitArrays, hit: &Hit, at: impl FnOnce() -
     Written { t, u, v, prim_id, geom_id, inst_id, normal }
 }
 
-/// Asks each part of the rays.
+/// Queries each part of the rays.
 fn trace(
     built: &Built,
     rays: &Rays,
@@ -295,7 +295,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_intersect(
     unsafe { gnurt_intersect_paths(scene, rays, query, hits, 0, std::ptr::null_mut()) }
 }
 
-/// Closest hits, with all instances on the way to each.
+/// Closest hits, with all instances that contain each.
 ///
 /// # Safety
 /// As [`gnurt_intersect`], with room for `levels` ids for each ray.
@@ -421,7 +421,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
                     for hit in passed.into_iter().take(most) {
                         if let Some(hit_arrays) = hit_arrays.filter(|_| end < capacity) {
                             let found = written(built, hit_arrays, hit, || rays.get(i).at(hit.t));
-                            // SAFETY: there is room for so many.
+                            // SAFETY: there is room for this many.
                             unsafe { hit_arrays.set(end, &found) };
                         }
                         end += 1;

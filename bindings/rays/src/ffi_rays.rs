@@ -36,7 +36,7 @@ pub(crate) fn called(call: impl FnOnce() -> Result<(), String>) -> c_int {
 /// Fewer rays than that are answered by the calling thread: waking others takes as long.
 const WORTH_THREADS: usize = 64;
 
-/// Runs a job over so many rays or points with so many threads: 0 for all processors.
+/// Runs a job over a number of rays or points with a number of threads: 0 for all processors.
 pub(crate) fn with_threads<R>(threads: usize, count: usize, job: impl FnOnce(Threads) -> R) -> R {
     let workers = if count < WORTH_THREADS { Workers::single() } else { Workers::new(threads) };
     job(workers.threads())
@@ -298,7 +298,7 @@ impl UserGeometry for Callbacks {
     }
 }
 
-/// Primitives of the program, whose boxes are asked for.
+/// Primitives of the program, with boxes from its function.
 ///
 /// # Safety
 /// Functions that may be called from any thread as long as the scene is used, or null.
@@ -313,7 +313,7 @@ unsafe fn primitives(user: *const User) -> Result<Primitives, String> {
     }
     let mut boxes = vec![[f32::NAN; 6]; count as usize];
     if count > 0 {
-        // SAFETY: passed on; there is room for so many boxes.
+        // SAFETY: passed on; there is room for this many boxes.
         let call = || unsafe { bounds(user, 0, count, boxes.as_mut_ptr()) };
         ffi_catch::call(call).map_err(|thrown| format!("user: bounds: {thrown}"))?;
     }
@@ -347,7 +347,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_user(
     id: u32,
     user: *const User,
 ) -> c_int {
-    // Before the scene is lent for the change: the program's function may ask it.
+    // Before the scene is borrowed for the change: the program's function may query it.
     let mut new = None;
     let found = called(|| {
         // SAFETY: passed on.
@@ -382,7 +382,7 @@ unsafe fn matrix_at(instance_matrix: *const f64) -> Result<Columns, String> {
     Ok(columns)
 }
 
-/// Adds another scene at a place.
+/// Adds another scene as an instance.
 ///
 /// # Safety
 /// Two scenes, twelve numbers, room for an id or null.
@@ -430,7 +430,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_positions(
     unsafe { edit(scene, change) }
 }
 
-/// Another place of an instance.
+/// Sets an instance's transform.
 ///
 /// # Safety
 /// A scene, and twelve numbers.

@@ -120,7 +120,8 @@ pub(crate) unsafe extern "C-unwind" fn rtcDetachGeometry(scene: Handle, id: c_ui
     unsafe { with::<Scene, _>(scene, detach) }
 }
 
-/// A geometry of a scene, found without a lock and without counts; null where it has to be looked for by [`rtcGetGeometry`].
+/// A geometry of a scene, found without a lock and without counts; null where [`rtcGetGeometry`] must search
+/// it.
 ///
 /// # Safety
 /// A scene or null, to which nothing is attached meanwhile.
@@ -183,7 +184,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcJoinCommitScene(scene: Handle) {
     unsafe { rtcCommitScene(scene) }
 }
 
-/// Sets the function that is told how far a build is.
+/// Sets the function that a build's progress is reported to.
 ///
 /// # Safety
 /// A scene, and a function that may be called with the pointer.
@@ -355,7 +356,7 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetGeometryTransformFromTraversable(
     unsafe { rtcGetGeometryTransformFromScene(scene, id, time, of, matrix) }
 }
 
-/// Where an instance is, in this format; an error where there is no room for it.
+/// Where an instance is, in this format; an error where the format or the number is invalid.
 pub(crate) fn slot_of(
     geometry: &Geometry,
     prim_id: u32,

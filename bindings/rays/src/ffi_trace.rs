@@ -17,7 +17,7 @@ use crate::ffi_lane::{Lane, QueryRay, has_arrays, hit_for_program};
 use crate::ffi_present::present;
 use crate::objects::{Committed, Scene, run_query};
 
-/// Whether functions of the program are asked about hits.
+/// Whether functions of the program are called for hits.
 #[inline(always)]
 fn calls_program(committed: &Committed, query_ray: QueryRay) -> bool {
     !committed.is_plain || query_ray.filters_all()
@@ -66,7 +66,7 @@ fn occluded_plain(committed: &Committed, lane: Lane) {
     }
 }
 
-/// Rays of a packet that are asked for, together, and which lane each of them is.
+/// Active rays of a packet, together, and which lane each of them is.
 struct PacketQuery<'a> {
     query: Query,
     committed: &'a Committed,
@@ -110,10 +110,11 @@ impl<'a> PacketQuery<'a> {
 
 /// The query of each ray.
 trait Trace {
-    /// Coherent packets of so many rays go together: fewer are faster one by one (bench/record/embree-calls-2026-11-23.md).
+    /// Coherent packets of at least this many rays are traced together: fewer are faster one by one
+    /// (bench/record/embree-calls-2026-11-23.md).
     const WORTH_IT: usize;
     fn one(committed: &Committed, lane: Lane, query_ray: QueryRay);
-    /// Where functions of the program are asked.
+    /// Where functions of the program are called.
     fn asking(committed: &Committed, lane: Lane, query_ray: QueryRay);
     fn packet_query(rays: PacketQuery, query_ray: QueryRay);
 }
@@ -175,7 +176,7 @@ pub(crate) unsafe fn committed<'a>(scene: Handle) -> Option<&'a Committed> {
     current
 }
 
-/// Tells the scene's device of an exception that a function of the program has thrown.
+/// Reports an exception that a function of the program has thrown to the scene's device.
 ///
 /// # Safety
 /// The handle is a scene's.
@@ -185,7 +186,7 @@ unsafe fn report_thrown(scene: Handle, thrown: Thrown) {
     unsafe { with::<Scene, ()>(scene, |_| Err(thrown.into())) }
 }
 
-/// Traces the lanes of a packet that are asked for.
+/// Traces the active lanes of a packet.
 ///
 /// # Safety
 /// The handle is a scene's, `rays` a packet of `N`, `valid` null for one ray or an array of `N`.

@@ -31,12 +31,12 @@ struct PendingHit {
     hit: Hit,
 }
 
-/// A query that is under way.
+/// A query in progress.
 pub(crate) struct Frame {
     pub(crate) is_occlusion: bool,
     pub(crate) arguments: Arguments,
     pub(crate) context: *mut Context,
-    /// The ray that is asked for, where it lies.
+    /// The current ray, in its packet.
     pub(crate) lane: Lane,
     /// The fields of the original ray that do not depend on the space.
     time: f32,
@@ -52,7 +52,7 @@ thread_local! {
     static FRAME: Cell<*const Frame> = const { Cell::new(null()) };
 }
 
-/// Puts the frame before it back in place, also when a query ends in a panic.
+/// Restores the frame before it, also when a query ends in a panic.
 struct Restore(*const Frame);
 
 impl Drop for Restore {
@@ -120,7 +120,7 @@ pub(crate) struct UserPrimitives {
 }
 
 impl UserPrimitives {
-    /// Asks for all boxes.
+    /// Calls the program for all boxes.
     ///
     /// # Errors
     /// The program's function has thrown an exception.
@@ -144,7 +144,7 @@ impl UserPrimitives {
         abi::Ray { org, t_near, dir, time, t_far, mask, id, flags }
     }
 
-    /// Asks the program's test about a packet. `None` where it has thrown an exception.
+    /// Calls the program's test for a packet. `None` where it has thrown an exception.
     ///
     /// # Safety
     /// `valid` are as many numbers as the packet of the query has lanes, `rays` as many rays and hits.
@@ -251,7 +251,7 @@ impl UserGeometry for UserPrimitives {
     }
 
     fn closest_point(&self, prim_id: u32, point: [f32; 3]) -> Option<[f32; 3]> {
-        // Only the program knows; its box says how near it may be.
+        // Only the program can measure it; its box bounds how near it may be.
         let Aabb { min, max } = self.bounds[prim_id as usize];
         Some([0, 1, 2].map(|k| point[k].clamp(min[k], max[k])))
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Ids that are free: the lowest is found at once, however many are taken.
+//! Free ids: the lowest is found at once, however many are taken.
 //! Invariant: ranges neither meet nor touch. Tests: `tests`.
 
 use std::collections::BTreeMap;

@@ -11,7 +11,7 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    /// Of each index the vertex and the one behind it.
+    /// Of each index the vertex and the next one.
     pub(crate) fn new(vertices: &[[f32; 4]], indices: &[[u32; 1]]) -> Self {
         let segment = |&[i]: &[u32; 1]| Some([*vertices.get(i as usize)?, *vertices.get(i as usize + 1)?]);
         Self { segments: indices.iter().map(segment).collect() }

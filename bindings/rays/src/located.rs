@@ -18,7 +18,7 @@ pub(crate) struct Located<'a> {
     arrays: Option<&'a Surface>,
     /// Where the outermost instance is; `None` where there is none.
     pub(crate) shown_instance: Option<&'a ShownInstance>,
-    /// Places of instances in it, if any.
+    /// The instances that contain it, if any.
     inner: Vec<&'a ShownInstance>,
 }
 
@@ -75,7 +75,7 @@ fn as_it_is_now<'a>(shown: &'a Shown, surface: &'a Surface) -> Option<&'a Surfac
 }
 
 impl Located<'_> {
-    /// The way out of all instances.
+    /// The map from the object to the world, out of all instances.
     pub(crate) fn world_from_object(&self) -> Columns {
         let outer = self.shown_instance.map_or(IDENTITY, |shown_instance| shown_instance.world_from_instance);
         self.inner

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The targets of `RTCGeometry`, `RTCScene` and `RTCBuffer`. In one file, since scenes hold geometries and
-//! geometries show scenes. Source: Embree's manual. Invariant: queries read [`Committed`] alone, which never
+//! geometries show scenes. Source: Embree's manual. Invariant: queries read only [`Committed`], which never
 //! changes; edits stay in the mutexes until the next commit. Tests: `tests/c/embree.c`.
 
 use std::collections::BTreeMap;
@@ -51,7 +51,7 @@ pub(crate) struct Array {
 pub(crate) struct Filters {
     pub(crate) intersect: FilterFunction,
     pub(crate) occluded: FilterFunction,
-    /// Whether those of a query's arguments are asked, too.
+    /// Whether those of a query's arguments are called, too.
     pub(crate) from_arguments: bool,
 }
 
@@ -78,7 +78,7 @@ pub(crate) struct Settings {
     pub(crate) quality: u32,
     pub(crate) is_enabled: bool,
     pub(crate) is_committed: bool,
-    /// The moment of the last edit.
+    /// The number of the last edit.
     pub(crate) changed_at: u64,
     pub(crate) filters: Filters,
     pub(crate) user: UserFunctions,
@@ -163,7 +163,7 @@ pub(crate) struct Scene {
     current: AtomicPtr<Committed>,
     /// Whether geometries came or went since `current` was made.
     list_differs: AtomicBool,
-    /// The moment when `current` was made.
+    /// The number of the edit when `current` was made.
     published_at: AtomicU64,
 }
 
@@ -179,7 +179,7 @@ struct Draft {
     geometries: BTreeMap<u32, Arc<Geometry>>,
     free: FreeIds,
     settings: SceneSettings,
-    /// The moment of the last edit of the list or of the settings.
+    /// The number of the last edit of the list or of the settings.
     changed_at: u64,
     committed: Option<Arc<Committed>>,
     /// Queries that run during a new commit, against the rules, still read it.
@@ -201,7 +201,7 @@ pub(crate) struct Plan {
     pub(crate) settings: SceneSettings,
     /// Edits up to here are in it.
     pub(crate) edit_number: u64,
-    /// The moment of the commit before; 0 where there was none.
+    /// The number of the commit before; 0 where there was none.
     pub(crate) last: u64,
     /// Whether the list or the settings were edited since then.
     is_edited: bool,
@@ -246,7 +246,7 @@ impl Scene {
         self.draft.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Attaches a geometry under an id, or the lowest one that is free; `None` where that is taken, or none is free.
+    /// Attaches a geometry under an id, or the lowest free one; `None` where that is taken, or none is free.
     pub(crate) fn attach(&self, id: Option<u32>, geometry: Arc<Geometry>) -> Option<u32> {
         let mut draft = self.draft();
         let id = id.or_else(|| draft.free.lowest())?;
@@ -339,7 +339,7 @@ impl Scene {
     }
 }
 
-/// A scene that can be asked.
+/// A scene for queries.
 #[derive(Debug)]
 pub(crate) struct Committed {
     pub(crate) device: Arc<Device>,
@@ -355,7 +355,7 @@ pub(crate) struct Committed {
     pub(crate) query: Query,
     /// Whether no callback judges hits.
     pub(crate) is_plain: bool,
-    /// As the memory monitor was told.
+    /// As reported to the memory monitor.
     pub(crate) bytes: i64,
 }
 
@@ -363,7 +363,7 @@ impl Committed {
     /// A geometry by its id.
     pub(crate) fn geometry(&self, id: u32) -> Option<&Arc<Geometry>> {
         let all = &self.geometries;
-        // Ids without gaps are places.
+        // Ids without gaps are indices.
         let instance_matrix = match all.get(id as usize) {
             Some((first, _)) if *first == id => id as usize,
             _ => all.binary_search_by_key(&id, |(id, _)| *id).ok()?,
@@ -397,7 +397,7 @@ macro_rules! run_query {
 }
 pub(crate) use run_query;
 
-/// A geometry of a committed scene that has primitives of its own.
+/// A geometry of a committed scene that has its own primitives.
 #[derive(Debug)]
 pub(crate) struct Surface {
     pub(crate) geom_id: u32,

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Threads by their number, for both doors.
-//! Invariant: after a fork the child makes pools of its own, for threads of its parent are not in it; not even a lock that a thread
-//! of its parent held is waited for. A process keeps the pools that it used last. Tests: `tests/c/edits.c`.
+//! Pools of threads by their number, for both APIs.
+//! Invariant: after a fork the child makes its own pools, for threads of its parent are not in it; it waits
+//! for no lock, because a thread of its parent may have held it. A process keeps the pools that it used last.
+//! Tests: `tests/c/edits.c`.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use gnurt_accel::Threads;
 use rayon::ThreadPool;
 
-/// More threads than that are never asked for.
+/// The largest number of threads.
 const MOST: usize = 1024;
 
-/// Pools that are kept. Each is some sleeping threads.
+/// Limit of stored pools. Each is some sleeping threads.
 const KEPT: usize = 4;
 
 /// The pools of a process. A child of a fork finds its ancestors' in the list before its own, and never uses them.
 struct Process {
     id: u32,
-    /// With their numbers of threads, the one that was used last in front.
+    /// With their numbers of threads, the most recently used first.
     pools: Mutex<Vec<(usize, Arc<ThreadPool>)>>,
     child: OnceLock<Box<Self>>,
 }
@@ -44,7 +45,8 @@ impl Process {
 pub(crate) struct Workers(Option<Arc<ThreadPool>>);
 
 impl Workers {
-    /// So many threads; 0 is one for each processor. The calling thread alone where no more can be started.
+    /// A number of threads; 0 is one for each processor. Only the calling thread where no more can be
+    /// started.
     pub(crate) fn new(threads: usize) -> Self {
         let count = match threads {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -63,7 +65,7 @@ impl Workers {
     }
 }
 
-/// The process's pool of so many threads.
+/// The process's pool of `count` threads.
 fn pool(count: usize) -> Option<Arc<ThreadPool>> {
     let mut pools = Process::this().pools.lock().unwrap_or_else(PoisonError::into_inner);
     let found = match pools.iter().position(|(threads, _)| *threads == count) {

@@ -101,7 +101,7 @@ macro_rules! query_tree {
 }
 pub(crate) use query_tree;
 
-/// A scene that can be asked.
+/// A scene for queries.
 #[derive(Debug)]
 pub(crate) struct Built {
     pub(crate) tree: Tree,

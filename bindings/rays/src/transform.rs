@@ -31,7 +31,7 @@ pub(crate) fn columns(of: u32, values: &[f32]) -> Columns {
     }
 }
 
-/// A map that is taken apart: scale, skew and shift first, then a turn, then the way.
+/// A decomposed map: scale, skew and shift first, then a rotation, then a translation.
 fn decomposed(values: &[f64; 16]) -> Columns {
     let [sx, sy, sz, xy, xz, yz, tx, ty, tz, r, i, j, k, px, py, pz] = *values;
     let rotation = [
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn what_is_taken_apart_is_put_together() {
-        // Scaled by 2 along x, shifted along x, turned a quarter around z, then moved.
+        // Scaled by 2 along x, shifted along x, rotated by a quarter around z, then moved.
         let half = std::f32::consts::FRAC_1_SQRT_2;
         let parts = [2.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, half, 0.0, 0.0, half, 0.0, 0.0, 5.0];
         let map = columns(format::QUATERNION, &parts);

@@ -17,7 +17,7 @@ const RT_RGB_8: u32 = 0x310;
 const RT_NEXT_FRAME_BIT: u32 = 1;
 const RT_IN_FLIGHT_BIT: u32 = 2;
 
-// They tell the program of errors, and may be left by its exceptions.
+// They report errors to the program, and may be left by its exceptions.
 unsafe extern "C-unwind" {
     unsafe fn rtSetFrameBuffer(pixels: *mut u8, width: u32, height: u32, format: u32);
     safe fn rtFrameBufferUse(pixels: *const u8) -> u32;
@@ -35,8 +35,8 @@ impl Renderer for Library {
     }
 
     fn aim(&self, memory: usize, [width, height]: [u32; 2]) {
-        // SAFETY: the buffer holds 3 bytes for each pixel; `Stage` neither moves nor frees it while `usage` says that
-        // libOpenRT has anything to do with it.
+        // SAFETY: the buffer holds 3 bytes for each pixel; `Stage` neither moves nor frees it while libOpenRT
+        // uses it by `usage`.
         unsafe { rtSetFrameBuffer(with_exposed_provenance_mut(memory), width, height, RT_RGB_8) };
     }
 
@@ -107,23 +107,23 @@ thread_local! {
 }
 
 /// The right to deal with frames. It ends when it is dropped, by an exception too.
-struct CallTurn {
-    _alone: MutexGuard<'static, ()>,
+struct FrameGuard {
+    _guard: MutexGuard<'static, ()>,
 }
 
-impl CallTurn {
+impl FrameGuard {
     /// Waits until no other thread has it. `None` if this one has.
     fn take() -> Option<Self> {
         if DEALS.get() {
             return None;
         }
-        let alone = FRAMES.lock().unwrap_or_else(PoisonError::into_inner);
+        let guard = FRAMES.lock().unwrap_or_else(PoisonError::into_inner);
         DEALS.set(true);
-        Some(Self { _alone: alone })
+        Some(Self { _guard: guard })
     }
 }
 
-impl Drop for CallTurn {
+impl Drop for FrameGuard {
     fn drop(&mut self) {
         DEALS.set(false);
     }
@@ -195,7 +195,7 @@ impl Program for Client {
     }
 
     fn finish(&self) {
-        if let Some(_turn) = CallTurn::take() {
+        if let Some(_guard) = FrameGuard::take() {
             finish(self, &Library);
         }
     }
@@ -215,7 +215,7 @@ unsafe extern "C-unwind" fn rtutInitWindow(width: c_int, height: c_int, title: *
         let title = if title.is_null() {
             String::new()
         } else {
-            // SAFETY: the header asks for a string that ends with a zero, or NULL.
+            // SAFETY: the header requires a string that ends with a zero, or NULL.
             unsafe { CStr::from_ptr(title) }.to_string_lossy().into_owned()
         };
         let stage = &mut shared.stage;
@@ -225,7 +225,7 @@ unsafe extern "C-unwind" fn rtutInitWindow(width: c_int, height: c_int, title: *
 
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutMainLoop() -> u8 {
-    // Nothing here is guarded as a whole: the program's exceptions pass through on their way to its own handler.
+    // Nothing here is guarded as a whole: the program's exceptions pass through to its own handler.
     Client.finish();
     let settings = guard(settings).unwrap_or_default();
     let is_requested = with(|shared| {
@@ -236,7 +236,7 @@ extern "C-unwind" fn rtutMainLoop() -> u8 {
     });
     let outcome =
         if is_requested { run(&Client, &settings) } else { Err("rtutInitWindow was not called".to_owned()) };
-    // A program that goes on finds no frame of ours under way.
+    // A program that continues finds no frame of ours in progress.
     Client.finish();
     let is_fine = outcome.is_ok();
     with(|shared| shared.error = CString::new(outcome.err().unwrap_or_default()).unwrap_or_default());
@@ -302,7 +302,7 @@ extern "C-unwind" fn rtutPostRedisplay() {
 #[unsafe(no_mangle)]
 extern "C-unwind" fn rtutSwapBuffers() {
     // Called back from within, by rtDebugCallback, it has no effect.
-    if let Some(_turn) = CallTurn::take() {
+    if let Some(_guard) = FrameGuard::take() {
         swap(&Client, &Library);
     }
 }
@@ -316,7 +316,7 @@ unsafe extern "C-unwind" fn rtutShowPixels(pixels: *const u8, width: u32, height
     }
     with(|shared| {
         let bytes = width as usize * height as usize * format.pixel_bytes();
-        // SAFETY: the header asks for a frame buffer of this size and format, which is no larger than memory.
+        // SAFETY: the header requires a frame buffer of this size and format, which is no larger than memory.
         let bytes = unsafe { std::slice::from_raw_parts(pixels, bytes) };
         shared.stage.show(bytes, [width, height], format);
     });

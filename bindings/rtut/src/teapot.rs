@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The Utah teapot: Martin Newell's 32 bicubic Bezier patches.
-//! Source: the numbers that M. E. Newell published in 1975, as OpenGL programs know them: three quarters as high as his
-//! first ones, with a bottom. Rim, body, lid and bottom are a quarter each, turned; handle and spout a half, mirrored.
+//! Source: the numbers that M. E. Newell published in 1975, in the form that OpenGL programs draw: three
+//! quarters as high as his first ones, with a bottom. Rim, body, lid and bottom are a quarter each, rotated;
+//! handle and spout a half, mirrored.
 //! Space: Newell's z is up; the caller gets y up and the middle of the height at the origin.
 //! Tests: `tests::{patches_fit, points_outwards}`; the pictures of examples/c.
 
 use crate::grid::emit;
 use crate::sink::{Sink, Vertex};
 
-/// Four points of a profile, from the middle of the top downwards: radius, height, and the radius times 0.56 (0.45 / 0.8 once)
-/// that makes a cubic look like a quarter of a circle.
+/// Four points of a profile, from the middle of the top downwards: radius, height, and the radius times 0.56
+/// (0.45 / 0.8 once) that makes a cubic close to a quarter of a circle.
 type Profile = [[f64; 3]; 4];
 
 const PROFILES: [Profile; 6] = [
@@ -180,7 +181,8 @@ mod tests {
         let mut mesh = Mesh::default();
         teapot(&mut mesh, 2.0);
         mesh.check_normals();
-        // Seen from its own middle, a part's outside is away from it: its volume is positive. The rim alone has none.
+        // Seen from its own middle, a part's outside is away from it: its volume is positive. Only the rim
+        // has none.
         let body = [0.0, 0.0, 1.0];
         for (what, first, count, middle) in [
             ("body", 4, 8, body),

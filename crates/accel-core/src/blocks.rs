@@ -109,7 +109,7 @@ impl TriangleBlock {
         self.numbers = [number; WIDTH];
     }
 
-    /// Offers the meetings with `ray`.
+    /// Offers the hits of `ray`.
     #[inline(always)]
     pub fn meet<S: Simd, C: Collect>(&self, simd: S, ray: &BlockRay<S>, slot: u32, collect: &mut C) {
         let [x, y, z] = ray.axes;
@@ -200,7 +200,7 @@ impl TriangleBlock {
         [0, 1, 2].map(|corner: usize| axes.map(|axis| self.corners[corner][axis][lane & 7]))
     }
 
-    /// Offers the meetings with `ray`, one triangle after the other: faster where there are no lanes.
+    /// Offers the hits of `ray`, one triangle after the other: faster where there are no lanes.
     #[inline(always)]
     pub fn meet_in_turn<C: Collect>(&self, ray: &ShearedRay, t_near: f32, slot: u32, collect: &mut C) {
         for (lane, &number) in self.numbers.iter().enumerate() {

@@ -16,7 +16,7 @@ pub trait Collect {
     const CAN_END: bool;
     /// Nothing beyond it is of interest; negative infinity ends the search.
     fn reach(&self) -> f32;
-    /// Takes a meeting at `t <= reach()`, in `[t_near, t_far]` of the ray.
+    /// Takes a hit at `t <= reach()`, in `[t_near, t_far]` of the ray.
     fn offer(&mut self, hit: TriangleHit, number: u32, slot: u32);
 
     /// Whether the position of the hit matters, not only its existence.

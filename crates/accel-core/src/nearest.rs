@@ -61,7 +61,7 @@ impl Nearest {
         self.number != INVALID_ID
     }
 
-    /// Takes a meeting at `t <= self.t` if it is better.
+    /// Takes a hit at `t <= self.t` if it is better.
     #[inline(always)]
     pub fn offer<M: Mode>(&mut self, triangle_hit: TriangleHit, number: u32, slot: u32) {
         let TriangleHit { t, u, v } = triangle_hit;

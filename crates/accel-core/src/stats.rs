@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The size and shape of a tree, for people.
+//! The size and shape of a tree, for display.
 //! The cost is that of [MB90].
 
 /// The contents of a tree.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Several nearest primitives of a point, and all that touch a ball around it.
+//! Several nearest primitives of a point, and all that touch a sphere around it.
 //! Trees are searched as for the nearest point (`point/mod.rs`). Space: that of the queried tree.
 //! Invariant: a primitive that comes several times, from several leaves or as two halves of a quad, is there once, at its
 //! least distance. Tests: `tests/surfaces/overlaps.rs`.

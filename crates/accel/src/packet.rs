@@ -13,7 +13,7 @@ use crate::engine::Engine;
 use crate::target::Target;
 use crate::{Coherence, Counters, Hit, Query, Ray};
 
-/// Up to [`MOST`](Self::MOST) rays that are asked for together.
+/// Up to [`MOST`](Self::MOST) rays of one query.
 #[derive(Clone, Debug)]
 pub struct Packet {
     rays: RayTile,

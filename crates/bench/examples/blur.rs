@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays with moments beside Embree's motion blur, as a table.
-//! Run: `EMBREE4_LIB=FILE cargo run --release -p gnurt-bench --example blur -- SCENE [KEYS] [SHARE] [SIZE] [ROUNDS]`;
-//! with `instances` for SCENE so many KEYS x 1000 instances that turn by SHARE and move.
+//! Rays with times, with Embree's motion blur for comparison, as a table. Run: `EMBREE4_LIB=FILE cargo run
+//! --release -p gnurt-bench --example blur -- SCENE [KEYS] [SHARE] [SIZE] [ROUNDS]`; with `instances` for
+//! SCENE, KEYS x 1000 instances that rotate by SHARE and move.
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::error::Error;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Cost of a commit after one edit of a scene of many instances, and of the lazy work of the first sample
 //! after it. Run: `cargo run --release -p gnurt-bench --example commit -- [INSTANCES...]` A grid of instances
-//! of sixteen balls of 8,192 triangles each, a lamp of 10,000 triangles, an environment of 1024 x 512 texels,
-//! 100 materials. Median of five edits; seconds of all processors, and on the wall. A snapshot of the earlier
-//! world is held during the commit of an edit, as by a frame in flight. One path through one pixel follows
-//! each commit, so that parts built at first use (the light tree) count, too.
+//! of sixteen spheres of 8,192 triangles each, a light of 10,000 triangles, an environment of 1024 x 512
+//! texels, 100 materials. Median of five edits; seconds of all processors, and on the wall. A snapshot of the
+//! earlier world is held during the commit of an edit, as by a frame in flight. One path through one pixel
+//! follows each commit, so that parts built at first use (the light tree) count, too.
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::error::Error;
@@ -27,7 +27,7 @@ const RUNS: usize = 5;
 /// Objects that the instances show.
 const BALLS: u32 = 16;
 const MATERIALS: u32 = 100;
-/// Squares along an edge of the lamp.
+/// Squares along an edge of the light.
 const LIGHT_MESH: u32 = 71;
 
 /// The edit, by the number of the run.
@@ -127,7 +127,7 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// `count` balls and a lamp above them.
+/// `count` spheres and a light above them.
 fn scene_of(count: u32) -> Scene {
     let mut scene = Scene::new();
     for i in 0..MATERIALS {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How long saved trees take to load, beside building them.
-//! Run: `cargo run --release -p gnurt-bench --example load -- SCENE...` One thread, median of five; the files
-//! were written just before, so that no disk access is needed. Seconds of the processor, and on the wall.
-//! Both trees trace the same rays and must agree, bit for bit.
+//! How long saved trees take to load, compared with building them. Run: `cargo run --release -p gnurt-bench
+//! --example load -- SCENE...` One thread, median of five; the files were written just before, so that no
+//! disk access is needed. Seconds of the processor, and on the wall. Both trees trace the same rays and must
+//! agree, bit for bit.
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::error::Error;

@@ -114,7 +114,7 @@ fn at(x: u32, z: u32) -> Affine {
     Affine::translation([f64::from(x) + 0.5, 0.0, f64::from(z) + 0.5])
 }
 
-/// The places of a square of `side` x `side`, `step` apart.
+/// The positions of a square of `side` x `side`, `step` apart.
 fn square(side: u32, step: u32) -> impl Iterator<Item = Affine> {
     (0..side).flat_map(move |z| {
         (0..side).map(move |x| Affine::translation([x * step, 0, z * step].map(f64::from)))

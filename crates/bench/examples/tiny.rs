@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays through many instances of a triangle and of a box beside Embree's packets, as a table.
+//! Rays through many instances of a triangle and of a box, with Embree's packets for comparison, as a table.
 //! Run: `EMBREE4_LIB=FILE cargo run --release -p gnurt-bench --example tiny -- [INSTANCES] [SIZE] [ROUNDS]`
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The tree over instances beside Embree's, as a table.
-//! Run: `EMBREE4_LIB=FILE cargo run --release -p gnurt-bench --example top -- [INSTANCES] [ROUNDS]`
+//! The tree over instances, with Embree's for comparison, as a table. Run: `EMBREE4_LIB=FILE cargo run
+//! --release -p gnurt-bench --example top -- [INSTANCES] [ROUNDS]`
 #![allow(clippy::print_stdout, reason = "printing is what it is for")]
 
 use std::error::Error;

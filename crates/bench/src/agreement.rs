@@ -2,9 +2,9 @@
 //! Agreement of two engines on the same rays, and the engine at fault where they differ. Where answers
 //! differ, both are compared with the exact values for their triangles (`exact.rs`): an answer is wrong if
 //! its triangle is missed, if its `t` is off, or if the other's triangle is surely hit nearer. A ray that
-//! passes an edge so closely that both triangles beside it may count as hit or missed is undecided. If an
-//! answer names no triangle, or if any would do, all are tested. More than a few wrong answers of our own end
-//! a benchmark; those of a reference engine are reported.
+//! passes an edge so closely that both of its triangles may count as hit or missed is undecided. If an answer
+//! names no triangle, or if any would do, all are tested. More than a few wrong answers of our own end a
+//! benchmark; those of a reference engine are reported.
 //! Tests: `tests`.
 
 use gnurt::accel::{INVALID_ID, Ray, Triangles};
@@ -32,7 +32,7 @@ impl Sums {
 /// Relative error of a parameter that is right.
 const ROUNDING: f64 = 1e-5;
 
-/// Rays whose triangles are all looked at: beyond these nobody's fault is known.
+/// Rays that are tested against all triangles: beyond these no fault is attributed.
 const MOST_LOOKED_AT: u64 = 500;
 
 /// Allowed wrong answers of a reference engine, as a fraction of the rays: hits and misses; all together. Its
@@ -59,7 +59,7 @@ enum Wrong {
     Both,
     /// It passes an edge.
     Nobody,
-    /// That cannot be told.
+    /// Undecided.
     Somebody,
 }
 
@@ -99,7 +99,7 @@ fn judge(triangles: &Triangles, ray: &Ray, a: Answer, b: Answer) -> Wrong {
     }
 }
 
-/// Which of a hit and a miss is wrong: of a hit on a triangle that is told, or where it is not, of any.
+/// Which of a hit and a miss is wrong: of a hit on a known triangle, or, without one, of any.
 fn judge_flip(triangles: &Triangles, ray: &Ray, hit: Answer, hit_is_first: bool) -> Wrong {
     let inside = if hit.prim_id == INVALID_ID {
         let count = triangles.indices.len() as u32;
@@ -141,7 +141,7 @@ impl Tally {
         self.all += 1;
     }
 
-    /// Whether it is more than these shares of so many rays, and one of few.
+    /// Whether it is more than these shares of this many rays, and one of few.
     fn is_above(self, rays: usize, [flips, all]: [f64; 2]) -> bool {
         let most = |share: f64| (rays as f64 * share).ceil() as u64;
         self.flips > most(flips) || self.all > most(all)
@@ -149,7 +149,7 @@ impl Tally {
 }
 
 /// Compares ray by ray. Reports nothing, something, or a failure. A failure is more than a fraction
-/// `tolerance` of the rays with wrong hits or misses, or ten times as many wrong in any way, by the first
+/// `tolerance` of the rays with wrong hits or misses, or ten times as many with any fault, by the first
 /// engine, by one of the same name, or undecided. Other engines have wider limits.
 pub(crate) fn compare(
     first: &Answered,
@@ -352,7 +352,7 @@ mod tests {
             Rays::new(vec![RayBatch::from_iter(vec![ray; count])], false, TRIANGLES)
         };
         let all = |t: f32, prim_id: u32| Answered { t: vec![t; count], prim_id: vec![prim_id; count] };
-        // Triangle 2 stands on the edge between corners 0 and 1: seen from above, edge on.
+        // Triangle 2 is on the edge between corners 0 and 1: seen from above, edge on.
         let at_edge = of([1.0, 0.0, 5.0]);
         let what = compare(&all(5.0, 0), &all(f32::INFINITY, INVALID_ID), REFERENCE, &at_edge, 1e-5);
         let what = what.map_or_else(

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How fast rays with moments go through a mesh that moves while the shutter is open, beside Embree's motion blur and beside
-//! the same mesh standing still.
-//! The scene twists and waves as `bench dynamic` deforms it, by a small part. Rays are asked one by one, by one thread, each at
-//! a moment of its own; times are its processor seconds, engines take turns, and answers have to agree.
+//! The speed of rays with times in a mesh that moves while the shutter is open, compared with Embree's motion
+//! blur and with the same mesh at rest. The scene twists and waves as `bench dynamic` deforms it, by a small
+//! part. Rays are traced one by one, by one thread, each at its own time; times are its processor seconds,
+//! engines alternate, and results must agree.
 //! Tests: `tests::both_hit_the_same`.
 
 use gnurt::accel::{
@@ -33,7 +33,7 @@ pub struct BlurRow {
     pub mrays_cpu: f64,
     /// Seconds that the build took.
     pub build_seconds: f64,
-    /// Bytes of tree and triangles; `None` where the engine does not tell.
+    /// Bytes of tree and triangles; `None` where the engine does not report them.
     pub bytes: Option<u64>,
     /// Rays that hit something.
     pub hits: usize,
@@ -47,7 +47,8 @@ enum Engine<'a> {
     Theirs(Scene<'a>),
 }
 
-/// Measures a scene with so many keys, moved by `share` of the twist in all, with `size` x `size` primary rays.
+/// Measures a scene with a number of keys, moved by `share` of the twist in all, with `size` x `size` primary
+/// rays.
 ///
 /// # Errors
 /// [`Error`] if the scene has no view, Embree fails, or its answers are others than ours.

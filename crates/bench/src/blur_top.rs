@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How fast rays with moments go through many instances that move while the shutter is open, beside Embree's instances with
-//! quaternions at time steps, and beside the same instances standing still.
-//! Balls in a cube, each of which moves by its own size and turns about its axis. Rays are asked one by one, by one thread, each at
-//! a moment of its own; times are its processor seconds, engines take turns, and answers have to agree.
+//! The speed of rays with times in many instances that move while the shutter is open, compared with Embree's
+//! instances with quaternions at time steps, and with the same instances at rest. Spheres in a cube, each of
+//! which moves by its own size and rotates about its axis. Rays are traced one by one, by one thread, each at
+//! its own time; times are its processor seconds, engines alternate, and results must agree.
 //! Tests: `tests::both_hit_the_same`.
 
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use crate::row::median;
 use crate::single::{agree, closest, hit_count};
 use crate::top::{ball, rays};
 
-/// A way: its size, and angle and place at both ends of the time.
+/// A motion: its size, and angle and position at both ends of the time.
 struct RigidMotion {
     size: f32,
     ends: [(f32, [f32; 3]); 2],
@@ -51,7 +51,7 @@ impl RigidMotion {
     }
 }
 
-/// Measures `count` instances that turn by `turn_angle` radians while the shutter is open.
+/// Measures `count` instances that rotate by `turn_angle` radians while the shutter is open.
 ///
 /// # Errors
 /// [`Error::Embree`] if Embree fails, or if its answers are others than ours.

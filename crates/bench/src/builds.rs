@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench build`: time and memory of trees, beside Embree's. Processor time is that of the whole program,
+//! `bench build`: time and memory of trees, and of Embree's. Processor time is that of the whole program,
 //! which does nothing else meanwhile; the first build of each, which is not timed, traces some rays, and all
 //! must agree. Tests: `tests::builds_a_box`.
 
@@ -27,7 +27,7 @@ use crate::{Class, Contestant, EmbreeLibrary, Error, Filter, Subject};
 /// The scenes to measure, and the method.
 #[derive(Clone, Debug)]
 pub struct Options {
-    /// Which builds: of the modes, the part before how rays are asked (`bvh-high`, `kd-fast`, `compact`).
+    /// Which builds: of the modes, the part before the kind of query (`bvh-high`, `kd-fast`, `compact`).
     pub filter: Filter,
     /// Runs of each.
     pub rounds: usize,
@@ -120,7 +120,7 @@ pub fn check_filter(filter: &Filter) -> Result<(), Error> {
     plans(filter).map(drop)
 }
 
-/// Measures one scene, with one thread and with those of `pool`, plan by plan in turns.
+/// Measures one scene, with one thread and with those of `pool`, the plans alternating.
 ///
 /// # Errors
 /// As [`rays::run`](crate::rays::run).
@@ -186,7 +186,7 @@ impl<'a> Site<'a> {
     fn build(&self, plan: Plan) -> Result<(Built<'a>, Build), Error> {
         let held_before = self.device.map_or(0, |device| device.memory().0);
         let ((built, cpu, wall_time), growth) = growth(|| {
-            // One thread builds where it is called. Idle workers of Embree's may spin beside it.
+            // One thread builds where it is called. Idle workers of Embree's may spin meanwhile.
             let cpu_seconds = if self.threads == 1 { thread_seconds } else { process_seconds };
             let (start, before) = (Instant::now(), cpu_seconds());
             let built = self.construct(plan);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Seconds that processors spent on us. Clock_gettime(2).
-//! Where the system has no such clock, time on the wall stands in. Tests: `tests::work_takes_time_and_sleep_does_not`.
+//! Where the system has no such clock, wall time replaces it. Tests:
+//! `tests::work_takes_time_and_sleep_does_not`.
 
 #[cfg(unix)]
 fn seconds(clock: rustix::time::ClockId) -> f64 {

@@ -49,7 +49,7 @@ pub(crate) fn hold(
     let results = contestants.iter().zip(&sums).zip(&seconds);
     let row = |((contestant, sums), seconds): ((&Contestant, &Sums), &Vec<Seconds>)| {
         let millions = rays.len() as f64 / 1e6;
-        // A clock that stands still between two ticks says nothing: a nanosecond at least.
+        // A clock that does not advance between two ticks gives no rate: a nanosecond at least.
         let rates = |of: fn(&Seconds) -> f64| -> Vec<f64> {
             seconds.iter().map(|run| millions / of(run).max(1e-9)).collect()
         };
@@ -84,7 +84,7 @@ fn order(round: usize, rounds: usize, contestants: usize) -> impl Iterator<Item 
     })
 }
 
-/// Asks everybody once, and compares the answers with the first one's.
+/// Queries every engine once, and compares the results with the first one's.
 pub(crate) fn check(
     what: &str,
     rays: &Rays,
@@ -126,7 +126,7 @@ mod tests {
     use crate::timing::Answers;
     use gnurt::accel::{Ray, RayBatch, Triangles};
 
-    /// Says that all rays hit at this distance.
+    /// Returns this distance for all rays.
     struct Liar(f32);
 
     impl Engine for Liar {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench dynamic`, cases `crowd` and `crowd64`: a thousand characters of 5,000 triangles, each in a pose of its own or in one of 64,
-//! that all change from frame to frame. [SIP06], section 6, requests it. `instanced` shares structures
-//! between poses ([`Crowd`]), `separate` builds a tree for each character, by the fastest builder. Both get
-//! the same vertices and the same rays, and must have the same hits, bit for bit. Times are processor time of
-//! one thread; an update is all trees and the tree over them. Bytes include trees, triangles, shared parts,
-//! and the vertices that the program keeps for each pose. Tests: `tests::both_hit_the_same`.
+//! `bench dynamic`, cases `crowd` and `crowd64`: a thousand characters of 5,000 triangles, each in its own
+//! pose or in one of 64, that all change from frame to frame. [SIP06], section 6, requests it. `instanced`
+//! shares structures between poses ([`Crowd`]), `separate` builds a tree for each character, by the fastest
+//! builder. Both get the same vertices and the same rays, and must have the same hits, bit for bit. Times are
+//! processor time of one thread; an update is all trees and the tree over them. Bytes include trees,
+//! triangles, shared parts, and the vertices that the program keeps for each pose. Tests:
+//! `tests::both_hit_the_same`.
 
 use std::sync::Arc;
 
@@ -76,7 +77,7 @@ fn indices() -> Vec<[u32; 3]> {
     all
 }
 
-/// Vertices of a character in a walk at a phase, which comes back after a turn.
+/// Vertices of a character in a walk at a phase of period 1.
 fn pose(phase: f32) -> Vec<[f32; 3]> {
     let mut all = Vec::with_capacity(LIMBS.len() * (RINGS * SIDES + 2));
     for limb in &LIMBS {
@@ -86,7 +87,7 @@ fn pose(phase: f32) -> Vec<[f32; 3]> {
         let mut poles = [middle; 2];
         for ring in 0..RINGS {
             let along = ring as f32 / (RINGS - 1) as f32;
-            // A joint half way down.
+            // A joint at half of the length.
             let joint = ((along - 0.4) * 5.0).clamp(0.0, 1.0);
             let (sin, cos) = (swing + bend * joint * joint * (3.0 - 2.0 * joint)).sin_cos();
             let axis = [0.0, -limb.down * cos, sin];
@@ -107,7 +108,7 @@ fn pose(phase: f32) -> Vec<[f32; 3]> {
     all
 }
 
-/// One way to follow the characters.
+/// A method to follow the characters.
 struct Follower {
     strategy: &'static str,
     trees: Vec<Arc<ObjectTree>>,
@@ -228,7 +229,7 @@ fn matrices(characters: usize) -> Vec<[[f64; 3]; 4]> {
     (0..characters).map(|i| matrix_of(i, random.unit())).collect()
 }
 
-/// Rays of a camera that looks over all of them from one side.
+/// Rays of a camera that sees all of them from one side.
 fn rays(characters: usize, size: u32) -> RayBatch {
     let wide = 1.2 * columns(characters) as f32;
     let (eye, target) = ([0.5 * wide, 0.35 * wide + 2.0, -0.35 * wide - 2.0], [0.5 * wide, 0.0, 0.45 * wide]);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench dynamic`: cost of following a deforming mesh, and the speed of rays afterwards, beside Embree's.
-//! The scene is twisted and waves more and more from frame to frame. Times are processor time of one thread,
-//! runs of engines alternate, and all trace the same rays, whose answers must agree.
+//! `bench dynamic`: cost of following a deforming mesh, and the speed of rays afterwards, with Embree's for
+//! comparison. The scene is twisted and waves more and more from frame to frame. Times are processor time of
+//! one thread, runs of engines alternate, and all trace the same rays, whose answers must agree.
 //! Tests: `tests::a_box_is_twisted`.
 
 use gnurt::ThreadPool;
@@ -194,7 +194,7 @@ fn follow(follower: &mut Follower, triangles: Triangles, options: &BuildOptions)
     }
 }
 
-/// Asks all of them the same rays.
+/// Traces the same rays in all of them.
 fn rows(
     moved: &Subject,
     options: &Options,

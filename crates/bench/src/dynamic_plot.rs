@@ -16,7 +16,7 @@ const LONGEST: f64 = 240.0;
 const LABEL: f64 = 90.0;
 const TITLE: f64 = 30.0;
 
-/// Ours and theirs, in colours that the colour-blind can tell apart.
+/// Ours and theirs, in colours that are distinct for the colour-blind.
 const COLORS: [&str; 2] = ["#0072b2", "#d55e00"];
 
 /// A number of each row: its title, itself, and how it is written.

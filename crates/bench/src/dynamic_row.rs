@@ -25,8 +25,8 @@ pub struct DynamicRow {
     pub update_ms_cpu: f64,
     /// Millions of rays in a second, after the last frame.
     pub trace_mrays_cpu: f64,
-    /// Bytes of the trees and their triangles, in crowds also of the vertices that they are made from; `None` where the engine does
-    /// not tell.
+    /// Bytes of the trees and their triangles, in crowds also of the vertices that they are made from; `None`
+    /// where the engine does not report them.
     pub bytes: Option<u64>,
     /// Of the rays.
     pub hits: u64,

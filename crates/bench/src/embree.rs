@@ -19,7 +19,7 @@ pub struct EmbreeLibrary {
 }
 
 impl EmbreeLibrary {
-    /// Loads it, and asks it for its version.
+    /// Loads it, and queries its version.
     ///
     /// # Errors
     /// [`Error::Embree`] if the file is missing, no library, or not Embree 4.
@@ -73,7 +73,7 @@ impl EmbreeKind {
     }
 }
 
-/// A scene, asked in packets of one size.
+/// A scene, queried in packets of one size.
 pub(crate) struct EmbreeEngine<'a> {
     pub(crate) scene: &'a Scene<'a>,
     pub(crate) packets: Packets,
@@ -159,7 +159,7 @@ fn any<const N: usize>(scene: &Scene, arguments: &Arguments, rays: &RayBatch, an
     }
 }
 
-/// The library that `EMBREE4_LIB` names, for tests; without it they say that they are skipped.
+/// The library that `EMBREE4_LIB` names, for tests; without it they print that they are skipped.
 #[cfg(test)]
 pub(crate) fn embree_of_tests() -> Option<EmbreeLibrary> {
     let Some(file) = std::env::var_os("EMBREE4_LIB") else {

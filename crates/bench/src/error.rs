@@ -7,7 +7,7 @@ pub enum Error {
     /// The options leave nothing to do: the user's mistake.
     #[error("no mode matches; valid are: {}", .valid.join(", "))]
     NothingToDo {
-        /// Names of all that could be asked for.
+        /// Names of all valid modes.
         valid: Vec<String>,
     },
     /// A library that is not there, not Embree 4, or that failed.

@@ -3,7 +3,7 @@
 
 use crate::Row;
 
-/// News while it goes on.
+/// Reports during a measurement.
 #[derive(Debug)]
 pub enum BenchEvent<'a> {
     /// A tree is there.

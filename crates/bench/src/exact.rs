@@ -49,9 +49,10 @@ impl Twice {
 /// The exact data of a ray and a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Truth {
-    /// Where the ray meets the triangle; if it passes beside it, the edge that it passes: negative weights are none.
+    /// The point where the ray hits the triangle; if it misses, the edge that it passes: negative weights are
+    /// none.
     pub(crate) t: f64,
-    /// The least weight of a corner: below 0 the ray passes beside the triangle, by this share of its height.
+    /// The least weight of a corner: below 0 the ray misses the triangle, by this share of its height.
     pub(crate) inside: f64,
 }
 

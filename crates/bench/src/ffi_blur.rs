@@ -10,8 +10,8 @@ use crate::ffi_embree::{
 };
 
 impl<'a> Scene<'a> {
-    /// Builds over triangles whose vertices are at these places at moments evenly spaced from 0 to 1: two lists or more, each with
-    /// one vertex more than there are; indices must be below the length of that.
+    /// Builds over triangles whose vertices have these positions at times evenly spaced from 0 to 1: two
+    /// lists or more, each with one vertex more than there are; indices must be below the length of that.
     pub(crate) fn build_moving(
         device: &'a Device<'a>,
         keys: &'a [Vec<[f32; 3]>],

@@ -3,8 +3,9 @@
 //! Source: the public headers of Embree 4.4 (rtcore_device.h, rtcore_scene.h, rtcore_ray.h), from which names, numbers and
 //! layouts are restated. Scenes of instances are in `ffi_instances.rs`.
 //!
-//! Invariants: a [`Library`] outlives its devices, a [`Device`] its scenes, arrays the scene that shares them; layouts
-//! are used only after the library has said that it is version 4. A committed scene may be asked by many threads.
+//! Invariants: a [`Library`] outlives its devices, a [`Device`] its scenes, arrays the scene that shares
+//! them; layouts are used only after the library has reported version 4. Many threads may query a committed
+//! scene.
 //! Tests: `embree::tests` (where `EMBREE4_LIB` names a library).
 
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
@@ -17,7 +18,7 @@ pub(crate) type Handle = *mut c_void;
 
 /// `RTCRayHit` (N = 1), `RTCRayHit4`, `RTCRayHit8`, `RTCRayHit16`: rows of N values, the ray first.
 ///
-/// The last row is there where the library was built with arrays of instances; one without leaves it alone.
+/// The last row exists where the library was built with arrays of instances; one without leaves it unchanged.
 #[repr(C, align(64))]
 pub(crate) struct Packet<const N: usize> {
     pub(crate) org: [[f32; N]; 3],
@@ -227,7 +228,7 @@ unsafe impl Send for Device<'_> {}
 unsafe impl Sync for Device<'_> {}
 
 impl<'a> Device<'a> {
-    /// Opens a device with these settings (`isa=avx2,threads=1`), and asks whether it is of version 4.
+    /// Opens a device with these settings (`isa=avx2,threads=1`), and checks that it is of version 4.
     pub(crate) fn open(library: &'a Library, settings: &str) -> Result<Self, String> {
         let settings_c = CString::new(settings).map_err(|_| "settings with a zero byte")?;
         // SAFETY: the text ends with a zero.
@@ -267,7 +268,7 @@ impl<'a> Device<'a> {
         }
     }
 
-    /// Bytes that the library holds for this device, and the most that it held since this was last asked.
+    /// Bytes that the library holds for this device, and the most that it held since the last query.
     pub(crate) fn memory(&self) -> (i64, i64) {
         let now = self.memory.now.load(Ordering::Relaxed);
         (now, self.memory.peak.swap(now, Ordering::Relaxed))
@@ -321,7 +322,7 @@ impl<'a> Scene<'a> {
         let scene = unsafe {
             let geometry = (library.new_geometry)(device.raw, GEOMETRY_TRIANGLE);
             if quality == LOW {
-                // The scene's quality alone builds the mesh as ever.
+                // Only the scene's quality builds the mesh as always.
                 (library.set_geometry_quality)(geometry, LOW);
             }
             let (vertices, triangles) = (padded.as_ptr().cast(), indices.as_ptr().cast());
@@ -334,7 +335,7 @@ impl<'a> Scene<'a> {
         Ok(scene)
     }
 
-    /// Commits a geometry, and a scene of it alone, which then owns it.
+    /// Commits a geometry, and a scene of only this geometry, which then owns it.
     ///
     /// # Safety
     /// The geometry belongs to the device, and its shared arrays outlive the scene.
@@ -384,7 +385,8 @@ impl<'a> Scene<'a> {
         arguments: &Arguments,
     ) {
         let (rays, active) = (std::ptr::from_mut(packet).cast(), active.0.as_ptr());
-        // SAFETY: a packet begins with the rays alone, RTCRay, RTCRay4, RTCRay8 or RTCRay16, which is all that is used here.
+        // SAFETY: a packet begins with the rays, RTCRay, RTCRay4, RTCRay8 or RTCRay16, and only those are
+        // used here.
         unsafe {
             match N {
                 1 => (self.library.occluded1)(self.raw, rays, arguments),
@@ -404,7 +406,7 @@ impl Drop for Scene<'_> {
     }
 }
 
-/// A scene over one mesh whose vertices move: Embree refits its structure, as its manual says how to ask for.
+/// A scene over one mesh whose vertices move: Embree refits its structure, with the settings of its manual.
 pub(crate) struct MovingScene<'a> {
     scene: Scene<'a>,
     geometry: Handle,
@@ -425,8 +427,8 @@ impl<'a> MovingScene<'a> {
         assert!(highest < padded.len(), "index {highest} needs a vertex and one behind it: {}", padded.len());
         let library = device.library;
         // SAFETY: handles are used as Embree's manual shows. The indices outlive the scene and are in range.
-        // The vertices are in a vector of the scene, which never grows, so that they stay in place; one
-        // vertex behind the last used one makes 16 bytes readable from each. The geometry is kept for later
+        // The vertices are in a vector of the scene, which never grows, so that their address is fixed; one
+        // vertex behind the last used one makes 16 bytes readable from each. The geometry is stored for later
         // calls.
         let (scene, geometry) = unsafe {
             let geometry = (library.new_geometry)(device.raw, GEOMETRY_TRIANGLE);
@@ -447,7 +449,7 @@ impl<'a> MovingScene<'a> {
         Ok(Self { scene, geometry, padded })
     }
 
-    /// Moves the vertices; the scene does not know yet.
+    /// Moves the vertices; the scene is not notified yet.
     pub(crate) fn move_to(&mut self, positions: &[[f32; 3]]) {
         let count = self.padded.len() - 1;
         self.padded[..count].copy_from_slice(&positions[..count]);

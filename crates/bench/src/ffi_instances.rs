@@ -24,7 +24,7 @@ pub(crate) struct Turned {
 }
 
 impl Turned {
-    /// Scaled, turned about y, moved.
+    /// Scaled, rotated about y, moved.
     pub(crate) fn about_y(size: f32, angle: f32, translation: [f32; 3]) -> Self {
         let (sine, cosine) = (0.5 * angle).sin_cos();
         let quaternion = [cosine, 0.0, sine, 0.0];
@@ -67,7 +67,7 @@ impl<'a> Instances<'a> {
         }
     }
 
-    /// Puts the instances at these places: columns of affine maps, one for each instance.
+    /// Moves the instances: columns of affine maps, one for each instance.
     pub(crate) fn set_matrices(&self, columns: &[[[f32; 3]; 4]]) {
         assert_eq!(columns.len(), self.geometries.len(), "a place for each instance");
         let first: c_uint = 0;
@@ -85,7 +85,7 @@ impl<'a> Instances<'a> {
         }
     }
 
-    /// Puts each instance at places evenly spaced over the time, between which it turns along the arc.
+    /// Gives each instance transforms evenly spaced over the time, between which it rotates along the arc.
     pub(crate) fn set_moving_matrices(&self, paths: &[Vec<Turned>]) {
         assert_eq!(paths.len(), self.geometries.len(), "a way for each instance");
         let library = self.scene.library;

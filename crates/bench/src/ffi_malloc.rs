@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Returns free but retained memory to the system, so that later allocations show as growth. Malloc_trim(3).
 
-/// Asks the C library's allocator, which is Rust's, where there is such a call.
+/// Queries the C library's allocator, which is Rust's, where there is such a call.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 pub(crate) fn trim() {
     unsafe extern "C" {
@@ -11,6 +11,6 @@ pub(crate) fn trim() {
     unsafe { malloc_trim(0) };
 }
 
-/// Nothing to ask.
+/// There is no such call.
 #[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 pub(crate) fn trim() {}

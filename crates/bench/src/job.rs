@@ -8,21 +8,21 @@ use gnurt::accel::{BuildOptions, Coherence, Memory, Quality, Structure};
 
 use crate::Error;
 
-/// One thing to be timed. Its [`mode`](Self::mode) is its name.
+/// One measurement. Its [`mode`](Self::mode) is its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Job {
     /// One of our trees.
     Own {
         /// The built structure.
         kind: OwnKind,
-        /// How it is asked.
+        /// The kind of query.
         query_kind: QueryKind,
     },
     /// A scene of Embree's.
     Embree {
         /// How it is built.
         kind: EmbreeKind,
-        /// How it is asked.
+        /// The kind of query.
         packets: Packets,
     },
 }
@@ -38,12 +38,12 @@ pub struct OwnKind {
     pub memory: Memory,
 }
 
-/// How one of our trees is asked.
+/// How one of our trees is queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QueryKind {
     /// One ray per call.
     One,
-    /// A batch per call, of which this is said.
+    /// A batch per call, with this coherence.
     Batch(Coherence),
 }
 
@@ -61,12 +61,12 @@ pub enum EmbreeKind {
     Compact,
 }
 
-/// How Embree is asked.
+/// How Embree is queried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Packets {
     /// Rays per call: 1, 4, 8 or 16.
     pub size: usize,
-    /// Whether they are said to be coherent.
+    /// Whether they are marked as coherent.
     pub coherent: bool,
 }
 
@@ -159,7 +159,7 @@ impl Job {
         }
     }
 
-    /// All that there is, ours first. The coherent flag says nothing for single rays.
+    /// All that there is, ours first. The coherent flag has no meaning for single rays.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let mut jobs = Vec::new();
@@ -201,7 +201,7 @@ impl fmt::Display for Job {
 /// Names of the engines.
 pub const ENGINES: [&str; 2] = ["gnurt", "embree4"];
 
-/// Which jobs are wanted.
+/// Which jobs are selected.
 #[derive(Clone, Debug, Default)]
 pub struct Filter {
     /// Names of engines; empty = all.
@@ -211,16 +211,16 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// Whether an engine is wanted.
+    /// Whether an engine is selected.
     #[must_use]
     pub fn has_engine(&self, engine: &str) -> bool {
         self.engines.is_empty() || self.engines.iter().any(|name| name == engine)
     }
 
-    /// The jobs that are wanted.
+    /// The selected jobs.
     ///
     /// # Errors
-    /// [`Error::NothingToDo`] if a part of a name is in no mode of the engines that are wanted.
+    /// [`Error::NothingToDo`] if a part of a name is in no mode of the selected engines.
     pub fn jobs(&self) -> Result<Vec<Job>, Error> {
         let mut jobs = Job::all();
         jobs.retain(|job| self.has_engine(job.engine()));

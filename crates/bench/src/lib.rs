@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Measures ray queries, on the same rays in the same process as Embree where a library of it is at hand.
+//! Measures ray queries, on the same rays in the same process as Embree where a library of it is available.
 //! The classes of rays and the rules of measurement are those of docs/how-to/measure.md.
 //!
 //! Stages of a run: a scene becomes a [`Subject`] (one mesh, a view, a light). [`rays::run`] makes the rays

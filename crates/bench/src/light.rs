@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench light`: how fast integrators come near the truth, in seconds of the processor.
-//! The truth is two independent pictures by paths, R and S: the mean of (a - R)(a - S) has the mean of
-//! (a - truth)^2, whatever their noise is. Relative errors divide by the truth's square, smoothed over a few pixels, plus a
-//! hundredth of the squared mean of the picture. Tests: `tests`.
+//! The truth is two independent pictures by paths, R and S: the mean of (a - R)(a - S) has the mean of (a -
+//! truth)^2, independent of their noise. Relative errors divide by the truth's square, smoothed over a few
+//! pixels, plus a hundredth of the squared mean of the picture. Tests: `tests`.
 
 use std::fmt::Write;
 
@@ -20,7 +20,7 @@ pub struct Options {
     pub integrators: Vec<Integrator>,
     /// Size, depth, virtual lights; each seed is one more than the last.
     pub picture: RenderOptions,
-    /// Seconds of all processors together that each picture may take; the sample under way is finished.
+    /// Seconds of all processors together that each picture may take; the current sample is finished.
     pub seconds: f64,
     /// Pictures by each.
     pub seeds: u64,
@@ -162,7 +162,7 @@ impl Truth {
         sum / (3 * self.weights.len()) as f64
     }
 
-    /// How far the means of the two are apart, as a share: about twice the error of their mean.
+    /// The difference of the means of the two, as a share: about twice the error of their mean.
     #[must_use]
     pub fn doubt(&self) -> f64 {
         let [a, b] = &self.pictures;
@@ -170,11 +170,11 @@ impl Truth {
     }
 }
 
-/// Seed of the truth's first picture, far from those that are measured.
+/// Seed of the truth's first picture, far from the measured ones.
 const SEED: u64 = 1 << 40;
 
-/// Renders and measures: seed by seed, the integrators in turns. `report` hears of each point: at 1, 2, 4, ... samples, and
-/// of the last.
+/// Renders and measures: seed by seed, the integrators alternating. `report` gets each point: at 1, 2, 4, ...
+/// samples, and of the last.
 ///
 /// # Errors
 /// If the options leave nothing to render.
@@ -243,7 +243,8 @@ pub struct Summary {
     pub integrator: Integrator,
     /// Median of samples per pixel.
     pub samples: f64,
-    /// Median of relative errors, brought to the asked time: errors of means of independent samples fall as one over time.
+    /// Median of relative errors, scaled to the requested time: errors of means of independent samples fall
+    /// as one over time.
     pub rel_mse: f64,
     /// The same for the part due to virtual lights, if requested.
     pub of_lights: Option<f64>,
@@ -355,7 +356,7 @@ mod tests {
     fn noise_of_the_truth_does_not_count() {
         let truth = Truth::new([picture(2.0, 1.0, 1), picture(2.0, 1.0, 2)]).expect("of one size");
         let (rel_mse, off) = truth.errors(&picture(2.2, 0.0, 3));
-        // 0.2^2 / (2^2 * 1.01); each truth alone would add its own variance of 1/12 on 4.
+        // 0.2^2 / (2^2 * 1.01); each truth by itself would add its own variance of 1/12 on 4.
         assert!((rel_mse - 0.04 / 4.04).abs() < 0.002, "relMSE {rel_mse}");
         assert!((off - 0.1).abs() < 0.01, "the mean is off by {off}");
     }

@@ -18,7 +18,7 @@ const STEP: f64 = SIDE + 90.0;
 /// The plotted value of a point.
 type Value = fn(&Point) -> f64;
 
-/// Colours that the colour-blind can tell apart.
+/// Colours that are distinct for the colour-blind.
 fn color(integrator: Integrator) -> &'static str {
     match integrator {
         Integrator::InstantRadiosity => "#0072b2",
@@ -133,7 +133,7 @@ fn diagram(body: &mut String, left: f64, title: &str, curves: &[(Integrator, Vec
     }
 }
 
-/// Text as XML wants it.
+/// Text escaped for XML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -18,7 +18,7 @@ fn status() -> Option<(u64, u64)> {
     Some((field("VmRSS:")?, field("VmHWM:")?))
 }
 
-/// Does it, from memory that is fresh, and says by how many bytes the program grew at most meanwhile.
+/// Runs it, from fresh memory, and returns by how many bytes the program grew at most meanwhile.
 pub(crate) fn growth<T>(work: impl FnOnce() -> T) -> (T, Option<u64>) {
     ffi_malloc::trim();
     // 5 sets the greatest size back to the present one. Where that is not allowed, nothing is known.

@@ -18,7 +18,7 @@ pub struct Options {
     pub rounds: usize,
     /// Rays per batch: the size of a call with more than one ray.
     pub batch: usize,
-    /// Threads that trace, each kept on a core of its own where there are as many.
+    /// Threads that trace, each bound to its own core where there are enough.
     pub threads: usize,
     /// Instruction set.
     pub level: Level,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Our trees, asked as a program asks them.
+//! Our trees, queried as by a program.
 
 use gnurt::accel::{Coherence, INVALID_ID, ObjectTree, Query, Ray, RayBatch};
 use gnurt::simd::Level;
@@ -7,7 +7,7 @@ use gnurt::simd::Level;
 use crate::job::QueryKind;
 use crate::timing::{Answers, Engine};
 
-/// A tree, and how it is asked.
+/// A tree, and its kind of query.
 pub(crate) struct OwnEngine<'a> {
     pub(crate) tree: &'a ObjectTree,
     pub(crate) query_kind: QueryKind,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `bench paper`: tables 1 and 2 of the paper that GNU RT goes back to, with its figures beside ours.
+//! `bench paper`: tables 1 and 2 of the paper behind GNU RT, with its figures next to ours.
 //! Source: its section 4 (Table 1, time to build a kd-tree) and 5.1 (Table 2, rays per second with and without SSE).
 //! Ours: one thread builds the kd-tree, by the exact sweep and from samples of the cost; camera rays go in packets at
 //! the level of SSE 4.2, and one by one without SIMD. Its machine is of 2006 and is not named.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rates as bars: for each class and scene our best mode beside Embree's best and its best watertight one, as SVG.
+//! Rates as bars: for each class and scene our best mode, Embree's best and its best watertight one, as SVG.
 //! Bars of a class share one scale, which starts at zero. Tests: `tests::bars_are_as_long_as_rates`.
 
 use std::fmt::Write;
@@ -101,7 +101,7 @@ fn draw_class(class: Class, rows: &[Row], mut y: f64, body: &mut String) -> f64 
     y
 }
 
-/// Text as XML wants it.
+/// Text escaped for XML.
 pub(crate) fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Pools of compared modes: ours and Embree's over trees of one quality, the same number of each. The best of
-//! many is better than the best of few by luck alone, so the larger side of a pair drops its weakest modes,
-//! by a fixed list, before the measurement.
+//! many is better than the best of few by chance, so the larger side of a pair drops its weakest modes, by a
+//! fixed list, before the measurement.
 //! Invariant: both sides of a pool have the same number of modes. Tests: `tests`.
 
 use crate::Row;

@@ -12,7 +12,8 @@ use crate::timing::Rays;
 use crate::trees::Trees;
 use crate::{EmbreeLibrary, Error, Job, Row, Subject};
 
-/// Measures one scene. Trees are built with `pool`; `embree` is the rival, if there is one, and `others` come after it.
+/// Measures one scene. Trees are built with `pool`; `embree` is the reference, if there is one, and `others`
+/// come after it.
 ///
 /// # Errors
 /// [`Error::NothingToDo`] without a job, [`Error::Embree`] if the library fails, [`Error::Scene`] without a view, and

@@ -10,20 +10,21 @@ use crate::pools::POOLS;
 use crate::row::to_json as rows_to_json;
 use crate::{Class, Row};
 
-/// How busy the machine is: programs that ran or waited over the last minute. `None` where the system does not tell.
+/// How busy the machine is: programs that ran or waited over the last minute. `None` where the system does
+/// not report it.
 #[must_use]
 pub fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split_whitespace().next()?.parse().ok()
 }
 
-/// The name of the processor, where the system tells.
+/// The name of the processor, where the system reports it.
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// An object: `rows` are those of [`to_json`](crate::to_json), with `rates` beside them. `embree` is the
+/// An object: `rows` are those of [`to_json`](crate::to_json), and `rates` are next to them. `embree` is the
 /// version of Embree, and `load_before` the result of [`load`] before the run.
 #[must_use]
 pub fn to_json(options: &Options, embree: Option<i64>, load_before: Option<f64>, rows: &[Row]) -> Value {

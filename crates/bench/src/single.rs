@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays that have moments, asked of Embree one by one, and whether both engines hit the same.
+//! Rays with times, traced in Embree one by one, and whether both engines hit the same.
 //! Tests: `tests::other_answers_are_counted`, and the tests of the benchmarks that use it.
 
 use gnurt::accel::{HitBatch, INVALID_ID, RayBatch};
@@ -31,8 +31,9 @@ pub(crate) fn hit_count(hits: &HitBatch) -> usize {
     hits.prim_id.iter().filter(|&&id| id != INVALID_ID).count()
 }
 
-/// Whether both hit the same instances at the same distances, to `tolerance` of a distance, but for one ray in `one_in`:
-/// Embree's default test is not watertight, its arithmetic is another one, and neighbours meet at edges.
+/// Whether both hit the same instances at the same distances, to `tolerance` of a distance, except for one
+/// ray in `one_in`: Embree's default test is not watertight, its arithmetic differs, and neighbours meet at
+/// edges.
 pub(crate) fn agree(ours: &HitBatch, theirs: &HitBatch, tolerance: f32, one_in: usize) -> Result<(), String> {
     let differs = |&i: &usize| {
         let (t, other) = (ours.t[i], theirs.t[i]);

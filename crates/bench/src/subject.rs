@@ -87,7 +87,7 @@ impl Subject {
     }
 }
 
-/// The light of an unknown scene: under its ceiling if the camera is inside, else beside the camera.
+/// The light of an unknown scene: under its ceiling if the camera is inside, else near the camera.
 fn light_mesh(low: V3, high: V3, camera: &Camera) -> V3 {
     let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
     let up = unit(camera.up);

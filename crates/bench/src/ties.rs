@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Whether two triangles are met by a ray at the same place, so that either is a right answer: at an edge that they share,
-//! or where one lies on the other.
+//! Whether a ray hits two triangles at the same point, so that either is a right result: at an edge that they
+//! share, or where one lies on the other.
 //! Source: the test of \[MT97\], in double precision. Space: world; directions of any length.
 //! Tests: `tests::neighbours_tie_and_others_do_not`.
 
@@ -19,7 +19,7 @@ pub(crate) fn is_tie(triangles: &Triangles, ray: &Ray, a: u32, b: u32) -> bool {
     (a - b).abs() <= SAME * a.abs().max(b.abs())
 }
 
-/// `t` of the triangle's plane, if the ray meets that in the triangle or just beside it.
+/// `t` of the triangle's plane, if the ray meets that in the triangle or just outside of it.
 pub(crate) fn meet(triangles: &Triangles, ray: &Ray, prim_id: u32) -> Option<f64> {
     let corners = triangles.indices.get(prim_id as usize)?.map(|i| triangles.positions.get(i as usize));
     let [Some(a), Some(b), Some(c)] = corners else { return None };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Times a job: threads take chunks of rays until none is left, each on the clock of its own processor time.
+//! Times a job: threads take chunks of rays until none is left, each on its own clock of processor time.
 //! Tests: `tests::every_chunk_is_traced_once`.
 
 use std::hint::black_box;
@@ -14,7 +14,8 @@ use crate::pin::Pinned;
 
 /// Something that answers rays.
 pub trait Engine: Sync {
-    /// Closest hits: fills `t` and `prim_id` of `answers.hits`; [`INVALID_ID`] beside a hit where it does not know which.
+    /// Closest hits: fills `t` and `prim_id` of `answers.hits`; [`INVALID_ID`] for a hit where it does not
+    /// know which.
     fn closest(&self, rays: &RayBatch, answers: &mut Answers);
     /// Any hits: fills `answers.occluded`.
     fn any(&self, rays: &RayBatch, answers: &mut Answers);
@@ -23,7 +24,7 @@ pub trait Engine: Sync {
 /// Where a thread's answers go: used again and again, as a program does.
 #[derive(Debug, Default)]
 pub struct Answers {
-    /// Closest hits; only `t` and `prim_id` are looked at.
+    /// Closest hits; only `t` and `prim_id` are read.
     pub hits: HitBatch,
     /// Whether anything is hit.
     pub occluded: Vec<bool>,
@@ -88,7 +89,7 @@ fn run_query(engine: &dyn Engine, any: bool, chunk: &RayBatch, answers: &mut Ans
     }
 }
 
-/// One run over all rays, each thread on a core of its own.
+/// One run over all rays, each thread on its own core.
 pub(crate) fn time(engine: &dyn Engine, rays: &Rays, threads: usize) -> Seconds {
     let next = AtomicUsize::new(0);
     let barrier = Barrier::new(threads);
@@ -126,7 +127,7 @@ pub(crate) struct Answered {
     pub(crate) prim_id: Vec<u32>,
 }
 
-/// Asks for all rays.
+/// Traces all rays.
 pub(crate) fn answers(engine: &dyn Engine, rays: &Rays) -> Answered {
     let mut all = Answered::default();
     let mut answers = Answers::default();

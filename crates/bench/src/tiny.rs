@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays through many instances of a tiny object, beside Embree's packets through the same instances, and beside the same
-//! triangles as one mesh.
+//! Rays through many instances of a tiny object, compared with Embree's packets through the same instances,
+//! and with the same triangles as one mesh.
 //! Source: two levels after WBS03a (docs/papers.bib). The instances are those of [`top`](crate::top), but smaller;
-//! rays are those of `bench rays`. Times are processor time of one thread; all take turns.
+//! rays are those of `bench rays`. Times are processor time of one thread; all alternate.
 //! Tests: `tests::all_hit_the_same`.
 
 use std::sync::Arc;
@@ -47,13 +47,13 @@ pub struct TinyRow {
     pub class: Class,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,
-    /// How it is asked; `mesh` where all triangles are in one object.
+    /// The kind of query; `mesh` where all triangles are in one object.
     pub mode: String,
     /// Millions of rays in a second of the thread's processor time; the median.
     pub mrays_cpu: f64,
 }
 
-/// A scene, asked in batches.
+/// A scene, queried in batches.
 struct SceneEngine<'a> {
     scene: &'a SceneTree,
     coherence: Coherence,
@@ -175,7 +175,8 @@ fn as_one_mesh(positions: &[[f32; 3]], indices: &[[u32; 3]], matrices: &[[[f32; 
     Subject::new("tiny", &scene)
 }
 
-/// All hit at the distances of one mesh, but for one ray in a thousand: rays are rounded in the space of each instance.
+/// All hit at the distances of one mesh, except for one ray in a thousand: rays are rounded in the space of
+/// each instance.
 fn check(class: Class, rays: &Rays, contestants: &[Contestant]) -> Result<(), Error> {
     let Some((first, others)) = contestants.split_first() else { return Ok(()) };
     let (mut expected, mut found) = (Answers::default(), Answers::default());

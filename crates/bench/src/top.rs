@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Cost of building and updating the tree over the instances of a scene, and the speed of rays through it,
-//! beside Embree's. Source: two levels after WBS03a (docs/papers.bib). Times are processor seconds of the
-//! whole program. Ours includes all work for a list of instances: inverses, boxes, the tree. Embree's is
+//! Cost of building and updating the tree over the instances of a scene, and the speed of rays in it, with
+//! Embree's for comparison. Source: two levels after WBS03a (docs/papers.bib). Times are processor seconds of
+//! the whole program. Ours includes all work for a list of instances: inverses, boxes, the tree. Embree's is
 //! divided: `position` is the program's calls for each instance, `build` the commit of the scene. Both trace
 //! the same rays, and must hit the same instances at the same distances, except for ties.
 //! Tests: `tests::both_hit_the_same`.
@@ -33,7 +33,7 @@ pub struct TopRow {
     pub what: &'static str,
     /// `gnurt` or `embree4`.
     pub engine: &'static str,
-    /// Threads of the pool; 1: the calling thread alone.
+    /// Threads of the pool; 1: only the calling thread.
     pub threads: usize,
     /// Median of the processor time of all threads, in milliseconds.
     pub cpu_ms: f64,
@@ -43,11 +43,11 @@ pub struct TopRow {
     pub mrays_cpu: f64,
     /// Of the rays.
     pub hits: u64,
-    /// Of the tree, where the engine tells.
+    /// Of the tree, where the engine reports it.
     pub bytes: Option<u64>,
 }
 
-/// Rows as `bench dynamic` shows them, but for `position`.
+/// Rows as `bench dynamic` shows them, except for `position`.
 #[must_use]
 pub fn dynamic_rows(rows: &[TopRow], count: usize) -> Vec<DynamicRow> {
     let triangles = (count * ball().1.len()) as u64;
@@ -72,7 +72,7 @@ pub fn dynamic_rows(rows: &[TopRow], count: usize) -> Vec<DynamicRow> {
 const BUILD: &str = "build";
 const PLACE: &str = "place";
 
-/// Columns of a map: turned about, between half and one and a half times as large.
+/// Columns of a map: rotated, between half and one and a half times as large.
 pub(crate) fn somewhere(random: &mut Random, spread: f32) -> [[f32; 3]; 4] {
     let mut next = || random.unit();
     let (angle, size) = (std::f32::consts::TAU * next(), 0.5 + next());
@@ -97,7 +97,7 @@ pub(crate) fn ball() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     (positions, (0..side * side).flat_map(quad).collect())
 }
 
-/// Measures `count` instances of a ball, each thing `rounds` times, engines in turns.
+/// Measures `count` instances of a sphere, each quantity `rounds` times, engines alternating.
 ///
 /// # Errors
 /// [`Error::Embree`] if Embree fails, or if its answers are others than ours.

@@ -16,7 +16,7 @@ use crate::{EmbreeLibrary, Error, Job, Subject};
 /// A library, and a device of it.
 pub(crate) type Reference<'a> = (&'a EmbreeLibrary, &'a Device<'a>);
 
-/// All that is asked.
+/// The request.
 pub(crate) struct Trees<'a> {
     own: Vec<(OwnKind, ObjectTree)>,
     embree: Vec<(EmbreeKind, Scene<'a>)>,

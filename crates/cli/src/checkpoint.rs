@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--checkpoint FILE`: the state of a rendering, written beside and put in place, so that a kill loses one interval.
-//! A file that is there is gone on from; one that does not match is an error, never overwritten.
+//! `--checkpoint FILE`: the state of a rendering, written to a temporary file and renamed, so that a kill
+//! loses one interval. An existing file is continued; one that does not match is an error, never overwritten.
 //! Tests: `tests/program/checkpoint.rs` (a real kill).
 
 use std::fs::File;

@@ -6,7 +6,7 @@ use gnurt::scene::{Animation, Scene};
 use crate::failure::Failure;
 use crate::nearest::nearest;
 
-/// The place of the clip that was asked for; `None` where the scene has none and none was named.
+/// The index of the requested clip; `None` where the scene has none and none was named.
 pub(crate) fn clip(scene: &Scene, name: Option<&str>) -> Result<Option<usize>, Failure> {
     let clips = scene.animation().map_or(&[][..], |animation: &Animation| &animation.clips);
     let Some(name) = name else {

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 
 static NAMES: OnceLock<Vec<OsString>> = OnceLock::new();
 
-/// Keeps the command line, the program's name first; later ones are not heard.
+/// Stores the command line, the program's name first; later ones are ignored.
 pub(crate) fn keep(command_line: Vec<OsString>) {
     let _earlier_ones_stay = NAMES.set(command_line);
 }

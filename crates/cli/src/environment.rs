@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Settings from the environment: `GNURT_THREADS`, `GNURT_ISA`, `GNURT_LOG`, `GNURT_PATH`.
 //! See docs/reference/cli.md.
-//! A variable that is empty counts as not set; one that an option overrides is not looked at.
+//! A variable that is empty counts as not set; one that an option overrides is ignored.
 //! Tests: `tests/program/arguments.rs`, rows with variables.
 
 use std::ffi::OsString;
@@ -23,7 +23,7 @@ pub(crate) struct Environment {
     pub(crate) isa: Option<Level>,
     /// `GNURT_LOG`: as `-q` and `-v`.
     pub(crate) log: Option<Verbosity>,
-    /// `GNURT_PATH`: folders in which scene files are looked for, separated like those of `PATH`.
+    /// `GNURT_PATH`: folders to search for scene files, separated like those of `PATH`.
     pub(crate) path: Vec<PathBuf>,
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Why a command ended early, and the exit status that says so.
-//! See docs/reference/cli.md.
+//! Why a command ended early, and its exit status. See docs/reference/cli.md.
 
 use std::fmt;
 
@@ -14,7 +13,7 @@ pub(crate) enum Failure {
     Usage(String),
     /// A file or a device did not do its part: status 1.
     Data(String),
-    /// `diff` found a difference, and has said so already: status 1.
+    /// `diff` found a difference, and has reported it already: status 1.
     Differs,
     /// Standard output was closed by its reader: status 0.
     Unheard,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where the program's arrays are: in memory, or in a file as `--out-of-core` says.
+//! The storage of the program's arrays: in memory, or in a file by `--out-of-core`.
 
 use gnurt::memory::FileHeap;
 

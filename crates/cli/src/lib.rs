@@ -31,8 +31,8 @@ mod view;
 mod workers;
 
 /// Runs the program and gives back its exit status: 0 done, 1 bad data, 2 bad arguments. `command_line` are the command line, the
-/// program's name first. It is meant for a process of its own: it listens to signals, says panics in a line of its own, and
-/// a second Ctrl-C ends the process. Only the first call's words count.
+/// program's name first. It is meant for a process of its own: it handles signals, reports panics in one
+/// line, and a second Ctrl-C ends the process. Only the first call's words count.
 pub fn run(command_line: impl IntoIterator<Item = std::ffi::OsString>) -> u8 {
     command_line::keep(command_line.into_iter().collect());
     program::run()

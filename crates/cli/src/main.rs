@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The program `gnurt`. All that it does is in the library beside it.
+//! The program `gnurt`. All of its code is in the library of the same package.
 //! Tests: `tests/program`, which runs the program itself.
 #![forbid(unsafe_code)]
 

@@ -11,7 +11,7 @@ use gnurt::image::system_reason;
 
 use crate::failure::{Failure, Outcome};
 
-/// How much is said.
+/// The amount of messages.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Verbosity {
     /// Errors only.
@@ -42,7 +42,7 @@ impl Messages {
         Self { verbosity, color: terminal && expected && able, terminal }
     }
 
-    /// Whether a progress bar would be seen and is wanted.
+    /// Whether a progress bar would be visible and is enabled.
     pub(crate) fn shows_progress(&self) -> bool {
         self.terminal && self.verbosity >= Verbosity::Normal
     }
@@ -90,7 +90,7 @@ impl Messages {
         }
     }
 
-    /// A table that was asked for: several lines on standard error, even under `-q`.
+    /// A requested table: several lines on standard error, even under `-q`.
     pub(crate) fn table(&self, text: impl fmt::Display) {
         // A closed standard error cannot be reported.
         let _ = writeln!(io::stderr().lock(), "{text}");

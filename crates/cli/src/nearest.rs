@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Unknown names: the valid ones, and the one that was probably meant.
-//! The distance is that of optimal string alignment (Damerau 1964).
+//! Unknown names: the valid ones, and the most similar one. The distance is that of optimal string alignment
+//! (Damerau 1964).
 //! Tests: `tests::{finds_slips, leaves_strangers_alone}`.
 
 use strsim::osa_distance;

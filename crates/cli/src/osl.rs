@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The shading language's tools: `gnurt oslc`, `gnurt oslinfo`, `gnurt testshade`, and the same through links of those names.
-//! Their options are OSL's and not clap's, so they are looked at before all others.
+//! Their options are OSL's and not clap's, so they are handled before all others.
 
 use std::io::{BufWriter, stderr, stdout};
 use std::path::Path;
@@ -9,7 +9,7 @@ use gnurt_sl::tools::{Console, tool};
 
 use crate::command_line::command_line;
 
-/// Runs the tool that is asked for; none if it is another command. It gives back its exit status.
+/// Runs the requested tool; none if it is another command. It gives back its exit status.
 pub(crate) fn run() -> Option<u8> {
     let mut command_line = command_line().iter().map(|argument| argument.to_string_lossy().into_owned());
     let called = command_line.next()?;

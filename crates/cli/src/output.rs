@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures to be written: checked before the work, put in place after it.
-//! See docs/reference/cli.md. An unknown extension is the user's mistake, a folder that is
-//! missing or may not be written to is the system's. Tests: `tests/program/arguments.rs`, `tests/program/output.rs`.
+//! Pictures to be written: checked before the work, written and renamed after it. See docs/reference/cli.md.
+//! An unknown extension is the user's mistake, a folder that is missing or may not be written to is the
+//! system's. Tests: `tests/program/arguments.rs`, `tests/program/output.rs`.
 
 use std::path::{Path, PathBuf};
 
@@ -22,7 +22,7 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    /// A file of this name; its extension must say a format that can be written.
+    /// A file of this name; its extension must be that of a format that can be written.
     pub(crate) fn named(path: &Path) -> Result<Self, Failure> {
         let format = PictureFormat::from_path(path).map_err(|_| {
             let valid = PictureFormat::written_extensions();
@@ -31,7 +31,7 @@ impl Output {
                 Some(extension) => {
                     unknown("picture format", &format!(".{}", extension.to_string_lossy()), &valid)
                 }
-                // Also `-` and `/dev/stdout`: a picture is put in place whole, as a file.
+                // Also `-` and `/dev/stdout`: a picture is written whole, as a file.
                 None => {
                     format!("unknown picture format: the name has no ending; valid are: {}", valid.join(", "))
                 }
@@ -46,7 +46,8 @@ impl Output {
         image::check_writable(&self.path).map_err(Failure::data)
     }
 
-    /// Refuses to take the place of a file that was read to make it: a texture called as the scene is, an environment.
+    /// Overwriting a file that was read to make it is an error: a texture with the name of the scene, an
+    /// environment.
     pub(crate) fn spare(&self, read: &[PathBuf]) -> Outcome {
         match read.iter().any(|file| is_same_file(file, &self.path)) {
             true => Err(Failure::usage(format_args!(
@@ -57,7 +58,7 @@ impl Output {
         }
     }
 
-    /// Whether its format keeps layers beside the colours.
+    /// Whether its format stores layers in addition to the colours.
     pub(crate) fn has_layers(&self) -> bool {
         self.format.has_layers
     }
@@ -67,7 +68,7 @@ impl Output {
         self.format.is_for_screens
     }
 
-    /// Writes it with the look that was asked for, which is chosen from the picture if that is left open; says so.
+    /// Writes it with the given look, or else one that is chosen from the picture, and reports it.
     pub(crate) fn write_with(&self, picture: &Picture, light: LightArguments, messages: Messages) -> Outcome {
         if !self.is_for_screens() {
             return self.write(picture, DisplayOptions::default());
@@ -77,12 +78,12 @@ impl Output {
         self.write(picture, display_options)
     }
 
-    /// Its name, if that has a place for a number.
+    /// Its name, if that has a placeholder for a number.
     pub(crate) fn numbered(&self) -> Option<Numbered> {
         Numbered::of(&self.path)
     }
 
-    /// The file of a frame; the same file if its name has no place for a number.
+    /// The file of a frame; the same file if its name has no placeholder for a number.
     pub(crate) fn at(&self, frame: u32) -> Self {
         let path = self.numbered().map_or_else(|| self.path.clone(), |numbered| numbered.at(frame));
         Self { path, ..self.clone() }

@@ -21,7 +21,7 @@ pub(crate) fn describe(picture: &mut Picture, frame: &FrameArguments) {
     picture.set_metadata("filter", frame.filter.to_string());
 }
 
-/// Says how it came about: for formats whose headers may differ from run to run.
+/// Describes how it was made: for formats whose headers may differ from run to run.
 pub(crate) fn describe_making(picture: &mut Picture, camera: &Camera, aspect: f32, stats: &RenderStats) {
     let seconds = format!("{:.3}", stats.seconds);
     picture.set_metadata("commandLine", command());
@@ -41,7 +41,7 @@ pub(crate) fn command() -> String {
     command_text(command_line().iter())
 }
 
-/// The words of a call; of paths only the last part, for a picture need not tell where its maker's files lie.
+/// The words of a call; of paths only the last part, for a picture should not reveal its maker's folders.
 fn command_text<'a>(command_line: impl Iterator<Item = &'a OsString>) -> String {
     let shorten = |argument: &OsString| {
         let text = argument.to_string_lossy().into_owned();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The life of the program: arguments, environment, command, exit status.
-//! Invariant: whatever happens, at most one `error:` line is written, and no panic's text.
+//! Invariant: in all cases, at most one `error:` line is written, and no panic's text.
 //! Tests: `tests/program/interface.rs`, `tests/program/arguments.rs`.
 
 use std::panic::{PanicHookInfo, catch_unwind};
@@ -110,7 +110,7 @@ fn conclude(outcome: Outcome, messages: Messages) -> u8 {
     }
 }
 
-/// A panic is a bug of this program; people get one line that says so, whichever threads it happens on.
+/// A panic is a bug of this program; it is reported in one line, for panics of any threads.
 fn announce_bugs_in_one_line() {
     std::panic::set_hook(Box::new(|panic| {
         let text = bug(panic);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `--shader`: classes of libOpenRT, built-in ones and those of plugins, and files in the shading language, in place of a scene's
-//! materials; `--pixel-shader` and `--camera FILE.osl`.
+//! `--shader`: classes of libOpenRT, built-in ones and those of plugins, and files in the shading language,
+//! which replace a scene's materials; `--pixel-shader` and `--camera FILE.osl`.
 //! Tests: `tests/program/shaders.rs`.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -18,7 +18,7 @@ use crate::failure::Failure;
 use crate::messages::Messages;
 use crate::nearest::unknown;
 
-/// The shaders that were asked for.
+/// The requested shaders.
 #[derive(Default)]
 pub(crate) struct Shaders {
     /// The shader table of a commit.
@@ -28,11 +28,11 @@ pub(crate) struct Shaders {
     scripts: Vec<Script>,
 }
 
-/// Shaders whose faults are told as they come.
+/// Shaders whose faults are reported when they occur.
 pub(crate) struct Watched(Vec<(SceneShader, AtomicBool)>);
 
 impl Shaders {
-    /// Makes them, and puts them in the place of the scene's materials; the last one for a material counts.
+    /// Makes them, and replaces the scene's materials by them; the last one for a material counts.
     pub(crate) fn put_into(
         scene: &mut Scene,
         frame: &FrameArguments,
@@ -100,8 +100,8 @@ impl Shaders {
         Ok(())
     }
 
-    /// Those that are files in the shading language, and where they go in the shader table, for a viewer to read them again; and the
-    /// others.
+    /// Those that are files in the shading language, and their positions in the shader table, for a viewer to
+    /// read them again; and the others.
     pub(crate) fn into_viewed(self, camera: Option<&CameraShaderChoice>) -> (Scripts, Watched) {
         let (mut surfaces, mut others) = (Vec::new(), Vec::new());
         for (number, made) in self.made.into_iter().enumerate() {
@@ -173,8 +173,8 @@ pub(crate) struct CameraShaderChoice {
     pub(crate) script: Script,
 }
 
-/// The shader in a camera's place: one that was asked for, or else the one that the scene's file names for the camera; that is told and
-/// left out where it cannot be had.
+/// The shader that replaces a camera: a requested one, or else the one that the scene's file names for the
+/// camera; that is reported and left out where it cannot be had.
 pub(crate) fn camera(
     scene: &Scene,
     number: usize,
@@ -195,7 +195,7 @@ pub(crate) fn camera(
     }
 }
 
-/// All that options ask for.
+/// All requests of the options.
 fn choices<'a>(
     frame: &'a FrameArguments,
     view: &'a ViewArguments,

@@ -88,15 +88,15 @@ fn leave_if_nothing_is_begun(messages: Messages) {
     }
 }
 
-/// Puts files in place by `write`, which asks [`is_leaving`] before it makes them seen. A program that must leave waits
-/// for it, so that nothing half written stays behind.
+/// Writes files by `write`, which checks [`is_leaving`] before it makes them visible. A program that must
+/// leave waits for it, so that nothing half written stays behind.
 pub(crate) fn while_writing<T>(write: impl FnOnce() -> T) -> T {
     let written = {
         let _writing = WRITING.lock().unwrap_or_else(PoisonError::into_inner);
         write()
     };
     while is_leaving() {
-        // The handler ends the program any moment now; nothing may be reported as done.
+        // The handler is about to end the program; nothing may be reported as done.
         std::thread::park();
     }
     written

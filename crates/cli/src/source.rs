@@ -51,7 +51,7 @@ impl Source {
         let path = Path::new(scene);
         let elsewhere = environment.path.iter().map(|folder| folder.join(path));
         let candidates = std::iter::once(path.to_owned()).chain(elsewhere);
-        // A name with a leading `/`, `.` or `..` says where the file is; others are looked for.
+        // A name with a leading `/`, `.` or `..` is a path; others are searched.
         let has_transform = path.is_absolute() || path.starts_with(".") || path.starts_with("..");
         let found = candidates.take(if has_transform { 1 } else { usize::MAX }).find(|path| path.exists());
         match found {
@@ -131,12 +131,12 @@ impl Source {
         Path::new(&self.found).display().to_string()
     }
 
-    /// Reads it; oddities are told as warnings.
+    /// Reads it; oddities are reported as warnings.
     pub(crate) fn load(&self, messages: Messages) -> Result<Scene, Failure> {
         Ok(self.load_with_files(messages)?.0)
     }
 
-    /// As [`load`](Self::load), and tells the files that it was read from.
+    /// As [`load`](Self::load), and returns the files that it was read from.
     pub(crate) fn load_with_files(&self, messages: Messages) -> Result<(Scene, Vec<PathBuf>), Failure> {
         let begin = Instant::now();
         let loaded = load_scene_with(&self.found, &self.options).map_err(|error| match error.kind {
@@ -159,7 +159,7 @@ fn missing(path: &Path, environment: &Environment) -> Failure {
     let meant = path.to_str().filter(|name| names.contains(name));
     let remedy =
         meant.map_or_else(|| "check the path".to_owned(), |name| format!("did you mean '{BUILTIN}{name}'?"));
-    // A link to nowhere, a folder that may not be entered: the system knows best.
+    // For a broken link, or a folder that may not be entered, the system's error is the most precise.
     let problem = match std::fs::metadata(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => system_reason(&error),
         _ => "no such file".into(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The camera of a picture: the scene's, the one that was asked for, or a default one, each part of it replaceable.
+//! The camera of a picture: the scene's, the requested one, or a default one, each part of it replaceable.
 //! See docs/reference/cli.md. Tests: `tests/program/cameras.rs`.
 
 use std::sync::Arc;
@@ -69,7 +69,7 @@ impl Chosen {
     }
 }
 
-/// Where a scene without light stands.
+/// The camera's position, where a scene has no light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
     /// Lit for this use of the picture.
@@ -79,7 +79,7 @@ pub(crate) enum Stage {
 }
 
 impl Stage {
-    /// The one for pictures of this integrator, for screens or as files of floats.
+    /// The view for pictures of this integrator, for screens or as files of floats.
     pub(crate) fn of(integrator: Integrator, is_for_screens: bool) -> Self {
         match integrator {
             Integrator::Eyelight | Integrator::Normals => Self::Plain,
@@ -89,7 +89,7 @@ impl Stage {
 }
 
 /// The camera, and its rays; puts the scene into its surroundings, adds cameras and lights if it and `table`
-/// have none, and reports that. The scene's shaders are in place by then: added objects keep their own
+/// have none, and reports that. The scene's shaders are applied by then: added objects retain their own
 /// surfaces.
 pub(crate) fn choose(
     scene: &mut Scene,
@@ -151,7 +151,7 @@ pub(crate) fn choose_around(
     Ok(Chosen { camera, rays, shader, exposure: added.and_then(defaults::Note::exposure) })
 }
 
-/// The camera that was asked for as the scene has it now, and its rays.
+/// The requested camera, posed as in the scene now, and its rays.
 pub(crate) fn aim(
     scene: &Scene,
     view: &ViewArguments,
@@ -174,7 +174,7 @@ pub(crate) fn aim(
     Ok((camera, rays))
 }
 
-/// The way of that camera while the shutter is open, and its rays, if it moves then.
+/// The motion of that camera while the shutter is open, and its rays, if it moves then.
 pub(crate) fn motion(
     scene: &Scene,
     exposure: &Exposure,
@@ -216,7 +216,7 @@ fn same_place() -> Failure {
     Failure::usage("--eye and --target are the same point; they must differ")
 }
 
-/// `camera` with the parts that were given in place of its own.
+/// `camera` with the given parts replaced.
 fn replaced(camera: &Camera, view: &ViewArguments) -> Result<Camera, Failure> {
     let mut replaced = Camera {
         eye: view.eye.unwrap_or(camera.eye),
@@ -252,7 +252,7 @@ fn replaced(camera: &Camera, view: &ViewArguments) -> Result<Camera, Failure> {
     Ok(replaced)
 }
 
-/// The place of the camera of this name, or else of this number.
+/// The index of the camera of this name, or else of this number.
 fn find(cameras: &[Camera], name: &str) -> Result<usize, Failure> {
     let by_name = cameras.iter().position(|camera| camera.name == name);
     let by_number = || name.parse().ok().filter(|&index| index < cameras.len());

@@ -31,10 +31,10 @@ const NEAR: Reach = Reach { side: 5, step: 1, patch: 2, sharpness: 0.6 };
 const WIDE: Reach = Reach { side: 5, step: 3, patch: 1, sharpness: 0.6 };
 /// The remaining fraction of the variance of independent pixels: each has been in many fits.
 const LEFT: f32 = 0.5;
-/// Where fewer pixels look alike, the second time counts less.
+/// Where fewer pixels are similar, the second time counts less.
 const FEW: f32 = 3.0;
 
-/// The colours of the region without noise, row by row; `None` if `stop` has said so.
+/// The colours of the region without noise, row by row; `None` if `stop` has returned true.
 pub(crate) fn filter(
     noisy: &Noisy,
     pool: &rayon::ThreadPool,

@@ -69,7 +69,7 @@ pub(crate) fn bring_back(
 struct Around {
     width: usize,
     columns: usize,
-    /// Sums of variances over sums of squares of light, of each cell and those beside it.
+    /// Sums of variances over sums of squares of light, of each cell and its neighbours.
     cells: Vec<f32>,
 }
 

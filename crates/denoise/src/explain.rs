@@ -42,7 +42,7 @@ pub(crate) struct Explained {
 type Sum = [f32; 5];
 
 impl Explained {
-    /// Explains the picture; `None` if `stop` has said so. Call within a pool of threads.
+    /// Explains the picture; `None` if `stop` has returned true. Call within a pool of threads.
     pub(crate) fn of(
         level: Level,
         layers: &Layers,
@@ -211,7 +211,7 @@ mod tests {
         let truth = |p: usize| 1.0 + 0.01 * (p % 64) as f32;
         let squares: f32 = (0..64 * 64).map(|p| (found.color[p][0] - truth(p)).powi(2)).sum();
         let factor = variance * 64.0 * 64.0 / squares;
-        // A fit of 121 pixels by nine terms alone would give 13, and each pixel has about thirty fits.
+        // Only a fit of 121 pixels by nine terms would give 13, and each pixel has about thirty fits.
         assert!(factor > 20.0, "the variance falls by {factor}");
         let support: f32 = found.support.iter().sum::<f32>() / (64.0 * 64.0);
         assert!(

@@ -34,7 +34,8 @@ pub(crate) struct Library {
 }
 
 impl Library {
-    /// Loads the file, which must have all functions that are called here; a bare name is looked for by the system's loader.
+    /// Loads the file, which must have all functions that are called here; a bare name is searched by the
+    /// system's loader.
     #[cfg(any(unix, windows))]
     pub(crate) fn open(file: &Path) -> Result<Self, String> {
         // SAFETY: loading runs the library's own start code, as the caller requested.
@@ -47,8 +48,8 @@ impl Library {
         };
         macro_rules! function {
             ($name:literal) => {
-                // SAFETY: the symbol has the type of the field that it goes to according to the library's header. Its
-                // version is the next thing that is asked; a library with all these names is trusted that far.
+                // SAFETY: the symbol has the type of the field that it goes to according to the library's header.
+                // Its version is queried next; a library with all these names is trusted that far.
                 *unsafe { library.get($name.to_bytes_with_nul()) }.map_err(|_| missing($name))?
             };
         }
@@ -91,7 +92,7 @@ pub(crate) struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    /// Opens a device of so many threads, and asks whether it is of version 2.
+    /// Opens a device of this many threads, and checks that it is of version 2.
     pub(crate) fn open(library: &'a Library, threads: usize) -> Result<Self, String> {
         // SAFETY: the number is that of the CPU.
         let raw = unsafe { (library.new_device)(DEVICE_CPU) };
@@ -123,7 +124,7 @@ impl<'a> Device<'a> {
 
     fn check(&self) -> Result<(), String> {
         let mut text: *const c_char = null();
-        // SAFETY: the device is open or null, which asks for the thread's last error; `text` takes a pointer.
+        // SAFETY: the device is open or null, which queries the thread's last error; `text` takes a pointer.
         let code = unsafe { (self.library.device_error)(self.raw, &raw mut text) };
         if code == 0 {
             return Ok(());
@@ -149,8 +150,8 @@ impl<'a> Device<'a> {
             self.check()?;
             return Err("it has no filter 'RT'".into());
         }
-        // SAFETY: all images are of width x height three floats without gaps, as asserted, and outlive the filter. The
-        // library writes to the output alone.
+        // SAFETY: all images are of width x height three floats without gaps, as asserted, and outlive the filter.
+        // The library writes only to the output.
         unsafe {
             let share = |name: &CStr, data: *mut c_void| {
                 (library.share_image)(filter, name.as_ptr(), data, FORMAT_FLOAT3, width, height, 0, 0, 0);

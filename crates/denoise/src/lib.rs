@@ -10,7 +10,7 @@
 //!
 //! # Limits today
 //! * Biased, as denoisers are: detail finer than the noise is blurred.
-//! * Reflections and refractions have no layers of their own: their edges are kept by colours alone.
+//! * Reflections and refractions have no layers: their edges are preserved by colours only.
 #![deny(unsafe_code)]
 
 mod built_in;
@@ -59,18 +59,20 @@ pub fn check(options: &Options) -> Result<(), Error> {
     }
 }
 
-/// Replaces the picture's colours by denoised ones, and keeps those that it had as layer `noisy`. Opacity stays.
+/// Replaces the picture's colours by denoised ones, and stores the original ones as layer `noisy`. Opacity
+/// stays.
 ///
 /// # Errors
-/// [`Error`] if a layer is missing, the region is no part of the picture, or OIDN was asked for and cannot be used; the
-/// picture has not changed then.
+/// [`Error`] if a layer is missing, the region is no part of the picture, or OIDN was requested and cannot be
+/// used; the picture has not changed then.
 pub fn denoise(picture: &mut Picture, options: &Options, pool: &rayon::ThreadPool) -> Result<Used, Error> {
     let used = denoise_unless(&|| false, picture, options, pool)?;
     Ok(used.unwrap_or(Used::BuiltIn { without_oidn: None }))
 }
 
-/// As [`denoise`], but gives up as soon as `stop` says so, which is called from all threads: the picture has not changed then,
-/// and the answer is `None`. The built-in filter asks once for every few rows, OIDN does not.
+/// As [`denoise`], but ends as soon as `stop` returns true, which is called from all threads: the picture has
+/// not changed then, and the result is `None`. The built-in filter calls it once for every few rows, OIDN
+/// does not.
 ///
 /// # Errors
 /// As [`denoise`].

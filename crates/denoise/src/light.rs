@@ -2,8 +2,8 @@
 //! Decomposition of a picture's colours: directly visible light of lights and environment, which needs no
 //! filter, and scattered light, divided by the albedo. Division by albedo as in \[BRM*16\]'s successors,
 //! softened so that gloss on dark surfaces stays gloss.
-//! Invariant: `color * divisor + direct` is the picture, but for stray light that moved within a few pixels; nothing here is
-//! negative. Tests: `tests`, crates/denoise/tests/filter.rs.
+//! Invariant: `color * divisor + direct` is the picture, except for stray light that moved within a few
+//! pixels; nothing here is negative. Tests: `tests`, crates/denoise/tests/filter.rs.
 
 use crate::noisy::{Noisy, Triple};
 
@@ -12,7 +12,7 @@ const SOFTENING: f32 = 0.25;
 /// A pixel that hits a light with one of its samples has a variance of about the square of its value; with
 /// two, of half that. Above this fraction its coverage by the light is unknown.
 const HARDLY_SEEN: f32 = 0.8;
-/// Above so much more than all other light of the pixel that matters.
+/// The ratio to all other light of the pixel above which it matters.
 const MATTERS: f32 = 1.5;
 /// Pixels to each side among which such light is shared out.
 const SHARED: usize = 3;
@@ -52,7 +52,8 @@ impl Light {
         light
     }
 
-    /// Where lamps are seen, the variance is mostly that of how much of them: scattered light has that of pixels beside them.
+    /// Where lights are visible, the variance is mostly that of their visible share: scattered light has that
+    /// of neighbouring pixels.
     fn take_variance_from_beside(&mut self, noisy: &Noisy) {
         let before = self.variance.clone();
         for p in (0..before.len()).filter(|&p| mean(&noisy.emission[p]) > 0.0) {
@@ -69,7 +70,8 @@ impl Light {
         }
     }
 
-    /// A lamp that a single sample of a pixel met is seen by its neighbours along the lamp's edge as much: light is shared.
+    /// The neighbours along a light's edge see as much of a light that a single sample of a pixel hit: light
+    /// is shared.
     fn share_stray_light(&mut self, noisy: &Noisy) {
         let emission_at = |q: usize| mean(&noisy.emission[q]);
         let stray = |p: usize| {
@@ -88,7 +90,7 @@ impl Light {
         }
         let mut shares = Vec::new();
         for (p, taken) in &stray {
-            // On which sides the lamp is: the edge goes on where it is on one of those, too.
+            // On which sides the light is: the edge continues where it is on one of those, too.
             let is_emitter = |q: usize| {
                 sides(noisy, q).map(|side| side.is_some_and(|r| emission_at(r) > 2.0 * mean(taken)))
             };
@@ -146,7 +148,8 @@ pub(crate) fn mean(color: &Triple) -> f32 {
 mod tests {
     use super::*;
 
-    /// A dim wall beside a lamp of radiance 17, from column 5 on; in column 4 every third pixel met it by one sample of 16.
+    /// A dim wall next to a light of radiance 17, from column 5 on; in column 4 every third pixel hit it by
+    /// one sample of 16.
     fn is_emitter() -> Noisy {
         let (width, height) = (10, 12);
         let pixels = || (0..width * height).map(|p| [p % width, p / width]);

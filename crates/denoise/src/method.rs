@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Which denoiser is wanted, and which was used.
+//! Which denoiser is requested, and which was used.
 
 use std::fmt;
 use std::str::FromStr;
 
 use crate::error::Error;
 
-/// Which denoiser is wanted.
+/// Which denoiser is requested.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// OIDN where its library is found, else the built-in one.
@@ -48,14 +48,14 @@ impl FromStr for Method {
 /// Which denoiser was used.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Used {
-    /// The built-in one. The text says why it was not OIDN's, if that was looked for.
+    /// The built-in one. The text is the reason why it was not OIDN's, if that was searched.
     BuiltIn {
         /// The reason that OIDN was not used; `None` if it was not requested.
         without_oidn: Option<String>,
     },
     /// OIDN's.
     Oidn {
-        /// As the library says: `2.3.3`.
+        /// As the library reports it: `2.3.3`.
         version: String,
         /// Its device, as in `OIDN_DEVICE_TYPE_CPU`: `CPU`.
         device: &'static str,

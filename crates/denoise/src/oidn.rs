@@ -9,7 +9,7 @@ use crate::ffi_oidn::{Device, Images, Library};
 use crate::method::Used;
 use crate::noisy::{Noisy, Triple};
 
-/// Where it is looked for unless it is named.
+/// Where it is searched unless it is named.
 #[cfg(target_os = "macos")]
 const USUAL: &str = "libOpenImageDenoise.2.dylib";
 #[cfg(not(target_os = "macos"))]

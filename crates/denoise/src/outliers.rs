@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Fireflies: a pixel's excess over its neighbourhood is removed, and distributed to its surroundings in
 //! proportion to their light. A rank among neighbours as in \[DeCoro2010\]'s rejection of outliers, but
-//! energy is kept as far as `MOST` allows. Invariant: pictures times a factor give that factor. Tests:
+//! energy is preserved as far as `MOST` allows. Invariant: pictures times a factor give that factor. Tests:
 //! `tests`.
 
 use rayon::prelude::*;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use crate::light::mean;
 use crate::noisy::Triple;
 
-/// Pixels to each side that are looked at.
+/// Pixels to each side that are compared.
 const REACH: usize = 3;
 /// A pixel is no brighter than this times the neighbour that only an eighth of them is brighter than, or their mean.
 const BRIGHTER: f32 = 1.5;
@@ -17,7 +17,7 @@ const BRIGHTER: f32 = 1.5;
 const CELL: usize = 16;
 /// Cells to each side among which it is shared.
 const SHARED: usize = 4;
-/// Few outliers tell little of how much light is missing: this many are believed by half.
+/// Few outliers give little information on how much light is missing: this many are weighted by half.
 const BELIEVED: f32 = 4.0;
 /// Pixels become brighter by less than this factor.
 const MOST: f32 = 30.0;

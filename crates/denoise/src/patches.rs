@@ -22,7 +22,7 @@ pub(crate) struct Reach {
     pub(crate) step: usize,
     /// Pixels of a patch to each side of its centre.
     pub(crate) patch: usize,
-    /// How many standard deviations apart two colours may be.
+    /// The largest difference of two colours, in standard deviations.
     pub(crate) sharpness: f32,
 }
 

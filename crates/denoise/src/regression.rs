@@ -65,8 +65,8 @@ impl Regression {
         self.rows[0][0]
     }
 
-    /// The best fit; deviations of normals and albedo below `unsure` (in their units) tell nothing, and none of places below
-    /// a hundredth of their spread. `None` without neighbours.
+    /// The best fit; deviations of normals and albedo below `unsure` (in their units) have no effect, and
+    /// none of positions below a hundredth of their spread. `None` without neighbours.
     #[inline(always)]
     pub(crate) fn solve(&self, unsure: f32) -> Option<Fit> {
         let weight = f64::from(self.weight());
@@ -109,7 +109,7 @@ impl Fit {
     }
 }
 
-/// Cholesky's way; `right` becomes the solution. `None` if the matrix is not positive definite.
+/// Cholesky's method; `right` becomes the solution. `None` if the matrix is not positive definite.
 #[inline(always)]
 fn solve(matrix: &mut [[f64; TERMS]; TERMS], right: &mut [[f64; 3]; TERMS]) -> Option<()> {
     for i in 0..TERMS {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Variances of pixels: smoothed, and guessed from neighbours where samples tell none.
+//! Variances of pixels: smoothed, and estimated from neighbours where samples give none.
 
 use rayon::prelude::*;
 
@@ -28,7 +28,7 @@ pub(crate) fn smooth(variance: &[Triple], normal: &[Triple], width: usize) -> Ve
     (0..variance.len()).into_par_iter().map(at).collect()
 }
 
-/// Half the mean square difference to the neighbours below and to the right, where samples tell no variance.
+/// Half the mean square difference to the neighbours below and to the right, where samples give no variance.
 pub(crate) fn spatial(color: &[Triple], width: usize, height: usize) -> Vec<Triple> {
     let at = |i: usize| {
         let (x, y) = (i % width, i / width);

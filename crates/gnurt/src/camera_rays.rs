@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rays of a camera of a description: as that says, or as a shader says that stands in its place.
+//! Rays of a camera of a description: by its own settings, or by a shader that replaces it.
 //! Space: world. Tests: `tests`, and the command line's `tests/program/scripts.rs`.
 
 use std::sync::Arc;
@@ -38,7 +38,7 @@ pub fn camera_rays_along(
     }
 }
 
-/// Where a camera stands.
+/// The frame of a camera.
 fn frame_of(camera: &Camera, pixels: [u32; 2]) -> Option<CameraFrame> {
     let frame = camera.frame().filter(|_| camera.eye.iter().all(|x| x.is_finite()))?;
     let back = frame.forward.map(|x| -x);

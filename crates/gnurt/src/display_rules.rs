@@ -20,7 +20,7 @@ pub fn is_noisy(integrator: Integrator, samples: u32) -> bool {
     (integrator == Integrator::Path || integrator.has_virtual_lights()) && samples < FEW_SAMPLES
 }
 
-/// Columns or rows of a picture that is only measured, whichever are more.
+/// Columns or rows, the larger of the two, of a picture that is only measured.
 const METERED: u32 = 96;
 /// Its samples per pixel.
 const METERED_SAMPLES: u32 = 4;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! One error for programs that call several parts of the system and want one `?`.
-//! Messages are one line; each says whose mistake it is by its kind.
+//! One error for programs that call several parts of the system and need one `?`. Messages are one line; the
+//! kind of each names the cause.
 
 use crate::size::format_bytes;
 use crate::{image, render, scene};
@@ -36,10 +36,10 @@ pub enum Error {
         /// Bytes that are left.
         free: u64,
     },
-    /// The system did not give the threads that were asked for.
+    /// The system did not start the requested threads.
     #[error("cannot start {threads} threads: {why}")]
     Threads {
-        /// How many were asked for.
+        /// The requested number.
         threads: usize,
         /// The system's message.
         why: String,

@@ -2,7 +2,7 @@
 //! A heap whose large arrays may be in a file, for scenes larger than memory: the system reads needed pages,
 //! and writes and evicts others when memory runs short.
 //! Source: mmap(2), fallocate(2). One sparse file is mapped as a whole; an array takes a range of it, and gives its blocks back with it.
-//! Invariant: ranges in use never overlap; those that are free hold no blocks and read as zero. Tests: `tests` below;
+//! Invariant: ranges in use never overlap; free ones hold no blocks and read as zero. Tests: `tests` below;
 //! crates/cli/tests/program/out_of_core.rs.
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -36,7 +36,7 @@ const LENGTHS: [u64; 4] = [1 << 42, 1 << 38, 1 << 34, 1 << 30];
 /// ```
 #[derive(Debug, Default)]
 pub struct FileHeap {
-    /// Where the file is mapped; 0 = nowhere.
+    /// The address of the mapping; 0 = none.
     base: AtomicUsize,
     length: AtomicUsize,
     /// The process that may take ranges: a child process shares the file with its parent, and takes none.
@@ -111,7 +111,7 @@ impl FileHeap {
         Some((base + start) as *mut u8)
     }
 
-    /// The place in the file of an array that lies there.
+    /// The offset in the file of an array in it.
     fn slot_of(&self, array: *mut u8) -> Option<usize> {
         let base = self.base.load(Ordering::Acquire);
         let slot_of = (array as usize).checked_sub(base)?;
@@ -213,7 +213,7 @@ unsafe impl GlobalAlloc for FileHeap {
             self.in_use.fetch_add(size.wrapping_sub(layout.size()), Ordering::Relaxed);
             return array;
         }
-        // SAFETY: the caller's size is one that a layout may have.
+        // SAFETY: the caller's size is valid for a layout.
         let new = unsafe { self.alloc(Layout::from_size_align_unchecked(size, layout.align())) };
         if !new.is_null() {
             // SAFETY: both have at least the copied length, and they are two arrays; the old one belongs to
@@ -242,10 +242,10 @@ fn mapped(folder: &Path) -> io::Result<(File, usize, usize)> {
         give_blocks(&file, 0, PAGE)?;
         take_blocks(&file, 0, PAGE)?;
         let (access, flags) = (ProtFlags::READ | ProtFlags::WRITE, MapFlags::SHARED | MapFlags::NORESERVE);
-        // SAFETY: the system chooses a place where nothing else is; the file is ours alone, for it has no name.
+        // SAFETY: the system chooses a free range of addresses; the file is ours only, for it has no name.
         match unsafe { mmap(std::ptr::null_mut(), bytes, access, flags, &file, 0) } {
             Ok(base) => {
-                // Rays access memory at random: readahead beside a page, up to MiB, would evict pages in use.
+                // Rays access memory at random: readahead around a page, up to MiB, would evict pages in use.
                 // SAFETY: the range is the one that was mapped; advice changes nothing in it.
                 let _ = unsafe { madvise(base, bytes, Advice::Random) };
                 return Ok((file, base as usize, bytes));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Scenes by name: a file, or one that the program carries with it.
+//! Scenes by name: a file, or one that the program contains.
 //! Tests: `tests::builtin_and_files`.
 
 use std::ffi::OsStr;

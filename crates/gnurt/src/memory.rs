@@ -50,7 +50,7 @@ pub fn check_more(size: [u32; 2], needed: u64) -> Result<(), Error> {
     }
 }
 
-/// Bytes of memory that this process may still take; `None` where the system does not tell.
+/// Bytes of memory that this process may still take; `None` where the system does not report it.
 #[must_use]
 pub fn free_memory() -> Option<u64> {
     let read = |path: &str| read_to_string(path).ok();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The shaders in the shading language that a scene's file names for its materials and cameras, compiled and put in their place.
+//! The shaders in the shading language that a scene's file names for its materials and cameras, compiled and
+//! applied.
 //! Tests: `tests` below; bindings/python/tests/test_shaders.py.
 
 use std::sync::Arc;

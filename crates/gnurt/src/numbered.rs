@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Files with numbers: `frame.####.png` stands for `frame.0001.png` and all the others.
+//! Files with numbers: `frame.####.png` means `frame.0001.png` and all the others.
 //! Source: after the custom of film. The last run of `#` in a file's name is the number, with zeros before it up to the run's
 //! length; larger numbers have more digits. Tests: `tests`.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// A name with a place for a number.
+/// A name with a placeholder for a number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Numbered {
     path: PathBuf,
@@ -19,7 +19,7 @@ impl Numbered {
     /// The name, if its last part has a `#`.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
-        // Names that are no text have no place for one.
+        // Names that are no text have no placeholder.
         let name = path.file_name()?.to_str()?;
         let end = name.rfind('#')? + 1;
         let start = name[..end].trim_end_matches('#').len();
@@ -43,7 +43,7 @@ impl Numbered {
     /// The least number whose file is there.
     ///
     /// # Errors
-    /// As the system says of the folder.
+    /// The system's error for the folder.
     pub fn first(&self) -> std::io::Result<Option<u32>> {
         let folder = self.path.parent().filter(|folder| !folder.as_os_str().is_empty());
         let mut first = None;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Changes of a scene by text, such as `materials.gold.roughness=0.3`: values of a file, replaced before
-//! rendering. A path names a list, an element and a field; each kind of surface lists its own fields, with
-//! their ranges, in one place.
+//! rendering. A path names a list, an element and a field; one function for each kind of surface lists its
+//! fields, with their ranges.
 //! Tests: `tests`, crates/cli/tests/program/overrides.rs.
 
 use gnurt_scene::material::{Alpha, Principled};
@@ -34,7 +34,7 @@ pub struct Override {
     value: String,
 }
 
-/// Lists of a scene whose things can be changed.
+/// Lists of a scene whose elements can be changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum List {
     Materials,
@@ -46,7 +46,7 @@ enum List {
 const LISTS: [(&str, List); 3] =
     [("materials", List::Materials), ("lights", List::Lights), ("instances", List::Instances)];
 
-/// A field of a thing, where its value goes.
+/// A field of an element, to write its value.
 enum Slot<'a> {
     /// A number within a range.
     Number(&'a mut f32, [f32; 2]),
@@ -95,7 +95,7 @@ impl Override {
     /// # Errors
     ///
     /// If nothing has that name, nothing of that name has the field, or the value is out of its range. The message lists the valid ones.
-    /// The scene is then unchanged, but for things before the one at fault under `*`.
+    /// The scene is then unchanged, except for elements before the faulty one under `*`.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), String> {
         let places = self.places(scene)?;
         let mut valid: Vec<&'static str> = Vec::new();

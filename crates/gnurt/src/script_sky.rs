@@ -16,7 +16,7 @@ const SIZE: [u32; 2] = [1024, 512];
 const EVEN: f32 = 0.05;
 /// Parts along each side of a texel that has an edge.
 const PARTS: usize = 4;
-/// Texels that are asked for at once.
+/// Texels that are computed together.
 const AT_ONCE: usize = 256;
 
 /// Whether surroundings are a file in the shading language.
@@ -24,8 +24,8 @@ pub(crate) fn is_script(path: &Path) -> bool {
     path.extension().is_some_and(|end| end == "osl" || end == "oso" || end == "oslgroup")
 }
 
-/// The latitude-longitude picture of a sky with these values of its parameters, by all cores; and the one that rays of the camera see
-/// where it is another.
+/// The latitude-longitude picture of a sky with these values of its parameters, by all cores; and the picture
+/// for rays of the camera where it is another.
 pub(crate) fn texels(path: &Path, given: &[(String, String)]) -> Result<(Texels, Option<Texels>), String> {
     let mut script = Script::open(path, &Access::default())?;
     for (name, text) in given {

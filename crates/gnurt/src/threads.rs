@@ -61,9 +61,9 @@ impl Deref for JoinedPool {
 
 impl Drop for JoinedPool {
     fn drop(&mut self) {
-        // Tells them to end.
+        // Requests them to end.
         self.pool = None;
-        // A panic of a thread was told where it happened.
+        // A panic of a thread was reported where it happened.
         self.threads.drain(..).for_each(|thread| drop(thread.join()));
     }
 }

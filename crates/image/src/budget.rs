@@ -17,11 +17,11 @@ const PICTURE_BELIEVED: u64 = 512 << 20;
 const GROWTH: u64 = 16;
 /// Bytes that each byte of a picture's file may become beyond that: flat pictures take next to nothing.
 const PICTURE_GROWTH: u64 = 64;
-/// Bytes that may be looked at however short the files are.
+/// Bytes that may be examined however short the files are.
 const WORK: u64 = 1 << 30;
-/// Bytes that may be looked at for each byte of the files beyond that.
+/// Bytes that may be examined for each byte of the files beyond that.
 const WORK_GROWTH: u64 = 64;
-/// Files that a scene may name: each is looked for on the disk.
+/// Files that a scene may name: each is searched on the disk.
 const MOST_FILES: u32 = 1 << 16;
 
 /// The cost of files so far, and its limits.
@@ -40,9 +40,9 @@ pub struct Budget {
 /// An exceeded budget; `Display` names the resource.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Excess {
-    /// So many bytes at once are the limit.
+    /// The limit is this many bytes at once.
     Memory(u64),
-    /// So many bytes looked at are the limit.
+    /// The limit is this many examined bytes.
     Work(u64),
     /// Too many files are named.
     Files,
@@ -76,14 +76,14 @@ impl Default for Budget {
 }
 
 impl Budget {
-    /// So many bytes may be held at once.
+    /// The number of bytes that may be held at once.
     #[must_use]
     pub fn of_bytes(free: u64) -> Self {
         let [accounted, length, held, worked] = [const { Cell::new(0) }; 4];
         Self { free, accounted, length, held, worked, files: Cell::new(0) }
     }
 
-    /// The budget of one picture or volume, whose file has so many bytes.
+    /// The budget of one picture or volume whose file has this many bytes.
     #[must_use]
     pub fn of_picture(length: u64) -> Self {
         Self::of_bytes(length.saturating_mul(PICTURE_GROWTH).max(PICTURE_BELIEVED))
@@ -95,12 +95,12 @@ impl Budget {
         Self { free: self.free.min(bytes), ..self }
     }
 
-    /// Notes that a file of so many bytes was read.
+    /// Counts a file of this many bytes that was read.
     pub fn add_file(&self, bytes: u64) {
         self.add(bytes, GROWTH);
     }
 
-    /// Notes that a picture of so many bytes was read.
+    /// Counts a picture of this many bytes that was read.
     pub fn add_picture(&self, bytes: u64) {
         self.add(bytes, PICTURE_GROWTH);
     }
@@ -135,7 +135,7 @@ impl Budget {
         self.held.get()
     }
 
-    /// Takes back all that was held since [`held`](Self::held) said `before`.
+    /// Releases all that was held since [`held`](Self::held) returned `before`.
     pub fn settle(&self, before: u64) {
         self.held.set(before.min(self.held.get()));
     }
@@ -145,7 +145,7 @@ impl Budget {
         self.held.set(self.held.get().saturating_sub(bytes as u64));
     }
 
-    /// Allows `bytes` more to be looked at.
+    /// Allows `bytes` more to be examined.
     pub fn work(&self, bytes: usize) -> Result<(), Excess> {
         let worked = self.worked.get().saturating_add(bytes as u64);
         let limit = self.length.get().saturating_mul(WORK_GROWTH).max(WORK);
@@ -156,7 +156,7 @@ impl Budget {
         Ok(())
     }
 
-    /// Allows one more file to be looked for.
+    /// Allows one more file to be searched.
     pub fn name_file(&self) -> Result<(), Excess> {
         if self.files.get() == MOST_FILES {
             return Err(Excess::Files);

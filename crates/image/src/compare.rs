@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How far two pictures are apart, in linear light.
-//! Relative MSE as in [Rousselle2011], structural similarity in `ssim`. In: pictures of one size, the
-//! second one the reference. Sums run over pixels and R, G, B in one order, in 64 bits. A NaN on either side is an
-//! infinite difference; equal infinities are no difference. Tests: `tests`.
+//! The difference of two pictures, in linear light. Relative MSE as in [Rousselle2011], structural similarity
+//! in `ssim`. In: pictures of one size, the second one the reference. Sums run over pixels and R, G, B in one
+//! order, in 64 bits. A NaN on either side is an infinite difference; equal infinities are no difference.
+//! Tests: `tests`.
 
 use std::fmt;
 
@@ -18,7 +18,7 @@ pub struct Comparison {
     pub mse: f64,
     /// Mean of (a - b)^2 / (b^2 + 0.01) over pixels and colours.
     pub rel_mse: f64,
-    /// 10 log10(1 / mse) in decibels: the peak is 1. Infinite for equal pictures, -infinite beside a NaN.
+    /// 10 log10(1 / mse) in decibels: the peak is 1. Infinite for equal pictures, -infinite with a NaN.
     pub psnr: f64,
     /// Structural similarity, -1..=1; 1 for equal pictures. See `ssim` for its input.
     pub ssim: f64,
@@ -82,7 +82,7 @@ fn decimal(value: f64) -> String {
     }
 }
 
-/// Compares a picture with a reference. Layers and metadata are not looked at.
+/// Compares a picture with a reference. Layers and metadata are not compared.
 ///
 /// # Errors
 /// [`Error::SizesDiffer`], or [`Error::Shape`] for a picture whose parts do not fit.
@@ -142,7 +142,7 @@ impl Sums {
     }
 }
 
-/// |a - b|; infinite beside a NaN, 0 for equal infinities.
+/// |a - b|; infinite with a NaN, 0 for equal infinities.
 fn difference(a: f32, b: f32) -> f64 {
     if a == b {
         return 0.0;

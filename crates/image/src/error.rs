@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Errors of pictures; each message gives the fault and, where it helps, the remedy. Messages contain no file
-//! name unless stated: the caller of `decode` knows it, `read` and `write` add it.
+//! name unless stated: the caller of `decode` has it, `read` and `write` add it.
 //! Tests: `file::tests`, which read the messages.
 
 use std::path::{Path, PathBuf};
@@ -11,7 +11,7 @@ pub enum Error {
     /// A name that is none of ours; the user's mistake.
     #[error("unknown {what} '{name}'; valid are: {valid}")]
     UnknownName {
-        /// The kind of the named thing.
+        /// The kind of the named item.
         what: &'static str,
         /// The name.
         name: String,
@@ -73,7 +73,7 @@ pub enum Error {
         /// Columns and rows of the second.
         b: [u32; 2],
     },
-    /// The system refused a file operation.
+    /// The system rejected a file operation.
     #[error("{}: {what}", path.display())]
     File {
         /// The file.
@@ -105,7 +105,7 @@ impl Error {
         }
     }
 
-    /// A refused operation on a file.
+    /// A rejected operation on a file.
     pub(crate) fn file(path: &Path, what: &str, error: &std::io::Error) -> Self {
         Self::File { path: path.into(), what: format!("{what}: {}", system_reason(error)) }
     }

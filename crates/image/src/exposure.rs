@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The exposure of a picture, from the picture alone.
+//! The exposure of a picture, from only the picture.
 //! Source: [Rei02] section 3 (the log-average shows as a key value), [Rei03] (the key from the log-average
 //! relative to the darkest and the brightest); robust here: percentiles represent darkest and brightest, the
 //! average is taken between them. In: linear light of any unit. Out: stops, in hundredths, so that a printed
@@ -10,18 +10,19 @@
 //!    are raised to that;
 //! 2. `mean` is the geometric mean of L, cut to `dark..bright`;
 //! 3. `key` = (2 log mean - log dark - log bright) / (log bright - log dark), -1..1: is the picture mostly bright or dark?
-//! 4. the mean shows as 0.18 * 2^place: mid-grey, up to a stop more or less, so that snow stays white and night stays dark;
+//! 4. the mean shows as 0.18 * 2^place: mid-grey, up to a stop more or less, so that snow stays white and
+//!    night stays dark;
 //! 5. if the 90th percentile then shows brighter than 2, the exposure falls until it does not, by a stop and a half at most.
 //!
-//! Invariants: a picture k times as bright gets log2 k stops less; order and place of pixels do not matter; a picture without
-//! light, or without a number in it, gets 0. Tests: `tests`.
+//! Invariants: a picture k times as bright gets log2 k stops less; order and position of pixels do not
+//! matter; a picture without light, or without a number in it, gets 0. Tests: `tests`.
 
 use crate::Picture;
 use crate::srgb::luminance;
 
 /// The displayed value of a mean in the middle: the card of photographers.
 const MID_GREY: f64 = 0.18;
-/// So many stops the key moves for pictures that are mostly bright or dark.
+/// Stops by which the key moves for pictures that are mostly bright or dark.
 const KEY_RANGE: f64 = 1.0;
 /// Shares of the pixels below the darkest and the brightest luminance that count.
 const ENDS: [f64; 2] = [0.02, 0.98];
@@ -109,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_lit_thing_before_the_dark_is_not_burnt() {
-        // A fifth of the picture is a thing in light, all else a dim wall behind it.
+        // A fifth of the picture is a lit object, all else a dim wall behind it.
         let picture = of((0..1000).map(|i| if i % 5 == 0 { 4.0 } else { 0.02 }));
         let thing = 4.0 * exposure_for(&picture).exp2();
         assert!(thing < 10.0, "it shows as {thing}");

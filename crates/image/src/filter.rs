@@ -2,8 +2,9 @@
 //! Reconstruction filters, by importance sampling: a sample is placed around the pixel's centre with the filter as its
 //! density, and then weighs 1. Pixels stay independent, which keeps pictures the same for any number of threads.
 //! Source: [Ernst2006]; the window of Blackman and Harris [Har78]. Offsets are in pixels from the centre; both axes
-//! are independent. Invariants: every density is >= 0, even, 0 beyond `radius`, and integrates to 1; `sample` follows
-//! it exactly, but for the tables of the last two, which follow a piecewise linear density of 256 pieces.
+//! are independent. Invariants: every density is >= 0, even, 0 beyond `radius`, and integrates to 1; `sample`
+//! follows it exactly, except for the tables of the last two, which follow a piecewise linear density of 256
+//! pieces.
 //! Tests: `tests::{integrates_to_one, samples_follow_the_density, ends_are_reached}`.
 
 use crate::Error;

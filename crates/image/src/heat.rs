@@ -18,7 +18,7 @@ const STOPS: [[f32; 3]; 6] = [
 /// Linear colour of a measure; below 0 and NaN as 0, above 1 as 1.
 #[must_use]
 pub fn heat_color(measure: f32) -> [f32; 3] {
-    // `clamp` keeps a NaN; `max` answers the number beside it.
+    // `clamp` keeps a NaN; `max` returns the other number.
     let position = measure.clamp(0.0, 1.0).max(0.0) * (STOPS.len() - 1) as f32;
     let stop = (position as usize).min(STOPS.len() - 2);
     let share = position - stop as f32;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Pictures: the value of pixels, their files and their comparison. Knows neither rays nor threads.
+//! Pictures: the value of pixels, their files and their comparison. Uses neither rays nor threads.
 #![forbid(unsafe_code)]
 
 mod budget;
@@ -40,5 +40,5 @@ pub use tiles::{TileCache, TileCounts};
 pub use tone::{ToneCurve, screen_bytes};
 pub use volume::{Grid, Volume};
 
-/// The name and version that files say they were made by.
+/// The name and version of the maker that files state.
 pub const SOFTWARE: &str = concat!("GNU RT ", env!("CARGO_PKG_VERSION"));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture: linear colours with opacity, and named layers of other data beside them.
-//! Values are linear light (Rec. 709 primaries), unclamped; row 0 is the top, columns run to the right.
+//! A picture: linear colours with opacity, and named layers of other data. Values are linear light (Rec. 709
+//! primaries), unclamped; row 0 is the top, columns run to the right.
 //!
 //! The colour is the visible one. Its opacity is the hidden share of the background; [`Opacity`] relates the
 //! two. A known background is the layer [`BACKGROUND`]: `R`, `G`, `B`, its visible part, and `A`, its visible
@@ -68,7 +68,7 @@ pub struct Channel {
 pub enum ChannelData {
     /// Measures: distances, coordinates, colours.
     F32(Vec<f32>),
-    /// Numbers of things.
+    /// Numbers of objects.
     U32(Vec<u32>),
 }
 
@@ -139,7 +139,7 @@ impl Picture {
     pub(crate) fn in_front(&self) -> impl Iterator<Item = [f32; 4]> + '_ {
         let background = self.background();
         self.color.iter().enumerate().map(move |(i, &[r, g, b, a])| match (background, self.opacity) {
-            // Exactly nothing, whatever a filter has made of the colour.
+            // Exactly zero, after any filter of the colour.
             (Some(_), _) if a <= 0.0 => [0.0; 4],
             (Some([br, bg, bb, _]), _) => [r - br[i], g - bg[i], b - bb[i], a],
             (None, Opacity::Straight) if a != 1.0 => [r * a, g * a, b * a, a],
@@ -166,7 +166,7 @@ impl Picture {
     /// Whether sizes fit: at least one pixel, and as many values everywhere as there are pixels.
     ///
     /// # Errors
-    /// [`Error::Shape`] says which part has the wrong size.
+    /// [`Error::Shape`] with the part that has the wrong size.
     pub fn check(&self) -> Result<(), Error> {
         let pixels = self.pixel_count();
         if pixels == 0 {

@@ -16,12 +16,12 @@ pub enum Weigh {
     Alike,
     /// Colours by their opacity, opacities alike.
     ByOpacity,
-    /// All alike, and red, green, blue are directions from 0 = -1 to 1: each counts as a unit one, so that the length of a mean
-    /// says how far they differ.
+    /// All alike, and red, green, blue are directions from 0 = -1 to 1: each counts as a unit one, so that
+    /// the length of a mean measures how far they differ.
     Directions,
 }
 
-/// Added to opacities, so that areas that are all hole have their texels' mean.
+/// Added to opacities, so that fully transparent areas have their texels' mean.
 const HOLE: f64 = 1e-6;
 
 /// The texels that one covers, along one side, and their shares, which add up to 1.

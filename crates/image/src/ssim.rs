@@ -31,7 +31,7 @@ pub(crate) fn ssim(a: &Picture, b: &Picture) -> f64 {
 }
 
 fn luma(picture: &Picture) -> Vec<f64> {
-    // `clamp` keeps a NaN; `max` answers the number beside it.
+    // `clamp` keeps a NaN; `max` returns the other number.
     let encoded = |value: f32| srgb::encode(value.clamp(0.0, 1.0).max(0.0));
     picture
         .color

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A picture file as it is: all channels of all its levels, with the values that are stored and the texts beside them.
-//! For tools that need a file's contents; pictures use `Texels`, which handles colours.
+//! A picture file unconverted: all channels of all its levels, with the stored values and the texts. For
+//! tools that need a file's contents; pictures use `Texels`, which handles colours.
 //! Invariant: there is at least one level, and `values` holds `width * height * channels` of them, pixel by pixel from the upper left one.
 //! Tests: `tests/{round_trip,broken}.rs`.
 

@@ -102,7 +102,7 @@ fn floats([low, high]: [u64; 2]) -> [f32; 4] {
 }
 
 impl TileCache {
-    /// The same picture in tiles of this cache; one that is tiled already stays as it is.
+    /// The same picture in tiles of this cache; a tiled one stays unchanged.
     ///
     /// # Errors
     /// [`Error::File`] if the temporary file cannot grow.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The file of a cache of tiles: pictures cut into tiles of 16 KiB, row by row, at places that never change.
+//! The file of a cache of tiles: pictures cut into tiles of 16 KiB, row by row, at offsets that never change.
 //! It is an unnamed temporary file: other programs cannot change it, and it disappears with the program.
 //! Invariant: no two pictures share a byte, so that several threads write at once. Tests: `tests` of `tiles.rs`.
 
@@ -15,7 +15,7 @@ use crate::Error;
 pub(crate) const WORDS: usize = 2048;
 pub(crate) const TILE_BYTES: usize = WORDS * 8;
 
-/// Columns and rows of a tile of texels of so many bytes.
+/// Columns and rows of a tile of texels of this many bytes.
 #[inline]
 pub(crate) fn tile_size(bytes: usize) -> [usize; 2] {
     match bytes {
@@ -44,7 +44,7 @@ impl TileFile {
         self.end.load(Ordering::Relaxed)
     }
 
-    /// Room for a picture whose texels have 4, 8 or 16 bytes.
+    /// Space for a picture whose texels have 4, 8 or 16 bytes.
     pub(crate) fn cutter(&self, [width, height]: [usize; 2], bytes: usize) -> Cutter<'_> {
         let [columns, rows] = tile_size(bytes);
         let (across, down) = (width.div_ceil(columns), height.div_ceil(rows));
@@ -92,7 +92,7 @@ pub(crate) struct Cutter<'a> {
     row_bytes: usize,
     /// Of a texel.
     bytes: usize,
-    /// Tiles beside each other, and below each other.
+    /// Tiles next to each other, and below each other.
     pub(crate) across: usize,
     pub(crate) down: usize,
     /// Where the picture begins, and its next tile.
@@ -166,7 +166,7 @@ fn write_some(file: &File, from: &[u8], at: u64) -> io::Result<usize> {
     std::os::windows::fs::FileExt::seek_write(file, from, at)
 }
 
-// Files have no places there.
+// Files cannot be read at an offset there.
 #[cfg(not(any(unix, windows)))]
 fn read_some(_: &File, _: &mut [u8], _: u64) -> io::Result<usize> {
     Err(io::ErrorKind::Unsupported.into())

@@ -3,10 +3,10 @@
 //! Source: \[PKGH97\] (textures by tiles on demand), \[Boe12\] (reading under a version number); original. A
 //! texel keeps its value, bit for bit: pictures do not change.
 //! * All tiles are in a file, `tile_file.rs`.
-//! * Each tile has an entry in its picture's list: the number of its slot in memory, or none. A reader looks
-//!   up the slot, reads, and checks that the slot's version is still the same: no lock. A reader that misses
-//!   a tile reads it from the file into memory of its own. Then it waits for the one lock, to put the tile
-//!   into the least recently used slot, approximately \[Cor68\].
+//! * Each tile has an entry in its picture's list: the number of its slot in memory, or none. A reader finds
+//!   the slot, reads, and checks that the slot's version is still the same: no lock. A reader that misses a
+//!   tile reads it from the file into its own memory. Then it waits for the one lock, to store the tile in
+//!   the least recently used slot, approximately \[Cor68\].
 //! * A tile that cannot be read from the file any more is white; such reads are counted.
 //!
 //! Tests: `tests`; crates/render/tests/filtering.rs with many readers at once; crates/cli/tests/program/textures.rs for a scene's picture.
@@ -20,7 +20,7 @@ use crate::tile_file::{Cutter, TILE_BYTES, TileFile, WORDS, tile_size};
 
 /// Tiles in memory at least, so that threads do not take them from each other while they are read.
 const LEAST_TILES: usize = 64;
-/// Tiles that take their memory together, when the first of them is wanted: 16 MiB.
+/// Tiles whose memory is allocated together, when the first of them is needed: 16 MiB.
 const GROUP: usize = 1024;
 
 /// Tiles of textures: a part of them in memory, all of them in a temporary file. Clones share it.
@@ -29,7 +29,7 @@ pub struct TileCache(Arc<Shared>);
 
 struct Shared {
     file: TileFile,
-    /// So many tiles may be in memory.
+    /// The number of tiles that may be in memory.
     most: usize,
     /// [`GROUP`] each, the last of fewer.
     slots: Box<[OnceLock<Box<[Slot]>>]>,
@@ -68,7 +68,7 @@ pub(crate) struct Tiles {
     tile_slots: Arc<Slots>,
     /// Of a texel: 4, 8 or 16.
     bytes: usize,
-    /// Tiles beside each other.
+    /// Tiles next to each other.
     across: usize,
 }
 
@@ -86,7 +86,7 @@ pub struct TileCounts {
 }
 
 impl TileCache {
-    /// A cache whose tiles take so many bytes of memory, about; a megabyte at least.
+    /// A cache whose tiles take about this many bytes of memory; a megabyte at least.
     ///
     /// # Errors
     /// [`Error::File`] if the temporary folder takes no file.
@@ -197,7 +197,7 @@ impl Shared {
         &self.slots[number / GROUP].get_or_init(slots)[number % GROUP]
     }
 
-    /// A slot that was never wanted, or the next one that was not read from since the hand passed it.
+    /// A slot that was never used, or the next one that was not read from since the hand passed it.
     fn victim(&self, clock: &mut Clock) -> usize {
         if clock.owners.len() < self.most {
             clock.owners.push(None);
@@ -220,7 +220,7 @@ impl Tiles {
         &self.cache
     }
 
-    /// The bytes of a texel, the first in the lowest place; all ones if they are lost.
+    /// The bytes of a texel, the first in the lowest bits; all ones if they are lost.
     #[inline]
     pub(crate) fn texel(&self, column: usize, row: usize) -> [u64; 2] {
         let [columns, rows] = tile_size(self.bytes);
@@ -252,7 +252,7 @@ impl Tiles {
         }
     }
 
-    /// Bytes that they take beside their share of the cache.
+    /// Bytes that they take in addition to their share of the cache.
     pub(crate) fn memory_bytes(&self) -> usize {
         size_of_val(&self.tile_slots.slots[..])
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Code that was made is kept, and made beside the threads that render; the interpreter runs the group meanwhile.
+//! Code is stored, and made in parallel with the threads that render; the interpreter runs the group
+//! meanwhile.
 //! Tests: `tests/batches.rs`.
 
 use gnurt_simd::Level;
@@ -12,7 +13,7 @@ use std::sync::{Arc, Mutex, OnceLock};
 use crate::compiled::{Compiled, NoCode};
 use crate::fingerprint::fingerprint;
 
-/// Groups whose code is kept without users.
+/// Limit of groups with stored code and no users.
 const KEPT: usize = 256;
 /// Threads that make code at once: the others wait, for scenes may have thousands of groups.
 const THREADS: usize = 4;
@@ -35,14 +36,14 @@ struct Queue {
 }
 
 /// Whether a warning has been given that no group has code here.
-static IS_TOLD: AtomicBool = AtomicBool::new(false);
+static IS_REPORTED: AtomicBool = AtomicBool::new(false);
 
 /// A group that runs, by code as soon as there is some.
 pub struct Job {
     plan: Arc<Plan>,
     slot: Slot,
-    /// Whether it has been told why there is no code.
-    is_told: AtomicBool,
+    /// Whether the reason for missing code has been reported.
+    is_reported: AtomicBool,
 }
 
 impl std::fmt::Debug for Cache {
@@ -103,7 +104,7 @@ impl Cache {
         if let Some(slot) = new {
             self.make(plan.clone(), level, slot, key);
         }
-        Job { plan, slot, is_told: AtomicBool::new(false) }
+        Job { plan, slot, is_reported: AtomicBool::new(false) }
     }
 
     fn make(&self, plan: Arc<Plan>, level: Level, slot: Slot, key: (u128, Level)) {
@@ -149,7 +150,7 @@ impl Job {
     /// Waits until there is code.
     ///
     /// # Errors
-    /// Why there is none and the interpreter goes on.
+    /// Why there is none and the interpreter runs the group.
     pub fn wait(&self) -> Result<&Compiled, NoCode> {
         self.slot.wait().as_ref().map_err(Clone::clone)
     }
@@ -163,9 +164,9 @@ impl Program for Job {
             code => {
                 self.plan.run(host, points, out);
                 if let Some(Err(why)) = code
-                    && !self.is_told.swap(true, Ordering::Relaxed)
+                    && !self.is_reported.swap(true, Ordering::Relaxed)
                     // A reason common to all groups is reported for one.
-                    && !(matches!(why, NoCode::Here(_)) && IS_TOLD.swap(true, Ordering::Relaxed))
+                    && !(matches!(why, NoCode::Here(_)) && IS_REPORTED.swap(true, Ordering::Relaxed))
                 {
                     let text =
                         format!("it is interpreted, which is slow, because it has no machine code: {why}");

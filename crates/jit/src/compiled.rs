@@ -40,9 +40,9 @@ pub struct Compiled {
     pub(crate) level: Level,
     /// The memory as it starts.
     pub(crate) template: Vec<Line>,
-    /// Stretches of it that a batch changes and the next one wants as they were: start and length in lines.
+    /// Ranges of it that a batch changes and the next one needs unchanged: start and length in lines.
     pub(crate) resets: Vec<(usize, usize)>,
-    /// Globals that are used: name and place.
+    /// Used globals: name and slot.
     pub(crate) globals: Vec<(Arc<str>, Slot)>,
     /// Memories that no batch uses now.
     pub(crate) memories: Mutex<Vec<Vec<Line>>>,

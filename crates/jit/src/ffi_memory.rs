@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Memory that holds machine code: written first, then executable, never both at once.
 //! Over the calls of the operating system.
-//! Tests: whatever runs in `tests/agreement.rs`.
+//! Tests: all tests that run code in `tests/agreement.rs`.
 
 use std::ptr::NonNull;
 
@@ -25,7 +25,7 @@ impl Executable {
 
 #[cfg(unix)]
 impl Executable {
-    /// Puts code into memory of its own.
+    /// Allocates memory for code.
     ///
     /// # Errors
     /// The system's message: there may be no memory, or executable memory may be forbidden.
@@ -84,7 +84,7 @@ mod windows {
 
 #[cfg(windows)]
 impl Executable {
-    /// Puts code into memory of its own.
+    /// Allocates memory for code.
     ///
     /// # Errors
     /// The system's message.

@@ -20,7 +20,7 @@ use crate::program::{Call, Making};
 pub struct Lanes<'a> {
     code: &'a Compiled,
     memory: Vec<Line>,
-    /// Those that it was readied for, if layers are run one by one.
+    /// Those of its last call, if layers are run one by one.
     held: Option<Box<Points>>,
     work: Work<'a>,
 }
@@ -368,7 +368,7 @@ impl Calls for Batch<'_, '_> {
                 let made = made.map(|number| [number; LANES]);
                 match made.or_else(|| machine.make_closures(step, running, read)) {
                     Some(made) => Held { layout, memory }.put(step.args[0].at, running, &made),
-                    // It says why.
+                    // The reason.
                     None => work.one_by_one(memory, (points, running), *layer, step, (ins, outs)),
                 }
             }
@@ -377,22 +377,22 @@ impl Calls for Batch<'_, '_> {
                 let param = &code.plan.layers[*layer].params[*param];
                 let slot = code.plan.layers[*layer].slots[param.symbol as usize];
                 for lane in lanes {
-                    work.turn(points, lane);
+                    work.change_lane(points, lane);
                     work.bring(memory, lane, &slot);
                     if work.machine.fetch_userdata(*layer, param) {
                         found |= 1 << lane;
                         work.fetch(memory, lane, &slot);
                     }
-                    work.hear(lane);
+                    work.collect_events(lane);
                 }
                 memory[Layout::slot(*given) as usize / 4] = found;
             }
             Call::Stopped { layer, at } => {
                 for lane in lanes {
-                    work.turn(points, lane);
+                    work.change_lane(points, lane);
                     work.machine.report_stopped(*layer, *at, code.plan.iterations);
                     work.stopped += 1;
-                    work.hear(lane);
+                    work.collect_events(lane);
                 }
             }
         }
@@ -401,7 +401,7 @@ impl Calls for Batch<'_, '_> {
 
 impl Work<'_> {
     /// Gives the machine a lane's point and messages.
-    fn turn(&mut self, points: &Points, lane: usize) {
+    fn change_lane(&mut self, points: &Points, lane: usize) {
         if self.lane == lane {
             return;
         }
@@ -424,13 +424,13 @@ impl Work<'_> {
         (ins, outs): (&[Slot], &[Slot]),
     ) {
         for lane in lanes_of(lanes) {
-            self.turn(points, lane);
+            self.change_lane(points, lane);
             self.step(memory, lane, layer, step, ins, outs);
-            self.hear(lane);
+            self.collect_events(lane);
         }
     }
 
-    fn hear(&mut self, lane: usize) {
+    fn collect_events(&mut self, lane: usize) {
         if !self.machine.events.is_empty() {
             self.events.extend(self.machine.events.drain(..).map(|event| (lane, event)));
         }

@@ -38,17 +38,18 @@ pub(crate) struct Layout {
 impl Layout {
     /// The mask of the lanes that run: bits.
     pub(crate) const EXEC: u32 = 0;
-    /// Turns of loops that are left.
+    /// Remaining iterations of loops.
     pub(crate) const FUEL: u32 = 4;
     /// Masks start here.
     const SLOTS: u32 = 64;
 
-    /// The place of a mask.
+    /// The slot of a mask.
     pub(crate) const fn slot(slot: u32) -> u32 {
         Self::SLOTS + 4 * slot
     }
 
-    /// For so many masks, and cells that differ from point to point or not. A constant is there `copies` times in a row.
+    /// For this many masks, and cells that differ from point to point or not. A constant is there `copies`
+    /// times in a row.
     ///
     /// # Errors
     /// That it is too large.
@@ -89,7 +90,7 @@ impl Layout {
         self.cells[cell as usize]
     }
 
-    /// The bits of lanes; two rows for work; room for values without a register.
+    /// The bits of lanes; two rows for work; slots for values without a register.
     pub(crate) const fn areas(&self) -> [u32; 3] {
         [self.lane_bits, self.scratch, self.spills]
     }

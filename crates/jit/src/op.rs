@@ -137,7 +137,7 @@ impl Binary {
         }
     }
 
-    /// Whether the order of the two does not matter, whatever they are but NaNs.
+    /// Whether the order of the two does not matter, except for NaNs.
     pub(crate) const fn commutes(self) -> bool {
         matches!(
             self,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A group as a back end takes it: regions, and the control between them. Masks are bits, kept in slots.
+//! A group as a back end takes it: regions, and the control between them. Masks are bits, stored in slots.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{Bound, Slot, Step};
@@ -28,15 +28,15 @@ pub(crate) struct Loop {
     pub(crate) step: Vec<Node>,
     /// Lanes that came here.
     pub(crate) entry: u32,
-    /// Lanes that still turn.
+    /// Lanes that still iterate.
     pub(crate) live: u32,
-    /// Lanes that wait for the next turn.
+    /// Lanes that wait for the next iteration.
     pub(crate) waiting: u32,
     /// Lanes that left for good.
     pub(crate) gone: Vec<u32>,
     /// Where lanes are noted that are stopped.
     pub(crate) stopped: u32,
-    /// The call that says so.
+    /// The call that reports it.
     pub(crate) say: u32,
 }
 
@@ -47,7 +47,7 @@ pub(crate) enum Node {
     Region(Region),
     /// A call out of the code: its number.
     Call(u32),
-    /// A choice; slots for the lanes of the second block and for those that are done with the first.
+    /// A choice; slots for the lanes of the second block and for those that have finished the first.
     If { test: Test, yes: Vec<Node>, no: Vec<Node>, other: u32, done: u32 },
     /// A loop.
     Loop(Box<Loop>),
@@ -108,7 +108,7 @@ pub(crate) struct Making {
     pub(crate) outs: Vec<Slot>,
     /// Whether texts that it takes never change.
     pub(crate) is_named: bool,
-    /// Its component, looked up at first use.
+    /// Its component, resolved at first use.
     pub(crate) bound: OnceLock<Option<Bound>>,
 }
 

@@ -92,7 +92,7 @@ pub(crate) fn op_of(id: Id) -> Op {
     RECORD.with_borrow(|record| record.ops[id as usize])
 }
 
-/// Records an operation; one that was recorded before, or whose values are constants, is not done again.
+/// Records an operation; one that was recorded before, or whose values are constants, is not recorded again.
 #[inline(never)]
 pub(crate) fn push(op: Op) -> Id {
     RECORD.with_borrow_mut(|record| {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A shader class of a plugin, after all that it says has been checked.
-//! Invariants: each parameter lies in its block; the callback of the class's kind is there; the library
-//! stays loaded as long as the class lives. Tests: bindings/openrt/tests/plugins.rs (plugins that say wrong things).
+//! A shader class of a plugin, after all its statements have been checked. Invariants: each parameter lies in
+//! its block; the callback of the class's kind is there; the library stays loaded as long as the class lives.
+//! Tests: bindings/openrt/tests/plugins.rs (plugins that say wrong things).
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::ffi_rts::{BlockFn, CameraFn, IlluminateFn, LensFn, MissFn, PrepareFn,
 pub struct PluginParameter {
     /// The description that every class has.
     pub description: Parameter,
-    /// Where it lies in the block per shader, bytes; not used for those that vary.
+    /// Offset in the block per shader, bytes; not used for those that vary.
     pub offset: usize,
 }
 

@@ -16,7 +16,7 @@ use crate::frame::PluginFrame;
 use crate::frame_state::FrameState;
 use crate::load::load;
 
-/// A renderer with lights and nothing in their way; rays see black.
+/// A renderer with lights and no occluders; rays see black.
 struct Lights(Vec<Arc<dyn LightShader>>);
 
 impl Tracer for Lights {

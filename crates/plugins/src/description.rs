@@ -11,7 +11,7 @@ use crate::data_type::DataType;
 /// The purpose of a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The look of a surface.
+    /// The appearance of a surface.
     Surface,
     /// Radiance of rays that hit nothing.
     Environment,

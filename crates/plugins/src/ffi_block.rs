@@ -2,8 +2,8 @@
 //! Blocks per shader of plugins: memory that the plugin describes, `init` and `fini`, and the copies that frames shade with.
 //! Invariants: a block has the size and alignment of its class; texts that a block or a copy points to live
 //! as long as it does; `fini` runs once, after the last frame that may use the data of `init`. A block is
-//! memory of this process alone: `prepare` is tried in a copy of the process, and the program's own allocator
-//! may have memory that both share.
+//! private memory of this process: `prepare` is tried in a copy of the process, and the program's own
+//! allocator may have memory that both share.
 //! Tests: bindings/openrt/tests/plugins.rs.
 
 use std::alloc::{GlobalAlloc, Layout, System, handle_alloc_error};
@@ -45,7 +45,7 @@ impl Memory {
     }
 
     fn bytes_mut(&mut self) -> &mut [u8] {
-        // SAFETY: as above, and we have them alone.
+        // SAFETY: as above, and access is exclusive.
         unsafe { std::slice::from_raw_parts_mut(self.at, self.size) }
     }
 }
@@ -149,7 +149,7 @@ impl PluginBlock {
         tried.as_ref().filter(|(tried, _)| *tried == version).map(|(_, outcome)| outcome.clone())
     }
 
-    /// Remembers how it went.
+    /// Stores the outcome.
     pub fn set_result(&self, version: u64, outcome: Result<(), String>) {
         *self.tried.lock().unwrap_or_else(PoisonError::into_inner) = Some((version, outcome));
     }
@@ -204,7 +204,7 @@ impl Snapshot {
     /// Calls `prepare` on it and returns its result.
     pub(crate) fn prepare(&mut self, host: &'static Host, prepare: PrepareFn) -> Result<i32, Thrown> {
         let (block, mut status) = (self.memory.at.cast(), 0);
-        // SAFETY: the copy is as large and aligned as the class states, and we have it alone.
+        // SAFETY: the copy is as large and aligned as the class states, and access is exclusive.
         self.block.class.library.call(|| status = unsafe { prepare(host, block) }).map(|()| status)
     }
 }

@@ -4,7 +4,7 @@
 //! process at a foreign exception. Here a frame of a few instructions has a personality routine of ours,
 //! which catches all; between it and the plugin there are only `C-unwind` functions.
 //! Invariant: only forced unwinding, which must not be stopped, leaves [`Runtime::call`]. Where: Linux on
-//! x86-64 and aarch64. Elsewhere an exception goes on and ends the process at the next frame of ours.
+//! x86-64 and aarch64. Elsewhere an exception continues and ends the process at the next frame of ours.
 //! Tests: `tests`; bindings/openrt/tests/exceptions.rs (C++).
 
 use std::ffi::c_void;
@@ -16,7 +16,8 @@ pub(crate) struct Thrown;
 type BeginCatch = unsafe extern "C" fn(*mut c_void) -> *mut c_void;
 type EndCatch = unsafe extern "C" fn();
 
-/// The C++ runtime that a library was linked with, which counts the exceptions under way; none if it has none.
+/// The C++ runtime that a library was linked with, which counts the exceptions in progress; none if it has
+/// none.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Runtime {
     catch: Option<(BeginCatch, EndCatch)>,
@@ -25,7 +26,8 @@ pub(crate) struct Runtime {
 impl Runtime {
     /// That of a library.
     pub(crate) fn of(library: &libloading::Library) -> Self {
-        // SAFETY: the C++ ABI says which types the functions of these names have. They stay as long as the library.
+        // SAFETY: the C++ ABI defines the types of the functions of these names. They stay as long as the
+        // library.
         let (begin, end) = unsafe {
             let begin = library.get::<BeginCatch>(b"__cxa_begin_catch\0").map(|symbol| *symbol);
             (begin, library.get::<EndCatch>(b"__cxa_end_catch\0").map(|symbol| *symbol))
@@ -39,7 +41,7 @@ impl Runtime {
         if exception.is_null() {
             return Ok(());
         }
-        // SAFETY: an exception begins with eight bytes that say whose it is.
+        // SAFETY: an exception begins with eight bytes that identify its origin.
         let class = unsafe { exception.cast::<u64>().read_unaligned() }.to_be_bytes();
         match self.catch {
             Some((begin, end)) if class[4..7] == *b"C++" => {
@@ -74,7 +76,7 @@ mod catcher {
         ".hidden gnurt_plugins_landing",
         "gnurt_plugins_call:",
         ".cfi_startproc",
-        // Indirect, relative to its own place, four bytes: as position-independent code of others has it.
+        // Indirect, relative to its own address, four bytes: as position-independent code of others has it.
         ".cfi_personality 155, gnurt_plugins_personality_at",
         "push rbp",
         ".cfi_def_cfa_offset 16",
@@ -177,7 +179,8 @@ mod catcher {
         if actions & HANDLER_FRAME == 0 {
             return CONTINUE_UNWIND;
         }
-        // SAFETY: the context is the unwinder's, and of the frame above: it goes on at its landing with the exception.
+        // SAFETY: the context is the unwinder's, and of the frame above: it continues at its landing with the
+        // exception.
         unsafe {
             _Unwind_SetGR(context, RESULT, exception.addr());
             _Unwind_SetIP(context, (&raw const gnurt_plugins_landing).addr());

@@ -138,7 +138,7 @@ unsafe fn serve<T>(ctx: *mut Ctx, otherwise: T, work: impl FnOnce(&mut Call<'_>)
 /// # Safety
 /// The arrays have more than `i` floats.
 unsafe fn lane(v: Vec3In, i: usize) -> [f32; 3] {
-    // SAFETY: the caller vouches for it; alignment is not asked of plugins.
+    // SAFETY: the caller vouches for it; plugins need not align it.
     unsafe { [v.x.add(i).read_unaligned(), v.y.add(i).read_unaligned(), v.z.add(i).read_unaligned()] }
 }
 
@@ -270,7 +270,7 @@ enum Purpose {
     Radiance,
 }
 
-/// The plugin's rays as a request; false if there is nothing to ask.
+/// The plugin's rays as a request; false if there are none.
 ///
 /// # Safety
 /// As openrt/rts.h says of `RTSrays`.
@@ -454,7 +454,7 @@ unsafe extern "C" fn log(ctx: *mut Ctx, level: c_int, message: *const c_char) {
             }
             MESSAGES.with_borrow_mut(|messages| messages.as_mut().map(|messages| messages.push(message)));
         });
-        // A text that cannot be kept cannot be reported either.
+        // A text that cannot be stored cannot be reported either.
         return drop(printed);
     }
     // SAFETY: the plugin vouches for its context.

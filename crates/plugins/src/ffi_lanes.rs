@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Arrays for plugins: aligned, with room for whole vectors, from memory that each thread keeps.
-//! Invariant: an array begins at a multiple of 64 bytes and has room for its lanes, rounded up to a
-//! multiple of 16, as openrt/rts.h promises. Tests: `tests`; bindings/openrt/tests/plugins.rs (a plugin that checks its pointers).
+//! Arrays for plugins: aligned, a whole number of vectors, from memory that each thread owns.
+//! Invariant: an array begins at a multiple of 64 bytes and has memory for its lanes, rounded up to a
+//! multiple of 16, as in openrt/rts.h. Tests: `tests`; bindings/openrt/tests/plugins.rs (a plugin that checks
+//! its pointers).
 
 use std::cell::RefCell;
 
@@ -23,7 +24,7 @@ pub(crate) struct Buffers {
     lines: Vec<Line>,
     /// Light from lights.
     pub(crate) light: LightBatch,
-    /// Rays that a plugin asks for.
+    /// Rays that a plugin traces.
     pub(crate) request: RayRequest,
     /// The results.
     pub(crate) answer: Vec3s,
@@ -154,7 +155,7 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    /// So many bytes at a multiple of 64; null if there is no such memory.
+    /// Memory of this many bytes at a multiple of 64; null if there is none.
     pub(crate) fn bytes(&mut self, bytes: usize) -> *mut u8 {
         let lines = bytes.div_ceil(size_of::<Line>()).max(1);
         if self.used == self.blocks.len() {

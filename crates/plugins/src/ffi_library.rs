@@ -19,16 +19,16 @@ pub(crate) struct Library {
 }
 
 impl Library {
-    /// Opens a library by its path, or by a bare name that the system's loader looks for; all its symbols must be
-    /// found, and none of them are shown to others.
+    /// Opens a library by its path, or by a bare name that the system's loader searches; all its symbols must
+    /// be found, and none of them are visible to others.
     pub(crate) fn open(path: &Path) -> Result<Self, String> {
-        // SAFETY: the library's constructors run: the program asked for that.
+        // SAFETY: the library's constructors run: the program requested that.
         #[cfg(unix)]
         let opened = unsafe {
             use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
             Library::open(Some(path), RTLD_NOW | RTLD_LOCAL).map(Into::into)
         };
-        // SAFETY: as above; other systems' loaders do so without being asked.
+        // SAFETY: as above; other systems' loaders do so in any case.
         #[cfg(not(unix))]
         let opened = unsafe { libloading::Library::new(path) };
         let library = opened.map_err(|error| error.to_string())?;
@@ -36,7 +36,7 @@ impl Library {
         Ok(Self { library, runtime })
     }
 
-    /// The program itself, in the place of a library.
+    /// The program itself, instead of a library.
     #[cfg(all(unix, any(test, fuzzing)))]
     pub(crate) fn this_program() -> Self {
         let library = libloading::os::unix::Library::this().into();
@@ -51,7 +51,7 @@ impl Library {
 
     /// Its description; an error names the version of the request.
     pub(crate) fn module(&self) -> Result<ModuleReply, String> {
-        // SAFETY: rts.h says which type the function of this name has.
+        // SAFETY: rts.h defines the type of the function of this name.
         let function = unsafe { self.library.get::<ModuleFn>(SYMBOL) }
             .map_err(|error| format!("it exports no function rts_module: {error}"))?;
         let mut module = std::ptr::null();
@@ -83,14 +83,14 @@ pub(crate) struct RawClass {
     pub(crate) class: Class,
 }
 
-/// The classes of a module that have a name; the others cannot be asked for.
+/// The classes of a module that have a name; the others cannot be loaded.
 pub(crate) fn classes(module: &Module) -> Vec<RawClass> {
     if module.classes.is_null() {
         return Vec::new();
     }
     let mut found = Vec::new();
     for i in 0..module.class_count as usize {
-        // SAFETY: the module says that there are `class_count` pointers.
+        // SAFETY: the module states that there are `class_count` pointers.
         let class = unsafe { module.classes.add(i).read_unaligned() };
         if class.is_null() {
             continue;
@@ -121,7 +121,7 @@ pub(crate) fn parameters(class: &Class) -> Vec<RawParameter> {
         return Vec::new();
     }
     let parameter = |i: u32| {
-        // SAFETY: the class says that there are `param_count` of them.
+        // SAFETY: the class states that there are `param_count` of them.
         let p = unsafe { class.params.add(i as usize).read_unaligned() };
         // SAFETY: a name that is not null is a text, as rts.h says.
         let name = unsafe { text(p.name) }.map(|name| name.to_string_lossy().into_owned());

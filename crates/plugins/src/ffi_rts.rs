@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn members_beyond_the_size_are_not_read() {
         let module = Module { struct_size: 8, abi: 7, class_count: 9, classes: std::ptr::null() };
-        // SAFETY: it has more bytes than it says.
+        // SAFETY: it has more bytes than it states.
         let read_back = unsafe { read_sized(&raw const module) };
         assert_eq!((read_back.abi, read_back.class_count), (7, 0), "the count lies beyond");
     }

@@ -19,8 +19,8 @@ use crate::ffi_lanes::Lanes;
 use crate::ffi_rts::{Hits, Rays, ShadeFn, Vec3In, Vec3Out};
 use crate::frame_shader::FrameShader;
 
-/// Name of the mesh attribute, two floats per triangle, that says where it is among those of its object: the low and the
-/// high 16 bits.
+/// Name of the mesh attribute, two floats per triangle, with its index among those of its object: the low and
+/// the high 16 bits.
 pub const TRIANGLE_NUMBER: &str = "openrt.triangle_number";
 
 /// A plugin's shader in one frame, and its requests to meshes.
@@ -151,7 +151,7 @@ fn triangle_of(hits: &SurfaceBatch) -> impl Fn(usize) -> u32 {
     }
 }
 
-/// 1 where a normal points the way the ray goes.
+/// 1 where a normal points in the direction of the ray.
 fn backs(ng: &Vec3s, ray_dir: &Vec3s) -> impl Iterator<Item = u8> {
     let x = ng.x.iter().zip(&ray_dir.x).map(|(a, b)| a * b);
     let y = ng.y.iter().zip(&ray_dir.y).map(|(a, b)| a * b);

@@ -29,7 +29,7 @@ impl Bytes<'_> {
         *first
     }
 
-    /// Any number, of those that mean something more often than others.
+    /// Any number, valid ones more often than others.
     fn number(&mut self, meaning: &[u32]) -> u32 {
         let choice = self.byte() as usize;
         match meaning.get(choice % (meaning.len() + 1)) {
@@ -139,7 +139,7 @@ pub fn load_random(bytes: &[u8]) {
         tables.push(table.collect());
         let table = tables.last().expect("it was pushed");
         let name = bytes.name();
-        // As many parameters as there are, or fewer; or a number that is refused before the table is read.
+        // As many parameters as there are, or fewer; or a number that is rejected before the table is read.
         let stated = match bytes.byte() % 8 {
             0 => u32::MAX,
             1 => (1 << 16) + 1,

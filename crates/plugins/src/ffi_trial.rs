@@ -2,9 +2,9 @@
 //! Trying a plugin's `prepare` in a child process, so that one that crashes does not end the program.
 //! Why a child and not a signal handler: docs/decisions/0010-plugins-on-trial.md.
 //!
-//! The child is a copy of the process with the calling thread alone. It calls each `prepare` on its copy of the snapshots
-//! and writes two bytes to a pipe, one before and one after each; the parent reads them, and a missing second byte
-//! tells which one crashed. Trying goes on behind it with the next child.
+//! The child is a copy of the process with only the calling thread. It calls each `prepare` on its copy of
+//! the snapshots and writes two bytes to a pipe, one before and one after each; the parent reads them, and a
+//! missing second byte identifies the one that crashed. Trying continues after it with the next child.
 //! Tests: bindings/openrt/tests/plugins.rs (crashing, aborting and looping plugins).
 
 use std::time::{Duration, Instant};
@@ -37,7 +37,7 @@ pub(crate) fn try_all(count: usize, mut call: impl FnMut(usize)) -> Vec<Trial> {
     verdicts
 }
 
-/// The result of one child: how many calls returned, and the way in which the next one ended it.
+/// The result of one child: how many calls returned, and how the next one ended it.
 struct Outcome {
     returned: usize,
     crash: Option<String>,
@@ -193,7 +193,7 @@ enum End {
     Exit,
     /// By a signal.
     Signal(libc::c_int),
-    /// A handler of the program knows.
+    /// A handler of the program has the status.
     Unknown,
 }
 
@@ -204,7 +204,7 @@ impl Child {
         Self { number, descriptor: descriptor(number) }
     }
 
-    /// Asks for its end, with the flags of waitid; `None` if a handler of the program has taken it.
+    /// Queries its end, with the flags of waitid; `None` if a handler of the program has taken it.
     fn ask(&self, flags: libc::c_int) -> Option<libc::siginfo_t> {
         #[cfg(target_os = "linux")]
         let by_descriptor = self.descriptor.map(|descriptor| (libc::P_PIDFD, descriptor.cast_unsigned()));
@@ -213,7 +213,7 @@ impl Child {
         let (kind, name) = by_descriptor.unwrap_or((libc::P_PID, self.number.cast_unsigned()));
         loop {
             let mut info = std::mem::MaybeUninit::<libc::siginfo_t>::zeroed();
-            // SAFETY: there is room for the answer.
+            // SAFETY: there is memory for the result.
             if unsafe { libc::waitid(kind, name, info.as_mut_ptr(), libc::WEXITED | flags) } == 0 {
                 // SAFETY: zeros are a value, and the call has filled it in.
                 return Some(unsafe { info.assume_init() });
@@ -272,7 +272,7 @@ fn descriptor(child: libc::pid_t) -> Option<libc::c_int> {
     let descriptor = libc::c_int::try_from(made).ok().filter(|&descriptor| descriptor >= 0)?;
     let flags = libc::WEXITED | libc::WNOHANG | libc::WNOWAIT;
     let mut info = std::mem::MaybeUninit::<libc::siginfo_t>::zeroed();
-    // SAFETY: there is room for the answer. Linux 5.3 can make descriptors, but not wait for them.
+    // SAFETY: there is memory for the result. Linux 5.3 can make descriptors, but not wait for them.
     let can_wait =
         unsafe { libc::waitid(libc::P_PIDFD, descriptor.cast_unsigned(), info.as_mut_ptr(), flags) } == 0;
     if !can_wait {
@@ -303,7 +303,7 @@ fn how_it_ended(end: End) -> String {
 mod tests {
     use super::*;
 
-    /// The number of a child reaped elsewhere may be another process's: it is left alone.
+    /// The number of a child reaped elsewhere may be another process's: it is not signalled.
     #[test]
     fn a_child_whose_end_was_taken_is_left_alone() {
         for has_descriptor in [true, false] {
@@ -319,7 +319,7 @@ mod tests {
                 close(descriptor);
             }
             // As a handler of the program does.
-            // SAFETY: no status is asked for.
+            // SAFETY: no status is requested.
             let taken = unsafe { libc::waitpid(number, std::ptr::null_mut(), 0) };
             assert_eq!(taken, number, "its end is taken");
             assert!(child.has_ended(), "it is gone");

@@ -32,7 +32,7 @@ pub struct PluginFrame {
     faults: Vec<ClassFaults>,
 }
 
-/// A shader on its way into a frame.
+/// A shader before it is in a frame.
 struct Candidate {
     id: u32,
     snapshot: Snapshot,

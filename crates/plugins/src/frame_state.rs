@@ -30,7 +30,7 @@ pub(crate) struct Faults {
     bad_lanes: AtomicU64,
     /// Calls that an exception ended.
     exceptions: AtomicU64,
-    /// Rays that were not traced for want of stack.
+    /// Rays that were not traced because the stack was too small.
     untraced: AtomicU64,
     /// Services that were called from other threads than those of callbacks.
     strays: AtomicU64,
@@ -55,7 +55,7 @@ impl Faults {
         self.exceptions.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Counts rays that were not traced for want of stack.
+    /// Counts rays that were not traced because the stack was too small.
     pub(crate) fn add_untraced(&self, rays: u64) {
         self.untraced.fetch_add(rays, Ordering::Relaxed);
     }

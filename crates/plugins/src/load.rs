@@ -34,24 +34,24 @@ impl Display for LoadError {
     }
 }
 
-/// Blocks and parameters are no larger than this: a plugin that asks for more is broken.
+/// Limit of blocks and parameters: a plugin that requests more is broken.
 const MAX_BLOCK: u32 = 1 << 24;
 const MAX_ALIGN: u32 = 4096;
 const MAX_PARAMETERS: u32 = 1 << 16;
 /// Numbers of a parameter that varies.
 const MAX_VARYING: u32 = 16;
 
-/// Loads class `name` from `file`, which is looked for.
+/// Loads class `name` from `file`, which is searched.
 pub fn load(name: &str, file: &str) -> Result<PluginClass, LoadError> {
     let folders = std::env::var(PATH_VARIABLE).unwrap_or_default();
     load_by(name, file, || find(file, &folders, Library::open))
 }
 
-/// Loads class `name` from the current library at `path`, whatever was loaded from there before. It loads a
+/// Loads class `name` from the current library at `path`, regardless of earlier loads from there. It loads a
 /// copy, because the system's loader returns an already loaded library of a name, and a mapped file must not
 /// change.
 ///
-/// The copy is in the folder of temporary files, or beside the library if no code may be loaded from there.
+/// The copy is in the folder of temporary files, or next to the library if no code may be loaded from there.
 /// If neither is possible, the library itself is loaded; then a rebuilt library is not noticed.
 pub(crate) fn load_copy(name: &str, path: &Path) -> Result<PluginClass, LoadError> {
     let beside = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -72,7 +72,7 @@ fn open_copy(path: &Path, folders: &[&Path]) -> Result<Library, String> {
         .iter()
         .find_map(copy_in)
         .map_or_else(
-            // A bare name is one that the loader would look for elsewhere.
+            // A bare name is one that the loader would search elsewhere.
             || Library::open(&Path::new(".").join(path)),
             Ok,
         )
@@ -124,7 +124,7 @@ pub(crate) fn class_of(
     checked(found, file, library.clone()).map_err(|why| LoadError::Unfit(in_file(why)))
 }
 
-/// How messages name a class that is asked for.
+/// The name of a requested class in messages.
 fn title(name: &str) -> String {
     format!("shader class \"{name}\"")
 }
@@ -205,7 +205,11 @@ fn checked_header(class: &Class) -> Result<Kind, String> {
                 "it is of kind RT_RENDERING_OBJECT, which plugins cannot be in this version of the interface";
             return Err(text.to_owned());
         }
-        other => return Err(format!("its kind {other:#x} is none of RT_SURFACE_SHADER to RT_CAMERA_SHADER")),
+        other => {
+            return Err(format!(
+                "its kind {other:#x} is invalid; valid are RT_SURFACE_SHADER to RT_CAMERA_SHADER"
+            ));
+        }
     };
     if !has_callback {
         return Err(format!("its callback `{callback}` is NULL, without which its kind does nothing"));
@@ -234,7 +238,7 @@ fn checked_parameter(class: &Class, kind: Kind, p: RawParameter) -> Result<Plugi
     let name = p.name.filter(|name| !name.is_empty()).ok_or("it has no name")?;
     let fail = |text: String| Err(format!("\"{name}\": {text}"));
     let Some(data) = DataType::from_code(p.kind) else {
-        return fail(format!("its type {:#x} is none that parameters have", p.kind));
+        return fail(format!("its type {:#x} is invalid for a parameter", p.kind));
     };
     let (rate, block) = match p.rate {
         0x500 => (ParameterRate::Shader, class.shader_size),
@@ -242,7 +246,7 @@ fn checked_parameter(class: &Class, kind: Kind, p: RawParameter) -> Result<Plugi
         0x502 => (ParameterRate::Triangle, class.triangle_size),
         other => {
             return fail(format!(
-                "its rate {other:#x} is none of RT_PER_SHADER, RT_PER_VERTEX, RT_PER_TRIANGLE"
+                "its rate {other:#x} is invalid; valid are RT_PER_SHADER, RT_PER_VERTEX, RT_PER_TRIANGLE"
             ));
         }
     };
@@ -280,7 +284,7 @@ mod tests {
         assert_eq!(suggestion("environment", &names), "", "nothing is near");
     }
 
-    /// A plugin of the tests, in a folder of its own.
+    /// A plugin of the tests, in its own folder.
     fn built() -> (tempfile::TempDir, PathBuf) {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("broken.so");

@@ -5,7 +5,7 @@
 use std::fmt::Display;
 use std::io::Write;
 
-/// Says a line in one piece.
+/// Prints a line in one piece.
 pub fn print_line(message: impl Display) {
     let _ = std::io::stderr().write_all(format!("libOpenRT: {message}\n").as_bytes());
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Where a plugin's file is looked for.
-//! A name with '/' is a path. Any other is looked for in each folder of `$OPENRT_SHADER_PATH` (separated
-//! by ':'), then by the system's loader (LD_LIBRARY_PATH, /etc/ld.so.conf), then in the working directory.
-//! The first file that is there counts, even if it cannot be loaded: a broken one hides no other.
+//! Where a plugin's file is searched. A name with '/' is a path. Any other is searched in each folder of
+//! `$OPENRT_SHADER_PATH` (separated by ':'), then by the system's loader (LD_LIBRARY_PATH, /etc/ld.so.conf),
+//! then in the working directory. The first file that is there counts, even if it cannot be loaded: a broken
+//! one hides no other.
 //! Tests: `tests`; bindings/openrt/tests/plugins.rs.
 
 use std::path::{Path, PathBuf};
@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 /// The variable that lists folders.
 pub(crate) const PATH_VARIABLE: &str = "OPENRT_SHADER_PATH";
 
-/// Opens `file` at the first place that has it; or returns the searched places and their faults. `open` gets
-/// a path, or the bare name for the system's loader.
+/// Opens `file` at the first path that has it; or returns the searched paths and their faults. `open` gets a
+/// path, or the bare name for the system's loader.
 pub(crate) fn find<T>(
     file: &str,
     folders: &str,

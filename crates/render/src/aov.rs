@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Layers beside the colour: properties of the camera rays' hits. Names of layers and channels as EXR files
+//! Layers of a picture: properties of the camera rays' hits. Names of layers and channels as EXR files
 //! of the field have them. Albedo and normals are means over the samples; position, depths and ids are those
 //! of the first sample, because their means are meaningless. `variance` is that of the colour's mean.
 //! `emission` is the unscattered part of the colour, from lights and environment seen by camera rays, if the

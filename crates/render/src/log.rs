@@ -74,7 +74,7 @@ fn ray(ray: &Ray) -> String {
     format!("from {}  along {}  t {} to {}", triple(ray.org), triple(ray.dir), ray.t_near, ray.t_far)
 }
 
-/// For people.
+/// A vector as text.
 pub(crate) fn triple(v: impl Into<Vec3>) -> String {
     let v = v.into();
     format!("({}, {}, {})", v.x, v.y, v.z)

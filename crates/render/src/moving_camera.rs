@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A camera that moves while the shutter is open. Source: [CPC84]: each ray leaves from where the camera is at its moment.
+//! A camera that moves while the shutter is open. Source: [CPC84]: each ray starts at the camera's position at its time.
 //! Between keys the eye moves straight, and axes are interpolated and normalised: keys must be so close that
 //! the rotation between two is small, as those of an `Exposure` are. Space: world. Tests: `tests`,
 //! crates/render/tests/shutter.rs.

@@ -94,7 +94,7 @@ impl Tracer for Looking<'_, '_> {
     }
 
     fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
-        self.tracer.meetings_of(RayMask::CAMERA, request, out);
+        self.tracer.hits_of(RayMask::CAMERA, request, out);
     }
 
     fn random(&self, key: SampleKey, depth: u32, purpose: u32) -> [f32; 2] {

@@ -54,7 +54,7 @@ pub(crate) enum Sharing {
     /// Each by its position in a pattern, which is in its key's sample.
     Pattern,
     /// Each sample by chance: its key's pixel.
-    Chance,
+    Random,
 }
 
 /// Traces for one tile at a time.
@@ -313,12 +313,7 @@ impl<'w> BatchTracer<'w> {
     }
 
     /// The first hits of rays of a kind.
-    pub(crate) fn meetings_of(
-        &mut self,
-        kind: RayMask,
-        request: &RayRequest,
-        out: &mut Vec<Option<SurfaceHit>>,
-    ) {
+    pub(crate) fn hits_of(&mut self, kind: RayMask, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
         self.stats.secondary_rays += request.rays.len() as u64;
         let RayRequest { rays, key: keys, .. } = request;
         let hits = &self.intersect(kind, rays, keys, Coherence::Incoherent);
@@ -496,7 +491,7 @@ impl Tracer for BatchTracer<'_> {
     }
 
     fn meet(&mut self, request: &RayRequest, out: &mut Vec<Option<SurfaceHit>>) {
-        self.meetings_of(RayMask::OTHER, request, out);
+        self.hits_of(RayMask::OTHER, request, out);
     }
 
     fn trace(&mut self, depth: u32, request: &RayRequest, radiance: &mut Vec3s) {

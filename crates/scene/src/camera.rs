@@ -7,7 +7,7 @@ use std::fmt;
 /// A camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// For people.
+    /// A label.
     pub name: String,
     /// Where the pinhole, or the middle of the lens, is.
     pub eye: [f32; 3],

@@ -23,7 +23,7 @@ const CLEAR: f32 = 0.99;
 /// The factors of a glTF material. The defaults are glTF's.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Factors {
-    /// For people.
+    /// A label.
     pub name: String,
     /// Linear red, green, blue, and opacity.
     pub base_color: [f32; 4],

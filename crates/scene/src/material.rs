@@ -9,7 +9,7 @@ pub use crate::texture::TextureRef;
 /// The appearance of a surface: scattering, emission, opacity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// For people; need not be unique.
+    /// A label; need not be unique.
     pub name: String,
     /// How it scatters light.
     pub surface: Surface,

@@ -10,7 +10,7 @@ use crate::id::MaterialId;
 /// The geometric normal of a triangle is `(p1 - p0) x (p2 - p0)`: counter-clockwise vertices, right-hand rule.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// For people; need not be unique.
+    /// A label; need not be unique.
     pub name: String,
     /// Vertex positions.
     pub positions: Vec<[f32; 3]>,

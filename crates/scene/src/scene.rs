@@ -25,7 +25,7 @@ use crate::texture::Texture;
 /// Meshes that share one acceleration structure and move together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Object {
-    /// For people; need not be unique.
+    /// A label; need not be unique.
     pub name: String,
     /// Its meshes; a hit's `geom_id` is a position in this list.
     pub meshes: Vec<MeshId>,
@@ -58,7 +58,7 @@ impl Member {
 /// An object put somewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
-    /// For people; need not be unique.
+    /// A label; need not be unique.
     pub name: String,
     /// The object shown.
     pub object: ObjectId,

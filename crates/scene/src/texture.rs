@@ -12,7 +12,7 @@ use crate::id::TextureId;
 /// A two-dimensional texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// For people: usually its file's name.
+    /// A label: usually its file's name.
     pub name: String,
     /// Its texels, shared with other textures.
     pub texels: Arc<Texels>,

@@ -65,7 +65,7 @@ impl Level {
     #[inline]
     pub fn token(self) -> fearless_simd::Level {
         static TOKENS: OnceLock<[fearless_simd::Level; 5]> = OnceLock::new();
-        // A single ray asks for it, too: after the first time it is a load.
+        // A single ray reads it, too: after the first time it is a load.
         TOKENS.get_or_init(|| Self::ALL.map(Self::best_token_up_to))[self as usize]
     }
 

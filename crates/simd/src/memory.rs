@@ -33,7 +33,7 @@ pub fn prefer_huge_pages<T>(values: &Vec<T>) {
     let _ = values;
 }
 
-/// Asks for the memory of `values[index]`, which is about to be read. Without effect on others than x86-64 CPUs.
+/// Prefetches the memory of `values[index]`, which is about to be read. Without effect on others than x86-64 CPUs.
 #[inline(always)]
 pub fn prefetch<T>(values: &[T], index: usize) {
     #[cfg(target_arch = "x86_64")]

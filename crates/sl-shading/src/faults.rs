@@ -41,7 +41,7 @@ impl Faults {
     }
 
     /// Notes the output of a shader.
-    pub(crate) fn hear(&self, name: &str, event: &Event) {
+    pub(crate) fn note_event(&self, name: &str, event: &Event) {
         if self.is_full.load(Ordering::Relaxed) {
             return;
         }

@@ -110,7 +110,7 @@ impl<'a> Params<'a> {
     }
 }
 
-/// How wide facets' slopes are.
+/// How wide microfacets' slopes are.
 #[derive(Clone, Copy)]
 struct Slopes {
     tangent: Vec3,
@@ -156,7 +156,8 @@ fn microfacets(slopes: Slopes, f0: Vec3, f90: Vec3) -> Lobe {
     slopes.of(|alpha| Lobe::microfacets(alpha, f0, f90))
 }
 
-/// The lobes of a closure, at most two, each around the point's normal; `front` = the ray came from the side of the mesh's normal.
+/// The lobes of a closure, at most two, each around the point's normal; `front` = the ray came from the side
+/// of the mesh's normal.
 pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
     let one = match p.shape.known {
         Known::Diffuse => Lobe::lambert(Vec3::ONE),

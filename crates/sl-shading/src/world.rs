@@ -83,7 +83,7 @@ impl Common {
     pub(crate) fn run(&self, world: &World, points: &Points, results: &mut Results) {
         self.program.run(world, points, results);
         for (_, event) in &results.events {
-            self.faults.hear(&self.name, event);
+            self.faults.note_event(&self.name, event);
         }
     }
 }

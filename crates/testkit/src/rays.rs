@@ -20,7 +20,7 @@ pub fn random(seed: u64, n: usize) -> Vec<PlainRay> {
 }
 
 /// Rays along an axis or in a plane of two, in all combinations of signs, zero and minus zero; origins on a grid of
-/// quarters, where axis-aligned geometry has its planes, and beside it.
+/// quarters, where axis-aligned geometry has its planes, and next to it.
 #[must_use]
 pub fn axis_parallel(seed: u64, origins: usize) -> Vec<PlainRay> {
     let mut random = Random::new(seed);

@@ -14,7 +14,7 @@ pub struct Soup {
 }
 
 impl Soup {
-    /// Appends a triangle with vertices of its own.
+    /// Appends a triangle with its own vertices.
     pub fn push(&mut self, corners: [[f32; 3]; 3]) {
         let first = self.positions.len() as u32;
         self.positions.extend(corners);

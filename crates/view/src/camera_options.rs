@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 
 use gnurt::scene::{Camera, Projection};
 
-/// The options that place this camera: its projection and lens only where they are not a pinhole's perspective.
+/// The options that set this camera: its projection and lens only where they are not a pinhole's perspective.
 #[must_use]
 pub fn camera_options(camera: &Camera) -> String {
     let point = |v: [f32; 3]| v.map(|x| x.to_string()).join(",");

@@ -82,7 +82,7 @@ struct Drag {
 
 /// A button that goes up before the cursor went this many pixels was clicked.
 const CLICK: f64 = 4.0;
-/// The target's distance is flown in so many seconds, at first.
+/// Seconds in which the flight covers the target's distance, at first.
 const SECONDS_TO_TARGET: f64 = 2.0;
 /// Radians per second of an arrow key.
 const TURNING: f64 = 1.0;
@@ -225,7 +225,7 @@ impl Controls {
             if drag.pans {
                 self.flight.pan([dx, dy], height);
             } else {
-                // The whole height is half a turn; the scene follows the hand.
+                // The whole height is half a rotation; the scene follows the hand.
                 self.flight.orbit(-dx / height * PI, dy / height * PI);
             }
         }
@@ -396,7 +396,7 @@ mod tests {
         assert!(c.is_flying(), "it is held");
         c.pass_time(0.5);
         assert!((c.flight.camera().eye[2] - 3.0).abs() < 1e-6, "half a second forward: {:?}", c.flight);
-        // Shift came in between: the system speaks of another character now.
+        // Shift came in between: the system reports another character now.
         feed(&mut c, &[Input::KeyUp(Key::Char('W'))]);
         assert!(!c.is_flying(), "let go");
         feed(&mut c, &[down(Key::Char('+')), down(Key::Char('d')), down(Key::Char('q'))]);

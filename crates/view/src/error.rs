@@ -30,7 +30,7 @@ pub enum ViewError {
 }
 
 impl ViewError {
-    /// A display's words, without the place in a library where they were found.
+    /// A display's message, without the source position in a library.
     pub(crate) fn no_display(error: &dyn std::fmt::Display) -> Self {
         let message = error.to_string();
         let text = message.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));

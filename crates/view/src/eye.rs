@@ -25,7 +25,7 @@ pub(crate) struct ViewRequest {
     pub(crate) shown: Shown,
     /// Columns and rows to render.
     pub(crate) size: [u32; 2],
-    /// A look in passing: one sample in the middle of each pixel.
+    /// A preview: one sample in the middle of each pixel.
     pub(crate) preview: bool,
     /// Whether the noise will be taken out of it: that needs layers.
     pub(crate) denoised: bool,
@@ -49,7 +49,7 @@ pub(crate) struct Eye {
     making: Option<Making>,
     /// State that previews leave to the next one.
     history: PictureHistory,
-    /// Share of the pixels for which looks in passing take a fresh sample of light, where they remember the others.
+    /// Share of the pixels for which previews take a fresh sample of light, where they reuse the others.
     pub(crate) fresh: f32,
     pub(crate) colors: Vec<[f32; 4]>,
     /// The displayed colours of a picture at rest.
@@ -148,7 +148,7 @@ impl Eye {
         }
     }
 
-    /// Whether looks in passing remember those before.
+    /// Whether previews reuse the light of earlier ones.
     pub(crate) fn remembers(
         &self,
         view_request: &ViewRequest,
@@ -225,7 +225,7 @@ impl Eye {
         self.making.as_ref().and_then(|making| making.clean.as_ref()).map_or(0, |(samples, _)| *samples)
     }
 
-    /// Takes the noise out of the samples so far; says how, unless it was stopped or there is nothing.
+    /// Removes the noise from the samples so far; returns the method, unless it was stopped or there is none.
     pub(crate) fn denoise(
         &mut self,
         how: &denoise::Options,

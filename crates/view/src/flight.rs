@@ -12,9 +12,9 @@ use gnurt::scene::{Camera, Projection};
 pub struct Flight {
     eye: DVec3,
     target: DVec3,
-    /// Unit; yaw turns about it.
+    /// Unit; yaw rotates about it.
     up: DVec3,
-    /// All of it but its place.
+    /// Its settings; the position is elsewhere.
     like: Camera,
     /// The initial camera, while nothing has moved: it is printed and rendered unchanged.
     untouched: Option<Camera>,
@@ -31,7 +31,7 @@ impl Flight {
     pub fn new(camera: &Camera) -> Option<Self> {
         let frame = camera.frame()?;
         let up = DVec3::from(camera.up.map(f64::from)).try_normalize();
-        // The up of the picture, where the camera's own says nothing.
+        // The up of the picture, where the camera's own is undefined.
         let up = up.filter(|_| !frame.up_replaced).unwrap_or(DVec3::from(frame.up.map(f64::from)));
         Some(Self {
             eye: DVec3::from(camera.eye.map(f64::from)),
@@ -66,13 +66,13 @@ impl Flight {
         self.set_position(self.target + arm, self.target);
     }
 
-    /// Turns the head: the view goes to the left by `yaw` radians, upwards by `pitch`.
+    /// Rotates the view by `yaw` radians to the left, by `pitch` upwards.
     pub fn rotate(&mut self, yaw: f64, pitch: f64) {
         let view = self.turned(self.target - self.eye, yaw, pitch);
         self.set_position(self.eye, self.eye + view);
     }
 
-    /// `arm` turned about the up and towards it, but not over the poles.
+    /// `arm` rotated about the up and towards it, but not over the poles.
     fn turned(&self, arm: DVec3, yaw: f64, pitch: f64) -> DVec3 {
         let length = arm.length();
         let elevation = (arm.dot(self.up) / length).clamp(-1.0, 1.0).asin();
@@ -120,7 +120,7 @@ impl Flight {
         self.fly([-pixels[0] * unit, pixels[1] * unit, 0.0]);
     }
 
-    /// A size to measure limits with: how large the numbers are that have to tell eye and target apart.
+    /// A size to measure limits with: the magnitude of the numbers whose difference is eye minus target.
     fn scale(&self) -> f64 {
         self.target.abs().max_element().max(self.distance()).clamp(1e-12, 1e12)
     }

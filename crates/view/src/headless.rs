@@ -112,7 +112,7 @@ impl ShownFrame<'_> {
 }
 
 /// Renders frames; calls `on_frame` with the number of each and the frame itself, after each pass of samples: the
-/// time that it takes does not count. Ends early if `progress` says so.
+/// time that it takes does not count. Ends early if `progress` requests it.
 ///
 /// # Errors
 /// [`ViewError`] if there is nothing to see.

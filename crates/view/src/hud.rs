@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The numbers over the picture, and the explanation of keys.
-//! The numbers that people look for in a viewer: fps of rendering and of display, milliseconds, samples, rays per second, size, memory. Tests: `tests`.
+//! The numbers that users expect in a viewer: fps of rendering and of display, milliseconds, samples, rays
+//! per second, size, memory. Tests: `tests`.
 
 use crate::controls::Controls;
 use crate::text;
@@ -8,7 +9,7 @@ use crate::text;
 /// Measurements of the displayed picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Readings {
-    /// Seconds that the last pass and its way to the screen took.
+    /// Seconds that the last pass and its display took.
     pub(crate) seconds: f64,
     /// Rays of the last pass.
     pub(crate) rays: u64,
@@ -18,7 +19,7 @@ pub(crate) struct Readings {
     pub(crate) rendered: [u32; 2],
     /// Whether the noise was taken out of it.
     pub(crate) denoised: bool,
-    /// Seconds that it took to bring the scene to its moment: poses, trees, lights.
+    /// Seconds that it took to bring the scene to its time: poses, trees, lights.
     pub(crate) update_seconds: f64,
 }
 

@@ -34,10 +34,10 @@ pub enum Button {
     Right,
 }
 
-/// One thing that happened.
+/// One event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Input {
-    /// A key went down; `repeat` if it was held so long that the system says so again.
+    /// A key went down; `repeat` if the system repeats it because it was held.
     KeyDown {
         /// Which.
         key: Key,
@@ -59,7 +59,7 @@ pub enum Input {
     ButtonUp(Button),
     /// The cursor is here now.
     Cursor([f64; 2]),
-    /// The wheel turned by this many notches, away from the hand positive.
+    /// The wheel moved by this many notches, away from the hand positive.
     Wheel(f64),
     /// The window has this many pixels now.
     Size([u32; 2]),

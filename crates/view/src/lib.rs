@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Looking at pictures while they grow: a window to fly through a scene, a turntable without a window, and tev.
+//! Display of pictures while they grow: a window to fly through a scene, a turntable without a window, and
+//! tev.
 //!
 //! Flow: window events -> [`Input`] -> [`Controls`] (pure) -> request -> render thread -> bytes of the screen
 //! -> window. The renderer does not depend on it; only `window` depends on displays, and display libraries

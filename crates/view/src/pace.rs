@@ -5,12 +5,13 @@
 
 use gnurt::render::MotionCost;
 
-/// Chooses the divisor of both sides of the picture, and for how many pixels light is asked where pictures remember the others.
+/// Chooses the divisor of both sides of the picture, and how many pixels take fresh light where pictures
+/// reuse the others.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
     /// Seconds that a frame may take.
     target: f64,
-    /// Seconds per pixel that is looked at, and per fresh sample of light; `None` before anything was measured.
+    /// Seconds per rendered pixel, and per fresh sample of light; `None` before the first measurement.
     remembering: Option<[f64; 2]>,
     /// Seconds per pixel of one sample; `None` before anything was measured.
     cost: Option<f64>,
@@ -22,7 +23,7 @@ fn smoothed(before: f64, now: f64) -> f64 {
     before + if now < before { 0.2 } else { 0.5 } * (now - before)
 }
 
-/// Seconds that a whole picture which remembers others may take, and that it takes if it can.
+/// Seconds that a whole picture which reuses others may take, and that it takes if it can.
 const SLOWEST: f64 = 0.095;
 const BRISK: f64 = 0.05;
 /// Share of the pixels that get a fresh sample.
@@ -39,13 +40,13 @@ impl Pace {
         Self { target, remembering: None, cost: None, divisor: FIRST }
     }
 
-    /// A frame of so many pixels took so long.
+    /// A frame of this many pixels took this many seconds.
     pub(crate) fn note(&mut self, pixels: u64, seconds: f64) {
         let cost = seconds / (pixels.max(1) as f64);
         self.cost = Some(self.cost.map_or(cost, |before| smoothed(before, cost)));
     }
 
-    /// A frame of so many pixels that remembers others took so long.
+    /// A frame of this many pixels that reuses others took this many seconds.
     pub(crate) fn note_remembering(&mut self, pixels: u64, cost: MotionCost) {
         let costs =
             [cost.other_seconds / pixels.max(1) as f64, cost.sampling_seconds / cost.samples.max(1) as f64];

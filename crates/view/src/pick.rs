@@ -18,7 +18,7 @@ pub struct Pick {
     pub instance: (u32, String),
     /// Number and name of the hit object: the instance's object, or one nested in it.
     pub object: (u32, String),
-    /// The mesh, as a place within the object.
+    /// The mesh, as an index within the object.
     pub mesh: u32,
     /// The triangle within the mesh.
     pub triangle: u32,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Playing a clip: which moment is shown, and the bar that shows where that is.
-//! Keys after mpv and Blender. Seconds are the file's. Invariant: a moment lies within the clip.
+//! Playing a clip: its current time, and the bar that shows it. Keys after mpv and Blender. Seconds are the
+//! file's. Invariant: the time lies within the clip.
 //! Tests: `tests`.
 
 /// Frames per second that keys step by: film's.
@@ -12,7 +12,7 @@ const INK: u32 = 0x00f4_f4f4;
 /// A clip that can be played.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Playing {
-    /// The moments of its first and of its last key.
+    /// The times of its first and of its last key.
     range: [f64; 2],
     /// The displayed time; `None` = the scene at rest.
     clip_time: Option<f64>,
@@ -26,7 +26,7 @@ impl Playing {
         Self { range, clip_time: None, runs: false }
     }
 
-    /// The moments of its first and of its last key.
+    /// The times of its first and of its last key.
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         self.range
@@ -38,7 +38,7 @@ impl Playing {
         self.clip_time
     }
 
-    /// Whether it goes on by itself.
+    /// Whether it is playing.
     #[must_use]
     pub fn is_running(&self) -> bool {
         self.runs
@@ -50,7 +50,7 @@ impl Playing {
         self.clip_time.get_or_insert(self.range[0]);
     }
 
-    /// Goes to the frame that is so many frames on, and stops there.
+    /// Moves by this many frames, and stops there.
     pub fn step(&mut self, frames: f64) {
         self.runs = false;
         let now = self.clip_time.unwrap_or(self.range[0]);
@@ -65,7 +65,7 @@ impl Playing {
         self.clip_time = Some((frame / FPS).clamp(self.range[0], self.range[1]));
     }
 
-    /// Lets time pass; from the end it goes on at the beginning.
+    /// Advances the time; after the end it continues at the beginning.
     pub fn pass_time(&mut self, seconds: f64) {
         let ([first, last], Some(now)) = (self.range, self.clip_time) else { return };
         if !self.runs {
@@ -94,7 +94,7 @@ impl Playing {
         }
     }
 
-    /// Draws a bar along the lower edge, filled up to the moment.
+    /// Draws a bar along the lower edge, filled up to the time.
     pub(crate) fn draw_bar(&self, screen: &mut [u32], [width, height]: [u32; 2], scale: usize) {
         let ([first, last], Some(now)) = (self.range, self.clip_time) else { return };
         let [width, height] = [width as usize, height as usize];

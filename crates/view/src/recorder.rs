@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Writes the pictures that reach the screen into numbered files, for films: take-001-00001.png, take-001-00002.png, ...
-//! A thread writes; a few pictures may wait for it, then the next one waits until there is room: none is left
-//! out. Old files are kept: each take has a number that none had before; a file appears whole or not at all.
+//! A thread writes; a few pictures may wait for it, then the next one waits until the queue is shorter: none
+//! is left out. Old files are not overwritten: each take has a number that none had before; a file appears
+//! whole or not at all.
 //! Tests: `tests`, and `crates/cli/tests/program/window.rs`.
 
 use std::path::{Path, PathBuf};

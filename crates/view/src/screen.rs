@@ -55,7 +55,7 @@ static TABLE: LazyLock<Table> = LazyLock::new(|| {
     Table { bins, thresholds }
 });
 
-/// Pixels that are looked up together.
+/// Pixels that are converted together.
 const PIECE: usize = 8;
 
 impl Table {
@@ -68,7 +68,7 @@ impl Table {
             *value = curve(light * gain);
         }
         for (bin, &value) in bins.iter_mut().zip(&values) {
-            // Compared in this way NaN is the least.
+            // Compared in this order NaN is the least.
             let lit = if value > LEAST { value } else { LEAST };
             let lit = if lit < 1.0 { lit } else { 1.0 };
             *bin = (lit.to_bits() >> (23 - BITS)) - FIRST;
@@ -99,7 +99,7 @@ impl Table {
 pub(crate) enum Part<'a> {
     /// These are there.
     Colors { rows: Range<u32>, colors: &'a [[f32; 4]] },
-    /// These come from the film, and are not kept.
+    /// These come from the film, and are not stored.
     Passing(FilmBand<'a>),
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Screenshots, without the overlay: view-0001.png, view-0002.png, ... Old files are kept; a file appears
-//! whole or not at all. Tests: `tests`.
+//! Screenshots, without the overlay: view-0001.png, view-0002.png, ... Old files are not overwritten; a file
+//! appears whole or not at all. Tests: `tests`.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use gnurt::image::{Picture, PictureFormat, WriteOptions, encode, replace_file};
 
 use crate::exposure::Exposure;
 
-/// Writes a picture into `folder` under the first name that is free, and tells the name.
+/// Writes a picture into `folder` under the first free name, and returns the name.
 pub(crate) fn write(
     folder: &Path,
     colors: &[[f32; 4]],

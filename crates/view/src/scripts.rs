@@ -39,7 +39,7 @@ impl StageScript {
         Self { first: script.parameters(), script, role }
     }
 
-    /// Puts the shader that it makes in its place.
+    /// Stores the shader that it makes in its slot.
     fn put_into(&self, table: &mut ShaderTable, camera: &mut Option<CameraScript>) -> Result<(), String> {
         let script = &self.script;
         match self.role {
@@ -65,7 +65,7 @@ pub struct Scripts {
     pub list: Vec<StageScript>,
     /// The shader table of the world's commit.
     pub table: ShaderTable,
-    /// The shader that stands in the camera's place, if one does.
+    /// The shader that replaces the camera, if one does.
     pub camera: Option<CameraScript>,
 }
 
@@ -102,8 +102,8 @@ impl Scripts {
         Ok((next, messages))
     }
 
-    /// Gives a parameter of a script another value; says whether the world must be committed: once for each script, and always where
-    /// it gives off light; all later changes are seen by the shaders that are there.
+    /// Gives a parameter of a script another value; returns whether the world must be committed: once for
+    /// each script, and always where it emits light; all later changes reach the existing shaders.
     ///
     /// # Errors
     /// The value does not fit, or there is no such parameter.
@@ -125,7 +125,7 @@ impl Scripts {
         Ok(true)
     }
 
-    /// All that keys can turn.
+    /// All parameters that keys can change.
     pub(crate) fn shader_controls(&self) -> Vec<ShaderControl> {
         let of = |(i, shader): (usize, &StageScript)| ShaderControl::of(i, &shader.script, &shader.first);
         self.list.iter().enumerate().flat_map(of).collect()

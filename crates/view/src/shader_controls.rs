@@ -13,12 +13,13 @@ const LINES: usize = 9;
 /// A number that keys change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ShaderControl {
-    /// The script's place among the stage's.
+    /// The script's index among the stage's.
     pub(crate) script: usize,
     parameter: String,
     /// For people, with the letter of the number where there are several.
     label: String,
-    /// All numbers of the parameter as they are now are in the first of its knobs; this one turns that many behind it.
+    /// The first of a parameter's controls stores all its current numbers; this one changes the number at
+    /// this offset.
     component: usize,
     count: usize,
     value: f32,
@@ -32,7 +33,7 @@ pub struct ShaderControl {
 }
 
 impl ShaderControl {
-    /// The knobs of a script that is at this place; `first` are its parameters when the scene was read.
+    /// The controls of a script with this index; `first` are its parameters when the scene was read.
     pub(crate) fn of(index: usize, script: &Script, first: &[Parameter]) -> Vec<Self> {
         let mut shader_controls = Vec::new();
         for parameter in script.parameters() {
@@ -69,7 +70,7 @@ impl ShaderControl {
         shader_controls
     }
 
-    /// Turns it by so many steps, within its range; says whether it moved.
+    /// Changes it by this many steps, within its range; returns whether it changed.
     fn adjust_control(&mut self, steps: f32) -> bool {
         let value = if self.options.is_empty() {
             let value = self.value + steps * self.step;
@@ -144,7 +145,7 @@ pub struct ShaderControls {
 }
 
 impl ShaderControls {
-    /// Puts these in place of those before; the chosen one stays chosen if it is still there.
+    /// Replaces the controls; the chosen one stays chosen if it still exists.
     pub(crate) fn replace(&mut self, all: Vec<ShaderControl>) {
         let key = |control: &ShaderControl| (control.script, control.parameter.clone(), control.component);
         let chosen = self.all.get(self.at).map(key);
@@ -167,7 +168,7 @@ impl ShaderControls {
         self.shown = true;
     }
 
-    /// Turns the chosen one by so many steps; says whether it moved.
+    /// Changes the chosen one by this many steps; returns whether it changed.
     pub(crate) fn adjust_control(&mut self, steps: f32) -> bool {
         self.shown = true;
         self.all.get_mut(self.at).is_some_and(|control| control.adjust_control(steps))

@@ -30,7 +30,7 @@ impl Shown {
         light.chain([Self::Albedo, Self::Depth]).chain(ids).collect()
     }
 
-    /// The one this many places behind it in the list, which is a circle.
+    /// The one at this offset in the list, which is a circle.
     #[must_use]
     pub fn neighbour(self, pixels: isize) -> Self {
         let all = Self::all();
@@ -38,7 +38,7 @@ impl Shown {
         all[(at as isize + pixels).rem_euclid(all.len() as isize) as usize]
     }
 
-    /// The integrator that computes it: layers need none, so the cheapest one runs beside them.
+    /// The integrator that computes it: layers need none, so the cheapest one runs with them.
     #[must_use]
     pub fn integrator(self) -> Integrator {
         match self {
@@ -102,7 +102,7 @@ fn id_color(id: u32) -> [f32; 4] {
     if id == u32::MAX {
         return [0.0, 0.0, 0.0, 1.0];
     }
-    // Steps of the golden section around the circle of hues keep neighbours apart.
+    // Steps of the golden section around the circle of hues separate neighbours.
     let hue = (f64::from(id) * 0.618_033_988_749_895).fract() * 6.0;
     let scale = 1.0 - 0.35 * (f64::from(id) * 0.381_966).fract();
     let channel = |offset: f64| {

@@ -97,7 +97,7 @@ impl Stage {
 
 #[cfg(test)]
 impl Stage {
-    /// A scene that comes from nowhere and is shown as it is.
+    /// A scene without a file, shown without changes.
     pub(crate) fn of(scene: Scene, pool: &ThreadPool) -> Self {
         let (table, how) = (gnurt::render::ShaderTable::default(), CommitOptions::default());
         let mut world = World::new();
@@ -114,7 +114,7 @@ impl Stage {
     }
 }
 
-/// Asked from time to time, from any thread.
+/// Called from time to time, from any thread.
 pub type Faults = Box<dyn Fn() -> Vec<String> + Send + Sync>;
 
 impl fmt::Debug for Stage {
@@ -131,9 +131,9 @@ pub trait Listener: Send + Sync {
     /// The camera as options of the command line.
     fn camera(&self, options: &str);
 
-    /// Something that was asked for: a pick, a file that was written.
+    /// A requested result: a pick, a file that was written.
     fn note(&self, text: &str);
 
-    /// Something that went wrong and leaves things as they were.
+    /// A fault that changes nothing.
     fn warning(&self, text: &str);
 }

@@ -85,7 +85,7 @@ impl TemporalFilter {
 struct Change {
     /// Its mean brightness before.
     before: f32,
-    /// How much that changes, either way.
+    /// How much that changes, in either direction.
     size: f32,
     /// How much the brightness of its pixels does: root of the mean square.
     noise_step: f32,

@@ -23,7 +23,7 @@ pub struct TevAddress {
     pub port: u16,
 }
 
-/// Where tev listens unless it was told otherwise.
+/// The port of tev by default.
 const PORT: u16 = 14158;
 /// The time to wait for a viewer that may be absent.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -45,7 +45,7 @@ impl FromStr for TevAddress {
             "" => return Ok(Self { host: "127.0.0.1".into(), port: PORT }),
             rest => rest.strip_prefix(':').ok_or_else(form)?,
         };
-        // An address of version 6 has colons of its own, and brackets around them.
+        // An address of version 6 contains colons, and has brackets around it.
         let (host, port) =
             match rest.rsplit_once(':').filter(|(host, _)| !host.contains(':') || host.ends_with(']')) {
                 Some((host, port)) => (host, port.parse().map_err(|_| form())?),
@@ -105,7 +105,7 @@ impl TevImage {
         Ok(image)
     }
 
-    /// Shows a picture of the size that was asked for.
+    /// Shows a picture of the requested size.
     ///
     /// # Errors
     /// [`ViewError::Tev`] if tev has hung up.
@@ -119,7 +119,7 @@ impl TevImage {
             packet.int(CHANNELS.len() as u32);
             CHANNELS.iter().for_each(|name| packet.text(name));
             [0, y, width, rows].into_iter().for_each(|number| packet.int(number));
-            // Where each channel begins, and how far its values are apart, in floats.
+            // The first value of each channel, and the distance between its values, in floats.
             (0..CHANNELS.len()).for_each(|channel| packet.long(channel as u64));
             (0..CHANNELS.len()).for_each(|_| packet.long(CHANNELS.len() as u64));
             let first = y as usize * width as usize;
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn nobody_listens() {
-        // A port that was free a moment ago.
+        // A port that was free just before.
         let port = TcpListener::bind("127.0.0.1:0").and_then(|l| l.local_addr()).expect("a port").port();
         let address = TevAddress { host: "127.0.0.1".into(), port };
         let error = TevImage::create(&address, "a", [1, 1]).expect_err("nobody is there").to_string();

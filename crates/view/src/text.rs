@@ -13,7 +13,7 @@ const LINE: usize = 11;
 const MARGIN: usize = 4;
 const INK: u32 = 0x00f4_f4f4;
 
-/// Draws lines from a place on, each pixel of a letter `scale` pixels wide.
+/// Draws lines from a position on, each pixel of a letter `scale` pixels wide.
 pub(crate) fn draw(
     screen: &mut [u32],
     [width, height]: [u32; 2],

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Notices changes of files, by polling their times and sizes. Polling sees files on any file system, and
-//! those that editors replace instead of writing into them. A change counts only after two equal polls, so
-//! that a file is not read during a write. Tests: `tests`.
+//! Notices changes of files, by polling their times and sizes. Polling detects changes on any file system,
+//! and those of editors that replace files instead of writing into them. A change counts only after two equal
+//! polls, so that a file is not read during a write. Tests: `tests`.
 
 use std::path::PathBuf;
 use std::time::SystemTime;
@@ -9,29 +9,29 @@ use std::time::SystemTime;
 /// Time and size of a file; `None` if it is not there.
 type Mark = Option<(SystemTime, u64)>;
 
-/// Files that are looked at.
+/// Files that are watched.
 #[derive(Debug, Default)]
 pub(crate) struct Watch {
     files: Vec<PathBuf>,
     /// As they were when they were read.
     known: Vec<Mark>,
-    /// As they were at the last look.
+    /// Their state at the last check.
     known_marks: Vec<Mark>,
 }
 
 impl Watch {
-    /// Looks at these files from now on, and takes them as they are.
+    /// Watches these files from now on, in their current state.
     pub(crate) fn new(files: Vec<PathBuf>) -> Self {
         let marks: Vec<Mark> = files.iter().map(mark).collect();
         Self { files, known: marks.clone(), known_marks: marks }
     }
 
-    /// Whether there are files to look at.
+    /// Whether there are no files to watch.
     pub(crate) fn is_empty(&self) -> bool {
         self.files.is_empty()
     }
 
-    /// Looks; tells each change once, when it has come to rest.
+    /// Checks; reports each change once, when the file has come to rest.
     pub(crate) fn has_changed(&mut self) -> bool {
         !self.changed().is_empty()
     }

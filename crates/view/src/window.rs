@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The window: events in, pixels out. Everything else is decided elsewhere.
-//! On winit and softbuffer, which open the display's libraries when a window is asked for.
+//! On winit and softbuffer, which open the display's libraries when a window is requested.
 //! Tests: `crates/cli/tests/program/window.rs`.
 
 use std::num::NonZeroU32;
@@ -63,9 +63,9 @@ pub struct WindowOptions {
 const REST: Duration = Duration::from_millis(120);
 /// Between two steps of a flight.
 const STEP: Duration = Duration::from_millis(10);
-/// Between two looks at files.
+/// Between two checks of files.
 const WATCHED: Duration = Duration::from_millis(250);
-/// Between two looks at files of shaders: one that is saved is seen a tenth of a second later.
+/// Between two checks of files of shaders: a saved one is read a tenth of a second later.
 const SHADERS_WATCHED: Duration = Duration::from_millis(20);
 /// How long a message is shown.
 const MESSAGES: Duration = Duration::from_secs(12);
@@ -147,7 +147,7 @@ struct App {
     shader_watch: Watch,
     /// The reason that a shader cannot be read again, until it is fixed.
     bad_shader: Vec<String>,
-    /// Faults of shaders that were told.
+    /// Faults of shaders that were reported.
     reported: Vec<String>,
     open: Option<Open>,
     failure: Option<ViewError>,
@@ -271,7 +271,7 @@ impl App {
         }
     }
 
-    /// Tells something that went well or not.
+    /// Reports a success or a failure.
     fn notify(&mut self, reported: Result<String, String>) {
         match &reported {
             Ok(what) => self.listener.note(what),
@@ -340,7 +340,7 @@ impl App {
         self.report(vec![format!("--eye {}", point(eye)), format!("--target {}", point(target))]);
     }
 
-    /// Writes the picture that was asked for, as soon as there is one with all its pixels.
+    /// Writes the requested picture, as soon as there is one with all its pixels.
     fn take_screenshot(&mut self) {
         let Some(open) = self.open.as_ref().filter(|_| self.screenshot_requested) else { return };
         let written = {

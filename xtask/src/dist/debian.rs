@@ -10,20 +10,20 @@ use crate::failure::Failure;
 use crate::install::files::{copy, link, tree, write};
 use crate::notices;
 
-/// A Debian package, and how to know its files.
+/// A Debian package, and a test for its files.
 struct Package {
     name: &'static str,
     section: &'static str,
     about: &'static str,
     more: &'static str,
-    /// Further dependencies beside the system's libraries.
+    /// Further dependencies in addition to the system's libraries.
     needs: &'static [&'static str],
     /// Libraries that it opens only with a window.
     window: bool,
     holds: fn(&str) -> bool,
 }
 
-/// The first package that wants a file has it.
+/// The first package that claims a file has it.
 const PACKAGES: [Package; 3] = [
     Package {
         name: "libopenrt-dev",
@@ -95,7 +95,8 @@ pub(super) fn pack(dist: &Path, staged: &Path, version: &str) -> Result<(), Fail
     Ok(())
 }
 
-/// Copies a package's files to `root`, in the shape that the policy wants them in. Returns its programs and libraries.
+/// Copies a package's files to `root`, in the form that the policy requires. Returns its programs and
+/// libraries.
 fn fill<'a>(
     root: &Path,
     staged: &Path,
@@ -123,8 +124,9 @@ fn fill<'a>(
     Ok(binaries)
 }
 
-/// The two documents that every package has, in its folder of documents. Its copyright file holds the notices of all parts, which
-/// the policy (12.5) wants in full; as free text, since the parts' own texts fit no other form.
+/// The two documents that every package has, in its folder of documents. Its copyright file holds the notices
+/// of all parts, which the policy (12.5) requires in full; as free text, since the parts' own texts fit no
+/// other form.
 fn documents(folder: &Path, version: &str) -> Result<(), Failure> {
     let year = output_of("git", &["log", "-1", "--format=%cd", "--date=format:%Y"])?;
     let notices = notices::retained(&command::root())?;
@@ -202,7 +204,7 @@ fn depends(work: &Path, binaries: &[PathBuf], staged: &Path) -> Vec<String> {
         return vec![];
     }
     let guess = || vec!["libc6".to_owned(), "libgcc-s1".to_owned()];
-    // The tool looks for the control file of a source package.
+    // The tool requires the control file of a source package.
     if write(&work.join("debian/control"), "Source: gnurt\n\nPackage: gnurt\nArchitecture: any\n").is_err() {
         return guess();
     }

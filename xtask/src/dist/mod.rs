@@ -22,7 +22,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         eprintln!("{USAGE}");
         return Ok(());
     }
-    // Wrong ones are told before anything is made.
+    // Wrong ones are reported before anything is made.
     check(arguments)?;
     notices::check()?;
     let workspace = Workspace::load()?;
@@ -52,7 +52,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Of the arguments of `install` only those that leave each file in the place where its package wants it.
+/// Of the arguments of `install` only those that leave each file in the folder where its package needs it.
 fn check(arguments: &[String]) -> Result<(), Failure> {
     let mut rest = arguments.iter();
     while let Some(argument) = rest.next() {

@@ -62,8 +62,9 @@ pub(super) fn build(built: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The archive of everything: a crate that is nothing but openrt, as it was built. `cargo rustc` would choose the features of
-/// libraries for openrt alone, which are fewer than those for the program, too, and compile half of the house again.
+/// The archive of everything: a crate that contains only openrt, as it was built. `cargo rustc` would choose
+/// the features of libraries for openrt only, which are fewer than those for the program, too, and compile
+/// half of the dependencies again.
 fn collect(built: &Path, whole: &Path) -> Result<(), Failure> {
     let source = built.join("libOpenRT-whole.rs");
     files::write(&source, "extern crate OpenRT as _;\n")?;

@@ -11,7 +11,7 @@ pub(super) const PROGRAM: &str = "gnurt";
 pub(super) const USAGE: &str = "usage: cargo xtask install --prefix DIR [--destdir DIR] [--bindir DIR] [--libdir DIR] \
      [--includedir DIR] [--mandir DIR] [--built DIR] [--static] [--no-strip]";
 
-/// Where things go. All folders but the destination are absolute, as programs see them later.
+/// Folders of installed files. All folders but the destination are absolute, as programs see them later.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Locations {
     pub(crate) prefix: PathBuf,
@@ -108,7 +108,7 @@ impl Locations {
         self.prefix.join("share").join(path)
     }
 
-    /// Where CMake looks, in a folder for each package.
+    /// The folder of a package that CMake searches.
     pub(crate) fn cmake(&self) -> PathBuf {
         self.lib.join("cmake")
     }

@@ -2,8 +2,8 @@
 //! `cargo xtask install --prefix DIR ...`: builds and installs the program with its man pages and shell completions, the
 //! libraries, their headers, and their pkg-config and CMake files, as GNU's coding standards lay them out.
 //!
-//! Files go to DESTDIR/PREFIX, but speak of PREFIX: packagers move them there later. A library's soname is set where
-//! it is linked (`bindings/*/build.rs`) and equals the first link made here.
+//! Files go to DESTDIR/PREFIX, but refer to PREFIX: packagers move them there later. A library's soname is
+//! set where it is linked (`bindings/*/build.rs`) and equals the first link made here.
 
 mod archive;
 pub(crate) mod files;
@@ -80,7 +80,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
         return Ok(());
     }
     let locations = parse(arguments)?;
-    // Better told before minutes of building than after.
+    // Reported before minutes of building, not after.
     locations.check()?;
     install_at(&locations)?;
     eprintln!("installed in {}", locations.put(&locations.prefix).display());
@@ -111,7 +111,7 @@ pub(crate) fn install_at(locations: &Locations) -> Result<(), Failure> {
         archive::build(&built)?;
     }
     install(&built, &command::root(), &workspace.version, locations)?;
-    // The program writes its own pages: it knows its options.
+    // The program writes its own pages, from its own options.
     let manuals = workspace.target.join("manuals");
     let _ = std::fs::remove_dir_all(&manuals);
     command::run(Command::new(built.join(PROGRAM)).arg("manuals").arg(&manuals))?;

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::install::files::{read, write};
 use parts::Part;
 
-/// Where it is kept: maturin takes nothing from above the Python package's folder.
+/// Where it is stored: maturin takes nothing from above the Python package's folder.
 pub(crate) const FILE: &str = "bindings/python/LICENSE-THIRD-PARTY.txt";
 /// For which machine our packages are made; the parts for windows and clocks of other systems are others.
 const TARGET: &str = "x86_64-unknown-linux-gnu";
@@ -20,7 +20,7 @@ const USAGE: &str = "usage: cargo xtask notices [--check] [--target TRIPLE]";
 /// Fewer bytes than this are no notices of more than a hundred parts.
 const FEWEST_BYTES: usize = 1 << 14;
 
-/// Writes the file, or says that it is out of date.
+/// Writes the file, or reports that it is out of date.
 pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let (mut checks, mut target) = (false, TARGET);
     let mut rest = arguments.iter();
@@ -51,7 +51,7 @@ pub(crate) fn check() -> Result<(), Failure> {
     run(&["--check".to_owned()])
 }
 
-/// The notices as they are kept.
+/// The notices as they are stored.
 pub(crate) fn retained(root: &std::path::Path) -> Result<String, Failure> {
     let text = read(&root.join(FILE))?;
     if text.len() < FEWEST_BYTES {

@@ -47,15 +47,15 @@ fn of_metadata(metadata: &Value) -> Result<Vec<Part>, Failure> {
     let packages = list(&metadata["packages"]);
     let nodes = list(&metadata["resolve"]["nodes"]);
     let package = |id: &Value| packages.iter().find(|package| package["id"] == *id);
-    let mut due: Vec<Value> = Vec::new();
+    let mut pending: Vec<Value> = Vec::new();
     for name in GIVEN {
         // The same name may be another's package, too.
         let ours = packages.iter().find(|package| package["name"] == name && package["source"].is_null());
-        due.push(ours.ok_or_else(|| format!("cargo metadata lacks '{name}'"))?["id"].clone());
+        pending.push(ours.ok_or_else(|| format!("cargo metadata lacks '{name}'"))?["id"].clone());
     }
     let mut met = BTreeSet::new();
     let mut parts = Vec::new();
-    while let Some(id) = due.pop() {
+    while let Some(id) = pending.pop() {
         if !met.insert(id.as_str().unwrap_or_default().to_owned()) {
             continue;
         }
@@ -71,7 +71,7 @@ fn of_metadata(metadata: &Value) -> Result<Vec<Part>, Failure> {
         let node = nodes.iter().find(|node| node["id"] == id);
         for dependency in node.map(|node| list(&node["deps"])).unwrap_or_default() {
             if list(&dependency["dep_kinds"]).iter().any(|kind| kind["kind"].is_null()) {
-                due.push(dependency["pkg"].clone());
+                pending.push(dependency["pkg"].clone());
             }
         }
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The licence texts of parts, as their packages have them. Of a part that may be had under MIT that text is taken alone, with
-//! files of notices; of all others every text that is there. A part without any file gets MIT's text with its authors' names.
+//! The licence texts of parts, as their packages have them. Of a part with a choice of MIT only that text is
+//! taken, with files of notices; of all others every text in the package. A part without any file gets MIT's
+//! text with its authors' names.
 //! Invariant: every part has a text, or it is an error. Tests: `tests`.
 
 use std::path::Path;

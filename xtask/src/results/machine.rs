@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use crate::command;
 use crate::failure::Failure;
 
-/// Processes that run or wait to run, on average over the last minute, where the system says so.
+/// Processes that run or wait to run, on average over the last minute, where the system reports it.
 pub(super) fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split(' ').next()?.parse().ok()
 }

@@ -104,7 +104,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let head = machine::describe(before)?;
     let date = head["date"].as_str().unwrap_or("unknown").to_owned();
     let document = json!({ "machine": head, "quick": request.quick, "rows": Value::Object(measured) });
-    // A trial leaves the page and the records alone.
+    // A trial leaves the page and the records unchanged.
     let trial = request.quick || request.busy;
     let folder = if trial { place.work } else { command::root().join("bench/record") };
     let path = folder.join(format!("results-{date}.json"));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Exceptions to lints say why.
+//! Exceptions to lints state a reason.
 
 use super::files::SourceFile;
 

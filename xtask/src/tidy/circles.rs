@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! No file imports, directly or around a corner, one that imports it. Strongly connected components after Tarjan, "Depth-first search and linear graph algorithms", SIAM Journal on Computing 1 (1972).
-//! `modules.rs` defines an import. Remaining circles are listed, file by file, in `known_circles.rs`, and the
-//! list only gets shorter: a file that has left its circle must leave the list, and no other may come in.
+//! No file imports, directly or through others, one that imports it. Strongly connected components after
+//! Tarjan, "Depth-first search and linear graph algorithms", SIAM Journal on Computing 1 (1972). `modules.rs`
+//! defines an import. Remaining circles are listed, file by file, in `known_circles.rs`, and the list only
+//! gets shorter: a file that has left its circle must leave the list, and no other may come in.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -66,7 +67,8 @@ fn expected(
     )
 }
 
-/// For each file that imports itself around a corner, the shortest way: the files after it, it itself left out.
+/// For each file that imports itself through others, the shortest path: the files after it, it itself left
+/// out.
 fn ways_back(imports: &[BTreeMap<usize, usize>]) -> Vec<(usize, Vec<usize>)> {
     let parts = parts(imports);
     let mut chains = Vec::new();
@@ -126,7 +128,7 @@ struct Search<'a> {
     imports: &'a [BTreeMap<usize, usize>],
     /// When each file was met.
     order: Vec<usize>,
-    /// The earliest one that can be reached from it and is not in a component yet.
+    /// The earliest one that is reachable from it and is not in a component yet.
     lowest: Vec<usize>,
     part: Vec<usize>,
     stack: Vec<usize>,

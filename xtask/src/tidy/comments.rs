@@ -16,7 +16,7 @@ pub(super) fn page(file: &SourceFile) -> Page {
     let mut marker_before = None;
     for (comment, line) in comments.lines().zip(file.text.lines()) {
         let (marker, words) = split(comment.trim());
-        // After code, a comment is a block of its own.
+        // After code, a comment is a separate block.
         let is_alone = line.trim_start().starts_with("//");
         if marker.is_some() && !words.starts_with("SPDX-") {
             let begins = !is_alone || marker != marker_before;

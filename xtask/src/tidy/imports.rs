@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A Rust file's references to other files: its modules, imports, definitions and paths. From the text alone,
+//! A Rust file's references to other files: its modules, imports, definitions and paths. From only the text,
 //! without a compiler. Tests (`#[cfg(test)]`) are free: they are not read. Tests: `tests`.
 
 use std::collections::BTreeSet;
@@ -11,7 +11,7 @@ use super::rust_code::without_tests;
 pub(super) struct Import {
     /// From 1.
     pub(super) line: usize,
-    /// The modules within the file that it stands in.
+    /// The modules within the file that contain it.
     pub(super) within: Vec<String>,
     /// Where it comes from.
     pub(super) path: Vec<String>,

@@ -2,7 +2,7 @@
 //! No work of a pool's threads inside of a lazy initialization (`OnceLock::get_or_init` and the like). A
 //! thread that waits for others executes other tasks of the pool; if one of these needs the same value, the
 //! thread waits for itself. Values are made outside and stored afterwards: a second thread drops its own. The
-//! rule knows words, not types: a call with a pool, or with a value that has one, counts as parallel.
+//! rule checks words, not types: a call with a pool, or with a value that has one, counts as parallel.
 
 use super::files::SourceFile;
 

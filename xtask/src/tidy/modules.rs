@@ -2,8 +2,9 @@
 //! The files of a crate and which of them imports which. Tests: the tests of `circles`.
 //!
 //! A file imports another if it names an item that is written there, wherever it gets the name from: a path that goes
-//! through a list (`pub use`) leads to the file behind it. So a `mod.rs` that only declares and passes on is nowhere on
-//! the way, and one with items of its own is a file like all others: a child that names such an item imports it.
+//! through a list (`pub use`) leads to the file behind it. So a `mod.rs` that only declares and reexports is
+//! on no path, and one with its own items is a file like all others: a child that names such an item imports
+//! it.
 
 use std::collections::BTreeMap;
 
@@ -71,7 +72,7 @@ impl Crate {
         &self.files[file].path
     }
 
-    /// For each file those that it imports, with the line where it first does.
+    /// For each file its imports, with the line of the first.
     pub(super) fn imports(&self) -> Vec<BTreeMap<usize, usize>> {
         (0..self.files.len()).map(|file| self.imports_of(file)).collect()
     }

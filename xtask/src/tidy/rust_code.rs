@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rust text without its comments, strings and characters, so that rules about code look at code alone.
+//! Rust text without its comments, strings and characters, for rules about code.
 //! Invariant: line breaks stay where they are; everything else that is taken out becomes a space.
 
 /// Blanks comments (nested ones too), strings (raw ones too) and character literals.
@@ -38,7 +38,7 @@ pub(super) fn comments_only(text: &str) -> String {
     comments
 }
 
-/// Blanks items that are for tests alone (`#[cfg(test)]`), of code without comments and strings.
+/// Blanks items that are only for tests (`#[cfg(test)]`), of code without comments and strings.
 pub(super) fn without_tests(code: &str) -> String {
     const MARK: &str = "#[cfg(test)]";
     let mut rest = code;
@@ -64,7 +64,7 @@ fn item_length(code: &str) -> usize {
             '}' => {
                 braces = braces.saturating_sub(1);
                 if braces == 0 && depth == 0 {
-                    // `use a::{b};` goes on.
+                    // `use a::{b};` continues.
                     let after = code[at + 1..].trim_start();
                     return if after.starts_with(';') { code.len() - after.len() + 1 } else { at + 1 };
                 }

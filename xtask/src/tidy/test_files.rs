@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Every test file is compiled: where `autotests = false`, cargo looks for none by itself.
+//! Every test file is compiled: where `autotests = false`, cargo finds none by itself.
 
 use super::files::SourceFile;
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Rooms have a vocabulary: a word that a room must not know, as part of an identifier, is in the wrong room.
-//! Comments and strings are free.
+//! Crates have a vocabulary: a word that a crate must not use, as part of an identifier, belongs to another
+//! crate. Comments and strings are free.
 
 use super::files::SourceFile;
 
-/// A room and the words that it must not know.
+/// A crate and the words that it must not use.
 const FORBIDDEN: [(&str, &[&str]); 5] = [
     ("crates/accel/src/", &["material", "pixel", "texture", "shader"]),
     ("crates/accel-core/src/", &["material", "pixel", "texture", "shader"]),
@@ -13,7 +13,7 @@ const FORBIDDEN: [(&str, &[&str]); 5] = [
     ("crates/image/src/", &["thread", "ray", "rayon"]),
 ];
 
-/// No identifier of a room is made of a word that the room must not know.
+/// No identifier of a crate contains a word that the crate must not use.
 pub(super) fn check(file: &SourceFile) -> Vec<(usize, String)> {
     let Some((_, forbidden)) = FORBIDDEN.iter().find(|(crate_path, _)| file.path.starts_with(crate_path))
     else {

@@ -17,7 +17,8 @@ use crate::state::framebuffer::FrameBuffer;
 use crate::state::usage::Usage;
 
 impl Context {
-    /// rtStartRendering. Fails but starts a frame if a plugin cannot take part in it: it goes on without that one.
+    /// rtStartRendering. Fails but starts a frame if a plugin does not support it: the frame is then rendered
+    /// without that plugin.
     pub(crate) fn start_rendering(&mut self) -> Result<()> {
         self.outside_block()?;
         self.no_open_object()?;
@@ -54,8 +55,8 @@ impl Context {
         reported
     }
 
-    /// Whether there is room for a picture of this size, where the frames before had less: asked before anything is begun,
-    /// since the parts of a picture are made one by one.
+    /// Whether memory allows a picture of this size, where the frames before had less: checked before
+    /// anything is begun, since the parts of a picture are made one by one.
     fn check_memory(&self, target: &FrameBuffer) -> Result<()> {
         let [pixels, held] =
             [u64::from(target.width) * u64::from(target.height), self.stage.colors.len() as u64];

@@ -8,13 +8,13 @@ use crate::state::error::Result;
 use crate::state::listener::{Hearing, Listener};
 
 impl Context {
-    /// rtDebugCallback: gives back the one that was there, of which calls may still be under way.
+    /// rtDebugCallback: returns the one before, of which calls may still be in progress.
     pub(crate) fn set_listener(&mut self, listener: Option<Arc<Listener>>) -> Result<Option<Arc<Listener>>> {
         self.outside_block()?;
         Ok(std::mem::replace(&mut self.listener, listener))
     }
 
-    /// The right to tell the listener of an error, if there is one.
+    /// The right to report an error to the listener, if there is one.
     pub(crate) fn hearing(&self) -> Option<Hearing> {
         self.listener.as_ref().map(Listener::hearing)
     }

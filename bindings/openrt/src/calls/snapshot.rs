@@ -37,7 +37,8 @@ impl Context {
         self.shaders.end_blocks();
     }
 
-    /// Brings the stage up to date with the program's objects and instances. Looks only at those that were edited.
+    /// Brings the stage up to date with the program's objects and instances. Checks only those that were
+    /// edited.
     pub(super) fn update(&mut self, stage: &mut Stage) {
         let unnamed = std::mem::take(&mut self.unnamed).geometry;
         let has_unnamed = !unnamed.is_empty();

@@ -38,7 +38,7 @@ const CONSTANTS: [u32; 30] = [
     0x2600, 0x2601,
 ];
 
-/// The calls that these bytes say; a rest that is too short says nothing.
+/// The calls that these bytes encode; a rest that is too short encodes none.
 pub(crate) fn decode(bytes: &[u8]) -> impl Iterator<Item = Call> + '_ {
     bytes.chunks_exact(SIZE).map(|b| {
         let number = u32::from_le_bytes([b[1], b[2], b[3], b[4]]);
@@ -137,7 +137,7 @@ pub(crate) fn perform(context: &mut Context, (call, n, x): Call) -> Result<()> {
 /// Texels of all pictures: enough for the largest.
 static TEXELS: LazyLock<Vec<u8>> = LazyLock::new(|| vec![77; 8 * (1 << 15) * 16]);
 
-/// A small picture, or one that is refused.
+/// A small picture, or one of an invalid size.
 fn image(n: u32, x: f32) -> ImageDescription {
     ImageDescription {
         target: 0x0DE1,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A model of the state machine, written from the specification: for random programs it says which error each call gives,
-//! which ids come back and how many objects, triangles and instances there are.
+//! A model of the state machine, written from the specification: for random programs it gives the error and
+//! the ids of each call, and the numbers of objects, triangles and instances.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -146,7 +146,7 @@ impl Model {
         self.last_instance
     }
 
-    /// Closes the open object: the instance that its mode asks for.
+    /// Closes the open object: an instance, if its mode makes one.
     fn close(&mut self) -> Result<Option<u32>> {
         let (id, mode, assembly) = self.open.take().ok_or(OPERATION)?;
         let known = self.defined.get(&id).map_or(0, |(vertices, _)| *vertices);
@@ -337,7 +337,7 @@ impl Model {
     }
 }
 
-/// The same call on the library. `given` counts vertices, so that no two are in one place.
+/// The same call on the library. `given` counts vertices, so that no two have the same position.
 fn perform(context: &mut Context, call: Call, given: &mut u32) -> Result<u32> {
     let none = |outcome: Result<()>| outcome.map(|()| 0);
     match call {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Random programs against the state machine: no call panics, and failing calls change nothing that can be asked.
+//! Random programs against the state machine: no call panics, and failing calls change no state that can be
+//! queried.
 
 use super::{perform, small_context, visible_state};
 use crate::context::Context;
@@ -46,7 +47,7 @@ fn the_first_error_stays() {
     assert_eq!(context.take_error(), Ok(Error::NONE_CODE), "reading it clears it");
 }
 
-/// Bytes that look random, the same on every run (splitmix64).
+/// Pseudorandom bytes, the same on every run (splitmix64).
 fn noise(mut state: u64, length: usize) -> Vec<u8> {
     let mut next = || {
         state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);

@@ -72,7 +72,7 @@ impl Assembly {
         Block { mode, part, first, count: 0, transforms, values: Vec::new() }
     }
 
-    /// The block gets a vertex, and whatever that completes.
+    /// Adds a vertex to the block, with any primitives that it completes.
     #[inline]
     pub(crate) fn vertex(
         &mut self,
@@ -119,8 +119,8 @@ impl Assembly {
         }
     }
 
-    /// A block has ended that was too short for a primitive: its vertices join those that wait, and make a primitive
-    /// where there are enough.
+    /// A block has ended that was too short for a primitive: its vertices join the waiting ones, and make a
+    /// primitive where there are enough.
     fn join(&mut self, block: &Block, part: usize, size: u32) {
         let continues = self.waiting.as_ref().is_some_and(|w| w.mode == block.mode && w.part == part);
         if !continues {

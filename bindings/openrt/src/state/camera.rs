@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The default camera's transform, and the camera with a projection.
-//! Source: after OpenGL 1.x and its utility library. Space: world; right-handed, the eye looks along -z.
+//! Source: after OpenGL 1.x and its utility library. Space: world; right-handed, the camera faces along -z.
 //! Tests: tests/c/scene.c, tests/c/errors.c.
 
 use std::sync::Arc;

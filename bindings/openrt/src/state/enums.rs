@@ -79,7 +79,7 @@ codes! {
     TextureParameter { MagFilter = 0x2800, MinFilter = 0x2801, WrapS = 0x2802, WrapT = 0x2803 }
     /// How points between texel centres are read.
     TextureFilter { Nearest = 0x2600, Linear = 0x2601 }
-    /// How points that stand for more than a texel are read.
+    /// How points that cover more than a texel are read.
     MinifyFilter {
         Nearest = 0x2600,
         Linear = 0x2601,
@@ -90,9 +90,9 @@ codes! {
     }
     /// Wrapping outside of a texture.
     TextureWrap { Clamp = 0x2900, Repeat = 0x2901, ClampToEdge = 0x812F, MirroredRepeat = 0x8370 }
-    /// Strings that can be asked for.
+    /// Strings that programs can query.
     StringName { Vendor = 0x1F00, Renderer = 0x1F01, Version = 0x1F02, Extensions = 0x1F03 }
-    /// Numbers that can be asked for.
+    /// Numbers that programs can query.
     StateName {
         ObjectCount = 0x0700,
         TriangleCount = 0x0701,

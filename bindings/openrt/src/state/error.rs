@@ -7,8 +7,8 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[repr(u32)]
 pub(crate) enum Error {
-    /// A constant is none of those that the call takes (IE).
-    #[error("a constant is none of those that the call takes")]
+    /// A constant that the call does not accept (IE).
+    #[error("a constant is invalid for this call")]
     InvalidEnum = 0xFFFF_FE01,
     /// A pointer is null, a number out of range or an id unknown (IV).
     #[error("a pointer is null, a number out of range or an id unknown")]

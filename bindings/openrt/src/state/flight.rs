@@ -16,7 +16,7 @@ pub(crate) struct Flight {
 }
 
 impl Flight {
-    /// Asks the frame to end early.
+    /// Requests the frame to end early.
     pub(crate) fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }

@@ -39,7 +39,7 @@ pub(crate) struct Part {
     /// The shader's id.
     pub(crate) shader: u32,
     class: Arc<LoadedClass>,
-    /// Vertices for which there is room in all that is not empty.
+    /// Vertices for which all non-empty channels have memory.
     room: usize,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
@@ -55,7 +55,7 @@ pub(crate) struct Part {
     indices: Vec<[u32; 3]>,
     /// One block per triangle, if the class has parameters per triangle.
     triangle_values: Vec<f32>,
-    /// Number of each triangle in the object, if a plugin may ask for it.
+    /// Number of each triangle in the object, if a plugin may query it.
     numbers: Vec<u32>,
 }
 
@@ -151,7 +151,8 @@ impl Part {
         self.positions.len()
     }
 
-    /// Adds a vertex with the block of its per-vertex parameters. Fails where there is no room: how much a program gives is its own affair.
+    /// Adds a vertex with the block of its per-vertex parameters. Fails where memory is short: the library
+    /// sets no limit to a program's data.
     #[inline]
     pub(crate) fn push_vertex(&mut self, vertex: Vertex, values: &[f32]) -> Result<()> {
         let n = self.positions.len();
@@ -289,8 +290,8 @@ impl Part {
     }
 }
 
-/// Adds value number `n` to a channel that stays empty while all values are the default one; false where there is no room for `room`
-/// of them, which all other channels have.
+/// Adds value number `n` to a channel that stays empty while all values are the default one; false where
+/// memory is short for `room` of them, which all other channels have.
 #[inline]
 fn push_unless_default<T: Copy + PartialEq>(
     channel: &mut Vec<T>,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Ids that programs reserve: consecutive, from 1; one that was removed comes back when there are no others.
+//! Ids that programs reserve: consecutive, from 1; a removed one is used again when there are no others.
 //! Invariant: an id exists if it was generated and not removed since; neither 0 nor `RT_INVALID` nor
 //! an id of the forbidden range is ever generated. Memory grows with the gaps between ids that exist, not with the ids
 //! that were ever reserved or removed.
@@ -39,7 +39,8 @@ impl Ids {
         Self { next: 1, skipped: 0..0, removed: BTreeMap::new(), forbidden }
     }
 
-    /// Reserves `count` consecutive ids and returns the first. Removed ones are only used again if `is_free` says so.
+    /// Reserves `count` consecutive ids and returns the first. Removed ones are only used again if `is_free`
+    /// allows it.
     pub(crate) fn reserve(&mut self, count: i32, is_free: impl Fn(u32) -> bool) -> Result<u32> {
         let count = u32::try_from(count).ok().filter(|&n| n > 0).ok_or(Error::InvalidValue)?;
         let ends_before = |first: u32, end: u32| first.checked_add(count).is_some_and(|last| last <= end);

@@ -26,7 +26,7 @@ const LAST: u32 = RT_INVALID - 1;
 /// The size of the range of ids.
 const MOST: usize = (LAST - FIRST + 1) as usize;
 
-/// All instances. Ids are given out in a circle, so that one that is gone comes back as late as possible.
+/// All instances. Ids are given out in a circle, so that a removed one is used again as late as possible.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Instances {
     last_id: u32,
@@ -81,7 +81,7 @@ impl Instances {
         Ok(id)
     }
 
-    /// The one of an id.
+    /// The instance of an id.
     #[must_use]
     pub(crate) fn get(&self, id: u32) -> Option<&Instance> {
         self.all.get(&id)
@@ -93,7 +93,7 @@ impl Instances {
         self.of_objects.contains_key(&object)
     }
 
-    /// The one of an id, to be put elsewhere; it goes on showing its object.
+    /// The instance of an id, to be moved; it still shows its object.
     pub(crate) fn get_mut(&mut self, id: u32) -> Option<&mut Instance> {
         let found = self.all.get_mut(&id);
         if found.is_some() {
@@ -102,7 +102,7 @@ impl Instances {
         found
     }
 
-    /// Removes one; says whether it was there.
+    /// Removes one; returns whether it existed.
     pub(crate) fn remove(&mut self, id: u32) -> bool {
         let Some(gone) = self.all.remove(&id) else { return false };
         self.changes.note(id);

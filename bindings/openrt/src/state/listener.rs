@@ -14,7 +14,7 @@ type Function = dyn Fn(Error, &CStr) + Send + Sync;
 /// A program's function.
 pub(crate) struct Listener {
     function: Box<Function>,
-    /// Calls that are under way, or will be.
+    /// Calls in progress or about to begin.
     hearings: Mutex<usize>,
     ended: Condvar,
 }
@@ -37,7 +37,7 @@ impl Listener {
         Hearing(self.clone())
     }
 
-    /// Waits until no call of it is under way.
+    /// Waits until no call of it is in progress.
     pub(crate) fn wait(&self) {
         let mut hearings = self.hearings();
         while *hearings > 0 {

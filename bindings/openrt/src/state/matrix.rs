@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! 4 x 4 matrices in double precision, column-major as in OpenGL.
 //! Rotation, frustum and parallel projection in the closed forms that OpenGL defines.
-//! Space: whatever the program means. Tests: `tests`; tests/c/scene.c.
+//! Space: the program's own. Tests: `tests`; tests/c/scene.c.
 
 use gnurt::scene::Affine;
 
@@ -26,13 +26,13 @@ impl Matrix {
         Affine::translation(t).into()
     }
 
-    /// Turns by an angle around an axis of any length; a zero axis turns nothing.
+    /// Rotates by an angle around an axis of any length; a zero axis gives the identity.
     #[must_use]
     pub(crate) fn rotation(degrees: f64, axis: [f64; 3]) -> Self {
         Affine::rotation(axis, degrees.to_radians()).into()
     }
 
-    /// OpenGL's perspective through a rectangle on the near plane. `None` where OpenGL refuses it.
+    /// OpenGL's perspective through a rectangle on the near plane. `None` where it is an error in OpenGL.
     #[must_use]
     pub(crate) fn frustum(x: [f64; 2], y: [f64; 2], [near, far]: [f64; 2]) -> Option<Self> {
         let [width, height, depth] = extents(x, y, [near, far])?;
@@ -48,7 +48,7 @@ impl Matrix {
         usable.then_some(Self(m))
     }
 
-    /// OpenGL's parallel projection of a box. `None` where OpenGL refuses it.
+    /// OpenGL's parallel projection of a box. `None` where it is an error in OpenGL.
     #[must_use]
     pub(crate) fn ortho(x: [f64; 2], y: [f64; 2], [near, far]: [f64; 2]) -> Option<Self> {
         let [width, height, depth] = extents(x, y, [near, far])?;

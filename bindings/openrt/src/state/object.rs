@@ -16,7 +16,8 @@ use super::geometry::{Geometry, ShaderMesh};
 use super::ids::Ids;
 use super::matrix::Matrix;
 
-/// Ids that objects never have: a first argument of rtNewObject that lies here is the mode of the one-argument form.
+/// Ids that objects never have: a first argument of rtNewObject in this range is the mode of the one-argument
+/// form.
 pub(crate) const MODE_RANGE: std::ops::Range<u32> = 0x200..0x300;
 
 /// An object within another.
@@ -78,7 +79,7 @@ pub(crate) struct Objects {
     fresh: BTreeSet<u32>,
     /// Those of `defined` whose id is gone.
     removed: BTreeSet<u32>,
-    /// Those that lost their definition or the last object that held them since a frame last looked.
+    /// Those that lost their definition or the last object that held them since the last frame's check.
     left: BTreeSet<u32>,
 }
 
@@ -156,7 +157,7 @@ impl Objects {
         alive.fold((0, 0), |(n, triangles), (_, object)| (n + 1, triangles + object.triangles))
     }
 
-    /// Whether one that was removed may still be shown.
+    /// Whether a removed one may still be shown.
     pub(crate) fn has_removed(&self) -> bool {
         !self.removed.is_empty()
     }
@@ -166,7 +167,7 @@ impl Objects {
         self.defined.contains_key(&id) || self.holders.contains_key(&id)
     }
 
-    /// Ids that a frame may need no longer, since the last time that this was asked.
+    /// Ids that a frame may need no longer, since the last call of this.
     pub(crate) fn take_left(&mut self) -> BTreeSet<u32> {
         std::mem::take(&mut self.left)
     }
@@ -245,7 +246,8 @@ impl Objects {
         }
     }
 
-    /// Whether an object with a definition keeps it: its id is there, or it is shown, or lies in one that stays.
+    /// Whether an object with a definition retains it: its id exists, or it is shown, or contained in one
+    /// that stays.
     fn stays(&self, id: u32, shown: &impl Fn(u32) -> bool, known: &mut BTreeMap<u32, bool>) -> bool {
         if let Some(&stays) = known.get(&id) {
             return stays;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The contents of a progressive frame, so that the next one knows whether it continues it (rtProgressive).
+//! The contents of a progressive frame, so that the next one can detect whether it continues it
+//! (rtProgressive).
 //! Invariant: samples of two frames are only added if all inputs of the picture are equal.
 //! Tests: tests/c/frames.c.
 

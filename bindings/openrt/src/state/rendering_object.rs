@@ -81,7 +81,7 @@ impl RenderingClass {
         options.seed = u64::from(values.integer(SEED).cast_unsigned());
     }
 
-    /// How many samples it takes, where the program has said `otherwise`.
+    /// How many samples it takes, `otherwise` where the program has set none.
     pub(crate) fn sampling(&self, values: &[ParameterValue], otherwise: Sampling) -> Sampling {
         let samples = Values(values).count(SAMPLES_PER_PIXEL);
         Sampling { samples: samples.unwrap_or(otherwise.samples), ..otherwise }

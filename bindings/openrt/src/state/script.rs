@@ -74,7 +74,7 @@ impl ScriptClass {
     }
 }
 
-/// A parameter as C knows it, if C has a call for it.
+/// A parameter in C's terms, if C has a call for it.
 fn described(from: &gnurt::osl::Parameter) -> Option<Parameter> {
     let rate = match (from.is_of_mesh, &from.rate[..]) {
         (false, _) => ParameterRate::Shader,

@@ -148,7 +148,7 @@ impl Shaders {
         self.all.get_mut(&id)
     }
 
-    /// Whether one that was deleted may still be in use.
+    /// Whether a deleted one may still be in use.
     pub(crate) fn has_deleted(&self) -> bool {
         self.all.values().any(|shader| shader.deleted)
     }

@@ -14,7 +14,7 @@ use super::class::ClassCode;
 use super::error::{Error, Result};
 use super::script::ScriptClass;
 
-/// A class with the places of its varying parameters.
+/// A class with the slots of its varying parameters.
 pub(crate) struct LoadedClass {
     /// Name of the library it came from; empty for built-in classes.
     file: String,
@@ -63,7 +63,7 @@ impl Layout {
         layout
     }
 
-    /// The place of parameter number `parameter`, if it is of this rate.
+    /// The slot of parameter number `parameter`, if it is of this rate.
     #[must_use]
     pub(crate) fn slot(&self, parameter: usize) -> Option<Slot> {
         self.slots.iter().copied().find(|slot| slot.parameter == parameter)
@@ -110,7 +110,7 @@ impl Classes {
         parameter_index.and_then(|i| self.handles.get(i)).copied().ok_or(Error::InvalidValue)
     }
 
-    /// Finds or loads a class and returns its id, or says why it cannot.
+    /// Finds or loads a class and returns its id, or the reason why it cannot.
     pub(crate) fn load(&mut self, name: &str, file: &str) -> std::result::Result<u32, LoadError> {
         let known = self.loaded.iter().position(|class| class.code.name() == name && class.file == file);
         if let Some(known) = known {
@@ -133,7 +133,7 @@ impl Classes {
         Ok(self.loaded.len() as u32)
     }
 
-    /// Lets rtGetShaderClassInfoLog say something.
+    /// Sets the result of rtGetShaderClassInfoLog.
     pub(crate) fn set_info_log(&mut self, text: &str) {
         // A C string ends at its first zero byte: texts of plugins hold none, nor do those that came from C.
         self.info_log = CString::new(text).unwrap_or_default();

@@ -27,9 +27,9 @@ pub(crate) struct Texture {
     wrap: [Wrap; 2],
     /// Smaller copies of the image.
     mips: Option<Arc<MipMap>>,
-    /// Linear if the program has not said.
+    /// Linear if the program has not set it.
     pub(crate) filter: Option<TextureFilter>,
-    /// Linear if the program has not said.
+    /// Linear if the program has not set it.
     pub(crate) minify: Option<MinifyFilter>,
 }
 
@@ -70,7 +70,7 @@ impl Textures {
         let texels = texture.image.clone()?;
         let linear = texture.filter != Some(TextureFilter::Nearest);
         let minify = texture.minify.unwrap_or(MinifyFilter::Linear).minify();
-        // Levels between are made when a ray first wants one: on the frame's threads.
+        // Levels between are made when a ray first needs one: on the frame's threads.
         let minify = texture.mips.clone().map(|mips| (minify, mips));
         let (wrap, uv_from_mesh) = (texture.wrap, FIRST_ROW_AT_0);
         Some(Arc::new(TextureSampler { texels, wrap, linear, minify, uv_from_mesh }))
@@ -92,7 +92,7 @@ impl Textures {
         self.bound = id;
     }
 
-    /// Removes one that exists.
+    /// Removes an existing one.
     pub(crate) fn remove(&mut self, id: u32) -> Result<()> {
         self.ids.remove(id)?;
         self.revision += 1;
@@ -114,7 +114,7 @@ impl Textures {
     }
 }
 
-/// Gives so many bytes of the program's memory.
+/// Returns a number of bytes of the program's memory.
 pub(crate) type ReadTexels<'a> = &'a dyn Fn(usize) -> &'a [u8];
 
 /// The numbers of rtTexImage2D.
@@ -146,7 +146,7 @@ pub(crate) struct CheckedImage {
 }
 
 impl ImageDescription {
-    /// The image, if the library takes such images. The target is not looked at.
+    /// The image, if the library takes such images. The target is not checked.
     pub(crate) fn check(&self) -> Result<CheckedImage> {
         let format = TexelFormat::from_code(self.format)?;
         let texel_type = TexelType::from_code(self.texel_type)?;
@@ -203,7 +203,7 @@ impl TexelFormat {
         }
     }
 
-    /// The internal format of OpenGL 1.x that `code` stands for.
+    /// The internal format of OpenGL 1.x with this code.
     fn from_internal(code: i32) -> Result<Self> {
         match code {
             1 => Ok(Self::Luminance),
@@ -259,7 +259,7 @@ impl TexelType {
     }
 }
 
-/// Texels from a program's memory. Bytes stay bytes. Fails if there is no room for them.
+/// Texels from a program's memory. Bytes stay bytes. Fails if memory for them is short.
 fn decode_texels(
     bytes: &[u8],
     format: TexelFormat,

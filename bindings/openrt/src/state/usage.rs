@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which shaders light, see and surround the scene.
-//! Source: \[DWBS03\]. Invariant: the ids are of shaders of the right kind; a deleted one goes on working.
+//! Source: \[DWBS03\]. Invariant: the ids are of shaders of the right kind; a deleted one still works.
 //! Tests: tests/c/scene.c, tests/c/errors.c.
 
-/// The shaders in use beside those of surfaces.
+/// The shaders in use, those of surfaces excepted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Usage {
     /// Lights, in the order in which they were added; one may be there more than once.

@@ -75,7 +75,7 @@ pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), Stri
         if !is_drawn && let Some(open) = &app.open {
             open.window.request_redraw();
         }
-        // A picture that is asked for comes with the next events.
+        // A requested picture comes with the next events.
         patience = (is_stale || animates).then_some(Duration::ZERO);
     }
 }
@@ -104,7 +104,7 @@ fn broken() -> String {
     "the window broke down: this is a bug in librtut".to_owned()
 }
 
-/// The work after each of the program's functions: pictures are kept; returns whether the loop ends.
+/// The work after each of the program's functions: saves pictures; returns whether the loop ends.
 fn settle(program: &dyn Program, settings: &Settings, displayed: &mut u64) -> Result<bool, String> {
     keep(program, settings, displayed)?;
     let mut is_over = settings.is_enough(*displayed);
@@ -247,7 +247,7 @@ fn character(event: &KeyEvent) -> Option<u8> {
     }
 }
 
-/// A display's words, without the place in a library where they were found.
+/// A display's message, without the source position in a library.
 fn characters(error: &dyn std::fmt::Display) -> String {
     let message = error.to_string();
     let characters = message.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));

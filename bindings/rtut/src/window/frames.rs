@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Frames of a window: one is rendered while the program prepares the next.
-//! Invariants: no lock is held while libOpenRT is called, which may tell the program of an error, which may call back or
-//! leave by an exception. After each call its use of a buffer is queried, because calls may fail: only a
-//! buffer that no frame uses, present or future, is freed, and only one that is not in flight is read. Tests:
-//! `tests`, and tests/c/window_hostile.c under AddressSanitizer.
+//! Invariants: no lock is held while libOpenRT is called, which may report an error to the program, which may
+//! call back or leave by an exception. After each call its use of a buffer is queried, because calls may
+//! fail: only a buffer that no frame uses, present or future, is freed, and only one that is not in flight is
+//! read. Tests: `tests`, and tests/c/window_hostile.c under AddressSanitizer.
 
 use super::program::Program;
 use super::stage::Flight;
@@ -17,7 +17,7 @@ pub(crate) struct Use {
     pub(crate) in_flight: bool,
 }
 
-/// libOpenRT's frames; each call may fail, and tells the program so.
+/// libOpenRT's frames; each call may fail, and reports that to the program.
 pub(crate) trait Renderer {
     /// The use of the buffer that begins there; calls nothing of the program.
     fn usage(&self, memory: usize) -> Use;
@@ -29,7 +29,8 @@ pub(crate) trait Renderer {
     fn end(&self);
 }
 
-/// Waits for the frame that was begun last, if there is one, and shows it. False if it goes on: it could not be ended.
+/// Waits for the frame that was begun last, if there is one, and shows it. False if it continues: it could
+/// not be ended.
 pub(crate) fn finish(program: &dyn Program, renderer: &dyn Renderer) -> bool {
     let mut flight = None;
     program.stage(&mut |stage| flight = stage.flight());
@@ -176,7 +177,8 @@ mod tests {
         }
     }
 
-    /// Whatever fails, no memory goes that libOpenRT may write to, and none is shown before it is whole.
+    /// After any failure, no memory is freed that libOpenRT may write to, and none is shown before it is
+    /// whole.
     #[test]
     fn failed_calls_keep_memory() {
         // Each digit of `way` is a step: the open construct, and the size of the window.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A window for OpenRT programs, in the manner of GLUT: the program gives functions, the main loop calls them.
-//! Source: names after GLUT, on winit and softbuffer, which open the display's libraries when a window is asked for. Tests: `tests`, tests/window.rs.
+//! Source: names after GLUT, on winit and softbuffer, which open the display's libraries when a window is requested. Tests: `tests`, tests/window.rs.
 //!
 //! A hop path: `rtutMainLoop` -> `run` -> `display` (a real window) or `plain` (none) -> the program's functions ->
 //! `rtutSwapBuffers` -> `frames::swap`, whose picture the loop then shows.

@@ -44,7 +44,7 @@ impl Format {
     }
 }
 
-/// Turns a frame buffer into rows of a screen; `bytes` holds all its pixels.
+/// Converts a frame buffer into rows of a screen; `bytes` holds all its pixels.
 pub(crate) fn to_screen(bytes: &[u8], width: usize, format: Format, out: &mut Vec<u32>) {
     let value = |pixel: &[u8], k: usize| -> u32 {
         if !format.is_float {

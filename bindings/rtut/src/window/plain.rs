@@ -5,7 +5,7 @@ use super::pixels::write_ppm;
 use super::program::Program;
 use super::settings::Settings;
 
-/// Asks for frames until there are enough, or none comes any more.
+/// Requests frames until there are enough, or none comes any more.
 pub(super) fn run(program: &dyn Program, settings: &Settings) -> Result<(), String> {
     let mut size = [0; 2];
     program.stage(&mut |stage| size = stage.size);

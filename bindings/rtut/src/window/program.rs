@@ -6,7 +6,7 @@ use super::stage::Stage;
 /// Callbacks of the program; each does nothing unless the program has set a function for it. None is called
 /// during another one, and none under a lock: they may call everything, and may be left by an exception.
 pub(crate) trait Program {
-    /// A frame is wanted.
+    /// The window needs a frame.
     fn display(&self);
     /// The window has this size now.
     fn reshape(&self, size: [u32; 2]);
@@ -18,7 +18,7 @@ pub(crate) trait Program {
     fn mouse(&self, button: i32, is_up: bool, at: [i32; 2]);
     /// The pointer has moved; with a button down or without.
     fn motion(&self, at: [i32; 2], dragged: bool);
-    /// There is nothing else to do; says whether there is such a function.
+    /// Called when there is nothing else to do; returns whether there is such a function.
     fn idle(&self) -> bool;
     /// Waits for the frame in flight, if there is one, and shows it.
     fn finish(&self);

@@ -19,7 +19,7 @@ pub(crate) struct Settings {
 }
 
 impl Settings {
-    /// As the variables say that `get` knows. Without a window and without an end there is one frame.
+    /// From the variables, which `get` reads. Without a window and without an end there is one frame.
     pub(crate) fn read(get: impl Fn(&str) -> Option<std::ffi::OsString>) -> Self {
         let headless = get("RTUT_HEADLESS").is_some_and(|value| !value.is_empty() && value != "0");
         let frames = get("RTUT_FRAMES").and_then(|value| value.to_str()?.parse().ok());
@@ -27,7 +27,7 @@ impl Settings {
         Self { headless, frames: frames.or(headless.then_some(1)), save }
     }
 
-    /// The file of frame `number`, counted from 0, if frames are to be kept.
+    /// The file of frame `number`, counted from 0, if frames are to be saved.
     pub(crate) fn file(&self, number: u64) -> Option<PathBuf> {
         let name = |save: &Path| {
             let mut name = save.as_os_str().to_owned();
@@ -37,7 +37,7 @@ impl Settings {
         self.save.as_deref().map(name)
     }
 
-    /// Whether so many frames are enough.
+    /// Whether this many frames are enough.
     pub(crate) fn is_enough(&self, frames: u64) -> bool {
         self.frames.is_some_and(|most| frames >= most)
     }

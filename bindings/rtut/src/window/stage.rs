@@ -10,9 +10,9 @@ pub(crate) struct Stage {
     /// Of the window.
     pub(crate) size: [u32; 2],
     pub(crate) title: String,
-    /// Whether a program has asked for a window.
+    /// Whether a program has requested a window.
     pub(crate) is_requested: bool,
-    /// Whether a new frame is wanted.
+    /// Whether a new frame is needed.
     pub(crate) is_stale: bool,
     pub(crate) is_leaving: bool,
     /// Wakes the window that is open, which may rest until something happens.
@@ -66,7 +66,7 @@ impl Default for Stage {
 }
 
 impl Stage {
-    /// A new frame is wanted, also of a window that rests.
+    /// Requests a new frame, also of a window at rest.
     pub(crate) fn redisplay(&mut self) {
         self.is_stale = true;
         self.wake();
@@ -84,7 +84,7 @@ impl Stage {
         }
     }
 
-    /// As at the beginning of a main loop: no pictures, and one is wanted.
+    /// As at the beginning of a main loop: no pictures, and one is needed.
     pub(crate) fn begin(&mut self) {
         (self.pictures, self.is_stale, self.is_leaving) = (0, true, false);
     }
@@ -94,7 +94,7 @@ impl Stage {
         self.flight
     }
 
-    /// Remembers a frame, or that there is none.
+    /// Stores a frame, or that there is none.
     pub(crate) fn set_flight(&mut self, flight: Option<Flight>) {
         self.flight = flight;
     }
@@ -104,8 +104,8 @@ impl Stage {
         self.buffers.iter().map(|buffer| buffer.bytes.as_ptr().addr()).collect()
     }
 
-    /// Memory of the window's size for a frame, with that size: none of those that are `busy`. Buffers that neither are nor
-    /// have the right size go. `None` if there is no memory for another one.
+    /// Memory of the window's size for a frame, with that size: none of the `busy` ones. Buffers that neither
+    /// are nor have the right size go. `None` if there is no memory for another one.
     pub(crate) fn target(&mut self, busy: &[usize]) -> Option<(usize, [u32; 2])> {
         let size = self.size;
         let is_busy = |buffer: &Buffer| busy.contains(&buffer.bytes.as_ptr().addr());

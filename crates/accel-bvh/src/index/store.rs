@@ -239,7 +239,7 @@ impl Tree {
                     continue;
                 }
                 if !is_sound(&bounds) {
-                    return damaged("a child's box is none");
+                    return damaged("invalid box of a child");
                 }
                 if child.is_leaf() {
                     let range = child.blocks();

@@ -76,7 +76,7 @@ impl SphereIndex {
     /// The violated property.
     pub fn check(&mut self, count: u32) -> Result<(), LoadError> {
         if !self.0.blocks.iter().all(|block| block.is_sound(count)) {
-            return Err(LoadError::Damaged("a sphere is none"));
+            return Err(LoadError::Damaged("invalid sphere"));
         }
         self.0.tree.check(self.0.blocks.len())?;
         let numbers = self.0.blocks.iter().flat_map(|block| block.numbers);

@@ -49,7 +49,7 @@ impl KdTree {
                 return damaged("a node is the child of several, or does not exist");
             }
             if node.axis() > 2 || !node.plane().is_finite() {
-                return damaged("a plane is none");
+                return damaged("invalid plane");
             }
             if depth as usize >= DEEPEST {
                 return damaged("it is too deep");

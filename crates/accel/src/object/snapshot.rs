@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! An object as it is at one moment of an open shutter. Space: object. Tests: `tests/surfaces/motion.rs`.
+//! An object at one time of an open shutter. Space: object. Tests: `tests/surfaces/motion.rs`.
 
 use std::sync::{Arc, OnceLock};
 

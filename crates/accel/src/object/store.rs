@@ -210,7 +210,7 @@ fn load_stats(reader: &mut Reader<'_, impl Read>) -> Result<TreeStats, LoadError
     let depth = u32::try_from(depth).map_err(|_| LoadError::Damaged("a depth has more than 32 bits"))?;
     let sah_cost = f64::from_bits(sah_cost);
     if !(0.0..=f64::MAX).contains(&sah_cost) {
-        return Err(LoadError::Damaged("a cost is none"));
+        return Err(LoadError::Damaged("invalid cost"));
     }
     let bytes = TreeStats::default();
     Ok(TreeStats { primitives, nodes, leaves, empty_leaves, references, depth, sah_cost, ..bytes })

@@ -7,7 +7,7 @@ use clap::{Arg, ArgAction, Args, Command};
 use gnurt::FORMATS;
 use gnurt::image::PictureFormat;
 
-/// `--help` and `--help-all`, in place of the parser's own.
+/// `--help` and `--help-all`, which replace the parser's own.
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Messages")]
 pub(crate) struct HelpArguments {
@@ -40,7 +40,7 @@ pub(crate) fn with_formats(command: Command) -> Command {
     })
 }
 
-/// The text with its places filled, if it has any.
+/// The text with its placeholders filled, if it has any.
 fn filled(text: &str) -> Option<String> {
     text.contains('{').then(|| {
         text.replace("{SCENES}", &FORMATS.read_extensions())

@@ -104,7 +104,7 @@ pub(crate) enum Command {
     /// Convert a picture to another picture format, or a scene to another scene format
     #[command(
         args_override_self = true,
-        // A picture is taken as it is unless something is asked for.
+        // A picture is converted unchanged unless an option is given.
         mut_arg("tone", |tone| tone.default_value("clamp")),
         mut_arg("exposure", |exposure| exposure.default_value("0"))
     )]

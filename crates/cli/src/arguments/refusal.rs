@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The argument parser's refusals, in the one-line form of all errors of this program.
+//! The argument parser's errors, in the one-line form of all errors of this program.
 //! Tests: `tests/program/arguments.rs`, and `tests` here.
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
@@ -73,7 +73,7 @@ fn unknown_argument(argument: &str) -> String {
     let written = argument.split('=').next().unwrap_or(argument);
     let short = written.strip_prefix('-').and_then(|letters| letters.chars().next());
     let is_short = |option: &clap::Arg| option.get_short().is_some() && option.get_short() == short;
-    // It is known, but not where it stands.
+    // The option is known, but invalid here.
     if options.contains(&written) || used_command(&root).get_arguments().any(is_short) {
         return format!("{written}: options follow the command, as in 'gnurt render SCENE {written} ...'");
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that say which moments of an animation are rendered. Frames as in film.
-//! Frame f is at the moment f / N. Tests: `tests/program/animation.rs`.
+//! Options for the times of an animation that are rendered. Frames as in film. Frame f is at the time f / N.
+//! Tests: `tests/program/animation.rs`.
 
 use clap::Args;
 
@@ -35,7 +35,7 @@ pub(crate) struct TimeArguments {
 }
 
 impl TimeArguments {
-    /// Whether a moment is asked for.
+    /// Whether a time is given.
     pub(crate) fn is_given(&self) -> bool {
         self.at.is_some() || self.frames.is_some()
     }
@@ -45,7 +45,7 @@ impl TimeArguments {
         self.fps.unwrap_or(FPS)
     }
 
-    /// The moment of a frame.
+    /// The time of a frame.
     pub(crate) fn seconds(&self, frame: u32) -> f64 {
         f64::from(frame) / self.fps()
     }
@@ -55,12 +55,12 @@ impl TimeArguments {
         self.shutter.is_some_and(|frames| frames > 0.0)
     }
 
-    /// When the shutter that opens at a moment closes.
+    /// When the shutter closes that opens at a time.
     pub(crate) fn closes(&self, opens: f64) -> f64 {
         opens + self.shutter.unwrap_or(0.0) / self.fps()
     }
 
-    /// The frame nearest to a moment: that of a sequence of files.
+    /// The frame nearest to a time: that of a sequence of files.
     pub(crate) fn frame_at(&self, seconds: f64) -> u32 {
         // Converting clamps.
         (seconds * self.fps()).round() as u32

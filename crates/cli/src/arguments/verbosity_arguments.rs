@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that say how much is said. With both `-q` and `-v` the later one wins. They may stand before
-//! the command, too, as people know it from other programs. Tests: `tests`, `tests/program/arguments.rs`.
+//! Options for the amount of messages. With both `-q` and `-v` the later one wins. They may precede the
+//! command, too, as in other programs. Tests: `tests`, `tests/program/arguments.rs`.
 
 use std::ffi::{OsStr, OsString};
 
@@ -32,8 +32,8 @@ impl VerbosityArguments {
     }
 }
 
-/// The words of a command line, the program's name first, with those about talk that stand before the command moved
-/// behind it; `root` knows the commands.
+/// The words of a command line, the program's name first, with options of verbosity that precede the command
+/// moved behind it; `root` defines the commands.
 pub(crate) fn verbosity_behind_command(mut command_line: Vec<OsString>, root: &Command) -> Vec<OsString> {
     let count = command_line.iter().skip(1).take_while(|argument| is_verbosity(argument)).count();
     let verbosity_arguments: Vec<OsString> = command_line.drain(1..1 + count).collect();

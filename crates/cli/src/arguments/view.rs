@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that several commands share: the frame, the camera, the machine, the way from light to screen.
+//! Options that several commands share: the frame, the camera, the machine, the conversion from light to
+//! screen.
 //! Source: names after pbrt, Mitsuba and appleseed.
 
 use std::path::{Path, PathBuf};
@@ -171,7 +172,7 @@ impl ViewArguments {
         }
     }
 
-    /// The shader in a camera's place, if one was given.
+    /// The shader that replaces a camera, if one was given.
     pub(crate) fn camera_shader(&self) -> Option<&ShaderChoice> {
         match self.camera.as_ref()? {
             CameraChoice::Named(_) => None,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt bench`: measures ray queries and builds, beside Embree's where `EMBREE4_LIB` names a library of Embree 4.
+//! `gnurt bench`: measures ray queries and builds, and Embree's for comparison where `EMBREE4_LIB` names a
+//! library of Embree 4.
 //! Tests: `tests/program/bench.rs`.
 
 use std::ffi::OsString;
@@ -23,7 +24,7 @@ use crate::messages::{Messages, print};
 use crate::source::Source;
 use crate::workers::machine;
 
-/// The variable that names the rival.
+/// The variable that names the library to compare with.
 const EMBREE: &str = "EMBREE4_LIB";
 
 /// Runs the requested measurement.
@@ -63,20 +64,20 @@ fn measure_rays(arguments: &BenchRaysArguments, environment: &Environment, messa
     let mut rows = Vec::new();
     for source in sources {
         let subject = Subject::new(&source.stem(), &source.load(messages)?);
-        let mut heard = Ok(());
+        let mut printed = Ok(());
         let mut tell = |news: BenchEvent| match news {
             BenchEvent::Built(what) => messages.detail(what),
             BenchEvent::Differs(what) => messages.note(what),
             BenchEvent::Class(rows) => {
                 // The first failure counts; after the reader has left, nothing more is printed.
-                if heard.is_ok() {
-                    heard = print(table::of_class(rows));
+                if printed.is_ok() {
+                    printed = print(table::of_class(rows));
                 }
             }
         };
         let measured = rays::run(&subject, &options, embree.as_ref(), Vec::new(), &pool, &mut tell);
         rows.extend(measured.map_err(failure)?);
-        heard?;
+        printed?;
     }
     write(arguments.json.as_deref(), || to_json(&rows).to_string())?;
     write(arguments.record.as_deref(), || {
@@ -187,7 +188,7 @@ fn find(
     scenes.iter().map(|scene| Source::find(scene, files, environment)).collect()
 }
 
-/// Embree, if it is wanted and there is any.
+/// Embree, if it is requested and there is any.
 fn embree_library(filter: &Filter, messages: Messages) -> Result<Option<EmbreeLibrary>, Failure> {
     if !filter.has_engine("embree4") {
         return Ok(None);

@@ -15,7 +15,7 @@ pub(super) fn check_outputs(files: &[&Option<PathBuf>]) -> Outcome {
         .try_for_each(|file| image::check_writable(file).map_err(Failure::data))
 }
 
-/// Writes one, if it is asked for.
+/// Writes one, if it is requested.
 pub(super) fn write(file: Option<&Path>, text: impl FnOnce() -> String) -> Outcome {
     file.map_or(Ok(()), |file| image::replace_file(file, text().as_bytes()).map_err(Failure::data))
 }

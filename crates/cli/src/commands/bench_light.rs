@@ -78,7 +78,7 @@ pub(crate) fn run(arguments: &BenchLightArguments, environment: &Environment, me
     print(light::table(&light::summaries(&points, seconds)).trim_end())
 }
 
-/// The truth: from files if they are there, else rendered, and kept if a file is named.
+/// The truth: from existing files, else rendered, and stored if a file is named.
 fn truth(
     arguments: &BenchLightArguments,
     world: &World,

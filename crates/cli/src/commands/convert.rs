@@ -105,7 +105,7 @@ fn convert_scene(arguments: &ConvertArguments, environment: &Environment, messag
     Ok(())
 }
 
-/// Refuses to write over libraries, textures and buffers of the scene that is read.
+/// Writing over libraries, textures or buffers of the scene is an error.
 fn spare(written: &[PathBuf], read: &[PathBuf]) -> Outcome {
     let lost = written.iter().find(|file| read.iter().any(|read| is_same_file(read, file)));
     lost.map_or(Ok(()), |file| {

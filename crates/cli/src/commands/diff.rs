@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! `gnurt diff A B`: how far two pictures are apart, and whether that is too far.
+//! `gnurt diff A B`: how much two pictures differ, and whether that is too much.
 //! Source: after `idiff` of OpenImageIO. `--fail T` bounds the largest absolute difference of a linear value.
 //! Opacity counts only between two PNG or two EXR files: a PNG is opaque where an EXR has the share of hits,
 //! and the other formats have none. With `-q` only different pictures are reported. Tests:
@@ -30,7 +30,7 @@ pub(crate) fn run(arguments: &DiffArguments, messages: Messages) -> Outcome {
     if passes { Ok(()) } else { Err(Failure::Differs) }
 }
 
-/// Whether no value differs by more than `tolerance`; a tolerance of 0 asks for equal bits.
+/// Whether no value differs by more than `tolerance`; a tolerance of 0 requires equal bits.
 fn passes(comparison: &Comparison, tolerance: f64, with_opacity: bool) -> bool {
     let opacity = if with_opacity { comparison.max_opacity_difference } else { 0.0 };
     // A NaN on either side is an infinite difference, and no tolerance is infinite.

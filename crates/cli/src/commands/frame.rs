@@ -69,7 +69,7 @@ struct Filter {
     options: denoise::Options,
     /// Whether it was chosen by default: many samples need none then.
     is_default: bool,
-    /// Whether it was said: once is enough for all frames of a film.
+    /// Whether it was reported: once is enough for all frames of a film.
     is_reported: Cell<bool>,
 }
 
@@ -78,18 +78,18 @@ pub(super) struct Ready {
     pub(super) world: World,
     pub(super) report: CommitReport,
     pub(super) chosen: Chosen,
-    /// The camera's way while the shutter is open, if it moves.
+    /// The camera's motion while the shutter is open, if it moves.
     pub(super) motion: Option<CameraMotion>,
     pub(super) shaders: Shaders,
     pub(super) checkpoint: Option<Checkpoint>,
     /// The fingerprint of the picture, if it is needed.
     pub(super) print: u64,
     pub(super) load_time: Duration,
-    /// Curve and exposure of all frames; `None` = as asked for, chosen from the picture if that is left open.
+    /// Curve and exposure of all frames; `None` = as given, or else chosen from the picture.
     pub(super) light: Option<LightArguments>,
 }
 
-/// Renders a scene that is ready, and puts the picture in place.
+/// Renders a scene that is ready, and writes the picture.
 pub(super) fn make(
     arguments: &RenderArguments,
     begin: Instant,
@@ -221,7 +221,7 @@ fn report(
     }
 }
 
-/// Everything that can be refused before any work.
+/// Everything that can be rejected before any work.
 pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> Result<Plan, Failure> {
     view::check(&arguments.view)?;
     shaders::check(&arguments.frame, &arguments.view)?;
@@ -291,7 +291,7 @@ fn filter(arguments: &RenderArguments, targets: &Targets) -> Option<Filter> {
         return Some(Filter { options, is_default: false, is_reported: Cell::default() });
     }
     let FrameArguments { integrator, spp, .. } = arguments.frame;
-    // A rendering that ends early has fewer samples; one that is gone on with must look the same all the time.
+    // A rendering that ends early has fewer samples; one that is continued must look the same all the time.
     let may_be_few = spp < FEW_SAMPLES || arguments.time.is_some() || arguments.checkpoint.is_some();
     let is_default = arguments.denoiser.is_left_open()
         && targets.picture.is_for_screens()
@@ -321,7 +321,7 @@ pub(super) fn identify(
     let shown = (&chosen.camera, shaders::print(&arguments.frame, &arguments.view), open);
     let print = fingerprint(scene, arguments.frame.force_diffuse, &shown, options);
     let checkpoint = arguments.checkpoint.as_deref().map(|path| {
-        // Each piece goes on from its own.
+        // Each piece continues its own.
         let of_piece =
             options.piece.map_or(0, |Piece { index, count }| u64::from(index) << 32 | u64::from(count));
         Checkpoint::new(path, print ^ of_piece, arguments.checkpoint_every)

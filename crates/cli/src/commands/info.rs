@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages
     }
 }
 
-/// So many names of materials are told; a large scene has thousands.
+/// At most this many names of materials are printed; a large scene has thousands.
 const MOST_NAMES: usize = 48;
 const NAMES_OF_A_LINE: usize = 6;
 
@@ -205,7 +205,7 @@ fn morph_targets(scene: &Scene) -> usize {
     scene.animation().map_or(0, |animation| animation.weights.iter().map(Vec::len).sum())
 }
 
-/// A place to six digits, as single precision knows it.
+/// A position to six digits, as in single precision.
 fn corner(point: [f64; 3]) -> String {
     format!("({})", point.map(|x| (x as f32).to_string()).join(", "))
 }

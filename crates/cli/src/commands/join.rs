@@ -150,7 +150,8 @@ impl Whole {
         Err(Failure::data(format_args!("piece {}{more} {verb} missing", reported.join(", "))))
     }
 
-    /// As `render` does: where it is asked for, or a picture for screens has few samples. The name of the filter.
+    /// As `render` does: where it is requested, or a picture for screens has few samples. The name of the
+    /// filter.
     fn take_noise_out(
         &mut self,
         arguments: &JoinArguments,

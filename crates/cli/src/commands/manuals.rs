@@ -39,8 +39,8 @@ fn without_help(command: Command) -> Command {
 fn write_pages(command: &Command, name: &str, folder: &Path) -> std::io::Result<()> {
     let mut page = Vec::new();
     let title = name.to_uppercase();
-    // The page speaks of "gnurt render"; its file and title are gnurt-render, as for other programs of many commands.
-    // Options without short help would have no text there.
+    // The page writes "gnurt render"; its file and title are gnurt-render, as for other programs of many
+    // commands. Options without short help would have no text there.
     let named =
         command.clone().display_name(name.to_owned()).mut_args(|argument| argument.hide_short_help(false));
     clap_mangen::Man::new(named).title(title).render(&mut page)?;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The subcommands, one file each. Each has `run`, which takes its arguments and says how it ended.
+//! The subcommands, one file each. Each has `run`, which takes its arguments and returns its outcome.
 
 pub(crate) mod bench;
 mod bench_files;

@@ -27,7 +27,7 @@ pub(super) struct Header {
     /// Columns and rows of the whole picture.
     pub(super) frame: [u32; 2],
     pub(super) crop: Option<[u32; 4]>,
-    /// Samples per pixel that were asked for.
+    /// Requested samples per pixel.
     pub(super) spp: u32,
     pub(super) integrator: Integrator,
     /// Stops, where they do not depend on the picture.
@@ -121,7 +121,7 @@ impl Header {
         })
     }
 
-    /// The options that say where its pixels are.
+    /// The options that place its pixels.
     pub(super) fn options(&self) -> RenderOptions {
         let [width, height] = self.frame;
         RenderOptions {

@@ -50,7 +50,7 @@ struct Studio<'a> {
     messages: Messages,
 }
 
-/// Renders the moments that were asked for.
+/// Renders the requested times.
 pub(super) fn run(
     arguments: &RenderArguments,
     mut plan: Plan,
@@ -59,10 +59,10 @@ pub(super) fn run(
     messages: Messages,
 ) -> Outcome {
     let targets = plan.targets.clone();
-    let mut due = frames(&arguments.times, &targets)
+    let mut pending = frames(&arguments.times, &targets)
         .filter(|frame| !arguments.times.skip_existing || !is_done(&frame.targets))
         .peekable();
-    if due.peek().is_none() {
+    if pending.peek().is_none() {
         messages.note("all frames are there already");
         return Ok(());
     }
@@ -73,13 +73,13 @@ pub(super) fn run(
         Some(numbered) => {
             let all = plan.source.clone();
             let first = all.at(numbered.first().ok().flatten().unwrap_or(0));
-            studio.files(&mut plan, &first, &|number, _| all.at(number), due)
+            studio.files(&mut plan, &first, &|number, _| all.at(number), pending)
         }
-        None => studio.clip(&mut plan, due),
+        None => studio.clip(&mut plan, pending),
     }
 }
 
-/// The frames, each when it is asked for: there may be many.
+/// The frames, each made when it is needed: there may be many.
 fn frames<'a>(times: &'a TimeArguments, targets: &'a Targets) -> impl Iterator<Item = Frame> + 'a {
     let range = times.frames.map(FrameRange::numbers);
     let one =
@@ -101,7 +101,7 @@ fn is_done(targets: &Targets) -> bool {
 }
 
 impl Studio<'_> {
-    /// Moments of a clip of one scene, which is read once.
+    /// Times of a clip of one scene, which is read once.
     fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
         let begin = Instant::now();
         let (mut scene, files) = plan.source.load_with_files(self.messages)?;
@@ -198,7 +198,7 @@ impl Studio<'_> {
 
     /// Reads the first scene of a sequence.
     fn first(&self, source: &Source) -> Result<First, Failure> {
-        // Its oddities are told when it is rendered.
+        // Its warnings are printed when it is rendered.
         let mut scene = source.load(self.messages.silent())?;
         let bounds = clip(&scene, self.arguments.times.animation.as_deref())?
             .and_then(|clip| bounds_over(&mut scene, clip));
@@ -228,7 +228,8 @@ impl Studio<'_> {
         )
     }
 
-    /// Curve and exposure of all frames: the exposure is measured at the first moment, if it is left open and shows.
+    /// Curve and exposure of all frames: the exposure is measured at the first time, if none is given and it
+    /// has an effect.
     fn light(
         &self,
         scene: &Scene,

@@ -30,7 +30,7 @@ use crate::source::Source;
 use crate::view::{self, Chosen};
 use crate::workers::machine;
 
-/// Looks at a scene.
+/// Shows a scene in a window.
 pub(crate) fn run(arguments: &WindowArguments, environment: &Environment, messages: Messages) -> Outcome {
     let windowless = arguments.headless || arguments.display.is_some();
     view::check(&arguments.view)?;
@@ -98,7 +98,7 @@ fn show_view(
     })
 }
 
-/// The scene, committed, and the camera it is looked at from.
+/// The scene, committed, and the camera that shows it.
 fn prepare(
     source: &Source,
     arguments: &WindowArguments,
@@ -146,7 +146,7 @@ fn run_windowless(
         .map_err(Failure::data)?;
     let frames = arguments.frames.unwrap_or(1);
     let render = frame_options(&arguments.frame, level);
-    // Frames that are not kept need no good exposure.
+    // Frames that are not saved need no good exposure.
     let is_kept = output.is_some_and(Output::is_for_screens);
     let (show_view, note) = match arguments.light.exposure {
         ExposureChoice::Auto if !is_kept => {

@@ -49,7 +49,8 @@ impl Bounds {
 
 /// The box around all visible instances; `None` if there is nothing to see.
 ///
-/// An instance contributes the box of its object's box, which may be larger than the instance where it is turned.
+/// An instance contributes the box of its object's box, which may be larger than the instance where it is
+/// rotated.
 #[must_use]
 pub fn bounds_of(scene: &Scene) -> Option<Bounds> {
     let mut known = Known {
@@ -88,7 +89,7 @@ impl Known {
         boxes
     }
 
-    /// The box of an object, looked for once.
+    /// The box of an object, computed once.
     fn object(&mut self, scene: &Scene, object: usize) -> Option<Bounds> {
         if let Some(known) = self.objects[object] {
             return known;
@@ -100,11 +101,11 @@ impl Known {
     }
 }
 
-/// Moments at which a clip is looked at.
+/// Times at which a clip is sampled.
 const LOOKS: u32 = 9;
 
-/// The box around all visible instances while a clip is played, looked at from time to time; the scene shows the clip's first moment
-/// afterwards. Panics if there is no such clip.
+/// The box around all visible instances while a clip is played, sampled at several times; the scene shows the
+/// clip's first time afterwards. Panics if there is no such clip.
 pub fn bounds_over(scene: &mut Scene, clip: usize) -> Option<Bounds> {
     let range = scene.animation().map(|animation| animation.clips[clip].range());
     let [first, last] = range.expect("the scene has an animation");

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A camera that shows all of a box in a three-quarter view.
-//! Space: world, y upwards, the front of things towards +z.
+//! Space: world, y upwards, the front of objects towards +z.
 //! Invariant: the box's corners are within the picture. Tests: `tests::shows_every_corner`.
 
 use super::Bounds;
 use crate::scene::Camera;
 
-/// Vertical angle of view, degrees: that of a portrait lens, so that things keep their proportions.
+/// Vertical angle of view, degrees: that of a portrait lens, so that objects look well proportioned.
 const ANGLE: f64 = 35.0;
 /// From the middle of the scene to the eye: in front, to the right and above.
 const TOWARDS_EYE: [f64; 3] = [0.55, 0.45, 1.0];
-/// Room around the box.
+/// Margin around the box.
 const MARGIN: f64 = 1.04;
 
-/// A camera that shows all of `bounds`; `aspect` = width / height. Without bounds it looks at the origin.
+/// A camera that shows all of `bounds`; `aspect` = width / height. Without bounds it faces the origin.
 #[must_use]
 pub fn framing(bounds: Option<Bounds>, aspect: f32) -> Camera {
     let bounds = bounds.unwrap_or(Bounds { min: [-1.0; 3], max: [1.0; 3] });
@@ -46,7 +46,8 @@ fn distance_to_fit(bounds: &Bounds, back: [f64; 3], aspect: f64) -> f64 {
         let beside = (dot(offset, right).abs() / half_width).max(dot(offset, up).abs() / half_height);
         dot(offset, back) + beside * MARGIN
     });
-    // A single point has no size: stand one unit away, or as far as keeps eye and target apart in single precision.
+    // A single point has no size: the distance is one unit, or as far as keeps eye and target distinct in
+    // single precision.
     let least = center.iter().fold(1e-3_f64, |least, x| least.max(x.abs() * 1e-3));
     let fitting = needed.into_iter().fold(0.0, f64::max);
     if fitting > 0.0 { fitting.max(least * 1e-2) } else { least.max(1.0) }

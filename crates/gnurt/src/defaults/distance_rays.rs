@@ -9,7 +9,7 @@ use crate::scene::{Affine, Mesh, Scene};
 
 type Point = [f64; 3];
 
-/// Objects that are looked at, where very many are unfolded.
+/// Limit of visited objects, where very many are unfolded.
 const MOST_MEASURED: usize = 1 << 20;
 
 /// Distance to the nearest triangle in each direction (unit), infinite if there is none.

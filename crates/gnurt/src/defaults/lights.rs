@@ -13,18 +13,18 @@ const KEY: f32 = 2.4;
 /// Radiance of the background, from all sides.
 const GREY: f32 = 0.25;
 
-/// From the eye to the lamp, in units of the camera's frame: right, up, forward.
+/// From the eye to the light, in units of the camera's frame: right, up, forward.
 const TOWARDS_LAMP: [f64; 3] = [-0.6, 0.7, -0.4];
-/// How far the lamp is, as a share of the distance that is typical of the picture.
+/// Distance of the light, as a share of the typical distance of the picture.
 const LAMP_DISTANCE: f64 = 0.12;
-/// Directions whose distances are looked at: columns and rows over a picture of 4:3.
+/// Directions of the measured distances: columns and rows over a picture of 4:3.
 const SIGHTS: [u32; 2] = [8, 6];
 
-/// Whether a point within the scene's box lies under the open sky: most of five ways up meet nothing.
+/// Whether a point within the scene's box is under the open sky: most of five upward rays hit nothing.
 pub(super) fn is_open(scene: &Scene, eye: [f64; 3], up: [f64; 3]) -> bool {
     let directions: Vec<[f64; 3]> = (0..5)
         .map(|i| {
-            // Straight up, and four ways aslant.
+            // Straight up, and four oblique directions.
             let mut v = up;
             for (k, x) in (0..3)
                 .filter(|&k| up[k] == 0.0)
@@ -39,7 +39,8 @@ pub(super) fn is_open(scene: &Scene, eye: [f64; 3], up: [f64; 3]) -> bool {
     distance_rays::distances(scene, eye, &directions).iter().filter(|d| d.is_infinite()).count() >= 3
 }
 
-/// The lamp and the background that suit a camera within the scene; `None` if it stands outside, or sees nothing.
+/// The light and the background that suit a camera within the scene; `None` if it is outside, or sees
+/// nothing.
 #[must_use]
 pub fn lit_within(scene: &Scene, camera: &Camera) -> Option<[Light; 2]> {
     let (frame, eye) = (camera.frame()?, camera.eye.map(f64::from));
@@ -64,7 +65,7 @@ pub fn lit_within(scene: &Scene, camera: &Camera) -> Option<[Light; 2]> {
     let mut ahead: Vec<f64> = measured[1..].iter().copied().filter(|d| d.is_finite()).collect();
     ahead.sort_by(f64::total_cmp);
     let typical = *ahead.get(ahead.len() / 2)?;
-    // Not behind a wall: at most half way to whatever is there.
+    // Not behind a wall: at most half-way to the surface in that direction.
     let distance = (LAMP_DISTANCE * typical).min(0.5 * measured[0]);
     let position = [0, 1, 2].map(|k| (eye[k] + distance * directions[0][k]) as f32);
     let intensity = f64::from(KEY) * typical * typical;
@@ -78,7 +79,7 @@ fn background() -> Light {
     Light::Environment { radiance: [GREY; 3], texture: None, world_from_light: Affine::IDENTITY }
 }
 
-/// The lights that suit `camera` where it stands outside.
+/// The lights that suit `camera` outside of the scene.
 #[must_use]
 pub fn lit_from(camera: &Camera) -> [Light; 2] {
     let direction = match camera.frame() {

@@ -24,7 +24,8 @@ use lights::is_open;
 use crate::render::ShaderTable;
 use crate::scene::{Camera, Scene};
 
-/// The exposure that suits the studio, in stops: its light is known, so that black things stay black and white ones white.
+/// The exposure that suits the studio, in stops: its light is known, so that black objects stay black and
+/// white ones white.
 pub const STUDIO_EXPOSURE: f32 = 0.0;
 
 /// Something that was added to a scene.
@@ -39,7 +40,7 @@ pub enum Note {
     },
     /// A key light and a grey background.
     Lights,
-    /// A lamp beside the camera, which stands within the scene, and a grey background.
+    /// A light near the camera within the scene, and a grey background.
     Lamp {
         /// Whether the scene has emissive textures, taken for displays.
         displays: bool,
@@ -111,7 +112,7 @@ pub fn complete_camera_around(scene: &mut Scene, bounds: Option<Bounds>, aspect:
 }
 
 /// Puts a scene that needs light (`own_light`) into a studio, seen by `camera`; `up` is the up direction
-/// there, +y unless it is clearly another axis. A camera that stands in a room gets a lamp instead.
+/// there, +y unless it is clearly another axis. A camera in a room gets a light instead.
 pub fn complete_lights(
     scene: &mut Scene,
     shaders: &ShaderTable,
@@ -119,7 +120,7 @@ pub fn complete_lights(
     up: [f32; 3],
     purpose: Purpose,
 ) -> Option<Note> {
-    // Bounds cost a look at every vertex: not where they are not needed.
+    // Bounds cost a visit of every vertex: not computed where they are not needed.
     let bounds = purpose.needs_light(own_light(scene, shaders)).then(|| bounds_of(scene)).flatten();
     complete_lights_around(scene, shaders, bounds, camera, up, purpose)
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The light that a scene has of its own, which decides whether it is given any. The rule is meant to be foreseen:
-//! 1. A light or an environment of the scene is light, however dim; so is a shader of lights or skies.
-//! 2. A visible surface that emits by a constant is a light, however dim.
+//! The scene's own light, which decides whether default lights are added. The rule is meant to be foreseen:
+//! 1. A light or an environment of the scene counts, however dim; so does a shader of lights or skies.
+//! 2. A visible surface with constant emission is a light, however dim.
 //! 3. A visible surface whose emission is a texture is a light if its radiance is above 1 anywhere. Up to 1 it may be a display or a
 //!    label, which is modelled to be seen in other light: pictures for screens get that light, files of floats do not.
 //!
@@ -35,7 +35,7 @@ pub enum Purpose {
 }
 
 impl Purpose {
-    /// Whether a scene with this light of its own is given more.
+    /// Whether a scene with this light gets default lights.
     #[must_use]
     pub fn needs_light(self, own: OwnLight) -> bool {
         own == OwnLight::Nothing || (own == OwnLight::Displays && self == Self::Screen)
@@ -43,7 +43,8 @@ impl Purpose {
 }
 
 /// The light that `scene` has of its own. Emissive meshes count if a visible instance shows them to rays of light; in a scene
-/// without visible instances, as while it is made, all meshes count. Shaders of surfaces do not: most of those that could emit do not.
+/// without visible instances, as while it is made, all meshes count. Shaders of surfaces do not: most of
+/// those that could emit do not.
 #[must_use]
 pub fn own_light(scene: &Scene, shaders: &ShaderTable) -> OwnLight {
     if !scene.lights().is_empty() || !shaders.lights.is_empty() || shaders.environment.is_some() {
@@ -66,7 +67,7 @@ pub fn own_light(scene: &Scene, shaders: &ShaderTable) -> OwnLight {
             .flat_map(|&(id, mask)| scene.objects()[id.index()].meshes.iter().map(move |mesh| (*mesh, mask)));
         let lights = meshes.filter_map(|(id, mask)| {
             let light = of_mesh(scene.meshes().get(id.index())?);
-            // Seen by the camera alone, it gives off no light to others.
+            // Visible only to the camera, it emits no light to other surfaces.
             Some(if mask.meets(RayMask::OTHER) { light } else { light.min(OwnLight::Displays) })
         });
         lights.max()
@@ -79,11 +80,11 @@ fn shown_objects(scene: &Scene) -> Vec<(ObjectId, RayMask)> {
     let objects = scene.objects();
     // Whether it was met, by rays of light and by others.
     let mut met = vec![[false; 2]; objects.len()];
-    let mut due: Vec<(ObjectId, RayMask)> = Vec::new();
+    let mut pending: Vec<(ObjectId, RayMask)> = Vec::new();
     let visible = scene.instances().iter().filter(|instance| instance.visible);
-    due.extend(visible.map(|instance| (instance.object, instance.mask)));
+    pending.extend(visible.map(|instance| (instance.object, instance.mask)));
     let mut shown = Vec::new();
-    while let Some((id, mask)) = due.pop() {
+    while let Some((id, mask)) = pending.pop() {
         if mask == RayMask::NONE {
             continue;
         }
@@ -93,7 +94,8 @@ fn shown_objects(scene: &Scene) -> Vec<(ObjectId, RayMask)> {
         };
         if !std::mem::replace(met, true) {
             shown.push((id, mask));
-            due.extend(objects[id.index()].members.iter().map(|member| (member.object, mask & member.mask)));
+            pending
+                .extend(objects[id.index()].members.iter().map(|member| (member.object, mask & member.mask)));
         }
     }
     shown
@@ -140,7 +142,8 @@ mod tests {
         super::own_light(scene, &ShaderTable::default())
     }
 
-    /// A thing with a surface of area 1/2 of the emission, by a texture of these texels if there are some, and one of `other` that is dark.
+    /// An object with a surface of area 1/2 of the emission, by a texture of these texels if there are some,
+    /// and one of `other` that is dark.
     fn thing(emission: [f32; 3], texels: Option<TexelData>, other: f32) -> Scene {
         let mut scene = Scene::new();
         let mut glowing = Material::matte("glowing", [0.5; 3]);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A studio for things without light: soft light from a plain sky, and a floor that is seen only where it is in shadow.
+//! A studio for objects without light: soft light from a plain sky, and a floor that is visible only where it
+//! is in shadow.
 //! Source: after the habits of product photography: a key light over the camera's left shoulder, as large as a soft box, a weaker one above, and a bright backdrop that goes over into the floor without an edge.
 //!
-//! The sky is [`BACKDROP`] all around, but for the two lights. The floor's albedo is such that it sends back just that where all of
-//! the sky reaches it, so that neither its edge nor the horizon is seen. Space: world; +up is an axis. Radiance is linear: at
-//! exposure 0 a white matte surface that faces the key light shows about 1.
-//! Invariants: the floor lies below everything, and reaches beyond every shadow. Tests: `tests`.
+//! The sky is [`BACKDROP`] in all directions, except for the two lights. The floor's albedo is such that it
+//! sends back just that where all of the sky reaches it, so that neither its edge nor the horizon is seen.
+//! Space: world; +up is an axis. Radiance is linear: at exposure 0 a white matte surface that faces the key
+//! light shows about 1. Invariants: the floor lies below everything, and reaches beyond every shadow. Tests:
+//! `tests`.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -43,7 +45,7 @@ pub(super) fn axis_of(up: [f32; 3]) -> [f64; 3] {
     axis
 }
 
-/// Puts a scene into the studio; the floor is left out where there is nothing to stand on it, or the camera is below it.
+/// Adds the studio to a scene; the floor is left out where nothing is above it, or the camera is below it.
 pub(super) fn add(scene: &mut Scene, camera: &Camera, bounds: Option<Bounds>, up: [f64; 3]) {
     let world_from_light = upright(up.map(|x| x as f32));
     let sky = Sky { up, key: towards_key(camera, up) };
@@ -64,7 +66,7 @@ fn floor(bounds: &Bounds, camera: &Camera, up: [f64; 3]) -> Option<Mesh> {
     let axis = (0..3).find(|&k| up[k] != 0.0)?;
     let half = 0.5 * (0..3).map(|k| (bounds.max[k] - bounds.min[k]).powi(2)).sum::<f64>().sqrt();
     let largest = bounds.corners().into_iter().flatten().fold(0.0, |a: f64, x| a.max(x.abs()));
-    // As far below as single precision tells apart, at least.
+    // As far below as single precision distinguishes, at least.
     let gap = (GAP * half).max(2e-7 * largest);
     let lowest = if up[axis] > 0.0 { bounds.min[axis] } else { -bounds.max[axis] } - gap;
     let is_above = f64::from(camera.eye[axis]) * up[axis] > lowest;
@@ -92,7 +94,7 @@ fn floor(bounds: &Bounds, camera: &Camera, up: [f64; 3]) -> Option<Mesh> {
 fn towards_key(camera: &Camera, up: [f64; 3]) -> [f64; 3] {
     let ahead = camera.frame().map_or([0.0, 0.0, -1.0], |frame| frame.forward.map(f64::from));
     let flat = less(ahead, up, dot(ahead, up));
-    // A camera that looks straight down has its own up direction.
+    // A camera that faces straight down has its own up direction.
     let ahead = unit(flat).or_else(|| {
         let head = camera.frame().map(|frame| frame.up.map(f64::from))?;
         unit(less(head, up, dot(head, up)))
@@ -156,12 +158,12 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `a` less so many times `b`.
+/// `a` minus `b` times a factor.
 fn less(a: [f64; 3], b: [f64; 3], times: f64) -> [f64; 3] {
     [0, 1, 2].map(|k| a[k] - times * b[k])
 }
 
-/// `None` if it has no direction to speak of.
+/// `None` if its direction is undefined.
 fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
     let length = dot(v, v).sqrt();
     (length > 1e-3 && length.is_finite()).then(|| v.map(|x| x / length))
@@ -245,7 +247,7 @@ mod tests {
             assert!((dot(key, key) - 1.0).abs() < 1e-9 && key[1] > 0.5, "from above: {key:?}");
             assert!(dot(key, frame.right.map(f64::from)) < -0.3, "from the left: {key:?}");
             let sky = Sky { up, key };
-            // Everything that a camera of 40 degrees sees when it looks at the scene is plain.
+            // The whole view of a camera of 40 degrees at the scene is plain.
             for (x, y) in [(0.0, 0.0), (0.6, 0.36), (-0.6, 0.36), (0.6, -0.36), (-0.6, -0.36)] {
                 let d = [0, 1, 2].map(|k| f64::from(frame.forward[k] + x * frame.right[k] + y * frame.up[k]));
                 let d = unit(d).expect("a direction");

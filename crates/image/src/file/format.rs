@@ -18,7 +18,7 @@ pub struct PictureFormat {
     pub notes: &'static str,
     /// Whether its pictures are for screens: written after exposure and tone curve.
     pub is_for_screens: bool,
-    /// Whether it has layers beside the colours.
+    /// Whether it has layers in addition to the colours.
     pub has_layers: bool,
     /// Whether all files of the format are read.
     pub is_whole: bool,

@@ -57,7 +57,7 @@ fn encode(picture: &Picture) -> Vec<u8> {
 
 /// Three mantissas of 8 bits and the exponent, biased by 128, of the largest.
 fn rgbe(rgb: [f32; 3]) -> [u8; 4] {
-    // `clamp` keeps a NaN; `max` answers the number beside it.
+    // `clamp` keeps a NaN; `max` returns the other number.
     let rgb = rgb.map(|value| value.clamp(0.0, LARGEST).max(0.0));
     let largest = rgb[0].max(rgb[1]).max(rgb[2]);
     if largest < 1e-32 {

@@ -11,14 +11,14 @@ use crate::Error;
 /// Pixels that a byte of a JPEG holds at most. Only a single flat colour takes more, up to 340.
 const PIXELS_PER_BYTE: u64 = 64;
 
-/// Bytes that a file may have beside 8 for each pixel: thumbnails, profiles.
+/// Bytes that a file may have in addition to 8 for each pixel: thumbnails, profiles.
 const MAX_EXTRA_BYTES: u64 = 1 << 26;
 
 const END_OF_IMAGE: u8 = 0xd9;
 const START_OF_SCAN: u8 = 0xda;
 
-/// Checks that the file has a size, a scan and an end, and can hold its pixels; tells whether it comes in several scans,
-/// between which a decoder keeps all coefficients.
+/// Checks that the file has a size, a scan and an end, and can hold its pixels; returns whether it has
+/// several scans, between which a decoder stores all coefficients.
 pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<bool, Error> {
     let truncated = || Error::corrupt("JPEG", "the end of the picture is missing; the file is truncated");
     source.seek(SeekFrom::Start(2)).map_err(Error::reading)?;
@@ -61,7 +61,7 @@ pub(super) fn check(source: &mut dyn Source, length: u64) -> Result<bool, Error>
     if has_size && has_scan { Ok(in_scans) } else { Err(Error::corrupt("JPEG", "it holds no picture")) }
 }
 
-/// Checks a frame's size; tells its number of channels.
+/// Checks a frame's size; returns its number of channels.
 fn check_frame(source: &mut dyn Source, length: u64) -> Result<u8, Error> {
     let mut head = [0; 6];
     source.read_exact(&mut head).map_err(Error::reading)?;

@@ -9,14 +9,14 @@ use crate::{Budget, Error};
 /// Most pixels of a picture that is read: 2^28.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// Pictures of up to so many pixels are believed however short their file is: 2^24, 256 MiB as floats.
+/// Pictures of up to this many pixels are accepted however short their file is: 2^24, 256 MiB as floats.
 const BELIEVED_PIXELS: u64 = 1 << 24;
 
 /// Bytes of a pixel of a picture.
 pub(super) const PICTURE_BYTES: u64 = 16;
 
 impl Budget {
-    /// Checks that so many bytes for each pixel may be taken.
+    /// Checks that this many bytes for each pixel may be taken.
     pub(super) fn check(
         &self,
         format: &'static str,
@@ -27,7 +27,7 @@ impl Budget {
         self.check_bytes([width, height], width * height * pixel_bytes)
     }
 
-    /// Checks that so many bytes may be taken for a picture of that size.
+    /// Checks that this many bytes may be taken for a picture of that size.
     pub(super) fn check_bytes(&self, [width, height]: [u64; 2], needed: u64) -> Result<(), Error> {
         match needed <= self.left() {
             true => Ok(()),
@@ -47,7 +47,8 @@ pub(super) fn check_size(format: &'static str, width: u64, height: u64) -> Resul
     }
 }
 
-/// Checks a declared size against a file's length, for compressed formats of which a byte can hold so many pixels.
+/// Checks a declared size against a file's length, for compressed formats of which a byte can hold this many
+/// pixels.
 pub(super) fn check_density(
     format: &'static str,
     [width, height]: [u64; 2],

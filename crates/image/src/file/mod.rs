@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Picture files: which format a file has, and the way from bytes to a picture and back.
-//! One file of this folder per format; `raster` holds those that the `image` library decodes.
-//! In and out: linear light, row 0 = top. Invariants: no panic on any bytes; declared sizes are checked
-//! against the file's length before memory is taken, and the memory against the final size (`limits`); a
-//! failed write changes nothing.
+//! Picture files: the format of a file, and the conversions from bytes to a picture and back. One file of
+//! this folder per format; `raster` holds those that the `image` library decodes. In and out: linear light,
+//! row 0 = top. Invariants: no panic on any bytes; declared sizes are checked against the file's length
+//! before memory is taken, and the memory against the final size (`limits`); a failed write changes nothing.
 //! Tests: `tests` (crate folder `tests/`): round trips, truncation at every length, corruption of every byte.
 
 mod exr;
@@ -44,7 +43,7 @@ use source::Source;
 /// Writes a picture in the format that the file's name ends in. The file appears whole or not at all.
 ///
 /// # Errors
-/// [`Error::UnknownExtension`] for a name that says no format; [`Error::In`] or [`Error::File`] otherwise.
+/// [`Error::UnknownExtension`] for a name without a known format; [`Error::In`] or [`Error::File`] otherwise.
 pub fn write(picture: &Picture, path: &Path, options: &WriteOptions) -> Result<(), Error> {
     let format = PictureFormat::from_path(path)?;
     let bytes = encode(picture, format, options).map_err(|error| error.in_file(path))?;
@@ -72,7 +71,7 @@ pub fn read(path: &Path) -> Result<Picture, Error> {
     picture_from(&mut source, length, &path.to_string_lossy()).map_err(|error| error.in_file(path))
 }
 
-/// Reads a picture from bytes; the name decides only where the bytes do not tell the format (TGA).
+/// Reads a picture from bytes; the name decides only where the bytes do not identify the format (TGA).
 ///
 /// # Errors
 /// [`Error::UnknownFormat`], [`Error::Corrupt`] or [`Error::TooLarge`].
@@ -88,7 +87,7 @@ pub fn decode_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
     decode_texture_within(bytes, name, u64::MAX)
 }
 
-/// As [`decode_texture`], but takes at most so many bytes of memory at once, those that it hands out included.
+/// As [`decode_texture`], but takes at most this many bytes of memory at once, the returned ones included.
 ///
 /// # Errors
 /// As [`decode`].
@@ -104,7 +103,8 @@ pub fn decode_data_texture(bytes: &[u8], name: &str) -> Result<Texels, Error> {
     decode_data_texture_within(bytes, name, u64::MAX)
 }
 
-/// As [`decode_data_texture`], but takes at most so many bytes of memory at once, those that it hands out included.
+/// As [`decode_data_texture`], but takes at most this many bytes of memory at once, the returned ones
+/// included.
 ///
 /// # Errors
 /// As [`decode`].

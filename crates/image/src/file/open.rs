@@ -10,7 +10,7 @@ use crate::Error;
 /// The reason why a file cannot be opened; each crate words it for its own errors.
 #[derive(Debug)]
 pub enum NotRegular {
-    /// The system refuses.
+    /// If the system rejects it.
     System(std::io::Error),
     /// It is a folder.
     Folder,
@@ -35,7 +35,7 @@ impl NotRegular {
 /// # Errors
 /// If there is no such file, it is not regular, or it may not be read.
 pub fn open_regular(path: &Path) -> Result<(File, u64), NotRegular> {
-    // Asked before the file is opened: opening a pipe waits for its other end.
+    // Checked before the file is opened: opening a pipe waits for its other end.
     let metadata = std::fs::metadata(path).map_err(NotRegular::System)?;
     if metadata.is_dir() {
         return Err(NotRegular::Folder);

@@ -22,6 +22,6 @@ pub struct WriteOptions {
     pub tone: ToneCurve,
     /// PNG: exposure in stops; each doubles the light.
     pub exposure: f32,
-    /// EXR: precision of the colours. Channels of layers say theirs themselves.
+    /// EXR: precision of the colours. Channels of layers state their own.
     pub exr_pixels: ExrPixels,
 }

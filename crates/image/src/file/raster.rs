@@ -35,7 +35,7 @@ const RUN_PIXELS_PER_BYTE: u64 = 128;
 /// Pixels that a byte of a WebP is believed to hold: flat areas of it take next to nothing.
 const WEBP_PIXELS_PER_BYTE: u64 = 1024;
 
-/// Memory that a decoder may take beside the pixels: tables, profiles, texts.
+/// Memory that a decoder may take in addition to the pixels: tables, profiles, texts.
 const EXTRA_BYTES: u64 = 1 << 26;
 
 impl RasterFormat {
@@ -179,7 +179,8 @@ fn decode(
 ) -> Result<DynamicImage, Error> {
     let library_error = |error: image::ImageError| Error::corrupt(format.name(), describe(&error));
     decode_guarded(format.name(), || match format {
-        // Beside the pixels a decoder takes rows, or for each pixel so many bytes of coefficients, planes or frames.
+        // In addition to the pixels a decoder takes rows, or for each pixel a number of bytes of
+        // coefficients, planes or frames.
         RasterFormat::Png => {
             let limits = alloc_limits(png_chunks::check(source, length)?, request.budget);
             let decoder = PngDecoder::with_limits(source, limits).map_err(library_error)?;
@@ -216,7 +217,7 @@ fn size_of(decoder: &impl ImageDecoder) -> [u64; 2] {
     [u64::from(width), u64::from(height)]
 }
 
-/// Memory of a decoder beside its output.
+/// Memory of a decoder in addition to its output.
 #[derive(Clone, Copy)]
 struct Sidecar {
     /// For each pixel.
@@ -328,7 +329,7 @@ fn incomplete() -> Error {
     Error::corrupt("picture", "its pixels are incomplete")
 }
 
-/// The library's words on one line, without the format's name, which ours say already.
+/// The library's message on one line, without the format's name, which ours contain already.
 fn describe(error: &image::ImageError) -> String {
     let message = match error {
         image::ImageError::IoError(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Writing of a file as a whole: under a temporary name beside the target, synced, then renamed over it.
+//! Writing of a file as a whole: under a temporary name in the same folder, synced, then renamed over it.
 //! Symbolic links are followed, so that a link stays one. Invariants: after a failure the old file is
 //! unchanged and no new one is left; the file's permissions are those of the old one, or the umask's.
 //! Tests: `tests`.
@@ -19,7 +19,7 @@ const MAX_LINKS: usize = 40;
 pub fn check_writable(path: &Path) -> Result<(), Error> {
     let target = follow_links(path)?;
     check_target(path, &target)?;
-    // Only an attempt tells: permissions, read-only file systems and quotas have their say.
+    // Only an attempt shows it: permissions, read-only file systems and quotas matter.
     temporary_beside(path, &target).map(drop)
 }
 
@@ -31,8 +31,8 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     replace_file_if(path, bytes, || true).map(drop)
 }
 
-/// As [`replace_file`], but asks once more, when all is written and nothing is seen yet, whether it is still wanted;
-/// tells the answer. If not, nothing has changed.
+/// As [`replace_file`], but checks once more, when all is written and nothing is visible yet, whether it is
+/// still wanted; returns that. If not, nothing has changed.
 ///
 /// # Errors
 /// As [`replace_file`].
@@ -81,14 +81,14 @@ fn check_target(path: &Path, target: &Path) -> Result<(), Error> {
     match std::fs::metadata(target) {
         Ok(old) if old.is_dir() => refuse("cannot be written: it is a folder".into()),
         Ok(old) if !old.is_file() => refuse("cannot be written: it is a device or pipe".into()),
-        // A rename would replace a write-protected file without asking; opening it does ask.
+        // A rename would replace a write-protected file without a check; opening it checks.
         Ok(_) => std::fs::OpenOptions::new()
             .write(true)
             .open(target)
             .map(drop)
             .map_err(|error| Error::file(path, "cannot be written", &error)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        // Such as a name that is too long, which a temporary name beside it would not notice.
+        // Such as a name that is too long, which a temporary name in its folder would not detect.
         Err(error) => Err(Error::file(path, "cannot be written", &error)),
     }
 }
@@ -98,7 +98,7 @@ fn temporary_beside(path: &Path, target: &Path) -> Result<tempfile::NamedTempFil
     builder.prefix(".gnurt-").suffix(".part");
     #[cfg(unix)]
     {
-        // The umask is applied to these; without them the file would be the user's alone.
+        // The umask applies to these; without them the file would be private to the user.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }

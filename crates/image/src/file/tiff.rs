@@ -3,7 +3,8 @@
 //! Source: TIFF 6.0; the `tiff` library decodes strips and tiles, whole or packed by LZW, deflate or runs of bytes. Tags of textures
 //! are those of Pixar and OpenImageIO. Directories that follow and are half as large each are the smaller copies of a picture.
 //! Invariants: sizes are checked against `limits` before pixels are decoded; a panic of the library becomes an error.
-//! Not read, and said so: palettes, CMYK, channels that are stored one after the other, fewer than 8 bits. Tests: `tests/{round_trip,broken}.rs`.
+//! Not read, with an error: palettes, CMYK, channels that are stored one after the other, fewer than 8 bits.
+//! Tests: `tests/{round_trip,broken}.rs`.
 
 use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
@@ -17,7 +18,7 @@ use crate::{Budget, Error, Picture, Stored, StoredLevel, StoredValues, TexelData
 
 /// Most pixels that a byte of the file can become: deflate's 1032 bytes of one channel.
 const MOST_DENSE: u64 = 1032;
-/// Most bytes of a text or a list of places.
+/// Most bytes of a text or a list of offsets.
 const TAG_BYTES: usize = 16 << 20;
 /// Most channels.
 const MAX_CHANNELS: usize = 64;
@@ -105,12 +106,12 @@ fn values(reader: &mut Reader<'_>, shape: Shape) -> Result<StoredValues, Error> 
     };
     let needed = shape.size[0] * shape.size[1] * shape.channels;
     if values.len() != needed {
-        return Err(Error::corrupt("TIFF", format!("{} values where {needed} are due", values.len())));
+        return Err(Error::corrupt("TIFF", format!("{} values instead of {needed}", values.len())));
     }
     Ok(values)
 }
 
-/// The texts beside the pixels. OpenImageIO keeps some of its own in the description, as `oiio:name=value`.
+/// The texts of the file. OpenImageIO stores some of its own in the description, as `oiio:name=value`.
 fn texts(reader: &mut Reader<'_>) -> Vec<(String, String)> {
     let known = [
         ("ImageDescription", Tag::ImageDescription),
@@ -155,8 +156,8 @@ fn read(source: &mut dyn Source, length: u64, budget: &Budget, all: bool) -> Res
         let first = shape(&mut reader)?;
         let size = first.size.map(|n| n as u64);
         check_density("TIFF", size, length, MOST_DENSE)?;
-        // Values of at most 8 bytes, the kept ones, and the result; smaller copies are a third more of the
-        // kept ones.
+        // Values of at most 8 bytes, the stored ones, and the result; smaller copies are a third more of the
+        // stored ones.
         let copies = if all { 2 } else { 0 };
         budget.check("TIFF", size, first.channels as u64 * (8 + 4 + copies) + PICTURE_BYTES)?;
         let values_of_first = values(&mut reader, first)?;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The lossless codes of WebP: traversed up to the pixels, to find the memory of a decoder's tables. From RFC
 //! 9649, section 3. A picture may have 65,536 groups of five codes; two hundred bytes of a file make a group
-//! of which the decoder makes 120 KiB. Only the codes of one small picture are kept here.
+//! of which the decoder makes 120 KiB. Only the codes of one small picture are stored here.
 //! Invariant: the decoder's tables are counted in full, unless both end with the same error.
 //! Tests: `tests`, `tests/growth.rs`.
 
@@ -14,11 +14,11 @@ const ALPHABETS: [usize; 5] = [280, 256, 256, 256, 40];
 /// Codes of lengths come in this order.
 const LENGTH_ORDER: [usize; 19] = [17, 18, 0, 1, 2, 3, 4, 5, 16, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// Longest code that the decoder finds by one look into its table of 4 bytes an entry.
+/// Longest code that the decoder finds by one access to its table of 4 bytes an entry.
 const TABLE_BITS: usize = 10;
 /// The decoder's memory for each symbol with a longer code.
 const LONG_SYMBOL_BYTES: u64 = 32;
-/// And for a group, whatever its codes are.
+/// And for a group with any codes.
 const GROUP_BYTES: u64 = 1024;
 
 /// Bytes that the decoder's tables take for a picture of this size whose codes are the next `length` bytes; no more than a
@@ -155,7 +155,7 @@ impl Codes<'_> {
             if count == 2 {
                 given.push(some!(self.bits(8)?) as u16);
             }
-            // Two are told apart by a bit even if they are the same.
+            // Two are distinguished by a bit even if they are the same.
             let is_code = given.iter().all(|&symbol| usize::from(symbol) < symbols);
             let mut counts = [0; 16];
             counts[1] = count as u16;

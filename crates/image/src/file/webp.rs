@@ -109,7 +109,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// A decoder makes a frame of the size that it says itself before it looks at the picture's.
+    /// A decoder makes a frame of the size in the frame's header before it reads the picture's.
     fn lossy(&mut self, chunk: Chunk) -> Result<(), Error> {
         let Some([.., w0, w1, h0, h1]) = read::<10>(self.source, chunk.begin)? else { return Ok(()) };
         let side = |low, high| u32::from(u16::from_le_bytes([low, high]) & 0x3fff);
@@ -163,7 +163,7 @@ fn three_bytes([w0, w1, w2, h0, h1, h2]: [u8; 6]) -> [u32; 2] {
     [[w0, w1, w2, 0], [h0, h1, h2, 0]].map(|bytes| u32::from_le_bytes(bytes) + 1)
 }
 
-/// Bytes at a place; `None` if the file ends before.
+/// Bytes at an offset; `None` if the file ends before.
 fn read<const N: usize>(source: &mut dyn Source, at: u64) -> Result<Option<[u8; N]>, Error> {
     let mut bytes = [0; N];
     source.seek(SeekFrom::Start(at)).map_err(Error::reading)?;

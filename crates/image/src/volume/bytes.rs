@@ -30,7 +30,7 @@ impl<'a> Bytes<'a> {
         Self { all, at: 0 }
     }
 
-    /// Goes on at another place.
+    /// Continues at another offset.
     pub(super) fn seek(&mut self, at: i64) -> Result<(), Error> {
         let inside = usize::try_from(at).ok().filter(|&at| at <= self.all.len());
         self.at = inside.ok_or_else(|| corrupt(format!("a part at byte {at} is behind the end")))?;
@@ -89,7 +89,7 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// Takes so many bytes of the budget.
+/// Takes this many bytes of the budget.
 pub(super) fn hold(budget: &Budget, bytes: usize) -> Result<(), Error> {
     budget.hold(bytes).map_err(|_| too_large(budget.limit() as usize))
 }

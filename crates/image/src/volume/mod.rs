@@ -3,7 +3,8 @@
 //! Source: Museth, VDB: High-Resolution Sparse Volumes with Dynamic Topology (2013) [Mus13]; original code. Files of versions 222 (2013)
 //! to 224 are read: grids of floats, doubles and integers, one or three, with any compression that OpenVDB writes.
 //! Space: a grid has whole coordinates of voxels (index), which an affine map takes to the space of its file (world).
-//! Invariant: reading takes no more memory than is allowed and its length accounts for, and looks at each byte once, whatever the file says.
+//! Invariant: reading takes no more memory than is allowed and its length accounts for, and examines each
+//! byte once, for any file.
 //! Tests: `tests/volumes.rs`, whose files were written by OpenVDB.
 
 mod blosc;
@@ -23,7 +24,7 @@ use bytes::{Bytes, corrupt, hold, too_large};
 use tree::{LEAF_SIZE, Reader, Tree};
 use values::{Format, Number};
 
-/// Bytes that a grid takes beside its tree and its name.
+/// Bytes that a grid takes in addition to its tree and its name.
 const GRID_BYTES: usize = 256;
 
 /// The grids of a file.
@@ -88,7 +89,7 @@ impl Volume {
                 return Err(corrupt("the positions of its grids are missing"));
             }
             let [start, _, end] = [bytes.i64()?, bytes.i64()?, bytes.i64()?];
-            // Each grid lies behind the one before, so that no byte is read for more than one of them.
+            // Each grid is behind the one before, so that no byte is read for more than one of them.
             let part = bytes.part(start, end)?;
             hold(budget, GRID_BYTES + name.len() + kind.len())?;
             if let Some(format) = format_of(&kind) {
@@ -188,7 +189,7 @@ impl Grid {
     }
 }
 
-/// Reads the header up to the metadata: whether the file says where its grids are.
+/// Reads the header up to the metadata: whether the file states the offsets of its grids.
 fn header(bytes: &mut Bytes<'_>) -> Result<bool, Error> {
     const MAGIC: i64 = 0x5644_4220;
     if !bytes.i64().is_ok_and(|magic| magic == MAGIC) {
@@ -201,7 +202,7 @@ fn header(bytes: &mut Bytes<'_>) -> Result<bool, Error> {
     // The library's own version.
     bytes.take(8)?;
     let has_offsets = bytes.u8()? != 0;
-    // A number that is the file's alone.
+    // A number that identifies the file.
     bytes.take(36)?;
     Ok(has_offsets)
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The tree of a grid: a table of upper nodes of 32 x 32 x 32 lower nodes of 16 x 16 x 16 leaves of 8 x 8 x 8 voxels. Where a node has no
-//! child it has one value for all voxels of the child's place.
+//! The tree of a grid: a table of upper nodes of 32 x 32 x 32 lower nodes of 16 x 16 x 16 leaves of 8 x 8 x 8 voxels.
+//! Where a node has no child it has one value for all voxels of the child's position.
 //! Source: [Mus13]; the format of OpenVDB's files. Space: index (a voxel's coordinates are whole numbers).
 //! Invariant: a child's number is that of a node or leaf that is there.
 //! Tests: `tests/volumes.rs`.
@@ -39,19 +39,19 @@ enum Top {
 
 /// A node that is no leaf.
 struct Node {
-    /// The child at each place, or none.
+    /// The child at each position, or none.
     children: Box<[u32]>,
     values: Values,
 }
 
-/// The place in a node of 2^`outer` voxels along an edge where a child of 2^`inner` voxels has a voxel.
+/// The index in a node of 2^`outer` voxels along an edge where a child of 2^`inner` voxels has a voxel.
 fn child_index(voxel: [i32; 3], outer: u32, inner: u32) -> usize {
     let along = |k: usize| (voxel[k] & ((1 << outer) - 1)) as usize >> inner;
     let log = outer - inner;
     along(0) << (2 * log) | along(1) << log | along(2)
 }
 
-/// The first voxel of a child; the other way round.
+/// The first voxel of a child; the inverse.
 fn corner(first: [i32; 3], child_index: usize, outer: u32, inner: u32) -> [i32; 3] {
     let log = outer - inner;
     let along = |shift: u32| ((child_index >> shift & ((1 << log) - 1)) << inner) as i32;
@@ -75,7 +75,7 @@ impl Reader<'_, '_> {
         Ok(aligned([x, y, z], UPPER))
     }
 
-    /// The children and values of a node; those without a child that are active are told.
+    /// The children and values of a node; active ones without a child go to `active`.
     fn node(
         &mut self,
         background: Value,

@@ -57,7 +57,7 @@ impl Number {
     }
 }
 
-/// A value of up to three numbers; those that a grid does not have are 0.
+/// A value of up to three numbers; those that a grid lacks are 0.
 pub(super) type Value = [f32; 3];
 
 impl Format {
@@ -106,7 +106,7 @@ impl Format {
     }
 }
 
-/// A bit for each place of a node.
+/// A bit for each position of a node.
 pub(super) struct Mask(Vec<u64>);
 
 impl Mask {
@@ -127,12 +127,12 @@ impl Mask {
         &self.0
     }
 
-    /// How many places it has.
+    /// The number of its positions.
     pub(super) fn count(&self) -> usize {
         self.0.iter().map(|bits| bits.count_ones() as usize).sum()
     }
 
-    /// The places that it has, in order.
+    /// Its positions, in order.
     pub(super) fn cells(&self) -> impl Iterator<Item = usize> {
         self.0.iter().enumerate().flat_map(|(i, &bits)| {
             let mut left = bits;
@@ -145,11 +145,11 @@ impl Mask {
     }
 }
 
-/// The values of a node, one after another; of one alone where all are the same.
+/// The values of a node, one after another; only one where all are the same.
 pub(super) struct Values(Box<[f32]>);
 
 impl Values {
-    /// Reads those of a node with so many places, whose active ones are in `mask`.
+    /// Reads those of a node with this many positions, whose active ones are in `mask`.
     pub(super) fn read(
         bytes: &mut Bytes<'_>,
         budget: &Budget,

@@ -34,7 +34,7 @@ pub(crate) struct Analysis {
     pub(crate) variables: QuickMap<u32, Variable>,
 }
 
-/// Looks at a group. With one lane nothing varies.
+/// Analyses a group. With one lane nothing varies.
 pub(crate) fn analysis(plan: &Plan, known: &[&dyn Known], lanes: usize) -> Analysis {
     let mut analysis = Analysis { varying: vec![false; plan.memory.len()], ..Analysis::default() };
     let mut uses = Uses { analysis: &mut analysis, open: Vec::new(), stack: Vec::new() };
@@ -227,7 +227,7 @@ impl Vary<'_> {
                         late |= if i > 0 { ways.jumps } else { 0 };
                     }
                     inner |= self.varies(&iterations.condition);
-                    // Once for the whole of it: the next time round its early parts know.
+                    // Once for the whole of it: its early parts then use the result.
                     if inner && !is_known {
                         self.changed |= self.split_loops.insert(key);
                     }

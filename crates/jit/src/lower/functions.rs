@@ -86,7 +86,7 @@ fn fixed<const D: usize>(list: &[Term]) -> [Term; D] {
     std::array::from_fn(|i| list.get(i).copied().unwrap_or(Term::constant(1.0)))
 }
 
-/// Noise of one kind at a place, one number or three.
+/// Noise of one kind at a position, one number or three.
 pub(crate) fn noise<N: Number<Real = Term, Mask = Which>>(
     kind: NoiseKind,
     point: &[N],

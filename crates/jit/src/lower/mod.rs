@@ -51,7 +51,7 @@ impl Known for Constants<'_> {
     }
 }
 
-/// The program of a group, for so many lanes: 16, or 1.
+/// The program of a group, for this many lanes: 16, or 1.
 ///
 /// # Errors
 /// Why the interpreter must run it.
@@ -147,7 +147,7 @@ struct Lowerer<'p> {
     /// Where lanes are noted that leave the function, and the layer.
     frame: u32,
     exit: u32,
-    /// Where lanes wait for the loop's next turn.
+    /// Where lanes wait for the loop's next iteration.
     waiting: Option<u32>,
 }
 

@@ -145,7 +145,7 @@ impl<'p> Values<'p> {
         bits
     }
 
-    /// Number `i` of a slot. Single numbers stand for all components.
+    /// Number `i` of a slot. Single numbers serve for all components.
     pub(crate) fn float(&mut self, slot: &Slot, i: usize) -> Term {
         let i = if slot.size == 1 { 0 } else { i as u32 };
         let bits = self.bits(slot.at + i);

@@ -49,7 +49,7 @@ pub(crate) enum Rm {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Code(pub(crate) u8, pub(crate) u8, pub(crate) u8);
 
-/// A place to jump to.
+/// A target of jumps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Label(u32);
 
@@ -84,9 +84,9 @@ pub(crate) enum When {
 #[derive(Default)]
 pub(crate) struct Asm {
     pub(crate) bytes: Vec<u8>,
-    /// Where labels stand; `u32::MAX` where they do not yet.
+    /// Offsets of labels; `u32::MAX` where they are not known yet.
     labels: Vec<u32>,
-    /// Distances that are still to be filled in: their place and label.
+    /// Distances that are still to be filled in: their offset and label.
     jumps: Vec<(u32, Label)>,
 }
 
@@ -101,7 +101,7 @@ impl Asm {
         self.labels[label.0 as usize] = self.bytes.len() as u32;
     }
 
-    /// Where a label stands.
+    /// The offset of a label.
     pub(crate) fn address(&self, label: Label) -> u32 {
         self.labels[label.0 as usize]
     }

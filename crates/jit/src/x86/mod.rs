@@ -26,7 +26,7 @@ pub(crate) struct Code {
     pub(crate) layers: Vec<u32>,
 }
 
-/// How often a constant stands in memory, so that a register can be loaded from there.
+/// How often a constant is repeated in memory, so that a register can be loaded from there.
 pub(crate) fn copies(level: Level) -> u32 {
     if level == Level::Avx512 { 4 } else { 8 }
 }
@@ -267,7 +267,7 @@ impl Emitter<'_> {
         self.asm.bind(body);
         self.asm.decrement_word(Layout::FUEL);
         self.asm.jump_if(When::NotNegative, fueled);
-        // Stopped: all that still turn leave, and more turns are not to be had.
+        // Stopped: all iterating lanes leave, and no more iterations are allowed.
         self.asm.set_bits(Layout::FUEL, 0);
         self.call(inner.say);
         self.load_exec();

@@ -10,10 +10,10 @@ use crate::op::{Binary, Id, Op, Region, Shift, Unary};
 
 use super::asm::{Access, Asm, Code, Gpr, Rm, When, Width};
 
-/// No register, no place.
+/// No register and no slot.
 const NONE: u32 = u32::MAX;
 
-/// The memory areas of regions beside cells.
+/// The memory areas of regions other than cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Areas {
     /// Values that found no register, 64 bytes each.
@@ -32,7 +32,7 @@ struct Emitter<'a> {
     areas: Areas,
     /// The first lane of this part.
     lane: u32,
-    /// Places where each value is used, in order, and where its list starts.
+    /// Indices where each value is used, in order, and where its list starts.
     uses: &'a [u32],
     starts: &'a [u32],
     next: Vec<u32>,
@@ -47,7 +47,7 @@ struct Emitter<'a> {
     locked: u32,
 }
 
-/// Writes the instructions of a region. Returns how many spill rooms it wants.
+/// Writes the instructions of a region. Returns how many spill slots it needs.
 pub(crate) fn region(asm: &mut Asm, layout: &mut Layout, region: &Region, width: Width, areas: Areas) -> u32 {
     let live = region.live();
     let count = region.ops.len();
@@ -150,7 +150,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// The place of the next use of a value.
+    /// The index of the next use of a value.
     fn next_use(&self, id: Id) -> u32 {
         let at = self.next[id as usize];
         if at < self.starts[id as usize + 1] { self.uses[at as usize] } else { NONE }
@@ -180,7 +180,7 @@ impl Emitter<'_> {
         }
     }
 
-    /// A free register; if there is none, the one whose value is needed last gives way.
+    /// A free register; if there is none, the one whose value is needed last is spilled.
     fn take(&mut self) -> u8 {
         let free = |e: &Self, r: usize| e.holds[r].is_none() && e.locked & 1 << r == 0;
         if let Some(r) = (0..self.holds.len()).find(|&r| free(self, r)) {

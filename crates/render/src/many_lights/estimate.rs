@@ -46,7 +46,7 @@ fn rays_from(pass: &PassLights, eye: &EyePoint) -> (u32, f32) {
     let bsdf = &eye.bsdf;
     let has_branches = || bsdf.has_deltas() && bsdf.delta_branches(eye.wo).iter().any(Option::is_some);
     match bsdf.lambertian() {
-        Some(_) => (pass.rays, pass.chance_of_rays),
+        Some(_) => (pass.rays, pass.ray_probability),
         None if bsdf.is_smooth() && !has_branches() => (pass.rays, 1.0),
         None => (1, 1.0),
     }
@@ -74,7 +74,7 @@ fn all_radiance(
         .filter(|_| texels.is_some())
         .map(|n| camera.keys.iter().map(|&key| key_of_place(key, options.width, n)).collect());
     tracer.sharing = match keys {
-        _ if pass.is_few => Sharing::Chance,
+        _ if pass.is_few => Sharing::Random,
         Some(_) => Sharing::Pattern,
         None => Sharing::All,
     };
@@ -430,7 +430,7 @@ fn few_virtual_lights(tracer: &mut BatchTracer, pass: &PassLights, stops: &[Stop
     // In patterns each point uses its pixel's subset, else its block's, so that blocks are full.
     let (own, mut others) = match tracer.sharing {
         Sharing::Pattern => (there, Vec::new()),
-        Sharing::All | Sharing::Chance => (Vec::new(), there),
+        Sharing::All | Sharing::Random => (Vec::new(), there),
     };
     if let Some(first) = others.first() {
         // Blocks use the subsets in rotation, from a random start.

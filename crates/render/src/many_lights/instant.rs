@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Instant radiosity: virtual lights are the vertices of quasi-random light paths, as many paths as give about the number
 //! of lights that was asked for.
-//! Source: [Kel97]; paths start at lamps that matter to the camera [WBS03b], see `light_choices`; hash-scrambled Sobol' points [Bur20] in place of Halton's. Space: world.
+//! Source: [Kel97]; paths start at lights that matter to the camera [WBS03b], see `light_choices`; hash-scrambled Sobol' points [Bur20] in place of Halton's. Space: world.
 //! Tests: crates/render/tests/many_lights.rs.
 
 use std::ops::Range;

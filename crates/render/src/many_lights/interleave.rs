@@ -102,7 +102,7 @@ pub(super) fn share_of_key(sharing: Sharing, key: SampleKey, shares: usize) -> u
     let number = match sharing {
         Sharing::All => 0,
         Sharing::Pattern => key.sample,
-        Sharing::Chance => key.pixel,
+        Sharing::Random => key.pixel,
     };
     number as usize % shares.max(1)
 }

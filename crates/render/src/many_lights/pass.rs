@@ -31,7 +31,7 @@ pub(crate) struct PassLights {
     pub(crate) bound: Bound,
     /// Rays that leave a point that the eye sees, and the chance of each where that scatters alike to all sides.
     pub(crate) rays: u32,
-    pub(super) chance_of_rays: f32,
+    pub(super) ray_probability: f32,
     /// The number of lights at the end of such a ray: those of the greatest contribution.
     few: u32,
     /// Light samples at each point that the eye sees.
@@ -63,7 +63,7 @@ impl PassLights {
             unseen,
             bound,
             rays,
-            chance_of_rays: 1.0,
+            ray_probability: 1.0,
             few,
             light_samples,
             is_few: false,
@@ -83,7 +83,7 @@ impl PassLights {
             unseen: OnceLock::new(),
             bound: bound_of(world, options),
             rays: 1,
-            chance_of_rays: FEW_RAYS,
+            ray_probability: FEW_RAYS,
             few: 1,
             light_samples: 1,
             is_few: true,

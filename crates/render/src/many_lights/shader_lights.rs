@@ -24,7 +24,7 @@ use crate::tracer::{BatchTracer, FurtherLights, Sharing};
 fn vpl_count(tracer: &BatchTracer, pass: &PassLights) -> usize {
     match tracer.sharing {
         Sharing::All => pass.vpls.len(),
-        Sharing::Pattern | Sharing::Chance => pass.shares.iter().map(Vec::len).max().unwrap_or(0),
+        Sharing::Pattern | Sharing::Random => pass.shares.iter().map(Vec::len).max().unwrap_or(0),
     }
 }
 

@@ -8,7 +8,7 @@ use super::surface_key::{Light, SurfaceKey};
 
 /// Steps of the R2 sequence, and of the golden section.
 const STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_2];
-const TURN: f64 = 0.618_033_988_749_894_9;
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
 
 /// The need of a pixel for a sample, relative to a pixel with known light.
 pub(super) fn need(surface_key: &SurfaceKey, light: &Light) -> f32 {
@@ -23,8 +23,8 @@ pub(super) fn need(surface_key: &SurfaceKey, light: &Light) -> f32 {
 }
 
 /// A pixel's rank in the rotation of a frame, from 0 to 1.
-pub(super) fn turn_of(x: u32, y: u32, frame: u32) -> f32 {
-    let at = f64::from(x) * STEPS[0] + f64::from(y) * STEPS[1] + f64::from(frame) * TURN;
+pub(super) fn rank_of(x: u32, y: u32, frame: u32) -> f32 {
+    let at = f64::from(x) * STEPS[0] + f64::from(y) * STEPS[1] + f64::from(frame) * GOLDEN_RATIO;
     at.fract() as f32
 }
 
@@ -57,7 +57,7 @@ mod tests {
         for frame in 0..frames {
             let mut chosen = 0;
             for (y, x) in (0..size).flat_map(|y| (0..size).map(move |x| (y, x))) {
-                if turn_of(x, y, frame) < share {
+                if rank_of(x, y, frame) < share {
                     times[(y * size + x) as usize] += 1;
                     chosen += 1;
                 }

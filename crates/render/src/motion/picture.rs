@@ -19,7 +19,7 @@ use gnurt_shading::sampling::hash_combine;
 use rayon::prelude::*;
 
 use super::before::Before;
-use super::choose::{need, scale, turn_of};
+use super::choose::{need, rank_of, scale};
 use super::smooth::{Given, Smooth, Strength, is_shiny};
 use super::surface_key::{Light, SurfaceKey, Tint};
 use super::surface_sample::{ROWS, sample_surfaces};
@@ -314,7 +314,7 @@ impl Frame {
             for [x0, y0, x1, y1] in film::blocks([0, top, width, (top + ROWS).min(height)]) {
                 for (y, x) in (y0..y1).flat_map(|y| (x0..x1).map(move |x| (y, x))) {
                     let i = (y * width + x) as usize;
-                    if turn_of(x, y, frame) < scale * need(&self.surface_keys[i], &self.lights[i]) {
+                    if rank_of(x, y, frame) < scale * need(&self.surface_keys[i], &self.lights[i]) {
                         chosen.push([x, y]);
                     }
                 }

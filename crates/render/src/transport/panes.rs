@@ -108,7 +108,7 @@ pub(crate) fn trace_through(
             from,
             AttributeRequests::Light,
             |tracer, shader, lanes, points| {
-                if tracer.closures_of(shader, points, &mut closures) != Known::Told {
+                if tracer.closures_of(shader, points, &mut closures) != Known::Closures {
                     return;
                 }
                 for (k, &lane) in lanes.iter().enumerate() {

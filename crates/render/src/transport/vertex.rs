@@ -16,7 +16,7 @@ use crate::world::HitLanes;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Known {
     /// Its shader returns closures.
-    Told,
+    Closures,
     /// Its shader only shows: it was shown under a few lights, and under none ([`BatchTracer::dark`]).
     Probed,
     /// None: emission is the radiance of its shader.
@@ -77,7 +77,7 @@ impl BatchTracer<'_> {
     ) -> Known {
         closures.reset(points.len());
         shader.evaluate(points, closures);
-        let Some(shader) = shader.radiance() else { return Known::Told };
+        let Some(shader) = shader.radiance() else { return Known::Closures };
         if self.probes {
             self.dark = radiance_only::probe(shader, points, self.options.white, closures);
             (0..points.len()).for_each(|k| closures.emit(k, self.dark.get(k)));

@@ -74,15 +74,15 @@ thread_local! {
 
 impl EmitterShaders for ShaderEmission {
     fn radiance(&self, requests: &[EmitterPoint], out: &mut [Vec3]) {
-        let glows: Vec<Option<EmissionTriangle>> =
+        let emissions: Vec<Option<EmissionTriangle>> =
             requests.iter().map(|at| self.triangles[at.triangle as usize]).collect();
-        let emitter_of = |i: usize| glows[i].map(|shader_emission| shader_emission.emitter);
-        let mut left: Vec<usize> = (0..requests.len()).filter(|&i| glows[i].is_some()).collect();
+        let emitter_of = |i: usize| emissions[i].map(|shader_emission| shader_emission.emitter);
+        let mut left: Vec<usize> = (0..requests.len()).filter(|&i| emissions[i].is_some()).collect();
         while let Some(emitter) = left.first().and_then(|&i| emitter_of(i)) {
             let (these, others) =
                 left.iter().partition::<Vec<usize>, _>(|&&i| emitter_of(i) == Some(emitter));
             let emitter_points: Vec<(EmissionTriangle, EmitterPoint)> =
-                these.iter().filter_map(|&i| Some((glows[i]?, requests[i]))).collect();
+                these.iter().filter_map(|&i| Some((emissions[i]?, requests[i]))).collect();
             self.query(emitter, &emitter_points, |k, radiance| out[these[k]] = radiance);
             left = others;
         }

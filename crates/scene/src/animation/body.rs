@@ -189,7 +189,7 @@ impl Body {
             follow_joints(influences, how, to);
             to.indices.clone_from(&self.base.indices);
             if let Some(mirrored) = mirrored(influences, how) {
-                turn_round(&mut to.indices, &mirrored);
+                reverse_mirrored(&mut to.indices, &mirrored);
             }
         }
     }
@@ -252,7 +252,7 @@ pub(crate) fn mirrored(influences: &Influences, how: &Bend) -> Option<Vec<bool>>
 
 /// Reverses triangles with more mirrored corners than others, so that their geometric normals stay on the
 /// side of their corners' normals.
-pub(crate) fn turn_round(triangles: &mut [[u32; 3]], mirrored: &[bool]) {
+pub(crate) fn reverse_mirrored(triangles: &mut [[u32; 3]], mirrored: &[bool]) {
     let is_mirrored = |i: u32| mirrored.get(i as usize).copied().unwrap_or(false);
     for triangle in triangles {
         if triangle.iter().filter(|&&i| is_mirrored(i)).count() >= 2 {

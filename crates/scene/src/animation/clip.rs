@@ -10,7 +10,7 @@ use super::sampler::Sampler;
 /// A piece of animation that is played by itself.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Clip {
-    /// For people; may be empty, need not be unique.
+    /// A label; may be empty, need not be unique.
     pub name: String,
     /// The driven values; if two channels drive one value, the last one counts.
     pub channels: Vec<Channel>,

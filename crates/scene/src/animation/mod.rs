@@ -27,7 +27,7 @@ mod pose;
 mod sampler;
 
 pub use body::{Bend, Body, Deltas, Influences, Morph};
-pub(crate) use body::{add_morph, follow_joints, mirrored, stretches, turn_round};
+pub(crate) use body::{add_morph, follow_joints, mirrored, reverse_mirrored, stretches};
 pub use clip::{Channel, Clip, FactorPart, LightPart, Target, TexturePart};
 pub use exposure::Exposure;
 pub use local::{Local, Trs};

@@ -45,7 +45,7 @@ pub struct Animation {
 /// A node that can move.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Node {
-    /// For people.
+    /// A label.
     pub name: String,
     /// The node or matrix under it.
     pub parent: Attachment,

@@ -32,7 +32,8 @@ pub(super) struct LobeRows {
     /// Weight, normal, a, b, c; alpha, eta, cover.
     pub(super) numbers: [Row<f32>; 18],
     pub(super) layers_above: Row<u32>,
-    /// Tangent, width across it; share, index and thickness of the film; spread of indices: meant where `rare` is not 0.
+    /// Tangent, width across it; share, index and thickness of the film; spread of indices: meant where
+    /// `rare` is not 0.
     rarities: [Row<f32>; 8],
     pub(super) rare: u32,
     /// Kinds that are there, and bits of all lobes that lie above some.
@@ -76,7 +77,8 @@ impl LobeRows {
         (self.kinds, self.any_layer_above, self.covers, self.rare) = (0, 0, false, 0);
     }
 
-    /// The first `count` points' are like this one, which has nothing rare and lies below none; there are no others.
+    /// The first `count` points' are like this one, which has nothing rare and lies below none; there are no
+    /// others.
     #[inline]
     fn fill(&mut self, count: usize, lobe: &Lobe) {
         self.clear();
@@ -311,7 +313,7 @@ impl ClosureBatch {
         Scattering { bsdf, emission: self.emission(i), coverage: self.coverage(i) }
     }
 
-    /// Kinds of the lobes of point `i` that scatter any light, and the widths of their facets' slopes.
+    /// Kinds of the lobes of point `i` that scatter any light, and the widths of their microfacets' slopes.
     pub fn widths(&self, i: usize) -> impl Iterator<Item = (Kind, f32)> {
         let (block, lane) = (&self.blocks[i / LANES], i % LANES);
         block.lobes[..block.count as usize].iter().filter_map(move |rows| {

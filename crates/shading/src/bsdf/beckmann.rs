@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Beckmann's microfacets, whose slopes have a Gaussian distribution: density, shadowing, sampling of the
 //! visible ones. Single scattering only; the light of further bounces is lost.
-//! Source: [WMLT07] (the distribution), [Hei14] (shadowing in closed form, stretched facets, the density of visible slopes).
-//! Sampling is original: the distribution function of the slopes along the view has a closed form, which is inverted by halving.
-//! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests` of `bsdf`.
+//! Source: [WMLT07] (the distribution), [Hei14] (shadowing in closed form, stretched microfacets, the density
+//! of visible slopes). Sampling is original: the distribution function of the slopes along the view has a
+//! closed form, which is inverted by halving.
+//! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests`
+//! of `bsdf`.
 
 use std::f32::consts::PI;
 
@@ -70,7 +72,8 @@ impl Microfacets<f32> for Beckmann {
     }
 }
 
-/// One less the error function, of `x` >= 0: the approximation 7.1.26 of Abramowitz and Stegun, 1.5e-7 off at most.
+/// One less the error function, of `x` >= 0: the approximation 7.1.26 of Abramowitz and Stegun, 1.5e-7 off at
+/// most.
 fn rest_of_error(x: f32) -> f32 {
     let t = 1.0 / (1.0 + 0.327_591_1 * x);
     let series =

@@ -61,7 +61,7 @@ impl Carrying {
         };
         // Most points have no such lobe.
         let of = |lobe| Exchange::of(lobe, (normal, etas), from, cos.max(GRAZING));
-        if lobes.iter().any(|lobe| of(lobe).is_due(lobe)) {
+        if lobes.iter().any(|lobe| of(lobe).applies_to(lobe)) {
             let mut all = [Exchange::NONE; MOST];
             for (exchange, lobe) in all.iter_mut().zip(lobes) {
                 *exchange = of(lobe);

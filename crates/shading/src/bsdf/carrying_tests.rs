@@ -48,7 +48,8 @@ fn light_paths_are_corrected() {
             let light = if light.z < 0.0 { -light } else { light };
             let carrying = Carrying::new(&bsdf, light);
             let through = eye.z < 0.0;
-            // Where geometry and shading do not agree on the side no light goes, nor do views that count as grazing the point's normal.
+            // Where geometry and shading do not agree on the side no light goes, nor do views that count as
+            // grazing the point's normal.
             if ns.dot(light) < 2e-3 || through != (ns.dot(eye) < 0.0) || ns.dot(eye).abs() < 2e-3 {
                 continue;
             }
@@ -82,7 +83,7 @@ fn light_paths_are_corrected() {
 }
 
 /// Light paths at mirrors and smooth glass, by the definition: a reflection at a tilted plane counts by the
-/// facet's cosines, a refraction by the square of the index, too.
+/// microfacet's cosines, a refraction by the square of the index, too.
 #[test]
 fn light_paths_of_deltas_are_corrected() {
     let (ng, light) = (Vec3::Z, Vec3::new(-0.4, 0.3, 0.7).normalize());

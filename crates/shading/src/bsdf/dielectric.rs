@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Smooth boundaries of glass: Snell's law, and panes with all reflections between their two faces summed.
-//! Source: [PJH23] sections 9.3 (Fresnel, Snell) and 9.5.1 (thin panes). Space: a frame with z = the facet's normal.
+//! Source: [PJH23] sections 9.3 (Fresnel, Snell) and 9.5.1 (thin panes). Space: a frame with z = the
+//! microfacet's normal.
 //! Tests: `tests`.
 
 use crate::real::{Real, Vector};
@@ -11,8 +12,8 @@ pub(super) fn pane<R: Real>(once: R) -> R {
     once * 2.0 / (once + once.all(1.0))
 }
 
-/// `wo`, at the cosine `cos` > 0 to the unit normal `h` on its side, refracted; the points at which it is, and not all
-/// mirrored.
+/// `wo`, at the cosine `cos` > 0 to the unit normal `h` on its side, refracted; the points at which it is,
+/// and not all mirrored.
 #[inline(always)]
 pub(super) fn refract<R: Real>(wo: Vector<R>, h: Vector<R>, eta: R) -> (Vector<R>, R::Mask) {
     let cos = wo.dot(h);

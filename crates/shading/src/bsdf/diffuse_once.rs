@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Two diffuse models of other renderers, which do not keep all light: Oren's and Nayar's with single
-//! scattering between the facets, and Burley's, which is dark or bright at grazing angles by the roughness.
-//! Source: [ON94] (their qualitative model, without the cut-off term of the azimuth: that is 0 where facets face away), [Bur12] section 5.3.
-//! Albedos are integrals in closed form. Differs: where a surface of Burley's model sends back more than all light it is scaled down.
-//! Directions are given by their cosines to the shading normal. `roughness` is in [0, 1]. Tests: `tests` here and of `bsdf`.
+//! scattering between the microfacets, and Burley's, which is dark or bright at grazing angles by the
+//! roughness.
+//! Source: [ON94] (their qualitative model, without the cut-off term of the azimuth: that is 0 where
+//! microfacets face away), [Bur12] section 5.3. Albedos are integrals in closed form. Differs: where a
+//! surface of Burley's model sends back more than all light it is scaled down. Directions are given by their
+//! cosines to the shading normal. `roughness` is in [0, 1]. Tests: `tests` here and of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -30,8 +32,8 @@ impl Model {
         [Self::OrenNayar, Self::Burley].into_iter().find(|model| model.number() == number)
     }
 
-    /// The value times pi over the albedo, whose largest channel is `top`, without the cosine of `i`, for two directions whose dot product
-    /// is `dot`.
+    /// The value times pi over the albedo, whose largest channel is `top`, without the cosine of `i`, for two
+    /// directions whose dot product is `dot`.
     pub(super) fn value(self, [roughness, top]: [f32; 2], dot: f32, [o, i]: [f32; 2]) -> f32 {
         match self {
             Self::OrenNayar => {
@@ -48,8 +50,8 @@ impl Model {
         }
     }
 
-    /// Share of light that the surface sends back over its albedo, whose largest channel is `top`, seen at the cosine `cos`; of Burley's
-    /// about where that is scaled down.
+    /// Share of light that the surface sends back over its albedo, whose largest channel is `top`, seen at
+    /// the cosine `cos`; of Burley's about where that is scaled down.
     pub(super) fn albedo(self, [roughness, top]: [f32; 2], cos: f32) -> f32 {
         let cos = cos.clamp(0.0, 1.0);
         match self {
@@ -69,7 +71,7 @@ impl Model {
     }
 }
 
-/// The share that every facet scatters, and the additional share of retroreflection.
+/// The share that every microfacet scatters, and the additional share of retroreflection.
 fn shares(roughness: f32) -> [f32; 2] {
     let square = roughness * roughness;
     [1.0 - 0.5 * square / (square + 0.33), 0.45 * square / (square + 0.09)]
@@ -81,7 +83,8 @@ fn fall(cos: f32) -> f32 {
     m * m * m * m * m
 }
 
-/// Albedo of Burley's model as it was published: the mean over the azimuth, then integrals of powers of the cosine.
+/// Albedo of Burley's model as it was published: the mean over the azimuth, then integrals of powers of the
+/// cosine.
 fn burley(roughness: f32, cos: f32) -> f32 {
     let (here, sin2) = (fall(cos), 1.0 - cos * cos);
     // The rise at the cosine x, on the mean: c0 + c1 x.

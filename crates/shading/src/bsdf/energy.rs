@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Albedo of rough microfacets after single scattering, and a lobe for multiple scattering.
-//! Source: [KC17] (the lobe, from the albedo after one bounce; colour by the sum over bounces), tables over the cosine of
-//! the view and the roughness, split as in [Kar13] so that they are linear in Schlick's two reflectances.
+//! Source: [KC17] (the lobe, from the albedo after one bounce; colour by the sum over bounces), tables over
+//! the cosine of the view and the roughness, split as in [Kar13] so that they are linear in Schlick's two
+//! reflectances.
 //! Invariant: averages are those of the interpolated tables, so that single scattering and the lobe sum to 1
 //! for white microfacets up to the rounding of floats. The tables are the same on all machines: they are sums
 //! in a fixed order.
@@ -41,7 +42,7 @@ struct Table {
 /// Mean scattering of microfacets of one roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Energy<R> {
-    /// Root of the facets' width.
+    /// Root of the microfacets' width.
     pub(super) roughness: R,
     /// Parts of the albedo averaged over a cosine-weighted hemisphere.
     pub(super) average: [R; 2],

@@ -31,7 +31,7 @@ impl Exchange {
     }
 
     /// Whether a lobe differs at all, or is not reciprocal.
-    pub(super) fn is_due(&self, lobe: &Lobe) -> bool {
+    pub(super) fn applies_to(&self, lobe: &Lobe) -> bool {
         !lobe.is_black() && (self.tilt.is_some() || self.through != Vec3::ONE || lobe.kind == Kind::Fibres)
     }
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Sheen of a layer of fibres that scatter light among them, as a cosine lobe that is linearly transformed by the view.
+//! Sheen of a layer of fibres that scatter light among them, as a cosine lobe that is linearly transformed by
+//! the view.
 //! Source: [ZBC22]; its three numbers by a fit of their tables, by Stephen Hill, as MaterialX specifies it.
-//! Differs: no more than all light is reflected; if facets of low roughness would exceed that at grazing
+//! Differs: no more than all light is reflected; if microfacets of low roughness would exceed that at grazing
 //! views, the fit is limited. It is not reciprocal: the transform is the view's. Space: the shading frame.
 //! Tests: `tests` of `bsdf`.
 
@@ -12,8 +13,8 @@ use glam::Vec3;
 /// Smallest roughness: lobes of smaller ones are too thin to sample.
 const SMOOTHEST: f32 = 0.02;
 
-/// The transform from directions to those of a cosine lobe, `[[a, 0, b], [0, a, 0], [0, 0, 1]]` in a frame with the view above x, and the
-/// share of light that comes back.
+/// The transform from directions to those of a cosine lobe, `[[a, 0, b], [0, a, 0], [0, 0, 1]]` in a frame
+/// with the view above x, and the share of light that comes back.
 struct Transform {
     a: f32,
     b: f32,

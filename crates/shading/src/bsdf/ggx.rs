@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The GGX microfacet distribution: density of facets, shadowing, sampling of the visible ones.
+//! The GGX microfacet distribution: density of microfacets, shadowing, sampling of the visible ones.
 //! Source: [WMLT07] (GGX), [Hei14] (height-correlated Smith shadowing), [DB23] (sampling by spherical caps).
-//! Directions are given by their cosines to the shading normal, so that no frame is needed; `sample_visible` is in a frame
-//! with z = the shading normal.
+//! Directions are given by their cosines to the shading normal, so that no frame is needed; `sample_visible`
+//! is in a frame with z = the shading normal.
 //! Tests: `tests::{facets_cover_the_ground, samples_match_the_lobe}`.
 
 use std::f32::consts::PI;
@@ -74,7 +74,7 @@ impl Ggx<f32> {
         Self::from_alpha(roughness * roughness)
     }
 
-    /// Weight of light in the direction of a sampled facet, by the cosines: without Fresnel's factor.
+    /// Weight of light in the direction of a sampled microfacet, by the cosines: without Fresnel's factor.
     pub(crate) fn sample_weight(self, cos_o: f32, cos_i: f32) -> f32 {
         let hidden = self.lambda(cos_o);
         (1.0 + hidden) / (1.0 + hidden + self.lambda(cos_i))

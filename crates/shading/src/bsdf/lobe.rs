@@ -133,7 +133,8 @@ pub struct Lobe {
     /// Derived from the other parameters: mean reflectance of a metal or under a film; energy lost by rough
     /// glass on this side and beyond, and the share of it that ends beyond.
     pub c: Vec3,
-    /// Width of facets' slopes, the square of glTF's roughness; the roughness of diffuse and sheen lobes.
+    /// Width of microfacets' slopes, the square of glTF's roughness; the roughness of diffuse and sheen
+    /// lobes.
     pub alpha: f32,
     /// Index of refraction on the side that rays come from over the index beyond, > 0. Diffuse lobes: number
     /// of the model, 1 unless it loses light. Microfacets: below 0 the exponent of the rise of reflectance
@@ -177,22 +178,24 @@ impl Lobe {
         Self { a: albedo, alpha: roughness, ..Self::of(Kind::Diffuse) }
     }
 
-    /// A rough diffuse surface after Oren and Nayar, with single scattering between the facets: further light
-    /// is lost. `albedo` and `roughness` as for [`oren_nayar`](Self::oren_nayar); 0 is Lambert's reflector.
+    /// A rough diffuse surface after Oren and Nayar, with single scattering between the microfacets: further
+    /// light is lost. `albedo` and `roughness` as for [`oren_nayar`](Self::oren_nayar); 0 is Lambert's
+    /// reflector.
     #[must_use]
     pub fn oren_nayar_once(albedo: Vec3, roughness: f32) -> Self {
         let eta = if roughness > 0.0 { Model::OrenNayar.number() } else { 1.0 };
         Self { eta, ..Self::oren_nayar(albedo, roughness) }
     }
 
-    /// Burley's diffuse surface: darker than Lambert's at grazing angles where it is smooth, brighter where it is rough; `roughness` is in
-    /// [0, 1].
+    /// Burley's diffuse surface: darker than Lambert's at grazing angles where it is smooth, brighter where
+    /// it is rough; `roughness` is in [0, 1].
     #[must_use]
     pub fn burley(albedo: Vec3, roughness: f32) -> Self {
         Self { eta: Model::Burley.number(), ..Self::oren_nayar(albedo, roughness) }
     }
 
-    /// Scatters to all sides beyond the surface, as thin paper does; `albedo` is the share of light that goes there.
+    /// Scatters to all sides beyond the surface, as thin paper does; `albedo` is the share of light that goes
+    /// there.
     #[inline]
     #[must_use]
     pub fn translucent(albedo: Vec3) -> Self {
@@ -206,7 +209,8 @@ impl Lobe {
         Self { a: f0, b: f90, alpha, ..Self::of(Kind::Microfacets) }
     }
 
-    /// A metal of width `alpha` by its index of refraction (> 0) and its extinction coefficient (>= 0) per channel.
+    /// A metal of width `alpha` by its index of refraction (> 0) and its extinction coefficient (>= 0) per
+    /// channel.
     #[must_use]
     pub fn metal(alpha: f32, eta: Vec3, k: Vec3) -> Self {
         Self { a: eta, b: k, c: conductor::average(eta, k), alpha, ..Self::of(Kind::Metal) }
@@ -218,7 +222,8 @@ impl Lobe {
         Self { a: reflectance, ..Self::of(Kind::Mirror) }
     }
 
-    /// Smooth glass, a pane if `thin`; `eta` is the index on the side that rays come from over the index beyond.
+    /// Smooth glass, a pane if `thin`; `eta` is the index on the side that rays come from over the index
+    /// beyond.
     #[must_use]
     pub fn glass(eta: f32, reflectance: Vec3, transmittance: Vec3, thin: bool) -> Self {
         let (kind, eta) =
@@ -416,7 +421,8 @@ impl Lobe {
     }
 }
 
-/// The index here over that beyond for one colour, of glass whose index differs by colour: the denser side's does.
+/// The index here over that beyond for one colour, of glass whose index differs by colour: the denser side's
+/// does.
 pub(super) fn eta_of(eta: f32, spread: f32, channel: usize) -> f32 {
     if spread == 0.0 {
         return eta;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Rough diffuse surfaces, dusty ones: Oren's and Nayar's model as Fujii's fit, with all bounces between the
-//! facets.
-//! Source: [PKH25] (EON), which mends [ON94]; [Lam60] where the roughness is 0. Directions are given by their cosines to the
-//! shading normal. `roughness` is in [0, 1]. Tests: `tests` of `bsdf`.
+//! microfacets.
+//! Source: [PKH25] (EON), which mends [ON94]; [Lam60] where the roughness is 0. Directions are given by their
+//! cosines to the shading normal. `roughness` is in [0, 1]. Tests: `tests` of `bsdf`.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -11,7 +11,8 @@ use crate::real::{Real, Vector};
 const C1: f32 = 0.5 - 2.0 / (3.0 * PI);
 const C2: f32 = 2.0 / 3.0 - 28.0 / (15.0 * PI);
 
-/// The value times the cosine of `wi` for two directions whose dot product is `dot`; `white_o` is [`white_once`] of `wo`.
+/// The value times the cosine of `wi` for two directions whose dot product is `dot`; `white_o` is
+/// [`white_once`] of `wo`.
 #[inline(always)]
 pub(super) fn eval<R: Real>(
     albedo: Vector<R>,

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One lobe of each of many points, prepared for one direction each: values that depend on the view, albedo,
 //! evaluations and densities.
-//! Source: \[WMLT07\], \[Hei14\] (facets); \[KC17\] (further bounces); \[PJH23\] chapter 9. Space: world, unit directions away from the
-//! surface. Invariant: one point and sixteen give the same bits at every CPU level. Tests: `tests` of `bsdf`.
+//! Source: \[WMLT07\], \[Hei14\] (microfacets); \[KC17\] (further bounces); \[PJH23\] chapter 9. Space:
+//! world, unit directions away from the surface. Invariant: one point and sixteen give the same bits at every
+//! CPU level. Tests: `tests` of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -107,7 +108,7 @@ impl<R: Real> PreparedLobe<R> {
             #[inline(always)]
             || {
                 let share = self.rarities.film[0];
-                // The mean visible facet, from the table's mean of Schlick's curve.
+                // The mean visible microfacet, from the table's mean of Schlick's curve.
                 let rise = split[1] / (split[0] + split[1]).or_more(cos.all(1e-6));
                 let blurred = cos.each(
                     #[inline(always)]
@@ -206,8 +207,8 @@ impl<R: Real> PreparedLobe<R> {
         self.eta.above_all(1.5)
     }
 
-    /// Of those, the value times pi over the colour for a direction with this dot product to the view and this cosine; the share of light
-    /// that is sent back over the colour, seen at that cosine, without one.
+    /// Of those, the value times pi over the colour for a direction with this dot product to the view and
+    /// this cosine; the share of light that is sent back over the colour, seen at that cosine, without one.
     #[inline(always)]
     fn white_once(&self, dot: Option<R>, cos: R) -> R {
         cos.outline(

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF's layered surface: a coat, over sheen, over plastic, metal or glass or a mix, over a diffuse body
 //! that reflects or transmits.
-//! Source: glTF 2.0 appendix B.3, KHR_materials_{anisotropy, clearcoat, diffuse_transmission, dispersion, ior, iridescence, sheen, specular,
-//! transmission}.
-//! Differs from glTF's sample code: the body gets the total light that the layers above leave, in both
-//! directions, instead of Fresnel's share at the half vector, so that white plastic keeps all light. A body
-//! that transmits has panes for its glass, because the refraction of its light is unknown.
+//! Source: glTF 2.0 appendix B.3, KHR_materials_{anisotropy, clearcoat, diffuse_transmission, dispersion,
+//! ior, iridescence, sheen, specular, transmission}. Differs from glTF's sample code: the body gets the total
+//! light that the layers above leave, in both directions, instead of Fresnel's share at the half vector, so
+//! that white plastic keeps all light. A body that transmits has panes for its glass, because the refraction
+//! of its light is unknown.
 //! Tests: `tests` of `bsdf`.
 
 use glam::Vec3;
@@ -23,7 +23,7 @@ pub struct Principled {
     pub base: Vec3,
     /// 0 = plastic, 1 = metal.
     pub metallic: f32,
-    /// Width of the facets' slopes, in (0, 1]: the square of glTF's roughness.
+    /// Width of the microfacets' slopes, in (0, 1]: the square of glTF's roughness.
     pub alpha: f32,
     /// Reflectance of the plastic at normal incidence, in [0, 1].
     pub f0: Vec3,
@@ -43,7 +43,8 @@ pub struct Principled {
     pub eta: f32,
     /// Whether the glass is a pane that does not bend light.
     pub thin: bool,
-    /// Unit, about along the surface: where the facets' slopes have the width `alpha`, if they have another across that.
+    /// Unit, about along the surface: where the microfacets' slopes have the width `alpha`, if they have
+    /// another across that.
     pub tangent: Vec3,
     /// Width of the slopes across the tangent; 0 = alike in all directions. The coat's are.
     pub across: f32,

@@ -3,8 +3,8 @@
 //! Source: [WMLT07] (the lobe and its densities), [Hei14], [DB23]; [KC17] for multiple scattering: the energy
 //! that single scattering loses returns as two diffuse lobes, reflected and transmitted, in the proportion
 //! that keeps the model reciprocal.
-//! Space: the shading frame. Radiance is not scaled by the square of the index: see `bsdf`. So values through the surface
-//! over the square of the index beyond are the same with both directions exchanged.
+//! Space: the shading frame. Radiance is not scaled by the square of the index: see `bsdf`. So values through
+//! the surface over the square of the index beyond are the same with both directions exchanged.
 //! Tests: `tests::table_holds_the_lobe`, `tests` of `bsdf`.
 
 use std::f32::consts::FRAC_1_PI;
@@ -59,7 +59,8 @@ pub(super) trait Microfacets<R: Real>: Copy {
     fn lambda(&self, w: Vector<R>, cos: R) -> R;
     /// A visible microfacet, in a frame with z = the normal and x along the slopes.
     fn sample_visible(&self, wo: Vector<R>, u: [R; 2]) -> Vector<R>;
-    /// Share of light from `w` at the cosine `cos` > 0 that one bounce loses; `eta` is the index there over that beyond.
+    /// Share of light from `w` at the cosine `cos` > 0 that one bounce loses; `eta` is the index there over
+    /// that beyond.
     fn lost(&self, w: Vector<R>, cos: R, eta: R, thin: bool) -> R;
 }
 
@@ -189,7 +190,7 @@ impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
         filmed(film, cos, self.eta, thin, bare)
     }
 
-    /// Probability with which a facet's mirrored branch is followed.
+    /// Probability with which a microfacet's mirrored branch is followed.
     #[inline(always)]
     pub(super) fn probability(&self, mirrored: Vector<R>) -> R {
         let mean = match self.film {
@@ -202,7 +203,8 @@ impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
         R::pick((a + b).above_all(0.0), a / (a + b), a.all(1.0))
     }
 
-    /// Share of light from the direction `w` at the cosine `cos` > 0 that one bounce loses, on this side or beyond.
+    /// Share of light from the direction `w` at the cosine `cos` > 0 that one bounce loses, on this side or
+    /// beyond.
     #[inline(always)]
     pub(super) fn lost(&self, w: Vector<R>, cos: R, beyond: bool) -> R {
         let eta = if beyond { cos.all(1.0) / self.eta } else { self.eta };
@@ -215,7 +217,8 @@ impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
         PreparedGlass { hidden: self.slopes.lambda(wo, cos_o), lost: self.lost(wo, cos_o, false) }
     }
 
-    /// Value times cosine and density of the unit `wi`, for the unit normal `n`; `wo` lies at the cosine `o` > 0, `wi` at `i`.
+    /// Value times cosine and density of the unit `wi`, for the unit normal `n`; `wo` lies at the cosine `o`
+    /// > 0, `wi` at `i`.
     #[inline(always)]
     pub(super) fn eval_pdf(
         &self,
@@ -306,7 +309,8 @@ impl<R: Real, S: Microfacets<R>, M: Mirrored<R>> Glass<R, S, M> {
     }
 }
 
-/// Fresnel's share averaged over a cosine-weighted hemisphere on the rarer side, `eta` <= 1: the fit of [KC17].
+/// Fresnel's share averaged over a cosine-weighted hemisphere on the rarer side, `eta` <= 1: the fit of
+/// [KC17].
 fn fresnel_average(eta: f32) -> f32 {
     let ior = 1.0 / eta;
     ((ior - 1.0) / (4.085_67 + 1.000_71 * ior)).clamp(0.0, 1.0)

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Ward's lobe of anisotropic surfaces, as published: exp(-tan² of the facet, by the widths along it) / (4 pi
-//! ax ay root(cos cos)).
-//! Source: [War92], equations 5a and 8; sampling of half vectors there. As OSL's `ward` has it: dark at grazing views of smooth surfaces.
-//! Differs: where a rough surface at grazing views sends back more than all light it is scaled down, for either direction.
-//! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests` of `bsdf`.
+//! Ward's lobe of anisotropic surfaces, as published: exp(-tan² of the microfacet, by the widths along it) /
+//! (4 pi ax ay root(cos cos)).
+//! Source: [War92], equations 5a and 8; sampling of half vectors there. As OSL's `ward` has it: dark at
+//! grazing views of smooth surfaces.
+//! Differs: where a rough surface at grazing views sends back more than all light it is scaled down, for
+//! either direction.
+//! Space: a frame with z = the shading normal, x and y along the axes of the slopes. Tests: `tests`, `tests`
+//! of `bsdf`.
 
 use std::f32::consts::{PI, TAU};
 
@@ -37,8 +40,8 @@ pub(super) fn sent_back([along, across]: [f32; 2], wo: Vec3) -> f32 {
     const STEEPEST: f32 = 3.0;
     let sin = wo.x.hypot(wo.y);
     let [x, y] = if sin > 0.0 { [wo.x / sin, wo.y / sin] } else { [1.0, 0.0] };
-    // The width along the view; that across it, of facets whose slope along it is known, and the displacement
-    // of its mean.
+    // The width along the view; that across it, of microfacets whose slope along it is known, and the
+    // displacement of its mean.
     let width = (along * x).hypot(across * y);
     let aside = along * across / width;
     let lean = x * y * (across * across - along * along) / (width * width);

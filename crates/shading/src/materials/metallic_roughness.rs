@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! glTF's metal and plastic with its layers: a diffuse body or glass under a rough boundary, or a rough metal, or a mix,
-//! under sheen and a clear coat.
-//! Source: glTF 2.0 section 3.9, KHR_materials_{specular, clearcoat, sheen, transmission}; the model itself is `bsdf/principled.rs`.
+//! glTF's metal and plastic with its layers: a diffuse body or glass under a rough boundary, or a rough
+//! metal, or a mix, under sheen and a clear coat.
+//! Source: glTF 2.0 section 3.9, KHR_materials_{specular, clearcoat, sheen, transmission}; the model itself
+//! is `bsdf/principled.rs`.
 //! Tests: crates/render/tests/appearance.rs, `tests` of `bsdf`.
 
 use glam::{Vec2, Vec3};
@@ -96,7 +97,7 @@ impl NormalMap {
 
 /// Possible rounding loss of a unit normal of three bytes.
 const ROUNDED: f32 = 0.004;
-/// The most that fine slopes add to the square of facets' slopes \[TK19\].
+/// The most that fine slopes add to the square of microfacets' slopes \[TK19\].
 const MOST_ROUGHER: f32 = 0.18;
 
 /// Roughness of microfacets on fine slopes: the squares add up.
@@ -109,7 +110,8 @@ fn rougher(roughness: f32, slopes: f32) -> f32 {
 }
 
 impl MetallicRoughness {
-    /// Shading normal on the side that the ray came from, and the square of slopes that are too fine to be seen.
+    /// Shading normal on the side that the ray came from, and the square of slopes that are too fine to be
+    /// seen.
     fn normal(&self, hits: &SurfaceBatch, i: usize) -> (Vec3, f32) {
         let own = || (hits.scattering_ns(i), 0.0);
         let (ns, slopes) = self.normal_map.as_ref().map_or_else(own, |map| map.at_hit(hits, i));

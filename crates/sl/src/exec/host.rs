@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Queries of a running shader to the program that runs it, after OSL's renderer services. The questions are
-//! those of OSL's renderer services.
+//! Queries of a running shader to the program that runs it. Source: OSL's renderer services.
 
 use super::cells::{DualRow, LANES};
 use super::components::ClosureDecl;
@@ -15,7 +14,7 @@ use std::sync::{Arc, LazyLock};
 pub struct Point {
     /// Position.
     pub p: Dual<[f32; 3]>,
-    /// Direction of the ray that came here.
+    /// Direction of the incoming ray.
     pub i: Dual<[f32; 3]>,
     /// Shading normal.
     pub n: [f32; 3],
@@ -25,11 +24,11 @@ pub struct Point {
     pub u: Dual<f32>,
     /// Second surface parameter.
     pub v: Dual<f32>,
-    /// Change of position with `u`.
+    /// Derivative of the position by `u`.
     pub dpdu: [f32; 3],
-    /// Change of position with `v`.
+    /// Derivative of the position by `v`.
     pub dpdv: [f32; 3],
-    /// Position that is lit, in light shaders.
+    /// The lit position, in light shaders.
     pub ps: Dual<[f32; 3]>,
     /// Time.
     pub time: f32,
@@ -39,7 +38,7 @@ pub struct Point {
     pub dpdtime: [f32; 3],
     /// Area of the surface.
     pub surface_area: f32,
-    /// Whether the back is seen.
+    /// Whether the ray hits the back.
     pub backfacing: bool,
     /// Whether the surface is mirrored.
     pub flipped: bool,
@@ -56,11 +55,11 @@ pub struct Point {
 /// Options of a call of `trace`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TraceOptions {
-    /// Where the ray starts, along itself.
+    /// Distance along the ray of its start.
     pub mindist: f32,
-    /// Where it ends.
+    /// Distance along the ray of its end.
     pub maxdist: f32,
-    /// The objects that it may meet; empty for all.
+    /// The objects that it may hit; empty for all.
     pub traceset: Arc<str>,
 }
 
@@ -76,36 +75,37 @@ impl Default for TraceOptions {
 pub struct Arriving {
     /// Unit direction towards the light.
     pub dir: [f32; 3],
-    /// Light at a surface that faces it, over the density of the chosen direction.
+    /// Irradiance of a surface that faces the light, divided by the density of the direction.
     pub light: [f32; 3],
-    /// How far away it is.
+    /// Distance of the light.
     pub distance: f32,
-    /// Density per solid angle; 0 for lights without extent.
+    /// Density of the direction per solid angle; 0 for lights without extent.
     pub pdf: f32,
 }
 
-/// How a texture is read.
+/// Options of a texture lookup.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureOptions {
-    /// How many channels are requested, at most four.
+    /// Number of requested channels, at most four.
     pub channels: usize,
-    /// Channel that is read first.
+    /// The first channel to read.
     pub first_channel: i32,
     /// The value of missing channels.
     pub fill: f32,
     /// The replacement of a missing file, if any.
     pub missing: Option<[f32; 3]>,
-    /// How coordinates go on beyond the picture, in s, t and r: `black`, `clamp`, `periodic`, `mirror` or `default`.
+    /// Wrapping of coordinates beyond the picture, in s, t and r: `black`, `clamp`, `periodic`, `mirror` or
+    /// `default`.
     pub wrap: [Arc<str>; 3],
-    /// How much wider than the pixel it is read.
+    /// Factor of the filter's width.
     pub width: [f32; 2],
-    /// And by how much.
+    /// Addition to the filter's width.
     pub blur: [f32; 2],
-    /// `closest`, `linear`, `cubic` or `smartcubic`; empty for the usual.
+    /// `closest`, `linear`, `cubic` or `smartcubic`; empty for the default.
     pub interpolation: Arc<str>,
-    /// The colour space of the file, by the shader; empty if not given.
+    /// The colour space of the file, as the shader states it; empty if not given.
     pub color_space: Arc<str>,
-    /// Which grid of a volume.
+    /// The grid of a volume.
     pub subimage: Subimage,
     /// Whether derivatives of the result are needed: otherwise they may be 0.
     pub derivs: bool,
@@ -114,13 +114,13 @@ pub struct TextureOptions {
 /// One of the pictures or grids of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subimage {
-    /// Counted from 0.
+    /// By number, from 0.
     Number(i32),
-    /// By its name.
+    /// By name.
     Name(Arc<str>),
 }
 
-/// The usual wrapping and interpolation: made once, for options are made for each point.
+/// The default wrapping and interpolation: shared, because options are made for each point.
 static USUAL: LazyLock<[Arc<str>; 2]> = LazyLock::new(|| ["default".into(), "".into()]);
 
 impl Default for TextureOptions {
@@ -147,7 +147,7 @@ impl Default for TextureOptions {
 pub struct Given {
     /// The value.
     pub value: Data,
-    /// Changes in x and y; empty for none.
+    /// Derivatives by x and y; empty for none.
     pub derivs: [Vec<f32>; 2],
 }
 
@@ -158,7 +158,8 @@ impl From<Data> for Given {
     }
 }
 
-/// Where a direction lies on a picture over longitude and latitude with y up, and how that changes from pixel to pixel.
+/// Coordinates of a direction in a picture over longitude and latitude with y up, with derivatives from pixel
+/// to pixel.
 #[must_use]
 pub fn longitude_latitude([x, y, z]: [Dual<f32>; 3]) -> [Dual<f32>; 2] {
     use std::f32::consts::PI;
@@ -174,7 +175,7 @@ pub fn longitude_latitude([x, y, z]: [Dual<f32>; 3]) -> [Dual<f32>; 2] {
     [0, 1].map(|k: usize| Dual::new(here[k], right[k], down[k]))
 }
 
-/// Answers. All have a default: the world is empty.
+/// The answers to a shader's queries. The defaults are those of an empty world.
 pub trait Host {
     /// The matrix from a named space to common space.
     fn common_from(&self, space: &str, point: &Point) -> Option<[[f32; 4]; 4]> {
@@ -187,7 +188,7 @@ pub trait Host {
         self.common_from(space, point).map(|m| gnurt_sl_lib::matrix::inverse(&m))
     }
 
-    /// Whether a named space is the same for some points of a batch: those of these numbers that `lanes` names, as bits.
+    /// Whether a named space is the same for some points of a batch: those of `numbers` in `lanes`, as bits.
     fn is_same_space(&self, space: &str, lanes: u32, index: &[i32; LANES]) -> bool {
         let _ = (space, lanes, index);
         false
@@ -230,7 +231,7 @@ pub trait Host {
         [0.0; 3]
     }
 
-    /// How many lights `illuminance` goes through.
+    /// The number of lights for `illuminance`.
     fn light_count(&self) -> i32 {
         0
     }
@@ -248,7 +249,7 @@ pub trait Host {
         None
     }
 
-    /// Four channels of a picture at `s` and `t`, t downwards, and how they change from pixel to pixel; or why there are none.
+    /// Four channels of a picture at `s` and `t`, t downwards, with derivatives from pixel to pixel.
     ///
     /// # Errors
     /// A message for users; an empty one if it has been reported before.
@@ -278,10 +279,10 @@ pub trait Host {
         false
     }
 
-    /// The same of a picture of all around, in a direction of any length.
+    /// The same of an environment map, in a direction of any length.
     ///
     /// # Errors
-    /// A line for people.
+    /// A message for users.
     fn environment(
         &self,
         file: &str,

@@ -23,7 +23,7 @@ pub(crate) use request::{DisplayFrame, RenderEvent, RenderRequest};
 use request::{Pending, Shared, Tuned, lock};
 use work::Work;
 
-/// Renders beside the window; stops when dropped.
+/// Renders in parallel with the window; stops when dropped.
 pub(crate) struct RenderThread {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
@@ -41,7 +41,7 @@ pub(crate) struct RenderThreadParts {
 }
 
 impl RenderThread {
-    /// Begins to look.
+    /// Begins to render.
     pub(crate) fn begin(parts: RenderThreadParts, request: RenderRequest) -> Result<Self, ViewError> {
         let RenderThreadParts { stage, options, pool, loader, denoiser, notify } = parts;
         let shared = Arc::new(Shared {
@@ -63,7 +63,7 @@ impl RenderThread {
         Ok(Self { shared, thread: Some(thread.map_err(ViewError::Thread)?) })
     }
 
-    /// Wants to see this from now on.
+    /// Sets the view to render from now on.
     pub(crate) fn send_request(&self, request: &RenderRequest) {
         let mut pending = lock(&self.shared.request);
         if pending.request == *request {
@@ -82,7 +82,7 @@ impl RenderThread {
     /// Reads the scene again.
     pub(crate) fn reload(&self) {
         lock(&self.shared.request).reload = true;
-        // Whatever is being rendered is of no interest any more.
+        // The picture in work is not needed any more.
         self.shared.view.store(0, Ordering::Relaxed);
         self.shared.bell.notify_all();
     }
@@ -129,7 +129,7 @@ impl Drop for RenderThread {
         drop(lock(&self.shared.request));
         self.shared.bell.notify_all();
         if let Some(thread) = self.thread.take() {
-            // It has told about its panic already.
+            // It has reported its panic already.
             let _ = thread.join();
         }
     }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Messages between the window and its render thread: requests one way, pictures and events the other.
+//! Messages between the window and its render thread: requests in one direction, pictures and events in the
+//! other.
 
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64};
@@ -27,12 +28,12 @@ pub(crate) struct RenderRequest {
     pub(crate) paused: bool,
     /// Whether pictures at rest are denoised.
     pub(crate) denoised: bool,
-    /// The moment of the clip; `None` = the scene at rest.
+    /// The time of the clip; `None` = the scene at rest.
     pub(crate) clip_time: Option<f64>,
 }
 
 impl RenderRequest {
-    /// A look at it in passing, its sides divided.
+    /// A preview of it, its sides divided.
     pub(super) fn view_request(&self, divisor: u32) -> ViewRequest {
         let size = divided(self.size, divisor);
         ViewRequest { camera: self.camera.clone(), shown: self.shown, size, preview: true, denoised: false }
@@ -75,7 +76,7 @@ pub(super) struct Shared {
 
 pub(super) struct Pending {
     pub(super) request: RenderRequest,
-    /// Rises when another picture is wanted, not only another exposure.
+    /// Rises when another picture is needed, not only another exposure.
     pub(super) view: u64,
     pub(super) reload: bool,
     /// Files of shaders that have changed.
@@ -107,7 +108,7 @@ pub(crate) enum RenderEvent {
     BadShader(String),
     /// It could not be read or rendered; the earlier one stays.
     Trouble(String),
-    /// How the noise was taken out, whenever that is another way than before.
+    /// How the noise was removed, whenever the method changes.
     Denoised(String),
 }
 

@@ -63,9 +63,9 @@ struct Present {
     shown: Shown,
     divisor: u32,
     preview: bool,
-    /// Whether looks in passing remember those before, and are whole.
+    /// Whether previews reuse those before, and are whole.
     remembers: bool,
-    /// Whether it has the layers that denoisers look at.
+    /// Whether it has the layers that denoisers read.
     layers: bool,
     /// Whether nothing can be added until something changes.
     done: bool,
@@ -89,7 +89,7 @@ impl Present {
     }
 }
 
-/// Stops a pass when another picture is wanted.
+/// Stops a pass when another picture is needed.
 struct Cancel<'a> {
     shared: &'a Shared,
     view: u64,
@@ -157,7 +157,7 @@ impl Work {
                 if pending.has_edits() {
                     let (changed, tuned) =
                         (std::mem::take(&mut pending.changed), std::mem::take(&mut pending.tuned));
-                    // Whatever is wanted now is another picture than before.
+                    // The picture needed now is another one than before.
                     pending.view += 1;
                     self.shared.view.store(pending.view, Ordering::Relaxed);
                     drop(pending);
@@ -186,12 +186,12 @@ impl Work {
         }
     }
 
-    /// Brings the world to a moment, if it is at another.
+    /// Brings the world to a time, if it is at another.
     fn update(&mut self, clip_time: Option<f64>) -> Result<(), String> {
         if self.clip_time == clip_time {
             return Ok(());
         }
-        // One that cannot be shown is not tried again and again.
+        // A time that cannot be shown is not tried again and again.
         self.clip_time = clip_time;
         let begin = Instant::now();
         self.on_stage(|stage, pool| stage.show(clip_time, pool))?;
@@ -254,7 +254,7 @@ impl Work {
                 let divisor = present.divisor / 2;
                 Present {
                     divisor: divisor.max(1),
-                    // One that remembers is whole before it rests.
+                    // One that reuses others is whole before it rests.
                     preview: divisor > 1 || (present.remembers && present.divisor > 1),
                     layers: request.requests_denoising(),
                     ..present
@@ -312,7 +312,7 @@ impl Work {
         if !idle {
             let samples = if taken == 0 { 1 } else { self.samples_per_pass() };
             let stage = lock(&self.shared.stage).clone();
-            // The first picture of a moving camera is seen whatever happens.
+            // The first picture of a moving camera is always finished.
             let finishes = request.moving && present.preview;
             let cancel = Cancel { shared: &self.shared, view: present.view, finishes };
             if !self.eye.pass(&stage.world, samples, &self.pool, &cancel) {
@@ -363,8 +363,8 @@ impl Work {
         present
     }
 
-    /// Takes the noise out of the samples so far, if that was not done and it is time to; says whether there is something to
-    /// show. `seconds` went into the last pass.
+    /// Removes the noise from the samples so far, if that was not done and it is due; returns whether there
+    /// is a result to show. `seconds` went into the last pass.
     fn make_clean(&mut self, present: &Present, request: &RenderRequest, seconds: f64) -> bool {
         self.noisy_seconds += seconds;
         let is_last = self.eye.is_complete() || request.paused;
@@ -407,7 +407,7 @@ impl Work {
         ((PASS / self.per_sample.max(1e-4)) as u32).clamp(1, MOST_SAMPLES).min(self.eye.samples().max(1))
     }
 
-    /// Reads the scene again; says whether there is a new one.
+    /// Reads the scene again; returns whether there is a new one.
     fn reload(&mut self) -> bool {
         match (self.loader)(&self.pool) {
             Ok(stage) => {

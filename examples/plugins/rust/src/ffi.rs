@@ -213,7 +213,7 @@ unsafe extern "C" fn init<S: Surface>(block: *mut c_void) {
 }
 
 /// # Safety
-/// As rts.h says of `shade`.
+/// By rts.h for `shade`.
 unsafe extern "C" fn shade<S: Surface>(host: *const Host, ctx: Ctx, hits: *const Hits, out: VectorsOut) {
     // SAFETY: the host vouches for both.
     let (host, hits) = unsafe { (&*host, &*hits) };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values that say how a picture looks: exposure, tone, filters, where it is shown.
-//! See docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
+//! Values for the appearance of a picture: exposure, tone, filters, where it is shown. See
+//! docs/reference/cli.md. Tests: `tests` of `value/mod.rs`.
 
 use gnurt::denoise::Method;
 use gnurt::image::ToneCurve;
@@ -24,7 +24,7 @@ pub(crate) enum DenoiserChoice {
 pub(crate) enum ExposureChoice {
     /// As suits the picture.
     Auto,
-    /// So many stops, each of which doubles the light.
+    /// A number of stops, each of which doubles the light.
     Stops(f32),
 }
 

@@ -36,7 +36,7 @@ pub(crate) fn angle_of_view(text: &str) -> Result<f32, String> {
     }
 }
 
-/// A projection's name; the height of an orthographic one comes by an option of its own and is 0 here.
+/// A projection's name; the height of an orthographic one has a separate option and is 0 here.
 pub(crate) fn projection(name: &str) -> Result<Projection, String> {
     let all = [
         Projection::Perspective,
@@ -59,7 +59,7 @@ pub(crate) fn aperture(text: &str) -> Result<f32, String> {
     if diameter >= 0.0 { Ok(diameter) } else { Err("give a diameter of 0 or above".into()) }
 }
 
-/// Degrees, both ways around.
+/// Degrees, in both directions.
 pub(crate) fn turn(text: &str) -> Result<f64, String> {
     let degrees = f64::from(number(text)?);
     if degrees.abs() <= 1e6 { Ok(degrees) } else { Err("give degrees from -1000000 to 1000000".into()) }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values that say which pixels: sizes, pieces, rectangles.
-//! See docs/reference/cli.md. Tests: `tests`.
+//! Values for pixels: sizes, pieces, rectangles. See docs/reference/cli.md. Tests: `tests`.
 
 use std::fmt::Display;
 
@@ -22,7 +21,7 @@ pub(crate) struct Pixel {
     pub(crate) y: u32,
 }
 
-/// A rectangle of pixels as it was asked for: it may reach beyond the frame.
+/// A rectangle of pixels as it was given: it may reach beyond the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Crop {
     corners: [i64; 4],

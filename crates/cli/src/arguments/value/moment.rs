@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values of time: limits, moments and frames of an animation.
-//! See docs/reference/cli.md. Tests: `tests`.
+//! Values of time: limits, times and frames of an animation. See docs/reference/cli.md. Tests: `tests`.
 
 use std::time::Duration;
 
@@ -30,7 +29,7 @@ pub(crate) fn time(text: &str) -> Result<Duration, String> {
     if time.is_zero() { Err(form()) } else { Ok(time) }
 }
 
-/// A moment of an animation.
+/// A time in an animation.
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
     value.ok_or_else(|| "give a time in seconds like 1.5".into())

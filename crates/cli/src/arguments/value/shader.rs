@@ -28,7 +28,7 @@ pub(crate) struct ShaderChoice {
 pub(crate) enum CameraChoice {
     /// The scene's of this name or number.
     Named(String),
-    /// A shader in the place of that; of the first one where its `material`, a camera here, is empty.
+    /// A shader that replaces a material; the first one where its `material`, a camera here, is empty.
     Script(ShaderChoice),
 }
 
@@ -122,7 +122,7 @@ fn split_plain(text: &str, sign: char) -> Option<(&str, &str)> {
     None
 }
 
-/// The pieces between signs that no backslash stands before.
+/// The pieces between signs without a backslash before them.
 fn pieces(mut text: &str, sign: char) -> Vec<&str> {
     let mut pieces = Vec::new();
     while let Some((piece, rest)) = split_plain(text, sign) {
@@ -159,7 +159,7 @@ mod tests {
         for (text, expected) in [
             ("*=Phong", choice("*", "Phong", None, &[])),
             ("a=b@c.so:d=1,2:e=@f.png", choice("a", "b", Some("c.so"), &[("d", "1,2"), ("e", "@f.png")])),
-            // Signs that have no meaning where they stand need no backslash.
+            // Signs that have no meaning at their position need no backslash.
             ("a=b@x@y=z.so:d=e=f", choice("a", "b", Some("x@y=z.so"), &[("d", "e=f")])),
             (
                 r"Glass\:001=b@2026\:01\@home.so:d=@a\:b.png",

@@ -20,7 +20,7 @@ use crate::{Budget, Channel, ChannelData, Error, Layer, Opacity, Picture, Stored
 
 /// Most bytes that a byte of compressed data can become in any of the format's compressions: deflate's 1032.
 const MAX_INFLATION: u64 = 1032;
-/// So many bytes of pixels are believed however short the file is.
+/// This many bytes of pixels are accepted however short the file is.
 const BELIEVED_BYTES: u64 = 1 << 26;
 /// Most channels of all parts together.
 const MAX_CHANNELS: usize = 1 << 12;
@@ -98,7 +98,7 @@ fn check_headers<R: std::io::Read + std::io::Seek>(
 ) -> Result<(), Error> {
     let mut bytes = 0_u64;
     let mut channels = 0;
-    // Channels, and then the picture's colour beside them.
+    // Channels, then also the picture's colour.
     let mut memory = 0_u64;
     let mut window = [1; 2];
     for header in reader.headers() {
@@ -150,7 +150,7 @@ fn block_pixels(header: &exr::meta::header::Header) -> u64 {
     }
 }
 
-/// A channel on its way from a part of the file to the picture.
+/// A channel between a part of the file and the picture.
 struct Found {
     group: String,
     name: String,
@@ -202,7 +202,7 @@ fn add_background(picture: &mut Picture) {
     picture.color = color;
 }
 
-/// Takes the channels of the picture's colour out of those that were found.
+/// Takes the channels of the picture's colour out of the others.
 fn take_color(found: &mut Vec<Found>) -> Result<Vec<[f32; 4]>, Error> {
     let groups: Vec<String> = found.iter().map(|channel| channel.group.clone()).collect();
     let has = |found: &[Found], group: &str, names: &[&str]| {

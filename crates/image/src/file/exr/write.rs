@@ -2,8 +2,8 @@
 //! Writing an EXR: one flat part with the colour as R, G, B, A and every layer's channels as `layer.channel`.
 //! Names as other renderers and viewers use them. R, G, B are the foreground, over nothing and associated
 //! with A [PD84]; the background is the layer `background`, to be added. ZIP compression in blocks of 16
-//! rows, on the calling thread alone. Invariants: pixels are exact in the chosen precision; finite values
-//! stay finite in half precision. Tests: `tests/round_trip.rs`.
+//! rows, only on the calling thread. Invariants: pixels are exact in the chosen precision; finite values stay
+//! finite in half precision. Tests: `tests/round_trip.rs`.
 
 use std::collections::HashSet;
 use std::io::Cursor;

@@ -172,10 +172,10 @@ impl<'a> Document<'a> {
         let required = self.root.extensions_required.iter().take(MOST_REQUIRED);
         let required: HashSet<&str> = required.map(|name| &**name).collect();
         for name in self.root.extensions_used.iter().map(|name| &**name) {
-            let is_told =
+            let is_reported =
                 [KNOWN_EXTENSIONS, COMPRESSIONS, TOLD_WHERE_USED].iter().any(|list| list.contains(&name));
             let is_unseen = UNSEEN.iter().any(|start| name.starts_with(start));
-            if !is_told && !is_unseen && !required.contains(name) {
+            if !is_reported && !is_unseen && !required.contains(name) {
                 warnings.note(Oddity::NotShown, &self.path, None, format!("extension {}", quoted(name)));
             }
         }

@@ -9,7 +9,7 @@ use super::json::{self, Index, Primitive};
 use super::material::AddedMaterial;
 use super::primitive::PrimitiveReader;
 use super::skin::{Bending, Parts};
-use crate::animation::turn_round;
+use crate::animation::reverse_mirrored;
 use crate::io::clean::{clean, clean_attributes};
 use crate::io::{Error, Oddity, Warnings};
 use crate::mesh::Mesh;
@@ -148,7 +148,7 @@ impl PrimitiveReader<'_> {
             None => None,
         };
         if let Some(mirrored) = mirrored {
-            turn_round(&mut mesh.indices, &mirrored);
+            reverse_mirrored(&mut mesh.indices, &mirrored);
         }
         mesh.drop_unused_vertices();
         Ok(Some((mesh, parts)))
