@@ -106,7 +106,7 @@ fn what_is_no_pattern_says_why() {
         ("(?<a)", 1, "only"),
         ("[z-a]", 1, "above"),
         ("\\2(a)", 5, "group"),
-        ("[[:none:]]", 0, "name"),
+        ("[[:none:]]", 0, "class"),
         ("\\xZ", 2, "hexadecimal"),
         ("^*", 1, "repeat"),
         ("((a{999}){999}){999}", 0, "too large"),

@@ -613,7 +613,9 @@ impl Reader<'_> {
                 .map(|name| folder.join(name))
                 .find(|file| file.is_file());
             let made = match file {
-                None => Err(format!("shader {name} missing: the folder has no {name}.osl or {name}.oso")),
+                None => {
+                    Err(format!("shader '{name}' is missing: the folder has no {name}.osl or {name}.oso"))
+                }
                 Some(file) => self.access.text(&file).and_then(|text| {
                     self.files.borrow_mut().push(file.clone());
                     self.shader(&file, &text)

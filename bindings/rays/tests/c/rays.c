@@ -264,7 +264,7 @@ static void scenes_in_scenes(void)
         OK(gnurt_commit(outer));
         OK(gnurt_intersect(outer, &all, NULL, &to));
         CHECK(got[0].t == 15 && got[0].geom == ids[0], "%d: the balls are gone: %g", user, got[0].t);
-        REFUSED(gnurt_remove(inner, ids[1]), "no geometry or instance 1");
+        REFUSED(gnurt_remove(inner, ids[1]), "geometry or instance 1 does not exist");
         gnurt_scene_free(inner);
         gnurt_scene_free(outer);
         gnurt_scene_free(middle);

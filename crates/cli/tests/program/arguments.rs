@@ -55,8 +55,8 @@ fn commands_and_their_words() {
         ("render ok.obj -o", 2, "--output: a value is missing"),
         ("render ok.obj --eye", 2, "--eye: a value is missing"),
         ("render ok.obj --quiet=yes", 2, "--quiet"),
-        ("--threads 2 render ok.obj", 2, "--threads: options stand behind the command"),
-        ("-r 4x4 render ok.obj", 2, "-r: options stand behind the command"),
+        ("--threads 2 render ok.obj", 2, "--threads: options follow the command"),
+        ("-r 4x4 render ok.obj", 2, "-r: options follow the command"),
         ("render ok.obj --stats=xml", 2, "unknown form 'xml'"),
         ("render ok.obj --stats=jsn", 2, "did you mean 'json'?"),
     ]);

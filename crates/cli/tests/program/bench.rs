@@ -92,7 +92,7 @@ fn the_papers_tables_are_made() {
 fn bad_words_are_explained() {
     let folder = Folder::new();
     for (line, status, expected) in [
-        ("bench", 2, "give one of: rays, build, dynamic, paper"),
+        ("bench", 2, "valid are: rays, build, dynamic, paper"),
         ("bench paper", 2, "<SCENE>"),
         ("bench build --mode compakt", 2, "no mode matches"),
         ("bench build --size 8", 2, "unknown option '--size'"),

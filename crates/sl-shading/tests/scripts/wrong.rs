@@ -113,5 +113,5 @@ fn groups_are_layers() {
     write("bad.oslgroup", "shader nothing a ;");
     let why =
         Script::open(&folder.path().join("bad.oslgroup"), &Access::default()).expect_err("it is missing");
-    assert!(why.contains("no shader nothing"), "{why}");
+    assert!(why.contains("shader 'nothing' is missing"), "{why}");
 }
