@@ -49,7 +49,8 @@ fn pack(wheel: Option<PathBuf>) -> Result<(), Failure> {
     let text = read(&manifest)?;
     write(&manifest, &filled(&text, &workspace.version, &name)?)?;
     let license = command::root().join("COPYING");
-    std::fs::copy(&license, staged.join("COPYING")).map_err(|error| format!("{}: {error}", license.display()))?;
+    std::fs::copy(&license, staged.join("COPYING"))
+        .map_err(|error| format!("{}: {error}", license.display()))?;
     let zip = folder.join(format!("gnurt_blender-{}.zip", workspace.version));
     let _ = std::fs::remove_file(&zip);
     let mut entries: Vec<_> = std::fs::read_dir(&staged)
@@ -132,7 +133,8 @@ fn judge() -> Result<(), Failure> {
     std::fs::copy(&built, &module).map_err(|error| format!("{}: {error}", built.display()))?;
     let folder = target.join("blender/python");
     let python = folder.join("bin/python");
-    let succeeds = |command: &mut Command| command.stderr(Stdio::null()).status().is_ok_and(|status| status.success());
+    let succeeds =
+        |command: &mut Command| command.stderr(Stdio::null()).status().is_ok_and(|status| status.success());
     if !python.exists() && !succeeds(Command::new(PYTHON).args(["-m", "venv"]).arg(&folder)) {
         eprintln!("SKIPPED: the judge of Blender; it needs {PYTHON} with venv");
         return Ok(());
@@ -144,7 +146,9 @@ fn judge() -> Result<(), Failure> {
     }
     let tests = command::root().join("bindings/blender/tests");
     for script in JUDGES {
-        command::run(Command::new(&python).current_dir(&tests).arg(script).env("PYTHONDONTWRITEBYTECODE", "1"))?;
+        command::run(
+            Command::new(&python).current_dir(&tests).arg(script).env("PYTHONDONTWRITEBYTECODE", "1"),
+        )?;
     }
     Ok(())
 }
@@ -155,7 +159,8 @@ mod tests {
 
     #[test]
     fn the_manifest_gets_version_and_wheel() {
-        let text = read(&command::root().join("bindings/blender/gnurt_blender/blender_manifest.toml")).unwrap();
+        let text =
+            read(&command::root().join("bindings/blender/gnurt_blender/blender_manifest.toml")).unwrap();
         let made = filled(&text, "1.2.3", "gnurt-1.2.3-cp311-abi3-linux_x86_64.whl").unwrap();
         for line in [
             "version = \"1.2.3\"",
