@@ -16,6 +16,8 @@ from .nodes import Code, compile_tree
 from .nodes.surfaces import bump_of_displacement
 from .warned import Warned
 
+# From the middle of our latitude-longitude pictures, which is y, to that of Blender's, which is x; degrees.
+TURN = -90.0
 GREY = 'surface blender_default () { Ci = 0.8 * diffuse(N); }'
 
 
@@ -382,6 +384,13 @@ class Export:
         if plain is not None:
             self.scene.add_light("environment", radiance=plain)
             return
+        direct = picture_of(output) if output is not None else None
+        number = self.image(direct[0]) if direct else None
+        if number is not None:
+            # In full resolution, which nodes do not have.
+            strength = (direct[1],) * 3
+            self.scene.add_light("environment", texture=number[0], radiance=strength, up=(0.0, 0.0, 1.0), turn=TURN)
+            return
         if output is not None:
             if output.inputs["Volume"].is_linked:
                 self.warn(f"world '{world.name}': volumes are not shown")
@@ -404,3 +413,24 @@ def uniform(tree, output):
         return None
     strength = found.inputs["Strength"].default_value
     return tuple(max(x, 0.0) * strength for x in found.inputs["Color"].default_value[:3])
+
+
+def picture_of(output):
+    """The picture around a world that is one picture in linear light, and its strength; or None."""
+    end = sole(output.inputs["Surface"])
+    if end is None or end.type != "BACKGROUND" or end.inputs["Strength"].is_linked:
+        return None
+    found = sole(end.inputs["Color"])
+    if found is None or found.type != "TEX_ENVIRONMENT" or found.inputs["Vector"].is_linked:
+        return None
+    image, mapping = found.image, found.texture_mapping
+    is_plain = tuple(mapping.rotation) == (0, 0, 0) and tuple(mapping.scale) == (1, 1, 1) and tuple(mapping.translation) == (0, 0, 0)
+    if image is None or not image.is_float or not is_plain or found.projection != "EQUIRECTANGULAR":
+        return None
+    return image, max(end.inputs["Strength"].default_value, 0.0)
+
+
+def sole(socket):
+    """The node that feeds a socket directly, if it is not muted."""
+    link = socket.links[0] if socket.is_linked else None
+    return link.from_node if link and not link.is_muted and not link.from_node.mute else None

@@ -335,6 +335,21 @@ def world_image():
 
 
 @scene
+def world_floats():
+    world_image()
+    image = bpy.data.images.new("floats", 64, 32, float_buffer=True)
+    image.colorspace_settings.name = "Linear Rec.709"
+    values = np.random.default_rng(3).random((32, 64, 4)).astype(np.float32)
+    values[:, :20] *= 4
+    values[10:20, 40:, 0] *= 5
+    values[..., 3] = 1
+    image.pixels.foreach_set(values.ravel())
+    image.update()
+    image.pack()
+    next(n for n in bpy.context.scene.world.node_tree.nodes if n.type == "TEX_ENVIRONMENT").image = image
+
+
+@scene
 def world_nodes():
     floor()
     shape("uv_sphere", (-1.1, 0, 0.9), material("m", Base_Color=(0.9, 0.9, 0.9), Metallic=1, Roughness=0.1), True, radius=0.9)
