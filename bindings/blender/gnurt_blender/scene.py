@@ -5,11 +5,10 @@ Meshes go over as arrays once; other places of the same mesh are instances of it
 """
 
 import re
-import zlib
 
 import numpy as np
 
-from . import cameras, images, meshes, strands
+from . import cameras, hashes, images, meshes, strands
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
@@ -28,7 +27,7 @@ class Surroundings:
         self.export, self.material, self.object, self.mesh, self.slot = export, material, lit_object, mesh, slot
         self.warn = export.warn
         self.holdout = False
-        self.instance = None
+        self.random_id = 0
 
     @property
     def owner(self):
@@ -76,8 +75,7 @@ class Surroundings:
         if self.object is None:
             return (1, 1, 1), 1, 0, 0
         color = self.object.color
-        number = self.instance[1] if self.instance else string_hash(self.object.name)
-        return tuple(color[:3]), color[3], self.object.pass_index, (number % (1 << 32)) / float((1 << 32) - 1)
+        return tuple(color[:3]), color[3], self.object.pass_index, (self.random_id % (1 << 32)) / float((1 << 32) - 1)
 
     def particle(self):
         return None
@@ -99,11 +97,6 @@ class Surroundings:
                 return tuple(value[:3]), value[3] if len(value) > 3 else 1.0
         self.warn(f"material {self.owner}: there is no property '{name}' of kind {kind}")
         return (0.0, 0.0, 0.0), 0.0
-
-
-def string_hash(text):
-    """A number for a name, the same in every run."""
-    return zlib.crc32(text.encode())
 
 
 class Export:
@@ -306,8 +299,7 @@ class Export:
             color = ", ".join(repr(float(x)) for x in material.diffuse_color[:3])
             return self.shader(f"surface blender_plain () {{ Ci = color({color}) * diffuse(N); }}", material.name, {}), {}, False
         host = Surroundings(self, material, found, mesh, slot)
-        if instance.is_instance:
-            host.instance = (tuple(instance.persistent_id), instance.random_id)
+        host.random_id = instance.random_id if instance.is_instance else hashes.of_name(found.name)
         key = (material.as_pointer(), host.active_uv())
         if key in self.materials:
             return self.materials[key]

@@ -572,3 +572,16 @@ def transparent_shadows():
     light("AREA", (2, -4, 6), 600, size=1)
     shape("plane", (0.6, -1.3, 2.0), material("pane", "ShaderNodeBsdfTransparent", Color=(0.3, 0.8, 0.4)), size=1.6)
     bpy.context.scene["means only"] = True
+
+
+@scene
+def displaced():
+    made = material("displaced", Base_Color=(0.6, 0.5, 0.4), Roughness=0.5)
+    tree, output, _ = nodes_of(made)
+    moved, wave = tree.nodes.new("ShaderNodeDisplacement"), tree.nodes.new("ShaderNodeTexNoise")
+    moved.inputs["Scale"].default_value = 0.1
+    tree.links.new(wave.outputs["Fac"], moved.inputs["Height"])
+    tree.links.new(moved.outputs[0], output.inputs["Displacement"])
+    floor()
+    shape("uv_sphere", (0, 0, 1), made, True, radius=1, segments=64, ring_count=32)
+    lit()
