@@ -220,6 +220,39 @@ def persistent_data_shows_the_same():
 
 
 @check
+def the_viewport_shows_what_the_camera_sees():
+    from types import SimpleNamespace
+
+    from gnurt_blender.viewport import Viewport
+
+    for name in ("orthographic", "shifted"):
+        start()
+        SCENES[name]()
+        seen = bpy.context.scene.camera
+        seen.data.clip_start = 0.1
+        whole = render("GNURT", 64)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        data = SimpleNamespace(
+            view_matrix=seen.matrix_world.inverted(),
+            window_matrix=seen.calc_matrix_camera(depsgraph, x=128, y=128),
+            is_perspective=name == "shifted",
+            view_perspective="CAMERA",
+            view_camera_zoom=0,
+            view_camera_offset=(0, 0),
+        )
+        context = SimpleNamespace(region=SimpleNamespace(width=128, height=128), region_data=data)
+        asked = []
+        viewport = Viewport(SimpleNamespace(tag_redraw=lambda: asked.append(1)), context, depsgraph)
+        pictures = []
+        while (picture := viewport.next(bpy.context.scene)) is not None:
+            pictures.append(np.asarray(picture))
+        assert pictures[0].shape[:2] == (64, 64) and len(asked) == len(pictures) >= 3
+        # Means of blocks: the noise differs.
+        a, b = (p[..., :3].reshape(8, 16, 8, 16, 3).mean((1, 3, 4)) for p in (pictures[-1], whole))
+        assert np.abs(a - b).max() < 0.05, f"{name}: differs by {np.abs(a - b).max()}"
+
+
+@check
 def it_goes_and_comes_again():
     start()
     gnurt_blender.unregister()
