@@ -158,6 +158,25 @@ def two_view_layers_are_rendered():
 
 
 @check
+def triangles_are_those_of_blender():
+    from gnurt_blender.meshes import MeshArrays, flat
+
+    start()
+    rng = np.random.default_rng(1)
+    for kind in ("grid", "uv_sphere", "monkey", "ico_sphere"):
+        mesh = shape(kind).data
+        points = flat(mesh.vertices, "co", np.float32)
+        # Bent quadrilaterals are cut along one diagonal or the other.
+        mesh.vertices.foreach_set("co", points + 0.6 * rng.random(len(points)).astype(np.float32))
+        mesh.update()
+        ours = MeshArrays(mesh)
+        mesh.calc_loop_triangles()
+        theirs = mesh.loop_triangles
+        assert (ours.faces == flat(theirs, "vertices", np.int32, 3)).all(), kind
+        assert (ours.polygons == flat(theirs, "polygon_index", np.int32)).all(), kind
+
+
+@check
 def the_first_pixel_comes_soon():
     start()
     floor()
