@@ -165,7 +165,7 @@ def triangles_are_those_of_blender():
     rng = np.random.default_rng(1)
     for kind in ("grid", "uv_sphere", "monkey", "ico_sphere"):
         mesh = shape(kind).data
-        points = flat(mesh.vertices, "co", np.float32)
+        points = flat(mesh.vertices, "co", np.float32, 3).ravel()
         # Bent quadrilaterals are cut along one diagonal or the other.
         mesh.vertices.foreach_set("co", points + 0.6 * rng.random(len(points)).astype(np.float32))
         mesh.update()
