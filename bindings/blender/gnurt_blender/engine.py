@@ -80,7 +80,7 @@ class GnurtEngine(bpy.types.RenderEngine):
         x0, y0, x1, y1 = region or (0, 0, *size)
         box = slice(y0, y1), slice(x0, x1)
         result = self.begin_result(0, 0, x1 - x0, y1 - y0, layer=layer.name)
-        self.has_result = True
+        self.has_result, self.so_far = True, None
         try:
             picture = self.grow(export, options, lambda done: self.show(result, done, scene, export, {}, share, box))
             if scene.gnurt.denoise:
@@ -88,6 +88,8 @@ class GnurtEngine(bpy.types.RenderEngine):
             self.show(result, picture, scene, export, wanted, share, box, uv)
         except Cancelled:
             # The samples so far stay.
+            if self.so_far is not None:
+                self.show(result, self.so_far, scene, export, {}, share, box)
             self.end_result(result)
             raise
         self.end_result(result)
@@ -122,6 +124,7 @@ class GnurtEngine(bpy.types.RenderEngine):
                 raise Cancelled
 
         for picture in export.scene.accumulate(progress=progress, **options):
+            self.so_far = picture
             samples = max(1, samples * 2)
             self.update_stats("", f"Sample {min(samples, total)} of {total}")
             if self.is_stopped():

@@ -15,7 +15,7 @@ def of(export, depsgraph):
     from .scene import Export
 
     held = {found.name for found, *_ in export.objects.values() if found.is_holdout}
-    held |= {name for name in collections(depsgraph.view_layer.layer_collection) if name in depsgraph.objects}
+    held |= set(collections(depsgraph.view_layer.layer_collection))
     if not held:
         return None
     other = Export(depsgraph, export.size, view=export.view, warned=export.warn, override=lambda found: MASK if found.name in held else BLACK)

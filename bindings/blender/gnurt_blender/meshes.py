@@ -22,6 +22,22 @@ def whole(mesh, attribute, name, dtype, width, collection, other):
     return flat(collection, other, dtype, width)
 
 
+def triangulated(mesh, vertices, corners, totals):
+    """The corners of triangles, (n, 3): as Blender divides polygons, and without a look at each where all have three or four corners."""
+    count = len(totals)
+    if count and (totals == 3).all():
+        return np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
+    if count == 0 or not (totals == 4).all():
+        mesh.calc_loop_triangles()
+        return flat(mesh.loop_triangles, "loops", np.int32, 3)
+    p = vertices[corners.reshape(-1, 4)]
+    across = p[:, 2] - p[:, 0]
+    first, second = np.cross(p[:, 1] - p[:, 0], across), np.cross(across, p[:, 3] - p[:, 0])
+    flipped = np.einsum("ij,ij->i", first, second) < 0
+    cut = np.where(flipped[:, None], np.array([0, 1, 3, 1, 2, 3], np.int32), np.array([0, 1, 2, 0, 2, 3], np.int32))
+    return (cut + 4 * np.arange(count, dtype=np.int32)[:, None]).reshape(-1, 3)
+
+
 class MeshArrays:
     """What of a mesh does not depend on materials."""
 
@@ -29,11 +45,10 @@ class MeshArrays:
         self.mesh = mesh
         # Attributes are arrays that Blender copies as a whole; properties of triangles are computed one by one.
         self.vertices = whole(mesh, "position", "vector", np.float32, 3, mesh.vertices, "co")
-        mesh.calc_loop_triangles()
-        self.loops = flat(mesh.loop_triangles, "loops", np.int32, 3)
         corners = whole(mesh, ".corner_vert", "value", np.int32, 1, mesh.loops, "vertex_index")
-        self.faces = corners[self.loops]
         totals = flat(mesh.polygons, "loop_total", np.int32)
+        self.loops = triangulated(mesh, self.vertices, corners, totals)
+        self.faces = corners[self.loops]
         # Triangles are in the order of their polygons.
         self.polygons = np.repeat(np.arange(len(totals), dtype=np.int32), totals - 2)
         slots = mesh.attributes.get("material_index")

@@ -5,17 +5,18 @@ Meshes go over as arrays once; other places of the same mesh are instances of it
 """
 
 import re
-import zlib
 
 import numpy as np
 
-from . import cameras, images, meshes, strands
+from . import cameras, hashes, images, meshes, strands
 from .kept import Recorder
 from .lamps import Lamp, put_points
 from .nodes import Code, compile_tree
 from .nodes.surfaces import bump_of_displacement
 from .warned import Warned
 
+# From the middle of our latitude-longitude pictures, which is y, to that of Blender's, which is x; degrees.
+TURN = -90.0
 GREY = 'surface blender_default () { Ci = 0.8 * diffuse(N); }'
 
 
@@ -26,7 +27,7 @@ class Surroundings:
         self.export, self.material, self.object, self.mesh, self.slot = export, material, lit_object, mesh, slot
         self.warn = export.warn
         self.holdout = False
-        self.instance = None
+        self.random_id = 0
 
     @property
     def owner(self):
@@ -74,8 +75,7 @@ class Surroundings:
         if self.object is None:
             return (1, 1, 1), 1, 0, 0
         color = self.object.color
-        number = self.instance[1] if self.instance else string_hash(self.object.name)
-        return tuple(color[:3]), color[3], self.object.pass_index, (number % (1 << 32)) / float((1 << 32) - 1)
+        return tuple(color[:3]), color[3], self.object.pass_index, (self.random_id % (1 << 32)) / float((1 << 32) - 1)
 
     def particle(self):
         return None
@@ -97,11 +97,6 @@ class Surroundings:
                 return tuple(value[:3]), value[3] if len(value) > 3 else 1.0
         self.warn(f"material {self.owner}: there is no property '{name}' of kind {kind}")
         return (0.0, 0.0, 0.0), 0.0
-
-
-def string_hash(text):
-    """A number for a name, the same in every run."""
-    return zlib.crc32(text.encode())
 
 
 class Export:
@@ -304,8 +299,7 @@ class Export:
             color = ", ".join(repr(float(x)) for x in material.diffuse_color[:3])
             return self.shader(f"surface blender_plain () {{ Ci = color({color}) * diffuse(N); }}", material.name, {}), {}, False
         host = Surroundings(self, material, found, mesh, slot)
-        if instance.is_instance:
-            host.instance = (tuple(instance.persistent_id), instance.random_id)
+        host.random_id = instance.random_id if instance.is_instance else hashes.of_name(found.name)
         key = (material.as_pointer(), host.active_uv())
         if key in self.materials:
             return self.materials[key]
@@ -382,6 +376,13 @@ class Export:
         if plain is not None:
             self.scene.add_light("environment", radiance=plain)
             return
+        direct = picture_of(output) if output is not None else None
+        number = self.image(direct[0]) if direct else None
+        if number is not None:
+            # In full resolution, which nodes do not have.
+            strength = (direct[1],) * 3
+            self.scene.add_light("environment", texture=number[0], radiance=strength, up=(0.0, 0.0, 1.0), turn=TURN)
+            return
         if output is not None:
             if output.inputs["Volume"].is_linked:
                 self.warn(f"world '{world.name}': volumes are not shown")
@@ -404,3 +405,24 @@ def uniform(tree, output):
         return None
     strength = found.inputs["Strength"].default_value
     return tuple(max(x, 0.0) * strength for x in found.inputs["Color"].default_value[:3])
+
+
+def picture_of(output):
+    """The picture around a world that is one picture in linear light, and its strength; or None."""
+    end = sole(output.inputs["Surface"])
+    if end is None or end.type != "BACKGROUND" or end.inputs["Strength"].is_linked:
+        return None
+    found = sole(end.inputs["Color"])
+    if found is None or found.type != "TEX_ENVIRONMENT" or found.inputs["Vector"].is_linked:
+        return None
+    image, mapping = found.image, found.texture_mapping
+    is_plain = tuple(mapping.rotation) == (0, 0, 0) and tuple(mapping.scale) == (1, 1, 1) and tuple(mapping.translation) == (0, 0, 0)
+    if image is None or not image.is_float or not is_plain or found.projection != "EQUIRECTANGULAR":
+        return None
+    return image, max(end.inputs["Strength"].default_value, 0.0)
+
+
+def sole(socket):
+    """The node that feeds a socket directly, if it is not muted."""
+    link = socket.links[0] if socket.is_linked else None
+    return link.from_node if link and not link.is_muted and not link.from_node.mute else None

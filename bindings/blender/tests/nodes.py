@@ -145,7 +145,7 @@ case(
 case("normal", "ShaderNodeNormal", {"out": "Dot"}, {"out": "Normal"}, Normal=OBJECT)
 case("texture coordinates", "ShaderNodeTexCoord", *each("out", ["Generated", "Normal", "UV", "Object", "Camera", "Window", "Reflection"]))
 case("geometry", "ShaderNodeNewGeometry", *each("out", ["Position", "Normal", "True Normal", "Incoming", "Backfacing", "Tangent", "Parametric", "Pointiness"]))
-case("object info", "ShaderNodeObjectInfo", *each("out", ["Location", "Color", "Alpha", "Object Index", "Material Index"]))
+case("object info", "ShaderNodeObjectInfo", *each("out", ["Location", "Color", "Alpha", "Object Index", "Material Index", "Random"]))
 case("light path", "ShaderNodeLightPath", *each("out", ["Is Camera Ray", "Is Shadow Ray", "Is Diffuse Ray", "Is Glossy Ray", "Is Transmission Ray", "Ray Length"]))
 case("fresnel", "ShaderNodeFresnel", {}, {"IOR": 1.2}, {"IOR": 2.5})
 case("layer weight", "ShaderNodeLayerWeight", *[{"out": out, "Blend": b} for out in ("Fresnel", "Facing") for b in (0.2, 0.5, 0.8)])

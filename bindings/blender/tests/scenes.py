@@ -335,6 +335,21 @@ def world_image():
 
 
 @scene
+def world_floats():
+    world_image()
+    image = bpy.data.images.new("floats", 64, 32, float_buffer=True)
+    image.colorspace_settings.name = "Linear Rec.709"
+    values = np.random.default_rng(3).random((32, 64, 4)).astype(np.float32)
+    values[:, :20] *= 4
+    values[10:20, 40:, 0] *= 5
+    values[..., 3] = 1
+    image.pixels.foreach_set(values.ravel())
+    image.update()
+    image.pack()
+    next(n for n in bpy.context.scene.world.node_tree.nodes if n.type == "TEX_ENVIRONMENT").image = image
+
+
+@scene
 def world_nodes():
     floor()
     shape("uv_sphere", (-1.1, 0, 0.9), material("m", Base_Color=(0.9, 0.9, 0.9), Metallic=1, Roughness=0.1), True, radius=0.9)
@@ -557,3 +572,16 @@ def transparent_shadows():
     light("AREA", (2, -4, 6), 600, size=1)
     shape("plane", (0.6, -1.3, 2.0), material("pane", "ShaderNodeBsdfTransparent", Color=(0.3, 0.8, 0.4)), size=1.6)
     bpy.context.scene["means only"] = True
+
+
+@scene
+def displaced():
+    made = material("displaced", Base_Color=(0.6, 0.5, 0.4), Roughness=0.5)
+    tree, output, _ = nodes_of(made)
+    moved, wave = tree.nodes.new("ShaderNodeDisplacement"), tree.nodes.new("ShaderNodeTexNoise")
+    moved.inputs["Scale"].default_value = 0.1
+    tree.links.new(wave.outputs["Fac"], moved.inputs["Height"])
+    tree.links.new(moved.outputs[0], output.inputs["Displacement"])
+    floor()
+    shape("uv_sphere", (0, 0, 1), made, True, radius=1, segments=64, ring_count=32)
+    lit()

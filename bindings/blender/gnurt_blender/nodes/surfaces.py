@@ -110,9 +110,10 @@ def metallic(p):
     if p.fresnel_type == "F82":
         p.need("surfaces")
         base, edge = p.var("color", f"clamp({p.c('Base Color')}, color(0), color(1))"), p.var("color", f"clamp({p.c('Edge Tint')}, color(0), color(1))")
-        made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {base}, b_f82({base}, {edge}), 5.0, "ggx"{film_of(p)})'
+        seen = p.var("color", f"b_f82({base}, {edge}, {n}, I)")
+        made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {seen}, {seen}, 5.0, "ggx"{film_of(p)})'
         if is_mirror(p) and not film_of(p):
-            made = mirror(p, n, base, f"b_f82({base}, {edge})")
+            made = mirror(p, n, seen, seen)
     else:
         eta, k = p.var("color", f"color({p.v('IOR')})"), p.var("color", f"color({p.v('Extinction')})")
         made = f'conductor_bsdf({n}, {tangent}, {along}, {across}, {eta}, {k}, "ggx"{film_of(p)})'
@@ -272,7 +273,9 @@ def principled(p):
     if not p.is_constant("Metallic", 0.0):
         brushed = "" if p.is_constant("Anisotropic", 0.0) else f" * (1.0 - 0.045 * pow(clamp({p.f('Anisotropic')}, 0.0, 1.0), 4.0))"
         metal_base, edge = p.var("color", f"min({base}, color(1)){brushed}"), p.var("color", f"min({tint}, color(1))")
-        f90 = "color(1)" if p.is_constant("Specular Tint", 1.0) else f"b_f82({metal_base}, {edge})"
+        f90 = "color(1)"
+        if not p.is_constant("Specular Tint", 1.0):
+            metal_base = f90 = p.var("color", f"b_f82({metal_base}, {edge}, {n}, I)")
         made = f'generalized_schlick_bsdf({n}, {tangent}, color(1), color(0), {along}, {across}, {metal_base}, {f90}, 5.0, "ggx"{film})'
         if is_mirror(p) and not film:
             made = mirror(p, n, metal_base, f90)

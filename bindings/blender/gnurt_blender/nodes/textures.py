@@ -108,7 +108,7 @@ def environment_texture(p):
     uv = p.var("vector", f"{made}({at})")
     color, alpha = p.code.fresh(), p.code.fresh()
     p.code.line(f"float {alpha} = 1.0;")
-    read(p, name, uv, color, alpha, "REPEAT" if p.projection == "EQUIRECTANGULAR" else "CLIP")
+    read(p, name, uv, color, alpha, "REPEAT" if p.projection == "EQUIRECTANGULAR" else "EXTEND")
     return {"Color": ("color", color)}
 
 

@@ -16,13 +16,14 @@ float b_power(float f0)
     float rest = (mean - root * root) / (1.0 - root * root);
     return (rest > 0.001) ? clamp(0.5 * (sqrt(1.0 + 8.0 / rest) - 3.0), 1.0, 12.0) : 5.0;
 }
-// The reflectance at grazing incidence of Schlick's curve with the mean of a metal that has `edge` times it at 82 degrees.
-color b_f82(color base, color edge)
+// The reflectance of a metal that has `edge` times Schlick's at 82 degrees, at the angle of the view [Kutz et al., Novel aspects of the Adobe
+// Standard Material, 2021].
+color b_f82(color base, color edge, vector n, vector i)
 {
-    float c = 1.0 / 7.0;
-    color schlick = base + (color(1) - base) * pow(1.0 - c, 5.0);
-    color b = schlick * (color(1) - edge) / (c * pow(1.0 - c, 6.0));
-    return clamp(color(1) - b * (0.00793651 * 21.0), color(0), color(1));
+    float at = 1.0 / 7.0, c = min(fabs(dot(n, i)), 1.0), d = 1.0 - c;
+    color schlick = base + (color(1) - base) * pow(1.0 - at, 5.0);
+    color b = schlick * (color(1) - edge) / (at * pow(1.0 - at, 6.0));
+    return clamp(base + (color(1) - base) * (d * d * d * d * d) - b * (c * d * d * d * d * d * d), color(0), color(1));
 }
 // Absorption of a clear layer along the refracted ways in and out; the way in counts as the mean of all.
 color b_coat_tint(color tint, float weight, float ior, vector n, vector i)

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The random number of an object by its name, as pictures of Cycles show it: Jenkins' last mix of a hash by powers of 37.
+
+Source: Bob Jenkins, lookup3 (2006), which is in the public domain. Tests: the node "object info" of `tests/nodes.py`.
+"""
+
+MASK = 0xFFFFFFFF
+
+
+def of_name(name):
+    """32 bits for a name."""
+    made = 0
+    for byte in name.encode():
+        made = (made * 37 + byte) & MASK
+    start = (0xDEADBEEF + (2 << 2) + 13) & MASK
+    return mixed((start + made) & MASK, start, start)
+
+
+def mixed(a, b, c):
+    """The last mix of lookup3."""
+
+    def turned(x, bits):
+        return (x << bits | x >> (32 - bits)) & MASK
+
+    for bits in ((14, 11, 25), (16, 4, 14)):
+        c = ((c ^ b) - turned(b, bits[0])) & MASK
+        a = ((a ^ c) - turned(c, bits[1])) & MASK
+        b = ((b ^ a) - turned(a, bits[2])) & MASK
+    return ((c ^ b) - turned(b, 24)) & MASK
