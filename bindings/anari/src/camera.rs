@@ -35,7 +35,9 @@ impl View {
             "perspective" => {
                 let angle = now.f32("fovy").unwrap_or(std::f32::consts::FRAC_PI_3);
                 if !(angle > 0.0 && angle < std::f32::consts::PI) {
-                    return Err(format!("parameter 'fovy': {angle}: out of range; it must be above 0 and below pi"));
+                    return Err(format!(
+                        "parameter 'fovy': {angle}: out of range; it must be above 0 and below pi"
+                    ));
                 }
                 CameraProjection::Perspective { half_height: (angle / 2.0).tan() }
             }
@@ -86,14 +88,19 @@ impl CameraShader for View {
         let within = |&[x, y]: &[f32; 2]| [left + (right - left) * x, low + (high - low) * y];
         let positions: Vec<[f32; 2]> = samples.positions.iter().map(within).collect();
         let first = out.len();
-        self.inner.rays(&CameraSamples { positions: &positions, ..*samples }, self.aspect.unwrap_or(aspect), out);
+        self.inner.rays(
+            &CameraSamples { positions: &positions, ..*samples },
+            self.aspect.unwrap_or(aspect),
+            out,
+        );
         if self.near.is_none() && self.far.is_none() {
             return;
         }
         for i in first..out.len() {
             let cos = Vec3::from(out.get(i).dir).dot(self.inner.forward);
             // Planes across the view; without one for all directions, spheres.
-            let scale = if self.inner.projection == CameraProjection::Panorama || cos <= 0.0 { 1.0 } else { cos };
+            let scale =
+                if self.inner.projection == CameraProjection::Panorama || cos <= 0.0 { 1.0 } else { cos };
             if let Some(near) = self.near {
                 out.t_near[i] = near / scale;
             }

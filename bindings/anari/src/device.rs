@@ -67,7 +67,12 @@ impl Device {
     }
 
     /// A new object, held once by the program, and its handle.
-    pub(crate) fn add(&self, kind: DataType, subtype: &str, payload: Box<dyn std::any::Any + Send + Sync>) -> usize {
+    pub(crate) fn add(
+        &self,
+        kind: DataType,
+        subtype: &str,
+        payload: Box<dyn std::any::Any + Send + Sync>,
+    ) -> usize {
         let known = schema::subtypes(kind);
         let mut subtype = subtype;
         if !known.is_empty() && !known.contains(&subtype) {
@@ -171,7 +176,9 @@ impl Device {
         let Some(array) = Array::of(object) else { return };
         let unknown = array.resolve(|handle| self.find(handle));
         if unknown > 0 {
-            let text = format!("{unknown} elements: unknown or released objects, or of another type; they are left out");
+            let text = format!(
+                "{unknown} elements: unknown or released objects, or of another type; they are left out"
+            );
             self.reporter.send(Some(object), Severity::Error, Code::Argument, &text);
         }
     }
@@ -200,7 +207,11 @@ impl Device {
         let fits = known.types.contains(&kind) || is_alike(kind, &known.types);
         if !fits {
             let allowed: Vec<String> = known.types.iter().map(|&kind| types::name(kind)).collect();
-            let text = format!("parameter '{name}': type {}: invalid; allowed: {}", types::name(kind), allowed.join(", "));
+            let text = format!(
+                "parameter '{name}': type {}: invalid; allowed: {}",
+                types::name(kind),
+                allowed.join(", ")
+            );
             self.reporter.warn(object, &text);
             return;
         }
@@ -215,7 +226,8 @@ impl Device {
             && !known.elements.is_empty()
             && !known.elements.contains(&array.element)
         {
-            let text = format!("parameter '{name}': elements of type {}: invalid", types::name(array.element));
+            let text =
+                format!("parameter '{name}': elements of type {}: invalid", types::name(array.element));
             self.reporter.warn(object, &text);
         }
         object.stage(name, value);
@@ -229,7 +241,9 @@ impl Device {
             array.set_region(region(&now));
         }
         let entry = schema::find(object.kind, &object.subtype);
-        for parameter in entry.iter().flat_map(|entry| &entry.parameters).filter(|parameter| parameter.required) {
+        for parameter in
+            entry.iter().flat_map(|entry| &entry.parameters).filter(|parameter| parameter.required)
+        {
             if now.get(parameter.name).is_none() {
                 self.reporter.warn(object, &format!("parameter '{}': missing", parameter.name));
             }

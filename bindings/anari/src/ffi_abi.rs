@@ -92,10 +92,23 @@ type OfObject = unsafe extern "C" fn(This, Address);
 #[repr(C)]
 pub(crate) struct DeviceTable {
     pub(crate) head: TableHead,
-    pub(crate) new_array_1d:
-        unsafe extern "C" fn(This, *const c_void, Option<MemoryDeleter>, *const c_void, DataType, u64) -> Address,
-    pub(crate) new_array_2d:
-        unsafe extern "C" fn(This, *const c_void, Option<MemoryDeleter>, *const c_void, DataType, u64, u64) -> Address,
+    pub(crate) new_array_1d: unsafe extern "C" fn(
+        This,
+        *const c_void,
+        Option<MemoryDeleter>,
+        *const c_void,
+        DataType,
+        u64,
+    ) -> Address,
+    pub(crate) new_array_2d: unsafe extern "C" fn(
+        This,
+        *const c_void,
+        Option<MemoryDeleter>,
+        *const c_void,
+        DataType,
+        u64,
+        u64,
+    ) -> Address,
     pub(crate) new_array_3d: unsafe extern "C" fn(
         This,
         *const c_void,

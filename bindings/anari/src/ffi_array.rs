@@ -64,7 +64,14 @@ impl Array {
             (true, _) => Memory::Own(zeroed(bytes)?),
         };
         let stamp = AtomicU64::new(next_stamp());
-        Ok(Self { element, dims, memory: Mutex::new(memory), objects: Mutex::default(), region: Mutex::default(), stamp })
+        Ok(Self {
+            element,
+            dims,
+            memory: Mutex::new(memory),
+            objects: Mutex::default(),
+            region: Mutex::default(),
+            stamp,
+        })
     }
 
     /// The array that an object is.

@@ -87,13 +87,15 @@ unsafe extern "C-unwind" fn note(
 /// A counter's deleter: counts a call.
 unsafe extern "C-unwind" fn count_deletion(user: *const c_void, _: *const c_void) {
     // SAFETY: the user data is a counter that outlives the array.
-    unsafe { &*user.cast::<std::sync::atomic::AtomicUsize>() }.fetch_add(1, std::sync::atomic::Ordering::SeqCst);
+    unsafe { &*user.cast::<std::sync::atomic::AtomicUsize>() }
+        .fetch_add(1, std::sync::atomic::Ordering::SeqCst);
 }
 
 /// A counter's callback: counts a finished frame.
 unsafe extern "C-unwind" fn count_completion(user: *const c_void, _: *mut c_void, _: *mut c_void) {
     // SAFETY: the user data is a counter that outlives the frame.
-    unsafe { &*user.cast::<std::sync::atomic::AtomicUsize>() }.fetch_add(1, std::sync::atomic::Ordering::SeqCst);
+    unsafe { &*user.cast::<std::sync::atomic::AtomicUsize>() }
+        .fetch_add(1, std::sync::atomic::Ordering::SeqCst);
 }
 
 impl Default for Client {
@@ -109,7 +111,9 @@ impl Client {
         let messages = Messages::default();
         let user = Arc::as_ptr(&messages).cast::<c_void>();
         // SAFETY: the function is one for messages, and the user data lives as long as the client.
-        let library = unsafe { anari_library_gnurt_new_library(std::ptr::null_mut(), note as *const () as usize, user) };
+        let library = unsafe {
+            anari_library_gnurt_new_library(std::ptr::null_mut(), note as *const () as usize, user)
+        };
         // SAFETY: the library was made just now; its table begins behind the head.
         let device = unsafe { (Self::library_table(library).new_device)(library, c"default".as_ptr()) };
         Self { library, device: device.cast(), messages }
@@ -196,7 +200,13 @@ impl Client {
         self.array(element, &[objects.len() as u64], &bytes)
     }
 
-    fn new_array(&self, element: DataType, dims: &[u64], memory: *const c_void, deletions: Option<&std::sync::atomic::AtomicUsize>) -> usize {
+    fn new_array(
+        &self,
+        element: DataType,
+        dims: &[u64],
+        memory: *const c_void,
+        deletions: Option<&std::sync::atomic::AtomicUsize>,
+    ) -> usize {
         let (table, device) = (self.table(), self.device);
         let user = deletions.map_or(std::ptr::null(), |counter| (&raw const *counter).cast::<c_void>());
         let deleter: Option<crate::ffi_array::MemoryDeleter> =
@@ -254,7 +264,15 @@ impl Client {
     pub fn set(&self, object: usize, name: &str, kind: DataType, bytes: &[u8]) {
         let name = CString::new(name).unwrap_or_default();
         // SAFETY: the device lives, and the bytes are a value.
-        unsafe { (self.table().set_parameter)(self.device, object as *mut c_void, name.as_ptr(), kind, bytes.as_ptr().cast()) };
+        unsafe {
+            (self.table().set_parameter)(
+                self.device,
+                object as *mut c_void,
+                name.as_ptr(),
+                kind,
+                bytes.as_ptr().cast(),
+            )
+        };
     }
 
     /// Sets a parameter to floats.
@@ -302,7 +320,15 @@ impl Client {
         let name = c"frameCompletionCallbackUserData";
         let user = (&raw const *counter).cast();
         // SAFETY: the device lives; a pointer is given as it is.
-        unsafe { (self.table().set_parameter)(self.device, frame as *mut c_void, name.as_ptr(), types::VOID_POINTER, user) };
+        unsafe {
+            (self.table().set_parameter)(
+                self.device,
+                frame as *mut c_void,
+                name.as_ptr(),
+                types::VOID_POINTER,
+                user,
+            )
+        };
     }
 
     /// Takes a parameter away.
@@ -326,7 +352,14 @@ impl Client {
         // SAFETY: the device lives; the memory has room for the elements.
         unsafe {
             let table = self.table();
-            let memory = (table.map_parameter_array_1d)(self.device, object, name.as_ptr(), element, count, &raw mut stride);
+            let memory = (table.map_parameter_array_1d)(
+                self.device,
+                object,
+                name.as_ptr(),
+                element,
+                count,
+                &raw mut stride,
+            );
             if !memory.is_null() {
                 std::ptr::copy_nonoverlapping(bytes.as_ptr(), memory.cast::<u8>(), bytes.len());
             }
@@ -410,7 +443,8 @@ impl Client {
         // SAFETY: the device lives; the mapped memory holds all pixels until it is unmapped.
         unsafe {
             let [width, height] = &mut size;
-            let memory = (self.table().map_frame)(self.device, frame, name.as_ptr(), width, height, &raw mut kind);
+            let memory =
+                (self.table().map_frame)(self.device, frame, name.as_ptr(), width, height, &raw mut kind);
             if memory.is_null() {
                 return None;
             }
@@ -432,7 +466,9 @@ impl Client {
     #[must_use]
     pub fn extensions(&self) -> Vec<String> {
         // SAFETY: the library lives; lists end with null.
-        unsafe { strings((Self::library_table(self.library).device_extensions)(self.library, c"default".as_ptr())) }
+        unsafe {
+            strings((Self::library_table(self.library).device_extensions)(self.library, c"default".as_ptr()))
+        }
     }
 
     /// Names and types of a kind's parameters.
@@ -442,7 +478,13 @@ impl Client {
         let mut all = Vec::new();
         // SAFETY: the device lives; the list ends with a parameter without a name.
         unsafe {
-            let list = (self.table().object_info)(self.device, kind, subtype.as_ptr(), c"parameter".as_ptr(), types::PARAMETER_LIST);
+            let list = (self.table().object_info)(
+                self.device,
+                kind,
+                subtype.as_ptr(),
+                c"parameter".as_ptr(),
+                types::PARAMETER_LIST,
+            );
             let mut next = list.cast::<crate::ffi_abi::ParameterName>();
             while !next.is_null() && !(*next).name.is_null() {
                 all.push((CStr::from_ptr((*next).name).to_string_lossy().into_owned(), (*next).kind));
@@ -454,8 +496,14 @@ impl Client {
 
     /// Something of a parameter: the address of its first byte, or 0.
     #[must_use]
-    pub fn parameter_info(&self, of: (DataType, &str), parameter: (&str, DataType), info: (&str, DataType)) -> usize {
-        let [subtype, name, property] = [of.1, parameter.0, info.0].map(|text| CString::new(text).unwrap_or_default());
+    pub fn parameter_info(
+        &self,
+        of: (DataType, &str),
+        parameter: (&str, DataType),
+        info: (&str, DataType),
+    ) -> usize {
+        let [subtype, name, property] =
+            [of.1, parameter.0, info.0].map(|text| CString::new(text).unwrap_or_default());
         // SAFETY: the device lives, and names are strings.
         let found = unsafe {
             (self.table().parameter_info)(

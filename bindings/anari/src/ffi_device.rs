@@ -142,7 +142,13 @@ fn handle(object: Address) -> usize {
 
 // --- arrays ---
 
-fn new_array(device: &Arc<Device>, kind: DataType, element: DataType, dims: [u64; 3], given: &Given) -> Found {
+fn new_array(
+    device: &Arc<Device>,
+    kind: DataType,
+    element: DataType,
+    dims: [u64; 3],
+    given: &Given,
+) -> Found {
     match Array::new(element, dims, given) {
         Ok(array) => {
             let handle = device.add(kind, "", Box::new(array));
@@ -335,7 +341,12 @@ unsafe extern "C" fn set_parameter(
 }
 
 /// The object of a handle, or the device's own.
-fn target<R>(device: &Arc<Device>, object: Address, call: &str, work: impl FnOnce(&Object) -> R) -> Option<R> {
+fn target<R>(
+    device: &Arc<Device>,
+    object: Address,
+    call: &str,
+    work: impl FnOnce(&Object) -> R,
+) -> Option<R> {
     if handle(object) == device.handle {
         return Some(work(&device.own));
     }
@@ -514,8 +525,11 @@ unsafe extern "C" fn get_property(
     unsafe {
         let name = text(name);
         guarded(this, |device| {
-            let found = target(device, object, "get property", |object| property(device, object, &name, kind, mask != 0));
-            let Some(bytes) = found.flatten().filter(|bytes| !memory.is_null() && bytes.len() as u64 <= size) else {
+            let found = target(device, object, "get property", |object| {
+                property(device, object, &name, kind, mask != 0)
+            });
+            let Some(bytes) = found.flatten().filter(|bytes| !memory.is_null() && bytes.len() as u64 <= size)
+            else {
                 return 0;
             };
             std::ptr::copy_nonoverlapping(bytes.as_ptr(), memory.cast::<u8>(), bytes.len());
@@ -552,8 +566,7 @@ unsafe extern "C" fn parameter_info(
 ) -> *const c_void {
     // SAFETY: the program gives strings.
     let (subtype, name, property) = unsafe { (text(subtype), text(name), text(property)) };
-    let answer =
-        || introspection::parameter_info((kind, &subtype), (&name, of), (&property, info)) as usize;
+    let answer = || introspection::parameter_info((kind, &subtype), (&name, of), (&property, info)) as usize;
     catch_unwind(AssertUnwindSafe(answer)).unwrap_or(0) as *const c_void
 }
 
@@ -576,7 +589,12 @@ unsafe fn with_frame<R: Default>(
             match Frame::of(&object) {
                 Some(frame) => work(device, &object, frame),
                 None => {
-                    device.reporter.send(Some(&object), Severity::Error, Code::Argument, &format!("{call}: no frame"));
+                    device.reporter.send(
+                        Some(&object),
+                        Severity::Error,
+                        Code::Argument,
+                        &format!("{call}: no frame"),
+                    );
                     R::default()
                 }
             }

@@ -27,7 +27,8 @@ const MOST_PIXELS: u64 = 1 << 28;
 
 /// The job of a frame; an error in words where something is missing.
 fn job(device: &Device, now: &Snapshot, size: [u32; 2], formats: Formats) -> Result<Job, String> {
-    let object = |name: &str, kind| now.object(name, kind).ok_or_else(|| format!("parameter '{name}': missing"));
+    let object =
+        |name: &str, kind| now.object(name, kind).ok_or_else(|| format!("parameter '{name}': missing"));
     let (world, camera) = (object("world", types::WORLD)?, object("camera", types::CAMERA)?);
     let renderer = object("renderer", types::RENDERER)?;
     let report = |about: &Object, text: &str| device.reporter.warn(about, text);
@@ -118,9 +119,13 @@ fn rendered(device: &Device, object: &Object, frame: &Frame, job: &Job) {
 fn complete(device: &Device, object: &Object, now: &Snapshot) {
     let Some(address) = now.pointer("frameCompletionCallback") else { return };
     // SAFETY: the program gave the address as an ANARIFrameCompletionCallback, and `Option` of a function may be any address or 0.
-    let Some(function) = (unsafe { std::mem::transmute::<usize, Option<Completion>>(address) }) else { return };
+    let Some(function) = (unsafe { std::mem::transmute::<usize, Option<Completion>>(address) }) else {
+        return;
+    };
     let user = now.pointer("frameCompletionCallbackUserData").unwrap_or(0);
     // SAFETY: the program promises that its function takes these.
-    let call = || unsafe { function(user as *const c_void, device.handle as *mut c_void, object.handle as *mut c_void) };
+    let call = || unsafe {
+        function(user as *const c_void, device.handle as *mut c_void, object.handle as *mut c_void)
+    };
     drop(catch_unwind(AssertUnwindSafe(call)));
 }

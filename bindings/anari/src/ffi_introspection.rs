@@ -34,7 +34,9 @@ fn texts<'a>(all: impl IntoIterator<Item = &'a str>) -> usize {
 
 fn value(info: &Info, kind: DataType) -> usize {
     match (info, kind) {
-        (Info::Floats(floats), types::FLOAT64) => keep(floats.iter().map(|&x| f64::from(x)).collect::<Vec<_>>()),
+        (Info::Floats(floats), types::FLOAT64) => {
+            keep(floats.iter().map(|&x| f64::from(x)).collect::<Vec<_>>())
+        }
         (Info::Floats(floats), _) => keep(floats.clone()),
         (Info::Whole(number), types::UINT64) => keep(vec![*number]),
         (Info::Whole(number), _) => keep(vec![*number as u32]),
@@ -144,7 +146,6 @@ pub(crate) fn parameter_info(
     let Some(parameter) = entry.parameters.iter().find(|parameter| parameter.name == name) else {
         return std::ptr::null();
     };
-    let question =
-        (kind, entry.subtype.to_owned(), name.to_owned(), of, property.to_owned(), info);
+    let question = (kind, entry.subtype.to_owned(), name.to_owned(), of, property.to_owned(), info);
     answer(question, || of_parameter(parameter, of, property, info))
 }

@@ -49,7 +49,8 @@ fn caller_is_old() -> bool {
     let mut frames = [std::ptr::null_mut::<c_void>(); 32];
     // SAFETY: there is room for as many as it is told.
     let count = unsafe { libc::backtrace(frames.as_mut_ptr(), frames.len() as i32) };
-    let foreign = frames.iter().take(count.max(0) as usize).filter_map(|&frame| file(frame)).find(|it| it.0 != own);
+    let foreign =
+        frames.iter().take(count.max(0) as usize).filter_map(|&frame| file(frame)).find(|it| it.0 != own);
     let Some((_, name)) = foreign.filter(|(_, name)| !name.is_null()) else { return false };
     // SAFETY: the name is that of a file that is loaded; nothing is loaded anew.
     let loaded = unsafe { libc::dlopen(name, libc::RTLD_LAZY | libc::RTLD_NOLOAD) };

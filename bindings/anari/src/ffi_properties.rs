@@ -12,7 +12,8 @@ use crate::types::{self, DataType};
 use crate::world::Stage;
 
 /// The version, for programs that keep the address.
-static NAME: LazyLock<CString> = LazyLock::new(|| CString::new(concat!("GNU RT ", env!("CARGO_PKG_VERSION"))).unwrap_or_default());
+static NAME: LazyLock<CString> =
+    LazyLock::new(|| CString::new(concat!("GNU RT ", env!("CARGO_PKG_VERSION"))).unwrap_or_default());
 
 fn number(text: &str) -> i32 {
     text.parse().unwrap_or(0)
@@ -66,7 +67,9 @@ fn of_device(device: &Device, name: &str, kind: DataType) -> Option<Vec<u8>> {
         ("version.minor", types::INT32) => whole(minor),
         ("version.patch", types::INT32) => whole(patch),
         ("version.name", types::STRING) => Some(NAME.as_bytes_with_nul().to_vec()),
-        ("version.name.size", types::UINT64) => Some((NAME.as_bytes_with_nul().len() as u64).to_ne_bytes().to_vec()),
+        ("version.name.size", types::UINT64) => {
+            Some((NAME.as_bytes_with_nul().len() as u64).to_ne_bytes().to_vec())
+        }
         ("geometryMaxIndex", types::UINT64) => Some(u64::from(u32::MAX - 1).to_ne_bytes().to_vec()),
         ("extension", types::STRING_LIST) => Some(address(extensions())),
         ("objects", types::UINT64) => Some((device.alive() as u64).to_ne_bytes().to_vec()),

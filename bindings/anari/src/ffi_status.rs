@@ -65,7 +65,8 @@ impl Reporter {
 
     /// Sends a message about an object, or about the device.
     pub(crate) fn send(&self, about: Option<&Object>, severity: Severity, code: Code, text: &str) {
-        let (source, kind) = about.map_or((self.device, types::DEVICE), |object| (object.handle, object.kind));
+        let (source, kind) =
+            about.map_or((self.device, types::DEVICE), |object| (object.handle, object.kind));
         let text = match about {
             Some(object) => format!("{}: {text}", object.label()),
             None => text.to_owned(),

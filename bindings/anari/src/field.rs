@@ -27,7 +27,8 @@ impl Field {
         let array = now.object("data", types::ARRAY3D).and_then(|array| Array::of(array));
         let array = array.ok_or("parameter 'data': missing, the field has no values")?;
         let element = types::name(array.element);
-        let values = array.colors().ok_or_else(|| format!("parameter 'data': elements of type {element}: invalid"))?;
+        let values =
+            array.colors().ok_or_else(|| format!("parameter 'data': elements of type {element}: invalid"))?;
         let (dims, spacing) = (array.dims.map(|n| n as usize), now.vec3("spacing").unwrap_or([1.0; 3]));
         if values.is_empty() {
             return Err("parameter 'data': no values".into());

@@ -6,7 +6,7 @@
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::Vec3;
-use gnurt::scene::{Affine, Light, Mesh, MaterialId};
+use gnurt::scene::{Affine, Light, MaterialId, Mesh};
 
 use crate::ffi_array::Array;
 use crate::lamp::{Distribution, Lamp, Side};
@@ -115,7 +115,8 @@ pub(crate) fn light(object: &Object, to_world: &Affine, material: MaterialId) ->
     let made = match object.subtype.as_str() {
         "directional" => {
             let half = now.f32("angularDiameter").unwrap_or(0.0) / 2.0;
-            let disc = now.f32("radiance").map(|radiance| radiance * PI * half.sin().powi(2)).filter(|_| half > 0.0);
+            let disc =
+                now.f32("radiance").map(|radiance| radiance * PI * half.sin().powi(2)).filter(|_| half > 0.0);
             let irradiance = disc.unwrap_or_else(|| now.f32("irradiance").unwrap_or(1.0)).max(0.0);
             let direction = read.direction("direction", [0.0, 0.0, -1.0])?.to_array();
             Made::Small(Light::Directional { direction, irradiance: (read.color() * irradiance).to_array() })
@@ -230,12 +231,15 @@ fn sky(read: &Reader) -> Result<Sky, String> {
     let array = read.now.object("radiance", types::ARRAY2D).and_then(|array| Array::of(array));
     let array = array.ok_or("parameter 'radiance': missing")?;
     let scale = read.color() * read.now.f32("scale").unwrap_or(1.0).max(0.0);
-    let values = array.colors().filter(|values| !values.is_empty()).ok_or("parameter 'radiance': no texels")?;
-    let texels = values.into_iter().map(|[r, g, b, _]| (Vec3::new(r, g, b) * scale).max(Vec3::ZERO).to_array());
+    let values =
+        array.colors().filter(|values| !values.is_empty()).ok_or("parameter 'radiance': no texels")?;
+    let texels =
+        values.into_iter().map(|[r, g, b, _]| (Vec3::new(r, g, b) * scale).max(Vec3::ZERO).to_array());
     let size = [array.dims[0], array.dims[1]].map(u32::try_from);
     let [Ok(width), Ok(height)] = size else { return Err("parameter 'radiance': too large".into()) };
     let middle = read.direction("direction", [1.0, 0.0, 0.0])?;
     let up = read.direction("up", [0.0, 0.0, 1.0])?;
-    let up = (up - middle * middle.dot(up)).try_normalize().unwrap_or_else(|| middle.any_orthonormal_vector());
+    let up =
+        (up - middle * middle.dot(up)).try_normalize().unwrap_or_else(|| middle.any_orthonormal_vector());
     Ok(Sky { size: [width, height], texels: texels.collect(), middle, up, visible: read.visible() })
 }

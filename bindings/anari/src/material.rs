@@ -250,7 +250,8 @@ impl Material {
         };
         let ior = physical.ior.one(point);
         let ior = if ior > 0.0 && ior.is_finite() { ior } else { 1.5 };
-        let plain = Principled::new(base, physical.metallic.share(point), physical.roughness.share(point), ior);
+        let plain =
+            Principled::new(base, physical.metallic.share(point), physical.roughness.share(point), ior);
         let specular = physical.specular.share(point);
         let tint = physical.specular_color.color(point);
         let coat_roughness = physical.clearcoat_roughness.share(point);

@@ -65,7 +65,8 @@ impl Snapshot {
 
     /// A number.
     pub(crate) fn f32(&self, name: &str) -> Option<f32> {
-        let (kind, bytes) = self.plain(name, &[types::FLOAT32, types::FLOAT64, types::INT32, types::UINT32])?;
+        let (kind, bytes) =
+            self.plain(name, &[types::FLOAT32, types::FLOAT64, types::INT32, types::UINT32])?;
         types::decode(kind, bytes).map(|value| value[0])
     }
 
@@ -231,11 +232,7 @@ impl Object {
     }
 
     /// What `make` makes of it, again only if `stamp` is another one than before.
-    pub(crate) fn derived<T: Send + Sync + 'static>(
-        &self,
-        stamp: u64,
-        make: impl FnOnce() -> T,
-    ) -> Arc<T> {
+    pub(crate) fn derived<T: Send + Sync + 'static>(&self, stamp: u64, make: impl FnOnce() -> T) -> Arc<T> {
         let known = lock(&self.derived).clone();
         if let Some((_, value)) = known.filter(|(of, _)| *of == stamp)
             && let Ok(value) = value.downcast()

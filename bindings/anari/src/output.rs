@@ -80,9 +80,10 @@ fn floats(values: impl IntoIterator<Item = f32>) -> Vec<u8> {
 fn color(format: DataType, pixels: &[Color]) -> Vec<u8> {
     match format {
         types::FLOAT32_VEC4 => floats(pixels.iter().flatten().copied()),
-        types::UFIXED8_RGBA_SRGB => {
-            pixels.iter().flat_map(|&[r, g, b, a]| [srgb::encode_u8(r), srgb::encode_u8(g), srgb::encode_u8(b), byte(a)]).collect()
-        }
+        types::UFIXED8_RGBA_SRGB => pixels
+            .iter()
+            .flat_map(|&[r, g, b, a]| [srgb::encode_u8(r), srgb::encode_u8(g), srgb::encode_u8(b), byte(a)])
+            .collect(),
         _ => pixels.iter().flatten().map(|&x| byte(x)).collect(),
     }
 }

@@ -99,7 +99,8 @@ impl Layers {
         let mut kept = Vec::new();
         for (k, &lane) in lanes.iter().enumerate() {
             let (walk, ray) = (&mut walks[lane], samples.rays.get(lane));
-            let (own, left) = through_volumes(&self.table, &ray, [walk.t, distances[k]], random(samples.keys[lane]));
+            let (own, left) =
+                through_volumes(&self.table, &ray, [walk.t, distances[k]], random(samples.keys[lane]));
             walk.light += own * walk.left;
             walk.left *= left;
             let is_miss = !distances[k].is_finite();
@@ -137,7 +138,8 @@ impl PixelShader for Layers {
     fn show(&self, tracer: &mut dyn Tracer, samples: &PixelSamples, out: &mut Vec3s) {
         let count = samples.rays.len();
         let mut walks = vec![Walk { light: Vec3::ZERO, left: 1.0, t: 0.0 }; count];
-        let mut lanes: Vec<usize> = (0..count).filter(|&lane| samples.rays.get(lane).dir != [0.0; 3]).collect();
+        let mut lanes: Vec<usize> =
+            (0..count).filter(|&lane| samples.rays.get(lane).dir != [0.0; 3]).collect();
         let request = |lanes: &[usize], walks: &[Walk]| {
             let mut request = RayRequest::default();
             for &lane in lanes {

@@ -85,7 +85,8 @@ impl Image {
             let [a, b] = [0, 1].map(|x| self.at([first[0] + x, first[1] + y, first[2] + z]));
             mix(a, b, shares[0])
         };
-        let across = |z: i64| if self.dims[1] == 1 { along(0, z) } else { mix(along(0, z), along(1, z), shares[1]) };
+        let across =
+            |z: i64| if self.dims[1] == 1 { along(0, z) } else { mix(along(0, z), along(1, z), shares[1]) };
         if self.dims[2] == 1 { across(0) } else { mix(across(0), across(1), shares[2]) }
     }
 }
@@ -110,7 +111,9 @@ pub(crate) struct Sampler {
 const UNIT: [f32; 16] = [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0];
 
 fn transformed(matrix: &[f32; 16], v: Color, offset: Color) -> Color {
-    std::array::from_fn(|row| (0..4).map(|column| matrix[4 * column + row] * v[column]).sum::<f32>() + offset[row])
+    std::array::from_fn(|row| {
+        (0..4).map(|column| matrix[4 * column + row] * v[column]).sum::<f32>() + offset[row]
+    })
 }
 
 impl Sampler {
@@ -158,9 +161,8 @@ impl Sampler {
             other => return Err(format!("subtype '{other}': unsupported")),
         };
         let name = now.text("inAttribute").unwrap_or("attribute0");
-        let input = Attribute::named(name).ok_or_else(|| {
-            format!("parameter 'inAttribute': '{name}': unknown attribute")
-        })?;
+        let input = Attribute::named(name)
+            .ok_or_else(|| format!("parameter 'inAttribute': '{name}': unknown attribute"))?;
         let (into, out) = (now.mat4("inTransform").unwrap_or(UNIT), now.mat4("outTransform").unwrap_or(UNIT));
         let [into_offset, out_offset] =
             ["inOffset", "outOffset"].map(|name| now.color(name).unwrap_or([0.0; 4]));
@@ -172,7 +174,10 @@ impl Sampler {
         let value = match &self.source {
             Source::Primitive(values, offset) => {
                 let place = usize::try_from(offset.saturating_add(u64::from(point.primitive()))).ok();
-                return place.and_then(|place| values.get(place)).copied().unwrap_or(crate::attribute::NOTHING);
+                return place
+                    .and_then(|place| values.get(place))
+                    .copied()
+                    .unwrap_or(crate::attribute::NOTHING);
             }
             Source::Attribute => point.attribute(self.input),
             Source::Image(image) => {
@@ -204,6 +209,10 @@ mod tests {
         assert!((value(true, Wrap::Repeat, 1.125)).abs() < 1e-5, "again from its start");
         assert!((value(true, Wrap::Mirror, 1.125) - 3.0).abs() < 1e-5, "back from its end");
         assert_eq!(value(false, Wrap::Border, 1.5), 9.0, "the border");
-        assert_eq!(value(true, Wrap::Repeat, f32::NAN), value(true, Wrap::Repeat, 0.0), "no place is the first");
+        assert_eq!(
+            value(true, Wrap::Repeat, f32::NAN),
+            value(true, Wrap::Repeat, 0.0),
+            "no place is the first"
+        );
     }
 }

@@ -70,7 +70,8 @@ pub(crate) struct At<'t> {
 impl Table {
     /// The point of a triangle of an instance of the world, by the weights of its second and third corner; `None` for lamps.
     pub(crate) fn at(&self, instance: u32, triangle: u32, uv: [f32; 2], p: Vec3, n: Vec3) -> Option<At<'_>> {
-        let Place::Surface { surface, instance, part, placement } = *self.places.get(instance as usize)? else {
+        let Place::Surface { surface, instance, part, placement } = *self.places.get(instance as usize)?
+        else {
             return None;
         };
         let (surface, instance) = (&self.surfaces[surface as usize], &self.instances[instance as usize]);
@@ -115,7 +116,11 @@ fn weights([a, b, c]: [Vec3; 3], p: Vec3) -> [f32; 3] {
     let normal = u.cross(v);
     let area = normal.length_squared();
     let (second, third) = (w.cross(v).dot(normal) / area, u.cross(w).dot(normal) / area);
-    if second.is_finite() && third.is_finite() { [1.0 - second - third, second, third] } else { [1.0, 0.0, 0.0] }
+    if second.is_finite() && third.is_finite() {
+        [1.0 - second - third, second, third]
+    } else {
+        [1.0, 0.0, 0.0]
+    }
 }
 
 impl At<'_> {
@@ -140,7 +145,8 @@ impl At<'_> {
         let (du1, du2, dv1, dv2) = (u1 - u0, u2 - u0, v1 - v0, v2 - v0);
         let area = du1 * dv2 - du2 * dv1;
         let to_world = linear(&self.instance.world_from_object);
-        let (along_u, along_v) = (((b - a) * dv2 - (c - a) * dv1) / area, ((c - a) * du1 - (b - a) * du2) / area);
+        let (along_u, along_v) =
+            (((b - a) * dv2 - (c - a) * dv1) / area, ((c - a) * du1 - (b - a) * du2) / area);
         (along_u.is_finite() && along_v.is_finite()).then(|| [to_world * along_u, to_world * along_v])
     }
 

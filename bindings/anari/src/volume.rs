@@ -45,7 +45,9 @@ impl Transfer {
         let opacities = list("opacity").filter(|list| !list.is_empty());
         let unit_distance = now.f32("unitDistance").unwrap_or(1.0);
         if !(unit_distance > 0.0) {
-            return Err(format!("parameter 'unitDistance': {unit_distance}: out of range; it must be above 0"));
+            return Err(format!(
+                "parameter 'unitDistance': {unit_distance}: out of range; it must be above 0"
+            ));
         }
         Ok(Self {
             colors: colors.unwrap_or_else(|| vec![now.color("color").unwrap_or([1.0; 4])]),
@@ -116,7 +118,8 @@ impl Volume {
         let (mut light, mut left) = (Vec3::ZERO, 1.0_f32);
         for k in 0..count as u32 {
             let t = enter + (k as f32 + random) * step / length;
-            let Some(value) = self.field.value((org + dir * t).to_array()).filter(|value| !value.is_nan()) else {
+            let Some(value) = self.field.value((org + dir * t).to_array()).filter(|value| !value.is_nan())
+            else {
                 continue;
             };
             let (color, opacity) = self.transfer.of(value);

@@ -10,7 +10,9 @@ use glam::Vec3;
 use gnurt::ThreadPool;
 use gnurt::render::{CommitOptions, ShaderTable, World};
 use gnurt::scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
-use gnurt::scene::{Affine, Instance as Placed, Light, Material as Plain, MaterialId, RayMask, Scene, Surface as Look};
+use gnurt::scene::{
+    Affine, Instance as Placed, Light, Material as Plain, MaterialId, RayMask, Scene, Surface as Look,
+};
 use gnurt::shading::{PixelShader, SurfaceShader};
 
 use crate::attribute::{FREE, NAMES};
@@ -130,7 +132,8 @@ impl Builder<'_> {
         if now.bool("visible") == Some(false) {
             return;
         }
-        let Some(geometry) = now.object("geometry", types::GEOMETRY).and_then(|it| geometry(it, self.report)) else {
+        let Some(geometry) = now.object("geometry", types::GEOMETRY).and_then(|it| geometry(it, self.report))
+        else {
             return;
         };
         let look = now.object("material", types::MATERIAL).and_then(|it| material(it, self.report));
@@ -169,11 +172,15 @@ impl Builder<'_> {
         }
         let field = now.object("value", types::SPATIAL_FIELD);
         let field = field.and_then(|it| made(it, self.report, || Field::new(it)));
-        let Some(field) = field else { return (self.report)(object, "parameter 'value': missing, not shown") };
+        let Some(field) = field else {
+            return (self.report)(object, "parameter 'value': missing, not shown");
+        };
         let Some(transfer) = made(object, self.report, || Transfer::new(object)) else { return };
         let [low, high] = field.bounds();
         for k in 0..8_usize {
-            let corner = std::array::from_fn(|axis| f64::from(if k >> axis & 1 == 0 { low[axis] } else { high[axis] }));
+            let corner = std::array::from_fn(|axis| {
+                f64::from(if k >> axis & 1 == 0 { low[axis] } else { high[axis] })
+            });
             self.bounds.add(to_world.point(corner), [0.0; 3]);
         }
         let id = now.u32("id").unwrap_or(u32::MAX);
@@ -188,9 +195,16 @@ impl Builder<'_> {
             Made::Lamp { mesh, lamp, visible } => {
                 let mesh = self.scene.add_mesh(mesh);
                 let shape = self.scene.add_object_of("", vec![mesh]);
-                let mask = if visible { RayMask::ALL } else { !RayMask::CAMERA };
+                // One that is not to be seen casts no shadow of others' light either.
+                let mask = if visible { RayMask::ALL } else { !(RayMask::CAMERA | RayMask::SHADOW) };
                 let place = Affine::IDENTITY;
-                let placed = Placed { name: String::new(), object: shape, world_from_object: place, visible: true, mask };
+                let placed = Placed {
+                    name: String::new(),
+                    object: shape,
+                    world_from_object: place,
+                    visible: true,
+                    mask,
+                };
                 self.scene.add_instance(placed);
                 self.table.places.push(Place::Lamp(self.table.lamps.len() as u32));
                 self.table.lamps.push(lamp);
@@ -216,7 +230,8 @@ impl Builder<'_> {
         let array = now.object("transform", types::ARRAY1D).and_then(|array| Array::of(array)?.rows::<16>());
         let transforms = array.unwrap_or_else(|| vec![now.mat4("transform").unwrap_or(UNIT)]);
         let ids = now.object("id", types::ARRAY1D).and_then(|array| Array::of(array)?.indices::<1>());
-        let each = NAMES.map(|name| now.object(name, types::ARRAY1D).and_then(|array| Array::of(array)?.colors()));
+        let each =
+            NAMES.map(|name| now.object(name, types::ARRAY1D).and_then(|array| Array::of(array)?.colors()));
         for (k, matrix) in transforms.iter().enumerate() {
             let world_from_object = affine(matrix);
             let Some(object_from_world) = world_from_object.inverse() else {
@@ -269,7 +284,8 @@ impl Stage {
     }
 
     fn shaders(&self, pixel: Option<Arc<dyn PixelShader>>) -> ShaderTable {
-        let surface = |class| Arc::new(Surfaces { table: self.table.clone(), class }) as Arc<dyn SurfaceShader>;
+        let surface =
+            |class| Arc::new(Surfaces { table: self.table.clone(), class }) as Arc<dyn SurfaceShader>;
         let lamps = Arc::new(Lamps { table: self.table.clone() }) as Arc<dyn SurfaceShader>;
         let surfaces = (0..class::COUNT).map(surface).chain([lamps]).collect();
         ShaderTable { surfaces, pixel, ..ShaderTable::default() }
@@ -290,14 +306,18 @@ impl Stage {
                 let mut scene = self.scene.clone();
                 self.surround(&mut scene, ambient);
                 let mut world = World::new();
-                world.commit(&scene, &self.shaders(None), &options, pool).map_err(|error| error.to_string())?;
+                world
+                    .commit(&scene, &self.shaders(None), &options, pool)
+                    .map_err(|error| error.to_string())?;
                 Ready { ambient, scene, world }
             }
         };
         // The program's other frames may show another picture of it: only what pixels show differs.
         let mut world = ready.world.clone();
         let shown = match pixel {
-            Some(pixel) => world.commit(&ready.scene, &self.shaders(Some(pixel)), &options, pool).map(|_| world),
+            Some(pixel) => {
+                world.commit(&ready.scene, &self.shaders(Some(pixel)), &options, pool).map(|_| world)
+            }
             None => Ok(world),
         };
         *lock(&self.ready) = Some(ready);
@@ -320,7 +340,8 @@ impl Stage {
         let [width, height] = sky.size;
         let texels = Arc::new(Texels { width, height, data: TexelData::Float(texels.collect()) });
         let wrap = [Wrap::Repeat, Wrap::ClampToEdge];
-        let texture = scene.add_texture(Texture { name: String::new(), texels, wrap, filter: Filter::Linear });
+        let texture =
+            scene.add_texture(Texture { name: String::new(), texels, wrap, filter: Filter::Linear });
         let columns = [sky.middle.cross(sky.up), sky.up, -sky.middle, Vec3::ZERO];
         let world_from_light = Affine { columns: columns.map(|v| v.to_array().map(f64::from)) };
         scene.add_light(Light::Environment { radiance: [1.0; 3], texture: Some(texture), world_from_light });

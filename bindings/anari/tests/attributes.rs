@@ -39,13 +39,20 @@ impl Board {
 }
 
 fn near(found: [f32; 3], expected: [f32; 3], text: &str) {
-    assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{text}: {found:?}, expected {expected:?}");
+    assert!(
+        found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3),
+        "{text}: {found:?}, expected {expected:?}"
+    );
 }
 
 #[test]
 fn vertices_are_interpolated() {
     let board = Board::new();
-    board.list("vertex.color", t::FLOAT32_VEC3, &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
+    board.list(
+        "vertex.color",
+        t::FLOAT32_VEC3,
+        &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0],
+    );
     board.set.client.set_text(board.material, "color", "color");
     let at = board.albedos();
     for (x, y) in [(0, 0), (7, 0), (3, 6), (7, 7)] {
@@ -106,7 +113,12 @@ fn image(wrap: &str, filter: &str, scale: f32) -> impl Fn(u32, u32) -> [f32; 3] 
     }
     client.set_text(sampler, "filter", filter);
     let s = scale;
-    client.set_floats(sampler, "inTransform", t::FLOAT32_MAT4, &[s, 0.0, 0.0, 0.0, 0.0, s, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+    client.set_floats(
+        sampler,
+        "inTransform",
+        t::FLOAT32_MAT4,
+        &[s, 0.0, 0.0, 0.0, 0.0, s, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+    );
     client.commit(sampler);
     client.give(board.material, "color", t::SAMPLER, sampler);
     board.albedos()

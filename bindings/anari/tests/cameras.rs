@@ -15,7 +15,7 @@ fn share(subtype: &str, edit: impl FnOnce(&Set, usize), size: [u32; 2]) -> f32 {
     set.client.set_vec3(camera, "position", [0.0, 0.0, 2.0]);
     edit(&set, camera);
     set.client.commit(camera);
-    let set = Set { camera, ..set };
+    let set = set.seen_by(camera);
     set.samples(16);
     let share = set.mean(size)[0];
     set.assert_quiet();
@@ -36,12 +36,18 @@ fn squares_fill_their_shares() {
         set.client.set_float(camera, "height", 2.0);
         set.client.set_floats(camera, "imageRegion", t::FLOAT32_BOX2, &[0.0, 0.0, 0.5, 0.5]);
     };
-    assert_close(share("orthographic", region, [64, 64]), 0.25, 0.02, "the lower left quarter has a quarter of it");
+    assert_close(
+        share("orthographic", region, [64, 64]),
+        0.25,
+        0.02,
+        "the lower left quarter has a quarter of it",
+    );
 }
 
 #[test]
 fn planes_clip() {
-    let clipped = |name: &'static str, at: f32| move |set: &Set, camera| set.client.set_float(camera, name, at);
+    let clipped =
+        |name: &'static str, at: f32| move |set: &Set, camera| set.client.set_float(camera, name, at);
     assert_eq!(share("orthographic", clipped("near", 2.5), [16, 16]), 0.0, "nearer than the near plane");
     assert_eq!(share("perspective", clipped("far", 1.5), [16, 16]), 0.0, "farther than the far plane");
     assert!(share("perspective", clipped("far", 2.5), [16, 16]) > 0.1, "between them");
@@ -57,7 +63,7 @@ fn all_directions_are_seen() {
     set.add(square, white);
     let camera = set.client.object(t::CAMERA, "omnidirectional");
     set.client.commit(camera);
-    let set = Set { camera, ..set };
+    let set = set.seen_by(camera);
     let depths = set.channel([64, 32], "channel.depth", t::FLOAT32).floats();
     let at = |x: usize, y: usize| depths[64 * y + x];
     assert!(at(32, 0).is_infinite(), "nothing below");

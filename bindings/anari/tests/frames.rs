@@ -27,7 +27,9 @@ fn bits(set: &Set, frame: usize) -> Vec<u8> {
 #[test]
 fn equal_frames_are_equal_and_accumulation_adds_up() {
     let set = scene();
-    let (once, twice, sums) = (set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR));
+    set.samples(4);
+    let (once, twice, sums) =
+        (set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR));
     set.client.set(sums, "accumulation", t::BOOL, &[1]);
     set.client.commit(sums);
     for frame in [once, twice, twice, sums] {
@@ -71,7 +73,10 @@ fn frames_run_beside_the_program_and_are_stopped() {
     set.samples(1);
     set.client.render(frame);
     assert!(set.client.is_ready(frame, true), "and it renders again");
-    assert!(set.client.property(frame, "duration", t::FLOAT32).is_some_and(|b| b != [0; 4]), "it took some time");
+    assert!(
+        set.client.property(frame, "duration", t::FLOAT32).is_some_and(|b| b != [0; 4]),
+        "it took some time"
+    );
 }
 
 #[test]
@@ -101,6 +106,19 @@ fn frames_show_what_was_committed_when_they_began() {
     set.client.commit(set.renderer);
     set.client.render(frame);
     assert_ne!(bits(&set, frame), before, "committed");
+}
+
+#[test]
+fn frames_that_do_not_add_up_take_more_samples() {
+    let set = scene();
+    let (once, sums) = (set.frame([4, 4], &COLOR), set.frame([4, 4], &COLOR));
+    set.client.set(sums, "accumulation", t::BOOL, &[1]);
+    set.client.commit(sums);
+    for (frame, expected) in [(once, 16), (sums, 4)] {
+        set.client.render(frame);
+        let samples = set.client.property(frame, "numSamples", t::INT32);
+        assert_eq!(samples.map(|b| b[0]), Some(expected), "by default");
+    }
 }
 
 #[test]

@@ -39,7 +39,8 @@ fn transforms_move_groups() {
     assert_eq!([at(1), at(2), at(5), at(6)], [7, 7, 9, 9], "each where it was put");
     assert_eq!(at(0), u32::MAX, "nothing beside them");
     let bounds = set.client.property(set.world, "bounds", t::FLOAT32_BOX3).expect("it has some");
-    let bounds: Vec<f32> = bounds.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let bounds: Vec<f32> =
+        bounds.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
     assert_eq!(bounds, [-0.75, -0.25, 0.0, 0.75, 0.25, 0.0], "around both");
     set.assert_quiet();
 }
@@ -88,7 +89,10 @@ fn bounds_of_round_shapes_are_exact() {
     };
     assert_eq!(bounds("sphere", &[1.0, 2.0, 3.0], 0.5), [0.5, 1.5, 2.5, 1.5, 2.5, 3.5], "a ball");
     let rod = bounds("cylinder", &[0.0, 0.0, 0.0, 0.0, 0.0, 2.0], 0.5);
-    assert!(rod.iter().zip([-0.5, -0.5, 0.0, 0.5, 0.5, 2.0]).all(|(a, b)| (a - b).abs() < 1e-6), "a rod: {rod:?}");
+    assert!(
+        rod.iter().zip([-0.5, -0.5, 0.0, 0.5, 0.5, 2.0]).all(|(a, b)| (a - b).abs() < 1e-6),
+        "a rod: {rod:?}"
+    );
     set.commit();
     assert_eq!(set.client.property(set.world, "bounds", t::FLOAT32_BOX3), None, "nothing has none");
 }

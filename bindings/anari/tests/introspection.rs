@@ -5,15 +5,32 @@ use anari_library_gnurt::ffi_client::Client;
 use anari_library_gnurt::types as t;
 
 const KINDS: [t::DataType; 15] = [
-    t::DEVICE, t::ARRAY1D, t::ARRAY2D, t::ARRAY3D, t::CAMERA, t::FRAME, t::GEOMETRY, t::GROUP, t::INSTANCE, t::LIGHT,
-    t::MATERIAL, t::RENDERER, t::SURFACE, t::SAMPLER, t::VOLUME,
+    t::DEVICE,
+    t::ARRAY1D,
+    t::ARRAY2D,
+    t::ARRAY3D,
+    t::CAMERA,
+    t::FRAME,
+    t::GEOMETRY,
+    t::GROUP,
+    t::INSTANCE,
+    t::LIGHT,
+    t::MATERIAL,
+    t::RENDERER,
+    t::SURFACE,
+    t::SAMPLER,
+    t::VOLUME,
 ];
 
 /// All kinds with all subtypes.
 fn all(client: &Client) -> Vec<(t::DataType, String)> {
     let of = |&kind: &t::DataType| {
         let subtypes = client.subtypes(kind);
-        if subtypes.is_empty() { vec![(kind, String::new())] } else { subtypes.into_iter().map(|s| (kind, s)).collect() }
+        if subtypes.is_empty() {
+            vec![(kind, String::new())]
+        } else {
+            subtypes.into_iter().map(|s| (kind, s)).collect()
+        }
     };
     KINDS.iter().chain(&[t::SPATIAL_FIELD, t::WORLD]).flat_map(of).collect()
 }
@@ -21,12 +38,18 @@ fn all(client: &Client) -> Vec<(t::DataType, String)> {
 #[test]
 fn subtypes_and_extensions_are_listed() {
     let client = Client::new();
-    assert_eq!(client.subtypes(t::GEOMETRY), ["cone", "curve", "cylinder", "isosurface", "quad", "sphere", "triangle"]);
+    assert_eq!(
+        client.subtypes(t::GEOMETRY),
+        ["cone", "curve", "cylinder", "isosurface", "quad", "sphere", "triangle"]
+    );
     assert_eq!(client.subtypes(t::LIGHT), ["directional", "hdri", "point", "quad", "ring", "spot"]);
-    assert_eq!(client.subtypes(t::RENDERER), ["default", "ao", "debug"]);
+    assert_eq!(client.subtypes(t::RENDERER), ["default", "ao", "eyelight", "debug"]);
     assert_eq!(client.subtypes(t::SURFACE), Vec::<String>::new());
     let extensions = client.extensions();
-    assert!(extensions.len() > 40 && extensions.iter().all(|name| name.starts_with("ANARI_KHR_")), "{extensions:?}");
+    assert!(
+        extensions.len() > 40 && extensions.iter().all(|name| name.starts_with("ANARI_KHR_")),
+        "{extensions:?}"
+    );
     for (kind, subtype) in all(&client).iter().filter(|(_, subtype)| !subtype.is_empty() && subtype != "ao") {
         let object = client.object(*kind, subtype);
         assert_ne!(object, 0, "{subtype}");
@@ -82,8 +105,11 @@ fn every_parameter_of_every_object_can_be_set_and_committed() {
             }
             let text = format!("{} '{subtype}' {name} {}", t::name(kind), t::name(of));
             // Elements of lists are any here: only types matter.
-            let loud: Vec<_> =
-                client.messages().into_iter().filter(|m| m.severity < 5 && !m.text.contains("elements of type")).collect();
+            let loud: Vec<_> = client
+                .messages()
+                .into_iter()
+                .filter(|m| m.severity < 5 && !m.text.contains("elements of type"))
+                .collect();
             assert!(loud.is_empty(), "{text}: {loud:?}");
             client.commit(object);
             client.unset(object, &name);
@@ -92,7 +118,10 @@ fn every_parameter_of_every_object_can_be_set_and_committed() {
             if of != t::VOID_POINTER {
                 client.set(object, &name, t::UINT64_REGION4, &[0; 64]);
                 let messages = client.messages();
-                assert!(messages.iter().any(|m| m.severity == 3 && m.text.contains(&format!("'{name}'"))), "{text}: {messages:?}");
+                assert!(
+                    messages.iter().any(|m| m.severity == 3 && m.text.contains(&format!("'{name}'"))),
+                    "{text}: {messages:?}"
+                );
             }
             held.push(object);
             held.iter().for_each(|&object| client.release(object));
@@ -109,7 +138,8 @@ fn parameters_are_described() {
     let client = Client::new();
     for (kind, subtype) in all(&client) {
         for (name, of) in client.parameters(kind, &subtype) {
-            let info = |property, info| client.parameter_info((kind, &subtype), (&name, of), (property, info));
+            let info =
+                |property, info| client.parameter_info((kind, &subtype), (&name, of), (property, info));
             assert_ne!(info("description", t::STRING), 0, "{} '{subtype}' {name}", t::name(kind));
             assert_ne!(info("required", t::BOOL), 0, "{name}");
             assert_eq!(info("description", t::STRING), info("description", t::STRING), "answers stay");
@@ -131,7 +161,9 @@ fn parameters_are_described() {
 #[test]
 fn versions_and_limits_are_told() {
     let client = Client::new();
-    let number = |name: &str| client.property(client.device(), name, t::INT32).map(|b| i32::from_ne_bytes([b[0], b[1], b[2], b[3]]));
+    let number = |name: &str| {
+        client.property(client.device(), name, t::INT32).map(|b| i32::from_ne_bytes([b[0], b[1], b[2], b[3]]))
+    };
     assert!(number("version").is_some_and(|version| version >= 100), "a version");
     assert!(client.property(client.device(), "geometryMaxIndex", t::UINT64).is_some(), "a limit");
     assert_eq!(number("colour"), None, "no such property");

@@ -73,8 +73,11 @@ fn captured_memory_is_freed_once() {
 fn released_shared_memory_is_not_read_again() {
     let mut set = Set::new("ao");
     set.ambient(1.0);
-    let mut corners: Vec<u8> =
-        [[-9.0_f32, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]].iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
+    let mut corners: Vec<u8> = [[-9.0_f32, -9.0, 0.0], [9.0, -9.0, 0.0], [0.0, 9.0, 0.0]]
+        .iter()
+        .flatten()
+        .flat_map(|x| x.to_ne_bytes())
+        .collect();
     let geometry = set.client.object(t::GEOMETRY, "triangle");
     set.client.shared_for(&corners, t::FLOAT32_VEC3, |array| {
         set.client.set_object(geometry, "vertex.position", t::ARRAY1D, array);
@@ -101,8 +104,17 @@ fn mapped_arrays_change_what_is_seen() {
     set.add(square, material);
     assert_eq!(set.picture([2, 2]).pixel(0, 0)[..3], [1.0, 0.0, 0.0], "red");
     set.client.write(colors, &[0.0_f32, 1.0, 0.0].map(f32::to_ne_bytes).concat());
-    assert_eq!(set.picture([2, 2]).pixel(0, 0)[..3], [0.0, 1.0, 0.0], "green, without a commit of the geometry");
-    set.client.map_parameter(square, "primitive.color", t::FLOAT32_VEC3, &[0.0_f32, 0.0, 1.0].map(f32::to_ne_bytes).concat());
+    assert_eq!(
+        set.picture([2, 2]).pixel(0, 0)[..3],
+        [0.0, 1.0, 0.0],
+        "green, without a commit of the geometry"
+    );
+    set.client.map_parameter(
+        square,
+        "primitive.color",
+        t::FLOAT32_VEC3,
+        &[0.0_f32, 0.0, 1.0].map(f32::to_ne_bytes).concat(),
+    );
     set.client.commit(square);
     assert_eq!(set.picture([2, 2]).pixel(0, 0)[..3], [0.0, 0.0, 1.0], "blue, by a mapped parameter");
     set.assert_quiet();
@@ -124,38 +136,4 @@ fn regions_of_lists_count() {
     set.client.commit(material);
     set.add(square, material);
     assert_eq!(set.picture([2, 2]).pixel(0, 0)[..3], [0.0, 1.0, 0.0], "the second one is the first");
-}
-
-/// Kilobytes that the process holds.
-fn resident() -> u64 {
-    let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
-    text.split_whitespace().nth(1).and_then(|pages| pages.parse::<u64>().ok()).unwrap_or(0) * 4
-}
-
-#[test]
-fn a_hundred_thousand_commits_leak_nothing() {
-    let set = Set::new("ao");
-    let (geometry, material) = (set.client.object(t::GEOMETRY, "sphere"), set.client.object(t::MATERIAL, "matte"));
-    let round = |count: usize| {
-        for k in 0..count {
-            let list = set.client.floats(t::FLOAT32_VEC3, &[k as f32, 0.0, 0.0]);
-            set.client.give(geometry, "vertex.position", t::ARRAY1D, list);
-            set.client.set_float(geometry, "radius", k as f32);
-            set.client.commit(geometry);
-            set.client.set_vec3(material, "color", [0.5; 3]);
-            set.client.commit(material);
-            let surface = set.client.object(t::SURFACE, "");
-            set.client.set_object(surface, "geometry", t::GEOMETRY, geometry);
-            set.client.set_object(surface, "material", t::MATERIAL, material);
-            set.client.commit(surface);
-            set.client.release(surface);
-        }
-    };
-    round(2000);
-    let (alive, before) = (set.client.alive(), resident());
-    round(40_000);
-    assert_eq!(set.client.alive(), alive, "120,000 commits later as many objects live");
-    let grown = resident().saturating_sub(before);
-    assert!(grown < 8 << 10, "{grown} KiB more memory");
-    set.assert_quiet();
 }

@@ -18,7 +18,9 @@ fn square(subtype: &str, edit: impl FnOnce(&Set, usize)) -> Set {
 
 #[test]
 fn opacities_show_the_background() {
-    for (mode, opacity, share) in [("opaque", 0.25, 1.0), ("blend", 0.25, 0.25), ("mask", 0.25, 0.0), ("mask", 0.75, 1.0)] {
+    for (mode, opacity, share) in
+        [("opaque", 0.25, 1.0), ("blend", 0.25, 0.25), ("mask", 0.25, 0.0), ("mask", 0.75, 1.0)]
+    {
         let set = square("matte", |set, material| {
             set.client.set_vec3(material, "color", [0.8, 0.0, 0.0]);
             set.client.set_text(material, "alphaMode", mode);
@@ -42,7 +44,8 @@ fn surfaces_one_behind_the_other_add_up() {
     let mut set = Set::new("default");
     for (z, color) in [(0.0, [1.0, 0.0, 0.0]), (1.0, [0.0, 1.0, 0.0])] {
         let corners = [[-9.0, -9.0, z], [9.0, -9.0, z], [9.0, 9.0, z], [-9.0, 9.0, z]];
-        let (faces, material) = (set.faces("quad", &corners), set.client.object(t::MATERIAL, "physicallyBased"));
+        let (faces, material) =
+            (set.faces("quad", &corners), set.client.object(t::MATERIAL, "physicallyBased"));
         set.client.set_vec3(material, "baseColor", [0.0; 3]);
         set.client.set_vec3(material, "emissive", color);
         set.client.set_float(material, "metallic", 0.0);
@@ -110,7 +113,7 @@ fn emission_is_seen_and_lights() {
     set.client.set_vec3(camera, "direction", [3.6, 0.0, -2.5]);
     set.client.set_float(camera, "height", 0.1);
     set.client.commit(camera);
-    let set = Set { camera, ..set };
+    let set = set.seen_by(camera);
     set.samples(32);
     assert!(set.mean([4, 4])[0] > 0.05, "the wall is lit");
 }

@@ -69,6 +69,7 @@ fn volumes_have_depth_and_number() {
     let ids = set.channel([8, 8], "channel.objectId", t::UINT32).numbers();
     assert_eq!([ids[8 * 4 + 4], ids[0]], [42, u32::MAX], "its number, and none");
     let bounds = set.client.property(set.world, "bounds", t::FLOAT32_BOX3).expect("it has some");
-    let bounds: Vec<f32> = bounds.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let bounds: Vec<f32> =
+        bounds.chunks_exact(4).map(|b| f32::from_ne_bytes([b[0], b[1], b[2], b[3]])).collect();
     assert_eq!(bounds, [-0.5, -0.5, -0.5, 0.5, 0.5, 0.5], "from the first point to the last");
 }

@@ -9,7 +9,8 @@ use crate::common::Set;
 /// The one message so far that is no information.
 #[track_caller]
 fn only(client: &Client) -> Message {
-    let mut loud: Vec<Message> = client.messages().into_iter().filter(|message| message.severity < 5).collect();
+    let mut loud: Vec<Message> =
+        client.messages().into_iter().filter(|message| message.severity < 5).collect();
     assert_eq!(loud.len(), 1, "one message: {loud:?}");
     loud.remove(0)
 }
@@ -55,7 +56,10 @@ fn wrong_types_and_words_are_named_with_what_would_be_right() {
     assert_says(&client, 3, &["'vertex.position'", "ANARI_FLOAT32_VEC2"]);
     client.set_float(geometry, "colour", 1.0);
     let messages = client.messages();
-    assert!(messages.iter().all(|m| m.severity == 5) && messages[0].text.contains("'colour'"), "{messages:?}");
+    assert!(
+        messages.iter().all(|m| m.severity == 5) && messages[0].text.contains("'colour'"),
+        "{messages:?}"
+    );
     client.set(geometry, "radius", 9999, &[0; 8]);
     assert_says(&client, 2, &["'radius'", "9999"]);
     assert_eq!(client.object(9999, "x"), 0, "no such kind");

@@ -91,7 +91,8 @@ impl Part {
         };
         for placement in placements {
             let [x, y, z, middle] = (*world_from_object * placement.object_from_part).columns;
-            let length = |with: f64| [0, 1, 2].map(|k| (x[k] * x[k] + y[k] * y[k] + with * z[k] * z[k]).sqrt());
+            let length =
+                |with: f64| [0, 1, 2].map(|k| (x[k] * x[k] + y[k] * y[k] + with * z[k] * z[k]).sqrt());
             if self.form == Form::Ball {
                 bounds.add(middle, length(1.0));
             } else {
@@ -150,7 +151,8 @@ impl Bounds {
     pub(crate) fn add(&mut self, p: [f64; 3], around: [f64; 3]) {
         for k in 0..3 {
             if p[k].is_finite() && around[k].is_finite() {
-                (self.low[k], self.high[k]) = (self.low[k].min(p[k] - around[k]), self.high[k].max(p[k] + around[k]));
+                (self.low[k], self.high[k]) =
+                    (self.low[k].min(p[k] - around[k]), self.high[k].max(p[k] + around[k]));
             }
         }
     }
@@ -167,6 +169,8 @@ impl Bounds {
 pub(crate) struct Geometry {
     pub(crate) parts: Vec<Part>,
     pub(crate) attributes: [Rates; FREE],
+    /// Numbers of the primitives for people; empty = from 0 on.
+    pub(crate) ids: Vec<u32>,
     /// The vertices, where ends of placements need them.
     pub(crate) points: Vec<[f32; 3]>,
 }
@@ -186,6 +190,11 @@ pub(crate) struct Spot {
 }
 
 impl Geometry {
+    /// The number of a primitive for people.
+    pub(crate) fn id(&self, primitive: u32) -> u32 {
+        self.ids.get(primitive as usize).copied().unwrap_or(primitive)
+    }
+
     /// The value of an attribute; `None` where the geometry has no such attribute.
     pub(crate) fn attribute(&self, which: usize, spot: &Spot) -> Option<Color> {
         let rates = &self.attributes[which];

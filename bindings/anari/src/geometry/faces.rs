@@ -11,11 +11,17 @@ use crate::object::Snapshot;
 use crate::types;
 
 /// Rows of so many vertices: those of the index array, or the vertices one after the other. And how many of them were wrong.
-pub(super) fn indices<const N: usize>(now: &Snapshot, vertices: usize) -> Result<(Vec<[u32; N]>, usize), String> {
+pub(super) fn indices<const N: usize>(
+    now: &Snapshot,
+    vertices: usize,
+) -> Result<(Vec<[u32; N]>, usize), String> {
     let mut wrong = 0;
     let Some(array) = now.object("primitive.index", types::ARRAY1D).and_then(|array| Array::of(array)) else {
         let count = u32::try_from(vertices).map_err(|_| format!("{vertices} vertices: too many"))?;
-        return Ok(((0..count / N as u32).map(|i| std::array::from_fn(|k| i * N as u32 + k as u32)).collect(), 0));
+        return Ok((
+            (0..count / N as u32).map(|i| std::array::from_fn(|k| i * N as u32 + k as u32)).collect(),
+            0,
+        ));
     };
     let rows = array.indices::<N>().ok_or_else(|| {
         format!("parameter 'primitive.index': elements of type {}: invalid", types::name(array.element))
@@ -41,7 +47,9 @@ pub(super) fn positions(now: &Snapshot) -> Result<Vec<[f32; 3]>, String> {
 /// What is told of primitives that name vertices that are not there.
 pub(super) fn told(wrong: usize, all: usize) -> Option<String> {
     (wrong > 0).then(|| {
-        format!("parameter 'primitive.index': {wrong} of {all} primitives: vertex out of range; they are left out")
+        format!(
+            "parameter 'primitive.index': {wrong} of {all} primitives: vertex out of range; they are left out"
+        )
     })
 }
 
@@ -57,9 +65,8 @@ pub(super) fn faces<const N: usize>(now: &Snapshot) -> Result<(Geometry, Option<
     // Corners of the primitives' triangles.
     let corners: &[[usize; 3]] = if N == 3 { &[[0, 1, 2]] } else { &[[0, 1, 2], [0, 2, 3]] };
     let primitives = if N == 3 { Primitives::Own } else { Primitives::Pairs };
-    let [normals, tangents] = ["normal", "tangent"].map(|name| {
-        [list(now, &format!("faceVarying.{name}")), list(now, &format!("vertex.{name}"))]
-    });
+    let [normals, tangents] = ["normal", "tangent"]
+        .map(|name| [list(now, &format!("faceVarying.{name}")), list(now, &format!("vertex.{name}"))]);
     let mut mesh = Mesh::default();
     let by_corner = !normals[0].is_empty() || !tangents[0].is_empty();
     let vertices = if by_corner {
@@ -91,11 +98,12 @@ pub(super) fn faces<const N: usize>(now: &Snapshot) -> Result<(Geometry, Option<
         mesh.normals = three(fit(normals));
         mesh.tangents = sided(fit(tangents));
         mesh.positions = positions;
-        mesh.indices = rows.iter().flat_map(|row| corners.iter().map(|c| c.map(|corner| row[corner]))).collect();
+        mesh.indices =
+            rows.iter().flat_map(|row| corners.iter().map(|c| c.map(|corner| row[corner]))).collect();
         Vertices::Own
     };
     let parts = vec![Part::once(mesh, primitives, vertices)];
-    Ok((Geometry { parts, attributes: Rates::all(now), points: Vec::new() }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
 }
 
 /// The fourth number of a tangent is a side: of three numbers it is 1 already.

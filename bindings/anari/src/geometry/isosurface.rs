@@ -69,11 +69,16 @@ impl Surface<'_> {
     fn tetrahedron(&mut self, corners: [[usize; 3]; 4]) {
         let is_in = |at: &[usize; 3]| self.field.voxel(*at) >= self.value;
         let (within, without): (Vec<_>, Vec<_>) = corners.into_iter().partition(is_in);
-        if corners.iter().any(|&at| !self.field.voxel(at).is_finite()) || within.is_empty() || without.is_empty() {
+        if corners.iter().any(|&at| !self.field.voxel(at).is_finite())
+            || within.is_empty()
+            || without.is_empty()
+        {
             return;
         }
         let place = |at: [usize; 3]| {
-            Vec3::from_array(std::array::from_fn(|k| self.field.origin[k] + self.field.spacing[k] * at[k] as f32))
+            Vec3::from_array(std::array::from_fn(|k| {
+                self.field.origin[k] + self.field.spacing[k] * at[k] as f32
+            }))
         };
         let inside = within.iter().map(|&at| place(at)).sum::<Vec3>() / within.len() as f32;
         match (&within[..], &without[..]) {
@@ -82,7 +87,8 @@ impl Surface<'_> {
                 self.triangle(corners, inside);
             }
             (&[a, b], &[c, d]) => {
-                let [p, q, r, s] = [self.vertex(a, c), self.vertex(a, d), self.vertex(b, d), self.vertex(b, c)];
+                let [p, q, r, s] =
+                    [self.vertex(a, c), self.vertex(a, d), self.vertex(b, d), self.vertex(b, c)];
                 self.triangle([p, q, r], inside);
                 self.triangle([p, r, s], inside);
             }
@@ -120,7 +126,8 @@ pub(super) fn isosurface(now: &Snapshot, field: &Field) -> Result<(Geometry, Opt
         all.indices.extend(surface.mesh.indices.iter().map(|triangle| triangle.map(|vertex| first + vertex)));
         primitives.resize(all.indices.len(), number as u32);
     }
-    let warning = all.indices.is_empty().then(|| "parameter 'isovalue': the field has no such value".to_owned());
+    let warning =
+        all.indices.is_empty().then(|| "parameter 'isovalue': the field has no such value".to_owned());
     let parts = vec![Part::once(all, Primitives::Listed(primitives), Vertices::Nothing)];
-    Ok((Geometry { parts, attributes: Rates::all(now), points: Vec::new() }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
 }

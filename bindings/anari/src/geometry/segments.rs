@@ -34,7 +34,8 @@ fn rod(ends: [[f32; 3]; 2], radius: f32, primitive: u32, vertices: [u32; 2]) -> 
     let along = (b - a).try_normalize().filter(|_| radius > 0.0)?;
     let (x, y) = along.any_orthonormal_pair();
     let column = |v: Vec3| v.to_array().map(f64::from);
-    let object_from_part = Affine { columns: [column(x * radius), column(y * radius), column(b - a), column(a)] };
+    let object_from_part =
+        Affine { columns: [column(x * radius), column(y * radius), column(b - a), column(a)] };
     Some(Placement { object_from_part, primitive, ends: vertices })
 }
 
@@ -50,7 +51,7 @@ pub(super) fn spheres(now: &Snapshot) -> Built {
     });
     let placements = all.collect();
     let parts = vec![Part::placed(unit::sphere(), Form::Ball, placements)];
-    Ok((Geometry { parts, attributes: Rates::all(now), points: Vec::new() }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
 }
 
 /// Which ends are closed, for each pair of vertices.
@@ -82,7 +83,7 @@ pub(super) fn cylinders(now: &Snapshot) -> Built {
     let shape = |k: usize| unit::cylinder([k & 1 != 0, k & 2 != 0]);
     let all = by_caps.into_iter().enumerate().filter(|(_, placements)| !placements.is_empty());
     let parts = all.map(|(k, placements)| Part::placed(shape(k), Form::Rod, placements)).collect();
-    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points }, warning))
 }
 
 /// Cones between places, and where their vertices and primitives come from.
@@ -120,7 +121,7 @@ pub(super) fn cones(now: &Snapshot) -> Built {
         cones.add(ends, radii, caps(row), i as u32, row);
     }
     let parts = cones.part().into_iter().collect();
-    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points }, warning))
 }
 
 /// Curves.
@@ -167,5 +168,5 @@ pub(super) fn curves(now: &Snapshot) -> Built {
     if !balls.is_empty() {
         parts.push(Part::placed(unit::sphere(), Form::Ball, balls));
     }
-    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points }, warning))
 }

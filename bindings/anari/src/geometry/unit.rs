@@ -23,16 +23,41 @@ pub(crate) fn sphere() -> Arc<Mesh> {
 fn divided(times: usize) -> Mesh {
     let g = (1.0 + 5.0_f32.sqrt()) / 2.0;
     let corners = [
-        [-1.0, g, 0.0], [1.0, g, 0.0], [-1.0, -g, 0.0], [1.0, -g, 0.0],
-        [0.0, -1.0, g], [0.0, 1.0, g], [0.0, -1.0, -g], [0.0, 1.0, -g],
-        [g, 0.0, -1.0], [g, 0.0, 1.0], [-g, 0.0, -1.0], [-g, 0.0, 1.0],
+        [-1.0, g, 0.0],
+        [1.0, g, 0.0],
+        [-1.0, -g, 0.0],
+        [1.0, -g, 0.0],
+        [0.0, -1.0, g],
+        [0.0, 1.0, g],
+        [0.0, -1.0, -g],
+        [0.0, 1.0, -g],
+        [g, 0.0, -1.0],
+        [g, 0.0, 1.0],
+        [-g, 0.0, -1.0],
+        [-g, 0.0, 1.0],
     ];
     let mut points: Vec<Vec3> = corners.iter().map(|&p| Vec3::from(p).normalize()).collect();
     let mut triangles: Vec<[u32; 3]> = vec![
-        [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11],
-        [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
-        [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9],
-        [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
+        [0, 11, 5],
+        [0, 5, 1],
+        [0, 1, 7],
+        [0, 7, 10],
+        [0, 10, 11],
+        [1, 5, 9],
+        [5, 11, 4],
+        [11, 10, 2],
+        [10, 7, 6],
+        [7, 1, 8],
+        [3, 9, 4],
+        [3, 4, 2],
+        [3, 2, 6],
+        [3, 6, 8],
+        [3, 8, 9],
+        [4, 9, 5],
+        [2, 4, 11],
+        [6, 2, 10],
+        [8, 6, 7],
+        [9, 8, 1],
     ];
     for _ in 0..times {
         let mut middles = HashMap::new();
@@ -71,7 +96,13 @@ fn tube(caps: [bool; 2]) -> Mesh {
 
 /// Appends a cone, cut or pointed, between two places with these radii; ends of radius 0 are points. Vertices come in rings: those of the
 /// first end, of the second, then of the discs. Says for each new vertex at which end it lies.
-pub(crate) fn frustum(mesh: &mut Mesh, [a, b]: [Vec3; 2], radii: [f32; 2], sides: u32, caps: [bool; 2]) -> Vec<usize> {
+pub(crate) fn frustum(
+    mesh: &mut Mesh,
+    [a, b]: [Vec3; 2],
+    radii: [f32; 2],
+    sides: u32,
+    caps: [bool; 2],
+) -> Vec<usize> {
     let axis = b - a;
     let Some(along) = axis.try_normalize() else { return Vec::new() };
     let (x, y) = along.any_orthonormal_pair();
@@ -126,7 +157,10 @@ mod tests {
 
     fn area(mesh: &Mesh) -> f32 {
         let point = |i: u32| Vec3::from(mesh.positions[i as usize]);
-        mesh.indices.iter().map(|&[a, b, c]| (point(b) - point(a)).cross(point(c) - point(a)).length() / 2.0).sum()
+        mesh.indices
+            .iter()
+            .map(|&[a, b, c]| (point(b) - point(a)).cross(point(c) - point(a)).length() / 2.0)
+            .sum()
     }
 
     #[test]
@@ -140,7 +174,8 @@ mod tests {
         for mesh in [sphere(), cylinder([true; 2])] {
             for &[a, b, c] in &mesh.indices {
                 let [a, b, c] = [a, b, c].map(|i| Vec3::from(mesh.positions[i as usize]));
-                let out = (a + b + c) / 3.0 - if mesh.positions.len() > 2000 { Vec3::ZERO } else { Vec3::Z * 0.5 };
+                let out =
+                    (a + b + c) / 3.0 - if mesh.positions.len() > 2000 { Vec3::ZERO } else { Vec3::Z * 0.5 };
                 assert!((b - a).cross(c - a).dot(out) > 0.0, "a triangle looks inwards");
             }
         }

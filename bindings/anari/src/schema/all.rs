@@ -55,7 +55,8 @@ pub(crate) const EXTENSIONS: [&str; 43] = [
 ];
 
 static ALL: LazyLock<Vec<Entry>> = LazyLock::new(|| {
-    [views::entries(), geometries::entries(), materials::entries(), lights::entries(), scenes::entries()].concat()
+    [views::entries(), geometries::entries(), materials::entries(), lights::entries(), scenes::entries()]
+        .concat()
 });
 
 /// The entry of a kind and a subtype.
@@ -65,7 +66,10 @@ pub(crate) fn find(kind: DataType, subtype: &str) -> Option<&'static Entry> {
 
 /// Subtypes of a kind; none for kinds that have no subtypes.
 pub(crate) fn subtypes(kind: DataType) -> Vec<&'static str> {
-    ALL.iter().filter(|entry| entry.kind == kind && !entry.subtype.is_empty()).map(|entry| entry.subtype).collect()
+    ALL.iter()
+        .filter(|entry| entry.kind == kind && !entry.subtype.is_empty())
+        .map(|entry| entry.subtype)
+        .collect()
 }
 
 /// The place of an extension in the list, without `ANARI_`.

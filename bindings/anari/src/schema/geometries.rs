@@ -26,7 +26,13 @@ macro_rules! rate {
 }
 
 fn primitive() -> Vec<Parameter> {
-    rate!("primitive", "Attribute of each primitive")
+    let id = list(
+        "primitive.id",
+        &[t::UINT32, t::UINT64],
+        "Numbers in the channel of ids, in place of the count from 0",
+    )
+    .by("KHR_FRAME_CHANNEL_PRIMITIVE_ID");
+    [rate!("primitive", "Attribute of each primitive"), vec![id]].concat()
 }
 
 fn vertex() -> Vec<Parameter> {
@@ -38,7 +44,11 @@ fn vertex() -> Vec<Parameter> {
 fn faces(index: [t::DataType; 2]) -> Vec<Parameter> {
     let own = vec![
         list("vertex.normal", &NORMALS, "Shading normals, of any length"),
-        list("vertex.tangent", &TANGENTS, "Tangents of normal maps; the fourth number is the side of the bitangent"),
+        list(
+            "vertex.tangent",
+            &TANGENTS,
+            "Tangents of normal maps; the fourth number is the side of the bitangent",
+        ),
         list("faceVarying.normal", &NORMALS, "Shading normals of each corner"),
         list("faceVarying.tangent", &TANGENTS, "Tangents of each corner"),
         list("primitive.index", &index, "Vertices of each primitive; without it they follow each other"),
@@ -75,34 +85,76 @@ pub(super) fn entries() -> Vec<Entry> {
         entry(t::GEOMETRY, subtype, extension, about, parameters.concat())
     };
     let rates = [constant(), primitive(), vertex()].concat();
-    let isovalue = Parameter { types: vec![t::FLOAT32, t::ARRAY1D], ..list("isovalue", &[t::FLOAT32], "Values of the surfaces; each is a primitive").needed() };
+    let isovalue = Parameter {
+        types: vec![t::FLOAT32, t::ARRAY1D],
+        ..list("isovalue", &[t::FLOAT32], "Values of the surfaces; each is a primitive").needed()
+    };
     vec![
-        of("cone", "KHR_GEOMETRY_CONE", "Cones, cut or pointed, between two vertices", &[
-            rates.clone(),
-            vec![segments(), list("vertex.radius", &[t::FLOAT32], "Radius at each vertex"), number("radius", 1.0, "Radius where there are no finer ones").least(0.0)],
-            caps(),
-        ]),
-        of("curve", "KHR_GEOMETRY_CURVE", "Round, straight pieces between neighbouring vertices", &[
-            rates.clone(),
-            vec![single("First vertex of each piece; without it all vertices make one curve")],
-            radii(),
-        ]),
-        of("cylinder", "KHR_GEOMETRY_CYLINDER", "Cylinders between two vertices", &[
-            rates.clone(),
-            vec![segments(), list("primitive.radius", &[t::FLOAT32], "Radius of each cylinder"), number("radius", 1.0, "Radius where there are no finer ones").least(0.0)],
-            caps(),
-        ]),
-        of("isosurface", "KHR_GEOMETRY_ISOSURFACE", "Surfaces of equal value of a field", &[
-            constant(),
-            primitive(),
-            vec![isovalue, p("field", &[t::SPATIAL_FIELD], "The field").needed()],
-        ]),
-        of("quad", "KHR_GEOMETRY_QUAD", "Quadrilaterals, two triangles each", &[faces([t::UINT32_VEC4, t::UINT64_VEC4])]),
-        of("sphere", "KHR_GEOMETRY_SPHERE", "Spheres around vertices", &[
-            rates,
-            vec![single("Vertex of each sphere; without it there is one around each vertex")],
-            radii(),
-        ]),
-        of("triangle", "KHR_GEOMETRY_TRIANGLE", "Triangles, counter-clockwise from the front", &[faces([t::UINT32_VEC3, t::UINT64_VEC3])]),
+        of(
+            "cone",
+            "KHR_GEOMETRY_CONE",
+            "Cones, cut or pointed, between two vertices",
+            &[
+                rates.clone(),
+                vec![
+                    segments(),
+                    list("vertex.radius", &[t::FLOAT32], "Radius at each vertex"),
+                    number("radius", 1.0, "Radius where there are no finer ones").least(0.0),
+                ],
+                caps(),
+            ],
+        ),
+        of(
+            "curve",
+            "KHR_GEOMETRY_CURVE",
+            "Round, straight pieces between neighbouring vertices",
+            &[
+                rates.clone(),
+                vec![single("First vertex of each piece; without it all vertices make one curve")],
+                radii(),
+            ],
+        ),
+        of(
+            "cylinder",
+            "KHR_GEOMETRY_CYLINDER",
+            "Cylinders between two vertices",
+            &[
+                rates.clone(),
+                vec![
+                    segments(),
+                    list("primitive.radius", &[t::FLOAT32], "Radius of each cylinder"),
+                    number("radius", 1.0, "Radius where there are no finer ones").least(0.0),
+                ],
+                caps(),
+            ],
+        ),
+        of(
+            "isosurface",
+            "KHR_GEOMETRY_ISOSURFACE",
+            "Surfaces of equal value of a field",
+            &[constant(), primitive(), vec![isovalue, p("field", &[t::SPATIAL_FIELD], "The field").needed()]],
+        ),
+        of(
+            "quad",
+            "KHR_GEOMETRY_QUAD",
+            "Quadrilaterals, two triangles each",
+            &[faces([t::UINT32_VEC4, t::UINT64_VEC4])],
+        ),
+        of(
+            "sphere",
+            "KHR_GEOMETRY_SPHERE",
+            "Spheres around vertices",
+            &[
+                rates,
+                vec![single("Vertex of each sphere; without it there is one around each vertex")],
+                radii(),
+            ],
+        ),
+        of(
+            "triangle",
+            "KHR_GEOMETRY_TRIANGLE",
+            "Triangles, counter-clockwise from the front",
+            &[faces([t::UINT32_VEC3, t::UINT64_VEC3])],
+        ),
     ]
 }

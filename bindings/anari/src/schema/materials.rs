@@ -82,9 +82,15 @@ fn output() -> Vec<Parameter> {
     ]
 }
 
-fn image(subtype: &'static str, extension: &'static str, array: t::DataType, wraps: &[&'static str]) -> Entry {
+fn image(
+    subtype: &'static str,
+    extension: &'static str,
+    array: t::DataType,
+    wraps: &[&'static str],
+) -> Entry {
     let about = "Texels";
-    let elements = [&COLORS[..], &[t::FIXED8_VEC3, t::FIXED8_VEC4, t::FIXED16_VEC3, t::FIXED16_VEC4]].concat();
+    let elements =
+        [&COLORS[..], &[t::FIXED8_VEC3, t::FIXED8_VEC4, t::FIXED16_VEC3, t::FIXED16_VEC4]].concat();
     let texels = p("image", &[array], about).of(&elements).needed();
     let wrap = |&name: &&'static str| {
         word(name, &["clampToEdge", "repeat", "mirrorRepeat", "clampToBorder"], "Beyond 0 and 1")

@@ -34,7 +34,8 @@ fn volume() -> Vec<Parameter> {
     vec![
         truth("visible", true, "Whether it is there"),
         p("value", &[t::SPATIAL_FIELD], "The field").needed(),
-        p("valueRange", &[t::FLOAT32_BOX1, t::FLOAT64_BOX1], "Values of the first and the last colour").or(&[0.0, 1.0]),
+        p("valueRange", &[t::FLOAT32_BOX1, t::FLOAT64_BOX1], "Values of the first and the last colour")
+            .or(&[0.0, 1.0]),
         color,
         opacity,
         number("unitDistance", 1.0, "Way that the opacities are meant for"),
@@ -56,23 +57,45 @@ pub(super) fn entries() -> Vec<Entry> {
         truth("visible", true, "Whether it is there"),
         id(OBJECT_ID),
     ];
-    let transform = p("transform", &[t::FLOAT32_MAT4, t::ARRAY1D], "From the group to the world; an array makes as many instances")
-        .or(&UNIT)
-        .of(&[t::FLOAT32_MAT4]);
+    let transform = p(
+        "transform",
+        &[t::FLOAT32_MAT4, t::ARRAY1D],
+        "From the group to the world; an array makes as many instances",
+    )
+    .or(&UNIT)
+    .of(&[t::FLOAT32_MAT4]);
     let ids = Parameter { types: vec![t::UINT32, t::ARRAY1D], ..id(INSTANCE_ID).of(&[t::UINT32]) };
-    let each = Parameter { types: vec![t::FLOAT32_VEC4, t::ARRAY1D], ..p("", &[], "Attribute in place of the geometry's; an array has one for each transform") };
-    let attributes = constant().into_iter().map(|own| Parameter { name: own.name, ..each.clone().of(&COLORS) });
+    let each = Parameter {
+        types: vec![t::FLOAT32_VEC4, t::ARRAY1D],
+        ..p("", &[], "Attribute in place of the geometry's; an array has one for each transform")
+    };
+    let attributes =
+        constant().into_iter().map(|own| Parameter { name: own.name, ..each.clone().of(&COLORS) });
     let group = p("group", &[t::GROUP], "What is shown").needed();
     let instance = [vec![transform, group, ids], attributes.collect()].concat();
-    let world = [vec![list("instance", &[t::INSTANCE], "Instances")], contents(), vec![id(INSTANCE_ID)]].concat();
+    let world =
+        [vec![list("instance", &[t::INSTANCE], "Instances")], contents(), vec![id(INSTANCE_ID)]].concat();
     let array = || vec![];
-    let region = p("region", &[t::UINT64_REGION1], "Elements that count, first and one beyond the last").by("KHR_ARRAY1D_REGION");
+    let region = p("region", &[t::UINT64_REGION1], "Elements that count, first and one beyond the last")
+        .by("KHR_ARRAY1D_REGION");
     vec![
         entry(t::ARRAY1D, "", "", "A list", vec![region]),
         entry(t::ARRAY2D, "", "", "Rows, the lowest first", array()),
         entry(t::ARRAY3D, "", "", "Slices of rows", array()),
-        entry(t::SPATIAL_FIELD, "structuredRegular", "KHR_SPATIAL_FIELD_STRUCTURED_REGULAR", "Values on a regular grid", field),
-        entry(t::VOLUME, "transferFunction1D", "KHR_VOLUME_TRANSFER_FUNCTION1D", "A field seen through colours and opacities", volume()),
+        entry(
+            t::SPATIAL_FIELD,
+            "structuredRegular",
+            "KHR_SPATIAL_FIELD_STRUCTURED_REGULAR",
+            "Values on a regular grid",
+            field,
+        ),
+        entry(
+            t::VOLUME,
+            "transferFunction1D",
+            "KHR_VOLUME_TRANSFER_FUNCTION1D",
+            "A field seen through colours and opacities",
+            volume(),
+        ),
         entry(t::SURFACE, "", "", "A geometry with a material", surface),
         entry(t::GROUP, "", "", "Surfaces, volumes and lights that go together", contents()),
         entry(t::INSTANCE, "transform", "KHR_INSTANCE_TRANSFORM", "A group put somewhere", instance),

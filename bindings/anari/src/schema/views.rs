@@ -11,7 +11,8 @@ fn camera(subtype: &'static str, extension: &'static str, about: &'static str, o
         vector("position", "point", [0.0; 3], "Where it is"),
         vector("direction", "direction", [0.0, 0.0, -1.0], "Where it looks"),
         vector("up", "direction", [0.0, 1.0, 0.0], "Upwards in the picture"),
-        p("imageRegion", &[t::FLOAT32_BOX2], "Part of the picture that the frame shows").or(&[0.0, 0.0, 1.0, 1.0]),
+        p("imageRegion", &[t::FLOAT32_BOX2], "Part of the picture that the frame shows")
+            .or(&[0.0, 0.0, 1.0, 1.0]),
         number("apertureRadius", 0.0, "Of the lens; 0 = all is sharp").least(0.0).by(lens),
         number("focusDistance", 1.0, "Of what is sharp").least(0.0).by(lens),
     ];
@@ -31,17 +32,29 @@ fn common() -> Vec<Parameter> {
     let background = Parameter {
         types: vec![t::FLOAT32_VEC4, t::FLOAT32_VEC3, t::ARRAY2D],
         extension: "KHR_RENDERER_BACKGROUND_COLOR",
-        ..p("background", &[], "Colour or picture behind all").or(&[0.0, 0.0, 0.0, 1.0]).means("color").of(&COLORS)
+        ..p("background", &[], "Colour or picture behind all")
+            .or(&[0.0, 0.0, 0.0, 1.0])
+            .means("color")
+            .of(&COLORS)
     };
     vec![
         background,
-        p("pixelSamples", &[t::INT32], "Samples of a pixel in each frame").or_whole(4).by("GNU_RENDERER"),
+        p(
+            "pixelSamples",
+            &[t::INT32],
+            "Samples of a pixel in each frame; if unset 16, or 4 where frames add up",
+        )
+        .or_whole(16)
+        .by("GNU_RENDERER"),
+        truth("premultiplyBackground", false, "Whether the background's colour is multiplied by its opacity")
+            .by("GNU_RENDERER"),
     ]
 }
 
 fn ambient() -> Vec<Parameter> {
     vec![
-        vector("ambientColor", "color", [1.0; 3], "Colour of the light from everywhere").by("KHR_RENDERER_AMBIENT_LIGHT"),
+        vector("ambientColor", "color", [1.0; 3], "Colour of the light from everywhere")
+            .by("KHR_RENDERER_AMBIENT_LIGHT"),
         number("ambientRadiance", 0.0, "Its radiance, W/(sr m2)").by("KHR_RENDERER_AMBIENT_LIGHT"),
     ]
 }
@@ -59,12 +72,35 @@ fn renderers() -> Vec<Entry> {
         whole("aoSamples", 1, "Rays that look for occlusion, of each sample"),
         number("aoDistance", f32::INFINITY, "Distance beyond which nothing occludes").by("GNU_RENDERER"),
     ];
-    let methods = ["normal", "geometricNormal", "albedo", "primitiveId", "objectId", "instanceId", "depth", "uv", "backFace"];
+    let methods = [
+        "normal",
+        "geometricNormal",
+        "albedo",
+        "primitiveId",
+        "objectId",
+        "instanceId",
+        "depth",
+        "uv",
+        "backFace",
+    ];
     let debug = vec![word("method", &methods, "What is shown").by("GNU_RENDERER")];
     vec![
         entry(t::RENDERER, "default", "", "All light, by paths", [common(), ambient(), path].concat()),
-        entry(t::RENDERER, "ao", "GNU_RENDERER", "Albedo under light from everywhere", [common(), ambient(), ao].concat()),
-        entry(t::RENDERER, "debug", "GNU_RENDERER", "Numbers of what is seen, as colours", [common(), debug].concat()),
+        entry(
+            t::RENDERER,
+            "ao",
+            "GNU_RENDERER",
+            "Albedo under light from everywhere",
+            [common(), ambient(), ao].concat(),
+        ),
+        entry(t::RENDERER, "eyelight", "GNU_RENDERER", "Albedo, lit from the eye", common()),
+        entry(
+            t::RENDERER,
+            "debug",
+            "GNU_RENDERER",
+            "Numbers of what is seen, as colours",
+            [common(), debug].concat(),
+        ),
     ]
 }
 
@@ -75,30 +111,50 @@ fn frame() -> Entry {
         ..p(name, &[t::DATA_TYPE], "Format of the channel; unset = there is none")
     };
     let callback = "KHR_FRAME_COMPLETION_CALLBACK";
-    entry(t::FRAME, "", "", "A picture", vec![
-        p("world", &[t::WORLD], "What is seen").needed(),
-        p("renderer", &[t::RENDERER], "By what means").needed(),
-        p("camera", &[t::CAMERA], "From where").needed(),
-        p("size", &[t::UINT32_VEC2], "Columns and rows").needed(),
-        channel("channel.color", "", &[t::UFIXED8_VEC4, t::UFIXED8_RGBA_SRGB, t::FLOAT32_VEC4]),
-        channel("channel.depth", "", &[t::FLOAT32]),
-        channel("channel.normal", "KHR_FRAME_CHANNEL_NORMAL", &[t::FIXED16_VEC3, t::FLOAT32_VEC3]),
-        channel("channel.albedo", "KHR_FRAME_CHANNEL_ALBEDO", &[t::UFIXED8_VEC3, t::UFIXED8_RGB_SRGB, t::FLOAT32_VEC3]),
-        channel("channel.primitiveId", "KHR_FRAME_CHANNEL_PRIMITIVE_ID", &[t::UINT32]),
-        channel("channel.objectId", "KHR_FRAME_CHANNEL_OBJECT_ID", &[t::UINT32]),
-        channel("channel.instanceId", "KHR_FRAME_CHANNEL_INSTANCE_ID", &[t::UINT32]),
-        truth("accumulation", false, "Whether renderings of the same add up").by("KHR_FRAME_ACCUMULATION"),
-        p("frameCompletionCallback", &[t::FRAME_COMPLETION_CALLBACK], "Called when a rendering ends").by(callback),
-        p("frameCompletionCallbackUserData", &[t::VOID_POINTER], "Given to it").by(callback),
-    ])
+    entry(
+        t::FRAME,
+        "",
+        "",
+        "A picture",
+        vec![
+            p("world", &[t::WORLD], "What is seen").needed(),
+            p("renderer", &[t::RENDERER], "By what means").needed(),
+            p("camera", &[t::CAMERA], "From where").needed(),
+            p("size", &[t::UINT32_VEC2], "Columns and rows").needed(),
+            channel("channel.color", "", &[t::UFIXED8_VEC4, t::UFIXED8_RGBA_SRGB, t::FLOAT32_VEC4]),
+            channel("channel.depth", "", &[t::FLOAT32]),
+            channel("channel.normal", "KHR_FRAME_CHANNEL_NORMAL", &[t::FIXED16_VEC3, t::FLOAT32_VEC3]),
+            channel(
+                "channel.albedo",
+                "KHR_FRAME_CHANNEL_ALBEDO",
+                &[t::UFIXED8_VEC3, t::UFIXED8_RGB_SRGB, t::FLOAT32_VEC3],
+            ),
+            channel("channel.primitiveId", "KHR_FRAME_CHANNEL_PRIMITIVE_ID", &[t::UINT32]),
+            channel("channel.objectId", "KHR_FRAME_CHANNEL_OBJECT_ID", &[t::UINT32]),
+            channel("channel.instanceId", "KHR_FRAME_CHANNEL_INSTANCE_ID", &[t::UINT32]),
+            truth("accumulation", false, "Whether renderings of the same add up")
+                .by("KHR_FRAME_ACCUMULATION"),
+            p("frameCompletionCallback", &[t::FRAME_COMPLETION_CALLBACK], "Called when a rendering ends")
+                .by(callback),
+            p("frameCompletionCallbackUserData", &[t::VOID_POINTER], "Given to it").by(callback),
+        ],
+    )
 }
 
 fn device() -> Entry {
-    entry(t::DEVICE, "", "", "Path tracing on all cores", vec![
-        p("statusCallback", &[t::STATUS_CALLBACK], "Called with messages"),
-        p("statusCallbackUserData", &[t::VOID_POINTER], "Given to it"),
-        p("threads", &[t::INT32], "Threads that render; 0 = one for each core").or_whole(0).by("GNU_DEVICE_THREADS"),
-    ])
+    entry(
+        t::DEVICE,
+        "",
+        "",
+        "Path tracing on all cores",
+        vec![
+            p("statusCallback", &[t::STATUS_CALLBACK], "Called with messages"),
+            p("statusCallbackUserData", &[t::VOID_POINTER], "Given to it"),
+            p("threads", &[t::INT32], "Threads that render; 0 = one for each core")
+                .or_whole(0)
+                .by("GNU_DEVICE_THREADS"),
+        ],
+    )
 }
 
 /// All of them.
@@ -110,7 +166,12 @@ pub(super) fn entries() -> Vec<Entry> {
         device(),
         camera("omnidirectional", "KHR_CAMERA_OMNIDIRECTIONAL", "All directions", vec![layout]),
         camera("orthographic", "KHR_CAMERA_ORTHOGRAPHIC", "Parallel rays", [vec![height], planes()].concat()),
-        camera("perspective", "KHR_CAMERA_PERSPECTIVE", "Rays from a point or a lens", [vec![angle], planes()].concat()),
+        camera(
+            "perspective",
+            "KHR_CAMERA_PERSPECTIVE",
+            "Rays from a point or a lens",
+            [vec![angle], planes()].concat(),
+        ),
         frame(),
     ];
     all.extend(renderers());

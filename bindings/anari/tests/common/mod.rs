@@ -30,6 +30,11 @@ impl Set {
         Self { client, world, camera, renderer, surfaces, volumes, lights, instances }
     }
 
+    /// The same seen by another camera.
+    pub(crate) fn seen_by(self, camera: usize) -> Self {
+        Self { camera, ..self }
+    }
+
     /// Light from everywhere.
     pub(crate) fn ambient(&self, radiance: f32) {
         self.client.set_float(self.renderer, "ambientRadiance", radiance);
@@ -155,7 +160,8 @@ impl Set {
 
     /// Complains about warnings and errors so far.
     pub(crate) fn assert_quiet(&self) {
-        let loud: Vec<_> = self.client.messages().into_iter().filter(|message| message.severity < 5).collect();
+        let loud: Vec<_> =
+            self.client.messages().into_iter().filter(|message| message.severity < 5).collect();
         assert!(loud.is_empty(), "{loud:?}");
     }
 }
