@@ -248,7 +248,7 @@ impl Geometry {
 fn corners(rates: &Rates, part: &Part, spot: &Spot) -> Option<Color> {
     let (first, corners) = match part.primitives {
         Primitives::Own => (3 * spot.triangle as usize, [0, 1, 2]),
-        Primitives::Pairs if spot.triangle % 2 == 0 => (2 * spot.triangle as usize, [0, 1, 2]),
+        Primitives::Pairs if spot.triangle.is_multiple_of(2) => (2 * spot.triangle as usize, [0, 1, 2]),
         Primitives::Pairs => (2 * (spot.triangle as usize - 1), [0, 2, 3]),
         _ => return None,
     };
