@@ -34,6 +34,9 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let built = target.join("debug/lib_gnurt.so");
     let module = source.join("python/gnurt/_gnurt.abi3.so");
     std::fs::copy(&built, &module).map_err(|error| format!("{}: {error}", built.display()))?;
+    let device = "libanari_library_gnurt.so";
+    let (built, beside) = (target.join("debug").join(device), source.join("python/gnurt").join(device));
+    std::fs::copy(&built, &beside).map_err(|error| format!("{}: {error}", built.display()))?;
     let environment = target.join("python");
     let Some(python) = environment_with_packages(&environment) else { return Ok(()) };
     let mut tests = Command::new(&python);

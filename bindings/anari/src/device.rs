@@ -198,10 +198,12 @@ impl Device {
         let entry = schema::find(object.kind, &object.subtype);
         let known = entry.and_then(|entry| entry.parameters.iter().find(|parameter| parameter.name == name));
         let Some(known) = known else {
+            if is_unsupported(name) {
+                return self.reporter.warn(object, &format!("parameter '{name}': unsupported, ignored"));
+            }
             // Other devices may have it.
             let text = format!("parameter '{name}': unknown, ignored");
-            self.reporter.send(Some(object), Severity::Info, Code::None, &text);
-            return;
+            return self.reporter.send(Some(object), Severity::Info, Code::None, &text);
         };
         let kind = value.kind();
         let fits = known.types.contains(&kind) || is_alike(kind, &known.types);
@@ -274,6 +276,19 @@ impl Device {
         };
         self.pool.get_or_init(make).as_ref()
     }
+}
+
+/// Whether a parameter is one of ANARI's that the device has not: pictures would be others than the program means.
+fn is_unsupported(name: &str) -> bool {
+    const NAMES: [&str; 6] = [
+        "stereoMode",
+        "interpupillaryDistance",
+        "shutter",
+        "rollingShutterDirection",
+        "rollingShutterDuration",
+        "time",
+    ];
+    NAMES.contains(&name) || name.starts_with("motion.")
 }
 
 /// Types that programs use for each other.

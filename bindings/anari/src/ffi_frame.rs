@@ -119,9 +119,8 @@ fn rendered(device: &Device, object: &Object, frame: &Frame, job: &Job) {
 fn complete(device: &Device, object: &Object, now: &Snapshot) {
     let Some(address) = now.pointer("frameCompletionCallback") else { return };
     // SAFETY: the program gave the address as an ANARIFrameCompletionCallback, and `Option` of a function may be any address or 0.
-    let Some(function) = (unsafe { std::mem::transmute::<usize, Option<Completion>>(address) }) else {
-        return;
-    };
+    let function = unsafe { (&raw const address).cast::<Option<Completion>>().read() };
+    let Some(function) = function else { return };
     let user = now.pointer("frameCompletionCallbackUserData").unwrap_or(0);
     // SAFETY: the program promises that its function takes these.
     let call = || unsafe {

@@ -4,7 +4,7 @@
 //! `anariNewInitializedDevice`. Programs that have the loader within them export neither and get the newer table.
 //! Tests: tests/introspection.rs.
 
-use std::ffi::{CStr, c_char, c_void};
+use std::ffi::{c_char, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::ffi_abi::{Address, Library, LibraryTable, OldLibraryTable, ParameterValue, Strings, TableHead};
@@ -35,8 +35,9 @@ static OLD_TABLE: OldLibraryTable = OldLibraryTable {
 };
 
 /// Whether the function that called our entry is in a file of an old loader.
-#[cfg(target_os = "linux")]
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn caller_is_old() -> bool {
+    use std::ffi::CStr;
     /// The file that has an address, by where it begins and its name.
     fn file(address: *const c_void) -> Option<(*mut c_void, *const c_char)> {
         // SAFETY: all zero is a value of it, and dladdr fills it.
@@ -69,7 +70,7 @@ fn caller_is_old() -> bool {
     is_old
 }
 
-#[cfg(not(target_os = "linux"))]
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
 fn caller_is_old() -> bool {
     false
 }

@@ -59,7 +59,7 @@ impl Reporter {
     /// Sends messages elsewhere; a function is given as its address.
     pub(crate) fn listen(&self, function: usize, user: usize) {
         // SAFETY: the program gave the address as an ANARIStatusCallback, and `Option` of a function may be any address or 0.
-        let function = unsafe { std::mem::transmute::<usize, Option<StatusCallback>>(function) };
+        let function = unsafe { (&raw const function).cast::<Option<StatusCallback>>().read() };
         *lock(&self.listener) = Listener { function, user };
     }
 

@@ -144,7 +144,7 @@ pub(crate) fn light(object: &Object, to_world: &Affine, material: MaterialId) ->
 fn ball(read: &Reader, material: MaterialId) -> Made {
     let (place, radius) = (read.place(), read.now.f32("radius").unwrap_or(0.0));
     let disc = PI * radius * radius;
-    if !(disc > 0.0) {
+    if disc <= 0.0 || disc.is_nan() {
         let intensity = read.color() * read.intensity(2.0 * TAU);
         let intensity = intensity.max(Vec3::ZERO).to_array();
         return Made::Small(Light::Point { position: place.to_array(), intensity });
@@ -198,7 +198,7 @@ fn ring(read: &Reader, material: MaterialId) -> Result<Made, String> {
     let inner = read.now.f32("innerRadius").unwrap_or(0.0).clamp(0.0, outer.max(0.0));
     let place = read.place();
     let area = PI * (outer * outer - inner * inner);
-    if !(area > 0.0) {
+    if area <= 0.0 || area.is_nan() {
         let intensity = (read.color() * read.intensity(solid_angle(cone))).max(Vec3::ZERO).to_array();
         let (position, direction) = (place.to_array(), axis.to_array());
         let [outer_angle, inner_angle] = cone.map(|angle| angle.min(FRAC_PI_2));

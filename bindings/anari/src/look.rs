@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray of the camera meets first, for the channels beside the colour, and the renderers `ao` and `debug`, which follow a ray
+//! What a ray of the camera meets first, for the channels beside the colour, and the renderers `ao`, `eyelight` and `debug`, which follow a ray
 //! through surfaces with holes and volumes. Space: world. Tests: tests/{channels,renderers}.rs.
 
 use glam::Vec3;
@@ -99,7 +99,8 @@ pub(crate) fn look(world: &World, table: &Table, ray: &Ray) -> Look {
                 continue;
             }
             look.albedo = at.surface.material.base(at);
-            (look.primitive, look.object, look.instance) = (at.primitive(), at.surface.id, at.instance.id);
+            let primitive = at.surface.geometry.id(at.primitive());
+            (look.primitive, look.object, look.instance) = (primitive, at.surface.id, at.instance.id);
         } else {
             look.albedo = Vec3::ONE;
         }
@@ -134,7 +135,7 @@ fn debug(method: &str, met: &Met, dir: Vec3) -> Vec3 {
     match method {
         "geometricNormal" => of_normal(met.ng),
         "albedo" => at.surface.material.base(at),
-        "primitiveId" => color_of(at.primitive()),
+        "primitiveId" => color_of(at.surface.geometry.id(at.primitive())),
         "objectId" => color_of(at.surface.id),
         "instanceId" => color_of(at.instance.id),
         "depth" => Vec3::splat(1.0 / (1.0 + met.t)),
@@ -169,7 +170,7 @@ fn openness(world: &World, met: &Met, dir: Vec3, rays: u32, distance: f32, key: 
     open.count() as f32 / rays as f32
 }
 
-/// Light that comes along a ray of the camera by `ao` and `debug`, and the share of light from behind all that it stops.
+/// Light that comes along a ray of the camera by these renderers, and the share of light from behind all that it stops.
 pub(crate) fn walk(
     (world, table): (&World, &Table),
     ray: &Ray,
@@ -201,6 +202,11 @@ pub(crate) fn walk(
                 };
                 let glow = at.surface.material.emission(at);
                 (at.surface.material.base(at) * ambient * open + glow, stopped)
+            }
+            (Some(at), Method::Eyelight) => {
+                // Half of the light falls off with the cosine, so that surfaces seen edge-on are not black.
+                let share = 0.5 + 0.5 * met.ns.dot(dir).abs();
+                (at.surface.material.base(at) * share, at.surface.material.coverage(at))
             }
             (Some(at), Method::Debug(name)) => {
                 (debug(name, &met, dir), f32::from(u8::from(at.surface.material.coverage(at) > 0.0)))

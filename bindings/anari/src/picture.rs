@@ -97,7 +97,7 @@ impl Job {
 
     /// Adds a frame's samples; false where the program stopped it.
     fn grow(&self, growing: &mut Growing, pool: &ThreadPool, stop: &AtomicBool) -> bool {
-        let (first, more) = (growing.samples, self.settings.samples);
+        let (first, more) = (growing.samples, self.settings.samples(self.accumulates));
         let whole = match &mut growing.sums {
             Sums::Paths { accumulation, .. } => {
                 accumulation.pass(&growing.world, &*self.view, more, pool, &Stop(stop))
@@ -167,7 +167,8 @@ impl Job {
             let place = [(x as f32 + 0.5) / width as f32, (row as f32 + 0.5) / height as f32];
             let [br, bg, bb, ba] = self.settings.background.at(place);
             let rest = 1.0 - a;
-            [r + br * rest, g + bg * rest, b + bb * rest, a + ba * rest]
+            let shown = if self.settings.premultiplies { rest * ba } else { rest };
+            [r + br * shown, g + bg * shown, b + bb * shown, a + ba * rest]
         };
         let pixels = (0..self.pixels()).map(over);
         Ok(pixels.collect())

@@ -163,7 +163,9 @@ impl Sampler {
         let name = now.text("inAttribute").unwrap_or("attribute0");
         let input = Attribute::named(name)
             .ok_or_else(|| format!("parameter 'inAttribute': '{name}': unknown attribute"))?;
-        let (into, out) = (now.mat4("inTransform").unwrap_or(UNIT), now.mat4("outTransform").unwrap_or(UNIT));
+        let into = now.mat4("inTransform").unwrap_or(UNIT);
+        let old = if object.subtype == "transform" { now.mat4("transform") } else { None };
+        let out = now.mat4("outTransform").or(old).unwrap_or(UNIT);
         let [into_offset, out_offset] =
             ["inOffset", "outOffset"].map(|name| now.color(name).unwrap_or([0.0; 4]));
         Ok(Self { source, input, into, into_offset, out, out_offset })

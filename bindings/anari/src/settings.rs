@@ -13,6 +13,8 @@ pub(crate) enum Method {
     Path { max_depth: u32, denoise: bool },
     /// Albedo times the share of directions that nothing occludes.
     Occlusion { rays: u32, distance: f32 },
+    /// Albedo, lit from the eye alone, whatever lights there are.
+    Eyelight,
     /// A number of what is seen.
     Debug(String),
 }
@@ -29,11 +31,13 @@ pub(crate) enum Background {
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
     pub(crate) method: Method,
-    /// Of a pixel in each frame, at least 1.
-    pub(crate) samples: u32,
+    /// Of a pixel in each frame, at least 1; `None` where the program left it open.
+    samples: Option<u32>,
     /// Radiance from everywhere.
     pub(crate) ambient: [f32; 3],
     pub(crate) background: Background,
+    /// Whether the background's colour is to be multiplied by its opacity.
+    pub(crate) premultiplies: bool,
 }
 
 /// Samples of a pixel in a frame, at most.
@@ -51,6 +55,7 @@ impl Settings {
                 rays: whole("aoSamples", 1, 1 << 12),
                 distance: now.f32("aoDistance").filter(|&distance| distance > 0.0).unwrap_or(f32::INFINITY),
             },
+            "eyelight" => Method::Eyelight,
             "debug" => Method::Debug(now.text("method").unwrap_or("normal").to_owned()),
             _ => Method::Path {
                 max_depth: whole("maxDepth", 8, 1 << 10),
@@ -70,10 +75,18 @@ impl Settings {
         let color = || Background::Color(now.color("background").unwrap_or([0.0, 0.0, 0.0, 1.0]));
         Self {
             method,
-            samples: whole("pixelSamples", 4, MOST_SAMPLES),
+            samples: now.u32("pixelSamples").filter(|&n| n > 0).map(|n| n.min(MOST_SAMPLES)),
             ambient,
             background: picture.unwrap_or_else(color),
+            premultiplies: now.bool("premultiplyBackground").unwrap_or(false),
         }
+    }
+}
+
+impl Settings {
+    /// Samples of a pixel in a frame: by default more where no further frames will add to them.
+    pub(crate) fn samples(&self, accumulates: bool) -> u32 {
+        self.samples.unwrap_or(if accumulates { 4 } else { 16 })
     }
 }
 

@@ -44,7 +44,7 @@ impl Transfer {
         let colors = list("color").filter(|list| !list.is_empty());
         let opacities = list("opacity").filter(|list| !list.is_empty());
         let unit_distance = now.f32("unitDistance").unwrap_or(1.0);
-        if !(unit_distance > 0.0) {
+        if unit_distance <= 0.0 || unit_distance.is_nan() {
             return Err(format!(
                 "parameter 'unitDistance': {unit_distance}: out of range; it must be above 0"
             ));

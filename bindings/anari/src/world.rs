@@ -120,6 +120,9 @@ impl Builder<'_> {
             self.volume(&volume, (to_world, from_world), id);
         }
         for object in list(now, "light") {
+            if object.committed().f32("angularDiameter").is_some_and(|angle| angle > 0.0) {
+                (self.report)(&object, "parameter 'angularDiameter': shadows are sharp all the same");
+            }
             match light(&object, &to_world, LAMP) {
                 Ok(made) => self.light(&object, made),
                 Err(fault) => (self.report)(&object, &fault),
@@ -195,7 +198,8 @@ impl Builder<'_> {
             Made::Lamp { mesh, lamp, visible } => {
                 let mesh = self.scene.add_mesh(mesh);
                 let shape = self.scene.add_object_of("", vec![mesh]);
-                let mask = if visible { RayMask::ALL } else { !RayMask::CAMERA };
+                // One that is not to be seen casts no shadow of others' light either.
+                let mask = if visible { RayMask::ALL } else { !(RayMask::CAMERA | RayMask::SHADOW) };
                 let place = Affine::IDENTITY;
                 let placed = Placed {
                     name: String::new(),

@@ -15,7 +15,7 @@ fn share(subtype: &str, edit: impl FnOnce(&Set, usize), size: [u32; 2]) -> f32 {
     set.client.set_vec3(camera, "position", [0.0, 0.0, 2.0]);
     edit(&set, camera);
     set.client.commit(camera);
-    let set = Set { camera, ..set };
+    let set = set.seen_by(camera);
     set.samples(16);
     let share = set.mean(size)[0];
     set.assert_quiet();
@@ -63,7 +63,7 @@ fn all_directions_are_seen() {
     set.add(square, white);
     let camera = set.client.object(t::CAMERA, "omnidirectional");
     set.client.commit(camera);
-    let set = Set { camera, ..set };
+    let set = set.seen_by(camera);
     let depths = set.channel([64, 32], "channel.depth", t::FLOAT32).floats();
     let at = |x: usize, y: usize| depths[64 * y + x];
     assert!(at(32, 0).is_infinite(), "nothing below");

@@ -27,6 +27,7 @@ fn bits(set: &Set, frame: usize) -> Vec<u8> {
 #[test]
 fn equal_frames_are_equal_and_accumulation_adds_up() {
     let set = scene();
+    set.samples(4);
     let (once, twice, sums) =
         (set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR), set.frame([32, 32], &COLOR));
     set.client.set(sums, "accumulation", t::BOOL, &[1]);
@@ -105,6 +106,19 @@ fn frames_show_what_was_committed_when_they_began() {
     set.client.commit(set.renderer);
     set.client.render(frame);
     assert_ne!(bits(&set, frame), before, "committed");
+}
+
+#[test]
+fn frames_that_do_not_add_up_take_more_samples() {
+    let set = scene();
+    let (once, sums) = (set.frame([4, 4], &COLOR), set.frame([4, 4], &COLOR));
+    set.client.set(sums, "accumulation", t::BOOL, &[1]);
+    set.client.commit(sums);
+    for (frame, expected) in [(once, 16), (sums, 4)] {
+        set.client.render(frame);
+        let samples = set.client.property(frame, "numSamples", t::INT32);
+        assert_eq!(samples.map(|b| b[0]), Some(expected), "by default");
+    }
 }
 
 #[test]

@@ -43,7 +43,7 @@ fn subtypes_and_extensions_are_listed() {
         ["cone", "curve", "cylinder", "isosurface", "quad", "sphere", "triangle"]
     );
     assert_eq!(client.subtypes(t::LIGHT), ["directional", "hdri", "point", "quad", "ring", "spot"]);
-    assert_eq!(client.subtypes(t::RENDERER), ["default", "ao", "debug"]);
+    assert_eq!(client.subtypes(t::RENDERER), ["default", "ao", "eyelight", "debug"]);
     assert_eq!(client.subtypes(t::SURFACE), Vec::<String>::new());
     let extensions = client.extensions();
     assert!(

@@ -137,38 +137,3 @@ fn regions_of_lists_count() {
     set.add(square, material);
     assert_eq!(set.picture([2, 2]).pixel(0, 0)[..3], [0.0, 1.0, 0.0], "the second one is the first");
 }
-
-/// Kilobytes that the process holds.
-fn resident() -> u64 {
-    let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
-    text.split_whitespace().nth(1).and_then(|pages| pages.parse::<u64>().ok()).unwrap_or(0) * 4
-}
-
-#[test]
-fn a_hundred_thousand_commits_leak_nothing() {
-    let set = Set::new("ao");
-    let (geometry, material) =
-        (set.client.object(t::GEOMETRY, "sphere"), set.client.object(t::MATERIAL, "matte"));
-    let round = |count: usize| {
-        for k in 0..count {
-            let list = set.client.floats(t::FLOAT32_VEC3, &[k as f32, 0.0, 0.0]);
-            set.client.give(geometry, "vertex.position", t::ARRAY1D, list);
-            set.client.set_float(geometry, "radius", k as f32);
-            set.client.commit(geometry);
-            set.client.set_vec3(material, "color", [0.5; 3]);
-            set.client.commit(material);
-            let surface = set.client.object(t::SURFACE, "");
-            set.client.set_object(surface, "geometry", t::GEOMETRY, geometry);
-            set.client.set_object(surface, "material", t::MATERIAL, material);
-            set.client.commit(surface);
-            set.client.release(surface);
-        }
-    };
-    round(2000);
-    let (alive, before) = (set.client.alive(), resident());
-    round(40_000);
-    assert_eq!(set.client.alive(), alive, "120,000 commits later as many objects live");
-    let grown = resident().saturating_sub(before);
-    assert!(grown < 8 << 10, "{grown} KiB more memory");
-    set.assert_quiet();
-}

@@ -113,7 +113,7 @@ fn emission_is_seen_and_lights() {
     set.client.set_vec3(camera, "direction", [3.6, 0.0, -2.5]);
     set.client.set_float(camera, "height", 0.1);
     set.client.commit(camera);
-    let set = Set { camera, ..set };
+    let set = set.seen_by(camera);
     set.samples(32);
     assert!(set.mean([4, 4])[0] > 0.05, "the wall is lit");
 }

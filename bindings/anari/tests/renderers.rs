@@ -24,6 +24,21 @@ fn open_floors_have_all_light_and_corners_half() {
 }
 
 #[test]
+fn eyelight_falls_off_with_the_cosine() {
+    let seen = |slope: f32| {
+        let mut set = Set::new("eyelight");
+        let (h, z) = (9.0, 9.0 * slope);
+        let square = set.faces("quad", &[[-h, -h, -z], [h, -h, z], [h, h, z], [-h, h, -z]]);
+        let grey = set.matte([0.8; 3]);
+        set.add(square, grey);
+        set.light("directional", &[("irradiance", &[100.0])]);
+        set.mean([4, 4])[0]
+    };
+    assert_close(seen(0.0), 0.8, 1e-3, "seen upright");
+    assert_close(seen(1.0), 0.8 * (0.5 + 0.5 * 0.5_f32.sqrt()), 1e-3, "seen at 45 degrees");
+}
+
+#[test]
 fn debug_shows_numbers() {
     let mut set = Set::new("debug");
     let (square, grey) = (set.square(50.0), set.matte([0.5, 0.25, 0.125]));
@@ -41,11 +56,13 @@ fn debug_shows_numbers() {
 
 #[test]
 fn backgrounds_are_colours_or_pictures() {
-    for renderer in ["default", "ao", "debug"] {
+    for renderer in ["default", "ao", "eyelight", "debug"] {
         let set = Set::new(renderer);
         set.client.set_floats(set.renderer, "background", t::FLOAT32_VEC4, &[0.1, 0.2, 0.3, 0.5]);
         set.client.commit(set.renderer);
-        assert_eq!(set.mean([4, 4]), [0.1, 0.2, 0.3, 0.5], "{renderer}: a colour");
+        let found = set.mean([4, 4]);
+        let is_near = found.iter().zip([0.1, 0.2, 0.3, 0.5]).all(|(a, b)| (a - b).abs() < 1e-6);
+        assert!(is_near, "{renderer}: a colour, not {found:?}");
         let texels: Vec<u8> = [0.0_f32, 1.0].iter().flat_map(|x| x.to_ne_bytes()).collect();
         let rows = set.client.array(t::FLOAT32, &[1, 2], &texels);
         set.client.give(set.renderer, "background", t::ARRAY2D, rows);

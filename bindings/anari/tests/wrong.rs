@@ -70,6 +70,22 @@ fn wrong_types_and_words_are_named_with_what_would_be_right() {
 }
 
 #[test]
+fn what_the_device_cannot_do_is_named() {
+    let client = Client::new();
+    let camera = client.object(t::CAMERA, "perspective");
+    client.set_text(camera, "stereoMode", "left");
+    assert_says(&client, 3, &["camera 'perspective'", "'stereoMode'", "unsupported"]);
+    let geometry = client.object(t::GEOMETRY, "triangle");
+    let list = client.floats(t::FLOAT32, &[0.0]);
+    client.give(geometry, "motion.vertex.position", t::ARRAY1D, list);
+    assert_says(&client, 3, &["'motion.vertex.position'", "unsupported"]);
+    let mut set = Set::new("default");
+    set.light("directional", &[("angularDiameter", &[0.1])]);
+    let _ = set.mean([2, 2]);
+    assert_says(&set.client, 3, &["light 'directional'", "'angularDiameter'", "sharp"]);
+}
+
+#[test]
 fn unknown_subtypes_are_named() {
     let client = Client::new();
     for (kind, subtype, right) in [

@@ -37,7 +37,9 @@ const PACKAGES: [Package; 3] = [
             path.starts_with("usr/include/")
                 || below("/pkgconfig/")
                 || below("/cmake/")
-                || path.starts_with("usr/lib/") && (path.ends_with(".a") || path.ends_with(".so"))
+                // Programs load the ANARI device by this name.
+                || path.starts_with("usr/lib/")
+                    && (path.ends_with(".a") || path.ends_with(".so") && !below("libanari_library_"))
         },
     },
     Package {

@@ -64,12 +64,18 @@ const LIBRARIES: [Library; 3] = [
         package: "gnurt.pc",
     },
 ];
+/// The device that programs load by ANARI's loader: it has no headers, and is never linked.
+const DEVICE: &str = "libanari_library_gnurt.so";
+/// Its pkg-config template.
+const DEVICE_PACKAGE: (&str, &str) = ("bindings/anari/gnurt-anari.pc.in", "gnurt-anari.pc");
 /// Templates, and their names in CMake's folder.
-const CMAKE: [(&str, &str); 4] = [
+const CMAKE: [(&str, &str); 6] = [
     ("bindings/openrt/OpenRTConfig.cmake.in", "OpenRT/OpenRTConfig.cmake"),
     ("bindings/openrt/OpenRTConfigVersion.cmake.in", "OpenRT/OpenRTConfigVersion.cmake"),
     ("bindings/rays/gnurtConfig.cmake.in", "gnurt/gnurtConfig.cmake"),
     ("bindings/openrt/OpenRTConfigVersion.cmake.in", "gnurt/gnurtConfigVersion.cmake"),
+    ("bindings/anari/gnurt-anariConfig.cmake.in", "gnurt-anari/gnurt-anariConfig.cmake"),
+    ("bindings/openrt/OpenRTConfigVersion.cmake.in", "gnurt-anari/gnurt-anariConfigVersion.cmake"),
 ];
 const DOCUMENTS: [&str; 4] = ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "COPYING"];
 
@@ -102,6 +108,8 @@ pub(crate) fn install_at(locations: &Locations) -> Result<(), Failure> {
                 "rtut",
                 "--package",
                 "gnurt-rays",
+                "--package",
+                "gnurt-anari",
             ];
             command::run(command::cargo().args(["build", "--release"]).args(packages))?;
             workspace.target.join("release")
@@ -134,6 +142,10 @@ fn install(built: &Path, source: &Path, version: &str, locations: &Locations) ->
         let template = read(&source.join(library.template))?;
         write(&lib.join("pkgconfig").join(library.package), &locations.fill(&template, version))?;
     }
+    copy_binary(&built.join(DEVICE), &lib.join(DEVICE), locations.strips)?;
+    let (template, package) = DEVICE_PACKAGE;
+    let template = read(&source.join(template))?;
+    write(&lib.join("pkgconfig").join(package), &locations.fill(&template, version))?;
     for (template, file) in CMAKE {
         let template = read(&source.join(template))?;
         write(&locations.put(&locations.cmake().join(file)), &locations.fill(&template, version))?;
@@ -202,6 +214,9 @@ mod tests {
             (built.join("libOpenRT.so"), "library"),
             (built.join("librtut.so"), "shapes"),
             (built.join("libgnurt_rays.so"), "rays"),
+            (built.join(DEVICE), "device"),
+            (source.join(DEVICE_PACKAGE.0), "libdir=@libdir@\n"),
+            (source.join("bindings/anari/gnurt-anariConfig.cmake.in"), "@libdir_from_here@"),
             (built.join(archive::NAME), "archive"),
             (source.join("COPYING"), "licence"),
             (source.join(notices::FILE), &notices_of_all[..]),
@@ -241,6 +256,9 @@ mod tests {
             ("lib/multi/librtut.so.0", "shapes"),
             ("lib/multi/libgnurt.so.1.2.3", "rays"),
             ("lib/multi/libgnurt.so", "rays"),
+            ("lib/multi/libanari_library_gnurt.so", "device"),
+            ("lib/multi/pkgconfig/gnurt-anari.pc", "libdir=${prefix}/lib/multi\n"),
+            ("lib/multi/cmake/gnurt-anari/gnurt-anariConfig.cmake", "../.."),
             ("lib/multi/cmake/gnurt/gnurtConfig.cmake", "../.."),
             ("lib/multi/cmake/gnurt/gnurtConfigVersion.cmake", "1.2.3"),
             ("lib/multi/pkgconfig/gnurt.pc", "Libs: -lgnurt\n"),

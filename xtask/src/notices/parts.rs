@@ -27,7 +27,7 @@ pub(super) struct Part {
 }
 
 /// Our packages that are given away as programs and libraries.
-const GIVEN: [&str; 5] = ["gnurt-cli", "openrt", "rtut", "gnurt-rays", "gnurt-python"];
+const GIVEN: [&str; 6] = ["gnurt-cli", "openrt", "rtut", "gnurt-rays", "gnurt-anari", "gnurt-python"];
 
 /// The parts of a build for a machine, by name and version.
 pub(super) fn of_packages(target: &str) -> Result<Vec<Part>, Failure> {

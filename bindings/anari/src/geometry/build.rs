@@ -3,12 +3,22 @@
 
 use super::data::Geometry;
 use super::{faces, isosurface, segments};
+use crate::ffi_array::Array;
 use crate::field::Field;
 use crate::object::Object;
 use crate::types;
 
 /// The geometry of an object, and a warning; an error in words where it cannot be shown.
 pub(crate) fn build(object: &Object) -> Result<(Geometry, Option<String>), String> {
+    let now = object.committed();
+    let (mut geometry, warning) = shape(object)?;
+    if let Some(array) = now.object("primitive.id", types::ARRAY1D).and_then(|array| Array::of(array)) {
+        geometry.ids = array.indices::<1>().unwrap_or_default().into_iter().map(|[id]| id as u32).collect();
+    }
+    Ok((geometry, warning))
+}
+
+fn shape(object: &Object) -> Result<(Geometry, Option<String>), String> {
     let now = object.committed();
     match object.subtype.as_str() {
         "triangle" => faces::faces::<3>(&now),

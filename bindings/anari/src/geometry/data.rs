@@ -169,6 +169,8 @@ impl Bounds {
 pub(crate) struct Geometry {
     pub(crate) parts: Vec<Part>,
     pub(crate) attributes: [Rates; FREE],
+    /// Numbers of the primitives for people; empty = from 0 on.
+    pub(crate) ids: Vec<u32>,
     /// The vertices, where ends of placements need them.
     pub(crate) points: Vec<[f32; 3]>,
 }
@@ -188,6 +190,11 @@ pub(crate) struct Spot {
 }
 
 impl Geometry {
+    /// The number of a primitive for people.
+    pub(crate) fn id(&self, primitive: u32) -> u32 {
+        self.ids.get(primitive as usize).copied().unwrap_or(primitive)
+    }
+
     /// The value of an attribute; `None` where the geometry has no such attribute.
     pub(crate) fn attribute(&self, which: usize, spot: &Spot) -> Option<Color> {
         let rates = &self.attributes[which];
@@ -241,7 +248,7 @@ impl Geometry {
 fn corners(rates: &Rates, part: &Part, spot: &Spot) -> Option<Color> {
     let (first, corners) = match part.primitives {
         Primitives::Own => (3 * spot.triangle as usize, [0, 1, 2]),
-        Primitives::Pairs if spot.triangle % 2 == 0 => (2 * spot.triangle as usize, [0, 1, 2]),
+        Primitives::Pairs if spot.triangle.is_multiple_of(2) => (2 * spot.triangle as usize, [0, 1, 2]),
         Primitives::Pairs => (2 * (spot.triangle as usize - 1), [0, 2, 3]),
         _ => return None,
     };

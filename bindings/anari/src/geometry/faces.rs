@@ -103,7 +103,7 @@ pub(super) fn faces<const N: usize>(now: &Snapshot) -> Result<(Geometry, Option<
         Vertices::Own
     };
     let parts = vec![Part::once(mesh, primitives, vertices)];
-    Ok((Geometry { parts, attributes: Rates::all(now), points: Vec::new() }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
 }
 
 /// The fourth number of a tangent is a side: of three numbers it is 1 already.

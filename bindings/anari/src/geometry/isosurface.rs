@@ -129,5 +129,5 @@ pub(super) fn isosurface(now: &Snapshot, field: &Field) -> Result<(Geometry, Opt
     let warning =
         all.indices.is_empty().then(|| "parameter 'isovalue': the field has no such value".to_owned());
     let parts = vec![Part::once(all, Primitives::Listed(primitives), Vertices::Nothing)];
-    Ok((Geometry { parts, attributes: Rates::all(now), points: Vec::new() }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
 }

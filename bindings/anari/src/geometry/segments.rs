@@ -51,7 +51,7 @@ pub(super) fn spheres(now: &Snapshot) -> Built {
     });
     let placements = all.collect();
     let parts = vec![Part::placed(unit::sphere(), Form::Ball, placements)];
-    Ok((Geometry { parts, attributes: Rates::all(now), points: Vec::new() }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points: Vec::new() }, warning))
 }
 
 /// Which ends are closed, for each pair of vertices.
@@ -83,7 +83,7 @@ pub(super) fn cylinders(now: &Snapshot) -> Built {
     let shape = |k: usize| unit::cylinder([k & 1 != 0, k & 2 != 0]);
     let all = by_caps.into_iter().enumerate().filter(|(_, placements)| !placements.is_empty());
     let parts = all.map(|(k, placements)| Part::placed(shape(k), Form::Rod, placements)).collect();
-    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points }, warning))
 }
 
 /// Cones between places, and where their vertices and primitives come from.
@@ -121,7 +121,7 @@ pub(super) fn cones(now: &Snapshot) -> Built {
         cones.add(ends, radii, caps(row), i as u32, row);
     }
     let parts = cones.part().into_iter().collect();
-    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points }, warning))
 }
 
 /// Curves.
@@ -168,5 +168,5 @@ pub(super) fn curves(now: &Snapshot) -> Built {
     if !balls.is_empty() {
         parts.push(Part::placed(unit::sphere(), Form::Ball, balls));
     }
-    Ok((Geometry { parts, attributes: Rates::all(now), points }, warning))
+    Ok((Geometry { parts, attributes: Rates::all(now), ids: Vec::new(), points }, warning))
 }

@@ -26,7 +26,13 @@ macro_rules! rate {
 }
 
 fn primitive() -> Vec<Parameter> {
-    rate!("primitive", "Attribute of each primitive")
+    let id = list(
+        "primitive.id",
+        &[t::UINT32, t::UINT64],
+        "Numbers in the channel of ids, in place of the count from 0",
+    )
+    .by("KHR_FRAME_CHANNEL_PRIMITIVE_ID");
+    [rate!("primitive", "Attribute of each primitive"), vec![id]].concat()
 }
 
 fn vertex() -> Vec<Parameter> {

@@ -110,7 +110,8 @@ fn samplers() -> Vec<Entry> {
         p("inOffset", &[t::UINT64], "Added to the primitive's number").or_whole(0),
     ];
     let own = word("inAttribute", &ATTRIBUTES, "Attribute that is read");
-    let transform = [vec![own], output()].concat();
+    let old = p("transform", &[t::FLOAT32_MAT4], "An older name of outTransform").or(&UNIT);
+    let transform = [vec![own, old], output()].concat();
     vec![
         image("image1D", "KHR_SAMPLER_IMAGE1D", t::ARRAY1D, &["wrapMode"]),
         image("image2D", "KHR_SAMPLER_IMAGE2D", t::ARRAY2D, &["wrapMode1", "wrapMode2"]),

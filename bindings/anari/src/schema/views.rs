@@ -39,7 +39,15 @@ fn common() -> Vec<Parameter> {
     };
     vec![
         background,
-        p("pixelSamples", &[t::INT32], "Samples of a pixel in each frame").or_whole(4).by("GNU_RENDERER"),
+        p(
+            "pixelSamples",
+            &[t::INT32],
+            "Samples of a pixel in each frame; if unset 16, or 4 where frames add up",
+        )
+        .or_whole(16)
+        .by("GNU_RENDERER"),
+        truth("premultiplyBackground", false, "Whether the background's colour is multiplied by its opacity")
+            .by("GNU_RENDERER"),
     ]
 }
 
@@ -85,6 +93,7 @@ fn renderers() -> Vec<Entry> {
             "Albedo under light from everywhere",
             [common(), ambient(), ao].concat(),
         ),
+        entry(t::RENDERER, "eyelight", "GNU_RENDERER", "Albedo, lit from the eye", common()),
         entry(
             t::RENDERER,
             "debug",

@@ -30,6 +30,11 @@ impl Set {
         Self { client, world, camera, renderer, surfaces, volumes, lights, instances }
     }
 
+    /// The same seen by another camera.
+    pub(crate) fn seen_by(self, camera: usize) -> Self {
+        Self { camera, ..self }
+    }
+
     /// Light from everywhere.
     pub(crate) fn ambient(&self, radiance: f32) {
         self.client.set_float(self.renderer, "ambientRadiance", radiance);
