@@ -226,7 +226,7 @@ mod tests {
         let mut any = |kind: u32| {
             let mut columns = [[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
             columns[3] = random.point().map(|x| 100.0 * f64::from(x));
-            let object = objects[random.below(3) as usize].clone();
+            let object = objects[random.below(3)].clone();
             match kind % 10 {
                 0 => Instance::identity(object),
                 1 => {
