@@ -12,7 +12,7 @@ use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::nearest::Kind;
 use gnurt_accel_core::tile::LANES;
 use gnurt_accel_core::traversal::TileTraversal;
-use gnurt_simd::{Simd, StackBuffer, prelude::*};
+use gnurt_simd::{Simd, StackBuffer, prefetch, prelude::*};
 
 use super::BoxIndex;
 use super::met::{EnterMembers, Member};
@@ -42,6 +42,9 @@ enum Stop {
     /// A child, with rays that go on singly.
     SingleRays(Child),
 }
+
+/// Members of a whole block, by bits.
+const ALL_LANES: u32 = (1 << WIDTH) - 1;
 
 /// Where intervals leave this many boxes of a node, rays are tested one by one.
 const MANY: u32 = 2;
@@ -234,7 +237,11 @@ impl Shot<'_> {
 }
 
 /// Traverses `nodes` with the rays in `bits`, and calls `stop` with those that reach a block, and with those
-/// that go on singly.
+/// that go on singly; before that `ahead` with the waiting children.
+#[expect(
+    clippy::too_many_arguments,
+    reason = "the state of a tile, and the actions at three points of the traversal"
+)]
 #[inline(always)]
 fn walk_masks<'a, S: Simd>(
     simd: S,
@@ -242,7 +249,9 @@ fn walk_masks<'a, S: Simd>(
     bits: u64,
     shot: &mut Shot<'a>,
     traversal: &mut TileTraversal,
-    mut stop: impl FnMut(&mut Shot<'a>, Stop, u64, &mut TileTraversal),
+    enter: &mut dyn EnterMembers,
+    ahead: impl Fn(Child, &dyn EnterMembers),
+    mut stop: impl FnMut(&mut Shot<'a>, Stop, u64, &mut TileTraversal, &mut dyn EnterMembers),
 ) {
     let mut buffer = StackBuffer::<Entry, MOST_WAIT>::new();
     let mut waiting = buffer.stack();
@@ -253,13 +262,13 @@ fn walk_masks<'a, S: Simd>(
             continue;
         }
         if bits.count_ones() <= FEW || waiting.len() + WIDTH > MOST_WAIT {
-            stop(shot, Stop::SingleRays(child), bits, traversal);
+            stop(shot, Stop::SingleRays(child), bits, traversal, enter);
             continue;
         }
         shot.visited += u64::from(bits.count_ones());
         if child.is_leaf() {
             for block in child.blocks() {
-                stop(shot, Stop::Block(block), bits, traversal);
+                stop(shot, Stop::Block(block), bits, traversal, enter);
             }
             continue;
         }
@@ -272,7 +281,10 @@ fn walk_masks<'a, S: Simd>(
             traversal,
             #[inline(always)]
             |member_index, steps, rays| {
-                waiting.push(Entry { steps, child: node.child(member_index), rays });
+                let child = node.child(member_index);
+                prefetch(nodes, if child.is_leaf() { child.blocks().start } else { child.index() });
+                ahead(child, enter);
+                waiting.push(Entry { steps, child, rays });
                 pushed += 1;
             },
         );
@@ -293,15 +305,23 @@ fn tile_treelet<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            let nodes = treelet.nodes();
+            let (nodes, first_block) = (treelet.nodes(), treelet.node_count());
             walk_masks(
                 simd,
                 nodes,
                 bits,
                 shot,
                 traversal,
+                enter,
+                // Rays that have one direction class meet most members of a block.
                 #[inline(always)]
-                |shot, stop, bits, traversal| match stop {
+                |child, enter| {
+                    if child.is_leaf() {
+                        enter.announce(number, child.blocks().start - first_block, ALL_LANES);
+                    }
+                },
+                #[inline(always)]
+                |shot, stop, bits, traversal, enter| match stop {
                     Stop::Block(at) => enter_block(simd, (number, treelet), at, bits, shot, traversal, enter),
                     Stop::SingleRays(child) => shot.go_singly(
                         simd,
@@ -398,8 +418,10 @@ fn tile_upper<S: Simd>(
                 bits,
                 shot,
                 traversal,
+                enter,
+                |_, _| {},
                 #[inline(always)]
-                |shot, stop, bits, traversal| match stop {
+                |shot, stop, bits, traversal, enter| match stop {
                     Stop::Block(at) => {
                         let block = &nodes[at];
                         let (mut members, mut count): ([Met; WIDTH], usize) = ([(0, 0.0, 0); WIDTH], 0);

@@ -153,7 +153,7 @@ fn build(
         let top = BoxIndex::build(&boxes, &boxes_at, origin, quality, threads, watch)?.with_slack(slack);
         watch.give(passing);
         watch.result()?;
-        let entries = Entries::new(&top, None, &slots, parallel);
+        let entries = Entries::new(&top, &slots, parallel);
         Ok(SceneTree { only: top.only(), top, slots, entries, leaves, depths, dropped, moving })
     })
 }

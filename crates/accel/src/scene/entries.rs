@@ -7,13 +7,15 @@
 
 use std::sync::Arc;
 
-use gnurt_accel_bvh::BoxIndex;
+use gnurt_accel_bvh::{BoxIndex, Member};
 use gnurt_accel_core::affine::ObjectFromWorld;
 use gnurt_simd::prefetch;
-use rayon::prelude::*;
 
 use super::types::{At, Shape, Slot};
 use crate::SharedList;
+
+/// Slots are requested so many instances before they are read.
+const AHEAD: usize = 8;
 
 /// The map into an instance, and the number of what is there.
 #[derive(Clone, Copy, Debug)]
@@ -40,7 +42,7 @@ pub(super) struct TreeletEntries {
 
 /// The instances of a scene, by treelet.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Entries(Vec<Arc<TreeletEntries>>);
+pub(super) struct Entries(SharedList<Arc<TreeletEntries>>);
 
 impl Entry {
     /// Of one that is entered by its slot: it moves, or is where the world is, or is not there.
@@ -53,20 +55,62 @@ impl Entry {
 impl TreeletEntries {
     /// Of the treelet with this number.
     fn new(top: &BoxIndex, treelet: usize, slots: &SharedList<Slot>) -> Self {
-        let mut list = vec![Entry::BY_SLOT; top.places(treelet)];
-        let mut shown: Vec<Shown> = Vec::new();
-        for member in top.members(treelet) {
-            let Slot::PlacedInstance(placed) = &slots[member.index] else { continue };
-            let At::Still { object_from_world: Some(map), .. } = &placed.at else { continue };
-            let is_same = |other: &Shown| other.mask == placed.mask && other.shape.is_same(&placed.shape);
-            // Neighbours often show the same.
-            let number = shown.iter().rposition(is_same).unwrap_or_else(|| {
-                shown.push(Shown { shape: placed.shape.clone(), mask: placed.mask });
-                shown.len() - 1
-            });
-            list[member.place] = Entry { map: *map, shown: number as u32 };
+        let members: Vec<Member> = top.members(treelet).collect();
+        let mut entries = Self { list: vec![Entry::BY_SLOT; top.places(treelet)], shown: Vec::new() };
+        for (i, member) in members.iter().enumerate() {
+            // Neighbours in space are none in the list.
+            if let Some(later) = members.get(i + AHEAD) {
+                prefetch(std::slice::from_ref(&slots[later.index]), 0);
+            }
+            entries.put(member, slots);
         }
-        Self { list, shown }
+        entries
+    }
+
+    /// Enters an instance.
+    fn put(&mut self, member: &Member, slots: &SharedList<Slot>) {
+        let Slot::PlacedInstance(placed) = &slots[member.index] else { return };
+        let At::Still { object_from_world: Some(map), .. } = &placed.at else { return };
+        let number = self.number(placed.mask, &placed.shape);
+        self.list[member.place] = Entry { map: *map, shown: number };
+    }
+
+    /// The number of what is shown; neighbours often show the same.
+    fn number(&mut self, mask: u32, shape: &Shape) -> u32 {
+        let is_same = |other: &Shown| other.mask == mask && other.shape.is_same(shape);
+        let number = self.shown.iter().rposition(is_same).unwrap_or_else(|| {
+            self.shown.push(Shown { shape: shape.clone(), mask });
+            self.shown.len() - 1
+        });
+        number as u32
+    }
+
+    /// Of the treelet with this number where it was like this before, in `tree`; `is_edited` says which slots are others now.
+    fn edited(
+        &self,
+        (top, tree): (&BoxIndex, &BoxIndex),
+        treelet: usize,
+        slots: &SharedList<Slot>,
+        is_edited: &dyn Fn(usize) -> bool,
+    ) -> Self {
+        let mut before = vec![usize::MAX; self.list.len()];
+        tree.members(treelet).for_each(|member| before[member.place] = member.index);
+        let mut entries = Self { list: vec![Entry::BY_SLOT; top.places(treelet)], shown: Vec::new() };
+        // What nobody shows any more is not held.
+        let mut numbers = vec![u32::MAX; self.shown.len()];
+        for member in top.members(treelet) {
+            if before.get(member.place) != Some(&member.index) || is_edited(member.index) {
+                entries.put(&member, slots);
+                continue;
+            }
+            let Entry { map, shown } = self.list[member.place];
+            let Some(old) = self.shown.get(shown as usize) else { continue };
+            if numbers[shown as usize] == u32::MAX {
+                numbers[shown as usize] = entries.number(old.mask, &old.shape);
+            }
+            entries.list[member.place] = Entry { map, shown: numbers[shown as usize] };
+        }
+        entries
     }
 
     /// Asks for the memory of an instance.
@@ -84,22 +128,38 @@ impl TreeletEntries {
 }
 
 impl Entries {
-    /// Of all treelets of `top`; those that it shares with the tree before are as they were. `parallel`: by the threads of the
-    /// present pool.
-    pub(super) fn new(
-        top: &BoxIndex,
-        before: Option<(&BoxIndex, &Self)>,
+    /// Of all treelets of `top`. `parallel`: by the threads of the present pool.
+    pub(super) fn new(top: &BoxIndex, slots: &SharedList<Slot>, parallel: bool) -> Self {
+        let of = |treelet: usize| Arc::new(TreeletEntries::new(top, treelet, slots));
+        Self(SharedList::new(top.treelet_count(), parallel, of))
+    }
+
+    /// Of all treelets of `top`, which came of `tree`, whose entries these are; `edited` are the slots that are others now, in
+    /// ascending order.
+    pub(super) fn updated(
+        &self,
+        (top, tree): (&BoxIndex, &BoxIndex),
         slots: &SharedList<Slot>,
+        edited: &[u32],
         parallel: bool,
     ) -> Self {
-        let of = |treelet: usize| match before {
-            Some((tree, entries)) if top.shares_treelet(tree, treelet) => entries.0[treelet].clone(),
-            _ => Arc::new(TreeletEntries::new(top, treelet, slots)),
-        };
-        Self(match parallel {
-            true => (0..top.treelet_count()).into_par_iter().map(of).collect(),
-            false => (0..top.treelet_count()).map(of).collect(),
-        })
+        let count = top.treelet_count();
+        let others: Vec<u32> =
+            (0..count as u32).filter(|&treelet| !top.shares_treelet(tree, treelet as usize)).collect();
+        if 2 * others.len() > count {
+            return Self::new(top, slots, parallel);
+        }
+        let is_edited = |index: usize| edited.binary_search(&(index as u32)).is_ok();
+        let mut list = self.0.clone();
+        list.truncate(count);
+        list.grow(count);
+        list.set_all(&others, parallel, |treelet| {
+            Arc::new(match self.0.get(treelet) {
+                Some(before) => before.edited((top, tree), treelet, slots, &is_edited),
+                None => TreeletEntries::new(top, treelet, slots),
+            })
+        });
+        Self(list)
     }
 
     /// Those of a treelet.
@@ -113,7 +173,7 @@ impl Entries {
         let of = |entries: &Arc<TreeletEntries>| {
             size_of::<TreeletEntries>() + size_of_val(&entries.list[..]) + size_of_val(&entries.shown[..])
         };
-        size_of_val(&self.0[..]) + self.0.iter().map(of).sum::<usize>()
+        self.0.memory_bytes() + self.0.iter().map(of).sum::<usize>()
     }
 }
 
@@ -166,7 +226,7 @@ mod tests {
         let mut any = |kind: u32| {
             let mut columns = [[0.5, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]];
             columns[3] = random.point().map(|x| 100.0 * f64::from(x));
-            let object = objects[random.below(3) as usize].clone();
+            let object = objects[random.below(3)].clone();
             match kind % 10 {
                 0 => Instance::identity(object),
                 1 => {
@@ -189,7 +249,7 @@ mod tests {
             let after = scene.updated(3000 + step, &edits, Threads::Single);
             check(&after);
             check(&scene);
-            let pairs = scene.entries.0.iter().zip(&after.entries.0);
+            let pairs = scene.entries.0.iter().zip(after.entries.0.iter());
             let shared = pairs.filter(|(before, after)| Arc::ptr_eq(before, after)).count();
             assert!(
                 count > 5 || shared + 3 * count as usize >= after.top.treelet_count(),

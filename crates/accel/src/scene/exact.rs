@@ -25,13 +25,10 @@ impl Exact {
     /// scales along the object's axes are 3 at most, sheared axes more. For any origin and direction: the sum over the ways
     /// from one axis of the world to another, of the magnitudes on them.
     pub(super) fn spread(&self) -> f64 {
-        let [axes @ .., _] = &self.columns;
-        let along = |k: usize| -> f64 {
-            let through = |(axis, row): (&[f64; 3], &[f64; 3])| {
-                axis[k].abs() * row.iter().map(|x| x.abs()).sum::<f64>()
-            };
-            axes.iter().zip(&self.rows).map(through).sum()
-        };
+        let [a, b, c, _] = self.columns;
+        let sum = |row: [f64; 3]| row[0].abs() + row[1].abs() + row[2].abs();
+        let over = [sum(self.rows[0]), sum(self.rows[1]), sum(self.rows[2])];
+        let along = |k: usize| a[k].abs() * over[0] + b[k].abs() * over[1] + c[k].abs() * over[2];
         along(0).max(along(1)).max(along(2))
     }
 

@@ -94,8 +94,8 @@ impl SceneTree {
             scene.move_origin(origin_for(&bounds), threads);
         }
         scene.only = scene.top.only();
-        let before = Some((&self.top, &self.entries));
-        scene.entries = threads.run(|parallel| Entries::new(&scene.top, before, &scene.slots, parallel));
+        let trees = (&scene.top, &self.top);
+        scene.entries = threads.run(|parallel| self.entries.updated(trees, &scene.slots, &indices, parallel));
         scene
     }
 
