@@ -277,6 +277,8 @@ fn diffuse_mirrored(index: f32) -> f32 {
 
 fn coat(coat: &Coat, code: &mut Code) -> String {
     let [along, across] = alphas(&coat.facets, code);
+    // A coat that is a mirror is drawn too bright over what scatters to all sides: narrow facets are the same to the eye.
+    let [along, across] = [along, across].map(|alpha| format!("max ({alpha}, 0.002)"));
     let index = number(coat.index);
     format!("dielectric_bsdf (Nn, T, color (1), color (0), {along}, {across}, {index}, \"ggx\")")
 }
