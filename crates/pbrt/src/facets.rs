@@ -16,17 +16,13 @@ fn hidden(cosine: f64, alpha: f64) -> f64 {
     0.5 * ((1.0 + alpha * alpha * (1.0 - square) / square).sqrt() - 1.0)
 }
 
-/// Share of the light of a direction that one bounce sends on: metals of no loss without an index, glass of an index otherwise,
-/// beyond over this side.
-pub(crate) fn retained(cosine: f64, alpha: f64, index: Option<f64>) -> f64 {
+/// Normals that a view of this cosine meets, as they are seen.
+fn normals(cosine: f64, alpha: f64) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
     let cosine = cosine.clamp(0.02, 1.0);
     let view = [(1.0 - cosine * cosine).sqrt(), 0.0, cosine];
     let length = (alpha * alpha * view[0] * view[0] + cosine * cosine).sqrt();
     let stretched = [alpha * view[0] / length, 0.0, cosine / length];
-    let ours = hidden(cosine, alpha);
-    let shown = |z: f64| (1.0 + ours) / (1.0 + ours + hidden(z.abs().clamp(1e-6, 1.0), alpha));
-    let mut sum = 0.0;
-    for i in 0..NORMALS * NORMALS {
+    (0..NORMALS * NORMALS).map(move |i| {
         let [u, v] = [i % NORMALS, i / NORMALS].map(|k| (k as f64 + 0.5) / NORMALS as f64);
         let (r, (sin, cos)) = (u.sqrt(), (TAU * v).sin_cos());
         let across = r * cos;
@@ -40,25 +36,93 @@ pub(crate) fn retained(cosine: f64, alpha: f64, index: Option<f64>) -> f64 {
             (up * stretched[2] + along * stretched[0]).max(1e-9),
         ];
         let size = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let normal = normal.map(|x| x / size);
+        (view, normal.map(|x| x / size))
+    })
+}
+
+/// Shares of the light of a direction that one bounce sends back and through, and that facets mirror before some of it is lost. Metals
+/// without an index mirror all; glass has an index, beyond over this side.
+fn bounce(cosine: f64, alpha: f64, index: Option<f64>) -> [f64; 3] {
+    let ours = hidden(cosine.clamp(0.02, 1.0), alpha);
+    let shown = |z: f64| (1.0 + ours) / (1.0 + ours + hidden(z.abs().clamp(1e-6, 1.0), alpha));
+    let mut sums = [0.0; 3];
+    for (view, normal) in normals(cosine, alpha) {
         let met: f64 = (0..3).map(|k| view[k] * normal[k]).sum();
         let mirrored = 2.0 * met * normal[2] - view[2];
         let back = if mirrored > 0.0 { shown(mirrored) } else { 0.0 };
-        sum += match index {
-            None => back,
-            Some(index) => {
-                let sine = (1.0 - met * met) / (index * index);
-                let beyond = (1.0 - sine).max(0.0).sqrt();
-                let a = (index * met - beyond) / (index * met + beyond);
-                let b = (met - index * beyond) / (met + index * beyond);
-                let share = if sine >= 1.0 { 1.0 } else { 0.5 * (a * a + b * b) };
-                let through = (met / index - beyond) * normal[2] - view[2] / index;
-                let on = if through < 0.0 && share < 1.0 { shown(through) } else { 0.0 };
-                share * back + (1.0 - share) * on
-            }
+        let Some(index) = index else {
+            sums = [sums[0] + back, 0.0, sums[2] + 1.0];
+            continue;
         };
+        let sine = (1.0 - met * met) / (index * index);
+        let beyond = (1.0 - sine).max(0.0).sqrt();
+        let a = (index * met - beyond) / (index * met + beyond);
+        let b = (met - index * beyond) / (met + index * beyond);
+        let share = if sine >= 1.0 { 1.0 } else { 0.5 * (a * a + b * b) };
+        let through = (met / index - beyond) * normal[2] - view[2] / index;
+        let on = if through < 0.0 && share < 1.0 { shown(through) } else { 0.0 };
+        sums = [sums[0] + share * back, sums[1] + (1.0 - share) * on, sums[2] + share];
     }
-    sum / (NORMALS * NORMALS) as f64
+    sums.map(|sum| sum / (NORMALS * NORMALS) as f64)
+}
+
+/// Share of the light of a direction that one bounce sends on.
+pub(crate) fn retained(cosine: f64, alpha: f64, index: Option<f64>) -> f64 {
+    let [back, through, _] = bounce(cosine, alpha, index);
+    back + through
+}
+
+/// What a coat of glass does to light of a base below it, by the root of the view's cosine in steps.
+pub(crate) struct Coated {
+    /// Share of what the coat mirrors that is not lost.
+    pub(crate) mirrored: Vec<f32>,
+    /// Share of the light of the base that comes out at once, with what is lost on the way in.
+    pub(crate) out: Vec<f32>,
+    /// Share that goes back to the base.
+    pub(crate) again: Vec<f32>,
+}
+
+/// The same for facets of the coat and of the base; `None` is a diffuse base.
+pub(crate) fn coated(alpha: f64, index: f64, base: Option<f64>) -> Coated {
+    const FINE: usize = 32;
+    // From within, by the cosine.
+    let within: Vec<[f64; 3]> =
+        (0..=FINE).map(|i| bounce(i as f64 / FINE as f64, alpha, Some(1.0 / index))).collect();
+    let looked = |cosine: f64| {
+        let at = cosine.clamp(0.0, 1.0) * FINE as f64;
+        let i = (at as usize).min(FINE - 1);
+        let rest = at - i as f64;
+        [0, 1].map(|k| within[i][k] * (1.0 - rest) + within[i + 1][k] * rest)
+    };
+    let mut table = Coated { mirrored: Vec::new(), out: Vec::new(), again: Vec::new() };
+    for i in 0..=STEPS {
+        let cosine = ((i as f64 / STEPS as f64).powi(2)).max(0.02);
+        let [back, through, mirrored] = bounce(cosine, alpha, Some(index));
+        let [mut again, mut out, mut count] = [0.0; 3];
+        match base {
+            None => (0..FINE).for_each(|i| {
+                let cosine = (i as f64 + 0.5) / FINE as f64;
+                let [back, through] = looked(cosine);
+                (again, out, count) = (again + cosine * back, out + cosine * through, count + cosine);
+            }),
+            Some(base) => {
+                let below = (1.0 - (1.0 - cosine * cosine) / (index * index)).max(0.0).sqrt();
+                for (view, normal) in normals(below, base.max(1e-3)) {
+                    let met: f64 = (0..3).map(|k| view[k] * normal[k]).sum();
+                    let up = 2.0 * met * normal[2] - view[2];
+                    if up > 0.0 {
+                        let [back, through] = looked(up);
+                        (again, out, count) = (again + back, out + through, count + 1.0);
+                    }
+                }
+            }
+        }
+        let count = if count > 0.0 { count } else { 1.0 };
+        table.mirrored.push((back / mirrored.max(1e-6)) as f32);
+        table.out.push((through / (1.0 - mirrored).max(1e-3) * out / count) as f32);
+        table.again.push((again / count) as f32);
+    }
+    table
 }
 
 /// The shares by the root of the cosine: of one alpha, or of all in steps, one row after the other.
@@ -87,5 +151,12 @@ mod tests {
         assert!(smooth > 0.8 && rough < 0.6 && rough > 0.3, "{smooth} {rough}");
         // What glass loses from within is more: more of it is mirrored.
         assert!(retained(0.7, 0.3, Some(1.0 / 1.5)) < retained(0.7, 0.3, Some(1.5)));
+        // A smooth coat on a diffuse base: 1 - Fi comes out, Fi goes back.
+        let smooth = coated(0.01, 1.5, None);
+        assert!(
+            (smooth.out[8] - 0.4037).abs() < 0.02 && (smooth.again[8] - 0.5963).abs() < 0.02,
+            "{:?}",
+            smooth.out
+        );
     }
 }

@@ -9,7 +9,7 @@ use gnurt_scene::detail::Interior;
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
 use gnurt_scene::{Material as Made, ShaderFile, Surface, TextureId};
 
-use crate::facets::{STEPS, table};
+use crate::facets::{STEPS, coated, table};
 use crate::material::{Coat, Facets, Material, Metal, Model};
 use crate::osl::{Code, Library, color, number};
 use crate::patterns::FUNCTIONS;
@@ -277,8 +277,28 @@ fn diffuse_mirrored(index: f32) -> f32 {
 
 fn coat(coat: &Coat, code: &mut Code) -> String {
     let [along, across] = alphas(&coat.facets, code);
+    // A coat that is a mirror is drawn too bright over what scatters to all sides: narrow facets are the same to the eye.
+    let [along, across] = [along, across].map(|alpha| format!("max ({alpha}, 0.002)"));
     let index = number(coat.index);
     format!("dielectric_bsdf (Nn, T, color (1), color (0), {along}, {across}, {index}, \"ggx\")")
+}
+
+/// A coat's lobe over a base: `base(1 - what comes out at once, what goes back)` is told how the base's light is dimmed. `below` is the base's
+/// alpha, `None` if it is diffuse.
+fn over(of: &Coat, below: Option<f32>, code: &mut Code) -> Option<[String; 3]> {
+    let alpha = f64::from(even(&of.facets)?.powi(2));
+    let table = coated(alpha, f64::from(of.index), below.map(f64::from));
+    let at = code.name('f');
+    code.line(format!("float {at} = sqrt (min (fabs (dot (Nn, normalize (I))), 1)) * {STEPS};"));
+    let column = code.name('i');
+    code.line(format!("int {column} = min (int ({at}), {});", STEPS - 1));
+    Some([table.mirrored, table.out, table.again].map(|list| {
+        let [row, value] = [code.name('k'), code.name('f')];
+        let numbers: Vec<String> = list.into_iter().map(number).collect();
+        code.line(format!("float {row}[{}] = {{ {} }};", numbers.len(), numbers.join(", ")));
+        code.line(format!("float {value} = mix ({row}[{column}], {row}[{column} + 1], {at} - {column});"));
+        value
+    }))
 }
 
 /// A metal's indices and extinction coefficients, as variables; those within glass of an index.
@@ -347,24 +367,25 @@ fn retained(
     [kept, all]
 }
 
-/// A metal's lobe without what goes between its facets more than once.
-fn metal_lobe(of: &Metal, facets: &Facets, within: f32, code: &mut Code) -> String {
+/// A metal's lobe without what goes between its facets more than once, and what it mirrors at normal incidence.
+fn metal_lobe(of: &Metal, facets: &Facets, within: f32, code: &mut Code) -> [String; 2] {
     let alphas = alphas(facets, code);
     let [eta, k] = metal(of, within, code);
     let [along, across] = &alphas;
     let lobe = format!("conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\")");
-    if even(facets).is_some_and(|roughness| roughness <= NARROW) {
-        return lobe;
-    }
-    let [kept, all] = retained(facets, &alphas, None, code);
-    let [mirrored, share] = [code.name('c'), code.name('c')];
+    let mirrored = code.name('c');
     code.line(format!(
         "color {mirrored} = (({eta} - 1) * ({eta} - 1) + {k} * {k}) / (({eta} + 1) * ({eta} + 1) + {k} * {k});"
     ));
+    if even(facets).is_some_and(|roughness| roughness <= NARROW) {
+        return [lobe, mirrored];
+    }
+    let [kept, all] = retained(facets, &alphas, None, code);
+    let share = code.name('c');
     code.line(format!(
         "color {share} = color ({kept}) / (color ({kept}) + (1 - {kept}) * {all} * {mirrored} / (color (1) - {mirrored} * (1 - {all})));"
     ));
-    format!("{share} * {lobe}")
+    [format!("{share} * {lobe}"), format!("({mirrored} * {kept})")]
 }
 
 /// A model as an expression.
@@ -385,19 +406,43 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
             let reflectance = clamped(code, reflectance);
             format!("{reflectance} * diffuse (Nn)")
         }
-        Model::CoatedDiffuse { reflectance, coat: over } => {
+        Model::CoatedDiffuse { reflectance, coat: layer } => {
             let r = clamped(code, reflectance);
-            let top = coat(over, code);
+            let top = coat(layer, code);
+            if even(&layer.facets).is_some_and(|roughness| roughness > NARROW)
+                && let Some([mirrored, out, again]) = over(layer, None, code)
+            {
+                let base = format!("{r} * {out} / (color (1) - {r} * {again})");
+                return format!("layer ({mirrored} * {top}, {base} * diffuse (Nn))");
+            }
             // (1 - Fi) = (1 - Fe) / eta².
-            let outer = diffuse_mirrored(over.index);
-            let inner = number(1.0 - (1.0 - outer) / (over.index * over.index));
+            let outer = diffuse_mirrored(layer.index);
+            let inner = number(1.0 - (1.0 - outer) / (layer.index * layer.index));
             format!("layer ({top}, {r} * (1 - {inner}) / (color (1) - {r} * {inner}) * diffuse (Nn))")
         }
-        Model::Conductor { metal: of, facets } => metal_lobe(of, facets, 1.0, code),
-        Model::CoatedConductor { metal: of, facets, coat: over } => {
-            let base = metal_lobe(of, facets, over.index, code);
-            let top = coat(over, code);
-            format!("layer ({top}, {base})")
+        Model::Conductor { metal: of, facets } => {
+            let [lobe, _] = metal_lobe(of, facets, 1.0, code);
+            lobe
+        }
+        Model::CoatedConductor { metal: of, facets, coat: layer } => {
+            let [base, color] = metal_lobe(of, facets, layer.index, code);
+            let top = coat(layer, code);
+            let below = even(facets).map_or(0.3, |roughness| roughness * roughness);
+            let Some([mirrored, out, again]) = over(layer, Some(below), code) else {
+                return format!("layer ({top}, {base})");
+            };
+            if below < NARROW * NARROW {
+                return format!(
+                    "layer ({mirrored} * {top}, {out} / (color (1) - {color} * {again}) * {base})"
+                );
+            }
+            // What a rough base has met twice goes to all sides.
+            let alpha = even(&layer.facets).map_or(0.3, |roughness| roughness * roughness);
+            let later = coated(f64::from(alpha), f64::from(layer.index), None);
+            let [late_out, late_again] =
+                [later.out, later.again].map(|list| number(list.last().copied().unwrap_or(0.5)));
+            let late = format!("{again} * {color} * {late_out} / (color (1) - {color} * {late_again})");
+            format!("layer ({mirrored} * {top}, (color ({out}) + {late}) * {base})")
         }
         Model::Dielectric { index, facets, .. } => {
             let alphas = alphas(facets, code);
