@@ -10,10 +10,9 @@ use gnurt_accel_core::threads::extend;
 use gnurt_accel_core::{BuildControl, Quality};
 
 use super::box64::Box64;
-use super::entries::{Entries, Entry};
 use super::error::SceneError;
 use super::leaves::Leaves;
-use super::types::{DEEPEST_SCENE, Instance, PlacedInstance, SceneTree, Slot};
+use super::types::{DEEPEST_SCENE, Entries, Entry, Instance, PlacedInstance, SceneTree, Slot};
 use crate::{Aabb, BuildOptions, INVALID_ID, SharedList, Threads};
 
 impl SceneTree {

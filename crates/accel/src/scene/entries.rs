@@ -11,38 +11,11 @@ use gnurt_accel_bvh::{BoxIndex, Member};
 use gnurt_accel_core::affine::ObjectFromWorld;
 use gnurt_simd::prefetch;
 
-use super::types::{At, Shape, Slot};
+use super::types::{At, Entries, Entry, Shape, Shown, Slot, TreeletEntries};
 use crate::SharedList;
 
 /// Slots are requested so many instances before they are read.
 const AHEAD: usize = 8;
-
-/// The map into an instance, and the number of what is there.
-#[derive(Clone, Copy, Debug)]
-#[repr(C, align(64))]
-pub(super) struct Entry {
-    pub(super) map: ObjectFromWorld,
-    shown: u32,
-}
-
-/// What instances show, and to which rays.
-#[derive(Clone, Debug)]
-pub(super) struct Shown {
-    pub(super) shape: Shape,
-    pub(super) mask: u32,
-}
-
-/// The instances of a treelet.
-#[derive(Debug, Default)]
-pub(super) struct TreeletEntries {
-    /// By place in the treelet.
-    list: Vec<Entry>,
-    shown: Vec<Shown>,
-}
-
-/// The instances of a scene, by treelet.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Entries(SharedList<Arc<TreeletEntries>>);
 
 impl Entry {
     /// Of one that is entered by its slot: it moves, or is where the world is, or is not there.

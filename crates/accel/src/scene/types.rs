@@ -9,7 +9,6 @@ use std::sync::Arc;
 use gnurt_accel_bvh::BoxIndex;
 use gnurt_accel_core::affine::ObjectFromWorld;
 
-use super::entries::Entries;
 use super::exact::Exact;
 use super::leaves::Leaves;
 use super::path::{MotionPath, Piece};
@@ -97,3 +96,30 @@ pub(super) enum At {
     /// It moves on a longer path.
     Path(Arc<MotionPath>),
 }
+
+/// The map into an instance, and the number of what is there.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub(super) struct Entry {
+    pub(super) map: ObjectFromWorld,
+    pub(super) shown: u32,
+}
+
+/// What instances show, and to which rays.
+#[derive(Clone, Debug)]
+pub(super) struct Shown {
+    pub(super) shape: Shape,
+    pub(super) mask: u32,
+}
+
+/// The instances of a treelet.
+#[derive(Debug, Default)]
+pub(super) struct TreeletEntries {
+    /// By place in the treelet.
+    pub(super) list: Vec<Entry>,
+    pub(super) shown: Vec<Shown>,
+}
+
+/// The instances of a scene, by treelet.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Entries(pub(super) SharedList<Arc<TreeletEntries>>);

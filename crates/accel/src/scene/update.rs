@@ -8,8 +8,7 @@ use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::threads::extend;
 
 use super::build::{InstanceProperties, is_near, origin_for, place_instance};
-use super::entries::Entries;
-use super::types::{Instance, SceneTree, Slot};
+use super::types::{Entries, Instance, SceneTree, Slot};
 use crate::{INVALID_ID, SceneError, Threads};
 
 /// A change of a slot: its new contents, and their properties.

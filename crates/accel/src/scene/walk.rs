@@ -11,9 +11,8 @@ use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::tile::RayTile;
 use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
 
-use super::entries::TreeletEntries;
 use super::instance::rounded;
-use super::types::{At, PlacedInstance, SceneTree, Shape};
+use super::types::{At, PlacedInstance, SceneTree, Shape, TreeletEntries};
 use crate::Ray;
 use crate::coherent::{WORTH_A_TILE, by_direction_class};
 use crate::engine::Engine;
