@@ -74,10 +74,7 @@ impl Attribute {
         match (self.spread, channel) {
             (Spread::Faces(elements), _) => {
                 let elements = refined.parents.iter().map(|&parent| elements[parent as usize]).collect();
-                Self {
-                    spread: Spread::Faces(elements),
-                    ..Self { width, values: self.values, spread: Spread::Constant }
-                }
+                Self { width, values: self.values, spread: Spread::Faces(elements) }
             }
             (Spread::Points(_, is_linear), Some(channel)) => {
                 let count = (channel.values.len() / width.max(1)) as u32;

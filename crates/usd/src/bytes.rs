@@ -8,6 +8,9 @@ pub(crate) struct Bytes<'a> {
     pub(crate) most: u64,
 }
 
+/// Integers that one byte of compressed data may become: 255 bytes by LZ4, each four codes of an integer.
+const MOST_INTEGERS: u64 = 255 * 4;
+
 /// What is wrong with a file.
 pub(crate) type Fault = String;
 
@@ -54,4 +57,15 @@ impl<'a> Bytes<'a> {
         }
         Ok(())
     }
+}
+
+/// The place behind `count` compressed integers.
+pub(crate) fn skip_integers(bytes: &Bytes<'_>, at: u64, count: u64) -> Result<u64, Fault> {
+    let length = bytes.count(at, 1)?;
+    if count > length.saturating_mul(MOST_INTEGERS) {
+        return Err(format!("{count} integers are declared at byte {at}, more than {length} bytes can be"));
+    }
+    // The library takes their bytes, what they were coded as, and themselves.
+    bytes.allow(count, 16)?;
+    Ok(at + 8 + length)
 }

@@ -6,8 +6,8 @@ use gnurt_scene::io::Oddity;
 use gnurt_scene::{Camera, Lens, Projection};
 use openusd::sdf::Path;
 
+use crate::builder::{Builder, State};
 use crate::value;
-use crate::walk::{Builder, State};
 
 impl Builder<'_> {
     /// Adds a camera.

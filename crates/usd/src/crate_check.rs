@@ -3,16 +3,13 @@
 //! Source: the crate format of OpenUSD, versions 0.4 and later.
 //! Invariant: what passes makes the library take no more memory than a multiple of the file's length. Tests: `tests/broken.rs`.
 
-use crate::bytes::{Bytes, Fault};
+use crate::bytes::{Bytes, Fault, skip_integers};
 use crate::crate_values::Values;
 
 /// The first bytes of a binary layer.
 pub(crate) const MAGIC: &[u8] = b"PXR-USDC";
 /// How deep prims may lie in one another.
 pub(crate) const DEEPEST: usize = 256;
-/// Integers that one byte of compressed data may become: 255 bytes by LZ4, each four codes of an integer.
-const MOST_INTEGERS: u64 = 255 * 4;
-
 /// Looks a layer over.
 pub(crate) fn check(all: &[u8]) -> Result<(), Fault> {
     let bytes = Bytes::new(all);
@@ -83,17 +80,6 @@ fn unpack(bytes: &Bytes<'_>, at: u64, most: u64) -> Result<Vec<u8>, Fault> {
     let length = lz4_flex::decompress_into(packed, &mut unpacked).map_err(|_| damaged())?;
     unpacked.truncate(length);
     Ok(unpacked)
-}
-
-/// The place behind `count` compressed integers.
-pub(crate) fn skip_integers(bytes: &Bytes<'_>, at: u64, count: u64) -> Result<u64, Fault> {
-    let length = bytes.count(at, 1)?;
-    if count > length.saturating_mul(MOST_INTEGERS) {
-        return Err(format!("{count} integers are declared at byte {at}, more than {length} bytes can be"));
-    }
-    // The library takes their bytes, what they were coded as, and themselves.
-    bytes.allow(count, 16)?;
-    Ok(at + 8 + length)
 }
 
 /// Compressed integers of 32 bits.

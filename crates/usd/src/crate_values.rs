@@ -2,8 +2,7 @@
 //! A look at the values of a binary layer: lengths of arrays and lists, dictionaries within one another.
 //! Source: the crate format of OpenUSD; numbers of types are its own. Tests: `tests/broken.rs`.
 
-use crate::bytes::{Bytes, Fault};
-use crate::crate_check::skip_integers;
+use crate::bytes::{Bytes, Fault, skip_integers};
 
 /// Dictionaries within one another.
 const DEEPEST: u32 = 32;

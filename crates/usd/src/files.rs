@@ -170,8 +170,9 @@ impl ar::Resolver for Resolver {
                 }
             };
         }
-        // Whether it may be read is found out when it is.
-        if Path::new(asset_path).exists() { found(asset_path) } else { None }
+        // What may not be read is refused when it is opened, there or not.
+        let path = Path::new(asset_path);
+        if self.0.access.check(path).is_err() || path.exists() { found(asset_path) } else { None }
     }
 
     fn resolve_for_new_asset(&self, _: &str) -> Option<ar::ResolvedPath> {

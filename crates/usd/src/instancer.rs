@@ -7,9 +7,9 @@ use gnurt_scene::io::{Error, Oddity};
 use gnurt_scene::{Affine, Member, ObjectId};
 use openusd::sdf::{Path, Value};
 
+use crate::builder::{Builder, State};
 use crate::transform::rotation;
 use crate::value;
-use crate::walk::{Builder, State};
 
 impl Builder<'_> {
     /// The object of all that a point instancer shows.

@@ -5,7 +5,9 @@
 #![forbid(unsafe_code)]
 
 mod attributes;
+mod bent;
 mod binding;
+mod builder;
 mod bytes;
 mod cameras;
 mod crate_check;
@@ -18,6 +20,7 @@ mod material;
 mod mesh;
 mod network;
 mod package;
+mod pose;
 mod reader;
 mod save;
 mod shapes;

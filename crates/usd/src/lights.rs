@@ -12,10 +12,10 @@ use gnurt_scene::texture::{Filter, Texture, Wrap};
 use gnurt_scene::{Affine, Light, Mesh, MeshId, TextureId};
 use openusd::sdf::{Path, Value};
 
+use crate::builder::{Builder, Placed, State};
 use crate::reader::Reader;
 use crate::shapes;
 use crate::value;
-use crate::walk::{Builder, Placed, State};
 
 /// Sides of luminaires: each triangle is a light of its own.
 const BALL: [u32; 2] = [24, 12];

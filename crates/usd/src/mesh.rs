@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Meshes: polygons and subdivision surfaces, cut by the materials of their faces.
-//! Source: UsdGeomMesh, UsdGeomSubset. Space: that of the prim. Tests: `tests/meshes.rs`, `tests/judge`.
+//! Source: UsdGeomMesh, UsdGeomSubset. Space: that of the prim. Tests: `tests/meshes.rs`, `tests/judge.py`.
 
 use gnurt_scene::io::Oddity;
 use gnurt_scene::io::reader::{Excess, clean};
@@ -13,10 +13,10 @@ use gnurt_scene::{Mesh, MeshId, ObjectId};
 use openusd::sdf::Path;
 
 use crate::attributes::{Attribute, Spread};
+use crate::bent::Bent;
+use crate::builder::Builder;
 use crate::material::Use;
-use crate::skin::Bent;
 use crate::value;
-use crate::walk::Builder;
 use crate::weld::Corners;
 
 /// The polygons of a mesh as they are read.
@@ -30,6 +30,7 @@ struct Part {
     material: Use,
     /// By face of the control mesh: whether it is in the part.
     takes: Vec<bool>,
+    is_subset: bool,
 }
 
 /// Normals, colours and opacities.
@@ -179,7 +180,8 @@ impl Builder<'_> {
         if let Some(control) = control {
             self.scene.labels_mut().control_meshes.insert(object, control);
         }
-        if let (Some(material), true) = (bound, parts.len() > 1) {
+        let has_subsets = parts.len() > 1 || parts.iter().any(|part| part.is_subset);
+        if let (Some(material), true) = (bound, has_subsets) {
             let name = material.name().unwrap_or_default().to_owned();
             self.scene.labels_mut().bound_materials.insert(object, name);
         }
@@ -320,14 +322,14 @@ impl Builder<'_> {
                 }
             }
             let material = self.materials.of(self.reader, &mut self.scene, &material);
-            parts.push(Part { material, takes });
+            parts.push(Part { material, takes, is_subset: true });
         }
         if is_left.contains(&true) {
             let material = match bound {
                 Some(material) => self.materials.of(self.reader, &mut self.scene, material),
                 None => self.materials.unbound(&mut self.scene, has_colors, has_opacities),
             };
-            parts.push(Part { material, takes: is_left });
+            parts.push(Part { material, takes: is_left, is_subset: false });
         }
         parts
     }

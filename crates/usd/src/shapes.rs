@@ -8,8 +8,8 @@ use std::f64::consts::{PI, TAU};
 use gnurt_scene::{Mesh, ObjectId};
 use openusd::sdf::Path;
 
+use crate::builder::Builder;
 use crate::value;
-use crate::walk::Builder;
 
 /// Sides of round shapes.
 const AROUND: u32 = 96;

@@ -9,18 +9,10 @@ use gnurt_scene::Affine;
 use gnurt_scene::io::Oddity;
 use openusd::sdf::Path;
 
+use crate::builder::Builder;
+use crate::pose::Skeleton;
 use crate::transform::rotation;
 use crate::value;
-use crate::walk::Builder;
-
-/// A skeleton at a moment.
-pub(crate) struct Skeleton {
-    pub(crate) joints: Vec<String>,
-    /// By joint: from where it was bound to where it is.
-    pub(crate) moves: Vec<Affine>,
-    /// Weights of blend shapes by name.
-    pub(crate) weights: HashMap<String, f32>,
-}
 
 /// What an animation says.
 struct Pose {

@@ -7,9 +7,9 @@ use gnurt_scene::io::Oddity;
 use gnurt_scene::{Affine, Member, Mesh, ObjectId};
 use openusd::sdf::Path;
 
+use crate::builder::Builder;
 use crate::shapes;
 use crate::value;
-use crate::walk::Builder;
 
 /// Sides of a tube.
 const SIDES: u32 = 8;

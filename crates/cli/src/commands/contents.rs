@@ -74,7 +74,7 @@ pub(super) fn occurrences(scene: &Scene) -> Vec<Value> {
     let mut left = MOST_TRIANGLES;
     let shown = scene.occurrences().filter(is_mesh).take(MOST_OCCURRENCES);
     let affordable = shown.take_while(|found| {
-        let triangles = found.object.meshes.iter().map(|&id| scene.mesh(id).indices.len() as u64).sum();
+        let triangles: u64 = found.object.meshes.iter().map(|&id| scene.mesh(id).indices.len() as u64).sum();
         left = left.saturating_sub(triangles);
         left > 0
     });

@@ -4,7 +4,7 @@
 pub(crate) mod bench;
 mod bench_files;
 mod bench_light;
-pub(crate) mod contents;
+mod contents;
 pub(crate) mod convert;
 pub(crate) mod diff;
 mod frame;

@@ -164,7 +164,7 @@ impl Studio<'_> {
                 None => *light.insert(self.light(&scene, &chosen, &of_first, &mut World::new())?),
             };
             let mut ready = self.ready(World::new(), chosen.clone(), shaders, light, begin.elapsed());
-            let exposure = self.exposure(&next, at, &frame)?;
+            let exposure = self.exposure(&next, at, &frame, &added)?;
             plan.source = source;
             self.make(plan, &mut ready, (&next, &exposure), frame, begin)?;
             if signals::is_stopped() {
@@ -181,6 +181,7 @@ impl Studio<'_> {
         opens: &Scene,
         at: &dyn Fn(u32, f64) -> Source,
         frame: &Frame,
+        added: &Added,
     ) -> Result<Exposure, Failure> {
         const PIECES: u32 = 4;
         if !self.arguments.times.is_open() {
@@ -188,8 +189,12 @@ impl Studio<'_> {
         }
         let closes = self.arguments.times.closes(frame.seconds);
         let moment = |i: u32| frame.seconds + (closes - frame.seconds) * f64::from(i) / f64::from(PIECES);
-        let later = (1..=PIECES).map(|i| at(frame.number, moment(i)).load(self.messages.silent()));
-        let later = later.collect::<Result<Vec<_>, _>>()?;
+        let later = (1..=PIECES).map(|i| {
+            let mut scene = at(frame.number, moment(i)).load(self.messages.silent())?;
+            added.add_to(&mut scene);
+            Ok::<Scene, Failure>(scene)
+        });
+        let later = later.collect::<Result<Vec<_>, Failure>>()?;
         let moments: Vec<&Scene> = std::iter::once(opens).chain(&later).collect();
         let exposure = Exposure::between(&moments);
         self.warn_held(&exposure, &mut false);

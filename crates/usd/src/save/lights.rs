@@ -10,7 +10,7 @@ use gnurt_scene::io::Error;
 use gnurt_scene::texture::Texels;
 use gnurt_scene::{Affine, Light};
 
-use super::prims::{frame, write_transform};
+use super::places::{frame, write_transform};
 use super::text::{Text, tuple};
 
 /// Writes a light.

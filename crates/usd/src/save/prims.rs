@@ -3,6 +3,7 @@
 
 use gnurt_scene::{Affine, Camera, Mesh, Object, ObjectId, Projection, Scene};
 
+use super::places::{frame, write_transform};
 use super::text::{Text, tuple};
 use super::{lights, materials};
 
@@ -142,23 +143,6 @@ fn extent(mesh: &Mesh) -> ([f32; 3], [f32; 3]) {
         all().reduce(|a, b| [0, 1, 2].map(|k| pick(a[k], b[k]))).unwrap_or_default()
     };
     (fold(f32::min), fold(f32::max))
-}
-
-/// A transform as rows.
-pub(super) fn write_transform(transform: &Affine, text: &mut Text) {
-    if *transform == Affine::IDENTITY {
-        return;
-    }
-    let m = transform.to_column_major();
-    let row = |r: usize| format!("({}, {}, {}, {})", m[4 * r], m[4 * r + 1], m[4 * r + 2], m[4 * r + 3]);
-    let rows = [0, 1, 2, 3].map(row).join(", ");
-    text.line(format_args!("matrix4d xformOp:transform = ({rows})"));
-    text.line("uniform token[] xformOpOrder = [\"xformOp:transform\"]");
-}
-
-/// A frame that looks along -z.
-pub(super) fn frame([right, up, back]: [[f32; 3]; 3], origin: [f32; 3]) -> Affine {
-    Affine { columns: [right, up, back, origin].map(|v| v.map(f64::from)) }
 }
 
 /// Apertures and focal lengths in tenths of a metre: a film that is 24 mm high.
