@@ -29,6 +29,15 @@ pub fn let_decoders_panic() {
 
 /// Loads `bytes` as a scene file called `name`, beside the `companions` (name and contents).
 pub fn load_scene(name: &str, bytes: &[u8], companions: &[(&str, &[u8])]) {
+    load_scene_of(gnurt_scene::io::FORMATS, name, bytes, companions);
+}
+
+/// Loads `bytes` as a USD file called `name`.
+pub fn load_usd(name: &str, bytes: &[u8]) {
+    load_scene_of(gnurt_scene::io::Formats::new(&[&gnurt_usd::FORMAT]), name, bytes, &[]);
+}
+
+fn load_scene_of(formats: gnurt_scene::io::Formats, name: &str, bytes: &[u8], companions: &[(&str, &[u8])]) {
     let_decoders_panic();
     FOLDER.with_borrow(|folder| {
         let write = |name: &str, bytes: &[u8]| {
@@ -39,7 +48,7 @@ pub fn load_scene(name: &str, bytes: &[u8], companions: &[(&str, &[u8])]) {
         companions.iter().for_each(|(name, bytes)| {
             write(name, bytes);
         });
-        match gnurt_scene::io::load(write(name, bytes)) {
+        match formats.load(write(name, bytes), &gnurt_scene::io::LoadOptions::default()) {
             Ok(loaded) => check(&loaded.scene),
             Err(error) => assert_eq!(error.to_string().lines().count(), 1, "an error is one line: {error}"),
         }

@@ -9,7 +9,10 @@ use crate::scene::io;
 pub use io::{LoadOptions, Loaded};
 
 /// The scene formats: those of [`scene::io`](crate::scene::io), and those of other crates, one line each.
-pub const FORMATS: io::Formats = io::FORMATS.with(&[]);
+pub const FORMATS: io::Formats = io::FORMATS.with(&[
+    #[cfg(feature = "usd")]
+    &gnurt_usd::FORMAT,
+]);
 
 /// What the names of built-in scenes begin with.
 pub const BUILTIN: &str = io::BUILTIN_PREFIX;

@@ -13,6 +13,7 @@ use crate::animation::{Animation, Playback};
 use crate::camera::Camera;
 use crate::edit::{Cursor, Edit, EditLog, SceneIdentity};
 use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
+use crate::labels::Labels;
 use crate::light::Light;
 use crate::material::Material;
 use crate::mesh::Mesh;
@@ -85,6 +86,8 @@ pub struct Scene {
     cameras: Vec<Camera>,
     animation: Option<Arc<Animation>>,
     playback: Playback,
+    /// See [`Scene::labels`].
+    labels: Labels,
     log: EditLog,
 }
 
@@ -151,6 +154,17 @@ impl Scene {
     pub fn set_camera_file(&mut self, camera: CameraId, file: ShaderFile) {
         self.log.note(Edit::Camera(camera));
         self.camera_files.insert(camera, file);
+    }
+
+    /// What its file says of its parts, beside what is shown.
+    #[must_use]
+    pub fn labels(&self) -> &Labels {
+        &self.labels
+    }
+
+    /// The same, to be changed.
+    pub fn labels_mut(&mut self) -> &mut Labels {
+        &mut self.labels
     }
 
     /// An empty scene.

@@ -15,3 +15,4 @@ mod mutations;
 mod obj;
 mod ply;
 mod save;
+mod subdivision;

@@ -4,7 +4,7 @@
 use crate::workspace::Package;
 
 /// A crate's short name and those that it may use.
-const ARROWS: [(&str, &[&str]); 24] = [
+const ARROWS: [(&str, &[&str]); 25] = [
     ("simd", &[]),
     ("accel-core", &["simd"]),
     ("accel-bvh", &["simd", "accel-core"]),
@@ -13,11 +13,12 @@ const ARROWS: [(&str, &[&str]); 24] = [
     ("image", &[]),
     ("denoise", &["simd", "image"]),
     ("scene", &["image"]),
+    ("usd", &["image", "scene"]),
     ("shading", &["simd", "image", "accel"]),
     ("sl-lib", &[]),
     ("render", &["simd", "accel", "image", "scene", "shading"]),
     ("sl-shading", &["simd", "accel", "image", "shading", "sl", "sl-lib", "jit"]),
-    ("gnurt", &["simd", "accel", "image", "denoise", "scene", "shading", "render", "sl-shading"]),
+    ("gnurt", &["simd", "accel", "image", "denoise", "scene", "usd", "shading", "render", "sl-shading"]),
     ("bench", &["gnurt"]),
     ("view", &["gnurt"]),
     ("plugins", &["gnurt"]),

@@ -41,6 +41,6 @@ impl FileArguments {
     pub(crate) fn options(&self) -> Result<LoadOptions, Failure> {
         let failed = |error| Failure::data(format_args!("--texture-memory: {error}"));
         let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;
-        Ok(LoadOptions { confine: self.confine.clone(), tiles })
+        Ok(LoadOptions { confine: self.confine.clone(), tiles, ..LoadOptions::default() })
     }
 }

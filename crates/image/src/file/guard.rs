@@ -23,10 +23,15 @@ pub(super) fn decode_guarded<T>(
     format: &'static str,
     decode: impl FnOnce() -> Result<T, Error>,
 ) -> Result<T, Error> {
+    expecting_panics(decode).unwrap_or_else(|| Err(Error::corrupt(format, "the data contradicts itself")))
+}
+
+/// Runs a library that reads files of other kinds and may panic; `None` = it did, and the file contradicts itself.
+pub fn expecting_panics<T>(work: impl FnOnce() -> T) -> Option<T> {
     DECODERS.fetch_add(1, Ordering::Relaxed);
-    let decoded = catch_unwind(AssertUnwindSafe(decode));
+    let done = catch_unwind(AssertUnwindSafe(work));
     DECODERS.fetch_sub(1, Ordering::Relaxed);
-    decoded.unwrap_or_else(|_| Err(Error::corrupt(format, "the data contradicts itself")))
+    done.ok()
 }
 
 #[cfg(test)]

@@ -29,7 +29,7 @@ use std::io::{BufReader, Cursor};
 use std::path::Path;
 
 pub use format::PictureFormat;
-pub use guard::expects_panics;
+pub use guard::{expecting_panics, expects_panics};
 pub use limits::MAX_PIXELS;
 pub use open::{NotRegular, open_regular};
 pub use options::{ExrPixels, WriteOptions};

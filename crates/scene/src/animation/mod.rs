@@ -14,6 +14,7 @@
 //! Space: nodes relative to their parents, cameras and lights in world space. Times are seconds, as files write them.
 //! Tests: `tests/animation.rs`, `tests/animated_scenes.rs`.
 
+mod between;
 mod body;
 mod check;
 mod clip;

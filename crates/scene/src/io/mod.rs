@@ -19,13 +19,14 @@ mod save;
 mod source;
 mod textures;
 mod warnings;
+pub mod writer;
 
 use std::path::Path;
 
 pub use error::{Error, ErrorKind};
 pub use format::{BUILTIN_PREFIX, Format, Formats, ReadScene, SceneWriter};
 pub use loaded::Loaded;
-pub use options::LoadOptions;
+pub use options::{LoadOptions, VariantChoice};
 pub use warnings::{Oddity, Warning, Warnings};
 
 use crate::scene::Scene;

@@ -1,16 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a scene may do while it is loaded. Tests: `tests/confine.rs`.
+//! What a scene may do while it is loaded. Tests: `tests/confine.rs`, crates/usd/tests/composition.rs.
 
 use std::path::PathBuf;
 
 use gnurt_image::TileCache;
 
 /// What a scene may do while it is loaded.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
     /// The folder below which the files that the scene names (libraries, textures, buffers) must lie, links followed;
     /// `None` = anywhere. The scene's own file is the caller's choice.
     pub confine: Option<PathBuf>,
     /// Where textures of files are kept, most of each on the disk; `None` = all in memory.
     pub tiles: Option<TileCache>,
+    /// The moment in seconds at which a format is read that is read at a moment (USD); `None` = at rest.
+    pub at: Option<f64>,
+    /// Variants that take the place of those that the file chooses.
+    pub variants: Vec<VariantChoice>,
+    /// How often subdivision surfaces are refined; `None` = [`subdivision::LEVEL`](crate::subdivision::LEVEL).
+    pub subdivision: Option<u32>,
+}
+
+/// One variant of a set of variants, by names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VariantChoice {
+    /// The path of what has the set: `/World/Chair`.
+    pub prim: String,
+    /// The set.
+    pub set: String,
+    /// The variant.
+    pub variant: String,
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use gnurt_image::{Budget, Excess, NotRegular, TileCache};
 
 use super::error::Error;
-use super::options::LoadOptions;
+use super::options::{LoadOptions, VariantChoice};
 
 /// Which files a scene may name, and what reading them may cost.
 #[derive(Debug, Default)]
@@ -21,19 +21,46 @@ pub struct Access {
     pub tiles: Option<TileCache>,
     /// What was read so far.
     pub budget: Budget,
+    /// See [`LoadOptions::at`].
+    pub at: Option<f64>,
+    /// See [`LoadOptions::variants`].
+    pub variants: Vec<VariantChoice>,
+    /// See [`LoadOptions::subdivision`].
+    pub subdivision: Option<u32>,
 }
 
 impl Access {
     /// As `options` say; an error if the folder is none.
     pub fn new(options: &LoadOptions) -> Result<Self, Error> {
+        let free = Self {
+            confine: None,
+            tiles: options.tiles.clone(),
+            budget: Budget::default(),
+            at: options.at,
+            variants: options.variants.clone(),
+            subdivision: options.subdivision,
+        };
         let Some(folder) = &options.confine else {
-            return Ok(Self { tiles: options.tiles.clone(), ..Self::default() });
+            return Ok(free);
         };
         let folder = std::fs::canonicalize(folder).map_err(|e| Error::system(folder, &e))?;
         if !folder.is_dir() {
             return Err(Error::io(&folder, "is no folder", "name the folder that files may be read from"));
         }
-        Ok(Self { confine: Some(folder), tiles: options.tiles.clone(), budget: Budget::default() })
+        Ok(Self { confine: Some(folder), ..free })
+    }
+
+    /// The same rights with a budget of its own, for libraries that open files themselves.
+    #[must_use]
+    pub fn renewed(&self) -> Self {
+        Self {
+            confine: self.confine.clone(),
+            tiles: self.tiles.clone(),
+            budget: Budget::default(),
+            at: self.at,
+            variants: self.variants.clone(),
+            subdivision: self.subdivision,
+        }
     }
 
     /// Whether files must lie below a folder.

@@ -47,6 +47,10 @@ pub enum Oddity {
     UnknownExtension,
     /// Things of the format that are not shown.
     NotShown,
+    /// Meshes whose faces, points or indices do not fit together.
+    BadMesh,
+    /// Layers, references and the like that cannot be composed.
+    BadComposition,
     /// Pictures named as heights that hold normals.
     NormalsForHeights,
     /// Lines of a header that say nothing.
@@ -105,6 +109,8 @@ impl Oddity {
             Self::UnknownMaterial => "unknown material, the default material is used",
             Self::UnknownExtension => "required extension is unknown, shown without it",
             Self::NotShown => "not supported, left out",
+            Self::BadMesh => "mesh cannot be shown, left out",
+            Self::BadComposition => "composition without a part that cannot be read",
             Self::NormalsForHeights => "bump map holds normals, used as a normal map",
             Self::ShortLine => "line with fewer values than the header declares, read without them",
             Self::BadHeaderLine => "header line cannot be understood, ignored",

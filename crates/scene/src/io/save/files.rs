@@ -6,12 +6,18 @@ use std::path::{Path, PathBuf};
 use crate::io::{Error, Oddity, Warnings};
 
 /// Whether files can be written, as far as that can be known before the first of them is.
-pub(super) fn check_writable(paths: &[PathBuf]) -> Result<(), Error> {
+///
+/// # Errors
+/// The first that cannot.
+pub fn check_writable(paths: &[PathBuf]) -> Result<(), Error> {
     paths.iter().try_for_each(|path| gnurt_image::check_writable(path).map_err(|e| unwritable(path, &e)))
 }
 
 /// Writes one file whole.
-pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+///
+/// # Errors
+/// If the system does not let it.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     gnurt_image::replace_file(path, bytes).map_err(|e| unwritable(path, &e))
 }
 
@@ -23,6 +29,6 @@ fn unwritable(path: &Path, error: &gnurt_image::Error) -> Error {
 }
 
 /// Notes what the format cannot hold.
-pub(super) fn leave_out(count: usize, what: &str, path: &Path, warnings: &mut Warnings) {
+pub fn leave_out(count: usize, what: &str, path: &Path, warnings: &mut Warnings) {
     warnings.note_many(Oddity::NotShown, count as u64, path, None, what);
 }

@@ -5,10 +5,10 @@
 //! What a format cannot hold is left out with a warning: OBJ and PLY hold neither instances (they are unfolded) nor
 //! cameras nor lights, PLY holds no materials, glTF no environment; animations are not written. Tests: `tests/save.rs`.
 
-mod files;
+pub(super) mod files;
 pub(super) mod gltf;
 pub(super) mod losses;
 pub(super) mod obj;
 pub(super) mod ply;
-mod png;
+pub(super) mod png;
 mod world;

@@ -12,12 +12,16 @@ use crate::scene::Scene;
 use crate::texture::Texels;
 
 /// The textures of a scene that hold measures (heights, normals, roughness, opacity), not colours.
-pub(super) fn measures(scene: &Scene) -> HashSet<TextureId> {
+pub fn measures(scene: &Scene) -> HashSet<TextureId> {
     let used = scene.materials().iter().flat_map(Material::textures);
     used.filter(|(_, role)| *role == TextureRole::Data).map(|(used, _)| used.texture).collect()
 }
 
-pub(super) fn encode(texels: &Texels, measures: bool, path: &Path) -> Result<Vec<u8>, Error> {
+/// The bytes of a PNG file.
+///
+/// # Errors
+/// If the picture cannot be a PNG file; the message names `path`.
+pub fn encode(texels: &Texels, measures: bool, path: &Path) -> Result<Vec<u8>, Error> {
     gnurt_image::encode_texels(texels, measures)
         .map_err(|e| Error::io(path, format!("a texture cannot be written: {e}"), ""))
 }

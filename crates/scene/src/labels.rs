@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a file says of a scene's parts, beside what is shown: names of lights, moments, the wished picture.
+//! Nothing here changes a picture by itself. Tests: crates/usd/tests/{lights,moments}.rs.
+
+use std::collections::BTreeMap;
+
+use crate::id::{CameraId, InstanceId, LightId, ObjectId};
+
+/// Facts about a scene's parts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Labels {
+    /// Names of lights without a surface.
+    pub lights: BTreeMap<LightId, String>,
+    /// Instances that are the surface of a light: they are listed as lights, not as meshes.
+    pub luminaires: BTreeMap<InstanceId, Luminaire>,
+    /// The first and the last moment in seconds of a file that is read at a moment; `None` = all moments are in the scene.
+    pub moments: Option<[f64; 2]>,
+    /// The camera that the file wants to be seen through.
+    pub camera: Option<CameraId>,
+    /// Columns and rows of the picture that the file wants.
+    pub resolution: Option<[u32; 2]>,
+    /// Objects whose mesh was refined from a control mesh: what that was.
+    pub control_meshes: BTreeMap<ObjectId, ControlMesh>,
+    /// Objects whose file names one material for the whole, whatever parts of it are made of.
+    pub bound_materials: BTreeMap<ObjectId, String>,
+}
+
+/// A light with a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Luminaire {
+    /// A rectangle.
+    Rect,
+    /// A disk.
+    Disk,
+    /// A sphere.
+    Sphere,
+    /// The mantle of a cylinder.
+    Cylinder,
+    /// Any mesh.
+    Mesh,
+}
+
+impl Luminaire {
+    /// Its name in lists.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Rect => "rect",
+            Self::Disk => "disk",
+            Self::Sphere => "sphere",
+            Self::Cylinder => "cylinder",
+            Self::Mesh => "mesh",
+        }
+    }
+}
+
+/// A mesh before it was refined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ControlMesh {
+    /// The rule: `catmullClark`, `loop` or `bilinear`.
+    pub scheme: &'static str,
+    /// How often it was refined.
+    pub level: u32,
+    /// Triangles of its faces, cut into fans.
+    pub triangles: u64,
+}

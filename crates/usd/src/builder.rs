@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! What a walk over a stage carries: the scene so far, and what is known of materials, prototypes and skeletons.
+//! Space: metres, y up; within prototypes that of the prototype. Tests: `tests/composition.rs`.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use gnurt_scene::io::Oddity;
+use gnurt_scene::io::reader::Cutter;
+use gnurt_scene::labels::Luminaire;
+use gnurt_scene::{Affine, MaterialId, Member, ObjectId, Scene};
+use openusd::sdf::Path;
+
+use crate::binding::Bindings;
+use crate::material::Materials;
+use crate::pose::Skeleton;
+use crate::reader::Reader;
+
+/// What is made of a stage.
+pub(crate) struct Builder<'a> {
+    pub(crate) reader: &'a Reader,
+    pub(crate) scene: Scene,
+    pub(crate) bindings: Bindings,
+    pub(crate) materials: Materials<'a>,
+    pub(crate) cutter: Cutter,
+    /// Objects of meshes in prototypes, by their path there and their materials.
+    pub(crate) objects: HashMap<SharedKey, ObjectId>,
+    /// Objects of prototypes of point instancers.
+    pub(crate) prototypes: HashMap<Path, Option<ObjectId>>,
+    /// Where prims are that reset what those above them say.
+    pub(crate) root: Affine,
+    /// Skeletons by their path.
+    pub(crate) skeletons: HashMap<Path, Option<Rc<Skeleton>>>,
+}
+
+/// What tells meshes of prototypes apart.
+pub(crate) type SharedKey = (String, Vec<MaterialId>);
+
+/// What a prim has from those above it.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    pub(crate) world_from_parent: Affine,
+    pub(crate) is_of_purpose: bool,
+}
+
+/// An object somewhere.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed {
+    pub(crate) object: ObjectId,
+    pub(crate) transform: Affine,
+    pub(crate) path: String,
+    pub(crate) luminaire: Option<Luminaire>,
+}
+
+impl Builder<'_> {
+    /// Puts an object where a prim is.
+    pub(crate) fn place(&self, prim: &Path, object: ObjectId, transform: Affine, placed: &mut Vec<Placed>) {
+        if transform.inverse().is_none() {
+            self.reader.note(Oddity::BadNode, prim, "its transform is flat or not finite");
+            return;
+        }
+        placed.push(Placed { object, transform, path: prim.as_str().to_owned(), luminaire: None });
+    }
+
+    /// The material that a prim is bound to.
+    pub(crate) fn bound(&mut self, prim: &Path) -> Option<Path> {
+        self.bindings.of(self.reader, prim)
+    }
+
+    /// What a mesh of a prototype is kept by; `None` of others, which occur once.
+    pub(crate) fn shared_key(&self, prim: &Path, materials: &[MaterialId]) -> Option<SharedKey> {
+        let inner = self.reader.stage.prim(prim.clone()).prim_in_prototype().ok().flatten()?;
+        Some((inner.path().as_str().to_owned(), materials.to_vec()))
+    }
+
+    /// Members in the place of what was placed.
+    pub(crate) fn members(placed: &[Placed]) -> Vec<Member> {
+        placed.iter().map(|placed| Member::new(placed.object, placed.transform)).collect()
+    }
+}

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Universal Scene Description: stages as scenes, and scenes as layers.
+//! The library `openusd` reads layers and composes them; here prims become meshes, materials, lights and cameras of a scene, at one moment.
+//! See docs/reference/usd.md and docs/decisions/0035-usd.md.
+#![forbid(unsafe_code)]
+
+mod attributes;
+mod bent;
+mod binding;
+mod builder;
+mod bytes;
+mod cameras;
+mod crate_check;
+mod crate_values;
+mod files;
+mod instancer;
+mod lights;
+mod load;
+mod material;
+mod mesh;
+mod network;
+mod package;
+mod pose;
+mod reader;
+mod save;
+mod shapes;
+mod skeleton;
+mod skin;
+mod strands;
+mod text_check;
+mod textures;
+mod transform;
+mod value;
+mod walk;
+mod weld;
+
+use gnurt_scene::io::Format;
+
+/// The format, for a program's table.
+pub const FORMAT: Format = Format {
+    name: "USD",
+    extensions: &["usda", "usdc", "usd", "usdz"],
+    notes: "read at one moment: [USD](usd.md)",
+    read: Some(load::load),
+    read_whole: false,
+    write: Some(save::WRITER),
+};

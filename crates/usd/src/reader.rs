@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Values of a composed stage at one moment, and what is odd about them.
+//! At rest an attribute has its default value or, where it has none, its first sample. Tests: `tests/composition.rs`.
+
+use std::cell::{Cell, RefCell};
+use std::fmt::Display;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use gnurt_scene::io::{Error, Oddity, Warnings};
+use openusd::sdf::{Path, Specifier, Value};
+use openusd::usd::{Stage, TimeCode};
+
+use crate::files::Files;
+use crate::value;
+
+/// Prims that may be looked at, for each byte of the files and however short they are.
+const MOST_PRIMS: u64 = 1 << 16;
+
+/// A stage at a moment.
+pub(crate) struct Reader {
+    pub(crate) stage: Stage,
+    pub(crate) path: PathBuf,
+    pub(crate) files: Rc<Files>,
+    /// In the stage's time codes; `None` = at rest.
+    time: Option<f64>,
+    warnings: RefCell<Warnings>,
+    prims: Cell<u64>,
+}
+
+impl Reader {
+    pub(crate) fn new(stage: Stage, seconds: Option<f64>, path: PathBuf, files: Rc<Files>) -> Self {
+        let (warnings, prims) = (RefCell::default(), Cell::new(0));
+        let mut reader = Self { stage, path, files, time: None, warnings, prims };
+        reader.time = seconds.map(|seconds| seconds * reader.rate());
+        reader
+    }
+
+    /// Time codes in a second.
+    pub(crate) fn rate(&self) -> f64 {
+        let rate = self.stage.time_codes_per_second();
+        if rate > 0.0 && rate.is_finite() { rate } else { 24.0 }
+    }
+
+    /// Allows one more prim to be looked at.
+    pub(crate) fn count_prim(&self) -> Result<(), Error> {
+        let most = MOST_PRIMS.max(self.files.length());
+        self.prims.set(self.prims.get() + 1);
+        if self.prims.get() <= most {
+            return Ok(());
+        }
+        let problem = format!("more than {most} prims are composed from files of this length");
+        Err(Error::data(&self.path, None, problem, "leave out references that lie in one another"))
+    }
+
+    /// Notes an oddity of a prim.
+    pub(crate) fn note(&self, oddity: Oddity, prim: &Path, what: impl Display) {
+        let detail = format!("{}: {what}", prim.as_str());
+        self.warnings.borrow_mut().note(oddity, &self.path, None, detail);
+    }
+
+    /// Notes what is not shown.
+    pub(crate) fn unsupported(&self, prim: &Path, what: impl Display) {
+        self.note(Oddity::NotShown, prim, what);
+    }
+
+    /// Other oddities.
+    pub(crate) fn warnings(&self) -> std::cell::RefMut<'_, Warnings> {
+        self.warnings.borrow_mut()
+    }
+
+    pub(crate) fn into_warnings(self) -> Warnings {
+        self.warnings.into_inner()
+    }
+
+    /// Notes layers, references and the like that could not be composed.
+    pub(crate) fn note_composition_errors(&self) {
+        let mut warnings = self.warnings.borrow_mut();
+        for error in self.stage.composition_errors() {
+            warnings.note(Oddity::BadComposition, &self.path, None, error.to_string().replace('\n', " "));
+        }
+    }
+
+    /// What the library says, or a warning.
+    fn checked<T>(&self, path: &Path, result: Result<Option<T>, impl Display>) -> Option<T> {
+        result.unwrap_or_else(|error| {
+            self.note(Oddity::BadAttribute, path, error);
+            None
+        })
+    }
+
+    /// The value of an attribute at the moment; `None` where it has none or is blocked.
+    pub(crate) fn value(&self, prim: &Path, name: &str) -> Option<Value> {
+        let path = prim.append_property(name).ok()?;
+        let attribute = self.stage.attribute(path.clone());
+        let value = match self.time {
+            Some(time) => self.checked(&path, attribute.get_at::<Value>(TimeCode::new(time))),
+            None => self
+                .checked(&path, attribute.get::<Value>())
+                .filter(is_value)
+                .or_else(|| self.checked(&path, attribute.get_at::<Value>(TimeCode::EARLIEST))),
+        };
+        value.filter(is_value)
+    }
+
+    /// The value of an attribute that does not change with time.
+    pub(crate) fn uniform(&self, prim: &Path, name: &str) -> Option<Value> {
+        let path = prim.append_property(name).ok()?;
+        self.checked(&path, self.stage.attribute(path.clone()).get::<Value>()).filter(is_value)
+    }
+
+    /// A word of an attribute.
+    pub(crate) fn word(&self, prim: &Path, name: &str) -> Option<String> {
+        self.value(prim, name).as_ref().and_then(value::word)
+    }
+
+    /// A number of an attribute.
+    pub(crate) fn number(&self, prim: &Path, name: &str) -> Option<f64> {
+        self.value(prim, name).as_ref().and_then(value::number).filter(|x| x.is_finite())
+    }
+
+    /// A number of an attribute, or its fallback.
+    pub(crate) fn number_or(&self, prim: &Path, name: &str, fallback: f64) -> f64 {
+        self.number(prim, name).unwrap_or(fallback)
+    }
+
+    /// Yes or no.
+    pub(crate) fn flag(&self, prim: &Path, name: &str) -> Option<bool> {
+        self.value(prim, name).as_ref().and_then(value::flag)
+    }
+
+    /// A word of an attribute's metadata.
+    pub(crate) fn metadata(&self, prim: &Path, name: &str, key: &str) -> Option<Value> {
+        let path = prim.append_property(name).ok()?;
+        self.stage.attribute(path).get_metadata::<Value>(key).ok().flatten()
+    }
+
+    /// A prim's metadata.
+    pub(crate) fn prim_metadata(&self, prim: &Path, key: &str) -> Option<Value> {
+        self.stage.attribute(prim.clone()).get_metadata::<Value>(key).ok().flatten()
+    }
+
+    /// A word of a relationship's metadata.
+    pub(crate) fn metadata_of_relationship(&self, prim: &Path, name: &str, key: &str) -> Option<Value> {
+        // The library reads metadata of any property by the same path.
+        self.metadata(prim, name, key)
+    }
+
+    /// What a relationship names.
+    pub(crate) fn targets(&self, prim: &Path, name: &str) -> Vec<Path> {
+        let Ok(path) = prim.append_property(name) else { return Vec::new() };
+        self.stage.relationship(path).forwarded_targets().unwrap_or_default()
+    }
+
+    /// What an attribute is connected to.
+    pub(crate) fn connection(&self, prim: &Path, name: &str) -> Option<Path> {
+        let path = prim.append_property(name).ok()?;
+        self.stage.attribute(path).connections().ok()?.into_iter().next()
+    }
+
+    /// The type of a prim; empty where it has none.
+    pub(crate) fn kind(&self, prim: &Path) -> String {
+        let name = self.stage.prim(prim.clone()).type_name().ok().flatten();
+        name.map(|name| name.as_str().to_owned()).unwrap_or_default()
+    }
+
+    /// Names of its properties.
+    pub(crate) fn properties(&self, prim: &Path) -> Vec<String> {
+        let names = self.stage.prim(prim.clone()).property_names().unwrap_or_default();
+        names.iter().map(|name| name.as_str().to_owned()).collect()
+    }
+
+    /// Whether a schema is applied to a prim.
+    pub(crate) fn has_schema(&self, prim: &Path, schema: &str) -> bool {
+        self.stage.prim(prim.clone()).has_api_schema(schema).unwrap_or(false)
+    }
+
+    /// The children of a prim that are there: active and defined.
+    pub(crate) fn children(&self, prim: &Path) -> Vec<Path> {
+        let children = self.stage.prim(prim.clone()).children();
+        let children = self.checked(prim, children.map(Some)).unwrap_or_default();
+        let is_there = |child: &openusd::usd::Prim| {
+            let is_defined = matches!(child.specifier(), Ok(Some(Specifier::Def)));
+            is_defined && child.is_active().unwrap_or(false)
+        };
+        children.into_iter().filter(is_there).map(|child| child.path().clone()).collect()
+    }
+
+    /// The stage's own metadata.
+    pub(crate) fn stage_number(&self, field: &str) -> Option<f64> {
+        let value = self.stage.stage_metadata(field).ok().flatten();
+        value.as_ref().and_then(value::number).filter(|x| x.is_finite())
+    }
+
+    /// That the variants of the command line are there.
+    pub(crate) fn check_variants(&self) -> Result<(), Error> {
+        for choice in &self.files.access.variants {
+            let Ok(path) = Path::new(&choice.prim) else { continue };
+            let prim = self.stage.prim(path);
+            let wrong = |problem: String, remedy: String| Err(Error::data(&self.path, None, problem, remedy));
+            if !prim.is_valid().unwrap_or(false) || prim.type_name().is_err() {
+                return wrong(format!("no prim '{}'", choice.prim), "check the path of --variant".into());
+            }
+            let selections = prim.variant_sets().get_all_variant_selections().unwrap_or_default();
+            let is_chosen =
+                |(set, variant): &(String, String)| *set == choice.set && *variant == choice.variant;
+            // The choice alone makes a selection; whether there is such a variant say the layers.
+            let is_there = |(layer, path): &(String, Path)| {
+                let path = path.append_variant_selection(&choice.set, &choice.variant);
+                self.stage.layer(layer).is_some_and(|layer| layer.data().has_spec(&path))
+            };
+            let sites = prim.prim_stack().unwrap_or_default();
+            match selections.iter().any(is_chosen) && sites.iter().any(is_there) {
+                true => {}
+                false => {
+                    let sets: Vec<String> =
+                        selections.iter().map(|(set, variant)| format!("{set}={variant}")).collect();
+                    let known = if sets.is_empty() { "none".into() } else { sets.join(", ") };
+                    return wrong(
+                        format!("no variant '{}={}' at {}", choice.set, choice.variant, choice.prim),
+                        format!("its sets and what the file chooses: {known}"),
+                    );
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn is_value(value: &Value) -> bool {
+    !matches!(value, Value::None | Value::ValueBlock)
+}

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Writing scenes as layers: one text, which the library makes binary.
+//! Objects that occur once are written where they are; others are prototypes of native instances. Textures lie beside the layer as NAME-K.png, those of
+//! environments with values beyond 1 as NAME-K.exr. Space: metres, y up. Tests: `tests/save.rs`.
+
+mod lights;
+mod materials;
+mod places;
+mod prims;
+mod text;
+mod writer;
+
+pub(crate) use writer::WRITER;

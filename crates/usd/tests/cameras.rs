@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Cameras and render settings.
+
+use gnurt_scene::Projection;
+
+use crate::support::{load, warnings};
+
+#[test]
+fn lengths_are_tenths_of_a_unit() {
+    let loaded = load(
+        r#"
+def Camera "C" {
+    float verticalAperture = 20
+    float focalLength = 10
+    float focusDistance = 4
+    float fStop = 2
+    double3 xformOp:translate = (1, 2, 3)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}
+def Camera "Parallel" { token projection = "orthographic"  float verticalAperture = 30 }
+def Scope "Render" {
+    def RenderSettings "S" { rel camera = </Parallel>  int2 resolution = (640, 480) }
+}
+"#,
+    );
+    assert_eq!(warnings(&loaded), "", "nothing is odd but that it is empty");
+    let [camera, parallel] = loaded.scene.cameras() else { panic!("two cameras") };
+    assert_eq!((camera.eye, camera.target), ([1.0, 2.0, 3.0], [1.0, 2.0, -1.0]), "along -z to the focus");
+    assert!((camera.fov_y - 90.0).abs() < 1e-4, "{}", camera.fov_y);
+    assert!((camera.lens.aperture - 0.5).abs() < 1e-6, "a tenth of 10 over 2: {:?}", camera.lens);
+    assert_eq!(camera.lens.focus, Some(4.0));
+    assert_eq!(parallel.projection, Projection::Orthographic { height: 3.0 });
+    let labels = loaded.scene.labels();
+    assert_eq!(
+        (labels.camera.map(|id| id.0), labels.resolution),
+        (Some(1), Some([640, 480])),
+        "what is wished"
+    );
+}

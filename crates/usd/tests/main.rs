@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Tests of USD files.
+
+mod broken;
+mod cameras;
+mod composition;
+mod instancing;
+mod lights;
+mod materials;
+mod meshes;
+mod packages;
+mod save;
+mod shapes;
+mod skeletons;
+mod strands;
+mod support;
+mod transforms;
