@@ -92,6 +92,12 @@ impl Source {
         Self { found: numbered.at(number).into_os_string(), numbered: None, ..self.clone() }
     }
 
+    /// The scene at another moment, in seconds, where its format is read at one.
+    pub(crate) fn at_moment(&self, seconds: f64) -> Self {
+        let options = LoadOptions { at: Some(seconds), ..self.options.clone() };
+        Self { options, ..self.clone() }
+    }
+
     /// Warns of textures that were lost while they were on the disk.
     pub(crate) fn tell_lost(&self, messages: Messages) {
         let failed = self.options.tiles.as_ref().map_or(0, |tiles| tiles.counts().failed);

@@ -204,7 +204,11 @@ fn no_view() -> Failure {
 }
 
 fn find_named(scene: &Scene, view: &ViewArguments) -> Result<Option<usize>, Failure> {
-    view.camera_name().map(|name| find(scene.cameras(), name)).transpose()
+    match view.camera_name() {
+        Some(name) => find(scene.cameras(), name).map(Some),
+        // The one that its file wants.
+        None => Ok(scene.labels().camera.map(|id| id.index())),
+    }
 }
 
 fn same_place() -> Failure {

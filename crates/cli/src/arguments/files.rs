@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Options that say which files a scene may read, and where their textures are kept.
+//! Options that say which files a scene may read, where textures are kept, and what of the scene is loaded.
 //! Tests: `tests/program/{confine,textures}.rs`.
 
 use std::path::PathBuf;
@@ -7,11 +7,12 @@ use std::path::PathBuf;
 use clap::Args;
 use gnurt::LoadOptions;
 use gnurt::image::TileCache;
+use gnurt::scene::io::VariantChoice;
 
 use super::value;
 use crate::failure::Failure;
 
-/// `--confine` and `--texture-memory`.
+/// `--confine`, `--texture-memory`, `--variant` and `--subdivision`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct FileArguments {
     /// Read files named by the scene (libraries, textures, buffers) only below this folder; links are followed
@@ -34,6 +35,28 @@ pub(crate) struct FileArguments {
         allow_hyphen_values = true
     )]
     texture_memory: Option<u64>,
+
+    /// Choose a variant of a USD scene in place of the file's choice; may be given again for others
+    #[arg(
+        long,
+        help_heading = "Scene",
+        hide_short_help = true,
+        value_name = "/PRIM:SET=NAME",
+        value_parser = value::variant,
+        allow_hyphen_values = true
+    )]
+    variant: Vec<VariantChoice>,
+
+    /// Refine subdivision surfaces of USD scenes so many times, 0 = show the control mesh [default: 2]
+    #[arg(
+        long,
+        help_heading = "Scene",
+        hide_short_help = true,
+        value_name = "LEVEL",
+        value_parser = value::subdivision,
+        allow_hyphen_values = true
+    )]
+    subdivision: Option<u32>,
 }
 
 impl FileArguments {
@@ -41,6 +64,7 @@ impl FileArguments {
     pub(crate) fn options(&self) -> Result<LoadOptions, Failure> {
         let failed = |error| Failure::data(format_args!("--texture-memory: {error}"));
         let tiles = self.texture_memory.map(|mib| TileCache::new(mib << 20)).transpose().map_err(failed)?;
-        Ok(LoadOptions { confine: self.confine.clone(), tiles, ..LoadOptions::default() })
+        let (confine, variants) = (self.confine.clone(), self.variant.clone());
+        Ok(LoadOptions { confine, tiles, variants, subdivision: self.subdivision, at: None })
     }
 }

@@ -166,6 +166,9 @@ pub(crate) struct InfoArguments {
     /// Print one JSON object
     #[arg(long)]
     pub(crate) json: bool,
+    /// Time of the animation to print, in seconds [default: the scene at rest]
+    #[arg(long, value_name = "SECONDS", value_parser = value::seconds, allow_hyphen_values = true)]
+    pub(crate) at: Option<f64>,
     /// Build the trees and print their size
     #[arg(long)]
     pub(crate) tree: bool,

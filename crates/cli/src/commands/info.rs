@@ -13,7 +13,9 @@ use gnurt::scene::{Animation, Light, Mesh, Scene};
 use gnurt_view::camera_options;
 use serde_json::{Value, json};
 
+use super::contents;
 use crate::arguments::InfoArguments;
+use crate::clips::clip;
 use crate::environment::Environment;
 use crate::failure::{Failure, Outcome};
 use crate::messages::{Messages, print};
@@ -24,7 +26,12 @@ use gnurt::memory::format_bytes as bytes;
 /// Tells what is in a scene.
 pub(crate) fn run(arguments: &InfoArguments, environment: &Environment, messages: Messages) -> Outcome {
     let source = Source::find(&arguments.scene, &arguments.files, environment)?;
-    let scene = source.load(messages)?;
+    let source = arguments.at.map_or_else(|| source.clone(), |seconds| source.at_moment(seconds));
+    let mut scene = source.load(messages)?;
+    if let (Some(seconds), Some(clip)) = (arguments.at, clip(&scene, None)?) {
+        scene.pose(clip, seconds);
+    }
+    let scene = scene;
     let tree = arguments.tree.then(|| build(&scene, arguments, environment)).transpose()?;
     let inventory = Inventory::of(&scene);
     if arguments.json {
@@ -93,9 +100,9 @@ impl Inventory {
             "instances": scene.instances().len(),
             "materials": scene.materials().len(),
             "textures": scene.textures().len(),
-            "lights": scene.lights().len(),
+            "lights": contents::lights(scene),
             "emissive_triangles": self.emitting,
-            "cameras": scene.cameras().len(),
+            "cameras": contents::cameras(scene),
             "bounds": self.bounds.map(|bounds| json!({ "min": bounds.min, "max": bounds.max })),
             "memory": {
                 "meshes": self.mesh_bytes,
@@ -111,6 +118,8 @@ impl Inventory {
             "skins": scene.animation().map_or(0, |animation| animation.skins.len()),
             "joints": joints(scene),
             "morph_targets": morph_targets(scene),
+            "occurrences": contents::occurrences(scene),
+            "moments": scene.labels().moments.map(|[first, last]| json!({ "first": first, "last": last })),
             "material_names": scene.materials().iter().map(|material| &material.name[..]).collect::<Vec<_>>(),
             "camera_names": scene.cameras().iter().map(|camera| &camera.name[..]).collect::<Vec<_>>(),
         });

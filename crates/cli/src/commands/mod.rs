@@ -4,6 +4,7 @@
 pub(crate) mod bench;
 mod bench_files;
 mod bench_light;
+mod contents;
 pub(crate) mod convert;
 pub(crate) mod diff;
 mod frame;

@@ -71,8 +71,9 @@ pub(super) fn run(
     let studio = Studio { arguments, options, pool, is_for_screens, messages };
     match plan.source.numbered().cloned() {
         Some(numbered) => {
-            let first = numbered.first().ok().flatten().unwrap_or(0);
-            studio.files(&mut plan, first, due)
+            let all = plan.source.clone();
+            let first = all.at(numbered.first().ok().flatten().unwrap_or(0));
+            studio.files(&mut plan, &first, &|number, _| all.at(number), due)
         }
         None => studio.clip(&mut plan, due),
     }
@@ -104,6 +105,10 @@ impl Studio<'_> {
     fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
         let begin = Instant::now();
         let (mut scene, files) = plan.source.load_with_files(self.messages)?;
+        if let (Some([first, _]), None) = (scene.labels().moments, scene.animation()) {
+            let all = plan.source.clone();
+            return self.files(plan, &all.at_moment(first), &|_, seconds| all.at_moment(seconds), frames);
+        }
         let clip = clip(&scene, self.arguments.times.animation.as_deref())?;
         let Some(clip) = clip else {
             return Err(Failure::usage(format_args!(
@@ -132,15 +137,22 @@ impl Studio<'_> {
         Ok(())
     }
 
-    /// Files of a sequence; each may have a clip of its own.
-    fn files(&self, plan: &mut Plan, first: u32, frames: impl Iterator<Item = Frame>) -> Outcome {
+    /// Files of a sequence, each of which may have a clip of its own, or moments that a file is read at. `at`: the source of a number and a
+    /// moment.
+    fn files(
+        &self,
+        plan: &mut Plan,
+        first: &Source,
+        at: &dyn Fn(u32, f64) -> Source,
+        frames: impl Iterator<Item = Frame>,
+    ) -> Outcome {
         let begin = Instant::now();
-        let all = plan.source.clone();
-        let First { scene, shaders: of_first, chosen, added } = self.first(&all.at(first))?;
+        let First { scene, shaders: of_first, chosen, added } = self.first(first)?;
         let mut light = None;
         for frame in frames {
             let begin = Instant::now();
-            let (mut next, files) = all.at(frame.number).load_with_files(self.messages)?;
+            let source = at(frame.number, frame.seconds);
+            let (mut next, files) = source.load_with_files(self.messages)?;
             frame.targets.spare(files, self.arguments)?;
             if let Some(clip) = clip(&next, self.arguments.times.animation.as_deref())? {
                 next.pose(clip, frame.seconds);
@@ -152,14 +164,41 @@ impl Studio<'_> {
                 None => *light.insert(self.light(&scene, &chosen, &of_first, &mut World::new())?),
             };
             let mut ready = self.ready(World::new(), chosen.clone(), shaders, light, begin.elapsed());
-            plan.source = all.at(frame.number);
-            self.make(plan, &mut ready, (&next, &Exposure::default()), frame, begin)?;
+            let exposure = self.exposure(&next, at, &frame, &added)?;
+            plan.source = source;
+            self.make(plan, &mut ready, (&next, &exposure), frame, begin)?;
             if signals::is_stopped() {
                 break;
             }
         }
         self.messages.detail(format_args!("the sequence took {:.2} s", begin.elapsed().as_secs_f64()));
         Ok(())
+    }
+
+    /// What moves while the shutter is open, of a file that is read at moments.
+    fn exposure(
+        &self,
+        opens: &Scene,
+        at: &dyn Fn(u32, f64) -> Source,
+        frame: &Frame,
+        added: &Added,
+    ) -> Result<Exposure, Failure> {
+        const PIECES: u32 = 4;
+        if !self.arguments.times.is_open() {
+            return Ok(Exposure::default());
+        }
+        let closes = self.arguments.times.closes(frame.seconds);
+        let moment = |i: u32| frame.seconds + (closes - frame.seconds) * f64::from(i) / f64::from(PIECES);
+        let later = (1..=PIECES).map(|i| {
+            let mut scene = at(frame.number, moment(i)).load(self.messages.silent())?;
+            added.add_to(&mut scene);
+            Ok::<Scene, Failure>(scene)
+        });
+        let later = later.collect::<Result<Vec<_>, Failure>>()?;
+        let moments: Vec<&Scene> = std::iter::once(opens).chain(&later).collect();
+        let exposure = Exposure::between(&moments);
+        self.tell_held(&exposure, &mut false);
+        Ok(exposure)
     }
 
     /// Reads the first scene of a sequence.

@@ -35,6 +35,8 @@ mod shaders;
 mod statistics;
 mod surroundings;
 mod textures;
+#[cfg(feature = "usd")]
+mod usd;
 mod viewing;
 #[cfg(target_os = "linux")]
 mod window;

@@ -11,6 +11,7 @@ mod moment;
 mod plain;
 mod sampling;
 mod shader;
+mod usd;
 
 pub(crate) use bench::{batch, characters, columns, engine, instances, motion_case, ray_class, rounds};
 pub(crate) use display_values::{DenoiserChoice, ExposureChoice, denoiser, display, exposure, filter, tone};
@@ -22,6 +23,7 @@ pub(crate) use sampling::{
     virtual_lights,
 };
 pub(crate) use shader::{CameraChoice, ShaderChoice, camera, pixel_shader, shader, surroundings};
+pub(crate) use usd::{subdivision, variant};
 
 #[cfg(test)]
 mod tests {

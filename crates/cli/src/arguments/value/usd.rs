@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Choices of what of a USD scene is loaded. Tests: `tests`.
+
+use gnurt::scene::io::VariantChoice;
+
+/// `/World/Chair:fabric=red`.
+pub(crate) fn variant(text: &str) -> Result<VariantChoice, String> {
+    const FORM: &str = "expected /PRIM:SET=NAME, such as /World/Chair:fabric=red";
+    let (prim, choice) = text.split_once(':').ok_or(FORM)?;
+    let (set, variant) = choice.split_once('=').ok_or(FORM)?;
+    if !prim.starts_with('/') || prim.len() < 2 || set.is_empty() || variant.is_empty() {
+        return Err(FORM.into());
+    }
+    Ok(VariantChoice { prim: prim.into(), set: set.into(), variant: variant.into() })
+}
+
+/// From 0 to 6.
+pub(crate) fn subdivision(text: &str) -> Result<u32, String> {
+    text.parse().ok().filter(|&level| level <= 6).ok_or_else(|| "expected a whole number from 0 to 6".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variants_have_three_names() {
+        let choice = variant("/World/Chair:fabric=red").expect("a choice");
+        assert_eq!(
+            (&choice.prim[..], &choice.set[..], &choice.variant[..]),
+            ("/World/Chair", "fabric", "red")
+        );
+        for bad in ["", "/World", "/World:a", "World:a=b", "/:a=b", "/W:=b", "/W:a="] {
+            assert!(variant(bad).is_err(), "'{bad}' is no choice");
+        }
+        assert!(
+            subdivision("6").is_ok() && subdivision("7").is_err() && subdivision("-1").is_err(),
+            "levels"
+        );
+    }
+}
