@@ -27,8 +27,8 @@ pub use exposure::exposure_for;
 pub use file::{
     ExrPixels, MAX_PIXELS, NotRegular, PictureFormat, WriteOptions, check_writable, decode,
     decode_data_texture, decode_data_texture_within, decode_texture, decode_texture_within, encode,
-    encode_screen, encode_texels, expecting_panics, expects_panics, open_regular, read, read_data_texture, read_stored,
-    read_texture, replace_file, replace_file_if, write,
+    encode_screen, encode_texels, expecting_panics, expects_panics, open_regular, read, read_data_texture,
+    read_stored, read_texture, replace_file, replace_file_if, write,
 };
 pub use filter::{Filter, FilterShape};
 pub use heat::{heat_color, heat_map};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! What a file says of a scene's parts, beside what is shown: names of lights, moments, the wished picture.
-//! Nothing here changes a picture by itself. Tests: crates/usd/tests/{lights,moments}.rs.
+//! Nothing here changes a picture by itself. Tests: crates/usd/tests/{lights,cameras}.rs.
 
 use std::collections::BTreeMap;
 

@@ -32,9 +32,11 @@ fn points(channel: &Channel) -> Vec<[f32; 3]> {
 
 fn grid(n: i32) -> (Faces, Vec<f32>) {
     let at = |x: i32, y: i32| y * (n + 1) + x;
-    let face = |i: i32| [at(i % n, i / n), at(i % n + 1, i / n), at(i % n + 1, i / n + 1), at(i % n, i / n + 1)];
+    let face =
+        |i: i32| [at(i % n, i / n), at(i % n + 1, i / n), at(i % n + 1, i / n + 1), at(i % n, i / n + 1)];
     let corners: Vec<i32> = (0..n * n).flat_map(face).collect();
-    let points = (0..(n + 1) * (n + 1)).flat_map(|i| [(i % (n + 1)) as f32, (i / (n + 1)) as f32, 0.0]).collect();
+    let points =
+        (0..(n + 1) * (n + 1)).flat_map(|i| [(i % (n + 1)) as f32, (i / (n + 1)) as f32, 0.0]).collect();
     (Faces::new(&vec![4; (n * n) as usize], &corners, ((n + 1) * (n + 1)) as usize).expect("a grid"), points)
 }
 
@@ -53,7 +55,10 @@ fn a_cubes_corners_end_where_the_masks_say() {
     let deeper = refine(&cube(Scheme::CatmullClark), vec![positions(cube_points())], 4);
     let same = points(&deeper.channels[0])[0];
     assert!(same.iter().all(|x| (x + 0.5).abs() < 1e-5), "{same:?}");
-    assert!(deeper.parents.iter().all(|&parent| parent < 6) && deeper.faces.len() == 6 * 256, "faces of the cube");
+    assert!(
+        deeper.parents.iter().all(|&parent| parent < 6) && deeper.faces.len() == 6 * 256,
+        "faces of the cube"
+    );
 }
 
 #[test]
@@ -82,7 +87,8 @@ fn flat_and_linear_things_stay() {
 fn creases_keep_edges() {
     let sharp = |sharpness: f32| {
         let mut surface = cube(Scheme::CatmullClark);
-        let edges = [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
+        let edges =
+            [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]];
         surface.creases = edges.map(|edge| (edge, sharpness)).to_vec();
         let refined = refine(&surface, vec![positions(cube_points())], 2);
         points(&refined.channels[0]).iter().map(|p| p[0]).fold(0.0, f32::max)
@@ -105,7 +111,13 @@ fn boundaries() {
     };
     assert_eq!(with(Boundary::None).faces.len(), 16, "the middle face alone");
     let least = |refined: &gnurt_scene::subdivision::Refined| {
-        refined.faces.corners().iter().map(|&v| points(&refined.channels[0])[v as usize]).map(|p| p[0] + p[1]).fold(9.0, f32::min)
+        refined
+            .faces
+            .corners()
+            .iter()
+            .map(|&v| points(&refined.channels[0])[v as usize])
+            .map(|p| p[0] + p[1])
+            .fold(9.0, f32::min)
     };
     assert_eq!(least(&with(Boundary::EdgeAndCorner)), 0.0, "the corner");
     assert!(least(&with(Boundary::EdgeOnly)) > 0.1, "it is round");
@@ -136,7 +148,10 @@ fn normals_break_at_sharp_edges() {
     let points: Vec<[f32; 3]> = cube_points().chunks_exact(3).map(|p| [p[0], p[1], p[2]]).collect();
     let (_, smooth) = smooth_normals(&faces, &points, &[]);
     assert_eq!(smooth.len(), 8, "one for each corner of the cube");
-    assert!(smooth.iter().all(|n| n.iter().all(|x| (x.abs() - 1.0 / 3.0_f32.sqrt()).abs() < 1e-6)), "{smooth:?}");
+    assert!(
+        smooth.iter().all(|n| n.iter().all(|x| (x.abs() - 1.0 / 3.0_f32.sqrt()).abs() < 1e-6)),
+        "{smooth:?}"
+    );
     let top = [[4, 5], [5, 6], [6, 7], [7, 4]].map(|edge| (edge, 10.0));
     let (corners, cut) = smooth_normals(&faces, &points, &top);
     assert_eq!(cut.len(), 12, "the upper face has its own");
@@ -147,7 +162,10 @@ fn normals_break_at_sharp_edges() {
 fn faces_are_checked_and_levels_bounded() {
     assert_eq!(Faces::new(&[2], &[0, 1], 9), Err(FacesError::TooFew(0)));
     assert_eq!(Faces::new(&[3], &[0, 1], 9), Err(FacesError::Corners { needed: 3, given: 2 }));
-    assert_eq!(Faces::new(&[3, 3], &[0, 1, 2, 0, 1, -1], 9), Err(FacesError::OutOfRange { face: 1, point: -1, points: 9 }));
+    assert_eq!(
+        Faces::new(&[3, 3], &[0, 1, 2, 0, 1, -1], 9),
+        Err(FacesError::OutOfRange { face: 1, point: -1, points: 9 })
+    );
     let (faces, _) = grid(100);
     assert_eq!(affordable_level(&faces, 2, u64::MAX), 2, "as asked");
     // 40,000 corners: 80,000 triangles at level 1, 320,000 at level 2.

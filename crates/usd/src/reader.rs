@@ -94,13 +94,36 @@ impl Reader {
         let path = prim.append_property(name).ok()?;
         let attribute = self.stage.attribute(path.clone());
         let value = match self.time {
-            Some(time) => self.checked(&path, attribute.get_at::<Value>(TimeCode::new(time))),
+            Some(time) => {
+                let value = self.checked(&path, attribute.get_at::<Value>(TimeCode::new(time)));
+                // Text layers keep samples without a point as whole numbers, which the library does not blend.
+                match value {
+                    Some(Value::Int(_) | Value::Int64(_)) => self.blended(&attribute, time).or(value),
+                    value => value,
+                }
+            }
             None => self
                 .checked(&path, attribute.get::<Value>())
                 .filter(is_value)
                 .or_else(|| self.checked(&path, attribute.get_at::<Value>(TimeCode::EARLIEST))),
         };
         value.filter(is_value)
+    }
+
+    /// Whole numbers of an attribute of broken ones, between two samples.
+    fn blended(&self, attribute: &openusd::usd::Attribute, time: f64) -> Option<Value> {
+        let kind = attribute.type_name().ok().flatten()?;
+        if !matches!(kind.as_str(), "double" | "float" | "half") {
+            return None;
+        }
+        let (low, high) = attribute.bracketing_time_samples(TimeCode::new(time)).ok().flatten()?;
+        let number = |at: f64| {
+            let value = attribute.get_at::<Value>(TimeCode::new(at)).ok().flatten();
+            value.as_ref().and_then(value::number)
+        };
+        let (before, after) = (number(low)?, number(high)?);
+        let share = if high > low { (time - low) / (high - low) } else { 0.0 };
+        Some(Value::Double(before + (after - before) * share))
     }
 
     /// The value of an attribute that does not change with time.

@@ -69,6 +69,12 @@ fn samples_are_interpolated_in_seconds() {
          uniform token[] xformOpOrder = [\"xformOp:translate\"] }}"
     );
     let x = |at| load_at(&body, at).scene.instances()[0].world_from_object.columns[3][0];
+    let turned = format!(
+        "def Mesh \"M\" {{ {TRIANGLE} double xformOp:rotateZ.timeSamples = {{ 0: 0, 24: 180 }}\n
+         uniform token[] xformOpOrder = [\"xformOp:rotateZ\"] }}"
+    );
+    let found = load_at(&turned, Some(0.5)).scene.instances()[0].world_from_object;
+    close(found, Affine::rotation([0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_2));
     // 24 time codes a second where nothing is said.
     assert_eq!((x(None), x(Some(0.5)), x(Some(9.0))), (0.0, 5.0, 10.0), "at rest, between, behind the last");
 }

@@ -23,7 +23,9 @@ impl Exposure {
         }
         let differs = |same: &dyn Fn(&Scene) -> bool| !later.iter().all(|scene| same(scene));
         for (i, mesh) in first.meshes().iter().enumerate() {
-            let is_same = |s: &Scene| s.meshes()[i].positions == mesh.positions && s.meshes()[i].normals == mesh.normals;
+            let is_same = |s: &Scene| {
+                s.meshes()[i].positions == mesh.positions && s.meshes()[i].normals == mesh.normals
+            };
             if !differs(&is_same) {
                 continue;
             }
@@ -58,12 +60,16 @@ impl Exposure {
         }
         for (i, camera) in first.cameras().iter().enumerate() {
             if differs(&|s| s.cameras()[i] == *camera) {
-                exposure.cameras.push((CameraId(i as u32), moments.iter().map(|s| s.cameras()[i].clone()).collect()));
+                exposure
+                    .cameras
+                    .push((CameraId(i as u32), moments.iter().map(|s| s.cameras()[i].clone()).collect()));
             }
         }
         for (i, light) in first.lights().iter().enumerate() {
             if differs(&|s| s.lights()[i] == *light) {
-                exposure.lights.push((LightId(i as u32), moments.iter().map(|s| s.lights()[i].clone()).collect()));
+                exposure
+                    .lights
+                    .push((LightId(i as u32), moments.iter().map(|s| s.lights()[i].clone()).collect()));
             }
         }
         exposure
@@ -88,7 +94,11 @@ mod tests {
         };
         let [a, b, c] = [at(0.0, 0.0), at(1.0, 2.0), at(2.0, 4.0)];
         let exposure = Exposure::between(&[&a, &b, &c]);
-        assert_eq!((exposure.meshes.len(), exposure.instances.len(), exposure.held), (1, 1, 0), "{exposure:?}");
+        assert_eq!(
+            (exposure.meshes.len(), exposure.instances.len(), exposure.held),
+            (1, 1, 0),
+            "{exposure:?}"
+        );
         assert_eq!(exposure.instances[0].1[2].columns[3], [0.0, 4.0, 0.0], "the last moment");
         assert!(Exposure::between(&[&a, &a]).is_still(), "nothing moves");
         let mut more = at(0.0, 0.0);

@@ -2,10 +2,10 @@
 //! Where vertices of a refined surface end after infinitely many steps.
 //! Source: [HKD93] for Catmull-Clark, [Loo87] for triangles. Tests: `tests/subdivision.rs`.
 
-use super::Scheme;
 use super::loop_scheme::neighbour_weight;
 use super::sharpness::{Rule, Sharpness};
 use super::stencils::Stencils;
+use super::surface::Scheme;
 use super::topology::{Faces, Topology};
 
 /// The weights of the limit of each vertex.

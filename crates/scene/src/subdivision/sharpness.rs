@@ -2,7 +2,7 @@
 //! How sharp edges and vertices are, what rule that makes at a vertex, and what is left of it after a step.
 //! Source: [DKT98]; a rule that ends within a step is blended with the one that follows. Tests: `tests/subdivision.rs`.
 
-use super::Boundary;
+use super::surface::Boundary;
 use super::topology::Topology;
 
 /// A sharpness from which it never ends.

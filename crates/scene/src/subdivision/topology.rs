@@ -121,7 +121,10 @@ impl Faces {
 
     /// Values of the corners of faces that are kept.
     pub(super) fn kept(&self, keep: &[bool], values: &[u32]) -> Vec<u32> {
-        (0..self.len()).filter(|&face| keep[face]).flat_map(|face| values[self.range(face)].to_vec()).collect()
+        (0..self.len())
+            .filter(|&face| keep[face])
+            .flat_map(|face| values[self.range(face)].to_vec())
+            .collect()
     }
 }
 
@@ -249,6 +252,8 @@ impl Topology {
         let (edges, faces) = (self.edges_of(vertex), self.faces_of(vertex).len());
         let open = edges.iter().filter(|&&edge| self.face_counts[edge as usize] == 1).count();
         let crowded = edges.iter().any(|&edge| self.face_counts[edge as usize] > 2);
-        !edges.is_empty() && !crowded && matches!((open, edges.len().checked_sub(faces)), (0, Some(0)) | (2, Some(1)))
+        !edges.is_empty()
+            && !crowded
+            && matches!((open, edges.len().checked_sub(faces)), (0, Some(0)) | (2, Some(1)))
     }
 }
