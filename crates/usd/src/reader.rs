@@ -14,8 +14,8 @@ use openusd::usd::{Stage, TimeCode};
 use crate::files::Files;
 use crate::value;
 
-/// Prims that may be looked at, for each byte of the files and however short they are.
-const MOST_PRIMS: u64 = 1 << 16;
+/// Prims that may be looked at however short the files are; longer ones may have one for four bytes.
+const MOST_PRIMS: u64 = 1 << 14;
 
 /// A stage at a moment.
 pub(crate) struct Reader {
@@ -44,7 +44,7 @@ impl Reader {
 
     /// Allows one more prim to be looked at.
     pub(crate) fn count_prim(&self) -> Result<(), Error> {
-        let most = MOST_PRIMS.max(self.files.length());
+        let most = MOST_PRIMS.max(self.files.length() / 4);
         self.prims.set(self.prims.get() + 1);
         if self.prims.get() <= most {
             return Ok(());
