@@ -12,9 +12,10 @@ use crate::install::{self, files};
 use crate::workspace::Workspace;
 use crate::{command, readme};
 
-/// The most that installed files of the tests' build may take: 94.4 MB were measured after the readers' table of formats and
-/// Python's maps, about a third of it the program and a third the static library; 13 MB more are the ANARI device. Windows and options without any optimiser are 3.6 MB of it; optimising them a little takes 60 s more of a core.
-/// With debug lines it would be three times as much.
+/// The most bytes that installed files of the tests' build may take.
+/// 94.4 MB were measured after the readers' table of formats and Python's maps. About a third of it is the program, and a third
+/// the static library. 13 MB more are the ANARI device. Windows and options without any optimiser are 3.6 MB of it; optimising
+/// them a little takes 60 s more of a core. With debug lines it would be three times as much.
 const MOST_INSTALLED: u64 = 109 << 20;
 
 /// Below the prefix, as systems of several machines have it.

@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn the_lowest_id_is_that_of_a_list() {
         let (mut free, mut taken, mut state) = (FreeIds::default(), BTreeSet::new(), 1u64);
-        // Miri takes an hour for as many as others.
+        // Miri takes an hour for 4000 steps.
         let steps = if cfg!(miri) { 150 } else { 4000 };
         for step in 0..steps {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Scenes of pbrt-v4 from the file to light: their shaders compile without a word, and reflect what closed forms say.
+//! Scenes of pbrt-v4 from the file to light: their shaders compile without a word, and reflect the values of closed forms.
 #![cfg(feature = "pbrt")]
 
 use std::path::Path;
@@ -8,7 +8,7 @@ use gnurt::render::{
     CommitOptions, Integrator, RenderOptions, SceneCamera, ShaderTable, Silent, World, render,
 };
 
-/// The mean radiance of a picture that is filled by what the statements show, and what is said of shaders.
+/// The mean radiance of a picture that the statements' shapes fill, and the reports of shaders.
 fn mean(folder: &Path, statements: &str) -> ([f32; 3], Vec<String>) {
     let path = folder.join("t.pbrt");
     let view = "Camera \"orthographic\" \"float screenwindow\" [ -.5 .5 -.5 .5 ]\nFilm \"rgb\" \"integer xresolution\" 8 \
@@ -80,7 +80,7 @@ fn all_kinds_compile_without_a_word() {
 #[test]
 fn light_is_what_closed_forms_say() {
     let folder = tempfile::tempdir().expect("a folder");
-    // What a coat of index 1.5 lets through, of light from everywhere seen from the front.
+    // Shares of light that a coat of index 1.5 mirrors: seen from the front, and diffuse light from within.
     let (fresnel, inner) = (0.04, 1.0 - (1.0 - 0.0918) / 2.25);
     let coated = |r: f32| fresnel + (1.0 - fresnel) * (1.0 - inner) * r / (1.0 - r * inner);
     let cases = [

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The scene as it grows: shapes become objects, what shapes are made of becomes materials at the end, when all named ones are known.
+//! The scene as it grows: shapes become objects; their looks become materials at the end, when all named ones are known.
 //! Shapes that follow each other under one transform are one object, so that they share a tree; whole quadrics that are alike are
 //! stored once. Tests: `tests/`.
 
@@ -36,7 +36,7 @@ struct Slot {
     material: Option<Material>,
 }
 
-/// What a mesh is made of.
+/// The material, light and opacity of a mesh.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
     material: u32,
@@ -72,10 +72,10 @@ pub(crate) struct Builder<'a> {
     pending: Vec<Pending>,
     /// Textures of the scene by files, bytes' meaning, and how they are read.
     textures: HashMap<(PathBuf, bool, Wrap, bool), Option<TextureId>>,
-    /// Quadrics by what they are.
+    /// Quadrics by their signatures.
     shared: HashMap<(String, MaterialId), ObjectId>,
     group: Option<Group>,
-    /// What the object that is being defined is made of.
+    /// Members of the object that is being defined.
     pub(crate) members: Option<Vec<Member>>,
     /// Objects by name.
     pub(crate) objects: HashMap<String, ObjectId>,
@@ -91,7 +91,7 @@ pub(crate) struct Builder<'a> {
 pub(crate) struct Shown {
     pub(crate) mesh: Mesh,
     pub(crate) class: String,
-    /// What it is, if others are the same.
+    /// The same text for equal shapes; `None` for a shape that is not shared.
     pub(crate) signature: Option<String>,
     /// From its space to the file's world, or that of the object, when the shutter opens and when it closes.
     pub(crate) transforms: [Affine; 2],
@@ -290,7 +290,7 @@ impl<'a> Builder<'a> {
         self.tell_motion(moves, place);
     }
 
-    /// Tells of what cannot move.
+    /// Warns of a motion that is not shown.
     pub(crate) fn tell_motion(&mut self, moves: bool, place: &Place) {
         if !moves {
             let detail = "motion by a transform that shears: it is where it begins";

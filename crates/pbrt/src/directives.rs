@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Statements, one after the other, and what each does.
+//! Statements, one after the other, and their effects.
 //! Source: the file-format page of pbrt-v4. Invariants: every error names file and line; saved states are counted against the
-//! budget; what a file has begun must have ended at its end. Tests: `tests/broken.rs`.
+//! budget; blocks of an imported file end in it, all others by the end of the scene. Tests: `tests/broken.rs`.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -54,7 +54,7 @@ struct Reader<'a> {
     wish: Wish,
 }
 
-/// What the file says of the picture, which is the caller's choice.
+/// The file's values for choices of the caller.
 #[derive(Default)]
 struct Wish {
     film: bool,
@@ -230,7 +230,7 @@ impl<'a> Reader<'a> {
 
     fn restore(&mut self, block: Block, place: &Place) -> Result<(), Error> {
         let [begin, end] = block.names();
-        // What an imported file has not begun it cannot end.
+        // An imported file cannot end a block that it has not begun.
         match self.saved.pop() {
             Some(saved) if saved.block == block => {
                 self.access().budget.release(size_of::<Saved>());
@@ -696,7 +696,7 @@ impl<'a> Reader<'a> {
             return Err(place.error("the transform of a shape flattens space", "it must have an inverse"));
         }
         if self.builder.is_interface(self.state.material) && area_light.is_none() {
-            // Nothing is seen of it but what it is filled with.
+            // Nothing of it is seen but its medium.
             access.budget.release(mesh.memory_bytes());
             return Ok(());
         }

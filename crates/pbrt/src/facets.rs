@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The share of light that GGX facets send on after one bounce. The renderer's facets keep what goes between them more often, pbrt's lose it, so
+//! The share of light that GGX facets send on after one bounce. The renderer's facets keep light of more bounces, pbrt's lose it, so
 //! lobes are multiplied by this share. Source: [Hei14] (masking and shadowing that know of each other), visible normals after
 //! Heitz, Sampling the GGX Distribution of Visible Normals, 2018. Tests: `tests`.
 
@@ -29,7 +29,7 @@ fn normals(cosine: f64, alpha: f64) -> impl Iterator<Item = ([f64; 3], [f64; 3])
         let half = 0.5 * (1.0 + stretched[2]);
         let along = (1.0 - half) * (1.0 - across * across).max(0.0).sqrt() + half * r * sin;
         let up = (1.0 - across * across - along * along).max(0.0).sqrt();
-        // The tangents of the stretched view are y, and what is square to both.
+        // The tangents of the stretched view are y, and the vector square to both.
         let normal = [
             alpha * (up * stretched[0] - along * stretched[2]),
             alpha * across,
@@ -72,11 +72,11 @@ pub(crate) fn retained(cosine: f64, alpha: f64, index: Option<f64>) -> f64 {
     back + through
 }
 
-/// What a coat of glass does to light of a base below it, by the root of the view's cosine in steps.
+/// Shares of light at a coat of glass above a base, by the root of the view's cosine in steps.
 pub(crate) struct Coated {
-    /// Share of what the coat mirrors that is not lost.
+    /// Share of the light mirrored by the coat that is not lost.
     pub(crate) mirrored: Vec<f32>,
-    /// Share of the light of the base that comes out at once, with what is lost on the way in.
+    /// Share of the light of the base that comes out at once, with the loss on the way in.
     pub(crate) out: Vec<f32>,
     /// Share that goes back to the base.
     pub(crate) again: Vec<f32>,
@@ -149,7 +149,7 @@ mod tests {
         }
         let [smooth, rough] = [0.3, 0.9].map(|alpha| retained(0.7, alpha, None));
         assert!(smooth > 0.8 && rough < 0.6 && rough > 0.3, "{smooth} {rough}");
-        // What glass loses from within is more: more of it is mirrored.
+        // Glass loses more from within: it mirrors more there.
         assert!(retained(0.7, 0.3, Some(1.0 / 1.5)) < retained(0.7, 0.3, Some(1.5)));
         // A smooth coat on a diffuse base: 1 - Fi comes out, Fi goes back.
         let smooth = coated(0.01, 1.5, None);

@@ -8,7 +8,7 @@ use gnurt_scene::io::{Error, Oddity, Warnings};
 
 use crate::parameter::{Kind, Parameters};
 
-/// What the picture is to be.
+/// The size of the picture, its part and its sensor.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Film {
     /// Columns and rows.
@@ -64,7 +64,7 @@ impl Film {
         if parameters.float("whitebalance")?.is_some_and(|kelvin| kelvin != 0.0) {
             place.warn(warnings, Oddity::NotShown, "\"whitebalance\" of a film");
         }
-        // Of files and of what is not visible.
+        // Of files, and without visible effect.
         for name in ["filename", "coordinatesystem"] {
             parameters.find(name, &[Kind::Text]);
         }

@@ -74,7 +74,7 @@ fn total(square: &Texels) -> [f64; 3] {
     sum.map(|x| x * share)
 }
 
-/// The illuminance of what lies above: what pbrt's "illuminance" is compared with.
+/// The illuminance of the upper half, to compare with pbrt's "illuminance".
 pub(crate) fn upward(square: &Texels) -> f32 {
     let mut sum = 0.0;
     for_each(square, |[x, y], [r, g, b, _]| {

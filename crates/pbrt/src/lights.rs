@@ -15,7 +15,7 @@ use crate::place::Place;
 use crate::spectrum::Spectrum;
 use crate::transform::{double, single, unit};
 
-/// What a surface gives off.
+/// The light of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct AreaLight {
     /// Radiance, before it is divided by the surface's area where there is a power.
@@ -49,12 +49,12 @@ pub(crate) enum Found {
     Infinite(Infinite),
 }
 
-/// What lights are read with.
+/// Data for reading lights.
 pub(crate) struct Reading<'a> {
     pub(crate) access: &'a Access,
     /// From the current space to the renderer's world.
     pub(crate) world_from_light: Affine,
-    /// Multiplied to all light: what the film makes of it.
+    /// The film's factor of all light.
     pub(crate) exposure: f32,
 }
 
@@ -96,7 +96,7 @@ impl Reading<'_> {
         Ok([parameters.triple_or("from", [0.0; 3])?, parameters.triple_or("to", [0.0, 0.0, 1.0])?])
     }
 
-    /// Its scale, times what the film makes of it.
+    /// Its scale, times the film's factor.
     fn scale(&self, parameters: &Parameters) -> Result<f32, Error> {
         let scale = parameters.float_or("scale", 1.0)?;
         if !(scale >= 0.0 && scale.is_finite()) {
@@ -228,7 +228,7 @@ impl Reading<'_> {
         })
     }
 
-    /// What surfaces give off from now on.
+    /// The light of surfaces from now on.
     pub(crate) fn area(&self, class: &str, parameters: &Parameters) -> Result<AreaLight, Error> {
         let place = &parameters.place;
         if class != "diffuse" {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What `ActiveTransform` moves, as a clip from 0 to 1 second: instances, members of objects and the camera.
+//! Motion by `ActiveTransform`, as a clip from 0 to 1 second: of instances, members of objects and the camera.
 //! Source: the section Animating Transformations of the file-format page; parts go straight, turns with constant speed. Transforms
-//! that shear have no such parts: what they move stays where it begins, which a warning tells. Tests: `tests/motion.rs`.
+//! that shear have no such parts: things under them stay where they begin, with a warning. Tests: `tests/motion.rs`.
 
 use std::sync::Arc;
 

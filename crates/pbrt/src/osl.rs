@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Textures as statements of the shading language: each texture once per shader, what it is made of before it.
+//! Textures as statements of the shading language: each texture once per shader, its inputs before it.
 //! Invariants: a shader has at most [`MOST`] textures; the text is ASCII whatever the file holds; numbers are finite.
 //! Tests: `tests/textures.rs`.
 
@@ -17,7 +17,7 @@ use crate::texture::{Encoding, Image, Input, Mapping, Node, Texture};
 /// Textures of a shader.
 const MOST: usize = 256;
 
-/// Who knows what shaders name.
+/// The pictures and materials that shaders refer to.
 pub(crate) trait Library {
     /// The texture of the scene for a picture, or `None` if it cannot be read.
     fn picture(&mut self, image: &Image, texture: &Texture) -> Option<TextureId>;
@@ -223,7 +223,7 @@ impl<'a> Code<'a> {
 
     fn image(&mut self, image: &Image, texture: &Texture) -> String {
         let Some(id) = self.library.picture(image, texture) else {
-            // What pbrt does not draw at all; the warning says so.
+            // pbrt draws nothing at all without the picture; the reader has warned.
             return "color (1)".into();
         };
         let picture = match self.pictures.iter().find(|(_, known)| *known == id) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Parameter lists: `"float fov" [ 45 ]` and the like, and who asks for which.
-//! Source: the section Parameter Lists of the file-format page. Invariant: a parameter that nobody has asked for is
-//! told in a warning. Tests: `tests/broken.rs`.
+//! Parameter lists: `"float fov" [ 45 ]` and the like, and a mark of each that the reader has used.
+//! Source: the section Parameter Lists of the file-format page. Invariant: each unused parameter leads to a
+//! warning. Tests: `tests/broken.rs`.
 
 use std::cell::Cell;
 
@@ -13,7 +13,7 @@ use crate::place::Place;
 use crate::sources::Source;
 use crate::tokens::Token;
 
-/// What the values of a parameter are.
+/// The type of a parameter's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Integer,
@@ -235,7 +235,7 @@ impl Parameters {
         self.list
     }
 
-    /// Gives back what it holds.
+    /// Gives back the bytes of its parameters.
     pub(crate) fn release(&self, budget: &Budget) {
         budget.release(self.list.iter().map(Parameter::bytes).sum());
     }
@@ -247,7 +247,7 @@ impl Parameters {
         Some(found)
     }
 
-    /// Tells of parameters that nobody has asked for.
+    /// Warns of unused parameters.
     pub(crate) fn warn_unused(&self, of: &str, warnings: &mut Warnings) {
         for parameter in self.list.iter().filter(|parameter| !parameter.used.get()) {
             let detail = format!("\"{} {}\" of {of}", parameter.kind_name, parameter.name);

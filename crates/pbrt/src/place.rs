@@ -15,7 +15,7 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// What is wrong there, and what would be right.
+    /// An error there: the problem and its remedy.
     pub(crate) fn error(&self, problem: impl Into<String>, remedy: impl Into<String>) -> Error {
         Error::data(&self.path, Some(self.line), problem, remedy)
     }

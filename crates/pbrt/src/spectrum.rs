@@ -15,7 +15,7 @@ use crate::tables::{D65, GLASSES, ILLUMINANTS, METALS};
 
 /// Bytes of a file with a spectrum.
 const LONGEST: u64 = 1 << 20;
-/// What is integrated over: 380 to 780 nm.
+/// Wavelengths of integrals: 380 to 780 nm.
 const FIRST: u32 = 380;
 const LAST: u32 = 780;
 const STEP: usize = 5;
@@ -118,7 +118,7 @@ impl Spectrum {
         }
     }
 
-    /// The colour that a surface has whose reflectance it is, or what else it is of.
+    /// The colour of a surface with this reflectance; otherwise the index of glass, or the colour of a light.
     pub(crate) fn value(&self) -> [f32; 3] {
         match self {
             Self::Samples(samples) => under_daylight(|l| sampled(samples, l)),

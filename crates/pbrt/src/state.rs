@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The graphics state, and what `AttributeBegin` and its kin save of it.
+//! The graphics state, and the blocks that save it: `AttributeBegin` and its kin.
 //! Source: the section Graphics State of the file-format page.
 
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use crate::lights::AreaLight;
 use crate::parameter::Parameter;
 use crate::place::Place;
 
-/// What statements of `Attribute` are for.
+/// Targets of the statement `Attribute`.
 pub(crate) const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
 
-/// What holds for the statements that follow.
+/// Values for the statements that follow.
 #[derive(Clone)]
 pub(crate) struct State {
     /// From the current space to the file's world, when the shutter opens and when it closes.
@@ -55,7 +55,7 @@ impl State {
     }
 }
 
-/// What began a part of a file.
+/// Kinds of blocks, by the statements that begin them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Block {
     Attribute,

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Materials of the renderer: those that it has where they are the same, shaders with its closures otherwise.
-//! Source: [PJH23] chapters 9, 10 and 14. A coat over a diffuse base is what all paths between them leave on the whole:
-//! (1 - Fi) r / (1 - r Fi), Fi being what the coat mirrors of diffuse light from within. Roughness: alpha is its root.
-//! Facets of pbrt lose what goes between them more than once; ours keep it, and are darkened by the same share: `facets`.
+//! Source: [PJH23] chapters 9, 10 and 14. A coat over a diffuse base adds up all paths between them:
+//! (1 - Fi) r / (1 - r Fi), Fi being the coat's share of mirrored diffuse light from within. Roughness: alpha is its root.
+//! Facets of pbrt lose light of several bounces between them; ours keep it, and are darkened by the same share: `facets`.
 //! Tests: `tests/materials.rs`.
 
 use gnurt_scene::detail::Interior;
@@ -15,13 +15,13 @@ use crate::osl::{Code, Library, color, number};
 use crate::patterns::FUNCTIONS;
 use crate::texture::{Encoding, Image, Input, Mapping, Node, Texture};
 
-/// Mixes may lie in one another this deep, and be made of so many.
+/// Mixes may be nested this deep, and be made of so many.
 const DEEPEST: u32 = 16;
 const MOST: u32 = 64;
 /// Perceptual roughness from which on facets lose light that counts.
 const NARROW: f32 = 0.2;
 
-/// What a mesh is made of beside its material.
+/// The emission and opacity of a mesh, beside its material.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Coverage {
     /// Radiance, of both sides?
@@ -70,7 +70,7 @@ pub(crate) fn make(
     (made, Some(shown))
 }
 
-/// What stands for a material where shaders are not run.
+/// The surface in place of a material where shaders are not run.
 fn stand_in(model: &Model) -> Surface {
     let base_color = match model {
         Model::Diffuse(color) | Model::CoatedDiffuse { reflectance: color, .. } => color.constant(),
@@ -257,7 +257,7 @@ fn alphas(facets: &Facets, code: &mut Code) -> [String; 2] {
     [along, across]
 }
 
-/// What a glass of this index mirrors of diffuse light from outside, on average.
+/// The mean share of diffuse light from outside that a glass of this index mirrors.
 fn diffuse_mirrored(index: f32) -> f32 {
     const STEPS: usize = 256;
     let fresnel = |cosine: f32| {
@@ -277,14 +277,14 @@ fn diffuse_mirrored(index: f32) -> f32 {
 
 fn coat(coat: &Coat, code: &mut Code) -> String {
     let [along, across] = alphas(&coat.facets, code);
-    // A coat that is a mirror is drawn too bright over what scatters to all sides: narrow facets are the same to the eye.
+    // A coat that is a mirror is drawn too bright over a base that scatters to all sides: narrow facets are the same to the eye.
     let [along, across] = [along, across].map(|alpha| format!("max ({alpha}, 0.002)"));
     let index = number(coat.index);
     format!("dielectric_bsdf (Nn, T, color (1), color (0), {along}, {across}, {index}, \"ggx\")")
 }
 
-/// A coat's lobe over a base: `base(1 - what comes out at once, what goes back)` is told how the base's light is dimmed. `below` is the base's
-/// alpha, `None` if it is diffuse.
+/// Variables of a coat over a base: the shares of [`facets::Coated`](crate::facets::Coated) in the order of its fields.
+/// `below` is the base's alpha, `None` if it is diffuse. Returns `None` if the coat is not as rough everywhere and both ways.
 fn over(of: &Coat, below: Option<f32>, code: &mut Code) -> Option<[String; 3]> {
     let alpha = f64::from(even(&of.facets)?.powi(2));
     let table = coated(alpha, f64::from(of.index), below.map(f64::from));
@@ -367,7 +367,7 @@ fn retained(
     [kept, all]
 }
 
-/// A metal's lobe without what goes between its facets more than once, and what it mirrors at normal incidence.
+/// A metal's lobe without light of several bounces between its facets, and its reflectance at normal incidence.
 fn metal_lobe(of: &Metal, facets: &Facets, within: f32, code: &mut Code) -> [String; 2] {
     let alphas = alphas(facets, code);
     let [eta, k] = metal(of, within, code);
@@ -436,7 +436,7 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
                     "layer ({mirrored} * {top}, {out} / (color (1) - {color} * {again}) * {base})"
                 );
             }
-            // What a rough base has met twice goes to all sides.
+            // Light that has met a rough base twice goes to all sides.
             let alpha = even(&layer.facets).map_or(0.3, |roughness| roughness * roughness);
             let later = coated(f64::from(alpha), f64::from(layer.index), None);
             let [late_out, late_again] =

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Textures as a tree of what they are made of. `texture_parameters` reads them, `osl` writes them as shaders.
+//! Textures as a tree of their inputs. `texture_parameters` reads them, `osl` writes them as shaders.
 //! Spaces: transforms go from the renderer's world to the texture's space.
 
 use std::path::PathBuf;
@@ -28,7 +28,7 @@ impl Input {
         Self::Constant([x; 3])
     }
 
-    /// How deep textures lie in one another in it.
+    /// How deep its textures are nested.
     pub(crate) fn depth(&self) -> u32 {
         match self {
             Self::Constant(_) => 0,
@@ -52,12 +52,12 @@ impl Input {
 #[derive(Debug)]
 pub(crate) struct Texture {
     pub(crate) node: Node,
-    /// 1, or one more than that of what it is made of.
+    /// 1, or one more than the depth of its deepest input.
     pub(crate) depth: u32,
     pub(crate) place: Place,
 }
 
-/// What a texture is made of.
+/// The kind of a texture, and its inputs.
 #[derive(Debug)]
 pub(crate) enum Node {
     Constant([f32; 3]),
@@ -109,7 +109,7 @@ pub(crate) struct Image {
     pub(crate) is_float: bool,
 }
 
-/// What bytes mean.
+/// The meaning of bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Encoding {
     Srgb,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Files that are wrong: each error is one line with file, line, the mistake and what would be right.
+//! Files that are wrong: each error is one line with file, line, the mistake and its remedy.
 
 use std::io::Write;
 
@@ -8,7 +8,7 @@ use flate2::write::GzEncoder;
 
 use crate::common::{load, read_beside, world_warned};
 
-/// Texts, the line of their mistake, and what the message must hold.
+/// Texts, the line of their mistake, and a part of the message.
 const BROKEN: [(&str, u64, &str); 38] = [
     ("Shape \"sphere\"", 1, "Shape before WorldBegin"),
     ("WorldBegin\nFoo", 2, "unknown statement `Foo`"),

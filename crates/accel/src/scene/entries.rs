@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What rays need of instances, in the order of the top tree: one line of the cache each.
+//! Data of instances for rays, in the order of the top tree: one line of the cache each.
 //! A ray that meets many small instances waits for memory at each. Here its map lies at a place that is known from the tree's
-//! block alone, so that all instances of a block are requested at once; what they show is in a short list for each treelet.
+//! block alone, so that all instances of a block are requested at once; their shapes are in a short list for each treelet.
 //! Space: world. Invariant: entries equal what slots hold; treelets that a scene shares with the one before share these, too.
 //! Tests: `tests`, `tests/instances.rs`, `tests/moving_instances.rs`.
 
@@ -48,7 +48,7 @@ impl TreeletEntries {
         self.list[member.place] = Entry { map: *map, shown: number };
     }
 
-    /// The number of what is shown; neighbours often show the same.
+    /// The number of a shape under a mask; neighbours often have the same.
     fn number(&mut self, mask: u32, shape: &Shape) -> u32 {
         let is_same = |other: &Shown| other.mask == mask && other.shape.is_same(shape);
         let number = self.shown.iter().rposition(is_same).unwrap_or_else(|| {
@@ -69,7 +69,7 @@ impl TreeletEntries {
         let mut before = vec![usize::MAX; self.list.len()];
         tree.members(treelet).for_each(|member| before[member.place] = member.index);
         let mut entries = Self { list: vec![Entry::BY_SLOT; top.places(treelet)], shown: Vec::new() };
-        // What nobody shows any more is not held.
+        // A shape that no instance shows any more is not held.
         let mut numbers = vec![u32::MAX; self.shown.len()];
         for member in top.members(treelet) {
             if before.get(member.place) != Some(&member.index) || is_edited(member.index) {
@@ -167,7 +167,7 @@ mod tests {
     use crate::{Instance, MotionPath, ObjectTree, SceneTree, Threads};
     use gnurt_testkit::Random;
 
-    /// Every instance that is placed has what its slot holds, or is entered by that.
+    /// Every placed instance has the map, shape and mask of its slot, or is entered by its slot.
     fn check(scene: &SceneTree) {
         let mut found = vec![false; scene.slots.len()];
         for treelet in 0..scene.top.treelet_count() {

@@ -134,9 +134,9 @@ impl PlacedInstance {
         carry_box(&exact.columns, &bounds, origin.map(f64::from)).map(|carried| carried.nearest())
     }
 
-    /// How many times more slack than others its box needs, so that no ray is turned away that hits it once it is carried into
-    /// its space: rays are rounded there, and what is rounded counts more in the world the more the map is sheared. What moves
-    /// is asked at places on its way. At least 1.
+    /// The factor of its box's slack over that of others, at least 1. A ray that hits it in its space meets its box, too:
+    /// rays are rounded there, and the error counts more in the world the more the map is sheared.
+    /// Of one that moves, the most sheared of places on its way counts.
     pub(super) fn slack(&self) -> f32 {
         let inner = match &self.shape {
             Shape::Object(_) => 1.0,

@@ -97,7 +97,7 @@ pub(super) enum At {
     Path(Arc<MotionPath>),
 }
 
-/// The map into an instance, and the number of what is there.
+/// The map into an instance, and the number of its [`Shown`].
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Entry {
@@ -105,7 +105,7 @@ pub(super) struct Entry {
     pub(super) shown: u32,
 }
 
-/// What instances show, and to which rays.
+/// A shape of instances, and the mask of the rays that see it.
 #[derive(Clone, Debug)]
 pub(super) struct Shown {
     pub(super) shape: Shape,

@@ -20,7 +20,7 @@ pub(crate) use reading::Reading;
 use crate::parameter::{Kind, Parameters};
 use crate::transform::{cross, dot, double};
 
-/// The mesh of a shape, and what it is, if others are the same. A sphere is one of radius 1: its size goes into the transform.
+/// The mesh of a shape, and its signature, if equal shapes share one mesh. A sphere is one of radius 1: its size goes into the transform.
 pub(crate) fn read(
     class: &str,
     parameters: &Parameters,

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What shapes are read with.
+//! Data for reading shapes.
 
 use gnurt_scene::io::Warnings;
 use gnurt_scene::io::reader::Access;
 
-/// What shapes are read with.
+/// Data for reading shapes.
 pub(crate) struct Reading<'a> {
     pub(crate) access: &'a Access,
     pub(crate) warnings: &'a mut Warnings,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `trianglemesh` and `plymesh`. A mesh without texture coordinates has those that pbrt makes up for each triangle:
-//! (0, 0), (1, 0), (1, 1), if somebody asks for them. Tests: `tests/shapes.rs`, `tests/broken.rs`.
+//! (0, 0), (1, 0), (1, 1), if the caller requests them. Tests: `tests/shapes.rs`, `tests/broken.rs`.
 
 use gnurt_scene::io::Error;
 use gnurt_scene::io::reader::{read_ply_mesh, read_ply_mesh_from, resolve};
@@ -109,7 +109,7 @@ pub(super) fn ply(parameters: &Parameters, reading: &mut Reading) -> Result<Mesh
     } else {
         read_ply_mesh(&path, access, warnings)?
     };
-    // What the mesh holds is counted by who keeps it.
+    // The caller counts the bytes of the mesh.
     access.budget.settle(before);
     // pbrt reads no colours.
     mesh.colors.clear();
