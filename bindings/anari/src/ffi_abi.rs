@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Layouts of libraries and devices as ANARI's loader knows them: a table of functions, and what follows it.
+//! Layouts of libraries and devices as ANARI's loader knows them: a table of functions, and the fields after it.
 //! Source: the public headers `anari/backend/{LibraryImpl,DeviceImpl}.h` of the ANARI SDK 0.14 to 0.17, whose facts are restated. Both
-//! are C++ classes with virtual functions, in the order of the C++ ABI of Unix systems: the object begins with the address of its table,
-//! which follows an offset of 0 and a type (none here, for nobody asks).
+//! are C++ classes with virtual functions, in the order of the C++ ABI of Unix systems. The object begins with the address of its table.
+//! The table follows an offset of 0 and a type (none here: callers never read it).
 //! Differs between versions: tables of libraries before 0.15 lack `newInitializedDevice`. Tests: tests/introspection.rs.
 
 use std::ffi::{c_char, c_int, c_void};
@@ -15,7 +15,7 @@ pub(crate) type Address = *mut c_void;
 /// A list of strings, ended by null.
 pub(crate) type Strings = *const *const c_char;
 
-/// What precedes the functions of a table.
+/// The fields before the functions of a table.
 #[repr(C)]
 pub(crate) struct TableHead {
     pub(crate) offset: isize,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Arrays: memory that the program shares, hands over with a deleter, or maps.
-//! Shared memory is the program's until it releases the array: then what still needs it gets a copy. Captured memory lives as
+//! Shared memory is the program's until it releases the array: then remaining users get a copy. Captured memory lives as
 //! long as the array, and the deleter is called when that dies.
 //! Invariant: memory holds `length * size(element)` bytes. Tests: tests/lifetimes.rs.
 
@@ -228,7 +228,7 @@ impl Drop for Array {
     fn drop(&mut self) {
         let memory = std::mem::replace(&mut *lock(&self.memory), Memory::Own(Vec::new()));
         if let Memory::Captured { memory, deleter, user } = memory {
-            // SAFETY: the program gave the function together with the memory; it is called once, when nobody reads that any more.
+            // SAFETY: the program gave the function together with the memory; it is called once, after the last reader.
             let free = || unsafe { deleter(user as *const c_void, memory as *const c_void) };
             drop(std::panic::catch_unwind(std::panic::AssertUnwindSafe(free)));
         }

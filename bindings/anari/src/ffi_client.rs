@@ -78,7 +78,7 @@ unsafe extern "C-unwind" fn note(
     _: c_int,
     text: *const c_char,
 ) {
-    // SAFETY: the user data is what `Client::new` gave; the text lives as long as this call.
+    // SAFETY: the user data is the list of messages from `Client::new`; the text lives as long as this call.
     let (messages, text) = unsafe { (&*user.cast::<Mutex<Vec<Message>>>(), CStr::from_ptr(text)) };
     let text = text.to_string_lossy().into_owned();
     lock(messages).push(Message { severity, source: source as usize, text });
@@ -554,7 +554,7 @@ unsafe fn strings(list: *const *const c_char) -> Vec<String> {
 
 impl Drop for Client {
     fn drop(&mut self) {
-        // SAFETY: both were made by `new`, and nobody else has them.
+        // SAFETY: both were made by `new`, and only this client has them.
         unsafe {
             (self.table().release)(self.device, self.device.cast());
             (Self::library_table(self.library).delete)(self.library);

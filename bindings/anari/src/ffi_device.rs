@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Devices of the program: their table of functions, their life, and what each function does with pointers.
+//! Devices of the program: their table of functions, their life, and each function's use of pointers.
 //! No panic crosses to the program. Tests: tests/{lifetimes,wrong,introspection}.rs.
 
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -83,7 +83,7 @@ pub(crate) fn new(function: usize, user: *const c_void) -> Address {
     let reporter = Reporter::new(made as usize, None, user);
     reporter.listen(function, user as usize);
     let device = Arc::new(Device::new(made as usize, reporter, [function, user as usize]));
-    // SAFETY: the box was made just now, and nobody else knows it.
+    // SAFETY: the box was made just now, and no other thread has its address.
     unsafe { (*made).device = Some(device) };
     made.cast()
 }
@@ -97,7 +97,7 @@ unsafe fn device<'a>(this: This) -> Option<&'a Arc<Device>> {
     unsafe { this.cast::<DeviceBox>().as_ref() }?.device.as_ref()
 }
 
-/// Calls `work` with the device; what panics is told and gives `R`'s default.
+/// Calls `work` with the device; a panic is reported and gives `R`'s default.
 ///
 /// # Safety
 /// As [`device`].
@@ -472,7 +472,7 @@ unsafe extern "C" fn release(this: This, object: Address) {
         let last = unsafe { this.cast::<DeviceBox>().as_ref() }
             .is_some_and(|own| own.count.fetch_sub(1, Ordering::AcqRel) == 1);
         if last {
-            // SAFETY: nobody holds it any more.
+            // SAFETY: the count is zero, so no holder is left.
             unsafe { delete(this) };
         }
         return;

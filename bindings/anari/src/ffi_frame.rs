@@ -105,7 +105,7 @@ fn rendered(device: &Device, object: &Object, frame: &Frame, job: &Job) {
             output.duration = begin.elapsed().as_secs_f32();
             frame.put(Some(output));
         }
-        // Discarded: what there was stays.
+        // Discarded: the last picture stays.
         Ok(None) if frame.output().size == job.size => frame.put(None),
         Ok(None) => frame.put(Some(Output::empty(job.size, &job.formats))),
         Err(fault) => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Answers of introspection, in the form that C reads: strings, lists and values that live as long as the library.
-//! Each answer is made once, when it is asked for, and kept for ever: there are only as many as parameters have properties.
+//! Each answer is made at the first question and kept for ever. Properties of objects and parameters bound their number.
 //! Tests: tests/introspection.rs.
 
 use std::collections::HashMap;
@@ -12,7 +12,7 @@ use crate::object::lock;
 use crate::schema::{self, EXTENSIONS, Entry, Info, Parameter, Values};
 use crate::types::{self, DataType};
 
-/// What was asked: kind, subtype, parameter, its type, property, its type.
+/// A question: kind, subtype, parameter, its type, property, its type.
 type Question = (DataType, String, String, DataType, String, DataType);
 
 /// Answers so far, as addresses.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The library's entry, and the library as ANARI's loader knows it.
-//! Loaders before version 0.15 expect another table of functions. One is known by what its file exports: `anariLoadLibrary` without
+//! Loaders before version 0.15 expect another table of functions. The exports of its file identify one: `anariLoadLibrary` without
 //! `anariNewInitializedDevice`. Programs that have the loader within them export neither and get the newer table.
 //! Tests: tests/introspection.rs.
 
@@ -48,12 +48,12 @@ fn caller_is_old() -> bool {
     }
     let Some((own, _)) = file(caller_is_old as *const c_void) else { return false };
     let mut frames = [std::ptr::null_mut::<c_void>(); 32];
-    // SAFETY: there is room for as many as it is told.
+    // SAFETY: the length passed is that of `frames`.
     let count = unsafe { libc::backtrace(frames.as_mut_ptr(), frames.len() as i32) };
     let foreign =
         frames.iter().take(count.max(0) as usize).filter_map(|&frame| file(frame)).find(|it| it.0 != own);
     let Some((_, name)) = foreign.filter(|(_, name)| !name.is_null()) else { return false };
-    // SAFETY: the name is that of a file that is loaded; nothing is loaded anew.
+    // SAFETY: the name is that of a file that is loaded; this call loads nothing.
     let loaded = unsafe { libc::dlopen(name, libc::RTLD_LAZY | libc::RTLD_NOLOAD) };
     if loaded.is_null() {
         return false;
@@ -131,7 +131,7 @@ unsafe extern "C" fn device_extensions(_: *mut Library, _: *const c_char) -> Str
 }
 
 unsafe extern "C" fn device_subtypes(_: *mut Library) -> Strings {
-    /// Two devices of one kind: `default` is what programs ask for by default.
+    /// Two names of one device: programs ask for `default` by default.
     struct Names([*const c_char; 3]);
     // SAFETY: they are never written.
     unsafe impl Sync for Names {}

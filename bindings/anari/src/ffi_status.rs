@@ -89,7 +89,7 @@ impl Reporter {
                 );
             }
         };
-        // A panic of a Rust program's function ends here; there is nobody left to tell.
+        // A panic of a Rust program's function ends here; no receiver is left for a report.
         drop(std::panic::catch_unwind(std::panic::AssertUnwindSafe(call)));
     }
 

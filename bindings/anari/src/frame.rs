@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Frames: one rendering at a time on a thread of its own, its pictures, and who waits for them.
-//! A rendering shows what was committed when it was started. Pictures that the program maps stay until it unmaps them.
+//! Frames: one rendering at a time on a thread of its own, its pictures, and the threads that wait for them.
+//! A rendering shows the parameters committed when it was started. Pictures that the program maps stay until it unmaps them.
 //! Tests: tests/frames.rs.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,7 +29,7 @@ pub(crate) struct Frame {
     state: Mutex<State>,
     changed: Condvar,
     pub(crate) stop: Arc<AtomicBool>,
-    /// What grows from frame to frame.
+    /// State that grows from frame to frame.
     pub(crate) growing: Mutex<Option<Growing>>,
 }
 
@@ -60,7 +60,7 @@ impl Frame {
         state.running.is_none() || state.has_ended
     }
 
-    /// Starts `work` on a thread, after what runs has ended; an error in words where the system has no thread.
+    /// Starts `work` on a thread, after the running work has ended; an error in words where the system has no thread.
     pub(crate) fn start(&self, work: impl FnOnce() + Send + 'static) -> Result<(), String> {
         self.wait();
         self.stop.store(false, Ordering::Relaxed);
@@ -118,7 +118,7 @@ impl Frame {
         drop(gone);
     }
 
-    /// Stops what renders.
+    /// Stops the rendering.
     pub(crate) fn discard(&self) {
         self.stop.store(true, Ordering::Relaxed);
     }

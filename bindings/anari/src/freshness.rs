@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::ffi_array::Array;
 use crate::object::{Object, Value};
 
-/// The latest stamp of an object and of what it holds.
+/// The latest stamp of an object and of all objects that it holds, directly or not.
 pub(crate) fn stamp(object: &Object) -> u64 {
     let mut seen = HashSet::from([object.handle]);
     let mut latest = 0;
@@ -21,7 +21,7 @@ pub(crate) fn stamp(object: &Object) -> u64 {
     latest
 }
 
-/// What an object holds.
+/// The objects that an object holds directly; raises `latest` to its stamp.
 fn contents(object: &Object, latest: &mut u64) -> Vec<Arc<Object>> {
     let now = object.committed();
     *latest = (*latest).max(now.stamp);

@@ -23,13 +23,13 @@ pub(crate) struct Sky {
     pub(crate) size: [u32; 2],
     /// From the uppermost row to the lowest one, linear.
     pub(crate) texels: Vec<[f32; 3]>,
-    /// The picture's middle, and what is up in it; unit, perpendicular, world.
+    /// Directions of the picture's middle and of its upper side; unit, perpendicular, world.
     pub(crate) middle: Vec3,
     pub(crate) up: Vec3,
     pub(crate) visible: bool,
 }
 
-/// What a light becomes.
+/// A light of the program in the scene.
 pub(crate) enum Made {
     /// One without extent.
     Small(Light),

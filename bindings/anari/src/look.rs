@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a ray of the camera meets first, for the channels beside the colour, and the renderers `ao`, `eyelight` and `debug`, which follow a ray
-//! through surfaces with holes and volumes. Space: world. Tests: tests/{channels,renderers}.rs.
+//! The first hit of a ray of the camera, for the channels beside the colour. The renderers `ao`, `eyelight` and `debug`, which
+//! follow a ray through surfaces with holes and volumes. Space: world. Tests: tests/{channels,renderers}.rs.
 
 use glam::Vec3;
 use gnurt::accel::Ray;
@@ -20,7 +20,7 @@ use crate::transforms::linear;
 pub(crate) const NO_ID: u32 = u32::MAX;
 const LAYERS: u32 = 64;
 
-/// What a pixel shows at its middle.
+/// The first hit at the middle of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Look {
     /// Distance from the camera; infinite where there is nothing.
@@ -84,7 +84,7 @@ fn meet<'t>(world: &World, table: &'t Table, ray: &Ray) -> Option<Met<'t>> {
     Some(Met { t: hit.t, p, ng, at, ns, uv, lamp: Vec3::ZERO })
 }
 
-/// What a ray of the camera shows.
+/// The first surface, lamp or volume along a ray of the camera.
 pub(crate) fn look(world: &World, table: &Table, ray: &Ray) -> Look {
     let mut look = NOTHING;
     if ray.dir == [0.0; 3] {

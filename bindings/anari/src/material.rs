@@ -103,7 +103,7 @@ pub(crate) mod class {
     pub(crate) const COUNT: u32 = 16;
 }
 
-/// Reads parameters, and collects what is wrong with them.
+/// Reads parameters, and collects their faults.
 struct Reader<'a> {
     now: &'a Snapshot,
     sampler: &'a dyn Fn(&Arc<Object>) -> Option<Arc<Sampler>>,

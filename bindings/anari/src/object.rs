@@ -70,7 +70,7 @@ impl Snapshot {
         types::decode(kind, bytes).map(|value| value[0])
     }
 
-    /// Floats, as they lie in memory: boxes and matrices too.
+    /// Floats, in the order of memory: boxes and matrices too.
     pub(crate) fn floats<const N: usize>(&self, name: &str, kinds: &[DataType]) -> Option<[f32; N]> {
         let (_, bytes) = self.plain(name, kinds)?;
         let mut floats = [0.0; N];
@@ -149,7 +149,7 @@ impl Snapshot {
     }
 }
 
-/// Something made of an object, and what it was made of.
+/// Something made of an object, after the stamp of its source.
 type Derived = Option<(u64, Arc<dyn Any + Send + Sync>)>;
 
 /// An object of the program.
@@ -176,7 +176,7 @@ pub(crate) fn next_stamp() -> u64 {
     STAMP.fetch_add(1, Ordering::Relaxed)
 }
 
-/// Locks what a panic cannot have left in disorder.
+/// Locks a value; only for values that a panic cannot leave in disorder.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -197,7 +197,7 @@ impl Object {
 
     /// Sets a parameter for the next commit.
     pub(crate) fn stage(&self, name: &str, value: Value) {
-        // What was there may die: not under the lock.
+        // The old value may die: not under the lock.
         let old = lock(&self.staged).insert(name.to_owned(), value);
         drop(old);
     }
@@ -218,7 +218,7 @@ impl Object {
         lock(&self.staged).get(name).cloned()
     }
 
-    /// Makes what was set count.
+    /// Makes the set parameters count.
     pub(crate) fn commit(&self) {
         let parameters = lock(&self.staged).clone();
         let snapshot = Arc::new(Snapshot { stamp: next_stamp(), parameters });
@@ -231,7 +231,7 @@ impl Object {
         lock(&self.committed).clone()
     }
 
-    /// What `make` makes of it, again only if `stamp` is another one than before.
+    /// The result of `make`, which is called again only if `stamp` differs from the last one.
     pub(crate) fn derived<T: Send + Sync + 'static>(&self, stamp: u64, make: impl FnOnce() -> T) -> Arc<T> {
         let known = lock(&self.derived).clone();
         if let Some((_, value)) = known.filter(|(of, _)| *of == stamp)

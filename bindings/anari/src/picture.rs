@@ -44,7 +44,7 @@ enum Sums {
     Own(Vec<Color>),
 }
 
-/// What stays from frame to frame.
+/// State that stays from frame to frame.
 pub(crate) struct Growing {
     key: [u64; 5],
     sums: Sums,
@@ -184,7 +184,7 @@ impl Job {
         pool.install(|| (0..self.pixels()).into_par_iter().with_min_len(256).map(one).collect())
     }
 
-    /// Renders a frame; what grows is in `kept` before and after. `None` where the program stopped it.
+    /// Renders a frame; `kept` holds the growing state between frames. `None` where the program stopped it.
     pub(crate) fn run(
         &self,
         kept: &mut Option<Growing>,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What samples of a pixel show: surfaces one behind the other by their opacity, and volumes between them. What is behind all stays
+//! Radiance of a pixel's samples: surfaces one behind the other by their opacity, and volumes between them. The background stays
 //! dark here and is counted as opacity, so that any background can be put there.
 //! The integrator sees the first surface of each ray without holes; further ones are asked for here.
 //! Invariant: `light` is associated with `opacity`, both means over the samples. Tests: tests/{materials,volumes}.rs.
@@ -16,7 +16,7 @@ use crate::table::Table;
 
 /// Surfaces with holes that a ray goes through, at most.
 const LAYERS: u32 = 64;
-/// Below this share, what is behind does not show.
+/// Below this share, further layers do not show.
 const FAINT: f32 = 1e-3;
 
 /// Sums of opacities, pixel by pixel.
@@ -42,7 +42,7 @@ impl Opacities {
     }
 }
 
-/// What samples show.
+/// The pixel shader of surfaces and volumes in layers.
 pub(crate) struct Layers {
     pub(crate) table: Arc<Table>,
     pub(crate) opacities: Arc<Opacities>,

@@ -8,7 +8,7 @@ use crate::ffi_array::Array;
 use crate::object::Object;
 use crate::types;
 
-/// What lies beyond the ends of an axis.
+/// The values beyond the ends of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Wrap {
     Edge,

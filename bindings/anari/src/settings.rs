@@ -1,25 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a renderer object asks for. Tests: tests/renderers.rs.
+//! Parameters of a renderer object. Tests: tests/renderers.rs.
 
 use crate::attribute::Color;
 use crate::ffi_array::Array;
 use crate::object::Object;
 use crate::types;
 
-/// What is computed along rays of the camera.
+/// The quantity computed along rays of the camera.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Method {
     /// All light.
     Path { max_depth: u32, denoise: bool },
     /// Albedo times the share of directions that nothing occludes.
     Occlusion { rays: u32, distance: f32 },
-    /// Albedo, lit from the eye alone, whatever lights there are.
+    /// Albedo, lit from the eye alone; the scene's lights do not count.
     Eyelight,
-    /// A number of what is seen.
+    /// A property of the first surface as a colour, by its name.
     Debug(String),
 }
 
-/// What lies behind everything.
+/// The background of the picture.
 #[derive(Clone, Debug)]
 pub(crate) enum Background {
     Color(Color),
@@ -27,7 +27,7 @@ pub(crate) enum Background {
     Picture([usize; 2], Vec<Color>),
 }
 
-/// What a renderer object asks for.
+/// The parameters of a renderer object.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
     pub(crate) method: Method,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The shader of all surfaces whose materials have equal traits: it finds the material of each point in the table.
-//! Rays of the camera see surfaces without their holes; `pixel.rs` sees to these, for it knows what lies behind.
+//! Rays of the camera see surfaces without their holes; `pixel.rs` adds these, with the layers behind them.
 //! Space: world. Tests: tests/materials.rs.
 
 use std::sync::Arc;

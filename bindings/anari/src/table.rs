@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The table of what rays meet: for each instance of the world its surface, part and placement, and so the attributes of each point.
+//! The table of targets of rays: for each instance of the world its surface, part and placement, and so the attributes of each point.
 //! Space: world where nothing else is said. Tests: tests/attributes.rs.
 
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use crate::volume::Volume;
 /// No placement.
 pub(crate) const ONCE: u32 = u32::MAX;
 
-/// What an instance of the world shows.
+/// The content of an instance of the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Place {
     /// A part of a surface; `placement` is [`ONCE`] where the part is there once.
@@ -42,7 +42,7 @@ pub(crate) struct Instance {
     pub(crate) id: u32,
 }
 
-/// What rays meet.
+/// All targets of rays: surfaces, lamps and volumes.
 #[derive(Default)]
 pub(crate) struct Table {
     /// By instance of the world.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The program's world as a scene: surfaces, volumes and lights of all instances, and what rays meet in the end.
+//! The program's world as a scene: surfaces, volumes and lights of all instances, and the world that rays meet.
 //! A world is translated again when something of it was committed; geometries, samplers and materials that stayed are kept. Trees are
 //! built when a frame first needs them, and only the light from everywhere differs between renderers.
 //! Tests: tests/{instances,lifetimes}.rs.
@@ -29,7 +29,7 @@ use crate::table::{Instance, ONCE, Place, Surface, Table};
 use crate::types;
 use crate::volume::{Transfer, Volume};
 
-/// Says what is wrong with an object.
+/// Reports a fault of an object.
 pub(crate) type Report<'a> = &'a dyn Fn(&Object, &str);
 
 /// The material of lamps.
@@ -107,7 +107,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Adds what a group, or the world itself, holds.
+    /// Adds the surfaces, volumes and lights of a group, or of the world itself.
     fn contents(&mut self, now: &Snapshot, instance: Instance) {
         let number = self.table.instances.len() as u32;
         let (to_world, id) = (instance.world_from_object, instance.id);
@@ -294,7 +294,8 @@ impl Stage {
         ShaderTable { surfaces, pixel, ..ShaderTable::default() }
     }
 
-    /// What rays meet, under this light from everywhere; `pixel` says what pixels show. An error in words where trees cannot be built.
+    /// The world that rays meet, under this light from everywhere; `pixel` shades the pixels. An error in words where trees cannot be
+    /// built.
     pub(crate) fn world(
         &self,
         ambient: [f32; 3],
@@ -315,7 +316,7 @@ impl Stage {
                 Ready { ambient, scene, world }
             }
         };
-        // The program's other frames may show another picture of it: only what pixels show differs.
+        // The program's other frames may show another picture of it: only the shader of pixels differs.
         let mut world = ready.world.clone();
         let shown = match pixel {
             Some(pixel) => {

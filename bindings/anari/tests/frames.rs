@@ -46,7 +46,7 @@ fn equal_frames_are_equal_and_accumulation_adds_up() {
     set.samples(8);
     set.client.render(once);
     assert_eq!(bits(&set, once), second, "eight samples, whichever frames take them");
-    // What changes begins again.
+    // Changes begin the sums again.
     set.samples(4);
     set.client.render(sums);
     assert_eq!(samples(sums), Some(4), "another renderer");

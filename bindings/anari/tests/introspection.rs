@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What the device says of itself is what it does.
+//! The device's own description matches its behaviour.
 
 use anari_library_gnurt::ffi_client::Client;
 use anari_library_gnurt::types as t;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Objects, arrays and parameters live as long as somebody holds them, and no longer.
+//! Objects, arrays and parameters live as long as they have a holder, and no longer.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

@@ -25,7 +25,7 @@ fn geometry(set: &Set, subtype: &str, points: &[[f32; 3]], radii: &[f32]) -> usi
     geometry
 }
 
-/// Area of what is seen, and the distance of the nearest of it.
+/// Visible area of a geometry, and the distance of its nearest point.
 fn seen(mut set: Set, geometry: usize) -> (f32, f32) {
     set.client.commit(geometry);
     let grey = set.matte([0.5; 3]);
@@ -72,7 +72,7 @@ fn cylinders_and_cones_have_their_outlines() {
 
 #[test]
 fn caps_close_the_ends_that_are_asked_for() {
-    // Seen along the axis: the wall is edge-on, and what shows is a cap or the inside.
+    // Seen along the axis: the wall is edge-on, so only a cap or the inside shows.
     let depth = |caps: &str| {
         let set = Set::new("ao");
         let cylinder = geometry(&set, "cylinder", &[[0.0, 0.0, -0.5], [0.0, 0.0, 0.5]], &[0.5]);

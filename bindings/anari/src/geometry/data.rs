@@ -147,7 +147,7 @@ impl Default for Bounds {
 }
 
 impl Bounds {
-    /// Widens it by a box around a point; what is not finite is left out.
+    /// Widens it by a box around a point; axes with infinite or NaN numbers stay as they are.
     pub(crate) fn add(&mut self, p: [f64; 3], around: [f64; 3]) {
         for k in 0..3 {
             if p[k].is_finite() && around[k].is_finite() {

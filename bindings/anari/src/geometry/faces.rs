@@ -44,7 +44,7 @@ pub(super) fn positions(now: &Snapshot) -> Result<Vec<[f32; 3]>, String> {
     array.rows().ok_or_else(|| format!("parameter 'vertex.position': elements of type {element}: invalid"))
 }
 
-/// What is told of primitives that name vertices that are not there.
+/// The warning about primitives with vertices out of range; `None` where there are none.
 pub(super) fn told(wrong: usize, all: usize) -> Option<String> {
     (wrong > 0).then(|| {
         format!(

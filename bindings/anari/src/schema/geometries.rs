@@ -40,7 +40,7 @@ fn vertex() -> Vec<Parameter> {
     [vec![position], rate!("vertex", "Attribute of each vertex, interpolated")].concat()
 }
 
-/// What triangles and quads have alone.
+/// Parameters that triangles and quads share.
 fn faces(index: [t::DataType; 2]) -> Vec<Parameter> {
     let own = vec![
         list("vertex.normal", &NORMALS, "Shading normals, of any length"),

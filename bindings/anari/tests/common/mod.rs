@@ -108,7 +108,7 @@ impl Set {
         self.faces("quad", &[[-h, -h, 0.0], [h, -h, 0.0], [h, h, 0.0], [-h, h, 0.0]])
     }
 
-    /// Makes the world hold what was added.
+    /// Makes the world hold the added objects.
     pub(crate) fn commit(&self) {
         let lists = [
             ("surface", t::SURFACE, &self.surfaces),
