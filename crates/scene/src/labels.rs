@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a file says of a scene's parts, beside what is shown: names of lights, moments, the wished picture.
+//! Labels of a scene's parts, from its file: names of lights, moments, the wished picture.
 //! Nothing here changes a picture by itself. Tests: crates/usd/tests/{lights,cameras}.rs.
 
 use std::collections::BTreeMap;
@@ -19,7 +19,7 @@ pub struct Labels {
     pub camera: Option<CameraId>,
     /// Columns and rows of the picture that the file wants.
     pub resolution: Option<[u32; 2]>,
-    /// Objects whose mesh was refined from a control mesh: what that was.
+    /// Objects with a refined mesh, and the control mesh of each.
     pub control_meshes: BTreeMap<ObjectId, ControlMesh>,
     /// Objects whose file names one material for the whole, whatever parts of it are made of.
     pub bound_materials: BTreeMap<ObjectId, String>,

@@ -47,8 +47,8 @@ fn a_cubes_corners_end_where_the_masks_say() {
     assert_eq!(one.faces.len(), 24, "a quadrangle at each corner");
     assert_eq!(points(&one.channels[0])[20], [0.0, 0.0, -1.0], "the middle of the first face");
     let smooth = refine(&cube(Scheme::CatmullClark), vec![positions(cube_points())], 1);
-    // The limit of a vertex of valence 3: (9 v + 4 sum e + sum f) / 24 of the refined points: v = 5/9, e = 3/4 twice and 0,
-    // f = 1 once: (5 + 4 (3/4 + 3/4) + 1) / 24 = 1/2.
+    // The limit of a vertex of valence 3 is (9 v + 4 sum e + sum f) / 24 of the refined points.
+    // With v = 5/9, e = 3/4 twice and 0, f = 1 once, it is (5 + 4 (3/4 + 3/4) + 1) / 24 = 1/2.
     let corner = points(&smooth.channels[0])[0];
     assert!(corner.iter().all(|x| (x + 0.5).abs() < 1e-6), "{corner:?}");
     // The limit does not depend on the level.

@@ -68,7 +68,7 @@ impl Attribute {
         }
     }
 
-    /// The same values over the refined mesh; `channel` is what became of [`channel`](Self::channel).
+    /// The same values over the refined mesh; `channel` is the refined [`channel`](Self::channel).
     pub(crate) fn refined(self, refined: &Refined, channel: Option<Channel>) -> Self {
         let width = self.width;
         match (self.spread, channel) {
@@ -95,7 +95,7 @@ impl Attribute {
 
 impl Reader {
     /// A primvar or another attribute of a mesh that has values over it. `widths`: how many numbers an element may have.
-    /// What does not fit the mesh is ignored with a warning.
+    /// Values that do not fit the mesh are ignored with a warning.
     pub(crate) fn attribute(
         &self,
         prim: &Path,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What a walk over a stage carries: the scene so far, and what is known of materials, prototypes and skeletons.
+//! The state of a walk over a stage: the scene so far, known materials, prototypes and skeletons.
 //! Space: metres, y up; within prototypes that of the prototype. Tests: `tests/composition.rs`.
 
 use std::collections::HashMap;
@@ -16,7 +16,7 @@ use crate::material::Materials;
 use crate::pose::Skeleton;
 use crate::reader::Reader;
 
-/// What is made of a stage.
+/// A scene under construction from a stage.
 pub(crate) struct Builder<'a> {
     pub(crate) reader: &'a Reader,
     pub(crate) scene: Scene,
@@ -27,16 +27,16 @@ pub(crate) struct Builder<'a> {
     pub(crate) objects: HashMap<SharedKey, ObjectId>,
     /// Objects of prototypes of point instancers.
     pub(crate) prototypes: HashMap<Path, Option<ObjectId>>,
-    /// Where prims are that reset what those above them say.
+    /// The place of prims that reset the transforms above them.
     pub(crate) root: Affine,
     /// Skeletons by their path.
     pub(crate) skeletons: HashMap<Path, Option<Rc<Skeleton>>>,
 }
 
-/// What tells meshes of prototypes apart.
+/// The key of a mesh in a prototype: its path there and its materials.
 pub(crate) type SharedKey = (String, Vec<MaterialId>);
 
-/// What a prim has from those above it.
+/// Facts that a prim inherits from those above it.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub(crate) world_from_parent: Affine,
@@ -67,13 +67,13 @@ impl Builder<'_> {
         self.bindings.of(self.reader, prim)
     }
 
-    /// What a mesh of a prototype is kept by; `None` of others, which occur once.
+    /// The key of a mesh in a prototype; `None` of others, which occur once.
     pub(crate) fn shared_key(&self, prim: &Path, materials: &[MaterialId]) -> Option<SharedKey> {
         let inner = self.reader.stage.prim(prim.clone()).prim_in_prototype().ok().flatten()?;
         Some((inner.path().as_str().to_owned(), materials.to_vec()))
     }
 
-    /// Members in the place of what was placed.
+    /// Members in the place of placed objects.
     pub(crate) fn members(placed: &[Placed]) -> Vec<Member> {
         placed.iter().map(|placed| Member::new(placed.object, placed.transform)).collect()
     }

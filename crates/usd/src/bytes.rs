@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Numbers at places of a file in memory, and what the file says too much. Tests: `tests/broken.rs`.
+//! Numbers at places of a file in memory, and limits of the sizes that it declares. Tests: `tests/broken.rs`.
 
 /// A file in memory, and how much its contents may become.
 pub(crate) struct Bytes<'a> {
@@ -11,7 +11,7 @@ pub(crate) struct Bytes<'a> {
 /// Integers that one byte of compressed data may become: 255 bytes by LZ4, each four codes of an integer.
 const MOST_INTEGERS: u64 = 255 * 4;
 
-/// What is wrong with a file.
+/// A fault of a file, in words.
 pub(crate) type Fault = String;
 
 impl<'a> Bytes<'a> {
@@ -65,7 +65,7 @@ pub(crate) fn skip_integers(bytes: &Bytes<'_>, at: u64, count: u64) -> Result<u6
     if count > length.saturating_mul(MOST_INTEGERS) {
         return Err(format!("{count} integers are declared at byte {at}, more than {length} bytes can be"));
     }
-    // The library takes their bytes, what they were coded as, and themselves.
+    // The library takes memory for their bytes, for their codes, and for themselves.
     bytes.allow(count, 16)?;
     Ok(at + 8 + length)
 }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A look at binary layers (`.usdc`) before the library reads them: sizes that it would believe, trees that never end.
 //! Source: the crate format of OpenUSD, versions 0.4 and later.
-//! Invariant: what passes makes the library take no more memory than a multiple of the file's length. Tests: `tests/broken.rs`.
+//! Invariant: for a file that passes, the library takes no more memory than a multiple of its length. Tests: `tests/broken.rs`.
 
 use crate::bytes::{Bytes, Fault, skip_integers};
 use crate::crate_values::Values;
 
 /// The first bytes of a binary layer.
 pub(crate) const MAGIC: &[u8] = b"PXR-USDC";
-/// How deep prims may lie in one another.
+/// The greatest depth of nested prims.
 pub(crate) const DEEPEST: usize = 256;
 /// Looks a layer over.
 pub(crate) fn check(all: &[u8]) -> Result<(), Fault> {

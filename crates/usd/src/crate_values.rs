@@ -7,7 +7,7 @@ use crate::bytes::{Bytes, Fault, skip_integers};
 /// Dictionaries within one another.
 const DEEPEST: u32 = 32;
 
-/// What was looked at.
+/// A check of values under way.
 pub(crate) struct Values<'a> {
     bytes: &'a Bytes<'a>,
     version: [u64; 3],
@@ -29,7 +29,7 @@ impl<'a> Values<'a> {
         Self { bytes, version, left: bytes.all.len() as u64 / 2 + 1024 }
     }
 
-    /// Looks at what a field has.
+    /// Checks the value of a field.
     pub(crate) fn check(&mut self, value: u64) -> Result<(), Fault> {
         self.value(value, 0)
     }

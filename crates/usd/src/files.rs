@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The files that layers and textures come from: found beside the layer that names them, read by the scene's rights and budget.
-//! Layers are looked over before the library reads them, since it trusts what they say of their size.
+//! Layers are checked before the library reads them, since it trusts the sizes that they declare.
 //! Invariant: nothing is opened but by [`Access`]. Tests: `tests/broken.rs`, `tests/composition.rs`.
 
 use std::cell::RefCell;
@@ -120,7 +120,7 @@ fn within(from: &str, name: &str) -> String {
     normalized(&folder.join(name.trim_start_matches('/'))).to_string_lossy().into_owned()
 }
 
-/// What the library opens files by.
+/// The library's access to files.
 pub(crate) struct Resolver(pub(crate) Rc<Files>);
 
 impl ar::Resolver for Resolver {
@@ -170,7 +170,7 @@ impl ar::Resolver for Resolver {
                 }
             };
         }
-        // What may not be read is refused when it is opened, there or not.
+        // A forbidden path is found here, there or not; it is refused when it is opened.
         let path = Path::new(asset_path);
         if self.0.access.check(path).is_err() || path.exists() { found(asset_path) } else { None }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Lights of UsdLux: areas as surfaces that shine, distant ones as directions, domes as environments.
-//! Source: UsdLux (the luminance of the light, and what it is divided by where its power is normalized).
+//! Source: UsdLux (the luminance of the light, and its divisor where its power is normalized).
 //! Units: intensity is radiance; lengths within formulas are those of the stage. Tests: `tests/lights.rs`.
 
 use std::f64::consts::PI;
@@ -158,7 +158,7 @@ impl Builder<'_> {
         let reader = self.reader;
         let radius = reader.light_number(prim, "radius", 0.5).abs();
         let radiance = reader.radiance(prim, 1.0);
-        // What a ball sends to each side, in the squared lengths of its own space.
+        // The disk that a ball shows to each side, in the squared lengths of its own space.
         let area = match reader.flag(prim, "inputs:normalize") {
             Some(true) => 0.25,
             _ => PI * radius * radius,

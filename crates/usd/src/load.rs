@@ -13,9 +13,9 @@ use crate::files::{Files, Resolver, SESSION};
 use crate::reader::Reader;
 use crate::walk;
 
-/// The library descends into what lies in one another by calling itself.
+/// The library descends into nested things by calling itself.
 const STACK: usize = 256 << 20;
-/// What would be right, where nobody knows better.
+/// The remedy of faults without one of their own.
 const REMEDY: &str = "valid are text layers (#usda 1.0), binary layers (PXR-USDC) and packages of them (zip)";
 
 /// Reads a file into a scene.

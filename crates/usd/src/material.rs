@@ -15,7 +15,7 @@ use crate::network::Source;
 use crate::reader::Reader;
 use crate::textures::{Sampled, Textures, combined};
 
-/// A material, and what it needs of meshes.
+/// A material, and its needs of meshes.
 #[derive(Clone, Debug)]
 pub(crate) struct Use {
     pub(crate) id: MaterialId,
@@ -158,7 +158,7 @@ impl Network<'_, '_> {
         factors.emission_texture = emission_map.as_ref().map(|map| self.mapped(map));
         self.roughness(shader, &mut factors, is_specular);
         if let Some(map) = self.map(shader, "normal", Meaning::Data) {
-            // What the map's bytes are scaled by says how far it bends.
+            // The scale of the map's bytes is the strength of its bend.
             factors.normal_scale = if map.bias[0] == 0.0 { 1.0 } else { map.scale[0] / 2.0 };
             factors.normal_texture = Some(self.mapped(&map));
         }

@@ -39,7 +39,7 @@ type Looks = [Option<Attribute>; 3];
 impl Builder<'_> {
     /// The object of a mesh; `None` where there is nothing to show.
     ///
-    /// `bent`: its points where something moves them; normals are then made anew.
+    /// `bent`: its points where something moves them, and the turns of its normals.
     pub(crate) fn mesh(&mut self, prim: &Path, bent: Option<Bent>) -> Option<ObjectId> {
         let mut polygons = self.polygons(prim)?;
         if let Some(bent) = &bent {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Values of a composed stage at one moment, and what is odd about them.
+//! Values of a composed stage at one moment, and their oddities.
 //! At rest an attribute has its default value or, where it has none, its first sample. Tests: `tests/composition.rs`.
 
 use std::cell::{Cell, RefCell};
@@ -59,7 +59,7 @@ impl Reader {
         self.warnings.borrow_mut().note(oddity, &self.path, None, detail);
     }
 
-    /// Notes what is not shown.
+    /// Notes a thing that is not shown.
     pub(crate) fn unsupported(&self, prim: &Path, what: impl Display) {
         self.note(Oddity::NotShown, prim, what);
     }
@@ -81,7 +81,7 @@ impl Reader {
         }
     }
 
-    /// What the library says, or a warning.
+    /// The library's value; an error becomes a warning.
     fn checked<T>(&self, path: &Path, result: Result<Option<T>, impl Display>) -> Option<T> {
         result.unwrap_or_else(|error| {
             self.note(Oddity::BadAttribute, path, error);
@@ -169,13 +169,13 @@ impl Reader {
         self.metadata(prim, name, key)
     }
 
-    /// What a relationship names.
+    /// The targets of a relationship.
     pub(crate) fn targets(&self, prim: &Path, name: &str) -> Vec<Path> {
         let Ok(path) = prim.append_property(name) else { return Vec::new() };
         self.stage.relationship(path).forwarded_targets().unwrap_or_default()
     }
 
-    /// What an attribute is connected to.
+    /// The first source that an attribute is connected to.
     pub(crate) fn connection(&self, prim: &Path, name: &str) -> Option<Path> {
         let path = prim.append_property(name).ok()?;
         self.stage.attribute(path).connections().ok()?.into_iter().next()

@@ -14,14 +14,14 @@ use crate::pose::Skeleton;
 use crate::transform::rotation;
 use crate::value;
 
-/// What an animation says.
+/// Joints and weights of an animation.
 struct Pose {
     joints: HashMap<String, Affine>,
     weights: HashMap<String, f32>,
 }
 
 impl Builder<'_> {
-    /// What a relationship of a prim or of the nearest prim above it names.
+    /// The first target of a relationship, from a prim or the nearest prim above it that has one.
     pub(crate) fn inherited_target(&self, prim: &Path, name: &str) -> Option<Path> {
         prim.ancestors_below_root().find_map(|above| self.reader.targets(&above, name).into_iter().next())
     }

@@ -11,7 +11,7 @@ use crate::builder::{Builder, State};
 use crate::pose::Skeleton;
 use crate::value;
 
-/// What became of a mesh.
+/// The result of skinning a mesh.
 pub(crate) enum Skinned {
     /// Nothing bends it.
     Not,
@@ -75,7 +75,7 @@ impl Builder<'_> {
         product
     }
 
-    /// Moves points by joints; what turns normals by point. `None` where the mesh's joints cannot be.
+    /// Moves points by joints; returns the matrix of each point's normals. `None` where the mesh's joints are missing or wrong.
     fn bend(&self, prim: &Path, skeleton: &Skeleton, points: &mut [[f32; 3]]) -> Option<Vec<[[f32; 3]; 3]>> {
         let reader = self.reader;
         let (owner, indices) = self.inherited_value(prim, "primvars:skel:jointIndices")?;
@@ -148,7 +148,7 @@ impl Builder<'_> {
         Some(turns)
     }
 
-    /// Adds what blend shapes add.
+    /// Adds the offsets of blend shapes.
     fn blend(&self, prim: &Path, skeleton: &Skeleton, shapes: &[Path], points: &mut [[f32; 3]]) {
         let reader = self.reader;
         let names =

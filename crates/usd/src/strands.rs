@@ -200,7 +200,7 @@ fn spans(count: usize, basis: Basis, wrap: &str) -> Vec<[i64; 4]> {
 /// Places along a curve.
 fn line(points: &[[f32; 3]], spans: &[[i64; 4]], basis: Basis, steps: usize) -> Vec<Point> {
     let n = points.len() as i64;
-    // Beyond pinned ends points go on as they came; periodic curves begin anew.
+    // Beyond pinned ends points go on as they came; periodic curves begin again.
     let is_pinned = spans.first().is_some_and(|span| span[0] < 0);
     let point = |i: i64| -> Point {
         let at = |i: i64| points[i.rem_euclid(n) as usize].map(f64::from);

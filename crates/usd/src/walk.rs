@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The walk over a stage: where prims are, what of them is shown, and what each becomes.
+//! The walk over a stage: places of prims, their visibility, and their objects in the scene.
 //! Shown are active, defined, visible prims of the purposes `default` and `render`. Space: metres, y up. Tests: `tests/composition.rs`.
 
 use std::collections::HashMap;
@@ -65,7 +65,7 @@ pub(crate) fn world_from_stage(reader: &Reader) -> Affine {
 }
 
 impl Builder<'_> {
-    /// Adds what a prim and those below it show to `placed`.
+    /// Adds the objects of a prim and of those below it to `placed`.
     pub(crate) fn prim(&mut self, prim: &Path, state: &State, placed: &mut Vec<Placed>) -> Result<(), Error> {
         let reader = self.reader;
         reader.count_prim()?;

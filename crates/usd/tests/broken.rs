@@ -27,8 +27,7 @@ fn texts_that_are_none() {
         ("deep.usda", deep.as_bytes()),
     ];
     for (name, bytes) in cases {
-        let error = fault(name, bytes).unwrap_or_else(|| panic!("{name} was read"));
-        println!("{error}");
+        assert!(fault(name, bytes).is_some(), "{name} was read");
     }
 }
 
@@ -98,15 +97,15 @@ fn references_that_never_end() {
 
 #[test]
 fn references_that_double() {
-    // Each name shows the next one twice: 2^30 prims.
+    // Each name shows the next one twice: more than 2^15 prims, twice the limit.
     let mut doubling = String::from("#usda 1.0\n");
-    for level in 0..30 {
+    for level in 0..14 {
         let next = level + 1;
         doubling += &format!(
             "def \"L{level}\" {{ def \"a\" ( prepend references = </L{next}> ) {{}}\n def \"b\" ( prepend references = </L{next}> ) {{}} }}\n"
         );
     }
-    doubling += "def Cube \"L30\" {}\n";
+    doubling += "def Cube \"L14\" {}\n";
     let folder = Folder::with(&[("b.usda", &doubling)]);
     let error = folder.load("b.usda", &LoadOptions::default()).expect_err("too many").to_string();
     assert!(error.contains("prims are composed"), "{error}");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Files of tests, and what is loaded from them.
+//! Files of tests, and the scenes loaded from them.
 
 use std::path::PathBuf;
 
@@ -38,7 +38,7 @@ pub(crate) fn load(body: &str) -> Loaded {
     load_at(body, None)
 }
 
-/// Likewise, at a moment in seconds.
+/// Loads a text layer as [`load`] does, at a moment in seconds.
 pub(crate) fn load_at(body: &str, at: Option<f64>) -> Loaded {
     let text = format!("#usda 1.0\n(\n    metersPerUnit = 1\n    upAxis = \"Y\"\n)\n{body}");
     let folder = Folder::with(&[("scene.usda", &text)]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! What moves between scenes that are one scene at several moments, each loaded by itself.
+//! Motion between scenes: one scene at several moments, each loaded by itself.
 //! Things are the same by their places in the scenes' lists. Space and units: those of the scenes. Tests: `tests::finds_what_moves`.
 
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use crate::id::{CameraId, InstanceId, LightId, MeshId, ObjectId};
 use crate::scene::Scene;
 
 impl Exposure {
-    /// The exposure of scenes at evenly spaced moments. What comes or goes, or has another shape, is held as it is first.
+    /// The exposure of scenes at evenly spaced moments. Things that come, go or change shape are held as they are first.
     #[must_use]
     pub fn between(moments: &[&Scene]) -> Self {
         let mut exposure = Self::default();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! How sharp edges and vertices are, what rule that makes at a vertex, and what is left of it after a step.
+//! Sharpness of edges and vertices, the rule of a vertex by it, and its rest after a step.
 //! Source: [DKT98]; a rule that ends within a step is blended with the one that follows. Tests: `tests/subdivision.rs`.
 
 use super::surface::Boundary;
@@ -79,7 +79,7 @@ impl Sharpness {
         ([now, next], if count == 0 { 1.0 } else { (sum / count as f32).min(1.0) })
     }
 
-    /// The rule by what is left of the sharpness.
+    /// The rule of a vertex by the rest of the sharpness; `left` returns that rest.
     pub(super) fn rule(&self, topology: &Topology, vertex: usize, left: impl Fn(f32) -> f32) -> Rule {
         if self.is_torn[vertex] || left(self.vertices[vertex]) > 0.0 {
             return Rule::Corner;

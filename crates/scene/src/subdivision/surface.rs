@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Control meshes, their rules, and what they become.
+//! Control meshes, their rules, and their refined surfaces.
 //! Names and rules of boundaries as in USD's mesh schema. Tests: `tests/subdivision.rs`.
 
 use super::topology::Faces;
 
-/// How often surfaces are refined where nobody says.
+/// Steps of refinement by default.
 pub const LEVEL: u32 = 2;
 /// Triangles that one surface may become; its level is lowered until it has fewer.
 pub const MOST_TRIANGLES: u64 = 4_000_000;
@@ -20,7 +20,7 @@ pub enum Scheme {
     Bilinear,
 }
 
-/// What becomes of the surface at its boundary.
+/// Treatment of the surface at its boundary.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Boundary {
     /// Faces at the boundary are not shown.

@@ -31,7 +31,7 @@ pub enum FacesError {
     OutOfRange {
         /// The face.
         face: usize,
-        /// What it names.
+        /// The number of the point that it names.
         point: i64,
         /// How many there are.
         points: usize,
@@ -173,7 +173,7 @@ impl Lists {
 }
 
 impl Topology {
-    /// What meets where.
+    /// Builds the edges of faces, and the lists of edges and faces that meet.
     pub(super) fn new(faces: &Faces) -> Self {
         let mut keyed: Vec<(u64, u32, u32)> = Vec::with_capacity(faces.corners.len());
         for face in 0..faces.len() {

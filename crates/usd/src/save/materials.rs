@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Materials of a scene as networks of UsdPreviewSurface.
-//! What that surface does not have is left out with a warning. Tests: `tests/save.rs`.
+//! Properties beyond that surface are left out with a warning. Tests: `tests/save.rs`.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use gnurt_scene::{Scene, Texture};
 
 use super::text::{Text, tuple};
 
-/// What a preview surface says.
+/// Inputs of a preview surface.
 struct Preview {
     diffuse: Color,
     metallic: f32,
@@ -265,7 +265,7 @@ fn is_glass(material: &Material) -> bool {
     matches!(material.surface, Surface::Dielectric { .. } | Surface::RoughDielectric { .. })
 }
 
-/// Warns of what a preview surface does not have.
+/// Warns of properties that a preview surface does not have.
 pub(super) fn leave_out_layers(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let mut count = |is: &dyn Fn(&Material) -> bool, what: &str| {
         leave_out(scene.materials().iter().filter(|material| is(material)).count(), what, path, warnings);

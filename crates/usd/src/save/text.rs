@@ -20,7 +20,7 @@ impl Text {
         let _ = writeln!(self.text, "{:1$}{line}", "", 4 * self.depth);
     }
 
-    /// Opens a prim: `head` is what stands before its name, `metadata` what stands in parentheses. Returns its name.
+    /// Opens a prim and returns its name. `head` stands before the name, `metadata` in parentheses behind it.
     pub(super) fn open(&mut self, head: &str, name: &str, metadata: &[String]) -> String {
         if self.names.is_empty() {
             self.names.push(HashSet::new());
@@ -40,7 +40,7 @@ impl Text {
         name
     }
 
-    /// Closes what was opened last.
+    /// Closes the last open block.
     pub(super) fn close(&mut self) {
         self.depth -= 1;
         self.names.pop();
