@@ -171,7 +171,7 @@ mod tests {
             ("dir[2]", |batch| batch.dir[2].push(0.0)),
             ("t_far", |batch| batch.t_far.clear()),
             ("masks", |batch| batch.mask.push(1)),
-            ("moments", |batch| batch.time.push(1.0)),
+            ("times", |batch| batch.time.push(1.0)),
         ];
         for (name, spoil) in spoiled {
             let mut batch = batch.clone();

@@ -28,7 +28,7 @@ fn mistakes_are_told() {
     let folder = Folder::new();
     for (set, words) in [
         ("gold", "give LIST.NAME.FIELD=VALUE like materials.gold.roughness=0.3"),
-        ("materials.gold.roughness=1", "--set: unknown name in materials: 'gold'; valid are:"),
+        ("materials.gold.roughness=1", "--set: materials: unknown name 'gold'; valid are:"),
         ("lights.*.size=1", "--set:"),
     ] {
         folder.gnurt(&format!("render builtin:cornell --set {set} {SMALL}")).fails(2, words);

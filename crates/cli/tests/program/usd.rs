@@ -19,11 +19,15 @@ def Xform "World" (
         "small" { def Cube "Box" { double size = 1 } }
         "large" { def Cube "Box" { double size = 2 } }
     }
-    def Camera "Eye" {
-        double3 xformOp:translate = (0, 0, 8)
+    def RectLight "Lamp" {
+        float inputs:intensity = 30
+        double3 xformOp:translate = (0, 0, 9)
         uniform token[] xformOpOrder = ["xformOp:translate"]
     }
-    def RectLight "Lamp" { float inputs:intensity = 3 }
+}
+def Camera "Eye" {
+    double3 xformOp:translate = (0, 0, 8)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
 }
 "#;
 
