@@ -42,7 +42,7 @@ impl<'a> Values<'a> {
             return Ok(());
         }
         match kind {
-            _ if is_array && (10..=12).contains(&kind) || is_array && kind == 57 => {
+            _ if is_array && ((10..=12).contains(&kind) || kind == 57) => {
                 // Tokens have the length of an array, the others that of a list.
                 let (count, at) =
                     if kind == 11 { self.length(at)? } else { (self.bytes.number::<8>(at)?, at + 8) };

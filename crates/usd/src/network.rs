@@ -27,11 +27,11 @@ impl Reader {
                 return self.value(&prim, &name).map(Source::Value);
             };
             let (owner, property) = target.split_property()?;
-            if let Some(output) = property.strip_prefix("outputs:") {
-                if self.kind(&owner) == "Shader" {
-                    let output = output.to_owned();
-                    return Some(Source::Shader { prim: owner, output });
-                }
+            if let Some(output) = property.strip_prefix("outputs:")
+                && self.kind(&owner) == "Shader"
+            {
+                let output = output.to_owned();
+                return Some(Source::Shader { prim: owner, output });
             }
             let property = property.to_owned();
             (prim, name) = (owner, property);
