@@ -20,38 +20,28 @@ pub(crate) fn check(all: &[u8]) -> Result<(), Fault> {
             "version {major}.{minor}.{patch} of the binary format; 0.4.0 and later are read"
         ));
     }
-    let toc = bytes.number::<8>(16)?;
-    let sections = bytes.count(toc, 32)?;
-    if sections >= 64 {
-        return Err(format!("{sections} sections are declared; there are six"));
+    let start =
+        |name: &[u8]| entry(&bytes, name).and_then(|at| at.map(|at| bytes.number::<8>(at + 16)).transpose());
+    let mut lengths = Vec::new();
+    if let Some(at) = start(b"TOKENS")? {
+        lengths = token_lengths(&bytes, at)?;
     }
-    let start = |name: &[u8]| {
-        (0..sections).map(|section| toc + 8 + 32 * section).find_map(|at| {
-            let found = all.get(at as usize..at as usize + 16)?;
-            let is_it = found.starts_with(name) && found.get(name.len()) == Some(&0);
-            is_it.then(|| bytes.number::<8>(at + 16))
-        })
-    };
-    let mut tokens = Vec::new();
-    if let Some(at) = start(b"TOKENS").transpose()? {
-        tokens = check_tokens(&bytes, at)?;
-    }
-    if let Some(at) = start(b"STRINGS").transpose()? {
+    if let Some(at) = start(b"STRINGS")? {
         bytes.count(at, 4)?;
     }
-    if let Some(at) = start(b"FIELDSETS").transpose()? {
+    if let Some(at) = start(b"FIELDSETS")? {
         let count = bytes.number::<8>(at)?;
         skip_integers(&bytes, at + 8, count)?;
     }
-    if let Some(at) = start(b"PATHS").transpose()? {
-        check_paths(&bytes, at, &tokens)?;
+    if let Some(at) = start(b"PATHS")? {
+        check_paths(&bytes, at, &lengths)?;
     }
-    if let Some(at) = start(b"SPECS").transpose()? {
+    if let Some(at) = start(b"SPECS")? {
         let count = bytes.number::<8>(at)?;
         bytes.allow(count, 96)?;
         (0..3).try_fold(at + 8, |at, _| skip_integers(&bytes, at, count))?;
     }
-    if let Some(at) = start(b"FIELDS").transpose()? {
+    if let Some(at) = start(b"FIELDS")? {
         let count = bytes.number::<8>(at)?;
         let at = skip_integers(&bytes, at + 8, count)?;
         bytes.allow(count, 24)?;
@@ -64,8 +54,21 @@ pub(crate) fn check(all: &[u8]) -> Result<(), Fault> {
     Ok(())
 }
 
+/// The place of a section's entry in the table of sections: its name, start and size.
+pub(crate) fn entry(bytes: &Bytes<'_>, name: &[u8]) -> Result<Option<u64>, Fault> {
+    let table = bytes.number::<8>(16)?;
+    let sections = bytes.count(table, 32)?;
+    if sections >= 64 {
+        return Err(format!("{sections} sections are declared; there are six"));
+    }
+    Ok((0..sections).map(|section| table + 8 + 32 * section).find(|&at| {
+        let found = &bytes.all[at as usize..at as usize + 16];
+        found.starts_with(name) && found.get(name.len()) == Some(&0)
+    }))
+}
+
 /// The bytes of an LZ4 block behind its length, at most `most` of them.
-fn unpack(bytes: &Bytes<'_>, at: u64, most: u64) -> Result<Vec<u8>, Fault> {
+pub(crate) fn unpack(bytes: &Bytes<'_>, at: u64, most: u64) -> Result<Vec<u8>, Fault> {
     let length = bytes.count(at, 1)?;
     bytes.allow(most, 1)?;
     let begin = at as usize + 8;
@@ -83,7 +86,7 @@ fn unpack(bytes: &Bytes<'_>, at: u64, most: u64) -> Result<Vec<u8>, Fault> {
 }
 
 /// Compressed integers of 32 bits.
-fn integers(bytes: &Bytes<'_>, at: u64, count: u64) -> Result<(Vec<i32>, u64), Fault> {
+pub(crate) fn integers(bytes: &Bytes<'_>, at: u64, count: u64) -> Result<(Vec<i32>, u64), Fault> {
     let end = skip_integers(bytes, at, count)?;
     let damaged = || format!("integers at byte {at} are damaged");
     if count == 0 {
@@ -115,16 +118,23 @@ fn integers(bytes: &Bytes<'_>, at: u64, count: u64) -> Result<(Vec<i32>, u64), F
     Ok((values, end))
 }
 
-/// The lengths of all tokens.
-fn check_tokens(bytes: &Bytes<'_>, at: u64) -> Result<Vec<u32>, Fault> {
+/// All tokens, a zero behind each.
+pub(crate) fn tokens(bytes: &Bytes<'_>, at: u64) -> Result<Vec<u8>, Fault> {
     let (count, size) = (bytes.number::<8>(at)?, bytes.number::<8>(at + 8)?);
     bytes.allow(count, 48)?;
     let text = unpack(bytes, at + 16, size)?;
+    let there = text.iter().filter(|&&byte| byte == 0).count() as u64;
+    if text.len() as u64 != size || there != count {
+        return Err(format!("{count} names are declared, {there} are there"));
+    }
+    Ok(text)
+}
+
+/// The lengths of all tokens.
+fn token_lengths(bytes: &Bytes<'_>, at: u64) -> Result<Vec<u32>, Fault> {
+    let text = tokens(bytes, at)?;
     let mut lengths: Vec<u32> = text.split(|&byte| byte == 0).map(|token| token.len() as u32).collect();
     lengths.pop();
-    if text.len() as u64 != size || lengths.len() as u64 != count {
-        return Err(format!("{count} names are declared, {} are there", lengths.len()));
-    }
     Ok(lengths)
 }
 

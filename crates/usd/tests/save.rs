@@ -3,6 +3,7 @@
 
 use gnurt_scene::io::LoadOptions;
 use gnurt_scene::{Affine, Camera, Light, Material, Mesh, Scene};
+use openusd::usdc::CrateFile;
 
 use crate::support::{FORMATS, Folder, warnings};
 
@@ -75,6 +76,59 @@ fn both_forms_come_back() {
         assert!((intensity[0] - 4.0).abs() < 1e-4 && (irradiance[0] - 2.0).abs() < 1e-5, "{name}");
         assert!(direction[1] < -0.999 && *radiance == [0.25; 3], "{name}: {direction:?} {radiance:?}");
         assert_eq!(after.material(new.material).name, "a_red_one", "{name}");
+    }
+}
+
+/// Triangles beside one another.
+fn strip(triangles: u32) -> Scene {
+    let mut scene = Scene::new();
+    let material = scene.add_material(Material::matte("grey", [0.5; 3]));
+    let mesh = scene.add_mesh(Mesh {
+        positions: (0..triangles + 2).map(|k| [k as f32, (k % 2) as f32, 0.0]).collect(),
+        indices: (0..triangles).map(|k| [k, k + 1, k + 2]).collect(),
+        material,
+        ..Mesh::default()
+    });
+    let object = scene.add_object_of("strip", vec![mesh]);
+    scene.instantiate(object, Affine::IDENTITY);
+    scene
+}
+
+#[test]
+fn openusd_reads_the_types_of_binary_layers() {
+    const TOKENS: u64 = 0x800b;
+    const NAMES: u64 = 41;
+    const INT: u64 = 3;
+    for triangles in [1, 2, 5, 6, 15, 16, 40] {
+        let before = strip(triangles);
+        let folder = Folder::with(&[]);
+        FORMATS.save(&before, folder.path("a.usdc")).unwrap_or_else(|error| panic!("{error}"));
+        let bytes = std::fs::read(folder.path("a.usdc")).expect("the layer");
+        let layer = CrateFile::open(std::io::Cursor::new(&bytes)).expect("a binary layer");
+        layer.validate().expect("a valid layer");
+        let (mut lists, mut arrays) = (0, 0);
+        for field in &layer.fields {
+            let (name, value) = (&*layer.tokens[field.token_index], field.value_rep);
+            let kind = value.0 >> 48;
+            match name {
+                "primChildren" | "properties" => {
+                    lists += 1;
+                    assert_eq!(kind, NAMES, "{name}");
+                }
+                "default" if kind & 0xff == INT && value.is_array() => {
+                    arrays += 1;
+                    let count = bytes[value.payload() as usize];
+                    assert_eq!(value.is_compressed(), count >= 16, "{count} integers");
+                }
+                // Values of attributes stay arrays.
+                "default" => assert_ne!(kind, NAMES),
+                _ => assert_ne!(kind, TOKENS, "{name}"),
+            }
+        }
+        assert!(lists >= 4 && arrays == 2, "{lists} lists, {arrays} arrays");
+        let after = folder.load("a.usdc", &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(warnings(&after), "");
+        assert_eq!(after.scene.meshes()[0].indices, before.meshes()[0].indices);
     }
 }
 

@@ -3,6 +3,7 @@
 //! Objects that occur once are written where they are; others are prototypes of native instances. Textures lie beside the layer as NAME-K.png, those of
 //! environments with values beyond 1 as NAME-K.exr. Space: metres, y up. Tests: `tests/save.rs`.
 
+mod binary;
 mod lights;
 mod materials;
 mod places;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The writer: its files in their order, and the text made binary. Tests: `tests/save.rs`.
+//! The writer: its files in their order. Tests: `tests/save.rs`.
 
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use gnurt_scene::io::writer::{check_writable, encode_texture, leave_out, measures, write};
@@ -10,7 +9,7 @@ use gnurt_scene::texture::TexelData;
 use gnurt_scene::{Light, Scene, TextureId};
 
 use super::text::Text;
-use super::{lights, materials, prims};
+use super::{binary, lights, materials, prims};
 
 /// The writer.
 pub(crate) const WRITER: SceneWriter =
@@ -44,12 +43,7 @@ fn save(scene: &Scene, path: &Path, warnings: &mut Warnings) -> Result<(), Error
     if extension == "usda" {
         return write(path, text.as_bytes());
     }
-    let binary = gnurt_image::expecting_panics(|| {
-        let data = openusd::usda::parse(&text).map_err(|error| error.to_string())?;
-        let mut bytes = Cursor::new(Vec::new());
-        openusd::usdc::CrateWriter::write(&data, &mut bytes).map_err(|error| error.to_string())?;
-        Ok::<Vec<u8>, String>(bytes.into_inner())
-    });
+    let binary = gnurt_image::expecting_panics(|| binary::from_text(&text));
     let binary = binary.unwrap_or_else(|| Err("the binary writer failed".into()));
     write(path, &binary.map_err(|fault| Error::data(path, None, fault, "write a .usda file"))?)
 }
