@@ -62,7 +62,7 @@ class RayScene(_RayScene):
 
     @classmethod
     def load(cls, path):
-        """A scene that `save` wrote. Nothing in the file is run; what is wrong with it is a ValueError."""
+        """A scene that `save` wrote. Nothing in the file is run; a damaged file is a ValueError."""
         import io
         import zipfile
 

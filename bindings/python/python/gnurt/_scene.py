@@ -52,7 +52,7 @@ class Camera:
 
 
 class Scene(_Scene):
-    """Meshes, materials, lights and cameras, of which pictures are made. What is put somewhere has a number."""
+    """Meshes, materials, lights and cameras, of which pictures are made. Each has a number."""
 
     __slots__ = ()
 
@@ -62,7 +62,7 @@ class Scene(_Scene):
         kind="principled" (metallic, roughness, ior, specular, clearcoat, sheen_color, transmission, thin, anisotropy, iridescence,
         diffuse_transmission, attenuation_color, attenuation_distance, dispersion, ...), "matte", "mirror" or "glass"; all have color, emission and opacity. Colours are linear light, three numbers or one.
 
-        Textures are numbers of `add_texture`, or (number, (a, b, c, d, e, f)) for u' = a u + c v + e, v' = b u + d v + f: color_texture,
+        Textures are numbers of `add_texture`, or (number, (a, b, c, d, e, f)) for u' = a u + c v + e, v' = b u + d v + f. They are color_texture,
         metallic_roughness_texture, normal_texture (normal_scale), emission_texture, opacity_texture (opacity_channel, opacity_cutoff),
         bump_texture (bump_height), anisotropy_texture.
 
@@ -143,7 +143,7 @@ class Scene(_Scene):
         material=None,
         face_materials=None,
     ):
-        """Puts another mesh in the place of what an instance shows, and of all its instances. Arguments as of `add_mesh`, without
+        """Replaces the mesh of an instance, and so of all its instances. Arguments as of `add_mesh`, without
         transform and rays, which `update` changes."""
         given = {
             "name": name,
@@ -159,11 +159,11 @@ class Scene(_Scene):
         self._set_mesh(instance, _mesh(vertices, faces, given))
 
     def add_instance(self, instance, transform):
-        """The number of what `instance` shows, shown once more."""
+        """The number of a new instance of the mesh of `instance`."""
         return self._add_instance(instance, transform)
 
     def update(self, instance, *, transform=None, visible=None, vertices=None, material=None, rays=None):
-        """Changes what is given. Vertices and material are those of all instances of its mesh."""
+        """Changes the given properties. Vertices and material are those of all instances of its mesh."""
         self._update(instance, transform, visible, vertices, material, rays)
 
     def add_light(self, kind, **properties):
@@ -200,7 +200,7 @@ class Scene(_Scene):
         return [Camera(**camera) for camera in self._cameras()]
 
     def save(self, path):
-        """Writes it: .glb, .gltf, .obj or .ply. What the format cannot hold is warned of."""
+        """Writes it: .glb, .gltf, .obj or .ply. Warns of the losses of the format."""
         for warning in self._save(os.fspath(path)):
             warnings.warn(warning, stacklevel=2)
 
@@ -208,7 +208,7 @@ class Scene(_Scene):
         """A picture. Options are those of the program: spp, integrator, camera, at, animation, seed, max_depth, vpls, clamp, noise,
         crop, filter, time, denoise, layers, force_diffuse, threads. The shutter opens at `at` for `shutter` seconds.
         camera_shader=FILE or source text in the shading language, with camera_parameters={name: value}, makes the rays where the
-        camera stands; pixel_shader and pixel_parameters say what pixels show.
+        camera stands; pixel_shader and pixel_parameters compute pixels.
         motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at times evenly spaced.
         `progress` is True, or called with the share that is done."""
         with _told(progress) as tell:
