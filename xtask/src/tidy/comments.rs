@@ -44,7 +44,7 @@ mod tests {
 
     #[test]
     fn comments_become_a_page() {
-        let text = "// SPDX-License-Identifier: x\n//! Head.\n//! Tests: `a.rs`.\n\n/// # Errors\n/// One\n\
+        let text = "// SPDX-FileType: SOURCE\n//! Head.\n//! Tests: `a.rs`.\n\n/// # Errors\n/// One\n\
                     /// two.\nfn f() { // three\n    // four\n    // five\n    let a = \"// no\"; }\n";
         let expected = "\n* Head.\n* Tests: `a.rs`.\n\n# Errors\nOne\ntwo.\n* three\n* four\nfive\n\n";
         assert_eq!(page(&SourceFile::new("a.rs", text)).text, expected, "the comments, line for line");
