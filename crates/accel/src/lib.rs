@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Ray queries: rays, hits, trees over objects and scenes of instances. Independent of shading, materials,
 //! files or pixels.
-//! Source: see each file; the outline is [SIP06], sections 4 (kd-tree) and 6 (two levels).
+//! Source: see each file; the outline is \[SIP06\], sections 4 (kd-tree) and 6 (two levels).
 //!
 //! Build an [`ObjectTree`] over geometry, place it in a [`SceneTree`] any number of times, and query it.
 //! docs/reference/queries.md compares the calls with Embree's.

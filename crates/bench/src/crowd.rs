@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench dynamic`, cases `crowd` and `crowd64`: a thousand characters of 5,000 triangles, each in its own
-//! pose or in one of 64, that all change from frame to frame. [SIP06], section 6, requests it. `instanced`
+//! pose or in one of 64, that all change from frame to frame. \[SIP06\], section 6, requests it. `instanced`
 //! shares structures between poses ([`Crowd`]), `separate` builds a tree for each character, by the fastest
 //! builder. Both get the same vertices and the same rays, and must have the same hits, bit for bit. Times are
 //! processor time of one thread; an update is all trees and the tree over them. Bytes include trees,

@@ -23,7 +23,7 @@ use crate::row::median;
 use crate::timing::Rays;
 use crate::{Class, Contestant, Error, Subject};
 
-/// The values of [SIP06] for a scene.
+/// The values of \[SIP06\] for a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
     /// The paper's name.
@@ -80,7 +80,7 @@ const TABLE: [Figures; 4] = [
 pub struct PaperRow {
     /// The scene.
     pub scene: String,
-    /// The values of [SIP06] for it, or for the scene that it substitutes.
+    /// The values of \[SIP06\] for it, or for the scene that it substitutes.
     pub paper: Option<Figures>,
     /// Triangles.
     pub triangles: u64,

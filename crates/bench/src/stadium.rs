@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `bench dynamic`, case `stadium`: a small object of many triangles in the middle of a large one, at several
-//! ratios of their sizes. [SIP06], section 6, names it as the slow case of interval hierarchies. Each
+//! ratios of their sizes. \[SIP06\], section 6, names it as the slow case of interval hierarchies. Each
 //! structure traces the same rays, one by one: those of a camera that faces the small object, and one in a
 //! random direction from each of their hits. `update` is a refit, or a build if there is none. Times are
 //! processor time of one thread.

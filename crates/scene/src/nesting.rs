@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Objects made of other objects: the depth of nesting, cycles, and the occurrences that instances show after
-//! unfolding. [SIP06], section 6, has two levels. Spaces: a member's transform goes to the object that holds
+//! unfolding. \[SIP06\], section 6, has two levels. Spaces: a member's transform goes to the object that holds
 //! it. Invariants: traversals end, also in descriptions with cycles; each visits an object once, however
 //! often it occurs, except [`Scene::occurrences`]. Tests: `tests`.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Batches of surface points, as structures of arrays: the input of one call of a shader. Shaped by [SIP06],
+//! Batches of surface points, as structures of arrays: the input of one call of a shader. Shaped by \[SIP06\],
 //! section 8: a shader's author sees one point, the machine sees lanes.
 //! Space: world. Invariant: all arrays of a batch have `len()` lanes, and every lane is live.
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Traits of shaders, and the services that they may use: the interface between renderer, materials, OpenRT
 //! classes and plugins.
-//! Source: \[DWBS03\] (shader kinds); [SIP06], section 8 (no ray-by-ray prototypes); the batch form is
+//! Source: \[DWBS03\] (shader kinds); \[SIP06\], section 8 (no ray-by-ray prototypes); the batch form is
 //! original. All calls take whole batches; implementations hold no mutable state and are called from many
 //! threads at once.
 

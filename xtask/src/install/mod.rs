@@ -160,16 +160,17 @@ fn install(built: &Path, source: &Path, version: &str, locations: &Locations) ->
     write(&locations.put(&locations.share("doc/gnurt/LICENSE-THIRD-PARTY.txt")), &notices::retained(source)?)
 }
 
-/// Man pages and completions, by their endings.
+/// Man pages, completions and the reference of the command line, by their endings.
 fn install_manuals(manuals: &Path, locations: &Locations) -> Result<(), Failure> {
     for file in files_in(manuals)? {
         let name = file.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         let to = match name.rsplit_once('.') {
+            Some((_, "md")) => locations.share("doc/gnurt").join(name),
             Some((_, "1")) => locations.man.join("man1").join(name),
             Some((stem, "bash")) => locations.share("bash-completion/completions").join(stem),
             Some((_, "fish")) => locations.share("fish/vendor_completions.d").join(name),
             None if name.starts_with('_') => locations.share("zsh/site-functions").join(name),
-            _ => return Err(format!("{}: nobody knows where this goes", file.display())),
+            _ => return Err(format!("{}: unknown kind of manual", file.display())),
         };
         copy(&file, &locations.put(&to))?;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! The world: a committed scene that rays can be sent into.
-//! Two levels (a tree per object, a top tree over instances) after [SIP06], section 6, and \[WBS03a\].
+//! Two levels (a tree per object, a top tree over instances) after \[SIP06\], section 6, and \[WBS03a\].
 //! Space: world. Invariant: the parts that a hit names exist; errors ended at commit. Its parts are separated
 //! by the edits that affect them, immutable and shared: a clone keeps the world as it was.
 //! Tests: crates/render/tests/{commit,edits}.rs.
