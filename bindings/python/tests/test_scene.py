@@ -144,7 +144,7 @@ def test_no_scene_shows_itself(town, scene):
     assert deepest.intersect([[16.3, 0.5, 3]], DOWN).path.tolist() == [[0] * 16]
     outer = gnurt.RayScene()
     outer.add_instance(deepest, at(1))
-    with pytest.raises(ValueError, match="more than 16 scenes"):
+    with pytest.raises(ValueError, match="more than 16 levels"):
         outer.commit()
 
 
