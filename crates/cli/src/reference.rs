@@ -58,19 +58,16 @@ fn item(page: &mut String, argument: &Arg) {
     }
     let help = argument.get_long_help().or_else(|| argument.get_help());
     let _ = write!(page, "* `{names}`: {}", sentence(&help.map(ToString::to_string).unwrap_or_default()));
-    if argument.is_hide_possible_values_set() || !argument.get_action().takes_values() {
-        // Nothing to list.
-    } else {
-        let values: Vec<_> =
-            argument.get_possible_values().into_iter().filter(|value| !value.is_hide_set()).collect();
-        if !values.is_empty() {
-            let names: Vec<_> = values.iter().map(|value| format!("`{}`", value.get_name())).collect();
-            let _ = write!(page, " Values: {}.", names.join(", "));
-        }
+    let takes_values = argument.get_action().takes_values();
+    let is_listed = takes_values && !argument.is_hide_possible_values_set();
+    let values = argument.get_possible_values().into_iter().filter(|value| is_listed && !value.is_hide_set());
+    let values: Vec<_> = values.map(|value| format!("`{}`", value.get_name())).collect();
+    if !values.is_empty() {
+        let _ = write!(page, " Values: {}.", values.join(", "));
     }
     let defaults: Vec<_> =
         argument.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
-    if !defaults.is_empty() && argument.get_action().takes_values() && !argument.is_hide_default_value_set() {
+    if !defaults.is_empty() && takes_values && !argument.is_hide_default_value_set() {
         let _ = write!(page, " Default: `{}`.", defaults.join(" "));
     }
     page.push('\n');
