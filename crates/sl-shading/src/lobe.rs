@@ -182,8 +182,10 @@ pub(crate) fn lobes(p: &Params, front: bool) -> [Option<Lobe>; 2] {
         Known::Refraction => glass(Slopes::even(0.0), p.float(1), Vec3::ZERO, Vec3::ONE),
         Known::Dielectric => {
             let index = Some(p.float(6)).filter(|&index| index > 0.0).unwrap_or(1.0);
-            let eta = if front { index } else { 1.0 / index };
             let (slopes, reflectance, transmittance) = (p.slopes(), p.share(2), p.share(3));
+            // A coat has no inside: rays from behind the mesh meet it from the outside, too, smooth or rough.
+            let outside = front || transmittance == Vec3::ZERO;
+            let eta = if outside { index } else { 1.0 / index };
             if transmittance == Vec3::ZERO && !slopes.is_smooth() {
                 let f0 = Vec3::splat(fresnel_at_normal(index));
                 tinted(microfacets(slopes, f0, Vec3::ONE).filmed(p.film()), reflectance)

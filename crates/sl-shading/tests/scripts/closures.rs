@@ -182,6 +182,29 @@ fn what_lets_no_light_through_hides_what_lies_below() {
 }
 
 #[test]
+fn coats_have_no_inside() {
+    let albedo = |body: &str, from: Vec3| {
+        let mut hits = floor(1);
+        hits.ray_dir.set(0, -from);
+        let mut out = ClosureBatch::default();
+        out.reset(1);
+        surface(body).evaluate(&hits, &mut out);
+        out.point(0).bsdf.albedo(from)
+    };
+    for roughness in [0.0, 0.1] {
+        let body = format!(
+            "Ci = layer (dielectric_bsdf (N, vector (0), color (1), color (0), {roughness}, {roughness}, 1.5, \"ggx\"), 0.2 * diffuse (N));"
+        );
+        let above = albedo(&body, toward());
+        let below = albedo(&body, Vec3::new(0.0, -1.0, 1.0).normalize());
+        assert!(
+            (above - below).length() < 1e-5,
+            "roughness {roughness}: {above} from above, {below} from below"
+        );
+    }
+}
+
+#[test]
 fn closures_may_be_made_of_themselves() {
     let there =
         point("Ci = 0.5 * diffuse (N); Ci = layer (sheen_bsdf (N, 0, 0.5), Ci);").bsdf.albedo(toward());
