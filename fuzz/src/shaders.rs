@@ -66,7 +66,7 @@ fn outputs(group: &Group) -> Vec<(usize, String)> {
 }
 
 /// No number is like any other.
-fn told(data: &Data) -> String {
+fn reported(data: &Data) -> String {
     match data {
         Data::Float(list) => {
             let bits = list.iter().map(|x| if x.is_nan() { "nan".into() } else { format!("{:x}", x.to_bits()) });
@@ -90,7 +90,7 @@ pub fn messages_of(group: &Group) -> Vec<String> {
     let mut list: Vec<String> = machine.events.iter().map(|event| format!("{event:?}")).collect();
     for (layer, name) in outputs(group) {
         let (_, data) = machine.output(Some(layer), &name).expect("an output");
-        list.push(format!("{layer}.{name} {}", told(&data)));
+        list.push(format!("{layer}.{name} {}", reported(&data)));
     }
     list
 }
@@ -108,7 +108,7 @@ pub fn coded(shader: Shader) -> Option<Vec<String>> {
     let mut list: Vec<String> = lanes.take_events().iter().map(|(_, event)| format!("{event:?}")).collect();
     for (layer, name) in outputs(&group) {
         let (_, data) = lanes.output(0, Some(layer), &name).expect("an output");
-        list.push(format!("{layer}.{name} {}", told(&data)));
+        list.push(format!("{layer}.{name} {}", reported(&data)));
     }
     Some(list)
 }

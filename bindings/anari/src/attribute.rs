@@ -29,8 +29,8 @@ pub(crate) enum Attribute {
 impl Attribute {
     /// The attribute of a name.
     pub(crate) fn named(name: &str) -> Option<Self> {
-        if let Some(place) = NAMES.iter().position(|free| *free == name) {
-            return Some(Self::Free(place));
+        if let Some(index) = NAMES.iter().position(|free| *free == name) {
+            return Some(Self::Free(index));
         }
         Some(match name {
             "worldPosition" => Self::WorldPosition,
@@ -63,8 +63,8 @@ pub(crate) fn weighted(values: [Color; 3], weights: [f32; 3]) -> Color {
 }
 
 /// The value of a list at a place from 0, its first, to 1, its last. Panics on an empty list.
-pub(crate) fn between(list: &[Color], place: f32) -> Color {
-    let x = place * (list.len() - 1) as f32;
+pub(crate) fn between(list: &[Color], fraction: f32) -> Color {
+    let x = fraction * (list.len() - 1) as f32;
     let first = (x as usize).min(list.len() - 1);
     mix(list[first], list[(first + 1).min(list.len() - 1)], x - first as f32)
 }

@@ -108,7 +108,7 @@ impl Array {
 
     /// Makes only the elements from `first` to before `last` count; fewer where there are fewer.
     pub(crate) fn set_region(&self, region: Option<[u64; 2]>) {
-        let within = |place: u64| place.min(self.len() as u64) as usize;
+        let within = |index: u64| index.min(self.len() as u64) as usize;
         let region = region.map(|[first, last]| [within(first).min(within(last)), within(last)]);
         *lock(&self.region) = region;
         self.touch();

@@ -625,9 +625,9 @@ unsafe extern "C" fn map_frame(
             Some((output.size, format, address as usize))
         });
         let ([w, h], format, address) = found.unwrap_or(([0; 2], types::UNKNOWN, 0));
-        for (place, value) in [(width, w), (height, h)] {
-            if !place.is_null() {
-                *place = value;
+        for (out, value) in [(width, w), (height, h)] {
+            if !out.is_null() {
+                *out = value;
             }
         }
         if !kind.is_null() {

@@ -61,17 +61,17 @@ impl Field {
         let (mut cell, mut share) = ([0_usize; 3], [0.0_f32; 3]);
         for k in 0..3 {
             let most = (self.dims[k] - 1) as f32;
-            let place = (p[k] - self.origin[k]) / self.spacing[k];
+            let coordinate = (p[k] - self.origin[k]) / self.spacing[k];
             // A place on the border is within, in spite of rounding; NaN is outside.
-            if !(-1e-4..=most + 1e-4).contains(&place) {
+            if !(-1e-4..=most + 1e-4).contains(&coordinate) {
                 return None;
             }
-            let place = place.clamp(0.0, most);
+            let coordinate = coordinate.clamp(0.0, most);
             if self.linear {
-                cell[k] = (place as usize).min(self.dims[k].saturating_sub(2));
-                share[k] = place - cell[k] as f32;
+                cell[k] = (coordinate as usize).min(self.dims[k].saturating_sub(2));
+                share[k] = coordinate - cell[k] as f32;
             } else {
-                cell[k] = (place + 0.5) as usize;
+                cell[k] = (coordinate + 0.5) as usize;
             }
         }
         if !self.linear {

@@ -112,8 +112,8 @@ impl Frame {
     /// Lets a mapped picture go.
     pub(crate) fn unmap(&self, channel: &str) {
         let mut state = lock(&self.state);
-        let place = state.mapped.iter().position(|(name, _)| name == channel);
-        let gone = place.map(|place| state.mapped.swap_remove(place));
+        let index = state.mapped.iter().position(|(name, _)| name == channel);
+        let gone = index.map(|index| state.mapped.swap_remove(index));
         drop(state);
         drop(gone);
     }

@@ -7,6 +7,7 @@
 //! docs/how-to/anari.md is the manual.
 #![deny(unsafe_code)]
 
+mod area_light;
 mod attribute;
 mod camera;
 mod device;
@@ -27,12 +28,11 @@ mod ffi_properties;
 #[expect(unsafe_code, reason = "functions of programs")]
 mod ffi_status;
 mod field;
+mod first_hit;
 mod frame;
 mod freshness;
 mod geometry;
-mod lamp;
 mod light;
-mod look;
 mod material;
 mod object;
 mod output;

@@ -8,8 +8,8 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 use glam::Vec3;
 use gnurt::scene::{Affine, Light, MaterialId, Mesh};
 
+use crate::area_light::{AreaLight, Distribution, Side};
 use crate::ffi_array::Array;
-use crate::lamp::{Distribution, Lamp, Side};
 use crate::object::{Object, Snapshot};
 use crate::transforms::{linear, point};
 use crate::types;
@@ -34,7 +34,7 @@ pub(crate) enum Made {
     /// One without extent.
     Small(Light),
     /// One with a mesh in world space.
-    Lamp { mesh: Mesh, lamp: Lamp, visible: bool },
+    AreaLight { mesh: Mesh, area_light: AreaLight, visible: bool },
     /// One around everything.
     Sky(Sky),
 }
@@ -49,7 +49,7 @@ impl Reader<'_> {
         Vec3::from(self.now.vec3(name).unwrap_or(default))
     }
 
-    fn place(&self) -> Vec3 {
+    fn position(&self) -> Vec3 {
         point(self.to_world, self.vector("position", [0.0; 3]))
     }
 
@@ -126,7 +126,7 @@ pub(crate) fn light(object: &Object, to_world: &Affine, material: MaterialId) ->
             let [outer, inner] = read.cone();
             let intensity = read.color() * read.intensity(solid_angle([outer, inner]));
             Made::Small(Light::Spot {
-                position: read.place().to_array(),
+                position: read.position().to_array(),
                 direction: read.direction("direction", [0.0, 0.0, -1.0])?.to_array(),
                 intensity: intensity.max(Vec3::ZERO).to_array(),
                 inner_angle: inner.min(outer - 1e-4).max(0.0),
@@ -142,12 +142,12 @@ pub(crate) fn light(object: &Object, to_world: &Affine, material: MaterialId) ->
 }
 
 fn ball(read: &Reader, material: MaterialId) -> Made {
-    let (place, radius) = (read.place(), read.now.f32("radius").unwrap_or(0.0));
+    let (position, radius) = (read.position(), read.now.f32("radius").unwrap_or(0.0));
     let disc = PI * radius * radius;
     if disc <= 0.0 || disc.is_nan() {
         let intensity = read.color() * read.intensity(2.0 * TAU);
         let intensity = intensity.max(Vec3::ZERO).to_array();
-        return Made::Small(Light::Point { position: place.to_array(), intensity });
+        return Made::Small(Light::Point { position: position.to_array(), intensity });
     }
     // Seen from everywhere as a disc; its surface is four of them.
     let radiance = match (read.now.f32("radiance"), read.now.f32("power")) {
@@ -156,19 +156,20 @@ fn ball(read: &Reader, material: MaterialId) -> Made {
         _ => read.now.f32("intensity").unwrap_or(1.0) / disc,
     };
     let unit = crate::geometry::sphere();
-    let positions = unit.positions.iter().map(|&p| (place + Vec3::from(p) * radius).to_array()).collect();
+    let positions = unit.positions.iter().map(|&p| (position + Vec3::from(p) * radius).to_array()).collect();
     let mesh = Mesh { positions, indices: unit.indices.clone(), material, ..Mesh::default() };
-    let lamp = lamp(read.color() * radiance, Side::Front, Vec3::Z);
-    Made::Lamp { mesh, lamp, visible: read.visible() }
+    let area_light = area_light(read.color() * radiance, Side::Front, Vec3::Z);
+    Made::AreaLight { mesh, area_light, visible: read.visible() }
 }
 
-fn lamp(radiance: Vec3, side: Side, axis: Vec3) -> Lamp {
-    Lamp { radiance: radiance.max(Vec3::ZERO), side, axis, cone: None, distribution: None }
+fn area_light(radiance: Vec3, side: Side, axis: Vec3) -> AreaLight {
+    AreaLight { radiance: radiance.max(Vec3::ZERO), side, axis, cone: None, distribution: None }
 }
 
 fn quad(read: &Reader, material: MaterialId) -> Result<Made, String> {
     let edge = |name, default| linear(read.to_world) * read.vector(name, default);
-    let (place, e1, e2) = (read.place(), edge("edge1", [1.0, 0.0, 0.0]), edge("edge2", [0.0, 1.0, 0.0]));
+    let (position, e1, e2) =
+        (read.position(), edge("edge1", [1.0, 0.0, 0.0]), edge("edge2", [0.0, 1.0, 0.0]));
     let normal = e1.cross(e2);
     let area = normal.length();
     let axis = normal.try_normalize().ok_or("parameters 'edge1' and 'edge2': without area")?;
@@ -178,7 +179,7 @@ fn quad(read: &Reader, material: MaterialId) -> Result<Made, String> {
         _ => (Side::Front, 1.0),
     };
     let radiance = read.color() * read.radiance(area, PI, sides);
-    let corners = [place, place + e1, place + e1 + e2, place + e2];
+    let corners = [position, position + e1, position + e1 + e2, position + e2];
     let mesh = Mesh {
         positions: corners.map(|p| p.to_array()).to_vec(),
         indices: vec![[0, 1, 2], [0, 2, 3]],
@@ -187,8 +188,8 @@ fn quad(read: &Reader, material: MaterialId) -> Result<Made, String> {
     };
     let axis = if side == Side::Back { -axis } else { axis };
     let distribution = read.distribution(axis, e1);
-    let lamp = Lamp { distribution, ..lamp(radiance, side, axis) };
-    Ok(Made::Lamp { mesh, lamp, visible: read.visible() })
+    let area_light = AreaLight { distribution, ..area_light(radiance, side, axis) };
+    Ok(Made::AreaLight { mesh, area_light, visible: read.visible() })
 }
 
 fn ring(read: &Reader, material: MaterialId) -> Result<Made, String> {
@@ -196,11 +197,11 @@ fn ring(read: &Reader, material: MaterialId) -> Result<Made, String> {
     let cone = read.cone();
     let outer = read.now.f32("radius").unwrap_or(0.0);
     let inner = read.now.f32("innerRadius").unwrap_or(0.0).clamp(0.0, outer.max(0.0));
-    let place = read.place();
+    let position = read.position();
     let area = PI * (outer * outer - inner * inner);
     if area <= 0.0 || area.is_nan() {
         let intensity = (read.color() * read.intensity(solid_angle(cone))).max(Vec3::ZERO).to_array();
-        let (position, direction) = (place.to_array(), axis.to_array());
+        let (position, direction) = (position.to_array(), axis.to_array());
         let [outer_angle, inner_angle] = cone.map(|angle| angle.min(FRAC_PI_2));
         let inner_angle = inner_angle.min(outer_angle - 1e-4).max(0.0);
         return Ok(Made::Small(Light::Spot { position, direction, intensity, inner_angle, outer_angle }));
@@ -213,7 +214,7 @@ fn ring(read: &Reader, material: MaterialId) -> Result<Made, String> {
     for k in 0..SEGMENTS {
         let (sin, cos) = (k as f32 / SEGMENTS as f32 * TAU).sin_cos();
         let out = x * cos + y * sin;
-        mesh.positions.extend([place + out * inner, place + out * outer].map(|p| p.to_array()));
+        mesh.positions.extend([position + out * inner, position + out * outer].map(|p| p.to_array()));
         let [a, b] = [2 * k, 2 * ((k + 1) % SEGMENTS)];
         mesh.indices.push([a, a + 1, b + 1]);
         if inner > 0.0 {
@@ -223,8 +224,8 @@ fn ring(read: &Reader, material: MaterialId) -> Result<Made, String> {
     let distribution = read.distribution(axis, first);
     // A whole hemisphere has no edge.
     let cone = (cone[0] < FRAC_PI_2 || cone[1] < FRAC_PI_2 - 0.1).then_some(cone);
-    let lamp = Lamp { cone, distribution, ..lamp(radiance, Side::Front, axis) };
-    Ok(Made::Lamp { mesh, lamp, visible: read.visible() })
+    let area_light = AreaLight { cone, distribution, ..area_light(radiance, Side::Front, axis) };
+    Ok(Made::AreaLight { mesh, area_light, visible: read.visible() })
 }
 
 fn sky(read: &Reader) -> Result<Sky, String> {

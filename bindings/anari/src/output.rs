@@ -5,7 +5,7 @@
 use gnurt::image::srgb;
 
 use crate::attribute::Color;
-use crate::look::{Look, NO_ID};
+use crate::first_hit::{FirstHit, NO_ID};
 use crate::object::Snapshot;
 use crate::types::{self, DataType};
 
@@ -88,32 +88,36 @@ fn color(format: DataType, pixels: &[Color]) -> Vec<u8> {
     }
 }
 
-fn look(channel: usize, format: DataType, looks: &[Look]) -> Vec<u8> {
-    let ids = |id: fn(&Look) -> u32| looks.iter().flat_map(|look| id(look).to_ne_bytes()).collect();
+fn first_hit(channel: usize, format: DataType, first_hits: &[FirstHit]) -> Vec<u8> {
+    let ids = |id: fn(&FirstHit) -> u32| {
+        first_hits.iter().flat_map(|first_hit| id(first_hit).to_ne_bytes()).collect()
+    };
     match (channel, format) {
-        (1, _) => floats(looks.iter().map(|look| look.depth)),
+        (1, _) => floats(first_hits.iter().map(|first_hit| first_hit.depth)),
         (2, types::FIXED16_VEC3) => {
             let fixed = |x: f32| ((x.clamp(-1.0, 1.0) * f32::from(i16::MAX)).round() as i16).to_ne_bytes();
-            looks.iter().flat_map(|look| look.normal.to_array()).flat_map(fixed).collect()
+            first_hits.iter().flat_map(|first_hit| first_hit.normal.to_array()).flat_map(fixed).collect()
         }
-        (2, _) => floats(looks.iter().flat_map(|look| look.normal.to_array())),
-        (3, types::FLOAT32_VEC3) => floats(looks.iter().flat_map(|look| look.albedo.to_array())),
+        (2, _) => floats(first_hits.iter().flat_map(|first_hit| first_hit.normal.to_array())),
+        (3, types::FLOAT32_VEC3) => {
+            floats(first_hits.iter().flat_map(|first_hit| first_hit.albedo.to_array()))
+        }
         (3, types::UFIXED8_RGB_SRGB) => {
-            looks.iter().flat_map(|look| look.albedo.to_array()).map(srgb::encode_u8).collect()
+            first_hits.iter().flat_map(|first_hit| first_hit.albedo.to_array()).map(srgb::encode_u8).collect()
         }
-        (3, _) => looks.iter().flat_map(|look| look.albedo.to_array()).map(byte).collect(),
-        (4, _) => ids(|look| look.primitive),
-        (5, _) => ids(|look| look.object),
-        _ => ids(|look| look.instance),
+        (3, _) => first_hits.iter().flat_map(|first_hit| first_hit.albedo.to_array()).map(byte).collect(),
+        (4, _) => ids(|first_hit| first_hit.primitive),
+        (5, _) => ids(|first_hit| first_hit.object),
+        _ => ids(|first_hit| first_hit.instance),
     }
 }
 
 impl Output {
     /// The channels of a picture; both lists begin with the lowest row.
-    pub(crate) fn new(size: [u32; 2], formats: &Formats, pixels: &[Color], looks: &[Look]) -> Self {
+    pub(crate) fn new(size: [u32; 2], formats: &Formats, pixels: &[Color], first_hits: &[FirstHit]) -> Self {
         let channels = std::array::from_fn(|k| {
             let format = formats[k]?;
-            let bytes = if k == 0 { color(format, pixels) } else { look(k, format, looks) };
+            let bytes = if k == 0 { color(format, pixels) } else { first_hit(k, format, first_hits) };
             Some((format, words(&bytes)))
         });
         Self { size, channels, duration: 0.0, samples: 0 }
@@ -122,7 +126,7 @@ impl Output {
     /// A picture of nothing, for frames that cannot be rendered.
     pub(crate) fn empty(size: [u32; 2], formats: &Formats) -> Self {
         let count = size[0] as usize * size[1] as usize;
-        let nothing = Look {
+        let nothing = FirstHit {
             depth: f32::INFINITY,
             normal: glam::Vec3::ZERO,
             albedo: glam::Vec3::ZERO,
@@ -135,7 +139,7 @@ impl Output {
 
     /// Format and address of a channel by name.
     pub(crate) fn channel(&self, name: &str) -> Option<(DataType, *const u64)> {
-        let place = CHANNELS.iter().position(|channel| *channel == name)?;
-        self.channels[place].as_ref().map(|(format, words)| (*format, words.as_ptr()))
+        let index = CHANNELS.iter().position(|channel| *channel == name)?;
+        self.channels[index].as_ref().map(|(format, words)| (*format, words.as_ptr()))
     }
 }

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use crate::attribute::Color;
 use crate::camera::View;
-use crate::look::{Look, look, walk};
+use crate::first_hit::{FirstHit, first_hit, walk};
 use crate::output::{Formats, Output};
 use crate::pixel::{Layers, Opacities};
 use crate::settings::{Method, Settings};
@@ -49,7 +49,7 @@ pub(crate) struct Growing {
     key: [u64; 5],
     sums: Sums,
     world: World,
-    looks: Option<Vec<Look>>,
+    first_hits: Option<Vec<FirstHit>>,
     samples: u32,
 }
 
@@ -92,7 +92,7 @@ impl Job {
         } else {
             (Sums::Own(vec![[0.0; 4]; self.pixels()]), self.stage.world(ambient, None, pool)?)
         };
-        Ok(Growing { key: self.key, sums, world, looks: None, samples: 0 })
+        Ok(Growing { key: self.key, sums, world, first_hits: None, samples: 0 })
     }
 
     /// Adds a frame's samples; false where the program stopped it.
@@ -124,11 +124,11 @@ impl Job {
         let mut rays = gnurt::accel::RayBatch::default();
         for sample in samples {
             let key = |x: u32| SampleKey { pixel: row * width + x, sample, branch: 0 };
-            let place = |x: u32| {
+            let position = |x: u32| {
                 let [dx, dy] = sample_pair(0, key(x), 0, purpose::PIXEL);
                 [(x as f32 + dx) / width as f32, 1.0 - (row as f32 + dy) / height as f32]
             };
-            let positions: Vec<[f32; 2]> = (0..width).map(place).collect();
+            let positions: Vec<[f32; 2]> = (0..width).map(position).collect();
             let lens: Vec<[f32; 2]> = (0..width).map(|x| sample_pair(0, key(x), 0, purpose::LENS)).collect();
             rays.clear();
             let camera = CameraSamples { positions: &positions, lens: &lens, times: &[] };
@@ -164,8 +164,8 @@ impl Job {
             let (x, row) = (i as u32 % width, i as u32 / width);
             // Rows count from the top there, from below here.
             let [r, g, b, a] = associated[((height - 1 - row) * width + x) as usize];
-            let place = [(x as f32 + 0.5) / width as f32, (row as f32 + 0.5) / height as f32];
-            let [br, bg, bb, ba] = self.settings.background.at(place);
+            let position = [(x as f32 + 0.5) / width as f32, (row as f32 + 0.5) / height as f32];
+            let [br, bg, bb, ba] = self.settings.background.at(position);
             let rest = 1.0 - a;
             let shown = if self.settings.premultiplies { rest * ba } else { rest };
             [r + br * shown, g + bg * shown, b + bb * shown, a + ba * rest]
@@ -174,12 +174,12 @@ impl Job {
         Ok(pixels.collect())
     }
 
-    fn looks(&self, world: &World, pool: &ThreadPool) -> Vec<Look> {
+    fn first_hits(&self, world: &World, pool: &ThreadPool) -> Vec<FirstHit> {
         let [width, height] = self.size;
         let one = |i: usize| {
             let (x, y) = (i as u32 % width, i as u32 / width);
-            let place = [(x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32];
-            look(world, &self.stage.table, &self.view.ray(place, self.aspect()))
+            let position = [(x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32];
+            first_hit(world, &self.stage.table, &self.view.ray(position, self.aspect()))
         };
         pool.install(|| (0..self.pixels()).into_par_iter().with_min_len(256).map(one).collect())
     }
@@ -200,11 +200,11 @@ impl Job {
             return Ok(None);
         }
         let pixels = self.pixels_of(&growing, pool)?;
-        if self.formats[1..].iter().any(Option::is_some) && growing.looks.is_none() {
-            growing.looks = Some(self.looks(&growing.world, pool));
+        if self.formats[1..].iter().any(Option::is_some) && growing.first_hits.is_none() {
+            growing.first_hits = Some(self.first_hits(&growing.world, pool));
         }
-        let looks = growing.looks.as_deref().unwrap_or_default();
-        let mut output = Output::new(self.size, &self.formats, &pixels, looks);
+        let first_hits = growing.first_hits.as_deref().unwrap_or_default();
+        let mut output = Output::new(self.size, &self.formats, &pixels, first_hits);
         output.samples = growing.samples;
         *kept = Some(growing);
         Ok(Some(output))

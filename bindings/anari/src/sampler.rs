@@ -28,16 +28,16 @@ impl Wrap {
     }
 
     /// The texel of a place that may be beyond the ends; `None` = the border.
-    fn texel(self, place: i64, count: usize) -> Option<usize> {
+    fn texel(self, texel_index: i64, count: usize) -> Option<usize> {
         let count = count as i64;
         let texel = match self {
-            Self::Edge => place.clamp(0, count - 1),
-            Self::Repeat => place.rem_euclid(count),
+            Self::Edge => texel_index.clamp(0, count - 1),
+            Self::Repeat => texel_index.rem_euclid(count),
             Self::Mirror => {
-                let place = place.rem_euclid(2 * count);
-                if place < count { place } else { 2 * count - 1 - place }
+                let texel_index = texel_index.rem_euclid(2 * count);
+                if texel_index < count { texel_index } else { 2 * count - 1 - texel_index }
             }
-            Self::Border if (0..count).contains(&place) => place,
+            Self::Border if (0..count).contains(&texel_index) => texel_index,
             Self::Border => return None,
         };
         Some(texel as usize)
@@ -57,8 +57,8 @@ struct Image {
 const FAR: f32 = 1e9;
 
 impl Image {
-    fn at(&self, places: [i64; 3]) -> Color {
-        let texel = |axis: usize| self.wrap[axis].texel(places[axis], self.dims[axis]);
+    fn at(&self, texels: [i64; 3]) -> Color {
+        let texel = |axis: usize| self.wrap[axis].texel(texels[axis], self.dims[axis]);
         let [Some(x), Some(y), Some(z)] = [texel(0), texel(1), texel(2)] else { return self.border };
         self.texels.get(x + self.dims[0] * (y + self.dims[1] * z)).copied().unwrap_or(self.border)
     }
@@ -71,12 +71,12 @@ impl Image {
             if self.dims[axis] == 1 && self.wrap[axis] != Wrap::Border {
                 continue;
             }
-            let place = coordinates[axis] * self.dims[axis] as f32;
+            let texel_index = coordinates[axis] * self.dims[axis] as f32;
             // NaN, too, is the first texel.
-            let place = if place.abs() < FAR { place } else { 0.0 };
-            let place = if self.linear { place - 0.5 } else { place };
-            first[axis] = place.floor() as i64;
-            shares[axis] = place - place.floor();
+            let texel_index = if texel_index.abs() < FAR { texel_index } else { 0.0 };
+            let texel_index = if self.linear { texel_index - 0.5 } else { texel_index };
+            first[axis] = texel_index.floor() as i64;
+            shares[axis] = texel_index - texel_index.floor();
         }
         if !self.linear {
             return self.at(first);
@@ -175,9 +175,9 @@ impl Sampler {
     pub(crate) fn value(&self, point: &dyn Point) -> Color {
         let value = match &self.source {
             Source::Primitive(values, offset) => {
-                let place = usize::try_from(offset.saturating_add(u64::from(point.primitive()))).ok();
-                return place
-                    .and_then(|place| values.get(place))
+                let texel_index = usize::try_from(offset.saturating_add(u64::from(point.primitive()))).ok();
+                return texel_index
+                    .and_then(|texel_index| values.get(texel_index))
                     .copied()
                     .unwrap_or(crate::attribute::NOTHING);
             }

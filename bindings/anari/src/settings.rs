@@ -96,11 +96,11 @@ impl Background {
         match self {
             Self::Color(color) => *color,
             Self::Picture([width, height], texels) => {
-                let place = |x: f32, count: usize| {
-                    let place = (x * count as f32 - 0.5).clamp(0.0, (count - 1) as f32);
-                    (place as usize, (place as usize + 1).min(count - 1), place.fract())
+                let coordinate = |x: f32, count: usize| {
+                    let coordinate = (x * count as f32 - 0.5).clamp(0.0, (count - 1) as f32);
+                    (coordinate as usize, (coordinate as usize + 1).min(count - 1), coordinate.fract())
                 };
-                let ((x0, x1, u), (y0, y1, v)) = (place(x, *width), place(y, *height));
+                let ((x0, x1, u), (y0, y1, v)) = (coordinate(x, *width), coordinate(y, *height));
                 let row = |y: usize| crate::attribute::mix(texels[y * width + x0], texels[y * width + x1], u);
                 crate::attribute::mix(row(y0), row(y1), v)
             }

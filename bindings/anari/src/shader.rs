@@ -119,15 +119,15 @@ impl SurfaceShader for Surfaces {
 }
 
 /// All lamps.
-pub(crate) struct Lamps {
+pub(crate) struct AreaLights {
     pub(crate) table: Arc<Table>,
 }
 
-impl SurfaceShader for Lamps {
+impl SurfaceShader for AreaLights {
     fn evaluate(&self, hits: &SurfaceBatch, out: &mut ClosureBatch) {
         for i in 0..hits.len() {
-            if let Some(lamp) = self.table.lamp(hits.inst_id[i]) {
-                out.emit(i, lamp.radiance(hits.ng.get(i), -hits.ray_dir.get(i)));
+            if let Some(area_light) = self.table.area_light(hits.inst_id[i]) {
+                out.emit(i, area_light.radiance(hits.ng.get(i), -hits.ray_dir.get(i)));
             }
         }
     }

@@ -7,9 +7,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use gnurt::scene::Affine;
 
+use crate::area_light::AreaLight;
 use crate::attribute::{Attribute, Color, FREE, NOTHING, Point};
 use crate::geometry::{Geometry, Spot};
-use crate::lamp::Lamp;
 use crate::material::Material;
 use crate::transforms::{linear, point};
 use crate::volume::Volume;
@@ -19,11 +19,11 @@ pub(crate) const ONCE: u32 = u32::MAX;
 
 /// The content of an instance of the world.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Place {
+pub(crate) enum Target {
     /// A part of a surface; `placement` is [`ONCE`] where the part is there once.
     Surface { surface: u32, instance: u32, part: u32, placement: u32 },
     /// A lamp.
-    Lamp(u32),
+    AreaLight(u32),
 }
 
 /// A geometry with a material.
@@ -46,10 +46,10 @@ pub(crate) struct Instance {
 #[derive(Default)]
 pub(crate) struct Table {
     /// By instance of the world.
-    pub(crate) places: Vec<Place>,
+    pub(crate) targets: Vec<Target>,
     pub(crate) surfaces: Vec<Surface>,
     pub(crate) instances: Vec<Instance>,
-    pub(crate) lamps: Vec<Lamp>,
+    pub(crate) area_lights: Vec<AreaLight>,
     pub(crate) volumes: Vec<Volume>,
     /// Whether some surface has holes.
     pub(crate) has_holes: bool,
@@ -70,7 +70,7 @@ pub(crate) struct At<'t> {
 impl Table {
     /// The point of a triangle of an instance of the world, by the weights of its second and third corner; `None` for lamps.
     pub(crate) fn at(&self, instance: u32, triangle: u32, uv: [f32; 2], p: Vec3, n: Vec3) -> Option<At<'_>> {
-        let Place::Surface { surface, instance, part, placement } = *self.places.get(instance as usize)?
+        let Target::Surface { surface, instance, part, placement } = *self.targets.get(instance as usize)?
         else {
             return None;
         };
@@ -102,10 +102,10 @@ impl Table {
     }
 
     /// The lamp that an instance of the world shows.
-    pub(crate) fn lamp(&self, instance: u32) -> Option<&Lamp> {
-        match self.places.get(instance as usize)? {
-            Place::Lamp(lamp) => self.lamps.get(*lamp as usize),
-            Place::Surface { .. } => None,
+    pub(crate) fn area_light(&self, instance: u32) -> Option<&AreaLight> {
+        match self.targets.get(instance as usize)? {
+            Target::AreaLight(area_light) => self.area_lights.get(*area_light as usize),
+            Target::Surface { .. } => None,
         }
     }
 }

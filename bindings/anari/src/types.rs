@@ -99,8 +99,8 @@ pub const FLOAT64_VEC3: DataType = numeric(18, 3);
 
 /// A numeric type's group, and its number of components.
 fn group(kind: DataType) -> Option<(usize, usize)> {
-    let place = usize::try_from(kind - NUMERIC).ok()?;
-    (place / 4 < GROUPS.len()).then_some((place / 4, place % 4 + 1))
+    let index = usize::try_from(kind - NUMERIC).ok()?;
+    (index / 4 < GROUPS.len()).then_some((index / 4, index % 4 + 1))
 }
 
 /// Bytes of a value; `None` for unknown types and those without a size.

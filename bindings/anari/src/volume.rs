@@ -63,11 +63,11 @@ impl Transfer {
     /// Colour and opacity per unit distance of a value.
     fn of(&self, value: f32) -> (Vec3, f32) {
         let [low, high] = self.range;
-        let place = ((value - low) / (high - low)).clamp(0.0, 1.0);
-        let place = if place.is_finite() { place } else { 0.0 };
-        let [r, g, b, a] = crate::attribute::between(&self.colors, place);
+        let fraction = ((value - low) / (high - low)).clamp(0.0, 1.0);
+        let fraction = if fraction.is_finite() { fraction } else { 0.0 };
+        let [r, g, b, a] = crate::attribute::between(&self.colors, fraction);
         let list = &self.opacities;
-        let x = place * (list.len() - 1) as f32;
+        let x = fraction * (list.len() - 1) as f32;
         let first = x as usize;
         let (from, to) = (list[first], list[(first + 1).min(list.len() - 1)]);
         (Vec3::new(r, g, b), ((from + (to - from) * (x - first as f32)) * a).clamp(0.0, 1.0))

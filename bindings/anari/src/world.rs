@@ -11,7 +11,7 @@ use gnurt::ThreadPool;
 use gnurt::render::{CommitOptions, ShaderTable, World};
 use gnurt::scene::texture::{Filter, TexelData, Texels, Texture, Wrap};
 use gnurt::scene::{
-    Affine, Instance as Placed, Light, Material as Plain, MaterialId, RayMask, Scene, Surface as Look,
+    Affine, Instance as Placed, Light, Material as Plain, MaterialId, RayMask, Scene, Surface as FirstHit,
 };
 use gnurt::shading::{PixelShader, SurfaceShader};
 
@@ -24,8 +24,8 @@ use crate::light::{Made, Sky, light};
 use crate::material::{Material, class};
 use crate::object::{Object, Snapshot, lock};
 use crate::sampler::Sampler;
-use crate::shader::{Lamps, Surfaces};
-use crate::table::{Instance, ONCE, Place, Surface, Table};
+use crate::shader::{AreaLights, Surfaces};
+use crate::table::{Instance, ONCE, Surface, Table, Target};
 use crate::types;
 use crate::volume::{Transfer, Volume};
 
@@ -139,9 +139,10 @@ impl Builder<'_> {
         else {
             return;
         };
-        let look = now.object("material", types::MATERIAL).and_then(|it| material(it, self.report));
-        let look = look.unwrap_or_else(|| Arc::new(Material::missing()));
-        let class = look.class();
+        let surface_material =
+            now.object("material", types::MATERIAL).and_then(|it| material(it, self.report));
+        let surface_material = surface_material.unwrap_or_else(|| Arc::new(Material::missing()));
+        let class = surface_material.class();
         self.table.has_holes |= class & class::HOLES != 0;
         let surface = self.table.surfaces.len() as u32;
         for (part_number, part) in geometry.parts.iter().enumerate() {
@@ -149,20 +150,20 @@ impl Builder<'_> {
             let mesh = self.scene.add_mesh(part.mesh_of(MaterialId(class)));
             let shape = self.scene.add_object_of("", vec![mesh]);
             let part_number = part_number as u32;
-            let mut place = |placement: u32, world_from_object: Affine| {
-                self.table.places.push(Place::Surface { surface, instance, part: part_number, placement });
+            let mut add = |placement: u32, world_from_object: Affine| {
+                self.table.targets.push(Target::Surface { surface, instance, part: part_number, placement });
                 self.scene.instantiate(shape, world_from_object);
             };
             match &part.placements {
-                None => place(ONCE, to_world),
+                None => add(ONCE, to_world),
                 Some(all) => all
                     .iter()
                     .enumerate()
-                    .for_each(|(i, placed)| place(i as u32, to_world * placed.object_from_part)),
+                    .for_each(|(i, placed)| add(i as u32, to_world * placed.object_from_part)),
             }
         }
         let id = now.u32("id").unwrap_or(u32::MAX);
-        self.table.surfaces.push(Surface { geometry, material: look, id });
+        self.table.surfaces.push(Surface { geometry, material: surface_material, id });
     }
 
     fn volume(&mut self, object: &Object, (to_world, object_from_world): (Affine, Affine), instance: u32) {
@@ -195,22 +196,22 @@ impl Builder<'_> {
             Made::Small(light) => {
                 self.scene.add_light(light);
             }
-            Made::Lamp { mesh, lamp, visible } => {
+            Made::AreaLight { mesh, area_light, visible } => {
                 let mesh = self.scene.add_mesh(mesh);
                 let shape = self.scene.add_object_of("", vec![mesh]);
                 // One that is not to be seen casts no shadow of others' light either.
                 let mask = if visible { RayMask::ALL } else { !(RayMask::CAMERA | RayMask::SHADOW) };
-                let place = Affine::IDENTITY;
+                let transform = Affine::IDENTITY;
                 let placed = Placed {
                     name: String::new(),
                     object: shape,
-                    world_from_object: place,
+                    world_from_object: transform,
                     visible: true,
                     mask,
                 };
                 self.scene.add_instance(placed);
-                self.table.places.push(Place::Lamp(self.table.lamps.len() as u32));
-                self.table.lamps.push(lamp);
+                self.table.targets.push(Target::AreaLight(self.table.area_lights.len() as u32));
+                self.table.area_lights.push(area_light);
             }
             Made::Sky(sky) => {
                 if self.sky.is_some() {
@@ -264,7 +265,7 @@ impl Stage {
         let now = object.committed();
         let mut scene = Scene::new();
         for shader in 0..=class::COUNT {
-            scene.add_material(Plain::of("", Look::Shader(shader)));
+            scene.add_material(Plain::of("", FirstHit::Shader(shader)));
         }
         let (table, bounds) = (Table::default(), Bounds::default());
         let mut builder = Builder { table, scene, sky: None, bounds, report };
@@ -289,8 +290,8 @@ impl Stage {
     fn shaders(&self, pixel: Option<Arc<dyn PixelShader>>) -> ShaderTable {
         let surface =
             |class| Arc::new(Surfaces { table: self.table.clone(), class }) as Arc<dyn SurfaceShader>;
-        let lamps = Arc::new(Lamps { table: self.table.clone() }) as Arc<dyn SurfaceShader>;
-        let surfaces = (0..class::COUNT).map(surface).chain([lamps]).collect();
+        let area_lights = Arc::new(AreaLights { table: self.table.clone() }) as Arc<dyn SurfaceShader>;
+        let surfaces = (0..class::COUNT).map(surface).chain([area_lights]).collect();
         ShaderTable { surfaces, pixel, ..ShaderTable::default() }
     }
 

@@ -92,7 +92,7 @@ fn quads_shine_to_the_sides_that_are_asked_for() {
         let mut set = Set::new("default");
         let (square, white) = (set.square(50.0), set.matte([1.0; 3]));
         set.add(square, white);
-        let lamp = set.light(
+        let area_light = set.light(
             "quad",
             &[
                 ("position", &[-0.5, -0.5, from]),
@@ -101,9 +101,9 @@ fn quads_shine_to_the_sides_that_are_asked_for() {
                 ("power", &[3.0]),
             ],
         );
-        set.client.set_text(lamp, "side", side);
-        set.client.set(lamp, "visible", t::BOOL, &[0]);
-        set.client.commit(lamp);
+        set.client.set_text(area_light, "side", side);
+        set.client.set(area_light, "visible", t::BOOL, &[0]);
+        set.client.commit(area_light);
         set.samples(32);
         set.mean([8, 8])[0]
     };

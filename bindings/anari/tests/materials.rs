@@ -96,12 +96,12 @@ fn white_layers_lose_no_light() {
 #[test]
 fn emission_is_seen_and_lights() {
     let mut set = Set::new("default");
-    let lamp = set.client.object(t::MATERIAL, "physicallyBased");
-    set.client.set_vec3(lamp, "emissive", [2.0, 1.0, 0.5]);
-    set.client.set_vec3(lamp, "baseColor", [0.0; 3]);
-    set.client.commit(lamp);
+    let area_light = set.client.object(t::MATERIAL, "physicallyBased");
+    set.client.set_vec3(area_light, "emissive", [2.0, 1.0, 0.5]);
+    set.client.set_vec3(area_light, "baseColor", [0.0; 3]);
+    set.client.commit(area_light);
     let square = set.square(0.5);
-    set.add(square, lamp);
+    set.add(square, area_light);
     let seen = set.picture([9, 9]).pixel(4, 4);
     assert!((seen[0] - 2.0).abs() < 1e-3 && (seen[2] - 0.5).abs() < 1e-3, "{seen:?}");
     // A floor beside it is lit.

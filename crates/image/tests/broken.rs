@@ -81,8 +81,8 @@ fn huge_sizes_are_refused_before_memory_is_taken() {
     for (name, bytes) in cases {
         let error = decode(bytes, name).expect_err("the file is too short for its size");
         check_message(&error, name);
-        let told = error.to_string().contains("pixels");
-        assert!(told, "{name}: the size is the reason: {error}");
+        let reported = error.to_string().contains("pixels");
+        assert!(reported, "{name}: the size is the reason: {error}");
     }
 }
 

@@ -247,20 +247,20 @@ pub(crate) fn compare(group: &Group, text: &str) -> usize {
 
 fn closure(machine: &Machine<'_>, data: &Data) -> Data {
     let Data::Int(list) = data else { return data.clone() };
-    Data::Str(list.iter().map(|&n| told(&|n| machine.components(n), n as u32).into()).collect())
+    Data::Str(list.iter().map(|&n| reported(&|n| machine.components(n), n as u32).into()).collect())
 }
 
 fn closure_of_lane(lanes: &Lanes<'_>, lane: usize, data: &Data) -> Data {
     let Data::Int(list) = data else { return data.clone() };
-    Data::Str(list.iter().map(|&n| told(&|n| lanes.components(n, lane), n as u32).into()).collect())
+    Data::Str(list.iter().map(|&n| reported(&|n| lanes.components(n, lane), n as u32).into()).collect())
 }
 
 /// A closure with all that lies in it: numbers of nodes are those of one engine only.
-fn told(components: &dyn Fn(u32) -> Vec<([f32; 3], Component)>, number: u32) -> String {
+fn reported(components: &dyn Fn(u32) -> Vec<([f32; 3], Component)>, number: u32) -> String {
     let mut all = components(number);
     for (ty, data) in all.iter_mut().flat_map(|(_, part)| &mut part.params).map(|(_, ty, data)| (ty, data)) {
         if let (Type::CLOSURE, Data::Int(list)) = (*ty, &*data) {
-            *data = Data::Str(list.iter().map(|&n| told(components, n as u32).into()).collect());
+            *data = Data::Str(list.iter().map(|&n| reported(components, n as u32).into()).collect());
         }
     }
     format!("{all:?}")

@@ -17,10 +17,10 @@ use gnurt_scene::{
 
 use crate::infinite;
 use crate::lights::{AreaLight, Infinite};
+use crate::location::Location;
 use crate::material::{Material, Model};
 use crate::motion::Motion;
 use crate::osl::Library;
-use crate::place::Place;
 use crate::surface::{self, Coverage};
 use crate::texture::{Encoding, Image, Input, Texture};
 use crate::transform::{cross, dot};
@@ -32,7 +32,7 @@ const SHAPE_BYTES: usize = 1024;
 struct Slot {
     name: Option<String>,
     /// Where it was named first.
-    place: Place,
+    location: Location,
     material: Option<Material>,
 }
 
@@ -82,7 +82,7 @@ pub(crate) struct Builder<'a> {
     infinite: Vec<(Infinite, Affine)>,
     pub(crate) motion: Motion,
     /// Members that move, of the object that is being defined.
-    moving_members: Vec<(u32, [Affine; 2], Place)>,
+    moving_members: Vec<(u32, [Affine; 2], Location)>,
     /// From the file's world to the renderer's.
     pub(crate) world_from_file: Affine,
 }
@@ -98,7 +98,7 @@ pub(crate) struct Shown {
     pub(crate) material: u32,
     pub(crate) area_light: Option<Arc<AreaLight>>,
     pub(crate) alpha: Option<Input>,
-    pub(crate) place: Place,
+    pub(crate) location: Location,
 }
 
 /// The area of a mesh where it is shown.
@@ -146,16 +146,16 @@ impl<'a> Builder<'a> {
 
     /// Adds a material without a name.
     pub(crate) fn add_material(&mut self, material: Material) -> u32 {
-        self.slots.push(Slot { name: None, place: material.place.clone(), material: Some(material) });
+        self.slots.push(Slot { name: None, location: material.location.clone(), material: Some(material) });
         self.slots.len() as u32 - 1
     }
 
     /// The number of a named material, defined or not.
-    pub(crate) fn named_material(&mut self, name: &str, place: &Place) -> u32 {
+    pub(crate) fn named_material(&mut self, name: &str, location: &Location) -> u32 {
         if let Some(&number) = self.named.get(name) {
             return number;
         }
-        self.slots.push(Slot { name: Some(name.to_owned()), place: place.clone(), material: None });
+        self.slots.push(Slot { name: Some(name.to_owned()), location: location.clone(), material: None });
         let number = self.slots.len() as u32 - 1;
         self.named.insert(name.to_owned(), number);
         number
@@ -163,7 +163,7 @@ impl<'a> Builder<'a> {
 
     /// Defines a named material; false if it was defined before.
     pub(crate) fn define_material(&mut self, name: &str, material: Material) -> bool {
-        let number = self.named_material(name, &material.place);
+        let number = self.named_material(name, &material.location);
         let slot = &mut self.slots[number as usize];
         let is_new = slot.material.is_none();
         slot.material.get_or_insert(material);
@@ -182,11 +182,11 @@ impl<'a> Builder<'a> {
 
     /// Shows a shape.
     pub(crate) fn show(&mut self, shown: Shown) -> Result<(), Error> {
-        let Shown { mut mesh, class, signature, transforms, material, area_light, alpha, place } = shown;
+        let Shown { mut mesh, class, signature, transforms, material, area_light, alpha, location } = shown;
         if mesh.indices.is_empty() {
             return Ok(());
         }
-        self.access.budget.hold(SHAPE_BYTES).map_err(|e| place.excess(e))?;
+        self.access.budget.hold(SHAPE_BYTES).map_err(|e| location.excess(e))?;
         let light = area_light.map(|light| {
             let world_from_shape = self.world_from_file * transforms[0];
             let radiance = self.radiance(&light, || area(&mesh, &world_from_shape));
@@ -218,7 +218,7 @@ impl<'a> Builder<'a> {
             self.end_group();
             let mesh = self.scene.add_mesh(mesh);
             let object = self.scene.add_object_of(class, vec![mesh]);
-            self.place_moving(object, &transforms, None, &place);
+            self.transform_moving(object, &transforms, None, &location);
             return Ok(());
         }
         let Some(signature) = signature else {
@@ -227,7 +227,7 @@ impl<'a> Builder<'a> {
                 Some(group) if group.transform == transform => group.meshes.push(mesh),
                 _ => {
                     self.end_group();
-                    let name = format!("{class} of line {}", place.line);
+                    let name = format!("{class} of line {}", location.line);
                     self.group = Some(Group { transform, meshes: vec![mesh], name });
                 }
             }
@@ -244,7 +244,7 @@ impl<'a> Builder<'a> {
         if is_known {
             access.budget.release(bytes);
         }
-        self.place(object, transform, None);
+        self.location(object, transform, None);
         Ok(())
     }
 
@@ -252,12 +252,12 @@ impl<'a> Builder<'a> {
     pub(crate) fn end_group(&mut self) {
         if let Some(Group { transform, meshes, name }) = self.group.take() {
             let object = self.scene.add_object_of(name, meshes);
-            self.place(object, transform, None);
+            self.location(object, transform, None);
         }
     }
 
     /// Puts an object somewhere in the file's world, or in the object that is being defined.
-    pub(crate) fn place(&mut self, object: ObjectId, transform: Affine, name: Option<&str>) {
+    pub(crate) fn location(&mut self, object: ObjectId, transform: Affine, name: Option<&str>) {
         match &mut self.members {
             Some(members) => members.push(Member::new(object, transform)),
             None => {
@@ -270,31 +270,31 @@ impl<'a> Builder<'a> {
     }
 
     /// The same where it moves.
-    pub(crate) fn place_moving(
+    pub(crate) fn transform_moving(
         &mut self,
         object: ObjectId,
         transforms: &[Affine; 2],
         name: Option<&str>,
-        place: &Place,
+        location: &Location,
     ) {
-        self.place(object, transforms[0], name);
+        self.location(object, transforms[0], name);
         if transforms[0] == transforms[1] {
             return;
         }
         if let Some(members) = &self.members {
-            self.moving_members.push((members.len() as u32 - 1, *transforms, place.clone()));
+            self.moving_members.push((members.len() as u32 - 1, *transforms, location.clone()));
             return;
         }
         let instance = InstanceId(self.scene.instances().len() as u32 - 1);
         let moves = self.motion.instance(instance, self.world_from_file, transforms);
-        self.tell_motion(moves, place);
+        self.tell_motion(moves, location);
     }
 
     /// Warns of a motion that is not shown.
-    pub(crate) fn tell_motion(&mut self, moves: bool, place: &Place) {
+    pub(crate) fn tell_motion(&mut self, moves: bool, location: &Location) {
         if !moves {
             let detail = "motion by a transform that shears: it is where it begins";
-            place.warn(&mut self.warnings, Oddity::NotShown, detail);
+            location.warn(&mut self.warnings, Oddity::NotShown, detail);
         }
     }
 
@@ -303,9 +303,9 @@ impl<'a> Builder<'a> {
         self.end_group();
         let members = self.members.take().unwrap_or_default();
         let id = self.scene.add_object(Object { name: name.to_owned(), members, ..Object::default() });
-        for (member, transforms, place) in std::mem::take(&mut self.moving_members) {
+        for (member, transforms, location) in std::mem::take(&mut self.moving_members) {
             let moves = self.motion.member(id, member, &transforms);
-            self.tell_motion(moves, &place);
+            self.tell_motion(moves, &location);
         }
         id
     }
@@ -327,7 +327,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Adds a light that has the mean of a picture.
-    pub(crate) fn add_pictured(&mut self, mut light: Light, path: &Path, grey: bool, place: &Place) {
+    pub(crate) fn add_pictured(&mut self, mut light: Light, path: &Path, grey: bool, location: &Location) {
         match self.pictures.file(path, Meaning::Color) {
             Ok(texels) => {
                 let mut color = mean(&texels);
@@ -338,7 +338,7 @@ impl<'a> Builder<'a> {
                     intensity.iter_mut().zip(color).for_each(|(i, c)| *i *= c);
                 }
             }
-            Err(why) => place.warn(&mut self.warnings, Oddity::BadTexture, why),
+            Err(why) => location.warn(&mut self.warnings, Oddity::BadTexture, why),
         }
         self.scene.add_light(light);
     }
@@ -355,7 +355,7 @@ impl<'a> Builder<'a> {
             if let (None, Some(name)) = (&slot.material, &slot.name) {
                 let problem = format!("no material {} is defined", gnurt_scene::io::reader::quoted(name));
                 return Err(slot
-                    .place
+                    .location
                     .error(problem, "define it: MakeNamedMaterial \"NAME\" \"string type\" ..."));
             }
         }
@@ -374,13 +374,13 @@ impl<'a> Builder<'a> {
     fn make(&mut self, pending: Pending) {
         let Pending { id, number, light, alpha } = pending;
         let slot = &self.slots[number as usize];
-        let name = slot.name.clone().unwrap_or_else(|| format!("material of line {}", slot.place.line));
+        let name = slot.name.clone().unwrap_or_else(|| format!("material of line {}", slot.location.line));
         let mut coverage = Coverage { alpha, ..Coverage::default() };
         if let Some((light, radiance)) = light {
             coverage.emission = Some((radiance, light.both_sides));
             if let Some(path) = &light.picture {
                 coverage.emission_picture =
-                    self.file(path, Meaning::Color, Wrap::ClampToEdge, false, &light.place);
+                    self.file(path, Meaning::Color, Wrap::ClampToEdge, false, &light.location);
                 if coverage.emission_picture.is_none() {
                     coverage.emission = None;
                 }
@@ -402,13 +402,13 @@ impl<'a> Builder<'a> {
                 texture: None,
                 world_from_light: Affine::IDENTITY,
             };
-            self.add_environment(environment, &light.place);
+            self.add_environment(environment, &light.location);
             return Ok(());
         };
         let texels = match self.pictures.file(path, Meaning::Color) {
             Ok(texels) => texels,
             Err(why) => {
-                light.place.warn(&mut self.warnings, Oddity::BadTexture, why);
+                light.location.warn(&mut self.warnings, Oddity::BadTexture, why);
                 return Ok(());
             }
         };
@@ -417,14 +417,14 @@ impl<'a> Builder<'a> {
                 format!("the picture of an infinite light has {} x {} pixels", texels.width, texels.height);
             let remedy =
                 "it must be square: imgtool makeequiarea of pbrt makes one of a latitude-longitude picture";
-            return Err(light.place.error(problem, remedy));
+            return Err(light.location.error(problem, remedy));
         }
         let light_from_world = world_from_light
             .inverse()
-            .ok_or_else(|| light.place.error("the transform of an infinite light flattens space", ""))?;
+            .ok_or_else(|| light.location.error("the transform of an infinite light flattens space", ""))?;
         let [columns, rows] = infinite::size(texels.width);
         let bytes = columns as usize * rows as usize * 16;
-        self.access.budget.hold(bytes).map_err(|e| light.place.excess(e))?;
+        self.access.budget.hold(bytes).map_err(|e| light.location.excess(e))?;
         let mut radiance = light.radiance;
         if let Some(illuminance) = light.illuminance {
             let upward = infinite::upward(&texels);
@@ -441,13 +441,17 @@ impl<'a> Builder<'a> {
         });
         let environment =
             Light::Environment { radiance, texture: Some(texture), world_from_light: Affine::IDENTITY };
-        self.add_environment(environment, &light.place);
+        self.add_environment(environment, &light.location);
         Ok(())
     }
 
-    fn add_environment(&mut self, light: Light, place: &Place) {
+    fn add_environment(&mut self, light: Light, location: &Location) {
         if self.scene.lights().iter().any(|known| matches!(known, Light::Environment { .. })) {
-            place.warn(&mut self.warnings, Oddity::NotShown, "an infinite light before: the last one counts");
+            location.warn(
+                &mut self.warnings,
+                Oddity::NotShown,
+                "an infinite light before: the last one counts",
+            );
         }
         self.scene.add_light(light);
     }
@@ -459,7 +463,7 @@ impl<'a> Builder<'a> {
         meaning: Meaning,
         wrap: Wrap,
         nearest: bool,
-        place: &Place,
+        location: &Location,
     ) -> Option<TextureId> {
         let key = (path.to_owned(), meaning == Meaning::Color, wrap, nearest);
         if let Some(known) = self.textures.get(&key) {
@@ -472,7 +476,7 @@ impl<'a> Builder<'a> {
                 Some(self.scene.add_texture(SceneTexture { name, texels, wrap: [wrap; 2], filter }))
             }
             Err(why) => {
-                place.warn(&mut self.warnings, Oddity::BadTexture, why);
+                location.warn(&mut self.warnings, Oddity::BadTexture, why);
                 None
             }
         };
@@ -489,7 +493,7 @@ impl<'a> Builder<'a> {
 impl Library for Builder<'_> {
     fn picture(&mut self, image: &Image, texture: &Texture) -> Option<TextureId> {
         let meaning = if image.encoding == Encoding::Srgb { Meaning::Color } else { Meaning::Data };
-        self.file(&image.path, meaning, image.wrap.unwrap_or_default(), image.nearest, &texture.place)
+        self.file(&image.path, meaning, image.wrap.unwrap_or_default(), image.nearest, &texture.location)
     }
 
     fn has_opacity(&self, id: TextureId) -> bool {
@@ -499,7 +503,7 @@ impl Library for Builder<'_> {
     }
 
     fn normals(&mut self, path: &Path, material: &Material) -> Option<TextureId> {
-        self.file(path, Meaning::Data, Wrap::Repeat, false, &material.place)
+        self.file(path, Meaning::Data, Wrap::Repeat, false, &material.location)
     }
 
     fn material(&self, number: u32) -> Option<Material> {

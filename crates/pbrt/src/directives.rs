@@ -15,9 +15,9 @@ use crate::builder::{Builder, Shown};
 use crate::color_space::ColorSpace;
 use crate::film::Film;
 use crate::lights::{self, Found};
+use crate::location::Location;
 use crate::material::{self, Material, Model};
 use crate::parameter::{Kind, Parameters};
-use crate::place::Place;
 use crate::shapes;
 use crate::sources::Sources;
 use crate::state::{Block, Saved, State, TARGETS};
@@ -51,20 +51,20 @@ struct Reader<'a> {
     object: Option<String>,
     in_world: bool,
     exposure: f32,
-    wish: Wish,
+    requested: Requested,
 }
 
 /// The file's values for choices of the caller.
 #[derive(Default)]
-struct Wish {
+struct Requested {
     film: bool,
     samples: Option<i32>,
     depth: Option<i32>,
     /// Of the first statement.
-    place: Option<Place>,
+    location: Option<Location>,
 }
 
-impl Wish {
+impl Requested {
     /// As options of the program.
     fn options(&self, film: &Film) -> String {
         let mut options = Vec::new();
@@ -87,9 +87,10 @@ impl Wish {
 impl<'a> Reader<'a> {
     fn new(access: &'a Access, path: &Path) -> Self {
         let mut builder = Builder::new(access);
-        let place = Place { path: path.into(), line: 1 };
+        let location = Location { path: path.into(), line: 1 };
         let diffuse = Model::Diffuse(Input::number(0.5));
-        let material = builder.add_material(Material { model: diffuse, normal_map: None, bump: None, place });
+        let material =
+            builder.add_material(Material { model: diffuse, normal_map: None, bump: None, location });
         Self {
             sources: Sources::new(access),
             builder,
@@ -102,7 +103,7 @@ impl<'a> Reader<'a> {
             object: None,
             in_world: false,
             exposure: 1.0,
-            wish: Wish::default(),
+            requested: Requested::default(),
         }
     }
 
@@ -113,8 +114,8 @@ impl<'a> Reader<'a> {
     /// Reads all statements of all files.
     fn all(&mut self) -> Result<(), Error> {
         while let Some(source) = self.sources.stack.last_mut() {
-            let place = match source.peek() {
-                Some(_) => source.place(),
+            let location = match source.peek() {
+                Some(_) => source.location(),
                 None => {
                     self.close()?;
                     continue;
@@ -123,14 +124,14 @@ impl<'a> Reader<'a> {
             match source.next()? {
                 Some(Token::Word(range)) => {
                     let word = source.word(&range).to_owned();
-                    self.statement(&word, place)?;
+                    self.statement(&word, location)?;
                 }
                 Some(Token::Text(text)) => {
                     let problem = format!("text \"{}\" where a statement should begin", quoted(&text));
-                    return Err(place.error(problem, "each statement begins with its name"));
+                    return Err(location.error(problem, "each statement begins with its name"));
                 }
                 Some(_) => {
-                    return Err(place.error(
+                    return Err(location.error(
                         "a bracket where a statement should begin",
                         "brackets are around values only",
                     ));
@@ -150,7 +151,7 @@ impl<'a> Reader<'a> {
             {
                 return Err(unended(open));
             }
-            self.restore(Block::Import, &source.place())?;
+            self.restore(Block::Import, &source.location())?;
         }
         Ok(())
     }
@@ -160,23 +161,23 @@ impl<'a> Reader<'a> {
     }
 
     /// A text that must follow.
-    fn text(&mut self, of: &str, place: &Place) -> Result<String, Error> {
+    fn text(&mut self, of: &str, location: &Location) -> Result<String, Error> {
         let source = self.source();
         if source.peek() == Some(b'"')
             && let Some(Token::Text(text)) = source.next()?
         {
             return Ok(text);
         }
-        Err(place.error(format!("{of} has no name"), format!("expected {of} \"NAME\"")))
+        Err(location.error(format!("{of} has no name"), format!("expected {of} \"NAME\"")))
     }
 
     /// Numbers that must follow, between brackets or not.
-    fn numbers<const N: usize>(&mut self, of: &str, place: &Place) -> Result<[f64; N], Error> {
+    fn numbers<const N: usize>(&mut self, of: &str, location: &Location) -> Result<[f64; N], Error> {
         let source = self.source();
         let brackets = source.peek() == Some(b'[');
         let wrong = |found: &str| {
             let found = if found.is_empty() { "its end".to_owned() } else { quoted(found) };
-            place.error(format!("{of} takes {N} numbers, found {found}"), format!("give {N} numbers"))
+            location.error(format!("{of} takes {N} numbers, found {found}"), format!("give {N} numbers"))
         };
         if brackets {
             source.next()?;
@@ -202,9 +203,9 @@ impl<'a> Reader<'a> {
     }
 
     /// Parameters that follow, with those of `Attribute` statements for this target.
-    fn parameters(&mut self, place: &Place, target: Option<usize>) -> Result<Parameters, Error> {
+    fn parameters(&mut self, location: &Location, target: Option<usize>) -> Result<Parameters, Error> {
         let (space, access) = (self.state.space, self.access());
-        let mut parameters = Parameters::read(self.source(), place.clone(), space, &access.budget)?;
+        let mut parameters = Parameters::read(self.source(), location.clone(), space, &access.budget)?;
         if let Some(target) = target {
             parameters.extend(&self.state.attributes[target]);
         }
@@ -215,20 +216,20 @@ impl<'a> Reader<'a> {
     fn named(
         &mut self,
         of: &str,
-        place: &Place,
+        location: &Location,
         target: Option<usize>,
     ) -> Result<(String, Parameters), Error> {
-        let name = self.text(of, place)?;
-        Ok((name, self.parameters(place, target)?))
+        let name = self.text(of, location)?;
+        Ok((name, self.parameters(location, target)?))
     }
 
-    fn save(&mut self, block: Block, place: &Place) -> Result<(), Error> {
-        self.access().budget.hold(size_of::<Saved>()).map_err(|e| place.excess(e))?;
-        self.saved.push(Saved { block, place: place.clone(), state: self.state.clone() });
+    fn save(&mut self, block: Block, location: &Location) -> Result<(), Error> {
+        self.access().budget.hold(size_of::<Saved>()).map_err(|e| location.excess(e))?;
+        self.saved.push(Saved { block, location: location.clone(), state: self.state.clone() });
         Ok(())
     }
 
-    fn restore(&mut self, block: Block, place: &Place) -> Result<(), Error> {
+    fn restore(&mut self, block: Block, location: &Location) -> Result<(), Error> {
         let [begin, end] = block.names();
         // An imported file cannot end a block that it has not begun.
         match self.saved.pop() {
@@ -244,75 +245,73 @@ impl<'a> Reader<'a> {
             Some(saved) => {
                 let [_, other] = saved.block.names();
                 let problem =
-                    format!("{end} after the {} of line {}", saved.block.names()[0], saved.place.line);
-                Err(place.error(problem, format!("expected {other} first")))
+                    format!("{end} after the {} of line {}", saved.block.names()[0], saved.location.line);
+                Err(location.error(problem, format!("expected {other} first")))
             }
-            None => {
-                Err(place
-                    .error(format!("{end} without {begin}"), format!("leave it out, or begin with {begin}")))
-            }
+            None => Err(location
+                .error(format!("{end} without {begin}"), format!("leave it out, or begin with {begin}"))),
         }
     }
 
-    fn world_only(&self, word: &str, place: &Place) -> Result<(), Error> {
+    fn world_only(&self, word: &str, location: &Location) -> Result<(), Error> {
         if self.in_world {
             return Ok(());
         }
-        Err(place.error(format!("{word} before WorldBegin"), "move it behind WorldBegin"))
+        Err(location.error(format!("{word} before WorldBegin"), "move it behind WorldBegin"))
     }
 
-    fn options_only(&self, word: &str, place: &Place) -> Result<(), Error> {
+    fn options_only(&self, word: &str, location: &Location) -> Result<(), Error> {
         if !self.in_world {
             return Ok(());
         }
-        Err(place.error(format!("{word} after WorldBegin"), "move it before WorldBegin"))
+        Err(location.error(format!("{word} after WorldBegin"), "move it before WorldBegin"))
     }
 
-    fn warn(&mut self, place: &Place, oddity: Oddity, detail: impl Into<String>) {
-        place.warn(&mut self.builder.warnings, oddity, detail);
+    fn warn(&mut self, location: &Location, oddity: Oddity, detail: impl Into<String>) {
+        location.warn(&mut self.builder.warnings, oddity, detail);
     }
 
-    fn statement(&mut self, word: &str, place: Place) -> Result<(), Error> {
+    fn statement(&mut self, word: &str, location: Location) -> Result<(), Error> {
         match word {
             "Shape" | "LightSource" | "AreaLightSource" | "ObjectBegin" | "ObjectInstance" | "Material"
             | "MakeNamedMaterial" | "NamedMaterial" | "Texture" | "AttributeBegin" | "AttributeEnd"
-            | "ReverseOrientation" => self.world_only(word, &place)?,
+            | "ReverseOrientation" => self.world_only(word, &location)?,
             "Camera" | "Film" | "Sampler" | "Integrator" | "PixelFilter" | "Accelerator" | "WorldBegin" => {
-                self.options_only(word, &place)?;
+                self.options_only(word, &location)?;
             }
             _ => {}
         }
         match word {
             "Identity" => self.state.each(|transform| *transform = Affine::IDENTITY),
             "Translate" => {
-                let by = Affine::translation(self.numbers(word, &place)?);
+                let by = Affine::translation(self.numbers(word, &location)?);
                 self.state.concatenate(&by);
             }
             "Scale" => {
-                let by = self.numbers::<3>(word, &place)?;
+                let by = self.numbers::<3>(word, &location)?;
                 if by.contains(&0.0) {
-                    return Err(place.error("Scale by 0 flattens space", "give numbers other than 0"));
+                    return Err(location.error("Scale by 0 flattens space", "give numbers other than 0"));
                 }
                 self.state.concatenate(&Affine::scale(by));
             }
             "Rotate" => {
-                let [angle, x, y, z] = self.numbers(word, &place)?;
+                let [angle, x, y, z] = self.numbers(word, &location)?;
                 self.state.concatenate(&Affine::rotation([x, y, z], angle.to_radians()));
             }
             "LookAt" => {
-                let [ex, ey, ez, x, y, z, ux, uy, uz] = self.numbers(word, &place)?;
-                let look = look_at([ex, ey, ez], [x, y, z], [ux, uy, uz]).ok_or_else(|| {
-                    place.error(
+                let [ex, ey, ez, x, y, z, ux, uy, uz] = self.numbers(word, &location)?;
+                let view = look_at([ex, ey, ez], [x, y, z], [ux, uy, uz]).ok_or_else(|| {
+                    location.error(
                         "LookAt has no view",
                         "eye and target must differ, and up must not lie along the view",
                     )
                 })?;
-                self.state.concatenate(&look);
+                self.state.concatenate(&view);
             }
             "Transform" | "ConcatTransform" => {
-                let numbers = self.numbers(word, &place)?;
+                let numbers = self.numbers(word, &location)?;
                 let by = matrix(numbers).ok_or_else(|| {
-                    place.error(
+                    location.error(
                         format!("{word} is no affine matrix"),
                         "numbers 4, 8 and 12 must be 0: give columns one after the other",
                     )
@@ -324,17 +323,17 @@ impl<'a> Reader<'a> {
                 }
             }
             "CoordinateSystem" => {
-                let name = self.text(word, &place)?;
-                self.hold_name(&place)?;
+                let name = self.text(word, &location)?;
+                self.hold_name(&location)?;
                 self.spaces.insert(name, self.state.transforms);
             }
             "CoordSysTransform" => {
-                let name = self.text(word, &place)?;
+                let name = self.text(word, &location)?;
                 match self.spaces.get(&name) {
                     Some(known) => self.state.transforms = *known,
                     None => {
                         let problem = format!("no coordinate system {} is known", quoted(&name));
-                        return Err(place.error(problem, "name it first: CoordinateSystem \"NAME\""));
+                        return Err(location.error(problem, "name it first: CoordinateSystem \"NAME\""));
                     }
                 }
             }
@@ -350,33 +349,33 @@ impl<'a> Reader<'a> {
                     "All" => [true, true],
                     other => {
                         let problem = format!("unknown ActiveTransform {}", quoted(other));
-                        return Err(place.error(problem, "valid are All, EndTime and StartTime"));
+                        return Err(location.error(problem, "valid are All, EndTime and StartTime"));
                     }
                 };
             }
             "TransformTimes" => {
-                let [from, to] = self.numbers(word, &place)?;
+                let [from, to] = self.numbers(word, &location)?;
                 if [from, to] != [0.0, 1.0] {
-                    self.warn(&place, Oddity::NotShown, "TransformTimes other than 0 and 1");
+                    self.warn(&location, Oddity::NotShown, "TransformTimes other than 0 and 1");
                 }
             }
-            "AttributeBegin" => self.save(Block::Attribute, &place)?,
-            "AttributeEnd" => self.restore(Block::Attribute, &place)?,
-            "TransformBegin" => self.save(Block::Transform, &place)?,
-            "TransformEnd" => self.restore(Block::Transform, &place)?,
-            "Attribute" => self.attribute(&place)?,
+            "AttributeBegin" => self.save(Block::Attribute, &location)?,
+            "AttributeEnd" => self.restore(Block::Attribute, &location)?,
+            "TransformBegin" => self.save(Block::Transform, &location)?,
+            "TransformEnd" => self.restore(Block::Transform, &location)?,
+            "Attribute" => self.attribute(&location)?,
             "ColorSpace" => {
-                let name = self.text(word, &place)?;
+                let name = self.text(word, &location)?;
                 self.state.space = ColorSpace::named(&name).ok_or_else(|| {
                     let known: Vec<&str> = ColorSpace::NAMES.iter().map(|(known, _)| *known).collect();
-                    place.error(
+                    location.error(
                         format!("unknown ColorSpace {}", quoted(&name)),
                         format!("valid are {}", known.join(", ")),
                     )
                 })?;
             }
             "Option" => {
-                let parameters = self.parameters(&place, None)?;
+                let parameters = self.parameters(&location, None)?;
                 for name in [
                     "forcediffuse",
                     "wavefront",
@@ -396,7 +395,7 @@ impl<'a> Reader<'a> {
                 parameters.release(&self.access().budget);
             }
             "Camera" => {
-                let (class, parameters) = self.named(word, &place, None)?;
+                let (class, parameters) = self.named(word, &location, None)?;
                 let transforms = self.state.transforms;
                 self.camera = Some((class, parameters, transforms));
                 let inverses = transforms.map(|transform| transform.inverse());
@@ -405,72 +404,72 @@ impl<'a> Reader<'a> {
                 }
             }
             "Film" => {
-                let (class, parameters) = self.named(word, &place, None)?;
+                let (class, parameters) = self.named(word, &location, None)?;
                 self.film = Film::read(&class, &parameters, &mut self.builder.warnings)?;
-                self.wish.film = true;
-                self.wish.place.get_or_insert(place);
+                self.requested.film = true;
+                self.requested.location.get_or_insert(location);
                 parameters.warn_unused(word, &mut self.builder.warnings);
             }
             "Sampler" | "Integrator" | "PixelFilter" | "Accelerator" => {
-                let (_, parameters) = self.named(word, &place, None)?;
-                self.wish.samples = parameters.int("pixelsamples")?.or(self.wish.samples);
-                self.wish.depth = parameters.int("maxdepth")?.or(self.wish.depth);
-                self.wish.place.get_or_insert(place);
+                let (_, parameters) = self.named(word, &location, None)?;
+                self.requested.samples = parameters.int("pixelsamples")?.or(self.requested.samples);
+                self.requested.depth = parameters.int("maxdepth")?.or(self.requested.depth);
+                self.requested.location.get_or_insert(location);
                 parameters.ignore();
             }
-            "WorldBegin" => self.begin_world(&place)?,
+            "WorldBegin" => self.begin_world(&location)?,
             "WorldEnd" => {
                 let problem = "WorldEnd is a statement of older formats";
                 return Err(
-                    place.error(problem, "pbrt --upgrade makes files of version 4; leave it out there")
+                    location.error(problem, "pbrt --upgrade makes files of version 4; leave it out there")
                 );
             }
-            "Include" | "Import" => self.include(word, &place)?,
-            "Texture" => self.texture(&place)?,
+            "Include" | "Import" => self.include(word, &location)?,
+            "Texture" => self.texture(&location)?,
             "Material" => {
-                let (class, parameters) = self.named(word, &place, Some(2))?;
+                let (class, parameters) = self.named(word, &location, Some(2))?;
                 let material = self.material(&class, &parameters)?;
                 self.state.material = self.builder.add_material(material);
             }
             "MakeNamedMaterial" => {
-                let (name, parameters) = self.named(word, &place, Some(2))?;
+                let (name, parameters) = self.named(word, &location, Some(2))?;
                 let class = parameters.text("type")?.map(str::to_owned).ok_or_else(|| {
-                    place.error("MakeNamedMaterial has no \"string type\"", "give the material's type")
+                    location.error("MakeNamedMaterial has no \"string type\"", "give the material's type")
                 })?;
                 let material = self.material(&class, &parameters)?;
                 if !self.builder.define_material(&name, material) {
                     let problem = format!("material {} is defined twice", quoted(&name));
-                    return Err(place.error(problem, "give each its own name"));
+                    return Err(location.error(problem, "give each its own name"));
                 }
             }
             "NamedMaterial" => {
-                let name = self.text(word, &place)?;
-                self.state.material = self.builder.named_material(&name, &place);
+                let name = self.text(word, &location)?;
+                self.state.material = self.builder.named_material(&name, &location);
             }
             "MakeNamedMedium" => {
-                let (_, parameters) = self.named(word, &place, Some(3))?;
+                let (_, parameters) = self.named(word, &location, Some(3))?;
                 parameters.ignore();
-                self.warn(&place, Oddity::NotShown, "media");
+                self.warn(&location, Oddity::NotShown, "media");
             }
             "MediumInterface" => {
-                let first = self.text(word, &place)?;
+                let first = self.text(word, &location)?;
                 let second = match self.source().peek() {
-                    Some(b'"') => self.text(word, &place)?,
+                    Some(b'"') => self.text(word, &location)?,
                     _ => first.clone(),
                 };
                 if !(first.is_empty() && second.is_empty()) {
-                    self.warn(&place, Oddity::NotShown, "media");
+                    self.warn(&location, Oddity::NotShown, "media");
                 }
             }
             "LightSource" => {
-                let (class, parameters) = self.named(word, &place, Some(1))?;
+                let (class, parameters) = self.named(word, &location, Some(1))?;
                 let world_from_light = self.builder.world_from_file * self.state.transforms[0];
                 let reading =
                     lights::Reading { access: self.access(), world_from_light, exposure: self.exposure };
                 match reading.read(&class, &parameters, &mut self.builder.warnings)? {
                     Found::Plain(light) => _ = self.builder.scene.add_light(light),
                     Found::Pictured { light, picture, grey } => {
-                        self.builder.add_pictured(light, &picture, grey, &place);
+                        self.builder.add_pictured(light, &picture, grey, &location);
                     }
                     Found::Infinite(light) => self.builder.add_infinite(light, world_from_light),
                 }
@@ -478,7 +477,7 @@ impl<'a> Reader<'a> {
                 parameters.release(&self.access().budget);
             }
             "AreaLightSource" => {
-                let (class, parameters) = self.named(word, &place, Some(1))?;
+                let (class, parameters) = self.named(word, &location, Some(1))?;
                 let reading = lights::Reading {
                     access: self.access(),
                     world_from_light: Affine::IDENTITY,
@@ -487,63 +486,61 @@ impl<'a> Reader<'a> {
                 self.state.area_light = Some(Arc::new(reading.area(&class, &parameters)?));
                 parameters.warn_unused(word, &mut self.builder.warnings);
             }
-            "Shape" => self.shape(&place)?,
+            "Shape" => self.shape(&location)?,
             "ObjectBegin" => {
-                let name = self.text(word, &place)?;
+                let name = self.text(word, &location)?;
                 if self.object.is_some() {
-                    return Err(
-                        place.error("ObjectBegin within an object", "end the object before with ObjectEnd")
-                    );
+                    return Err(location
+                        .error("ObjectBegin within an object", "end the object before with ObjectEnd"));
                 }
                 self.builder.end_group();
-                self.save(Block::Object, &place)?;
+                self.save(Block::Object, &location)?;
                 self.object = Some(name);
                 self.builder.members = Some(Vec::new());
             }
             "ObjectEnd" => {
-                self.restore(Block::Object, &place)?;
+                self.restore(Block::Object, &location)?;
                 let name = self.object.take().unwrap_or_default();
                 let id = self.builder.end_object(&name);
                 if self.builder.objects.insert(name.clone(), id).is_some() {
                     let problem = format!("object {} is defined twice", quoted(&name));
-                    return Err(place.error(problem, "give each its own name"));
+                    return Err(location.error(problem, "give each its own name"));
                 }
             }
             "ObjectInstance" => {
-                let name = self.text(word, &place)?;
+                let name = self.text(word, &location)?;
                 if self.object.is_some() {
                     let problem = "ObjectInstance within an object";
-                    return Err(place.error(problem, "objects are made of shapes: show it outside"));
+                    return Err(location.error(problem, "objects are made of shapes: show it outside"));
                 }
                 let id = *self.builder.objects.get(&name).ok_or_else(|| {
-                    place.error(
+                    location.error(
                         format!("no object {} is defined", quoted(&name)),
                         "define it before: ObjectBegin \"NAME\"",
                     )
                 })?;
-                self.hold_name(&place)?;
+                self.hold_name(&location)?;
                 self.builder.end_group();
-                self.builder.place_moving(id, &self.state.transforms, Some(&name), &place);
+                self.builder.transform_moving(id, &self.state.transforms, Some(&name), &location);
             }
             other => {
                 let problem = format!("unknown statement {}", quoted(other));
-                return Err(
-                    place.error(problem, "pbrt-v4's file-format page lists them; names are case-sensitive")
-                );
+                return Err(location
+                    .error(problem, "pbrt-v4's file-format page lists them; names are case-sensitive"));
             }
         }
         Ok(())
     }
 
-    fn hold_name(&self, place: &Place) -> Result<(), Error> {
-        self.access().budget.hold(NAMED_BYTES).map_err(|e| place.excess(e))
+    fn hold_name(&self, location: &Location) -> Result<(), Error> {
+        self.access().budget.hold(NAMED_BYTES).map_err(|e| location.excess(e))
     }
 
-    fn attribute(&mut self, place: &Place) -> Result<(), Error> {
-        let (target, parameters) = self.named("Attribute", place, None)?;
+    fn attribute(&mut self, location: &Location) -> Result<(), Error> {
+        let (target, parameters) = self.named("Attribute", location, None)?;
         let number = TARGETS.iter().position(|known| *known == target).ok_or_else(|| {
             let problem = format!("unknown target {} of Attribute", quoted(&target));
-            place.error(problem, format!("valid are {}", TARGETS.join(", ")))
+            location.error(problem, format!("valid are {}", TARGETS.join(", ")))
         })?;
         let list = Arc::make_mut(&mut self.state.attributes[number]);
         let new = parameters.into_list();
@@ -552,8 +549,8 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn begin_world(&mut self, place: &Place) -> Result<(), Error> {
-        let none = || ("perspective".to_owned(), Parameters::none(place.clone()), [Affine::IDENTITY; 2]);
+    fn begin_world(&mut self, location: &Location) -> Result<(), Error> {
+        let none = || ("perspective".to_owned(), Parameters::none(location.clone()), [Affine::IDENTITY; 2]);
         let (class, parameters, transforms) = self.camera.take().unwrap_or_else(none);
         let warnings = &mut self.builder.warnings;
         let View { camera, shader, world_from_file, shutter } =
@@ -562,7 +559,7 @@ impl<'a> Reader<'a> {
         let open = shutter[1] - shutter[0];
         if open <= 0.0 || !open.is_finite() {
             return Err(parameters
-                .place
+                .location
                 .error("the shutter is not open", "\"shutterclose\" must be above \"shutteropen\""));
         }
         self.exposure = open * self.film.iso / 100.0;
@@ -581,7 +578,7 @@ impl<'a> Reader<'a> {
                 [Some(start), Some(end)] if !panorama => self.builder.motion.camera(id, fov_y, &[start, end]),
                 _ => false,
             };
-            self.builder.tell_motion(moves, &parameters.place);
+            self.builder.tell_motion(moves, &parameters.location);
         }
         if let Some(mut shader) = shader {
             shader.confined_to = self.access().confined_to();
@@ -594,13 +591,13 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn include(&mut self, word: &str, place: &Place) -> Result<(), Error> {
-        let name = self.text(word, place)?;
-        let path = resolve(&place.path, &name);
+    fn include(&mut self, word: &str, location: &Location) -> Result<(), Error> {
+        let name = self.text(word, location)?;
+        let path = resolve(&location.path, &name);
         let import = if word == "Import" {
-            self.world_only(word, place)?;
+            self.world_only(word, location)?;
             let depth = self.saved.len();
-            self.save(Block::Import, place)?;
+            self.save(Block::Import, location)?;
             Some(depth)
         } else {
             None
@@ -608,29 +605,29 @@ impl<'a> Reader<'a> {
         self.sources.open_named(&path, import).map_err(|error| {
             if error.kind == ErrorKind::Io || error.problem.contains("include each other") {
                 let problem = format!("{} cannot be read: {}", quoted(&name), error.problem);
-                return Error { kind: error.kind, ..place.error(problem, error.remedy) };
+                return Error { kind: error.kind, ..location.error(problem, error.remedy) };
             }
             error
         })
     }
 
-    fn texture(&mut self, place: &Place) -> Result<(), Error> {
-        let name = self.text("Texture", place)?;
-        let kind = self.text("Texture", place)?;
-        let class = self.text("Texture", place)?;
+    fn texture(&mut self, location: &Location) -> Result<(), Error> {
+        let name = self.text("Texture", location)?;
+        let kind = self.text("Texture", location)?;
+        let class = self.text("Texture", location)?;
         let is_float = match &kind[..] {
             "float" => true,
             "spectrum" => false,
             other => {
                 let problem = format!("unknown type {} of texture {}", quoted(other), quoted(&name));
-                return Err(place.error(problem, "valid are float and spectrum"));
+                return Err(location.error(problem, "valid are float and spectrum"));
             }
         };
-        let parameters = self.parameters(place, Some(4))?;
-        self.hold_name(place)?;
+        let parameters = self.parameters(location, Some(4))?;
+        self.hold_name(location)?;
         let world_from_texture = self.builder.world_from_file * self.state.transforms[0];
         let texture_from_world = world_from_texture.inverse().ok_or_else(|| {
-            place.error("the transform of a texture flattens space", "it must have an inverse")
+            location.error("the transform of a texture flattens space", "it must have an inverse")
         })?;
         let reading = texture_parameters::Reading {
             textures: &self.textures,
@@ -644,20 +641,19 @@ impl<'a> Reader<'a> {
         parameters.release(&self.access().budget);
         let list = if is_float { &mut self.textures.floats } else { &mut self.textures.spectra };
         if list.insert(name.clone(), Arc::new(texture)).is_some() {
-            return Err(
-                place.error(format!("texture {} is defined twice", quoted(&name)), "give each its own name")
-            );
+            return Err(location
+                .error(format!("texture {} is defined twice", quoted(&name)), "give each its own name"));
         }
         Ok(())
     }
 
     fn material(&mut self, class: &str, parameters: &Parameters) -> Result<Material, Error> {
-        self.hold_name(&parameters.place)?;
+        self.hold_name(&parameters.location)?;
         let access = self.access();
         let Builder { warnings: of_builder, .. } = &mut self.builder;
         let mut warnings = std::mem::take(of_builder);
-        let (builder, place) = (&mut self.builder, parameters.place.clone());
-        let mut named = |name: &str| builder.named_material(name, &place);
+        let (builder, location) = (&mut self.builder, parameters.location.clone());
+        let mut named = |name: &str| builder.named_material(name, &location);
         let read = material::Reading { textures: &self.textures, access, named: &mut named }.read(
             class,
             parameters,
@@ -669,14 +665,14 @@ impl<'a> Reader<'a> {
         read
     }
 
-    fn shape(&mut self, place: &Place) -> Result<(), Error> {
-        let (class, parameters) = self.named("Shape", place, Some(0))?;
+    fn shape(&mut self, location: &Location) -> Result<(), Error> {
+        let (class, parameters) = self.named("Shape", location, Some(0))?;
         let access = self.access();
         let alpha =
             self.textures.float(&parameters, "alpha")?.filter(|alpha| alpha.constant() != Some([1.0; 3]));
         let mut area_light = self.state.area_light.clone();
         if area_light.is_some() && self.object.is_some() {
-            self.warn(place, Oddity::NotShown, "area lights of objects that are instanced");
+            self.warn(location, Oddity::NotShown, "area lights of objects that are instanced");
             area_light = None;
         }
         let wants_texcoords = self.builder.is_textured(self.state.material)
@@ -693,7 +689,7 @@ impl<'a> Reader<'a> {
         parameters.warn_unused("Shape", &mut self.builder.warnings);
         parameters.release(&access.budget);
         if transforms.iter().any(|transform| transform.inverse().is_none()) {
-            return Err(place.error("the transform of a shape flattens space", "it must have an inverse"));
+            return Err(location.error("the transform of a shape flattens space", "it must have an inverse"));
         }
         if self.builder.is_interface(self.state.material) && area_light.is_none() {
             // Nothing of it is seen but its medium.
@@ -708,7 +704,7 @@ impl<'a> Reader<'a> {
             material: self.state.material,
             area_light,
             alpha,
-            place: place.clone(),
+            location: location.clone(),
         })
     }
 
@@ -720,9 +716,13 @@ impl<'a> Reader<'a> {
             let problem = "no WorldBegin: the file describes no scene";
             return Err(Error::data(path, None, problem, "shapes and lights follow WorldBegin"));
         }
-        let options = self.wish.options(&self.film);
-        if let Some(place) = self.wish.place.take().filter(|_| !options.is_empty()) {
-            self.warn(&place, Oddity::NotShown, format!("size and samples of the picture: give {options}"));
+        let options = self.requested.options(&self.film);
+        if let Some(location) = self.requested.location.take().filter(|_| !options.is_empty()) {
+            self.warn(
+                &location,
+                Oddity::NotShown,
+                format!("size and samples of the picture: give {options}"),
+            );
         }
         self.builder.finish(path)?;
         let mut files = std::mem::take(&mut self.sources.files);
@@ -735,5 +735,5 @@ impl<'a> Reader<'a> {
 /// The error of a part of a file that does not end.
 fn unended(open: &Saved) -> Error {
     let [begin, end] = open.block.names();
-    open.place.error(format!("{begin} has no {end}"), format!("end it with {end}"))
+    open.location.error(format!("{begin} has no {end}"), format!("end it with {end}"))
 }

@@ -30,20 +30,19 @@ impl Default for Film {
 impl Film {
     /// The film of a class with these parameters.
     pub(crate) fn read(class: &str, parameters: &Parameters, warnings: &mut Warnings) -> Result<Self, Error> {
-        let place = &parameters.place;
+        let location = &parameters.location;
         if !matches!(class, "rgb" | "gbuffer" | "spectral") {
             let problem = format!("unknown film {}", quoted(class));
-            return Err(place.error(problem, "valid are gbuffer, rgb and spectral"));
+            return Err(location.error(problem, "valid are gbuffer, rgb and spectral"));
         }
         if class == "spectral" {
-            place.warn(warnings, Oddity::StandIn, "film \"spectral\": a picture of three colours");
+            location.warn(warnings, Oddity::StandIn, "film \"spectral\": a picture of three colours");
         }
         let side = |name: &str, default: i32| -> Result<u32, Error> {
             let given = parameters.int(name)?.unwrap_or(default);
-            u32::try_from(given)
-                .ok()
-                .filter(|side| (1..=1 << 16).contains(side))
-                .ok_or_else(|| place.error(format!("\"{name}\" of a film is {given}"), "expected 1 to 65536"))
+            u32::try_from(given).ok().filter(|side| (1..=1 << 16).contains(side)).ok_or_else(|| {
+                location.error(format!("\"{name}\" of a film is {given}"), "expected 1 to 65536")
+            })
         };
         let standard = Self::default();
         let size = [side("xresolution", 1280)?, side("yresolution", 720)?];
@@ -55,14 +54,14 @@ impl Film {
             crop = Some([left as f32 / x, right as f32 / x, upper as f32 / y, lower as f32 / y]);
         }
         if let Some(sensor) = parameters.text("sensor")?.filter(|sensor| *sensor != "cie1931") {
-            place.warn(
+            location.warn(
                 warnings,
                 Oddity::StandIn,
                 format!("\"sensor\" {}: the CIE's observer", quoted(sensor)),
             );
         }
         if parameters.float("whitebalance")?.is_some_and(|kelvin| kelvin != 0.0) {
-            place.warn(warnings, Oddity::NotShown, "\"whitebalance\" of a film");
+            location.warn(warnings, Oddity::NotShown, "\"whitebalance\" of a film");
         }
         // Of files, and without visible effect.
         for name in ["filename", "coordinatesystem"] {

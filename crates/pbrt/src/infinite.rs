@@ -32,11 +32,11 @@ fn direction(x: f64, y: f64) -> [f64; 3] {
 pub(crate) fn picture(square: &Texels, light_from_world: &Affine) -> Texels {
     let [columns, rows] = size(square.width.max(square.height));
     let mut texels = Vec::with_capacity((columns * rows) as usize);
-    let looked = |dir: [f64; 3]| -> [f64; 3] {
+    let radiance_from = |dir: [f64; 3]| -> [f64; 3] {
         let dir = unit(light_from_world.vector(dir)).unwrap_or([0.0, 0.0, 1.0]);
         let [u, v] = octahedral::square(dir);
-        let place = |t: f64, count: u32| ((t * f64::from(count)) as u32).min(count - 1) as usize;
-        let [r, g, b, _] = square.texel(place(u, square.width), place(v, square.height));
+        let location = |t: f64, count: u32| ((t * f64::from(count)) as u32).min(count - 1) as usize;
+        let [r, g, b, _] = square.texel(location(u, square.width), location(v, square.height));
         [r, g, b].map(f64::from)
     };
     let mut sum = [0.0; 3];
@@ -49,8 +49,8 @@ pub(crate) fn picture(square: &Texels, light_from_world: &Affine) -> Texels {
                 let within = [part % PARTS, part / PARTS].map(|i| (f64::from(i) + 0.5) / f64::from(PARTS));
                 let x = (f64::from(column) + within[0]) / f64::from(columns);
                 let y = (f64::from(row) + within[1]) / f64::from(rows);
-                let seen = looked(direction(x, y));
-                mean.iter_mut().zip(seen).for_each(|(mean, x)| *mean += x / f64::from(PARTS * PARTS));
+                let radiance = radiance_from(direction(x, y));
+                mean.iter_mut().zip(radiance).for_each(|(mean, x)| *mean += x / f64::from(PARTS * PARTS));
             }
             sum.iter_mut().zip(mean).for_each(|(sum, x)| *sum += x * share);
             let [r, g, b] = mean.map(|x| x as f32);

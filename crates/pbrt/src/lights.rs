@@ -10,8 +10,8 @@ use gnurt_scene::io::reader::{Access, quoted, resolve};
 use gnurt_scene::io::{Error, Oddity, Warnings};
 use gnurt_scene::{Affine, Light};
 
+use crate::location::Location;
 use crate::parameter::Parameters;
-use crate::place::Place;
 use crate::spectrum::Spectrum;
 use crate::transform::{double, single, unit};
 
@@ -24,7 +24,7 @@ pub(crate) struct AreaLight {
     /// Of the whole surface.
     pub(crate) power: Option<f32>,
     pub(crate) picture: Option<PathBuf>,
-    pub(crate) place: Place,
+    pub(crate) location: Location,
 }
 
 /// Light from all directions.
@@ -34,7 +34,7 @@ pub(crate) struct Infinite {
     pub(crate) radiance: [f32; 3],
     pub(crate) picture: Option<PathBuf>,
     pub(crate) illuminance: Option<f32>,
-    pub(crate) place: Place,
+    pub(crate) location: Location,
 }
 
 /// A light.
@@ -69,7 +69,7 @@ fn spectrum(parameters: &Parameters, name: &str, access: &Access) -> Result<[f32
 
 /// A light with the mean of its picture; a power is that of all of it already.
 fn pictured(parameters: &Parameters, light: Light, grey: bool) -> Result<Found, Error> {
-    let picture = parameters.text("filename")?.map(|name| resolve(&parameters.place.path, name));
+    let picture = parameters.text("filename")?.map(|name| resolve(&parameters.location.path, name));
     let has_power = parameters.float("power")?.is_some_and(|power| power > 0.0);
     Ok(match picture.filter(|_| !has_power) {
         Some(picture) => Found::Pictured { light, picture, grey },
@@ -88,7 +88,9 @@ impl Reading<'_> {
         let along = [0, 1, 2].map(|k| f64::from(to[k]) - f64::from(from[k]));
         let along = unit(self.world_from_light.vector(along));
         along.map(single).ok_or_else(|| {
-            parameters.place.error("\"from\" and \"to\" of a light are one point", "give points that differ")
+            parameters
+                .location
+                .error("\"from\" and \"to\" of a light are one point", "give points that differ")
         })
     }
 
@@ -101,7 +103,7 @@ impl Reading<'_> {
         let scale = parameters.float_or("scale", 1.0)?;
         if !(scale >= 0.0 && scale.is_finite()) {
             return Err(parameters
-                .place
+                .location
                 .error(format!("\"scale\" of a light is {scale}"), "it must be 0 or above"));
         }
         Ok(scale * self.exposure)
@@ -114,7 +116,7 @@ impl Reading<'_> {
         parameters: &Parameters,
         warnings: &mut Warnings,
     ) -> Result<Found, Error> {
-        let place = &parameters.place;
+        let location = &parameters.location;
         let power = |of_unit: f32| -> Result<f32, Error> {
             Ok(parameters.float("power")?.filter(|power| *power > 0.0).map_or(1.0, |power| power / of_unit))
         };
@@ -137,7 +139,7 @@ impl Reading<'_> {
             }
             "infinite" => return self.infinite(parameters, warnings).map(Found::Infinite),
             "goniometric" => {
-                place.warn(warnings, Oddity::StandIn, "light \"goniometric\", the same to all sides");
+                location.warn(warnings, Oddity::StandIn, "light \"goniometric\", the same to all sides");
                 let light = Light::Point {
                     position: single(self.point([0.0; 3])),
                     intensity: times(
@@ -148,7 +150,7 @@ impl Reading<'_> {
                 return pictured(parameters, light, true);
             }
             "projection" => {
-                place.warn(
+                location.warn(
                     warnings,
                     Oddity::StandIn,
                     "light \"projection\", a spot of its picture's mean colour",
@@ -168,7 +170,7 @@ impl Reading<'_> {
             other => {
                 let known = "distant, goniometric, infinite, point, projection and spot";
                 return Err(
-                    place.error(format!("unknown light {}", quoted(other)), format!("valid are {known}"))
+                    location.error(format!("unknown light {}", quoted(other)), format!("valid are {known}"))
                 );
             }
         };
@@ -200,19 +202,19 @@ impl Reading<'_> {
     }
 
     fn infinite(&self, parameters: &Parameters, warnings: &mut Warnings) -> Result<Infinite, Error> {
-        let place = &parameters.place;
+        let location = &parameters.location;
         if parameters.triples("portal").is_some() {
-            place.warn(
+            location.warn(
                 warnings,
                 Oddity::StandIn,
                 "\"portal\" of an infinite light: light comes from everywhere",
             );
         }
-        let picture = parameters.text("filename")?.map(|name| resolve(&place.path, name));
+        let picture = parameters.text("filename")?.map(|name| resolve(&location.path, name));
         let color = Spectrum::of(parameters, "L", self.access)?;
         if picture.is_some() && color.is_some() {
             let problem = "an infinite light has both \"L\" and \"filename\"";
-            return Err(place.error(problem, "leave one of them out"));
+            return Err(location.error(problem, "leave one of them out"));
         }
         let color = color.map_or([1.0; 3], |found| found.light());
         let radiance = times(color, self.scale(parameters)?);
@@ -222,23 +224,23 @@ impl Reading<'_> {
                 radiance: times(radiance, illuminance / PI),
                 picture: None,
                 illuminance: None,
-                place: place.clone(),
+                location: location.clone(),
             },
-            (picture, illuminance) => Infinite { radiance, picture, illuminance, place: place.clone() },
+            (picture, illuminance) => Infinite { radiance, picture, illuminance, location: location.clone() },
         })
     }
 
     /// The light of surfaces from now on.
     pub(crate) fn area(&self, class: &str, parameters: &Parameters) -> Result<AreaLight, Error> {
-        let place = &parameters.place;
+        let location = &parameters.location;
         if class != "diffuse" {
-            return Err(place.error(format!("unknown area light {}", quoted(class)), "valid is diffuse"));
+            return Err(location.error(format!("unknown area light {}", quoted(class)), "valid is diffuse"));
         }
-        let picture = parameters.text("filename")?.map(|name| resolve(&place.path, name));
+        let picture = parameters.text("filename")?.map(|name| resolve(&location.path, name));
         let color = Spectrum::of(parameters, "L", self.access)?;
         if picture.is_some() && color.is_some() {
             let problem = "an area light has both \"L\" and \"filename\"";
-            return Err(place.error(problem, "leave one of them out"));
+            return Err(location.error(problem, "leave one of them out"));
         }
         let color = color.map_or([1.0; 3], |found| found.light());
         Ok(AreaLight {
@@ -246,7 +248,7 @@ impl Reading<'_> {
             both_sides: parameters.bool_or("twosided", false)?,
             power: parameters.float("power")?.filter(|power| *power > 0.0),
             picture,
-            place: place.clone(),
+            location: location.clone(),
         })
     }
 }

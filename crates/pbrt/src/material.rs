@@ -8,8 +8,8 @@ use std::path::PathBuf;
 use gnurt_scene::io::reader::{Access, quoted, resolve};
 use gnurt_scene::io::{Error, Oddity, Warnings};
 
+use crate::location::Location;
 use crate::parameter::{Kind, Parameters};
-use crate::place::Place;
 use crate::spectrum::{Spectrum, metal};
 use crate::tables::METALS;
 use crate::texture::Input;
@@ -23,7 +23,7 @@ pub(crate) struct Material {
     pub(crate) normal_map: Option<PathBuf>,
     /// Heights that turn normals, in the renderer's units.
     pub(crate) bump: Option<Input>,
-    pub(crate) place: Place,
+    pub(crate) location: Location,
 }
 
 /// Scattering models.
@@ -38,18 +38,18 @@ pub(crate) enum Model {
     },
     Conductor {
         metal: Metal,
-        facets: Facets,
+        microfacets: Facets,
     },
     CoatedConductor {
         metal: Metal,
-        facets: Facets,
+        microfacets: Facets,
         coat: Coat,
     },
     /// Index, Abbe's number.
     Dielectric {
         index: f32,
         abbe: Option<f32>,
-        facets: Facets,
+        microfacets: Facets,
     },
     ThinDielectric {
         index: f32,
@@ -70,7 +70,7 @@ impl Material {
     /// Whether it may read texture coordinates.
     pub(crate) fn is_textured(&self) -> bool {
         let textured = |input: &Input| matches!(input, Input::Texture(_));
-        let rough = |facets: &Facets| facets.roughness.iter().any(textured);
+        let rough = |microfacets: &Facets| microfacets.roughness.iter().any(textured);
         let of_metal = |metal: &Metal| match metal {
             Metal::Complex(eta, k) => textured(eta) || textured(k),
             Metal::Reflectance(reflectance) => textured(reflectance),
@@ -78,12 +78,12 @@ impl Material {
         let by_model = match &self.model {
             Model::Interface | Model::ThinDielectric { .. } => false,
             Model::Diffuse(reflectance) => textured(reflectance),
-            Model::CoatedDiffuse { reflectance, coat } => textured(reflectance) || rough(&coat.facets),
-            Model::Conductor { metal, facets } => of_metal(metal) || rough(facets),
-            Model::CoatedConductor { metal, facets, coat } => {
-                of_metal(metal) || rough(facets) || rough(&coat.facets)
+            Model::CoatedDiffuse { reflectance, coat } => textured(reflectance) || rough(&coat.microfacets),
+            Model::Conductor { metal, microfacets } => of_metal(metal) || rough(microfacets),
+            Model::CoatedConductor { metal, microfacets, coat } => {
+                of_metal(metal) || rough(microfacets) || rough(&coat.microfacets)
             }
-            Model::Dielectric { facets, .. } => rough(facets),
+            Model::Dielectric { microfacets, .. } => rough(microfacets),
             Model::DiffuseTransmission { reflectance, transmittance, .. } => {
                 textured(reflectance) || textured(transmittance)
             }
@@ -105,7 +105,7 @@ pub(crate) struct Facets {
 /// A layer of glass on something.
 #[derive(Clone, Debug)]
 pub(crate) struct Coat {
-    pub(crate) facets: Facets,
+    pub(crate) microfacets: Facets,
     pub(crate) index: f32,
 }
 
@@ -137,7 +137,7 @@ impl Reading<'_> {
     }
 
     /// Widths of facets whose parameters begin so.
-    fn facets(&self, parameters: &Parameters, prefix: &str, default: f32) -> Result<Facets, Error> {
+    fn microfacets(&self, parameters: &Parameters, prefix: &str, default: f32) -> Result<Facets, Error> {
         let both = self.number(parameters, &format!("{prefix}roughness"), default)?;
         let one = |axis: char| -> Result<Input, Error> {
             let given = self.textures.float(parameters, &format!("{prefix}{axis}roughness"))?;
@@ -154,7 +154,7 @@ impl Reading<'_> {
         };
         if !(given.0 > 0.0 && given.0.is_finite()) {
             return Err(parameters
-                .place
+                .location
                 .error(format!("\"{name}\" is {}", given.0), "an index of refraction is above 0"));
         }
         Ok(given)
@@ -168,7 +168,7 @@ impl Reading<'_> {
         if let Some(reflectance) = self.textures.spectrum(parameters, "reflectance", self.access)? {
             if is_eta || is_k {
                 let problem = "a conductor has both \"reflectance\" and \"eta\" or \"k\"";
-                return Err(parameters.place.error(problem, "leave one of them out"));
+                return Err(parameters.location.error(problem, "leave one of them out"));
             }
             return Ok(Metal::Reflectance(reflectance));
         }
@@ -187,8 +187,10 @@ impl Reading<'_> {
 
     fn coat(&self, parameters: &Parameters, prefix: &str, warnings: &mut Warnings) -> Result<Coat, Error> {
         let eta = format!("{prefix}eta");
-        let coat =
-            Coat { facets: self.facets(parameters, prefix, 0.0)?, index: self.index(parameters, &eta)?.0 };
+        let coat = Coat {
+            microfacets: self.microfacets(parameters, prefix, 0.0)?,
+            index: self.index(parameters, &eta)?.0,
+        };
         let albedo = self.color(parameters, "albedo", 0.0)?;
         self.number(parameters, "thickness", 0.01)?;
         self.number(parameters, "g", 0.0)?;
@@ -196,7 +198,7 @@ impl Reading<'_> {
         parameters.int("nsamples")?;
         if albedo.constant() != Some([0.0; 3]) {
             let detail = "\"albedo\" of what is within a coat: a clear coat is shown";
-            parameters.place.warn(warnings, Oddity::StandIn, detail);
+            parameters.location.warn(warnings, Oddity::StandIn, detail);
         }
         Ok(coat)
     }
@@ -208,8 +210,9 @@ impl Reading<'_> {
         parameters: &Parameters,
         warnings: &mut Warnings,
     ) -> Result<Material, Error> {
-        let place = parameters.place.clone();
-        let stand_in = |warnings: &mut Warnings, detail: &str| place.warn(warnings, Oddity::StandIn, detail);
+        let location = parameters.location.clone();
+        let stand_in =
+            |warnings: &mut Warnings, detail: &str| location.warn(warnings, Oddity::StandIn, detail);
         let model = match class {
             "interface" | "none" | "" => Model::Interface,
             "diffuse" => Model::Diffuse(self.color(parameters, "reflectance", 0.5)?),
@@ -219,16 +222,16 @@ impl Reading<'_> {
             },
             "conductor" => Model::Conductor {
                 metal: self.metal(parameters, "")?,
-                facets: self.facets(parameters, "", 0.0)?,
+                microfacets: self.microfacets(parameters, "", 0.0)?,
             },
             "coatedconductor" => Model::CoatedConductor {
                 metal: self.metal(parameters, "conductor.")?,
-                facets: self.facets(parameters, "conductor.", 0.0)?,
+                microfacets: self.microfacets(parameters, "conductor.", 0.0)?,
                 coat: self.coat(parameters, "interface.", warnings)?,
             },
             "dielectric" => {
                 let (index, abbe) = self.index(parameters, "eta")?;
-                Model::Dielectric { index, abbe, facets: self.facets(parameters, "", 0.0)? }
+                Model::Dielectric { index, abbe, microfacets: self.microfacets(parameters, "", 0.0)? }
             }
             "thindielectric" => Model::ThinDielectric { index: self.index(parameters, "eta")?.0 },
             "diffusetransmission" => Model::DiffuseTransmission {
@@ -241,7 +244,7 @@ impl Reading<'_> {
                 let Some([a, b]) = names else {
                     let problem = "a mix has no two \"string materials\"";
                     return Err(
-                        place.error(problem, "name two materials: \"string materials\" [ \"a\" \"b\" ]")
+                        location.error(problem, "name two materials: \"string materials\" [ \"a\" \"b\" ]")
                     );
                 };
                 let parts = [(self.named)(a), (self.named)(b)];
@@ -265,7 +268,7 @@ impl Reading<'_> {
                 stand_in(warnings, "material \"subsurface\", shown as a coated diffuse surface");
                 let reflectance = self.color(parameters, "reflectance", 0.8)?;
                 let coat = Coat {
-                    facets: self.facets(parameters, "", 0.0)?,
+                    microfacets: self.microfacets(parameters, "", 0.0)?,
                     index: self.index(parameters, "eta")?.0,
                 };
                 parameters.ignore();
@@ -274,13 +277,12 @@ impl Reading<'_> {
             other => {
                 let known = "coatedconductor, coateddiffuse, conductor, dielectric, diffuse, diffusetransmission, hair, \
                              interface, measured, mix, subsurface and thindielectric";
-                return Err(
-                    place.error(format!("unknown material {}", quoted(other)), format!("valid are {known}"))
-                );
+                return Err(location
+                    .error(format!("unknown material {}", quoted(other)), format!("valid are {known}")));
             }
         };
-        let normal_map = parameters.text("normalmap")?.map(|name| resolve(&place.path, name));
+        let normal_map = parameters.text("normalmap")?.map(|name| resolve(&location.path, name));
         let bump = self.textures.float(parameters, "displacement")?;
-        Ok(Material { model, normal_map, bump, place })
+        Ok(Material { model, normal_map, bump, location })
     }
 }

@@ -138,7 +138,7 @@ impl<'a> Code<'a> {
                 self.mixed(ends, &format!("mod (pbrt_board ({s}) + pbrt_board ({t}), 2)"))
             }
             Node::Boxes(texture_from_world, ends) => {
-                let [x, y, z] = self.place(texture_from_world);
+                let [x, y, z] = self.location(texture_from_world);
                 self.mixed(ends, &format!("mod (pbrt_board ({x}) + pbrt_board ({y}) + pbrt_board ({z}), 2)"))
             }
             Node::Dots(mapping, [inside, outside]) => {
@@ -174,7 +174,7 @@ impl<'a> Code<'a> {
     }
 
     /// Coordinates of the place in a space, as variables.
-    fn place(&mut self, to: &Affine) -> [String; 3] {
+    fn location(&mut self, to: &Affine) -> [String; 3] {
         let point = self.point(to);
         [0, 1, 2].map(|k| format!("{point}[{k}]"))
     }
@@ -198,20 +198,20 @@ impl<'a> Code<'a> {
                 [format!("({a} * u + {c})"), format!("({b} * v + {d})")]
             }
             Mapping::Spherical(to) => {
-                let [x, y, z] = self.place(to);
+                let [x, y, z] = self.location(to);
                 let [s, t] = [self.name('f'), self.name('f')];
                 self.line(format!("float {s} = acos (clamp ({z} / max (length (point ({x}, {y}, {z})), 1e-12), -1, 1)) / M_PI;"));
                 self.line(format!("float {t} = atan2 ({y}, {x}) / M_2PI; {t} = {t} < 0 ? {t} + 1 : {t};"));
                 [s, t]
             }
             Mapping::Cylindrical(to) => {
-                let [x, y, z] = self.place(to);
+                let [x, y, z] = self.location(to);
                 let s = self.name('f');
                 self.line(format!("float {s} = (M_PI + atan2 ({y}, {x})) / M_2PI;"));
                 [s, z]
             }
             Mapping::Planar { texture_from_world, axes, offset } => {
-                let [x, y, z] = self.place(texture_from_world);
+                let [x, y, z] = self.location(texture_from_world);
                 let along = |k: usize| {
                     let [a, b, c] = axes[k].map(number);
                     format!("({a} * {x} + {b} * {y} + {c} * {z} + {})", number(offset[k]))

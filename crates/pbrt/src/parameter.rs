@@ -9,7 +9,7 @@ use gnurt_scene::io::reader::{Budget, quoted};
 use gnurt_scene::io::{Error, Oddity, Warnings};
 
 use crate::color_space::ColorSpace;
-use crate::place::Place;
+use crate::location::Location;
 use crate::sources::Source;
 use crate::tokens::Token;
 
@@ -63,7 +63,7 @@ pub(crate) struct Parameter {
     pub(crate) kind: Kind,
     kind_name: &'static str,
     pub(crate) name: String,
-    pub(crate) place: Place,
+    pub(crate) location: Location,
     pub(crate) values: Values,
     /// Of its `rgb`.
     pub(crate) space: ColorSpace,
@@ -71,16 +71,16 @@ pub(crate) struct Parameter {
 }
 
 impl Parameter {
-    fn of(declaration: &str, place: Place, space: ColorSpace) -> Result<(Self, usize), Error> {
+    fn of(declaration: &str, location: Location, space: ColorSpace) -> Result<(Self, usize), Error> {
         let mut words = declaration.split_ascii_whitespace();
         let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
             let problem = format!("parameter {} is not a type and a name", quoted(declaration));
-            return Err(place.error(problem, "expected the like of \"float fov\""));
+            return Err(location.error(problem, "expected the like of \"float fov\""));
         };
         let Some(&(kind_name, kind, width)) = KINDS.iter().find(|(known, ..)| *known == kind) else {
             let known: Vec<&str> = KINDS.iter().map(|(known, ..)| *known).collect();
             let problem = format!("unknown type {} of parameter {}", quoted(kind), quoted(name));
-            return Err(place.error(problem, format!("valid are {}", known.join(", "))));
+            return Err(location.error(problem, format!("valid are {}", known.join(", "))));
         };
         let values = match kind {
             Kind::Integer => Values::Ints(Vec::new()),
@@ -89,14 +89,14 @@ impl Parameter {
             _ => Values::Floats(Vec::new()),
         };
         let used = Cell::new(false);
-        Ok((Self { kind, kind_name, name: name.to_owned(), place, values, space, used }, width))
+        Ok((Self { kind, kind_name, name: name.to_owned(), location, values, space, used }, width))
     }
 
     fn push(&mut self, token: &Token, source: &Source) -> Result<(), Error> {
-        let place = || source.place();
+        let location = || source.location();
         let wrong = |what: &str, found: &str| {
             let problem = format!("{} is not {what} of \"{} {}\"", quoted(found), self.kind_name, self.name);
-            place().error(problem, "give values of the parameter's type")
+            location().error(problem, "give values of the parameter's type")
         };
         match (token, &mut self.values) {
             (Token::Text(text), Values::Texts(list)) => list.push(text.clone()),
@@ -174,7 +174,7 @@ impl Parameter {
 
     /// An error about it.
     pub(crate) fn error(&self, problem: &str, remedy: &str) -> Error {
-        self.place.error(format!("\"{} {}\" {problem}", self.kind_name, self.name), remedy)
+        self.location.error(format!("\"{} {}\" {problem}", self.kind_name, self.name), remedy)
     }
 }
 
@@ -183,25 +183,25 @@ impl Parameter {
 pub(crate) struct Parameters {
     list: Vec<Parameter>,
     /// Of the statement.
-    pub(crate) place: Place,
+    pub(crate) location: Location,
 }
 
 impl Parameters {
     /// None.
-    pub(crate) fn none(place: Place) -> Self {
-        Self { list: Vec::new(), place }
+    pub(crate) fn none(location: Location) -> Self {
+        Self { list: Vec::new(), location }
     }
 
     /// Reads those that follow.
     pub(crate) fn read(
         source: &mut Source,
-        place: Place,
+        location: Location,
         space: ColorSpace,
         budget: &Budget,
     ) -> Result<Self, Error> {
         let mut list: Vec<Parameter> = Vec::new();
         while source.peek() == Some(b'"') {
-            let at = source.place();
+            let at = source.location();
             let Some(Token::Text(declaration)) = source.next()? else { break };
             let (mut parameter, width) = Parameter::of(&declaration, at, space)?;
             read_values(source, &mut parameter, budget)?;
@@ -217,7 +217,7 @@ impl Parameters {
             }
             list.push(parameter);
         }
-        Ok(Self { list, place })
+        Ok(Self { list, location })
     }
 
     /// Adds those of `Attribute` statements, which come after its own.
@@ -251,7 +251,7 @@ impl Parameters {
     pub(crate) fn warn_unused(&self, of: &str, warnings: &mut Warnings) {
         for parameter in self.list.iter().filter(|parameter| !parameter.used.get()) {
             let detail = format!("\"{} {}\" of {of}", parameter.kind_name, parameter.name);
-            parameter.place.warn(warnings, Oddity::UnknownParameter, detail);
+            parameter.location.warn(warnings, Oddity::UnknownParameter, detail);
         }
     }
 
@@ -337,7 +337,7 @@ impl Parameters {
             None => Ok(default),
             Some([one]) => Ok(*one),
             Some(_) => Err(self.find(name, &[Kind::Triple]).map_or_else(
-                || self.place.error("a point is missing", ""),
+                || self.location.error("a point is missing", ""),
                 |p| p.error("has more than one value", "give one"),
             )),
         }
@@ -372,7 +372,7 @@ impl Parameters {
 /// One value, or many between brackets.
 fn read_values(source: &mut Source, parameter: &mut Parameter, budget: &Budget) -> Result<(), Error> {
     let mut held = parameter.bytes();
-    let excess = |source: &Source, e| source.place().excess(e);
+    let excess = |source: &Source, e| source.location().excess(e);
     budget.hold(held).map_err(|e| excess(source, e))?;
     let missing =
         |parameter: &Parameter| parameter.error("has no value", "give one, or some between [ and ]");

@@ -212,7 +212,7 @@ fn check(samples: &[[f32; 2]]) -> Result<(), &'static str> {
 
 /// A spectrum in a file: a wavelength and a value on each line.
 fn read(parameter: &Parameter, name: &str, access: &Access) -> Result<Spectrum, Error> {
-    let path = resolve(&parameter.place.path, name);
+    let path = resolve(&parameter.location.path, name);
     let remedy = "give the file of a spectrum, or one of pbrt's names like metal-Au-eta";
     let before = access.budget.held();
     let bytes = access.read(&path, LONGEST).map_err(|e| {

@@ -8,8 +8,8 @@ use gnurt_scene::Affine;
 
 use crate::color_space::ColorSpace;
 use crate::lights::AreaLight;
+use crate::location::Location;
 use crate::parameter::Parameter;
-use crate::place::Place;
 
 /// Targets of the statement `Attribute`.
 pub(crate) const TARGETS: [&str; 5] = ["shape", "light", "material", "medium", "texture"];
@@ -79,6 +79,6 @@ impl Block {
 /// A state that comes back.
 pub(crate) struct Saved {
     pub(crate) block: Block,
-    pub(crate) place: Place,
+    pub(crate) location: Location,
     pub(crate) state: State,
 }

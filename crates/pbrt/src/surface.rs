@@ -2,15 +2,15 @@
 //! Materials of the renderer: those that it has where they are the same, shaders with its closures otherwise.
 //! Source: [PJH23] chapters 9, 10 and 14. A coat over a diffuse base adds up all paths between them:
 //! (1 - Fi) r / (1 - r Fi), Fi being the coat's share of mirrored diffuse light from within. Roughness: alpha is its root.
-//! Facets of pbrt lose light of several bounces between them; ours keep it, and are darkened by the same share: `facets`.
+//! Facets of pbrt lose light of several bounces between them; ours keep it, and are darkened by the same share: `microfacets`.
 //! Tests: `tests/materials.rs`.
 
 use gnurt_scene::detail::Interior;
 use gnurt_scene::material::{Alpha, Color, Opacity, OpacityChannel, TextureRef};
 use gnurt_scene::{Material as Made, ShaderFile, Surface, TextureId};
 
-use crate::facets::{STEPS, coated, table};
 use crate::material::{Coat, Facets, Material, Metal, Model};
+use crate::microfacets::{STEPS, coated, table};
 use crate::osl::{Code, Library, color, number};
 use crate::patterns::FUNCTIONS;
 use crate::texture::{Encoding, Image, Input, Mapping, Node, Texture};
@@ -86,8 +86,8 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
         Model::Diffuse(reflectance) => {
             plain_color(reflectance, library).map(|base_color| Surface::Matte { base_color })
         }
-        Model::Conductor { metal, facets } => {
-            let roughness = even(facets)?;
+        Model::Conductor { metal, microfacets } => {
+            let roughness = even(microfacets)?;
             if roughness > NARROW {
                 return None;
             }
@@ -100,8 +100,8 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
             };
             Some(Surface::Metal { eta, k, roughness })
         }
-        Model::Dielectric { index, abbe, facets } => {
-            let roughness = even(facets)?;
+        Model::Dielectric { index, abbe, microfacets } => {
+            let roughness = even(microfacets)?;
             let interior =
                 Interior { dispersion: abbe.map_or(0.0, |abbe| 20.0 / abbe), ..Interior::default() };
             let (ior, reflectance, transmittance) = (*index, [1.0; 3], [1.0; 3]);
@@ -134,11 +134,11 @@ fn plain(model: &Model, library: &mut dyn Library) -> Option<Surface> {
 }
 
 /// The perceptual roughness of facets that are as wide along u as along v, everywhere.
-fn even(facets: &Facets) -> Option<f32> {
-    let [u, v] = &facets.roughness;
+fn even(microfacets: &Facets) -> Option<f32> {
+    let [u, v] = &microfacets.roughness;
     let [u, v] = [u.constant()?[0], v.constant()?[0]];
     // Alpha is the square of ours.
-    let alpha = if facets.remap { u.max(0.0).sqrt() } else { u.max(0.0) };
+    let alpha = if microfacets.remap { u.max(0.0).sqrt() } else { u.max(0.0) };
     (u == v).then(|| alpha.min(1.0).sqrt())
 }
 
@@ -237,18 +237,18 @@ fn normals(material: &Material, code: &mut Code) {
 }
 
 /// Alphas along and across, as expressions.
-fn alphas(facets: &Facets, code: &mut Code) -> [String; 2] {
+fn alphas(microfacets: &Facets, code: &mut Code) -> [String; 2] {
     let mut one = |input: &Input| {
         let roughness = code.float(input);
         let name = code.name('a');
-        let alpha = match facets.remap {
+        let alpha = match microfacets.remap {
             true => format!("sqrt (max ({roughness}, 0))"),
             false => format!("max ({roughness}, 0)"),
         };
         code.line(format!("float {name} = min ({alpha}, 1);"));
         name
     };
-    let [u, v] = &facets.roughness;
+    let [u, v] = &microfacets.roughness;
     let along = one(u);
     let across = match (u.constant(), v.constant()) {
         (Some(a), Some(b)) if a == b => along.clone(),
@@ -276,7 +276,7 @@ fn diffuse_mirrored(index: f32) -> f32 {
 }
 
 fn coat(coat: &Coat, code: &mut Code) -> String {
-    let [along, across] = alphas(&coat.facets, code);
+    let [along, across] = alphas(&coat.microfacets, code);
     // A coat that is a mirror is drawn too bright over a base that scatters to all sides: narrow facets are the same to the eye.
     let [along, across] = [along, across].map(|alpha| format!("max ({alpha}, 0.002)"));
     let index = number(coat.index);
@@ -286,7 +286,7 @@ fn coat(coat: &Coat, code: &mut Code) -> String {
 /// Variables of a coat over a base: the shares of [`facets::Coated`](crate::facets::Coated) in the order of its fields.
 /// `below` is the base's alpha, `None` if it is diffuse. Returns `None` if the coat is not as rough everywhere and both ways.
 fn over(of: &Coat, below: Option<f32>, code: &mut Code) -> Option<[String; 3]> {
-    let alpha = f64::from(even(&of.facets)?.powi(2));
+    let alpha = f64::from(even(&of.microfacets)?.powi(2));
     let table = coated(alpha, f64::from(of.index), below.map(f64::from));
     let at = code.name('f');
     code.line(format!("float {at} = sqrt (min (fabs (dot (Nn, normalize (I))), 1)) * {STEPS};"));
@@ -324,13 +324,13 @@ fn metal(of: &Metal, within: f32, code: &mut Code) -> [String; 2] {
 
 /// The share that facets send on after one bounce, as a variable, and the same for light from all sides; `index` is glass's, outside.
 fn retained(
-    facets: &Facets,
+    microfacets: &Facets,
     [along, across]: &[String; 2],
     index: Option<f64>,
     code: &mut Code,
 ) -> [String; 2] {
-    let alpha = even(facets).map(|roughness| roughness * roughness);
-    let looked = |index: Option<f64>, code: &mut Code| {
+    let alpha = even(microfacets).map(|roughness| roughness * roughness);
+    let lobe_of = |index: Option<f64>, code: &mut Code| {
         let table: Vec<String> = table(alpha, index).into_iter().map(number).collect();
         let [rows, at, kept, all] = [code.name('k'), code.name('f'), code.name('f'), code.name('f')];
         code.line(format!("float {rows}[{}] = {{ {} }};", table.len(), table.join(", ")));
@@ -358,9 +358,9 @@ fn retained(
         code.line(format!("float {all} = {mean};"));
         [kept, all]
     };
-    let Some(outside) = index else { return looked(None, code) };
+    let Some(outside) = index else { return lobe_of(None, code) };
     let [[out, out_all], [within, within_all]] =
-        [outside, 1.0 / outside].map(|index| looked(Some(index), code));
+        [outside, 1.0 / outside].map(|index| lobe_of(Some(index), code));
     let [kept, all] = [code.name('f'), code.name('f')];
     code.line(format!("float {kept} = backfacing () ? {within} : {out};"));
     code.line(format!("float {all} = backfacing () ? {within_all} : {out_all};"));
@@ -368,8 +368,8 @@ fn retained(
 }
 
 /// A metal's lobe without light of several bounces between its facets, and its reflectance at normal incidence.
-fn metal_lobe(of: &Metal, facets: &Facets, within: f32, code: &mut Code) -> [String; 2] {
-    let alphas = alphas(facets, code);
+fn metal_lobe(of: &Metal, microfacets: &Facets, within: f32, code: &mut Code) -> [String; 2] {
+    let alphas = alphas(microfacets, code);
     let [eta, k] = metal(of, within, code);
     let [along, across] = &alphas;
     let lobe = format!("conductor_bsdf (Nn, T, {along}, {across}, {eta}, {k}, \"ggx\")");
@@ -377,10 +377,10 @@ fn metal_lobe(of: &Metal, facets: &Facets, within: f32, code: &mut Code) -> [Str
     code.line(format!(
         "color {mirrored} = (({eta} - 1) * ({eta} - 1) + {k} * {k}) / (({eta} + 1) * ({eta} + 1) + {k} * {k});"
     ));
-    if even(facets).is_some_and(|roughness| roughness <= NARROW) {
+    if even(microfacets).is_some_and(|roughness| roughness <= NARROW) {
         return [lobe, mirrored];
     }
-    let [kept, all] = retained(facets, &alphas, None, code);
+    let [kept, all] = retained(microfacets, &alphas, None, code);
     let share = code.name('c');
     code.line(format!(
         "color {share} = color ({kept}) / (color ({kept}) + (1 - {kept}) * {all} * {mirrored} / (color (1) - {mirrored} * (1 - {all})));"
@@ -409,7 +409,7 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
         Model::CoatedDiffuse { reflectance, coat: layer } => {
             let r = clamped(code, reflectance);
             let top = coat(layer, code);
-            if even(&layer.facets).is_some_and(|roughness| roughness > NARROW)
+            if even(&layer.microfacets).is_some_and(|roughness| roughness > NARROW)
                 && let Some([mirrored, out, again]) = over(layer, None, code)
             {
                 let base = format!("{r} * {out} / (color (1) - {r} * {again})");
@@ -420,14 +420,14 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
             let inner = number(1.0 - (1.0 - outer) / (layer.index * layer.index));
             format!("layer ({top}, {r} * (1 - {inner}) / (color (1) - {r} * {inner}) * diffuse (Nn))")
         }
-        Model::Conductor { metal: of, facets } => {
-            let [lobe, _] = metal_lobe(of, facets, 1.0, code);
+        Model::Conductor { metal: of, microfacets } => {
+            let [lobe, _] = metal_lobe(of, microfacets, 1.0, code);
             lobe
         }
-        Model::CoatedConductor { metal: of, facets, coat: layer } => {
-            let [base, color] = metal_lobe(of, facets, layer.index, code);
+        Model::CoatedConductor { metal: of, microfacets, coat: layer } => {
+            let [base, color] = metal_lobe(of, microfacets, layer.index, code);
             let top = coat(layer, code);
-            let below = even(facets).map_or(0.3, |roughness| roughness * roughness);
+            let below = even(microfacets).map_or(0.3, |roughness| roughness * roughness);
             let Some([mirrored, out, again]) = over(layer, Some(below), code) else {
                 return format!("layer ({top}, {base})");
             };
@@ -437,20 +437,20 @@ fn model(of: &Model, code: &mut Code, depth: u32) -> String {
                 );
             }
             // Light that has met a rough base twice goes to all sides.
-            let alpha = even(&layer.facets).map_or(0.3, |roughness| roughness * roughness);
+            let alpha = even(&layer.microfacets).map_or(0.3, |roughness| roughness * roughness);
             let later = coated(f64::from(alpha), f64::from(layer.index), None);
             let [late_out, late_again] =
                 [later.out, later.again].map(|list| number(list.last().copied().unwrap_or(0.5)));
             let late = format!("{again} * {color} * {late_out} / (color (1) - {color} * {late_again})");
             format!("layer ({mirrored} * {top}, (color ({out}) + {late}) * {base})")
         }
-        Model::Dielectric { index, facets, .. } => {
-            let alphas = alphas(facets, code);
+        Model::Dielectric { index, microfacets, .. } => {
+            let alphas = alphas(microfacets, code);
             let [along, across] = &alphas;
-            let is_narrow = even(facets).is_some_and(|roughness| roughness <= NARROW);
+            let is_narrow = even(microfacets).is_some_and(|roughness| roughness <= NARROW);
             let kept = match is_narrow {
                 true => "1".to_owned(),
-                false => retained(facets, &alphas, Some(f64::from(*index)), code)[0].clone(),
+                false => retained(microfacets, &alphas, Some(f64::from(*index)), code)[0].clone(),
             };
             let index = number(*index);
             format!(

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use gnurt_scene::Affine;
 use gnurt_scene::texture::Wrap;
 
-use crate::place::Place;
+use crate::location::Location;
 
 /// Textures may be made of textures this deep.
 pub(crate) const DEEPEST: u32 = 32;
@@ -54,7 +54,7 @@ pub(crate) struct Texture {
     pub(crate) node: Node,
     /// 1, or one more than the depth of its deepest input.
     pub(crate) depth: u32,
-    pub(crate) place: Place,
+    pub(crate) location: Location,
 }
 
 /// The kind of a texture, and its inputs.

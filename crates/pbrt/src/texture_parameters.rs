@@ -38,7 +38,7 @@ impl Textures {
                 true => format!("that texture is not of type \"{kind}\""),
                 false => format!("define it: Texture \"{name}\" \"{kind}\" ..."),
             };
-            parameters.place.error(problem, remedy)
+            parameters.location.error(problem, remedy)
         })
     }
 
@@ -95,7 +95,7 @@ impl Reading<'_> {
         parameters: &Parameters,
         warnings: &mut Warnings,
     ) -> Result<Texture, Error> {
-        let place = parameters.place.clone();
+        let location = parameters.location.clone();
         let pair = |[a, b]: [&str; 2], [x, y]: [f32; 2]| -> Result<[Input; 2], Error> {
             Ok([self.input(parameters, a, x)?, self.input(parameters, b, y)?])
         };
@@ -106,7 +106,7 @@ impl Reading<'_> {
             }
             "imagemap" => (Node::Image(self.image(parameters)?), 0),
             "ptex" => {
-                place.warn(warnings, Oddity::StandIn, "texture \"ptex\", shown as a grey of 0.5");
+                location.warn(warnings, Oddity::StandIn, "texture \"ptex\", shown as a grey of 0.5");
                 parameters.ignore();
                 (Node::Constant([0.5; 3]), 0)
             }
@@ -145,7 +145,7 @@ impl Reading<'_> {
                     2 => (Node::Checkerboard(self.mapping(parameters)?, ends), depth),
                     3 => (Node::Boxes(self.texture_from_world, ends), depth),
                     other => {
-                        return Err(place
+                        return Err(location
                             .error(format!("\"dimension\" {other} of a checkerboard"), "expected 2 or 3"));
                     }
                 }
@@ -171,24 +171,24 @@ impl Reading<'_> {
                 let known = "bilerp, checkerboard, constant, directionmix, dots, fbm, imagemap, marble, mix, scale, \
                              windy, wrinkled";
                 let problem = format!("unknown texture class {}", quoted(other));
-                return Err(place.error(problem, format!("valid are {known}")));
+                return Err(location.error(problem, format!("valid are {known}")));
             }
         };
         let depth = parts + 1;
         if depth > DEEPEST {
             let problem = format!("textures lie in one another more than {DEEPEST} deep");
-            return Err(place.error(problem, "make the texture of fewer"));
+            return Err(location.error(problem, "make the texture of fewer"));
         }
-        Ok(Texture { node, depth, place })
+        Ok(Texture { node, depth, location })
     }
 
     fn image(&self, parameters: &Parameters) -> Result<Image, Error> {
-        let place = &parameters.place;
+        let location = &parameters.location;
         let name = parameters.text("filename")?.ok_or_else(|| {
-            place.error("an imagemap has no \"string filename\"", "name the file of its picture")
+            location.error("an imagemap has no \"string filename\"", "name the file of its picture")
         })?;
         let wrong = |what: &str, found: &str, valid: &str| {
-            place.error(
+            location.error(
                 format!("unknown {what} {} of an imagemap", quoted(found)),
                 format!("valid are {valid}"),
             )
@@ -217,7 +217,7 @@ impl Reading<'_> {
             },
         };
         Ok(Image {
-            path: resolve(&place.path, name),
+            path: resolve(&location.path, name),
             mapping: self.mapping(parameters)?,
             wrap,
             nearest,
@@ -248,7 +248,7 @@ impl Reading<'_> {
             other => {
                 let problem = format!("unknown mapping {}", quoted(other));
                 return Err(parameters
-                    .place
+                    .location
                     .error(problem, "valid are cylindrical, planar, spherical and uv"));
             }
         })

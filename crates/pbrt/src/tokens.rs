@@ -5,7 +5,7 @@
 use gnurt_scene::io::Error;
 use gnurt_scene::io::reader::quoted;
 
-use crate::place::Place;
+use crate::location::Location;
 use crate::sources::Source;
 
 /// A token.
@@ -23,8 +23,8 @@ pub(crate) enum Token {
 
 impl Source {
     /// Where the next token is.
-    pub(crate) fn place(&self) -> Place {
-        Place { path: self.path.clone(), line: self.line }
+    pub(crate) fn location(&self) -> Location {
+        Location { path: self.path.clone(), line: self.line }
     }
 
     /// The characters of a word.
@@ -77,7 +77,7 @@ impl Source {
 
     /// A text; the next byte is its quotation mark.
     fn text(&mut self) -> Result<Token, Error> {
-        let place = self.place();
+        let location = self.location();
         let mut text = Vec::new();
         self.at += 1;
         loop {
@@ -100,7 +100,7 @@ impl Source {
                 Some(b'\n') | None => {
                     let begin = String::from_utf8_lossy(&text);
                     let problem = format!("text {} has no end on its line", quoted(&begin));
-                    return Err(place.error(problem, "end it with \""));
+                    return Err(location.error(problem, "end it with \""));
                 }
                 Some(other) => text.push(other),
             }

@@ -56,10 +56,10 @@ mod tests {
 
     #[test]
     fn who_looks_sees_the_target_ahead() {
-        let look = look_at([0.0, 0.0, -5.0], [0.0; 3], [0.0, 1.0, 0.0]).expect("a view");
-        let ahead = look.point([0.0; 3]);
+        let view = look_at([0.0, 0.0, -5.0], [0.0; 3], [0.0, 1.0, 0.0]).expect("a view");
+        let ahead = view.point([0.0; 3]);
         assert!((ahead[2] - 5.0).abs() < 1e-12, "{ahead:?}");
-        assert_eq!(look.point([1.0, 0.0, -5.0]), [1.0, 0.0, 0.0], "x is on the right, and z goes ahead");
+        assert_eq!(view.point([1.0, 0.0, -5.0]), [1.0, 0.0, 0.0], "x is on the right, and z goes ahead");
         assert_eq!(look_at([0.0; 3], [0.0; 3], [0.0, 1.0, 0.0]), None);
     }
 

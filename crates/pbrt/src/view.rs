@@ -74,10 +74,10 @@ pub(crate) fn read(
     film: &Film,
     warnings: &mut Warnings,
 ) -> Result<View, Error> {
-    let place = &parameters.place;
+    let location = &parameters.location;
     let file_from_camera = camera_from_file
         .inverse()
-        .ok_or_else(|| place.error("the camera's transform flattens space", "it must have an inverse"))?;
+        .ok_or_else(|| location.error("the camera's transform flattens space", "it must have an inverse"))?;
     let is_mirrored = file_from_camera.determinant() < 0.0;
     let panorama = class == "spherical" && parameters.text("mapping")? == Some("equirectangular");
     // A panorama's middle is the camera's -x, and goes on to -z: that is right-handed.
@@ -90,7 +90,7 @@ pub(crate) fn read(
     let frame_aspect = film.size[0] as f32 / film.size[1] as f32;
     let aspect = parameters.float_or("frameaspectratio", frame_aspect)?;
     if !(aspect > 0.0 && aspect.is_finite()) {
-        return Err(place.error(format!("\"frameaspectratio\" is {aspect}"), "it must be above 0"));
+        return Err(location.error(format!("\"frameaspectratio\" is {aspect}"), "it must be above 0"));
     }
     let mut window = match aspect > 1.0 {
         true => [-aspect, aspect, -1.0, 1.0],
@@ -102,14 +102,14 @@ pub(crate) fn read(
         }
         Some(other) => {
             let problem = format!("\"screenwindow\" is {other:?}");
-            return Err(place.error(problem, "give left, right, lower, upper, each pair ascending"));
+            return Err(location.error(problem, "give left, right, lower, upper, each pair ascending"));
         }
         None => {}
     }
     let lens = parameters.float_or("lensradius", 0.0)?.max(0.0);
     let focus = parameters.float_or("focaldistance", 1e6)?;
     if lens > 0.0 && !(focus > 0.0 && focus.is_finite()) {
-        return Err(place.error(format!("\"focaldistance\" is {focus}"), "it must be above 0"));
+        return Err(location.error(format!("\"focaldistance\" is {focus}"), "it must be above 0"));
     }
     let shutter = [parameters.float_or("shutteropen", 0.0)?, parameters.float_or("shutterclose", 1.0)?];
     let [left, across, lower, upper] = window;
@@ -156,12 +156,12 @@ pub(crate) fn read(
         "perspective" | "realistic" => {
             let mut fov = parameters.float_or("fov", 90.0)?;
             if class == "realistic" {
-                place.warn(warnings, Oddity::StandIn, "camera \"realistic\", a pinhole of a normal lens");
+                location.warn(warnings, Oddity::StandIn, "camera \"realistic\", a pinhole of a normal lens");
                 parameters.ignore();
                 fov = 40.0;
             }
             if !(fov > 0.0 && fov < 180.0) {
-                return Err(place.error(
+                return Err(location.error(
                     format!("\"fov\" is {fov}"),
                     "an angle of view is above 0 and below 180 degrees",
                 ));
@@ -194,19 +194,19 @@ pub(crate) fn read(
             }
             other => {
                 let problem = format!("unknown mapping {} of a spherical camera", quoted(other));
-                return Err(place.error(problem, "valid are equalarea and equirectangular"));
+                return Err(location.error(problem, "valid are equalarea and equirectangular"));
             }
         },
         other => {
             let known = "orthographic, perspective, realistic and spherical";
             return Err(
-                place.error(format!("unknown camera {}", quoted(other)), format!("valid are {known}"))
+                location.error(format!("unknown camera {}", quoted(other)), format!("valid are {known}"))
             );
         }
     }
     parameters.find("medium", &[Kind::Text]);
     if let Some(fault) = camera.fault() {
-        return Err(place.error(
+        return Err(location.error(
             format!("the camera cannot be used: {fault}"),
             "look at LookAt and the transform before it",
         ));

@@ -6,7 +6,7 @@ use std::io::Write;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use crate::common::{load, read_beside, world_warned};
+use crate::common::{load, read_with_files, world_warned};
 
 /// Texts, the line of their mistake, and a part of the message.
 const BROKEN: [(&str, u64, &str); 38] = [
@@ -57,7 +57,7 @@ const BROKEN: [(&str, u64, &str); 38] = [
 #[test]
 fn errors_name_their_place() {
     for (text, line, part) in BROKEN {
-        let (loaded, _folder) = read_beside(text, &[]);
+        let (loaded, _folder) = read_with_files(text, &[]);
         let error = loaded.expect_err(text);
         let message = error.to_string();
         assert!(message.contains(part), "{text:?}: {message}");
@@ -129,16 +129,16 @@ fn files_include_others() {
         ("a.pbrt", b"Translate 1 0 0\n"),
         ("b.pbrt", b"Translate 9 0 0\nShape \"disk\" \"float height\" 2\n"),
     ];
-    let (loaded, _folder) = read_beside(text, &files);
+    let (loaded, _folder) = read_with_files(text, &files);
     let scene = loaded.expect("a scene").scene;
-    let mut places: Vec<f64> =
+    let mut locations: Vec<f64> =
         scene.instances().iter().map(|i| i.world_from_object.columns[3][0].abs()).collect();
-    places.sort_by(f64::total_cmp);
-    assert_eq!(places, [0.0, 1.0, 9.0], "what is included goes on, what is imported ends");
-    let (loaded, _folder) = read_beside("WorldBegin\nInclude \"a.pbrt\"\n", &[("a.pbrt", b"\nFoo\n")]);
+    locations.sort_by(f64::total_cmp);
+    assert_eq!(locations, [0.0, 1.0, 9.0], "what is included goes on, what is imported ends");
+    let (loaded, _folder) = read_with_files("WorldBegin\nInclude \"a.pbrt\"\n", &[("a.pbrt", b"\nFoo\n")]);
     let error = loaded.expect_err("wrong").to_string();
     assert!(error.contains("a.pbrt:2: "), "{error}");
-    let (loaded, _folder) = read_beside("WorldBegin\n\nInclude \"none.pbrt\"\n", &[]);
+    let (loaded, _folder) = read_with_files("WorldBegin\n\nInclude \"none.pbrt\"\n", &[]);
     let error = loaded.expect_err("missing").to_string();
     assert!(error.contains("t.pbrt:3: ") && error.contains("no such file"), "{error}");
 }

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 const FORMATS: Formats = Formats::new(&[&gnurt_pbrt::FORMAT]);
 
 /// What is read of a text, beside these files.
-pub(crate) fn read_beside(text: &str, files: &[(&str, &[u8])]) -> (Result<Loaded, Error>, TempDir) {
+pub(crate) fn read_with_files(text: &str, files: &[(&str, &[u8])]) -> (Result<Loaded, Error>, TempDir) {
     let folder = tempfile::tempdir().expect("a folder");
     for (name, bytes) in files {
         std::fs::write(folder.path().join(name), bytes).expect("a file");
@@ -26,7 +26,7 @@ pub(crate) fn load(path: &Path) -> Result<Loaded, Error> {
 
 /// A scene of these statements behind `WorldBegin`, without warnings but these.
 pub(crate) fn world_warned(text: &str, expected: &[&str]) -> Loaded {
-    let (loaded, _folder) = read_beside(&format!("WorldBegin\n{text}"), &[]);
+    let (loaded, _folder) = read_with_files(&format!("WorldBegin\n{text}"), &[]);
     let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
     let found: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
     let all = found.iter().all(|line| expected.iter().any(|part| line.contains(part)));

@@ -3,7 +3,7 @@
 
 use gnurt_scene::Light;
 
-use crate::common::{read_beside, world};
+use crate::common::{read_with_files, world};
 
 #[track_caller]
 fn near(found: [f32; 3], expected: [f32; 3]) {
@@ -46,7 +46,7 @@ fn scales_are_those_of_pbrt() {
 fn the_film_scales_all_light() {
     let text = "Camera \"perspective\" \"float shutterclose\" 0.5\nFilm \"rgb\" \"float iso\" 400\nWorldBegin\n\
         LightSource \"point\"\nShape \"disk\"\n";
-    let (loaded, _folder) = read_beside(text, &[]);
+    let (loaded, _folder) = read_with_files(text, &[]);
     let scene = loaded.expect("a scene").scene;
     let [Light::Point { intensity, .. }] = scene.lights() else { panic!("a point") };
     near(*intensity, [2.0; 3]);

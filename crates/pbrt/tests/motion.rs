@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Motion while the shutter is open.
 
-use crate::common::{read_beside, world};
+use crate::common::{read_with_files, world};
 
 #[test]
 fn shapes_instances_and_cameras_move() {
@@ -9,17 +9,17 @@ fn shapes_instances_and_cameras_move() {
         Camera \"perspective\"\nWorldBegin\nAttributeBegin\nActiveTransform EndTime\nTranslate 4 0 0\nActiveTransform All\n\
         Shape \"sphere\"\nAttributeEnd\nObjectBegin \"o\"\nShape \"disk\"\nObjectEnd\nActiveTransform EndTime\nRotate 90 0 0 1\n\
         ActiveTransform All\nObjectInstance \"o\"\n";
-    let (loaded, _folder) = read_beside(text, &[]);
+    let (loaded, _folder) = read_with_files(text, &[]);
     let loaded = loaded.expect("a scene");
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let mut scene = loaded.scene;
-    let places = |scene: &gnurt_scene::Scene| -> Vec<[f64; 3]> {
+    let locations = |scene: &gnurt_scene::Scene| -> Vec<[f64; 3]> {
         scene.instances().iter().map(|i| i.world_from_object.point([1.0, 0.0, 0.0])).collect()
     };
-    let before = places(&scene);
+    let before = locations(&scene);
     let eye = scene.cameras()[0].eye;
     let _ = scene.pose(0, 0.5);
-    let after = places(&scene);
+    let after = locations(&scene);
     assert!(
         (after[0][0] - before[0][0]).abs() > 1.99 && (after[0][0] - before[0][0]).abs() < 2.01,
         "{before:?} {after:?}"

@@ -3,7 +3,7 @@
 
 use gnurt_scene::ShaderFile;
 
-use crate::common::{read_beside, world};
+use crate::common::{read_with_files, world};
 
 fn shader(texture: &str) -> ShaderFile {
     let loaded = world(&format!(
@@ -40,13 +40,13 @@ fn pictures_have_names() {
     let pixel = include_bytes!("pixel.pfm");
     let text = "WorldBegin\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"pixel.pfm\" \"bool invert\" true\n\
         Material \"diffuse\" \"texture reflectance\" \"t\"\nShape \"disk\"\n";
-    let (loaded, _folder) = read_beside(text, &[("pixel.pfm", pixel)]);
+    let (loaded, _folder) = read_with_files(text, &[("pixel.pfm", pixel)]);
     let loaded = loaded.expect("a scene");
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     let (_, file) = loaded.scene.shader_files().next().expect("a shader");
     assert_eq!(file.pictures.len(), 1);
     assert!(file.text.as_ref().is_some_and(|text| text.contains(&file.pictures[0].0)));
-    let (loaded, _folder) = read_beside(text, &[]);
+    let (loaded, _folder) = read_with_files(text, &[]);
     let warnings: Vec<String> = loaded.expect("a scene").warnings.iter().map(ToString::to_string).collect();
     assert!(warnings.len() == 1 && warnings[0].contains("t.pbrt:2: texture cannot be read"), "{warnings:?}");
 }
@@ -57,7 +57,7 @@ fn deep_textures_are_refused() {
     for i in 1..40 {
         text += &format!("Texture \"t{i}\" \"float\" \"scale\" \"texture tex\" \"t{}\"\n", i - 1);
     }
-    let (loaded, _folder) = read_beside(&text, &[]);
+    let (loaded, _folder) = read_with_files(&text, &[]);
     let error = loaded.expect_err("too deep").to_string();
     assert!(error.contains("more than 32 deep"), "{error}");
 }

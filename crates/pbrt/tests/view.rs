@@ -3,10 +3,10 @@
 
 use gnurt_scene::{Camera, Projection, Scene};
 
-use crate::common::read_beside;
+use crate::common::read_with_files;
 
 fn scene(text: &str) -> Scene {
-    let (loaded, _folder) = read_beside(text, &[]);
+    let (loaded, _folder) = read_with_files(text, &[]);
     loaded.unwrap_or_else(|error| panic!("{error}")).scene
 }
 
@@ -15,8 +15,8 @@ fn seen(scene: &Scene, at: [f64; 3]) -> [f32; 3] {
     let camera: &Camera = &scene.cameras()[0];
     let frame = camera.frame().expect("a view");
     // The disk's middle is there.
-    let place = scene.instances()[0].world_from_object.point(at);
-    let from = [0, 1, 2].map(|k| place[k] as f32 - camera.eye[k]);
+    let location = scene.instances()[0].world_from_object.point(at);
+    let from = [0, 1, 2].map(|k| location[k] as f32 - camera.eye[k]);
     let along = |axis: [f32; 3]| (0..3).map(|k| axis[k] * from[k]).sum::<f32>();
     [along(frame.right), along(frame.up), along(frame.forward)]
 }

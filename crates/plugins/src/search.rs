@@ -76,11 +76,11 @@ mod tests {
 
     #[test]
     fn all_places_are_told() {
-        let told = find("none.so", "/nowhere", open).expect_err("there is none");
+        let reported = find("none.so", "/nowhere", open).expect_err("there is none");
         for plugin_path in ["\"none.so\"", "/nowhere/none.so", "loader: no good", "./none.so"] {
-            assert!(told.contains(plugin_path), "'{plugin_path}' in {told}");
+            assert!(reported.contains(plugin_path), "'{plugin_path}' in {reported}");
         }
-        let told = find("none.so", "", open).expect_err("there is none");
-        assert!(told.contains("OPENRT_SHADER_PATH is not set"), "{told}");
+        let reported = find("none.so", "", open).expect_err("there is none");
+        assert!(reported.contains("OPENRT_SHADER_PATH is not set"), "{reported}");
     }
 }

@@ -25,7 +25,7 @@ fn cornell() -> Scene {
 }
 
 /// The room's camera, a little to the side.
-fn camera_beside(scene: &Scene, step: u32) -> SceneCamera {
+fn offset_camera(scene: &Scene, step: u32) -> SceneCamera {
     let camera = &scene.cameras()[0];
     let side = 0.002 * f32::from(u8::from(step % 2 == 1)) * camera.eye.iter().map(|x| x.abs()).sum::<f32>();
     let moved = Camera { eye: [camera.eye[0] + side, camera.eye[1], camera.eye[2]], ..camera.clone() };
@@ -61,7 +61,7 @@ fn pictures_in_motion_have_the_right_mean() {
         for seed in 0..SEEDS {
             // Light samples and rays are those of the still picture: only virtual lights differ.
             let options = RenderOptions { seed, vpls: 512, ..by(integrator) };
-            let (still, moved) = (camera_beside(&scene, 0), camera_beside(&scene, 1));
+            let (still, moved) = (offset_camera(&scene, 0), offset_camera(&scene, 1));
             let picture = render(&world, &still, &options, &pool(2), &Silent).expect("sound options").picture;
             let mut persistent = PersistentLights::default();
             for camera in [&moved, &still, &moved] {
@@ -91,7 +91,7 @@ fn later_pictures_trace_few_lights() {
         let options = RenderOptions { width: 2, height: 2, vpls: 4096, ..by(integrator) };
         let mut persistent = PersistentLights::default();
         let rays = [0, 1, 2].map(|step| {
-            view(&mut persistent, &world, &camera_beside(&scene, step), &options, 2).stats().secondary_rays
+            view(&mut persistent, &world, &offset_camera(&scene, step), &options, 2).stats().secondary_rays
         });
         assert!(rays[2] * 4 < rays[0], "{integrator}: {rays:?}");
     }
@@ -105,9 +105,9 @@ fn nothing_flickers() {
     for (integrator, steps) in ALL.into_iter().zip([1, 8, 8]) {
         let options = by(integrator);
         let mut persistent = PersistentLights::default();
-        view(&mut persistent, &world, &camera_beside(&scene, 1), &options, 2);
+        view(&mut persistent, &world, &offset_camera(&scene, 1), &options, 2);
         let mut measured: Vec<_> = (0..=steps)
-            .map(|_| view(&mut persistent, &world, &camera_beside(&scene, 0), &options, 2).picture())
+            .map(|_| view(&mut persistent, &world, &offset_camera(&scene, 0), &options, 2).picture())
             .collect();
         let (last, before) = (measured.pop(), measured.pop());
         assert_eq!(last, before, "{integrator}: the same view, the same bits");
@@ -121,15 +121,15 @@ fn what_moves_is_followed() {
     for integrator in ALL {
         let options = by(integrator);
         let mut persistent = PersistentLights::default();
-        view(&mut persistent, &world, &camera_beside(&scene, 0), &options, 2);
+        view(&mut persistent, &world, &offset_camera(&scene, 0), &options, 2);
         let instance = scene.edit_instance(gnurt_scene::InstanceId(0));
         instance.world_from_object.columns[3][1] += 0.01;
         let commit = CommitOptions { force_diffuse: true, ..CommitOptions::default() };
         world.commit(&scene, &ShaderTable::default(), &commit, &pool(2)).expect("the scene is sound");
-        let found = view(&mut persistent, &world, &camera_beside(&scene, 0), &options, 2).picture();
+        let found = view(&mut persistent, &world, &offset_camera(&scene, 0), &options, 2).picture();
         // The learned number of light paths is random.
         let first =
-            view(&mut PersistentLights::default(), &world, &camera_beside(&scene, 0), &options, 2).picture();
+            view(&mut PersistentLights::default(), &world, &offset_camera(&scene, 0), &options, 2).picture();
         assert!(
             found == first || integrator == Integrator::InstantRadiosity,
             "{integrator}: as the world is"
@@ -147,7 +147,7 @@ fn threads_do_not_show() {
     for integrator in ALL {
         let [mut one, mut seven] = [(); 2].map(|()| PersistentLights::default());
         for step in 0..3 {
-            let camera = camera_beside(&scene, step);
+            let camera = offset_camera(&scene, step);
             let [one, seven] = [(&mut one, 1), (&mut seven, 7)]
                 .map(|(persistent, n)| view(persistent, &world, &camera, &by(integrator), n).picture());
             assert_eq!(one, seven, "{integrator}, picture {step}: bit for bit");

@@ -20,7 +20,7 @@ use crate::common::*;
 const KEYS: usize = 4;
 
 /// A room in which a sheet waves, a lamp sinks, a box turns, and a light passes by.
-struct Room {
+struct Setup {
     scene: Scene,
     exposure: Exposure,
     cameras: Vec<Camera>,
@@ -43,7 +43,7 @@ fn turned(share: f64) -> Affine {
     Affine::translation([1.1, 0.6 + 0.2 * share, 0.0]) * rotated * Affine::scale([0.5, 0.9, 0.5])
 }
 
-fn scratch(lights_move: bool) -> Room {
+fn scratch(lights_move: bool) -> Setup {
     let mut scene = floor(0.6, 4.0);
     let (red, shine) = (matte(&mut scene, [0.8, 0.3, 0.2]), emitter(&mut scene, [25.0, 22.0, 20.0]));
     let wave = |share: f32, material| {
@@ -92,10 +92,10 @@ fn scratch(lights_move: bool) -> Room {
         exposure.instances.push((sinking, keys(&sunk)));
         exposure.lights.push((light, (0..KEYS).map(|k| point(share(k))).collect()));
     }
-    Room { scene, exposure, cameras: (0..KEYS).map(|k| camera_at(share(k))).collect() }
+    Setup { scene, exposure, cameras: (0..KEYS).map(|k| camera_at(share(k))).collect() }
 }
 
-impl Room {
+impl Setup {
     /// The same with nested objects: boxes in a row, of which the first spins, in a static object; and a
     /// small light that swings in a static one.
     fn with_members(mut self) -> Self {
@@ -206,7 +206,7 @@ fn each_moment_is_the_scene_at_that_moment() {
         for (integrator, spp) in all {
             let options = RenderOptions {
                 aovs: integrator == Integrator::Path,
-                ..Room::of_integrator(integrator, spp)
+                ..Setup::of_integrator(integrator, spp)
             };
             let camera = moving.at(time);
             let (found, expected) =
@@ -236,12 +236,12 @@ fn pictures_are_the_mean_of_their_moments() {
         let scratch = scratch(lights_move);
         let world = scratch.world();
         let moving = MovingCamera::new(&scratch.cameras).expect("views");
-        let options = Room::of_integrator(integrator, 64);
+        let options = Setup::of_integrator(integrator, 64);
         let blurred = scratch.picture(&world, &moving, &options);
         let mut sum = vec![[0.0; 3]; blurred.color.len()];
         for i in 0..64 {
             let time = (i as f32 + 0.5) / 64.0;
-            let options = RenderOptions { seed: 100 + i, ..Room::of_integrator(integrator, 2) };
+            let options = RenderOptions { seed: 100 + i, ..Setup::of_integrator(integrator, 2) };
             let one = scratch.picture(&world.at(time, &pool(2)), &moving.at(time), &options);
             for (sum, color) in sum.iter_mut().zip(&one.color) {
                 (0..3).for_each(|k| sum[k] += f64::from(color[k]) / 64.0);
@@ -261,7 +261,7 @@ fn pictures_are_the_mean_of_their_moments() {
 fn commits_after_an_open_shutter_are_those_of_fresh_worlds() {
     let scratch = scratch(true).with_members();
     let camera = SceneCamera::new(&scratch.cameras[0]).expect("a view");
-    let options = Room::of_integrator(Integrator::Path, 1);
+    let options = Setup::of_integrator(Integrator::Path, 1);
     let same = |found: &World, expected: &World, what: &str| {
         let [found, expected] =
             [found, expected].map(|world| scratch.picture(world, &camera, &options).color);

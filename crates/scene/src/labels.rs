@@ -14,7 +14,7 @@ pub struct Labels {
     /// Instances that are the surface of a light: they are listed as lights, not as meshes.
     pub luminaires: BTreeMap<InstanceId, Luminaire>,
     /// The first and the last moment in seconds of a file that is read at a moment; `None` = all moments are in the scene.
-    pub moments: Option<[f64; 2]>,
+    pub times: Option<[f64; 2]>,
     /// The camera that the file wants to be seen through.
     pub camera: Option<CameraId>,
     /// Columns and rows of the picture that the file wants.

@@ -262,8 +262,8 @@ fn weights_that_are_no_numbers_are_told() {
         "skins":[{{"joints":[1]}}],"nodes":[{{"mesh":0,"skin":0}},{{"translation":[0,0,5]}}]}}"#
     );
     let loaded = load_named("t.gltf", json.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
-    let told = loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
-    assert!(told.contains("vertex 0 has a joint weight that is not finite"), "{told}");
+    let reported = loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n");
+    assert!(reported.contains("vertex 0 has a joint weight that is not finite"), "{reported}");
 }
 
 #[test]
@@ -399,7 +399,7 @@ fn numbers_out_of_range_are_told() {
         let lines: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
         lines.into_iter().filter(|line| !line.contains("no triangles")).collect::<Vec<_>>()
     };
-    let told = lines(
+    let reported = lines(
         r#""pbrMetallicRoughness":{"roughnessFactor":3,"metallicFactor":-1,"baseColorFactor":[2,-1,0,7]},"alphaMode":"SOFT",
         "extensions":{"KHR_materials_iridescence":{"iridescenceFactor":7,"iridescenceIor":-1},"KHR_materials_ior":{"ior":0}}"#,
     );
@@ -413,7 +413,7 @@ fn numbers_out_of_range_are_told() {
         "ior 0; expected 1 or more",
         "alphaMode `SOFT`, shown as OPAQUE",
     ] {
-        assert!(told.iter().any(|line| line.contains(text)), "{text}: {told:?}");
+        assert!(reported.iter().any(|line| line.contains(text)), "{text}: {reported:?}");
     }
     let right = lines(
         r#""pbrMetallicRoughness":{"roughnessFactor":1,"metallicFactor":0,"baseColorFactor":[1,0,0.5,0.5]},"emissiveFactor":[1,1,0],

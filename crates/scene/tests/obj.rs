@@ -130,8 +130,8 @@ fn materials_name_shaders() {
     assert_eq!(shader.file, folder.path().join("my wood.osl"), "beside the library");
     let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
     assert_eq!(shader.parameters, [pair("scale", "2"), pair("tint", "1,0.5,0.2")]);
-    let told = loaded.warnings.count(gnurt_scene::io::Oddity::BadMaterialLine);
-    assert_eq!(told, 1, "the other is told: {:?}", loaded.warnings);
+    let reported = loaded.warnings.count(gnurt_scene::io::Oddity::BadMaterialLine);
+    assert_eq!(reported, 1, "the other is told: {:?}", loaded.warnings);
 }
 
 #[test]
@@ -236,13 +236,20 @@ fn what_is_not_read_is_told() {
         let loaded = gnurt_scene::io::load(path).unwrap_or_else(|e| panic!("{e}"));
         loaded.warnings.iter().map(ToString::to_string).collect::<Vec<_>>()
     };
-    let told = lines("surf 0 1 0 1 1 2 3 4\nend\n", "newmtl m\nmap_Ka a.png\nmap_Ks s.png\nmap_Pr r.png\n");
+    let reported =
+        lines("surf 0 1 0 1 1 2 3 4\nend\n", "newmtl m\nmap_Ka a.png\nmap_Ks s.png\nmap_Pr r.png\n");
     for (text, line) in [("`map_Ks`", "t.mtl:3"), ("`map_Pr`", "t.mtl:4"), ("free-form surface", "t.obj:6")] {
-        assert!(told.iter().any(|l| l.contains(text) && l.contains(line)), "{text} at {line}: {told:?}");
+        assert!(
+            reported.iter().any(|l| l.contains(text) && l.contains(line)),
+            "{text} at {line}: {reported:?}"
+        );
     }
-    assert_eq!(told.len(), 3, "nothing about ambient light: {told:?}");
-    let told = lines("", "newmtl m\nKd -1 0 0\nPr 3\nNi 0\nd 1.5\n");
+    assert_eq!(reported.len(), 3, "nothing about ambient light: {reported:?}");
+    let reported = lines("", "newmtl m\nKd -1 0 0\nPr 3\nNi 0\nd 1.5\n");
     for text in ["`Kd -1`", "`Pr 3` of `m`; expected 0 to 1", "`Ni 0`", "`d 1.5`"] {
-        assert!(told.iter().any(|l| l.contains(text) && l.contains("out of range")), "{text}: {told:?}");
+        assert!(
+            reported.iter().any(|l| l.contains(text) && l.contains("out of range")),
+            "{text}: {reported:?}"
+        );
     }
 }

@@ -13,11 +13,11 @@ use gnurt_scene::{
 };
 
 fn there_and_back(scene: &Scene, name: &str) -> Scene {
-    told(scene, name).0
+    reported(scene, name).0
 }
 
 /// The scene read back, the warnings of writing, and the text of the file (of a library, if there is one).
-fn told(scene: &Scene, name: &str) -> (Scene, Vec<String>, String) {
+fn reported(scene: &Scene, name: &str) -> (Scene, Vec<String>, String) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join(name);
     let warnings = save(scene, &path).unwrap_or_else(|e| panic!("{e}"));
@@ -343,7 +343,7 @@ fn unlit_colours_come_back() {
     let unlit = Surface::Unlit { color: Color::constant([0.5, 0.25, 0.75]) };
     let scene = scene_of([of(unlit.clone())]);
     assert_eq!(there_and_back(&scene, "a.gltf").materials()[0].surface, unlit, "glTF has a word for it");
-    let (back, lines, _) = told(&scene, "a.obj");
+    let (back, lines, _) = reported(&scene, "a.obj");
     assert_eq!(back.materials()[1].emission, [0.5, 0.25, 0.75], "MTL has lamps");
     assert!(lines.iter().any(|line| line.contains("unlit colour")), "{lines:?}");
 }
@@ -370,7 +370,7 @@ fn numbers_of_mtl_come_back() {
     // As a metal of MTL's own numbers is read: `Kd` is kept beside it.
     let metal = Material { diffuse: Some(Color::constant([0.0; 3])), ..of(gold.clone()) };
     let scene = scene_of([metal, of(plastic(0.25, 1.25)), of(glass)]);
-    let (back, lines, _) = told(&scene, "a.obj");
+    let (back, lines, _) = reported(&scene, "a.obj");
     for (before, after) in scene.materials().iter().zip(&back.materials()[1..]) {
         assert_eq!(before.surface, after.surface, "{}", before.name);
     }
@@ -489,7 +489,7 @@ fn what_is_lost_is_told() {
     ];
     let gltf = ["bump map", "base colour above 1"];
     for (name, own) in [("a.obj", &obj[..]), ("a.gltf", &gltf)] {
-        let (_, lines, _) = told(&scene, name);
+        let (_, lines, _) = reported(&scene, name);
         for text in both.iter().chain(own) {
             assert!(lines.iter().any(|line| line.contains(text)), "{name}: {text}: {lines:?}");
         }
@@ -498,9 +498,10 @@ fn what_is_lost_is_told() {
 
 #[test]
 fn gltf_lists_what_it_uses() {
-    let (_, _, text) = told(&scene_of([of(plastic(0.5, 1.5))]), "a.gltf");
+    let (_, _, text) = reported(&scene_of([of(plastic(0.5, 1.5))]), "a.gltf");
     assert!(!text.contains("extensionsUsed") && !text.contains("\"extensions\""), "{text}");
-    let (_, _, text) = told(&scene_of([of(plastic(0.5, 1.25)), Material::matte("m", [0.5; 3])]), "a.gltf");
+    let (_, _, text) =
+        reported(&scene_of([of(plastic(0.5, 1.25)), Material::matte("m", [0.5; 3])]), "a.gltf");
     let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!(
         document["extensionsUsed"],
@@ -512,7 +513,7 @@ fn gltf_lists_what_it_uses() {
     let bare = empty.add_mesh(gnurt_scene::Mesh::default());
     let bare = empty.add_object_of("bare", vec![bare]);
     empty.instantiate(bare, Affine::IDENTITY);
-    let (back, _, text) = told(&empty, "a.gltf");
+    let (back, _, text) = reported(&empty, "a.gltf");
     assert!(!text.contains("\"primitives\": []"), "{text}");
     let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let meshes = document["meshes"].as_array().expect("meshes");

@@ -471,8 +471,9 @@ fn operations_of_wrong_types_stay_within_their_symbols() {
 
 /// Seconds of work of this thread, or elapsed seconds if unknown.
 fn worked(start: std::time::Instant) -> f64 {
-    let told = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = told.as_deref().and_then(|told| told.split(' ').next()?.parse::<f64>().ok());
+    let reported = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds =
+        reported.as_deref().and_then(|reported| reported.split(' ').next()?.parse::<f64>().ok());
     nanoseconds.map_or(start.elapsed().as_secs_f64(), |ns| ns * 1e-9)
 }
 

@@ -10,24 +10,24 @@ use crate::attributes::{Attribute, Spread};
 pub(crate) struct Bent {
     pub(crate) points: Vec<[f32; 3]>,
     /// By point: what turns normals; empty = nothing.
-    pub(crate) turns: Vec<[[f32; 3]; 3]>,
+    pub(crate) rotations: Vec<[[f32; 3]; 3]>,
 }
 
 impl Bent {
     /// Turns normals with the points that they stand on.
-    pub(crate) fn turn(&self, faces: &Faces, normals: &mut Attribute) {
-        if self.turns.is_empty() {
+    pub(crate) fn rotate(&self, faces: &Faces, normals: &mut Attribute) {
+        if self.rotations.is_empty() {
             return;
         }
-        let turned = |element: u32, point: u32| {
+        let rotated = |element: u32, point: u32| {
             let n: [f32; 3] = normals.get(element, [0.0; 3]);
-            let [a, b, c] = self.turns[point as usize];
+            let [a, b, c] = self.rotations[point as usize];
             [0, 1, 2].map(|k| a[k] * n[0] + b[k] * n[1] + c[k] * n[2])
         };
         let (values, spread): (Vec<[f32; 3]>, Spread) = match normals.is_of_points() {
             true => {
                 let points = 0..faces.vertices() as u32;
-                let values = points.clone().map(|point| turned(normals.element(0, 0, point), point));
+                let values = points.clone().map(|point| rotated(normals.element(0, 0, point), point));
                 (values.collect(), Spread::Points(points.collect(), false))
             }
             false => {
@@ -35,7 +35,7 @@ impl Bent {
                     (0..faces.len()).flat_map(|face| faces.range(face).map(move |corner| (face, corner)));
                 let values = corners.map(|(face, corner)| {
                     let point = faces.corners()[corner];
-                    turned(normals.element(face, corner, point), point)
+                    rotated(normals.element(face, corner, point), point)
                 });
                 (values.collect(), Spread::Corners((0..faces.corners().len() as u32).collect()))
             }

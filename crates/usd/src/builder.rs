@@ -54,7 +54,13 @@ pub(crate) struct Placed {
 
 impl Builder<'_> {
     /// Puts an object where a prim is.
-    pub(crate) fn place(&self, prim: &Path, object: ObjectId, transform: Affine, placed: &mut Vec<Placed>) {
+    pub(crate) fn add_instance(
+        &self,
+        prim: &Path,
+        object: ObjectId,
+        transform: Affine,
+        placed: &mut Vec<Placed>,
+    ) {
         if transform.inverse().is_none() {
             self.reader.note(Oddity::BadNode, prim, "its transform is flat or not finite");
             return;

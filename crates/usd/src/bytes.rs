@@ -37,11 +37,11 @@ impl<'a> Bytes<'a> {
     /// A count of things of `size` bytes each that begin 8 bytes later.
     pub(crate) fn count(&self, at: u64, size: u64) -> Result<u64, Fault> {
         let count = self.number::<8>(at)?;
-        self.room(at + 8, count, size).map(|()| count)
+        self.capacity(at + 8, count, size).map(|()| count)
     }
 
     /// Whether there is room for so many things in the file.
-    pub(crate) fn room(&self, at: u64, count: u64, size: u64) -> Result<(), Fault> {
+    pub(crate) fn capacity(&self, at: u64, count: u64, size: u64) -> Result<(), Fault> {
         if count.checked_mul(size).is_none_or(|bytes| bytes > self.left(at)) {
             return Err(format!(
                 "{count} values are declared at byte {at}, where the file has no room for them"

@@ -72,8 +72,8 @@ impl Builder<'_> {
         });
         let Some(settings) = found else { return };
         let camera = reader.targets(&settings, "camera").into_iter().next();
-        let place = |camera: &Path| self.scene.cameras().iter().position(|c| c.name == camera.as_str());
-        let camera = camera.as_ref().and_then(place);
+        let index_of = |camera: &Path| self.scene.cameras().iter().position(|c| c.name == camera.as_str());
+        let camera = camera.as_ref().and_then(index_of);
         let resolution = reader.value(&settings, "resolution").as_ref().and_then(value::vector::<2>);
         let labels = self.scene.labels_mut();
         labels.camera = camera.map(|index| gnurt_scene::CameraId(index as u32));

@@ -78,8 +78,8 @@ pub(crate) fn unpack(bytes: &Bytes<'_>, at: u64, most: u64) -> Result<Vec<u8>, F
         return Err(format!("compressed data at byte {at} is in {chunks} pieces; one is read"));
     }
     // No more than the block can become.
-    let room = most.min(packed.len() as u64 * 255 + 64);
-    let mut unpacked = vec![0; room as usize];
+    let capacity = most.min(packed.len() as u64 * 255 + 64);
+    let mut unpacked = vec![0; capacity as usize];
     let length = lz4_flex::decompress_into(packed, &mut unpacked).map_err(|_| damaged())?;
     unpacked.truncate(length);
     Ok(unpacked)
@@ -142,19 +142,19 @@ fn token_lengths(bytes: &Bytes<'_>, at: u64) -> Result<Vec<u32>, Fault> {
 fn check_paths(bytes: &Bytes<'_>, at: u64, tokens: &[u32]) -> Result<(), Fault> {
     let (paths, count) = (bytes.number::<8>(at)?, bytes.number::<8>(at + 8)?);
     bytes.allow(paths, 48)?;
-    let (places, at) = integers(bytes, at + 16, count)?;
+    let (indices, at) = integers(bytes, at + 16, count)?;
     let (names, at) = integers(bytes, at, count)?;
     let (jumps, _) = integers(bytes, at, count)?;
     let damaged = || "the tree of paths is damaged".to_owned();
-    let mut is_seen = vec![false; places.len()];
+    let mut is_seen = vec![false; indices.len()];
     let (mut pending, mut text) = (vec![(0_usize, 0_usize, 0_u64)], 0_u64);
-    while let Some((mut index, depth, above)) = pending.pop().filter(|_| !places.is_empty()) {
+    while let Some((mut index, depth, above)) = pending.pop().filter(|_| !indices.is_empty()) {
         if depth > DEEPEST {
             return Err(format!("prims lie more than {DEEPEST} deep in one another"));
         }
         loop {
             let seen = is_seen.get_mut(index).ok_or_else(damaged)?;
-            let is_there = usize::try_from(places[index]).is_ok_and(|place| (place as u64) < paths);
+            let is_there = usize::try_from(indices[index]).is_ok_and(|index| (index as u64) < paths);
             let name = if index == 0 { Some(&0) } else { tokens.get(names[index].unsigned_abs() as usize) };
             let (false, true, Some(&name)) = (*seen, is_there, name) else { return Err(damaged()) };
             *seen = true;

@@ -46,7 +46,7 @@ impl<'a> Values<'a> {
                 // Tokens have the length of an array, the others that of a list.
                 let (count, at) =
                     if kind == 11 { self.length(at)? } else { (self.bytes.number::<8>(at)?, at + 8) };
-                self.bytes.room(at, count, 4)
+                self.bytes.capacity(at, count, 4)
             }
             _ if is_array => self.array(kind, at, is_compressed),
             31 => self.dictionary(at, depth).map(drop),
@@ -86,7 +86,7 @@ impl<'a> Values<'a> {
                 let at = match self.bytes.number::<1>(at)? as u8 {
                     b'i' => at + 1,
                     b't' => {
-                        self.bytes.room(at + 5, table, size)?;
+                        self.bytes.capacity(at + 5, table, size)?;
                         at + 5 + table * size
                     }
                     code => return Err(format!("array that is coded in the unknown way {code}")),
@@ -96,7 +96,7 @@ impl<'a> Values<'a> {
             _ if is_compressed => {
                 Err(format!("compressed array of values of type {kind}, which are never compressed"))
             }
-            _ => self.bytes.room(at, count, size),
+            _ => self.bytes.capacity(at, count, size),
         }
     }
 

@@ -44,9 +44,9 @@ impl Builder<'_> {
             }
             fits
         };
-        let turns = ["orientationsf", "orientations"].into_iter().find_map(|name| {
-            let turns = reader.value(prim, name).as_ref().and_then(value::quaternions)?;
-            fitting(name, turns.len()).then_some(turns)
+        let rotations = ["orientationsf", "orientations"].into_iter().find_map(|name| {
+            let rotations = reader.value(prim, name).as_ref().and_then(value::quaternions)?;
+            fitting(name, rotations.len()).then_some(rotations)
         });
         let scales = reader.value(prim, "scales").as_ref().and_then(value::vectors::<3>);
         let scales = scales.filter(|scales| fitting("scales", scales.len()));
@@ -65,15 +65,15 @@ impl Builder<'_> {
             if hidden[i] {
                 continue;
             }
-            let mut place = Affine::translation(positions[i].map(f64::from));
-            if let Some(turns) = &turns {
-                place = place * rotation(turns[i]);
+            let mut transform = Affine::translation(positions[i].map(f64::from));
+            if let Some(rotations) = &rotations {
+                transform = transform * rotation(rotations[i]);
             }
             if let Some(scales) = &scales {
-                place = place * Affine::scale(scales[i].map(f64::from));
+                transform = transform * Affine::scale(scales[i].map(f64::from));
             }
             if let Some(object) = *object {
-                members.push(Member::new(object, place));
+                members.push(Member::new(object, transform));
             }
         }
         members.retain(|member| member.object_from_member.inverse().is_some());

@@ -196,14 +196,14 @@ impl Builder<'_> {
         let texture = self.light_texture(prim, [Wrap::Repeat, Wrap::ClampToEdge]);
         // The middle of a picture lies along +z of a dome, and along -z of our environments.
         let unit = transform.determinant().abs().cbrt();
-        let turn =
+        let rotation =
             Affine { columns: [transform.columns[0], transform.columns[1], transform.columns[2], [0.0; 3]] };
-        let mut turned = turn * Affine::scale([1.0 / unit; 3]);
+        let mut rotated = rotation * Affine::scale([1.0 / unit; 3]);
         if self.reader.word(prim, "poleAxis").as_deref() == Some("Z") {
-            turned =
-                turned * Affine { columns: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0; 3]] };
+            rotated =
+                rotated * Affine { columns: [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.0; 3]] };
         }
-        let world_from_light = turned * Affine::rotation([0.0, 1.0, 0.0], PI);
+        let world_from_light = rotated * Affine::rotation([0.0, 1.0, 0.0], PI);
         if self.scene.lights().iter().any(|light| matches!(light, Light::Environment { .. })) {
             reader.unsupported(prim, "a second dome, it takes the place of the first");
         }

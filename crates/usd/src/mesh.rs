@@ -81,7 +81,7 @@ impl Builder<'_> {
         let mut looks = self.looks(prim, &faces);
         let is_bent = bent.is_some();
         if let (Some(bent), Some(normals)) = (bent, &mut looks[0]) {
-            bent.turn(&faces, normals);
+            bent.rotate(&faces, normals);
         }
         let [_, colors, opacities] = &looks;
         let has = (colors.is_some(), opacities.is_some());

@@ -70,12 +70,12 @@ impl Shape {
 
     /// The mesh, with z turned to another axis.
     fn along(mut self, axis: char) -> Mesh {
-        let turn = |[x, y, z]: [f32; 3]| match axis {
+        let rotate = |[x, y, z]: [f32; 3]| match axis {
             'X' => [z, x, y],
             'Y' => [y, z, x],
             _ => [x, y, z],
         };
-        self.0.positions.iter_mut().chain(&mut self.0.normals).for_each(|v| *v = turn(*v));
+        self.0.positions.iter_mut().chain(&mut self.0.normals).for_each(|v| *v = rotate(*v));
         self.0
     }
 }
@@ -129,14 +129,14 @@ pub(crate) fn tube(radius: f64, length: f64, sides: u32) -> Mesh {
 /// Places on an arc, by latitude.
 fn arc(radius: f64, z: f64, from: f64, to: f64, v: [f64; 2]) -> Vec<([f64; 4], f64)> {
     let rings = ((to - from) / PI * f64::from(RINGS)).round() as u32;
-    let place = |i: u32| {
+    let vertex = |i: u32| {
         let share = f64::from(i) / f64::from(rings);
         let latitude = from + (to - from) * share;
         let (sin, cos) = latitude.sin_cos();
         let cos = if latitude.abs() > PI / 2.0 - 1e-9 { 0.0 } else { cos };
         ([radius * cos, z + radius * sin, cos, sin], v[0] + (v[1] - v[0]) * share)
     };
-    (0..=rings).map(place).collect()
+    (0..=rings).map(vertex).collect()
 }
 
 /// A mantle, with or without caps.
@@ -144,8 +144,8 @@ pub(crate) fn cylinder([bottom, top]: [f64; 2], height: f64, axis: char, has_cap
     let mut shape = Shape::default();
     let slope = (bottom - top) / height;
     let length = slope.hypot(1.0);
-    let place = |radius: f64, z: f64, v: f64| ([radius, z, 1.0 / length, slope / length], v);
-    shape.around(&[place(bottom, -height / 2.0, 0.0), place(top, height / 2.0, 1.0)]);
+    let vertex = |radius: f64, z: f64, v: f64| ([radius, z, 1.0 / length, slope / length], v);
+    shape.around(&[vertex(bottom, -height / 2.0, 0.0), vertex(top, height / 2.0, 1.0)]);
     for (radius, z) in [(bottom, -height / 2.0), (top, height / 2.0)] {
         if has_caps && radius > 0.0 {
             shape.cap(radius, z, z.signum());

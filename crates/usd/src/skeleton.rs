@@ -92,12 +92,12 @@ impl Builder<'_> {
             found.filter(|all| all.len() == count).unwrap_or_else(|| vec![fallback; count])
         };
         let (translations, scales) = (vectors("translations", [0.0; 3]), vectors("scales", [1.0; 3]));
-        let turns = reader.value(prim, "rotations").as_ref().and_then(value::quaternions);
-        let turns =
-            turns.filter(|all| all.len() == count).unwrap_or_else(|| vec![[1.0, 0.0, 0.0, 0.0]; count]);
+        let rotations = reader.value(prim, "rotations").as_ref().and_then(value::quaternions);
+        let rotations =
+            rotations.filter(|all| all.len() == count).unwrap_or_else(|| vec![[1.0, 0.0, 0.0, 0.0]; count]);
         let local = |i: usize| {
             let [translation, scale] = [translations[i], scales[i]].map(|v| v.map(f64::from));
-            Affine::translation(translation) * rotation(turns[i]) * Affine::scale(scale)
+            Affine::translation(translation) * rotation(rotations[i]) * Affine::scale(scale)
         };
         let weights = reader.value(prim, "blendShapeWeights").as_ref().and_then(value::floats);
         let weights = weights.map(|(_, weights)| weights).unwrap_or_default();

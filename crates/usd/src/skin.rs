@@ -35,12 +35,12 @@ impl Builder<'_> {
         let Some(polygons) = self.polygons(prim) else { return Skinned::Nothing };
         let mut points = polygons.points;
         self.blend(prim, &skeleton, &shapes, &mut points);
-        let mut turns = Vec::new();
+        let mut rotations = Vec::new();
         let mut transform = state.world_from_parent;
         if has_joints {
             match self.bend(prim, &skeleton, &mut points) {
                 Some(found) => {
-                    turns = found;
+                    rotations = found;
                     // Points are now in the space of the skeleton.
                     let [mesh, skeleton] = [prim, &path].map(|prim| self.chain(prim));
                     transform = match mesh.inverse() {
@@ -51,7 +51,7 @@ impl Builder<'_> {
                 None => return Skinned::Not,
             }
         }
-        match self.mesh(prim, Some(Bent { points, turns })) {
+        match self.mesh(prim, Some(Bent { points, rotations })) {
             Some(object) => Skinned::At(object, transform),
             None => Skinned::Nothing,
         }
@@ -103,17 +103,17 @@ impl Builder<'_> {
             self.inherited_value(prim, "skel:joints").as_ref().and_then(|(_, value)| value::words(value));
         let joint = |index: i32| {
             let index = usize::try_from(index).ok()?;
-            let place = match &own {
+            let index = match &own {
                 Some(own) => skeleton.joints.iter().position(|joint| Some(joint) == own.get(index))?,
                 None => index,
             };
-            skeleton.moves.get(place)
+            skeleton.moves.get(index)
         };
         let bound = self.inherited_value(prim, "primvars:skel:geomBindTransform");
         let bound = bound.as_ref().and_then(|(_, value)| value::matrices(value));
         let bound =
             bound.and_then(|all| all.first().map(Affine::from_column_major)).unwrap_or(Affine::IDENTITY);
-        let mut turns = Vec::with_capacity(points.len());
+        let mut rotations = Vec::with_capacity(points.len());
         let mut is_lost = false;
         for (i, point) in points.iter_mut().enumerate() {
             let range = if is_rigid { 0..each } else { i * each..(i + 1) * each };
@@ -140,12 +140,12 @@ impl Builder<'_> {
             let whole = blend * bound;
             *point = whole.point(point.map(f64::from)).map(|x| x as f32);
             let [a, b, c, _] = whole.to_f32();
-            turns.push([a, b, c]);
+            rotations.push([a, b, c]);
         }
         if is_lost {
             reader.note(Oddity::BadAttribute, prim, "joint indices that the skeleton does not have");
         }
-        Some(turns)
+        Some(rotations)
     }
 
     /// Adds the offsets of blend shapes.
@@ -158,14 +158,14 @@ impl Builder<'_> {
             if weight == 0.0 || !weight.is_finite() {
                 continue;
             }
-            let places = reader.value(shape, "pointIndices").as_ref().and_then(value::integers);
-            let place = |i: usize| match &places {
-                Some(places) => places.get(i).and_then(|&place| usize::try_from(place).ok()),
+            let indices = reader.value(shape, "pointIndices").as_ref().and_then(value::integers);
+            let index = |i: usize| match &indices {
+                Some(indices) => indices.get(i).and_then(|&index| usize::try_from(index).ok()),
                 None => Some(i),
             };
             for (offsets, share) in self.shares(shape, weight) {
                 for (i, offset) in offsets.iter().enumerate() {
-                    if let Some(point) = place(i).and_then(|place| points.get_mut(place)) {
+                    if let Some(point) = index(i).and_then(|index| points.get_mut(index)) {
                         (0..3).for_each(|k| point[k] += share * offset[k]);
                     }
                 }

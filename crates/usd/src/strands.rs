@@ -229,7 +229,7 @@ fn sweep(mesh: &mut Mesh, path: &[Point], radii: &[f64]) {
     let begin = mesh.positions.len() as u32;
     let mut side: Point = [0.0; 3];
     let mut forward = [0.0, 0.0, 1.0];
-    for (i, (place, radius)) in path.iter().zip(radii).enumerate() {
+    for (i, (centre, radius)) in path.iter().zip(radii).enumerate() {
         let (before, after) = (path[i.saturating_sub(1)], path[(i + 1).min(path.len() - 1)]);
         let along: Point = std::array::from_fn(|k| after[k] - before[k]);
         forward = unit(along).unwrap_or(forward);
@@ -246,7 +246,7 @@ fn sweep(mesh: &mut Mesh, path: &[Point], radii: &[f64]) {
         for k in 0..SIDES {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / f64::from(SIDES)).sin_cos();
             let normal: Point = std::array::from_fn(|k| cos * side[k] + sin * other[k]);
-            mesh.positions.push(std::array::from_fn(|k| (place[k] + radius * normal[k]) as f32));
+            mesh.positions.push(std::array::from_fn(|k| (centre[k] + radius * normal[k]) as f32));
             mesh.normals.push(normal.map(|x| x as f32));
         }
     }

@@ -47,7 +47,7 @@ pub(crate) fn scene(reader: &Reader) -> Result<Scene, Error> {
     }
     builder.settings();
     let code = |field: &str| reader.stage_number(field).unwrap_or(0.0) / reader.rate();
-    builder.scene.labels_mut().moments = Some(["startTimeCode", "endTimeCode"].map(code));
+    builder.scene.labels_mut().times = Some(["startTimeCode", "endTimeCode"].map(code));
     Ok(builder.scene)
 }
 
@@ -57,11 +57,11 @@ pub(crate) fn world_from_stage(reader: &Reader) -> Affine {
     let unit = reader.stage_number("metersPerUnit").filter(|&unit| unit > 0.0).unwrap_or(0.01);
     let axis = reader.stage.stage_metadata("upAxis").ok().flatten();
     let is_z = axis.as_ref().and_then(crate::value::word).is_some_and(|axis| axis == "Z");
-    let turn = match is_z {
+    let rotation = match is_z {
         true => Affine { columns: [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [0.0; 3]] },
         false => Affine::IDENTITY,
     };
-    turn * Affine::scale([unit; 3])
+    rotation * Affine::scale([unit; 3])
 }
 
 impl Builder<'_> {
@@ -122,7 +122,7 @@ impl Builder<'_> {
             "" | "Scope" | "Xform" | "SkelRoot" | "Skeleton" | "SkelAnimation" | "BlendShape" => None,
             "Mesh" => match self.skinned_mesh(prim, state) {
                 Skinned::At(object, transform) => {
-                    self.place(prim, object, transform, placed);
+                    self.add_instance(prim, object, transform, placed);
                     None
                 }
                 Skinned::Not => self.mesh(prim, None),
@@ -144,7 +144,7 @@ impl Builder<'_> {
             _ => None,
         };
         if let Some(object) = object {
-            self.place(prim, object, state.world_from_parent, placed);
+            self.add_instance(prim, object, state.world_from_parent, placed);
         }
         Ok(())
     }

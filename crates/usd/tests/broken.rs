@@ -53,9 +53,9 @@ fn meshes_that_contradict_themselves() {
         .concat(),
     );
     assert_eq!(loaded.scene.instances().len(), 1, "the good one is shown");
-    let told = warnings(&loaded);
+    let reported = warnings(&loaded);
     for name in ["/Few", "/Negative", "/Long", "/Far: face 0 names point 9", "/Huge"] {
-        assert!(told.contains(name), "{name}: {told}");
+        assert!(reported.contains(name), "{name}: {reported}");
     }
 }
 

@@ -90,6 +90,9 @@ fn what_is_not_there_is_named() {
     let loaded = load(
         "def RectLight \"L\" ( prepend apiSchemas = [\"ShapingAPI\"] ) { float inputs:shaping:cone:angle = 20\n bool inputs:shadow:enable = 0 }",
     );
-    let told = warnings(&loaded);
-    assert!(told.contains("/L: the shaping") && told.contains("/L: a light without shadows"), "{told}");
+    let reported = warnings(&loaded);
+    assert!(
+        reported.contains("/L: the shaping") && reported.contains("/L: a light without shadows"),
+        "{reported}"
+    );
 }

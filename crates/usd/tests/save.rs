@@ -43,8 +43,8 @@ fn both_forms_come_back() {
     let before = scene();
     for name in ["a.usda", "a.usdc", "b.usd"] {
         let folder = Folder::with(&[]);
-        let told = FORMATS.save(&before, folder.path(name)).unwrap_or_else(|error| panic!("{error}"));
-        assert!(told.is_empty(), "{name}: {told:?}");
+        let reported = FORMATS.save(&before, folder.path(name)).unwrap_or_else(|error| panic!("{error}"));
+        assert!(reported.is_empty(), "{name}: {reported:?}");
         let loaded = folder.load(name, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(warnings(&loaded), "", "{name}");
         let after = &loaded.scene;

@@ -48,6 +48,6 @@ pub(crate) fn load_at(body: &str, at: Option<f64>) -> Loaded {
 
 /// All warnings but that there is nothing to see, one a line.
 pub(crate) fn warnings(loaded: &Loaded) -> String {
-    let told = loaded.warnings.iter().filter(|warning| warning.oddity != Oddity::EmptyScene);
-    told.map(|warning| format!("{warning}\n")).collect()
+    let reported = loaded.warnings.iter().filter(|warning| warning.oddity != Oddity::EmptyScene);
+    reported.map(|warning| format!("{warning}\n")).collect()
 }

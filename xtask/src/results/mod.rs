@@ -82,7 +82,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     command::run(command::cargo().args(["build", "--release", "-p", "gnurt-cli"]))?;
     let work = target.join("results");
     std::fs::create_dir_all(&work).map_err(|error| format!("'{}': {error}", work.display()))?;
-    let place = rows::Place {
+    let setting = rows::Setting {
         program: target.join("release/gnurt"),
         scenes: request.scenes.clone(),
         work,
@@ -91,7 +91,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let mut measured = Map::new();
     for row in rows::ROWS.iter().filter(|row| request.wants(row)) {
         eprintln!("== {} ==", row.name);
-        match (row.measure)(&place) {
+        match (row.measure)(&setting) {
             Ok(value) => {
                 measured.insert(row.name.to_owned(), value);
             }
@@ -106,7 +106,7 @@ pub(crate) fn run(arguments: &[String]) -> Result<(), Failure> {
     let document = json!({ "machine": head, "quick": request.quick, "rows": Value::Object(measured) });
     // A trial leaves the page and the records unchanged.
     let trial = request.quick || request.busy;
-    let folder = if trial { place.work } else { command::root().join("bench/record") };
+    let folder = if trial { setting.work } else { command::root().join("bench/record") };
     let path = folder.join(format!("results-{date}.json"));
     write(&path, &(serde_json::to_string(&document).map_err(|error| error.to_string())? + "\n"))?;
     let tables = tables::all(&document, &format!("results-{date}.json"));

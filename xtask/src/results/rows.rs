@@ -12,7 +12,7 @@ use crate::command;
 use crate::failure::Failure;
 
 /// Where programs and files are.
-pub(super) struct Place {
+pub(super) struct Setting {
     pub(super) program: PathBuf,
     pub(super) scenes: PathBuf,
     pub(super) work: PathBuf,
@@ -24,7 +24,7 @@ pub(super) struct Row {
     pub(super) name: &'static str,
     /// Only with --all.
     pub(super) long: bool,
-    pub(super) measure: fn(&Place) -> Result<Value, Failure>,
+    pub(super) measure: fn(&Setting) -> Result<Value, Failure>,
 }
 
 pub(super) const ROWS: [Row; 7] = [
@@ -37,43 +37,43 @@ pub(super) const ROWS: [Row; 7] = [
     Row { name: "compile", long: true, measure: compile },
 ];
 
-fn rays(place: &Place) -> Result<Value, Failure> {
+fn rays(setting: &Setting) -> Result<Value, Failure> {
     embree()?;
-    let (size, rounds) = if place.quick { ("64", "1") } else { ("256", "3") };
+    let (size, rounds) = if setting.quick { ("64", "1") } else { ("256", "3") };
     let options = ["rays", "-t", "1", "--size", size, "--rounds", rounds];
-    place.bench(&options, &["conference", "dragon", "sponza", "office", "soda", "buddha-100k"])
+    setting.bench(&options, &["conference", "dragon", "sponza", "office", "soda", "buddha-100k"])
 }
 
-fn builds(place: &Place) -> Result<Value, Failure> {
+fn builds(setting: &Setting) -> Result<Value, Failure> {
     embree()?;
-    let rounds = if place.quick { "1" } else { "3" };
+    let rounds = if setting.quick { "1" } else { "3" };
     let options = ["build", "-t", "1", "--mode", "bvh-medium,bvh-high,medium,high", "--rounds", rounds];
-    place.bench(&options, &["conference", "dragon", "sponza", "buddha-100k"])
+    setting.bench(&options, &["conference", "dragon", "sponza", "buddha-100k"])
 }
 
-fn moving(place: &Place) -> Result<Value, Failure> {
+fn moving(setting: &Setting) -> Result<Value, Failure> {
     if let Err(reason) = embree() {
         eprintln!("WARNING: Embree is left out: {reason}");
     }
-    let frames = if place.quick { "3" } else { "20" };
+    let frames = if setting.quick { "3" } else { "20" };
     let options =
         ["dynamic", "-t", "1", "--case", "refit", "--frames", frames, "--size", "256", "--rounds", "3"];
-    place.bench(&options, &["conference", "buddha-100k"])
+    setting.bench(&options, &["conference", "buddha-100k"])
 }
 
-fn paper(place: &Place) -> Result<Value, Failure> {
-    let (size, rounds) = if place.quick { ("128", "1") } else { ("1024", "3") };
-    place.bench(&["paper", "--size", size, "--rounds", rounds], &["office", "soda", "conference", "dragon"])
+fn paper(setting: &Setting) -> Result<Value, Failure> {
+    let (size, rounds) = if setting.quick { ("128", "1") } else { ("1024", "3") };
+    setting.bench(&["paper", "--size", size, "--rounds", rounds], &["office", "soda", "conference", "dragon"])
 }
 
 /// Whole pictures, from the start of the program to the file.
-fn pictures(place: &Place) -> Result<Value, Failure> {
-    let size = if place.quick { "160x90" } else { "1280x720" };
+fn pictures(setting: &Setting) -> Result<Value, Failure> {
+    let size = if setting.quick { "160x90" } else { "1280x720" };
     let options = ["render", "-q", "-r", size, "--spp", "16", "--stats=json", "-o"];
-    let output = place.work.join("picture.png");
+    let output = setting.work.join("picture.png");
     let mut numbers = Vec::new();
     for scene in ["builtin:cornell", "builtin:spheres", "builtin:island"] {
-        let mut render = Command::new(&place.program);
+        let mut render = Command::new(&setting.program);
         let found = render.args(options).arg(&output).arg(scene).output();
         let found = found.map_err(|error| format!("gnurt cannot be run: {error}"))?;
         if !found.status.success() {
@@ -87,15 +87,15 @@ fn pictures(place: &Place) -> Result<Value, Failure> {
 }
 
 /// The two denoisers, by relative error.
-fn denoise(place: &Place) -> Result<Value, Failure> {
+fn denoise(setting: &Setting) -> Result<Value, Failure> {
     if std::env::var_os("OIDN_LIB").is_none() {
         return Err("OIDN_LIB does not name a library of Open Image Denoise".into());
     }
     command::output_of("python3", &["-c", "import numpy, OpenEXR"])?;
     let path = |path: &PathBuf| path.display().to_string();
     let mut arguments = vec!["bench/renderers/denoise.py".to_owned()];
-    arguments.extend([path(&place.program), path(&place.scenes), path(&place.work.join("denoise"))]);
-    if place.quick {
+    arguments.extend([path(&setting.program), path(&setting.scenes), path(&setting.work.join("denoise"))]);
+    if setting.quick {
         arguments.push("cornell-box".into());
     }
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
@@ -107,8 +107,8 @@ fn denoise(place: &Place) -> Result<Value, Failure> {
 }
 
 /// The first command of the README without anything compiled before.
-fn compile(place: &Place) -> Result<Value, Failure> {
-    let folder = place.work.join("cold");
+fn compile(setting: &Setting) -> Result<Value, Failure> {
+    let folder = setting.work.join("cold");
     if folder.exists() {
         std::fs::remove_dir_all(&folder).map_err(|error| format!("'{}': {error}", folder.display()))?;
     }
@@ -116,7 +116,7 @@ fn compile(place: &Place) -> Result<Value, Failure> {
     let arguments = ["run", "--release", "--", "render", "builtin:island", "-o"];
     let begin = Instant::now();
     let mut build = command::cargo();
-    build.args(arguments).arg(place.work.join("island.png")).env("CARGO_TARGET_DIR", &folder);
+    build.args(arguments).arg(setting.work.join("island.png")).env("CARGO_TARGET_DIR", &folder);
     command::run(&mut build)?;
     let seconds = begin.elapsed().as_secs_f64();
     std::fs::remove_dir_all(&folder).map_err(|error| format!("'{}': {error}", folder.display()))?;
@@ -132,7 +132,7 @@ fn embree() -> Result<(), Failure> {
     }
 }
 
-impl Place {
+impl Setting {
     /// Runs `gnurt bench` on scenes of the folder.
     fn bench(&self, options: &[&str], scenes: &[&str]) -> Result<Value, Failure> {
         let name = options.first().copied().unwrap_or("bench");

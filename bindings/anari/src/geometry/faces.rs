@@ -45,7 +45,7 @@ pub(super) fn positions(now: &Snapshot) -> Result<Vec<[f32; 3]>, String> {
 }
 
 /// The warning about primitives with vertices out of range; `None` where there are none.
-pub(super) fn told(wrong: usize, all: usize) -> Option<String> {
+pub(super) fn reported(wrong: usize, all: usize) -> Option<String> {
     (wrong > 0).then(|| {
         format!(
             "parameter 'primitive.index': {wrong} of {all} primitives: vertex out of range; they are left out"
@@ -61,7 +61,7 @@ fn three(values: Vec<[f32; 4]>) -> Vec<[f32; 3]> {
 pub(super) fn faces<const N: usize>(now: &Snapshot) -> Result<(Geometry, Option<String>), String> {
     let positions = positions(now)?;
     let (rows, wrong) = indices::<N>(now, positions.len())?;
-    let warning = told(wrong, rows.len());
+    let warning = reported(wrong, rows.len());
     // Corners of the primitives' triangles.
     let corners: &[[usize; 3]] = if N == 3 { &[[0, 1, 2]] } else { &[[0, 1, 2], [0, 2, 3]] };
     let primitives = if N == 3 { Primitives::Own } else { Primitives::Pairs };

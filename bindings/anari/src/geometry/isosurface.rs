@@ -44,12 +44,12 @@ impl Surface<'_> {
         }
         let [from, to] = [a, b].map(|at| self.field.voxel(at));
         let share = ((self.value - from) / (to - from)).clamp(0.0, 1.0);
-        let place = |at: [usize; 3]| {
+        let position = |at: [usize; 3]| {
             Vec3::from_array(std::array::from_fn(|k| {
                 self.field.origin[k] + self.field.spacing[k] * at[k] as f32
             }))
         };
-        let p = place(a).lerp(place(b), share);
+        let p = position(a).lerp(position(b), share);
         let gradient = Vec3::from(self.field.gradient(a)).lerp(Vec3::from(self.field.gradient(b)), share);
         let vertex = self.mesh.positions.len() as u32;
         self.mesh.positions.push(p.to_array());
@@ -75,12 +75,12 @@ impl Surface<'_> {
         {
             return;
         }
-        let place = |at: [usize; 3]| {
+        let position = |at: [usize; 3]| {
             Vec3::from_array(std::array::from_fn(|k| {
                 self.field.origin[k] + self.field.spacing[k] * at[k] as f32
             }))
         };
-        let inside = within.iter().map(|&at| place(at)).sum::<Vec3>() / within.len() as f32;
+        let inside = within.iter().map(|&at| position(at)).sum::<Vec3>() / within.len() as f32;
         match (&within[..], &without[..]) {
             (&[a], &[b, c, d]) | (&[b, c, d], &[a]) => {
                 let corners = [self.vertex(a, b), self.vertex(a, c), self.vertex(a, d)];

@@ -7,7 +7,7 @@ use glam::Vec3;
 use gnurt::scene::{Affine, Mesh};
 
 use super::data::{Form, Geometry, Part, Placement, Primitives, Vertices};
-use super::faces::{indices, positions, told};
+use super::faces::{indices, positions, reported};
 use super::rates::{Rates, list};
 use super::unit;
 use crate::object::Snapshot;
@@ -17,8 +17,8 @@ const SIDES: u32 = 64;
 
 type Built = Result<(Geometry, Option<String>), String>;
 
-fn radius_at(list: &[[f32; 4]], place: usize, otherwise: f32) -> f32 {
-    let radius = list.get(place).map_or(otherwise, |value| value[0]);
+fn radius_at(list: &[[f32; 4]], index: usize, otherwise: f32) -> f32 {
+    let radius = list.get(index).map_or(otherwise, |value| value[0]);
     if radius.is_finite() { radius.abs() } else { 0.0 }
 }
 
@@ -43,7 +43,7 @@ fn rod(ends: [[f32; 3]; 2], radius: f32, primitive: u32, vertices: [u32; 2]) -> 
 pub(super) fn spheres(now: &Snapshot) -> Built {
     let points = positions(now)?;
     let (rows, wrong) = indices::<1>(now, points.len())?;
-    let warning = told(wrong, rows.len());
+    let warning = reported(wrong, rows.len());
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
     let all = rows.iter().enumerate().map(|(i, &[vertex])| {
         let radius = radius_at(&radii, vertex as usize, otherwise);
@@ -69,7 +69,7 @@ fn caps(now: &Snapshot) -> impl Fn([u32; 2]) -> [bool; 2] + use<> {
 pub(super) fn cylinders(now: &Snapshot) -> Built {
     let points = positions(now)?;
     let (rows, wrong) = indices::<2>(now, points.len())?;
-    let warning = told(wrong, rows.len());
+    let warning = reported(wrong, rows.len());
     let (radii, otherwise) = (list(now, "primitive.radius"), now.f32("radius").unwrap_or(1.0));
     let caps = caps(now);
     let mut by_caps: [Vec<Placement>; 4] = Default::default();
@@ -111,7 +111,7 @@ impl Cones {
 pub(super) fn cones(now: &Snapshot) -> Built {
     let points = positions(now)?;
     let (rows, wrong) = indices::<2>(now, points.len())?;
-    let warning = told(wrong, rows.len());
+    let warning = reported(wrong, rows.len());
     let (radii, otherwise) = (list(now, "vertex.radius"), now.f32("radius").unwrap_or(1.0));
     let caps = caps(now);
     let mut cones = Cones::default();
@@ -160,7 +160,7 @@ pub(super) fn curves(now: &Snapshot) -> Built {
             cones.add(touching, [r0 * cos, r1 * cos], [false; 2], i as u32, row);
         }
     }
-    let warning = told(wrong, rows.len());
+    let warning = reported(wrong, rows.len());
     let mut parts: Vec<Part> = cones.part().into_iter().collect();
     if !rods.is_empty() {
         parts.push(Part::placed(unit::cylinder([false; 2]), Form::Rod, rods));

@@ -119,10 +119,10 @@ pub(crate) fn frustum(
         mesh.normals.push(n.to_array());
         ends.push(end);
     };
-    for (end, place) in [a, b].into_iter().enumerate() {
+    for (end, centre) in [a, b].into_iter().enumerate() {
         for side in 0..sides {
             let out = round(side);
-            put(mesh, place + out * radii[end], (out + along * slope).normalize_or(out), end);
+            put(mesh, centre + out * radii[end], (out + along * slope).normalize_or(out), end);
         }
     }
     for side in 0..sides {
@@ -135,14 +135,14 @@ pub(crate) fn frustum(
             mesh.indices.push([a, c, d]);
         }
     }
-    for (end, place) in [a, b].into_iter().enumerate() {
+    for (end, centre) in [a, b].into_iter().enumerate() {
         if !caps[end] || radii[end] <= 0.0 {
             continue;
         }
         let normal = if end == 0 { -along } else { along };
         let middle = mesh.positions.len() as u32;
-        put(mesh, place, normal, end);
-        (0..sides).for_each(|side| put(mesh, place + round(side) * radii[end], normal, end));
+        put(mesh, centre, normal, end);
+        (0..sides).for_each(|side| put(mesh, centre + round(side) * radii[end], normal, end));
         for side in 0..sides {
             let [here, next] = [side, (side + 1) % sides].map(|vertex| middle + 1 + vertex);
             mesh.indices.push(if end == 0 { [middle, next, here] } else { [middle, here, next] });

@@ -75,5 +75,5 @@ pub(crate) fn subtypes(kind: DataType) -> Vec<&'static str> {
 /// The place of an extension in the list, without `ANARI_`.
 pub(crate) fn extension_number(name: &str) -> Option<i32> {
     let is_it = |full: &&str| full.trim_end_matches('\0').strip_prefix("ANARI_") == Some(name);
-    EXTENSIONS.iter().position(is_it).map(|place| place as i32)
+    EXTENSIONS.iter().position(is_it).map(|index| index as i32)
 }

@@ -21,7 +21,7 @@ fn intensity() -> Parameter {
     number("intensity", 1.0, "W/sr, of the whole light")
 }
 
-fn place() -> Parameter {
+fn position() -> Parameter {
     vector("position", "point", [0.0; 3], "Where it is")
 }
 
@@ -86,7 +86,7 @@ pub(super) fn entries() -> Vec<Entry> {
             "KHR_LIGHT_POINT",
             "A point or a ball",
             vec![
-                place(),
+                position(),
                 intensity(),
                 power(),
                 number("radius", 0.0, "Of a ball; 0 = a point").least(0.0),
@@ -98,7 +98,7 @@ pub(super) fn entries() -> Vec<Entry> {
             "KHR_LIGHT_QUAD",
             "A parallelogram",
             vec![
-                place(),
+                position(),
                 vector("edge1", "vector", [1.0, 0.0, 0.0], "One side"),
                 vector("edge2", "vector", [0.0, 1.0, 0.0], "The other side; edge1 x edge2 is its front"),
                 intensity(),
@@ -113,7 +113,7 @@ pub(super) fn entries() -> Vec<Entry> {
             "KHR_LIGHT_RING",
             "A disc or a ring with a cone of light",
             vec![
-                place(),
+                position(),
                 direction(),
                 opening.clone(),
                 falloff.clone(),
@@ -130,7 +130,7 @@ pub(super) fn entries() -> Vec<Entry> {
             "spot",
             "KHR_LIGHT_SPOT",
             "A point with a cone of light",
-            vec![place(), direction(), opening, falloff, intensity(), power()],
+            vec![position(), direction(), opening, falloff, intensity(), power()],
         ),
     ]
 }

@@ -40,7 +40,7 @@ pub(crate) struct Part {
     pub(crate) shader: u32,
     class: Arc<LoadedClass>,
     /// Vertices for which all non-empty channels have memory.
-    room: usize,
+    capacity: usize,
     positions: Vec<[f32; 3]>,
     normals: Vec<[f32; 3]>,
     /// Whether some of the normals are none.
@@ -131,7 +131,7 @@ impl Part {
         Self {
             shader,
             class,
-            room: 0,
+            capacity: 0,
             positions: Vec::new(),
             normals: Vec::new(),
             lacks_normals: false,
@@ -156,17 +156,17 @@ impl Part {
     #[inline]
     pub(crate) fn push_vertex(&mut self, vertex: Vertex, values: &[f32]) -> Result<()> {
         let n = self.positions.len();
-        if n == self.room {
+        if n == self.capacity {
             self.make_room()?;
         }
-        let room = self.room;
+        let capacity = self.capacity;
         self.positions.push(vertex.position);
         let [s, t, r, q] = vertex.texcoord;
-        let has_room = push_unless_default(&mut self.normals, n, room, vertex.normal, NO_NORMAL)
-            && push_unless_default(&mut self.texcoords, n, room, [s, t], [0.0; 2])
-            && push_unless_default(&mut self.texcoords_rq, n, room, [r, q], NO_THIRD)
-            && push_unless_default(&mut self.colors, n, room, vertex.color, WHITE);
-        if !has_room {
+        let has_capacity = push_unless_default(&mut self.normals, n, capacity, vertex.normal, NO_NORMAL)
+            && push_unless_default(&mut self.texcoords, n, capacity, [s, t], [0.0; 2])
+            && push_unless_default(&mut self.texcoords_rq, n, capacity, [r, q], NO_THIRD)
+            && push_unless_default(&mut self.colors, n, capacity, vertex.color, WHITE);
+        if !has_capacity {
             self.positions.truncate(n);
             self.normals.truncate(n);
             self.texcoords.truncate(n);
@@ -205,7 +205,7 @@ impl Part {
             .and_then(|()| self.triangle_values.try_reserve(triangles * triangle_block))
             .and_then(|()| self.numbers.try_reserve(numbers))
             .map_err(|_| Error::OutOfMemory)?;
-        self.room = n + more;
+        self.capacity = n + more;
         Ok(())
     }
 
@@ -291,12 +291,12 @@ impl Part {
 }
 
 /// Adds value number `n` to a channel that stays empty while all values are the default one; false where
-/// memory is short for `room` of them, which all other channels have.
+/// memory is short for `capacity` of them, which all other channels have.
 #[inline]
 fn push_unless_default<T: Copy + PartialEq>(
     channel: &mut Vec<T>,
     n: usize,
-    room: usize,
+    capacity: usize,
     value: T,
     default: T,
 ) -> bool {
@@ -304,7 +304,7 @@ fn push_unless_default<T: Copy + PartialEq>(
         if value == default {
             return true;
         }
-        if channel.try_reserve(room).is_err() {
+        if channel.try_reserve(capacity).is_err() {
             return false;
         }
         channel.resize(n, default);

@@ -119,7 +119,7 @@ impl Inventory {
             "joints": joints(scene),
             "morph_targets": morph_targets(scene),
             "occurrences": contents::occurrences(scene),
-            "moments": scene.labels().moments.map(|[first, last]| json!({ "first": first, "last": last })),
+            "moments": scene.labels().times.map(|[first, last]| json!({ "first": first, "last": last })),
             "material_names": scene.materials().iter().map(|material| &material.name[..]).collect::<Vec<_>>(),
             "camera_names": scene.cameras().iter().map(|camera| &camera.name[..]).collect::<Vec<_>>(),
         });

@@ -105,7 +105,7 @@ impl Studio<'_> {
     fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
         let begin = Instant::now();
         let (mut scene, files) = plan.source.load_with_files(self.messages)?;
-        if let (Some([first, _]), None) = (scene.labels().moments, scene.animation()) {
+        if let (Some([first, _]), None) = (scene.labels().times, scene.animation()) {
             let all = plan.source.clone();
             return self.files(plan, &all.at_moment(first), &|_, seconds| all.at_moment(seconds), frames);
         }
@@ -195,8 +195,8 @@ impl Studio<'_> {
             Ok::<Scene, Failure>(scene)
         });
         let later = later.collect::<Result<Vec<_>, Failure>>()?;
-        let moments: Vec<&Scene> = std::iter::once(opens).chain(&later).collect();
-        let exposure = Exposure::between(&moments);
+        let times: Vec<&Scene> = std::iter::once(opens).chain(&later).collect();
+        let exposure = Exposure::between(&times);
         self.warn_held(&exposure, &mut false);
         Ok(exposure)
     }

@@ -26,7 +26,7 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
         None if count == 4 => vec![0, 1, 2, 3],
         None => {
             let problem = "a bilinearmesh of other than four vertices has no \"integer indices\"";
-            return Err(parameters.place.error(problem, "give four for each patch"));
+            return Err(parameters.location.error(problem, "give four for each patch"));
         }
     };
     let normals = per_vertex(parameters, "N", parameters.triples("N"), count)?;
@@ -45,7 +45,7 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
         let is_flat = bend <= 1e-6 * largest;
         let steps = if is_flat { 1 } else { STEPS };
         let bytes = ((steps + 1) * (steps + 1) * 32 + steps * steps * 24) as usize;
-        reading.access.budget.hold(bytes).map_err(|e| parameters.place.excess(e))?;
+        reading.access.budget.hold(bytes).map_err(|e| parameters.location.excess(e))?;
         patch_cells(&mut mesh, (p, n, uv), steps);
         reading.access.budget.release(bytes);
     }

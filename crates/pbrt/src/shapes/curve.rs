@@ -22,7 +22,7 @@ const SIDES: u32 = 6;
 
 /// A place on a curve.
 #[derive(Clone, Copy)]
-struct Place {
+struct Section {
     at: [f64; 3],
     along: [f64; 3],
     /// What ribbons are square to.
@@ -74,21 +74,21 @@ fn slerp(a: [f64; 3], b: [f64; 3], t: f64) -> [f64; 3] {
 }
 
 pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, Error> {
-    let place = &parameters.place;
+    let location = &parameters.location;
     let points: Vec<[f64; 3]> = positions(parameters, "curve")?.iter().copied().map(double).collect();
     let width = parameters.float_or("width", 1.0)?;
     let ends = [parameters.float_or("width0", width)?, parameters.float_or("width1", width)?].map(f64::from);
     let degree = match parameters.int("degree")?.unwrap_or(3) {
         2 => 2,
         3 => 3,
-        other => return Err(place.error(format!("a curve of degree {other}"), "expected 2 or 3")),
+        other => return Err(location.error(format!("a curve of degree {other}"), "expected 2 or 3")),
     };
     let is_spline = match parameters.text("basis")?.unwrap_or("bezier") {
         "bezier" => false,
         "bspline" => true,
         other => {
             let problem = format!("unknown basis {} of a curve", quoted(other));
-            return Err(place.error(problem, "valid are bezier and bspline"));
+            return Err(location.error(problem, "valid are bezier and bspline"));
         }
     };
     let is_ribbon = match parameters.text("type")?.unwrap_or("flat") {
@@ -96,7 +96,7 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
         "ribbon" => true,
         other => {
             let problem = format!("unknown type {} of a curve", quoted(other));
-            return Err(place.error(problem, "valid are cylinder, flat and ribbon"));
+            return Err(location.error(problem, "valid are cylinder, flat and ribbon"));
         }
     };
     parameters.int("splitdepth")?;
@@ -110,19 +110,19 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
         } else {
             "give n times the degree and one"
         };
-        return Err(place.error(format!("a curve of {} points, degree {degree}", points.len()), remedy));
+        return Err(location.error(format!("a curve of {} points, degree {degree}", points.len()), remedy));
     }
     let segments = (points.len() - 1 - degree) / step + 1;
     let normals: Vec<Option<[f64; 3]>> =
         parameters.triples("N").unwrap_or_default().iter().map(|n| unit(double(*n))).collect();
     if is_ribbon && normals.len() != segments + 1 {
         let problem = format!("a ribbon of {segments} segments has {} normals", normals.len());
-        return Err(place.error(problem, "give one for each end of a segment: \"normal N\" [ ... ]"));
+        return Err(location.error(problem, "give one for each end of a segment: \"normal N\" [ ... ]"));
     }
-    let places = segments * STEPS + 1;
-    let bytes = places.saturating_mul(SIDES as usize * 100 + size_of::<Place>());
-    reading.access.budget.hold(bytes).map_err(|e| place.excess(e))?;
-    let mut all = Vec::with_capacity(places);
+    let sections = segments * STEPS + 1;
+    let bytes = sections.saturating_mul(SIDES as usize * 100 + size_of::<Section>());
+    reading.access.budget.hold(bytes).map_err(|e| location.excess(e))?;
+    let mut all = Vec::with_capacity(sections);
     for segment in 0..segments {
         let blossom = bezier(&points[segment * step..segment * step + degree + 1], is_spline);
         for i in usize::from(segment > 0)..=STEPS {
@@ -133,7 +133,7 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
                 (true, Some(Some(a)), Some(Some(b))) => Some(slerp(*a, *b, t)),
                 _ => None,
             };
-            all.push(Place { at, along, normal, width: ends[0] + v * (ends[1] - ends[0]), v });
+            all.push(Section { at, along, normal, width: ends[0] + v * (ends[1] - ends[0]), v });
         }
     }
     let made = if is_ribbon { ribbon(&all) } else { tube(&all) };
@@ -141,15 +141,15 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
     Ok(made)
 }
 
-fn ribbon(places: &[Place]) -> Mesh {
+fn ribbon(sections: &[Section]) -> Mesh {
     let mut mesh = Mesh::default();
-    for (i, place) in places.iter().enumerate() {
-        let normal = place.normal.unwrap_or([0.0, 0.0, 1.0]);
-        let side = unit(cross(normal, place.along)).unwrap_or([0.0; 3]);
+    for (i, section) in sections.iter().enumerate() {
+        let normal = section.normal.unwrap_or([0.0, 0.0, 1.0]);
+        let side = unit(cross(normal, section.along)).unwrap_or([0.0; 3]);
         for (u, sign) in [(0.0, -0.5), (1.0, 0.5)] {
-            mesh.positions.push(single([0, 1, 2].map(|k| place.at[k] + sign * place.width * side[k])));
+            mesh.positions.push(single([0, 1, 2].map(|k| section.at[k] + sign * section.width * side[k])));
             mesh.normals.push(single(normal));
-            mesh.texcoords.push([u, place.v as f32]);
+            mesh.texcoords.push([u, section.v as f32]);
         }
         if i > 0 {
             let first = 2 * (i as u32 - 1);
@@ -166,14 +166,14 @@ fn aside(along: [f64; 3]) -> [f64; 3] {
     unit(cross(along, axis)).unwrap_or([0.0, 0.0, 1.0])
 }
 
-fn tube(places: &[Place]) -> Mesh {
+fn tube(sections: &[Section]) -> Mesh {
     let sides = f64::from(SIDES);
     // The mean shadow of a convex outline is its length over pi.
     let radius = std::f64::consts::PI / (2.0 * sides * (std::f64::consts::PI / sides).sin());
     let mut mesh = Mesh::default();
     let mut across: Option<[f64; 3]> = None;
-    for (i, place) in places.iter().enumerate() {
-        let along = unit(place.along).unwrap_or([0.0, 0.0, 1.0]);
+    for (i, section) in sections.iter().enumerate() {
+        let along = unit(section.along).unwrap_or([0.0, 0.0, 1.0]);
         // As little turned from the one before as can be.
         let side = across.and_then(|side| {
             let part = dot(side, along);
@@ -186,9 +186,10 @@ fn tube(places: &[Place]) -> Mesh {
             let u = f64::from(j) / sides;
             let (sin, cos) = (u * TAU).sin_cos();
             let normal = [0, 1, 2].map(|k| cos * side[k] + sin * up[k]);
-            mesh.positions.push(single([0, 1, 2].map(|k| place.at[k] + radius * place.width * normal[k])));
+            mesh.positions
+                .push(single([0, 1, 2].map(|k| section.at[k] + radius * section.width * normal[k])));
             mesh.normals.push(single(normal));
-            mesh.texcoords.push([u as f32, place.v as f32]);
+            mesh.texcoords.push([u as f32, section.v as f32]);
         }
         if i > 0 {
             let row = SIDES + 1;

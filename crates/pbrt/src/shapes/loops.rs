@@ -121,17 +121,17 @@ fn divide(points: &mut Vec<Point>, faces: &mut Vec<[u32; 3]>) {
 }
 
 pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, Error> {
-    let place = &parameters.place;
+    let location = &parameters.location;
     let given = positions(parameters, "loopsubdiv")?;
     let indices = corners(parameters, "indices", 3, given.len())?.ok_or_else(|| {
-        place.error("a loopsubdiv has no \"integer indices\"", "give three for each triangle")
+        location.error("a loopsubdiv has no \"integer indices\"", "give three for each triangle")
     })?;
     let levels = parameters.int("levels")?.unwrap_or(3).clamp(0, MOST_LEVELS) as u32;
     parameters.text("scheme")?;
     let mut faces: Vec<[u32; 3]> = indices.as_chunks().0.to_vec();
     let last = faces.len().saturating_mul(1 << (2 * levels));
     let bytes = last.saturating_mul(BYTES);
-    reading.access.budget.hold(bytes).map_err(|e| place.excess(e))?;
+    reading.access.budget.hold(bytes).map_err(|e| location.excess(e))?;
     let mut points: Vec<Point> = given.iter().copied().map(double).collect();
     for _ in 0..levels {
         divide(&mut points, &mut faces);

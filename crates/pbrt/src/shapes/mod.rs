@@ -28,9 +28,9 @@ pub(crate) fn read(
     transforms: &mut [Affine; 2],
 ) -> Result<(Mesh, Option<String>), Error> {
     let mut signature = None;
-    let place = &parameters.place;
+    let location = &parameters.location;
     if parameters.texture("displacement")?.is_some() {
-        place.warn(reading.warnings, Oddity::NotShown, "\"displacement\" of a shape");
+        location.warn(reading.warnings, Oddity::NotShown, "\"displacement\" of a shape");
         parameters.find("edgelength", &[Kind::Float]);
     }
     let mut mesh = match class {
@@ -49,7 +49,9 @@ pub(crate) fn read(
         "curve" => curve::mesh(parameters, reading)?,
         other => {
             let known = "bilinearmesh, curve, cylinder, disk, loopsubdiv, plymesh, sphere and trianglemesh";
-            return Err(place.error(format!("unknown shape {}", quoted(other)), format!("valid are {known}")));
+            return Err(
+                location.error(format!("unknown shape {}", quoted(other)), format!("valid are {known}"))
+            );
         }
     };
     parameters.find("emissionfilename", &[Kind::Text]);
@@ -63,7 +65,7 @@ pub(crate) fn read(
 }
 
 fn hold(mesh: &Mesh, parameters: &Parameters, reading: &Reading) -> Result<(), Error> {
-    reading.access.budget.hold(mesh.memory_bytes()).map_err(|e| parameters.place.excess(e))
+    reading.access.budget.hold(mesh.memory_bytes()).map_err(|e| parameters.location.excess(e))
 }
 
 /// Turns triangles to the side of their corners' normals.

@@ -19,7 +19,7 @@ fn positive(parameters: &Parameters, name: &str, default: f32) -> Result<f64, Er
     if given > 0.0 && given.is_finite() {
         return Ok(f64::from(given));
     }
-    Err(parameters.place.error(format!("\"{name}\" is {given}"), "it must be above 0"))
+    Err(parameters.location.error(format!("\"{name}\" is {given}"), "it must be above 0"))
 }
 
 /// The angle of a part of a turn, radians.

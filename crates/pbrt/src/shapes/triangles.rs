@@ -21,7 +21,7 @@ pub(super) fn corners(
     let wrong = |problem: String, remedy: String| {
         let found = parameters.find(name, &[Kind::Integer]);
         found.map_or_else(
-            || parameters.place.error(&problem, &remedy),
+            || parameters.location.error(&problem, &remedy),
             |parameter| parameter.error(&problem, &remedy),
         )
     };
@@ -46,7 +46,7 @@ pub(super) fn per_vertex<T: Copy>(
     match given {
         Some(values) if values.len() != count => {
             let problem = format!("\"{name}\" has {} values, and there are {count} vertices", values.len());
-            Err(parameters.place.error(problem, "give one for each vertex"))
+            Err(parameters.location.error(problem, "give one for each vertex"))
         }
         Some(values) => Ok(values.to_vec()),
         None => Ok(Vec::new()),
@@ -57,7 +57,7 @@ pub(super) fn per_vertex<T: Copy>(
 pub(super) fn positions<'a>(parameters: &'a Parameters, class: &str) -> Result<&'a [[f32; 3]], Error> {
     parameters.triples("P").ok_or_else(|| {
         parameters
-            .place
+            .location
             .error(format!("a {class} has no \"point3 P\""), "give its vertices: \"point3 P\" [ ... ]")
     })
 }
@@ -78,7 +78,7 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
         None if count == 3 => vec![0, 1, 2],
         None => {
             let problem = "a trianglemesh of more than three vertices has no \"integer indices\"";
-            return Err(parameters.place.error(problem, "give three for each triangle"));
+            return Err(parameters.location.error(problem, "give three for each triangle"));
         }
     };
     let mut mesh = Mesh {
@@ -95,11 +95,11 @@ pub(super) fn mesh(parameters: &Parameters, reading: &Reading) -> Result<Mesh, E
 }
 
 pub(super) fn ply(parameters: &Parameters, reading: &mut Reading) -> Result<Mesh, Error> {
-    let place = &parameters.place;
+    let location = &parameters.location;
     let name = parameters
         .text("filename")?
-        .ok_or_else(|| place.error("a plymesh has no \"string filename\"", "name the file of its mesh"))?;
-    let path = resolve(&place.path, name);
+        .ok_or_else(|| location.error("a plymesh has no \"string filename\"", "name the file of its mesh"))?;
+    let path = resolve(&location.path, name);
     let (access, warnings) = (reading.access, &mut *reading.warnings);
     let before = access.budget.held();
     let mut mesh = if is_packed(&path) {
@@ -123,7 +123,7 @@ fn make_up_texcoords(mesh: &mut Mesh, parameters: &Parameters, reading: &Reading
     }
     let corners = mesh.indices.len() * 3;
     let bytes = corners * size_of::<[f32; 8]>();
-    reading.access.budget.hold(bytes).map_err(|e| parameters.place.excess(e))?;
+    reading.access.budget.hold(bytes).map_err(|e| parameters.location.excess(e))?;
     let each = |list: &[[f32; 3]]| -> Vec<[f32; 3]> {
         mesh.indices.iter().flatten().map(|&i| list[i as usize]).collect()
     };

@@ -11,9 +11,9 @@ use crate::scene::Scene;
 impl Exposure {
     /// The exposure of scenes at evenly spaced moments. Things that come, go or change shape are held as they are first.
     #[must_use]
-    pub fn between(moments: &[&Scene]) -> Self {
+    pub fn between(times: &[&Scene]) -> Self {
         let mut exposure = Self::default();
-        let Some((first, later)) = moments.split_first() else { return exposure };
+        let Some((first, later)) = times.split_first() else { return exposure };
         let lengths = |s: &Scene| {
             [s.meshes().len(), s.objects().len(), s.instances().len(), s.cameras().len(), s.lights().len()]
         };
@@ -35,7 +35,7 @@ impl Exposure {
             match differs(&fits) {
                 true => exposure.held += 1,
                 false => {
-                    let all = moments.iter().map(|scene| Arc::clone(&scene.meshes()[i])).collect();
+                    let all = times.iter().map(|scene| Arc::clone(&scene.meshes()[i])).collect();
                     exposure.meshes.push((MeshId(i as u32), all));
                 }
             }
@@ -47,14 +47,14 @@ impl Exposure {
             }
             for (k, member) in object.members.iter().enumerate() {
                 if differs(&|s| s.objects()[i].members[k].object_from_member == member.object_from_member) {
-                    let all = moments.iter().map(|s| s.objects()[i].members[k].object_from_member).collect();
+                    let all = times.iter().map(|s| s.objects()[i].members[k].object_from_member).collect();
                     exposure.members.push(((ObjectId(i as u32), k as u32), all));
                 }
             }
         }
         for (i, instance) in first.instances().iter().enumerate() {
             if differs(&|s| s.instances()[i].world_from_object == instance.world_from_object) {
-                let all = moments.iter().map(|s| s.instances()[i].world_from_object).collect();
+                let all = times.iter().map(|s| s.instances()[i].world_from_object).collect();
                 exposure.instances.push((InstanceId(i as u32), all));
             }
         }
@@ -62,14 +62,14 @@ impl Exposure {
             if differs(&|s| s.cameras()[i] == *camera) {
                 exposure
                     .cameras
-                    .push((CameraId(i as u32), moments.iter().map(|s| s.cameras()[i].clone()).collect()));
+                    .push((CameraId(i as u32), times.iter().map(|s| s.cameras()[i].clone()).collect()));
             }
         }
         for (i, light) in first.lights().iter().enumerate() {
             if differs(&|s| s.lights()[i] == *light) {
                 exposure
                     .lights
-                    .push((LightId(i as u32), moments.iter().map(|s| s.lights()[i].clone()).collect()));
+                    .push((LightId(i as u32), times.iter().map(|s| s.lights()[i].clone()).collect()));
             }
         }
         exposure

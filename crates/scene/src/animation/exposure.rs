@@ -127,7 +127,7 @@ struct Shutter<'a> {
     closes: f64,
     pieces: usize,
     /// The samples so far.
-    moments: Vec<Option<Instant>>,
+    times: Vec<Option<Instant>>,
     /// The largest number of materials that change at one time.
     materials: usize,
 }
@@ -138,7 +138,7 @@ impl Shutter<'_> {
         let share = i as f64 / self.pieces as f64;
         let posed = self.scene.pose(self.clip, self.opens + (self.closes - self.opens) * share);
         self.materials = self.materials.max(posed.materials);
-        if self.moments[i].is_some() {
+        if self.times[i].is_some() {
             return;
         }
         let scene = &*self.scene;
@@ -148,7 +148,7 @@ impl Shutter<'_> {
             member.map(|member| member.object_from_member)
         };
         let Animation { instances, members, cameras, lights, .. } = self.animation;
-        self.moments[i] = Some(Instant {
+        self.times[i] = Some(Instant {
             instances: instances.iter().map(|moving| attachment(moving.instance)).collect(),
             members: members.iter().map(in_object).collect(),
             cameras: cameras.iter().map(|moving| scene.camera(moving.camera).clone()).collect(),
@@ -176,7 +176,7 @@ impl Shutter<'_> {
             }
             open.iter().for_each(|&body| all[body].refine());
             for i in (0..=self.pieces).filter(|i| i % step != 0) {
-                let is_seen = self.moments[i].is_some();
+                let is_seen = self.times[i].is_some();
                 if is_seen && !open.iter().any(|&body| all[body].is_enough) {
                     continue;
                 }
@@ -208,19 +208,11 @@ impl Scene {
         }
         let animation = self.shared_animation().expect("the scene has an animation");
         let pieces = pieces(&animation.clips[clip], opens, closes);
-        let moments = vec![None; pieces + 1];
-        let mut shutter = Shutter {
-            scene: self,
-            animation: &animation,
-            clip,
-            opens,
-            closes,
-            pieces,
-            moments,
-            materials: 0,
-        };
+        let times = vec![None; pieces + 1];
+        let mut shutter =
+            Shutter { scene: self, animation: &animation, clip, opens, closes, pieces, times, materials: 0 };
         let bends = shutter.bends();
-        let (materials, all) = (shutter.materials, shutter.moments.into_iter().flatten().collect::<Vec<_>>());
+        let (materials, all) = (shutter.materials, shutter.times.into_iter().flatten().collect::<Vec<_>>());
         self.pose(clip, opens);
         let mut exposure = Exposure { held: materials, ..Exposure::default() };
         for (body, bends) in animation.bodies.iter().zip(bends).filter(|(_, bends)| bends.moves) {

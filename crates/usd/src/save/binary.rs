@@ -23,7 +23,7 @@ const CHILDREN: [&[u8]; 6] = [
 const SHORTEST_COMPRESSED: u64 = 16;
 const IS_COMPRESSED: u64 = 1 << 61;
 /// The bits of a place.
-const PLACE: u64 = 0xffff_ffff_ffff;
+const PAYLOAD: u64 = 0xffff_ffff_ffff;
 /// The type of a vector of names.
 const NAMES: u64 = 41 << 48;
 /// Types and bits of an array: of names, of `int`, of `uint`.
@@ -64,18 +64,18 @@ fn mend(mut layer: Vec<u8>) -> Result<Vec<u8>, Fault> {
     let mut arrays = Vec::new();
     for (value, &name) in values.as_chunks_mut::<8>().0.iter_mut().zip(&names) {
         let old = u64::from_le_bytes(*value);
-        let place = old & PLACE;
+        let payload = old & PAYLOAD;
         let new = match old >> 48 {
             NAME_ARRAY if tokens.get(name as usize).is_some_and(|name| CHILDREN.contains(name)) => {
-                NAMES | place
+                NAMES | payload
             }
-            INT_ARRAY | UINT_ARRAY if bytes.number::<8>(place)? < SHORTEST_COMPRESSED => {
-                let count = bytes.number::<8>(place)?;
-                let (integers, _) = integers(&bytes, place + 8, count)?;
-                let place = table + arrays.len() as u64;
+            INT_ARRAY | UINT_ARRAY if bytes.number::<8>(payload)? < SHORTEST_COMPRESSED => {
+                let count = bytes.number::<8>(payload)?;
+                let (integers, _) = integers(&bytes, payload + 8, count)?;
+                let payload = table + arrays.len() as u64;
                 arrays.extend_from_slice(&count.to_le_bytes());
                 arrays.extend(integers.iter().flat_map(|integer| integer.to_le_bytes()));
-                old & !(IS_COMPRESSED | PLACE) | place
+                old & !(IS_COMPRESSED | PAYLOAD) | payload
             }
             _ => continue,
         };

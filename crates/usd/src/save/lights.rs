@@ -10,8 +10,8 @@ use gnurt_scene::io::Error;
 use gnurt_scene::texture::Texels;
 use gnurt_scene::{Affine, Light};
 
-use super::places::{frame, write_transform};
 use super::text::{Text, tuple};
+use super::transforms::{frame, write_transform};
 
 /// Writes a light.
 pub(super) fn write(light: &Light, name: &str, files: &[String], text: &mut Text) {

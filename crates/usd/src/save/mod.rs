@@ -6,9 +6,9 @@
 mod binary;
 mod lights;
 mod materials;
-mod places;
 mod prims;
 mod text;
+mod transforms;
 mod writer;
 
 pub(crate) use writer::WRITER;

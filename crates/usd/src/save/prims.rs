@@ -3,8 +3,8 @@
 
 use gnurt_scene::{Affine, Camera, Mesh, Object, ObjectId, Projection, Scene};
 
-use super::places::{frame, write_transform};
 use super::text::{Text, tuple};
+use super::transforms::{frame, write_transform};
 use super::{lights, materials};
 
 /// Writes all of a scene; `files`: the names of its textures.
@@ -44,7 +44,7 @@ impl Writer<'_> {
         }
         text.close();
         for instance in scene.instances().iter().filter(|instance| instance.visible) {
-            self.place(&instance.name, instance.object, &instance.world_from_object, text);
+            self.write_instance(&instance.name, instance.object, &instance.world_from_object, text);
         }
         for camera in scene.cameras() {
             write_camera(camera, text);
@@ -66,7 +66,7 @@ impl Writer<'_> {
     }
 
     /// An object at a place.
-    fn place(&self, name: &str, object: ObjectId, transform: &Affine, text: &mut Text) {
+    fn write_instance(&self, name: &str, object: ObjectId, transform: &Affine, text: &mut Text) {
         let is_shared = self.is_shared[object.index()];
         let metadata = match is_shared {
             true => vec![
@@ -89,7 +89,7 @@ impl Writer<'_> {
             self.mesh(self.scene.mesh(id), text);
         }
         for member in &object.members {
-            self.place(
+            self.write_instance(
                 &self.scene.object(member.object).name,
                 member.object,
                 &member.object_from_member,

@@ -25,7 +25,7 @@ pub(crate) struct Distribution {
 
 /// A light with an extent.
 #[derive(Clone, Debug)]
-pub(crate) struct Lamp {
+pub(crate) struct AreaLight {
     pub(crate) radiance: Vec3,
     pub(crate) side: Side,
     /// Unit axis of the cone and of the distribution.
@@ -35,7 +35,7 @@ pub(crate) struct Lamp {
     pub(crate) distribution: Option<Distribution>,
 }
 
-impl Lamp {
+impl AreaLight {
     /// Radiance that leaves to `out` where the unit geometric normal is `normal`.
     pub(crate) fn radiance(&self, normal: Vec3, out: Vec3) -> Vec3 {
         let cos = normal.dot(out);
@@ -70,20 +70,20 @@ impl Distribution {
             return 1.0;
         }
         let row = |row: usize| {
-            let place = angle / std::f32::consts::PI * (width - 1) as f32;
-            let first = (place as usize).min(width - 1);
+            let position = angle / std::f32::consts::PI * (width - 1) as f32;
+            let first = (position as usize).min(width - 1);
             let next = (first + 1).min(width - 1);
             let [a, b] = [first, next].map(|k| self.values[row * width + k]);
-            a + (b - a) * (place - first as f32)
+            a + (b - a) * (position - first as f32)
         };
         if rows == 1 {
             return row(0).max(0.0);
         }
         let second = axis.cross(self.first);
         let turn = out.dot(second).atan2(out.dot(self.first)) / std::f32::consts::TAU;
-        let place = turn.rem_euclid(1.0) * rows as f32;
-        let first = place as usize % rows;
+        let position = turn.rem_euclid(1.0) * rows as f32;
+        let first = position as usize % rows;
         let (a, b) = (row(first), row((first + 1) % rows));
-        (a + (b - a) * place.fract()).max(0.0)
+        (a + (b - a) * position.fract()).max(0.0)
     }
 }

@@ -88,7 +88,7 @@ pub(crate) fn coated(alpha: f64, index: f64, base: Option<f64>) -> Coated {
     // From within, by the cosine.
     let within: Vec<[f64; 3]> =
         (0..=FINE).map(|i| bounce(i as f64 / FINE as f64, alpha, Some(1.0 / index))).collect();
-    let looked = |cosine: f64| {
+    let reflected = |cosine: f64| {
         let at = cosine.clamp(0.0, 1.0) * FINE as f64;
         let i = (at as usize).min(FINE - 1);
         let rest = at - i as f64;
@@ -102,7 +102,7 @@ pub(crate) fn coated(alpha: f64, index: f64, base: Option<f64>) -> Coated {
         match base {
             None => (0..FINE).for_each(|i| {
                 let cosine = (i as f64 + 0.5) / FINE as f64;
-                let [back, through] = looked(cosine);
+                let [back, through] = reflected(cosine);
                 (again, out, count) = (again + cosine * back, out + cosine * through, count + cosine);
             }),
             Some(base) => {
@@ -111,7 +111,7 @@ pub(crate) fn coated(alpha: f64, index: f64, base: Option<f64>) -> Coated {
                     let met: f64 = (0..3).map(|k| view[k] * normal[k]).sum();
                     let up = 2.0 * met * normal[2] - view[2];
                     if up > 0.0 {
-                        let [back, through] = looked(up);
+                        let [back, through] = reflected(up);
                         (again, out, count) = (again + back, out + through, count + 1.0);
                     }
                 }

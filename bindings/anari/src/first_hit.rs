@@ -13,7 +13,7 @@ use crate::attribute::Point;
 use crate::pixel::through_volumes;
 use crate::settings::Method;
 use crate::shader::mapped;
-use crate::table::{At, Place, Table};
+use crate::table::{At, Table, Target};
 use crate::transforms::linear;
 
 /// No number.
@@ -22,7 +22,7 @@ const LAYERS: u32 = 64;
 
 /// The first hit at the middle of a pixel.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
+pub(crate) struct FirstHit {
     /// Distance from the camera; infinite where there is nothing.
     pub(crate) depth: f32,
     pub(crate) normal: Vec3,
@@ -32,7 +32,7 @@ pub(crate) struct Look {
     pub(crate) instance: u32,
 }
 
-const NOTHING: Look = Look {
+const NOTHING: FirstHit = FirstHit {
     depth: f32::INFINITY,
     normal: Vec3::ZERO,
     albedo: Vec3::ZERO,
@@ -51,7 +51,7 @@ struct Met<'t> {
     at: Option<At<'t>>,
     ns: Vec3,
     uv: [f32; 2],
-    lamp: Vec3,
+    area_light: Vec3,
 }
 
 /// The first surface of a ray.
@@ -60,10 +60,10 @@ fn meet<'t>(world: &World, table: &'t Table, ray: &Ray) -> Option<Met<'t>> {
     let p = Vec3::from(ray.at(hit.t));
     let ng = Vec3::from(world.normal(&hit)?);
     let uv = [hit.u, hit.v];
-    let Place::Surface { surface, instance, part, placement } = *table.places.get(hit.inst_id as usize)?
+    let Target::Surface { surface, instance, part, placement } = *table.targets.get(hit.inst_id as usize)?
     else {
-        let lamp = table.lamp(hit.inst_id)?.radiance(ng, -Vec3::from(ray.dir));
-        return Some(Met { t: hit.t, p, ng, at: None, ns: ng, uv, lamp });
+        let area_light = table.area_light(hit.inst_id)?.radiance(ng, -Vec3::from(ray.dir));
+        return Some(Met { t: hit.t, p, ng, at: None, ns: ng, uv, area_light });
     };
     let here = &table.surfaces[surface as usize].geometry.parts[part as usize];
     let mesh = here.mesh();
@@ -81,14 +81,14 @@ fn meet<'t>(world: &World, table: &'t Table, ray: &Ray) -> Option<Met<'t>> {
     let ns = if ns.dot(ng) < 0.0 { -ns } else { ns };
     let at = table.at(hit.inst_id, hit.prim_id, uv, p, ns);
     let ns = at.as_ref().map_or(ns, |at| mapped(at, ns));
-    Some(Met { t: hit.t, p, ng, at, ns, uv, lamp: Vec3::ZERO })
+    Some(Met { t: hit.t, p, ng, at, ns, uv, area_light: Vec3::ZERO })
 }
 
 /// The first surface, lamp or volume along a ray of the camera.
-pub(crate) fn look(world: &World, table: &Table, ray: &Ray) -> Look {
-    let mut look = NOTHING;
+pub(crate) fn first_hit(world: &World, table: &Table, ray: &Ray) -> FirstHit {
+    let mut first_hit = NOTHING;
     if ray.dir == [0.0; 3] {
-        return look;
+        return first_hit;
     }
     let mut on = ray.with_mask(RayMask::CAMERA.0);
     for _ in 0..LAYERS {
@@ -98,25 +98,32 @@ pub(crate) fn look(world: &World, table: &Table, ray: &Ray) -> Look {
                 on = on.beyond(met.t);
                 continue;
             }
-            look.albedo = at.surface.material.base(at);
+            first_hit.albedo = at.surface.material.base(at);
             let primitive = at.surface.geometry.id(at.primitive());
-            (look.primitive, look.object, look.instance) = (primitive, at.surface.id, at.instance.id);
+            (first_hit.primitive, first_hit.object, first_hit.instance) =
+                (primitive, at.surface.id, at.instance.id);
         } else {
-            look.albedo = Vec3::ONE;
+            first_hit.albedo = Vec3::ONE;
         }
-        look.depth = met.t;
-        look.normal = if met.ng.dot(Vec3::from(ray.dir)) > 0.0 { -met.ns } else { met.ns };
+        first_hit.depth = met.t;
+        first_hit.normal = if met.ng.dot(Vec3::from(ray.dir)) > 0.0 { -met.ns } else { met.ns };
         break;
     }
     let (org, dir) = (Vec3::from(ray.org), Vec3::from(ray.dir));
     for volume in &table.volumes {
-        if let Some([enter, _]) = volume.span(org, dir, ray.t_far.min(look.depth))
-            && enter < look.depth
+        if let Some([enter, _]) = volume.span(org, dir, ray.t_far.min(first_hit.depth))
+            && enter < first_hit.depth
         {
-            look = Look { depth: enter, primitive: 0, object: volume.id, instance: volume.instance, ..look };
+            first_hit = FirstHit {
+                depth: enter,
+                primitive: 0,
+                object: volume.id,
+                instance: volume.instance,
+                ..first_hit
+            };
         }
     }
-    look
+    first_hit
 }
 
 /// A colour for a number, far from those of its neighbours.
@@ -211,7 +218,7 @@ pub(crate) fn walk(
             (Some(at), Method::Debug(name)) => {
                 (debug(name, &met, dir), f32::from(u8::from(at.surface.material.coverage(at) > 0.0)))
             }
-            _ => (met.lamp, 1.0),
+            _ => (met.area_light, 1.0),
         };
         light += color * (left * stopped);
         left *= 1.0 - stopped;

@@ -9,12 +9,12 @@ use gnurt_scene::io::{Error, Oddity, Warnings};
 
 /// A file and a line of it.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub(crate) struct Location {
     pub(crate) path: Arc<Path>,
     pub(crate) line: u64,
 }
 
-impl Place {
+impl Location {
     /// An error there: the problem and its remedy.
     pub(crate) fn error(&self, problem: impl Into<String>, remedy: impl Into<String>) -> Error {
         Error::data(&self.path, Some(self.line), problem, remedy)
