@@ -1,28 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group that is ready to run, as a program for lanes: control on masks, computing in regions.
-//! `analyse` finds varying and overwritable variables, `native` chooses the operations with code, `steps` and
-//! `functions` record them, `values` tracks the contents of cells.
+//! `analyse` finds varying and overwritable variables, `native` chooses the operations with code, `values` tracks
+//! the contents of cells. The evaluator of `gnurt_sl::exec` records the operations.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 mod analyse;
-mod functions;
 mod native;
-mod steps;
 mod values;
 
 use gnurt_sl::exec::{
-    Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, makes_closures, queries_in_batches,
+    Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, compute, makes_closures, queries_in_batches,
+    transfer,
 };
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
-use gnurt_sl_lib::Dual;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
 use crate::program::{Call, Layer, Loop as Turns, Making, Node, Program, Test};
-use crate::term::{Term, constant, take};
-use native::{Known, Touch, is_honest, is_native, touches};
-use values::{Held, Values};
+use crate::term::{constant, take};
+use native::{Known, Touch, is_honest, touches};
+use values::Values;
 
 /// Layers that a group may have: their functions call each other.
 const LAYERS: usize = 1000;
@@ -32,24 +30,6 @@ const RESETS: usize = 1 << 14;
 const DEPTH: usize = 200;
 /// Operations of code; each has some ten bytes, and as much again while it is made.
 const SIZE: usize = 2_000_000;
-
-/// Constants, for the analysis and for operations whose meaning depends on them.
-struct Constants<'p> {
-    plan: &'p Plan,
-    cells: Vec<bool>,
-}
-
-impl Known for Constants<'_> {
-    fn constant_int(&self, slot: &Slot) -> Option<i32> {
-        let known = slot.size == 1 && slot.ty.base == Base::Int && self.cells[slot.at as usize];
-        known.then(|| self.plan.memory[slot.at as usize] as i32)
-    }
-
-    fn constant_text(&self, slot: &Slot) -> Option<&str> {
-        let known = slot.size == 1 && slot.ty.base == Base::String && self.cells[slot.at as usize];
-        known.then(|| &**self.plan.strings.text(self.plan.memory[slot.at as usize]))
-    }
-}
 
 /// The program of a group, for this many lanes: 16, or 1.
 ///
@@ -80,12 +60,10 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
             }
         }
     }
-    let constants = Constants { plan, cells };
-    let known: Vec<&dyn Known> = plan.layers.iter().map(|_| &constants as &dyn Known).collect();
+    let known = Known { plan, cells };
     let analysis = analyse::analysis(plan, &known, lanes);
     let mut lowerer = Lowerer {
-        known: &constants,
-        values: Values::new(plan, analysis, constants.cells.clone()),
+        values: Values::new(plan, analysis, &known),
         program: Program::default(),
         nodes: Vec::new(),
         layer: 0,
@@ -127,7 +105,6 @@ fn note_written(list: &[Instruction], written: &mut HashSet<u32>) {
 }
 
 struct Lowerer<'p> {
-    known: &'p Constants<'p>,
     values: Values<'p>,
     program: Program,
     /// Of the block that is lowered.
@@ -423,17 +400,17 @@ impl Lowerer<'_> {
 
     fn step(&mut self, step: &Step) -> Result<(), String> {
         if !is_honest(step) {
-            return Err(format!("'{}' has undeclared writes", step.name));
+            return Err(format!("'{}' has undeclared writes", step.code.name()));
         }
         self.fetch(&step.pulls);
-        let native = is_native(step, self.known);
+        let native = self.values.known.is_native(step);
         touches(step, native, |i, touch| {
             let state = self.program.touched.entry(step.args[i].at).or_default();
             *state |= touch != Touch::Read;
         });
         if !native {
             self.flush();
-            let constant = |slot: &&Slot| slot.size > 0 && !self.known.cells[slot.at as usize];
+            let constant = |slot: &&Slot| slot.size > 0 && !self.values.known.cells[slot.at as usize];
             let ins: Vec<Slot> = step.args.iter().filter(constant).copied().collect();
             let written = |i: &usize| *i < 64 && step.writes & 1 << *i != 0;
             let outs = (0..step.args.len()).filter(written).map(|i| step.args[i]).collect();
@@ -461,7 +438,7 @@ impl Lowerer<'_> {
         for at in used {
             self.values.touch(at);
         }
-        steps::step(&mut self.values, self.layer, step, self.known);
+        compute(&mut self.values, step);
         Ok(())
     }
 
@@ -496,38 +473,8 @@ impl Lowerer<'_> {
     }
 
     fn connection(&mut self, copy: &Copy) {
-        let (from, to) = (&copy.from, &copy.to);
         let whole = self.values.plan.layers[self.layer].slots[copy.to_symbol as usize];
         self.program.touched.insert(whole.at, true);
-        let v = &mut self.values;
-        if from.ty.base == Base::Closure
-            || from.ty.base == Base::String
-            || from.ty.base == Base::Int && to.ty.base == Base::Int
-        {
-            for i in 0..from.size.min(to.size) {
-                let bits_id = v.bits(from.at + i);
-                v.set_bits(to, i, bits_id);
-            }
-            return;
-        }
-        for i in 0..to.size {
-            if from.size > 1 && i >= from.size {
-                break;
-            }
-            let value = if copy.from_derivs > 0 {
-                let i = if from.size == 1 { 0 } else { i };
-                let [x, dx, dy] = [0, 1, 2].map(|k| Term(v.bits(from.at + i + k * copy.from_derivs)));
-                Dual::new(x, dx, dy)
-            } else {
-                v.dual(from, i as usize)
-            };
-            if copy.to_derivs > 0 {
-                for (k, x) in [value.value, value.dx, value.dy].into_iter().enumerate() {
-                    v.set_bits(to, i + k as u32 * copy.to_derivs, x.0);
-                }
-            } else {
-                Dual::put(v, to, i as usize, value);
-            }
-        }
+        transfer(&mut self.values, copy);
     }
 }

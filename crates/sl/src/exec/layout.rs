@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group laid out in memory, its operations bound to functions. The lazy evaluation of layers follows OSL.
 
+use super::known::fill;
 use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
 use super::nesting;
 use super::slot::{RetainedOutput, Slot};
@@ -9,6 +10,7 @@ use super::table::action;
 use crate::group::{Group, Part};
 use crate::hir::Data;
 use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
+use crate::opcode::Opcode;
 use crate::passes::{fold, mark_derivatives};
 use crate::types::{Base, Type};
 use std::collections::{HashMap, HashSet};
@@ -169,35 +171,9 @@ impl Plan {
             return Ok(None);
         };
         let slot = self.allocate(*ty, true)?;
-        self.fill(&slot, &Data::Float(vec![*start; ty.size()]));
+        fill(&mut self.memory, &slot, &Data::Float(vec![*start; ty.size()]), &mut self.strings);
         self.globals.insert((*name).into(), slot);
         Ok(Some(slot))
-    }
-
-    fn fill(&mut self, slot: &Slot, data: &Data) {
-        let at = slot.at as usize;
-        let size = slot.size as usize;
-        match data {
-            Data::Int(list) => {
-                for (i, &v) in list.iter().take(size).enumerate() {
-                    self.memory[at + i] =
-                        if slot.ty.base == Base::Int { v as u32 } else { (v as f32).to_bits() };
-                }
-                if slot.ty.base == Base::Closure {
-                    self.memory[at..at + size].fill(0);
-                }
-            }
-            Data::Float(list) => {
-                for (i, &v) in list.iter().take(size).enumerate() {
-                    self.memory[at + i] = v.to_bits();
-                }
-            }
-            Data::Str(list) => {
-                for (i, v) in list.iter().take(size).enumerate() {
-                    self.memory[at + i] = self.strings.number(v);
-                }
-            }
-        }
     }
 
     fn layer(
@@ -222,11 +198,11 @@ impl Plan {
                 let count = given.map_or(0, Data::count) / ty.base.components().max(1);
                 ty = ty.array_of(i32::try_from(count.max(1)).unwrap_or(1));
             }
-            let slot = self.allocate(ty, symbol.derivs);
+            let slot = self.allocate(ty, symbol.derivs && ty.base.is_float_based());
             let slot =
                 slot.map_err(|why| format!("shader {}: '{}' ({ty}): {why}", shader.name, symbol.name))?;
             if let Some(data) = given {
-                self.fill(&slot, data);
+                fill(&mut self.memory, &slot, data, &mut self.strings);
             }
             slots.push(slot);
         }
@@ -265,7 +241,20 @@ impl Plan {
             }
         }
         let reads: Vec<bool> = connected.iter().map(|c| c & 1 != 0).collect();
-        let binder = Binder { shader: &shader, slots: &slots, connected: &reads };
+        if options.userdata_isconnected {
+            shader
+                .params()
+                .filter(|(id, symbol)| symbol.ty.struct_id().is_none() && layer.interpolated(*id))
+                .for_each(|(id, _)| connected[id as usize] |= 1);
+        }
+        let constant = constants(group, number, &shader);
+        let binder = Binder {
+            shader: &shader,
+            slots: &slots,
+            reads: &reads,
+            connected: &connected,
+            constant: &constant,
+        };
         let code = binder.block(&shader.code)?;
         let mut params = Vec::new();
         for (id, symbol) in shader.params() {
@@ -273,9 +262,6 @@ impl Plan {
                 continue;
             }
             let interpolated = layer.interpolated(id);
-            if interpolated && options.userdata_isconnected {
-                connected[id as usize] |= 1;
-            }
             let whole = is_whole[id as usize];
             let source = match (reads[id as usize], interpolated) {
                 (true, _) => Source::Connected,
@@ -289,7 +275,6 @@ impl Plan {
             }
         }
         let lazy = number + 1 != group.layers.len() && waits(group, number, &shader, options);
-        let constant = constants(group, number, &shader);
         self.layers.push(LayerPlan {
             name: layer.name.clone(),
             shader,
@@ -333,9 +318,9 @@ fn cut(slot: Slot, part: &Part) -> (Slot, u32) {
 
 fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -> bool {
     let layer = &group.layers[number];
-    let has = |name: &str| {
+    let has = |code: Opcode| {
         let mut found = false;
-        ops(&shader.code, &mut |op| found |= &*op.name == name);
+        ops(&shader.code, &mut |op| found |= op.code == code);
         found
     };
     let mut writes_globals = false;
@@ -351,8 +336,8 @@ fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -
         && (options.lazy_globals || !writes_globals)
         && !expected
         && (outgoing || options.lazy_unconnected)
-        && (options.lazy_error || !has("error"))
-        && (options.lazy_trace || !has("trace"))
+        && (options.lazy_error || !has(Opcode::Error))
+        && (options.lazy_trace || !has(Opcode::Trace))
 }
 
 /// Symbols of a layer that connections lead to.
@@ -412,12 +397,15 @@ fn prepared(group: &Group) -> Vec<Arc<Shader>> {
 struct Binder<'a> {
     shader: &'a Shader,
     slots: &'a [Slot],
-    connected: &'a [bool],
+    /// By symbol, whether connections lead to it.
+    reads: &'a [bool],
+    connected: &'a [u8],
+    constant: &'a [bool],
 }
 
 impl Binder<'_> {
     fn pulls(&self, symbols: impl Iterator<Item = SymId>) -> Box<[u32]> {
-        symbols.filter(|&id| self.connected[id as usize]).collect()
+        symbols.filter(|&id| self.reads[id as usize]).collect()
     }
 
     fn block(&self, block: &Block) -> Result<Vec<Instruction>, String> {
@@ -451,32 +439,48 @@ impl Binder<'_> {
         })
     }
 
+    /// The answer of an operation about its operands.
+    fn answer(&self, op: &Op) -> i32 {
+        let Some(id) = op.args.get(1).map(|&id| id as usize) else { return 0 };
+        match op.code {
+            Opcode::ArrayLength => self.slots[id].ty.array,
+            Opcode::IsConnected => self.connected[id].into(),
+            Opcode::IsConstant => self.constant[id].into(),
+            _ => 0,
+        }
+    }
+
     fn operation(&self, op: &Op) -> Result<Instruction, String> {
-        let flow = match &*op.name {
-            "break" => Some(Flow::Break),
-            "continue" => Some(Flow::Continue),
-            "return" => Some(Flow::Return),
-            "exit" => Some(Flow::Exit),
+        let flow = match op.code {
+            Opcode::Break => Some(Flow::Break),
+            Opcode::Continue => Some(Flow::Continue),
+            Opcode::Return => Some(Flow::Return),
+            Opcode::Exit => Some(Flow::Exit),
             _ => None,
         };
         if let Some(flow) = flow {
             return Ok(Instruction::Leave(flow));
         }
         let args: Box<[Slot]> = op.args.iter().map(|&id| self.slots[id as usize]).collect();
-        let Some(action) = action(&op.name, &args) else {
+        let Some(action) = action(op.code, &args) else {
             let file = self.shader.files.get(usize::from(op.at.file)).map_or("", |f| f);
+            let name = match op.code {
+                Opcode::Unknown => self.shader.unknown.as_deref().unwrap_or_default(),
+                code => code.name(),
+            };
             return Err(format!(
                 "Parsing shader \"{}\": unknown instruction \"{}\" at {file}:{}",
-                self.shader.name, op.name, op.at.line
+                self.shader.name, name, op.at.line
             ));
         };
         // An operation about the parameter itself does not evaluate it.
-        let reads = !matches!(&*op.name, "isconnected" | "isconstant" | "arraylength");
-        let pulls = if reads { self.pulls(op.args.iter().copied()) } else { [].into() };
+        let pulls =
+            if !op.code.is_about_operands() { self.pulls(op.args.iter().copied()) } else { [].into() };
         let symbols = op.args.clone().into();
         Ok(Instruction::Do(Step {
-            name: op.name.clone(),
+            code: op.code,
             action,
+            answer: self.answer(op),
             args,
             symbols,
             at: op.at,
@@ -515,36 +519,10 @@ fn constants(group: &Group, number: usize, shader: &Shader) -> Vec<bool> {
             known[id] = writes[id] == 1;
         }
     }
-    let requests = |name: &str| {
-        matches!(
-            name,
-            "getattribute"
-                | "getmessage"
-                | "raytype"
-                | "trace"
-                | "backfacing"
-                | "surfacearea"
-                | "random"
-                | "texture"
-                | "texture3d"
-                | "environment"
-                | "gettextureinfo"
-                | "dict_find"
-                | "dict_next"
-                | "dict_value"
-                | "pointcloud_search"
-                | "pointcloud_get"
-                | "pointcloud_write"
-                | "transform"
-                | "transformv"
-                | "transformn"
-                | "getmatrix"
-        )
-    };
     let mut changed = true;
     while std::mem::take(&mut changed) {
         ops(&shader.code, &mut |op| {
-            let unknown = requests(&op.name)
+            let unknown = op.code.asks()
                 || op
                     .args
                     .iter()

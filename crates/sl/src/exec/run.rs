@@ -3,9 +3,9 @@
 //! The order is OSL's.
 
 use super::host::Point;
-use super::machine::{Copy, Event, Flow, Instruction, Loop, Machine, Source, Step};
+use super::machine::{Event, Flow, Instruction, Loop, Machine, Source, Step};
 use super::nesting::{LAYER, MOST_NESTED};
-use super::slot::Slot;
+use super::scalar::connect;
 use crate::hir::Data;
 use crate::types::{Base, Type};
 
@@ -157,47 +157,8 @@ impl Machine<'_> {
                 if !self.done[copy.layer] {
                     self.run_layer(copy.layer);
                 }
-                self.copy_connection(copy);
+                connect(self, copy);
             }
-        }
-    }
-
-    fn copy_connection(&mut self, copy: &Copy) {
-        let (from, to) = (&copy.from, &copy.to);
-        if from.ty.base == Base::Closure
-            || from.ty.base == Base::String
-            || from.ty.base == Base::Int && to.ty.base == Base::Int
-        {
-            for i in 0..from.size.min(to.size) as usize {
-                let cell_bits = self.cell_bits(from, i);
-                self.set_bits(to, i, cell_bits);
-            }
-            return;
-        }
-        for i in 0..to.size as usize {
-            if from.size > 1 && i >= from.size as usize {
-                break;
-            }
-            let value =
-                if copy.from_derivs > 0 { self.part(from, i, copy.from_derivs) } else { self.dual(from, i) };
-            if copy.to_derivs > 0 {
-                self.set_part(to, i, value, copy.to_derivs)
-            } else {
-                self.set(to, i, value)
-            }
-        }
-    }
-
-    /// A component of a larger value, whose derivatives are `stride` cells away.
-    fn part(&self, slot: &Slot, i: usize, stride: u32) -> super::machine::D {
-        let i = if slot.size == 1 { 0 } else { i };
-        let at = |k: usize| f32::from_bits(self.cell_bits(slot, i + k * stride as usize));
-        gnurt_sl_lib::Dual::new(at(0), at(1), at(2))
-    }
-
-    fn set_part(&mut self, slot: &Slot, i: usize, value: super::machine::D, stride: u32) {
-        for (k, v) in [value.value, value.dx, value.dy].into_iter().enumerate() {
-            self.set_bits(slot, i + k * stride as usize, v.to_bits());
         }
     }
 
@@ -287,7 +248,7 @@ impl Machine<'_> {
                 let source_position = self.source_position(step.at);
                 self.error(format!(
                     "Detected {what} value in {name} at {source_position} (op {})",
-                    step.name
+                    step.code.name()
                 ));
             }
         }
