@@ -46,7 +46,7 @@ fn is_numeric(slot: &Slot) -> bool {
 }
 
 /// The operands of a noise that are coordinates, and periods.
-fn coordinates<'s>(code: Opcode, args: &'s [Slot]) -> Option<(&'s [Slot], bool)> {
+fn coordinates(code: Opcode, args: &[Slot]) -> Option<(&[Slot], bool)> {
     let is_text = |slot: &Slot| slot.ty == Type::STRING;
     let rest = args.get(1 + usize::from(args.get(1).is_some_and(is_text))..)?;
     let numbers = &rest[..rest.iter().position(is_text).unwrap_or(rest.len())];
@@ -426,7 +426,7 @@ fn equal<V: Values>(v: &mut V, code: Opcode, out: &Slot, rest: &[Slot]) {
             let (a, b) = (matrix(v, a), matrix(v, b));
             all(a.into_iter().flatten().zip(b.into_iter().flatten()).map(|(x, y)| Real::equal(x, y)))
         }
-        _ => compare(v, a, b, |x, y| Real::equal(x, y)),
+        _ => compare(v, a, b, Real::equal),
     };
     let Some(same) = same else { return };
     let value = v.int_of(if code == Opcode::Eq { same } else { !same });

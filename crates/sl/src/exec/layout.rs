@@ -40,6 +40,8 @@ pub struct PlanOptions {
     pub entries: Vec<usize>,
     /// Iterations of loops that a point may take before it is stopped.
     pub iterations: u64,
+    /// Evaluates known values beforehand, and leaves out unused operations.
+    pub optimise: bool,
 }
 
 impl Default for PlanOptions {
@@ -55,6 +57,7 @@ impl Default for PlanOptions {
             debug_layers: false,
             entries: Vec::new(),
             iterations: 20_000_000,
+            optimise: true,
         }
     }
 }
@@ -114,7 +117,7 @@ impl Plan {
             let slot = plan.allocate(ty, ty.base != Base::Closure)?;
             plan.globals.insert(name.into(), slot);
         }
-        let shaders = prepared(group);
+        let shaders = prepared(group, options);
         for (number, shader) in shaders.into_iter().enumerate() {
             plan.layer(group, number, shader, options)?;
         }
@@ -369,9 +372,9 @@ fn fixed(group: &Group, number: usize) -> HashMap<SymId, Data> {
 
 /// The shaders without the parts that their parameters disable, with derivatives of outputs where their
 /// connections need them.
-fn prepared(group: &Group) -> Vec<Arc<Shader>> {
+fn prepared(group: &Group, options: &PlanOptions) -> Vec<Arc<Shader>> {
     let mut shaders: Vec<Arc<Shader>> = group.layers.iter().map(|l| l.shader.clone()).collect();
-    for (number, shader) in shaders.iter_mut().enumerate() {
+    for (number, shader) in shaders.iter_mut().enumerate().filter(|_| options.optimise) {
         fold(Arc::make_mut(shader), &fixed(group, number));
     }
     for number in (0..shaders.len()).rev() {
