@@ -17,7 +17,7 @@ use gnurt_sl::types::Base;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-use crate::program::{Call, Layer, Loop as Turns, Making, Node, Program, Test};
+use crate::program::{Call, Layer, Loop as Turns, Making, Node, Program, Test, Tight};
 use crate::term::{constant, take};
 use native::{Known, Touch, is_honest, touches};
 use values::Values;
@@ -28,6 +28,10 @@ const LAYERS: usize = 1000;
 const RESETS: usize = 1 << 14;
 /// Blocks may nest this deep.
 const DEPTH: usize = 200;
+/// Operations of both blocks of a choice that take less time than a branch that is not foreseen.
+const CHEAP: u32 = 32;
+/// Operations of an iteration that is one region.
+const LONG: u32 = 2000;
 /// Operations of code; each has some ten bytes, and as much again while it is made.
 const SIZE: usize = 2_000_000;
 
@@ -299,6 +303,7 @@ impl Lowerer<'_> {
         let above = self.values.block;
         let pulled = self.pulled.len();
         self.values.block = self.blocks;
+        let base = std::mem::replace(&mut self.values.base, self.blocks);
         self.blocks += 1;
         for (i, instruction) in list.iter().enumerate() {
             self.instruction(instruction)?;
@@ -321,7 +326,7 @@ impl Lowerer<'_> {
         }
         self.flush();
         self.pulled.truncate(pulled);
-        self.values.block = above;
+        (self.values.block, self.values.base) = (above, base);
         self.depth -= 1;
         Ok(std::mem::replace(&mut self.nodes, outer))
     }
@@ -331,6 +336,24 @@ impl Lowerer<'_> {
             Instruction::Do(step) => self.step(step)?,
             Instruction::If { condition, pulls, yes, no } => {
                 self.fetch(pulls);
+                if self.values.analysis.varying[condition.at as usize] {
+                    if let (Some(a), Some(b)) = (self.weight(yes, false), self.weight(no, false))
+                        && a + b <= CHEAP
+                        && !self.values.is_long()
+                    {
+                        return self.choice(condition, yes, no);
+                    }
+                    if let ([Instruction::Leave(flow)], []) = (&**yes, &**no) {
+                        let lanes = self.slot();
+                        self.values.test(condition, || lanes);
+                        self.flush();
+                        self.blocks += 2;
+                        if let Some(note) = self.note(*flow) {
+                            self.nodes.push(Node::LeaveSome { lanes, note });
+                        }
+                        return Ok(());
+                    }
+                }
                 let Self { values, program, .. } = self;
                 let test = values.test(condition, || {
                     program.slots += 1;
@@ -350,17 +373,130 @@ impl Lowerer<'_> {
             }
             Instruction::Leave(flow) => {
                 self.flush();
-                let note = match flow {
-                    Flow::Break => None,
-                    Flow::Continue => self.waiting,
-                    Flow::Return => Some(self.frame),
-                    Flow::Exit => Some(self.exit),
-                    Flow::Next => return Ok(()),
-                };
-                self.nodes.push(Node::Leave(note));
+                self.nodes.extend(self.note(*flow).map(Node::Leave));
             }
         }
         Ok(())
+    }
+
+    /// Where lanes are noted that leave in some way; none if they do not.
+    fn note(&self, flow: Flow) -> Option<Option<u32>> {
+        match flow {
+            Flow::Break => Some(None),
+            Flow::Continue => Some(self.waiting),
+            Flow::Return => Some(Some(self.frame)),
+            Flow::Exit => Some(Some(self.exit)),
+            Flow::Next => None,
+        }
+    }
+
+    /// About as many operations as a block takes, if it may be done for all lanes under a mask. Of jumps, it may
+    /// have those of a loop's body, at the ends of its inner blocks.
+    fn weight(&self, list: &[Instruction], in_body: bool) -> Option<u32> {
+        let is_pulled = |pulls: &[u32]| pulls.iter().all(|symbol| self.pulled.contains(symbol));
+        let mut sum = 0_u32;
+        for instruction in list {
+            sum += match instruction {
+                Instruction::Do(step) => {
+                    let is_plain = self.values.known.is_native(step) && is_pulled(&step.pulls);
+                    (is_plain && is_honest(step)).then(|| native::weight(step))?
+                }
+                Instruction::If { condition: _, pulls, yes, no } if is_pulled(pulls) => {
+                    let jumps = |list: &[Instruction]| {
+                        let is_jump = |last: &Instruction| {
+                            matches!(last, Instruction::Leave(Flow::Break | Flow::Continue))
+                        };
+                        usize::from(in_body && list.last().is_some_and(is_jump))
+                    };
+                    let (a, b) = (yes.len() - jumps(yes), no.len() - jumps(no));
+                    let inner = self.weight(&yes[..a], in_body)? + self.weight(&no[..b], in_body)?;
+                    if in_body && inner > CHEAP {
+                        return None;
+                    }
+                    2 + inner
+                }
+                _ => return None,
+            };
+            if sum > LONG {
+                return None;
+            }
+        }
+        Some(sum)
+    }
+
+    /// Both blocks of a choice, under masks.
+    fn choice(&mut self, condition: &Slot, yes: &[Instruction], no: &[Instruction]) -> Result<(), String> {
+        let mask = self.values.mask(condition);
+        for (mask, list) in [(mask, yes), (!mask, no)] {
+            let outer = self.values.open(mask);
+            self.straight(list)?;
+            self.values.close(outer);
+        }
+        Ok(())
+    }
+
+    /// A block as a part of the region.
+    fn straight(&mut self, list: &[Instruction]) -> Result<(), String> {
+        let above = std::mem::replace(&mut self.values.block, self.blocks);
+        self.blocks += 1;
+        for instruction in list {
+            match instruction {
+                Instruction::Do(step) => self.native(step)?,
+                Instruction::If { condition, yes, no, .. } => self.choice(condition, yes, no)?,
+                Instruction::Leave(flow) => self.values.leave(*flow == Flow::Break),
+                Instruction::Loop(_) | Instruction::Call(_) => return Err("a block that branches".into()),
+            }
+        }
+        self.values.block = above;
+        Ok(())
+    }
+
+    /// A loop whose iteration is one region, if it can be that. Its first block has been lowered.
+    fn tight(&mut self, inner: &Loop) -> Result<bool, String> {
+        let parts = [(&inner.test, false), (&inner.body, true), (&inner.step, false)];
+        let weights = parts.map(|(part, in_body)| self.weight(part, in_body));
+        let is_pulled = inner.pulls.iter().all(|symbol| self.pulled.contains(symbol));
+        let is_short = weights.iter().try_fold(0, |sum, weight| Some(sum + (*weight)?));
+        let varies = self.values.analysis.varying[inner.condition.at as usize];
+        if !varies || !is_pulled || is_short.is_none_or(|sum| sum > LONG) {
+            return Ok(false);
+        }
+        self.flush();
+        let outer = std::mem::take(&mut self.nodes);
+        let base = std::mem::replace(&mut self.values.base, u32::MAX);
+        let [entry, live] = [self.slot(), self.slot()];
+        let first = self.blocks;
+        if inner.body_first {
+            self.skip_blocks(&inner.test);
+        } else {
+            self.straight(&inner.test)?;
+            self.values.end_iteration(&inner.condition, live);
+            self.flush();
+        }
+        let before = std::mem::take(&mut self.nodes);
+        self.straight(&inner.body)?;
+        self.values.end_body();
+        self.straight(&inner.step)?;
+        let next = std::mem::replace(&mut self.blocks, first);
+        self.straight(&inner.test)?;
+        self.blocks = next;
+        self.values.end_iteration(&inner.condition, live);
+        self.flush();
+        let iteration = std::mem::replace(&mut self.nodes, outer);
+        self.values.base = base;
+        let say = self.call(Call::Stopped { layer: self.layer, at: inner.at });
+        let body_first = inner.body_first;
+        let stopped = self.exit;
+        self.nodes.push(Node::Tight(Box::new(Tight {
+            body_first,
+            before,
+            iteration,
+            entry,
+            live,
+            stopped,
+            say,
+        })));
+        Ok(true)
     }
 
     fn iterations(&mut self, inner: &Loop) -> Result<(), String> {
@@ -369,6 +505,9 @@ impl Lowerer<'_> {
         }
         let init = self.block(&inner.init, None)?;
         self.nodes.extend(init);
+        if self.tight(inner)? {
+            return Ok(());
+        }
         let [entry, live, waiting] = [self.slot(), self.slot(), self.slot()];
         let mut condition = None;
         let test = self.block(&inner.test, Some((&inner.condition, &inner.pulls, &mut condition)))?;
@@ -403,12 +542,11 @@ impl Lowerer<'_> {
             return Err(format!("'{}' has undeclared writes", step.code.name()));
         }
         self.fetch(&step.pulls);
-        let native = self.values.known.is_native(step);
-        touches(step, native, |i, touch| {
-            let state = self.program.touched.entry(step.args[i].at).or_default();
-            *state |= touch != Touch::Read;
-        });
-        if !native {
+        if !self.values.known.is_native(step) {
+            touches(step, false, |i, touch| {
+                let state = self.program.touched.entry(step.args[i].at).or_default();
+                *state |= touch != Touch::Read;
+            });
             self.flush();
             let constant = |slot: &&Slot| slot.size > 0 && !self.values.known.cells[slot.at as usize];
             let ins: Vec<Slot> = step.args.iter().filter(constant).copied().collect();
@@ -430,9 +568,18 @@ impl Lowerer<'_> {
         if self.values.is_long() {
             self.flush();
         }
+        self.native(step)
+    }
+
+    /// An operation as code, in the region.
+    fn native(&mut self, step: &Step) -> Result<(), String> {
         if self.size > SIZE {
             return Err(format!("its code has more than {SIZE} operations"));
         }
+        touches(step, true, |i, touch| {
+            let state = self.program.touched.entry(step.args[i].at).or_default();
+            *state |= touch != Touch::Read;
+        });
         let mut used: Vec<u32> = Vec::with_capacity(step.args.len());
         touches(step, true, |i, _: Touch| used.push(step.args[i].at));
         for at in used {

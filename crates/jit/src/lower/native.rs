@@ -56,6 +56,26 @@ impl Known<'_> {
     }
 }
 
+/// About as many operations of lanes as an operation takes.
+pub(crate) fn weight(step: &Step) -> u32 {
+    use Opcode as O;
+    let size = step.args.first().map_or(0, |out| out.size);
+    let derivs = if step.args.first().is_some_and(|out| out.derivs) { 3 } else { 1 };
+    let each = match step.code {
+        // Whole numbers are divided lane by lane.
+        O::Div | O::Mod | O::Fmod if step.args.iter().all(|slot| slot.ty == Type::INT) => 100,
+        O::Div => 6,
+        O::Sqrt | O::InverseSqrt | O::Smoothstep | O::Length | O::Normalize | O::Distance => 10,
+        O::Mix | O::Clamp | O::Select | O::Dot | O::Cross | O::Abs | O::Fabs | O::Sign => 4,
+        O::Noise | O::Snoise | O::Pnoise | O::Psnoise | O::Cellnoise | O::Hashnoise => 600,
+        O::Transform | O::Matrix | O::Transpose => 10,
+        code if code.arity() == 0 || code.is_for_ints() => 2,
+        O::Step | O::Floor | O::Ceil | O::Trunc => 2,
+        _ => 50,
+    };
+    each * size.max(1) * derivs
+}
+
 /// How an operation uses a symbol.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Touch {

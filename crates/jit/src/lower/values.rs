@@ -29,6 +29,14 @@ pub(crate) struct Values<'p> {
     pub(crate) known: &'p Known<'p>,
     /// The block that is lowered.
     pub(crate) block: u32,
+    /// The innermost one that lanes enter by a branch: inner ones are done by masks within a region. None in
+    /// loops, whose lanes leave at different times.
+    pub(crate) base: u32,
+    /// Lanes of the inner blocks, if there are some.
+    conditions: Option<Which>,
+    /// Lanes that have left the iteration of a loop, for good or up to its end.
+    pub(crate) broken: Option<Which>,
+    waiting: Option<Which>,
     cells: QuickMap<u32, Cell>,
     /// Uses of variables in this region.
     seen: QuickMap<u32, u32>,
@@ -48,6 +56,10 @@ impl<'p> Values<'p> {
             analysis,
             known,
             block: 0,
+            base: 0,
+            conditions: None,
+            broken: None,
+            waiting: None,
             cells: QuickMap::default(),
             seen: QuickMap::default(),
             masks: QuickMap::default(),
@@ -81,9 +93,66 @@ impl<'p> Values<'p> {
     pub(crate) fn set_bits(&mut self, slot: &Slot, i: u32, value: Id) {
         let cell = slot.at + i;
         let variable = self.analysis.variables.get(&slot.at);
-        let own = variable.is_some_and(|v| v.clean && v.block == self.block);
-        let keep = self.analysis.varying[cell as usize] && !own;
+        let is_of = |block: u32| variable.is_some_and(|v| v.clean && v.block == block);
+        let (own, of_base) = (is_of(self.block), is_of(self.base));
+        let value = match self.guard() {
+            Some(guard) if !own => push(Op::Choose(guard.0, value, self.bits(cell))),
+            _ => value,
+        };
+        let keep = self.analysis.varying[cell as usize] && !(own || of_base);
         self.cells.insert(cell, Cell { value, changed: true, keep, owner: slot.at });
+    }
+
+    /// Lanes that run in inner blocks of a region; none if all do.
+    fn guard(&self) -> Option<Which> {
+        let left = match (self.broken, self.waiting) {
+            (Some(a), Some(b)) => Some(a | b),
+            (a, b) => a.or(b),
+        };
+        match (self.conditions, left) {
+            (Some(a), Some(b)) => Some(a & !b),
+            (a, b) => a.or(b.map(|b| !b)),
+        }
+    }
+
+    /// The lanes that an int sends on, as a value.
+    pub(crate) fn mask(&mut self, condition: &Slot) -> Which {
+        self.touch(condition.at);
+        let value = self.bits(condition.at);
+        exec::Values::truth(self, Bits(value))
+    }
+
+    /// Enters an inner block for some of the lanes; returns what leaving it takes.
+    pub(crate) fn open(&mut self, mask: Which) -> Option<Which> {
+        let outer = self.conditions;
+        self.conditions = Some(outer.map_or(mask, |outer| outer & mask));
+        outer
+    }
+
+    /// Leaves it.
+    pub(crate) fn close(&mut self, outer: Option<Which>) {
+        self.conditions = outer;
+    }
+
+    /// The lanes that run now leave the iteration, for good or up to its end.
+    pub(crate) fn leave(&mut self, for_good: bool) {
+        let Some(guard) = self.guard() else { return };
+        let list = if for_good { &mut self.broken } else { &mut self.waiting };
+        *list = Some(list.map_or(guard, |list| list | guard));
+    }
+
+    /// The body of an iteration ends.
+    pub(crate) fn end_body(&mut self) {
+        self.waiting = None;
+    }
+
+    /// A region's test ends it: the lanes that an int sends on, and that have not left.
+    pub(crate) fn end_iteration(&mut self, condition: &Slot, live: u32) {
+        let mut mask = self.mask(condition);
+        if let Some(broken) = self.broken.take() {
+            mask = mask & !broken;
+        }
+        self.tests.push((live, mask.0));
     }
 
     /// Ends the region; none if it does nothing.
@@ -92,9 +161,11 @@ impl<'p> Values<'p> {
         let mut changed: Vec<(u32, Cell)> = self.cells.drain().filter(|(_, c)| c.changed).collect();
         changed.sort_unstable_by_key(|(cell, _)| *cell);
         for (cell, state) in changed {
-            let nowhere_else = self.analysis.variables.get(&state.owner).is_some_and(|v| {
-                v.clean && v.block == self.block && self.seen.get(&state.owner) == Some(&v.uses)
-            });
+            let nowhere_else = self
+                .analysis
+                .variables
+                .get(&state.owner)
+                .is_some_and(|v| v.clean && self.seen.get(&state.owner) == Some(&v.uses));
             if nowhere_else {
                 continue;
             }
@@ -121,9 +192,7 @@ impl<'p> Values<'p> {
             // The branch reads the cell, so that this use is not one of the region.
             return Test::Cell(condition.at);
         }
-        self.touch(condition.at);
-        let value = self.bits(condition.at);
-        let mask = exec::Values::truth(self, Bits(value));
+        let mask = self.mask(condition);
         let slot = slot();
         self.tests.push((slot, mask.0));
         Test::Lanes(slot)

@@ -184,12 +184,6 @@ impl Asm {
         self.raw(&[1]);
     }
 
-    /// A register's lowest byte to memory.
-    pub(crate) fn store_byte(&mut self, reg: Gpr, at: u32) {
-        self.raw(&[0x88, 0x83 | (reg as u8) << 3]);
-        self.distance(at);
-    }
-
     /// An instruction on lanes: `reg` is the result (or its number in the opcode), `v` the first source.
     pub(crate) fn lanes(&mut self, width: Width, code: Code, reg: u8, v: u8, rm: Rm) {
         match width {

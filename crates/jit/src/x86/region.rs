@@ -140,8 +140,10 @@ impl Emitter<'_> {
             let reg = self.ensure(id);
             self.asm.signs(self.width, reg);
             let at = Layout::slot(slot);
-            if self.width == Width::Eight {
-                self.asm.store_byte(Gpr::Eax, at + self.lane / 8);
+            if self.lane > 0 {
+                // A word that is stored in bytes is read late.
+                self.asm.raw(&[0xc1, 0xe0, 0x08]); // shl eax, 8
+                self.asm.access(Access::OrInto, Gpr::Eax, at);
             } else {
                 self.asm.access(Access::Store, Gpr::Eax, at);
             }
