@@ -38,6 +38,8 @@ pub(crate) struct Loop {
     pub(crate) stopped: u32,
     /// The call that reports it.
     pub(crate) say: u32,
+    /// Turns that an iteration counts as.
+    pub(crate) turns: u32,
 }
 
 /// A loop whose iteration is one region, which ends with the lanes that go on.
@@ -56,6 +58,8 @@ pub(crate) struct Tight {
     pub(crate) stopped: u32,
     /// The call that reports it.
     pub(crate) say: u32,
+    /// Turns that an iteration counts as.
+    pub(crate) turns: u32,
 }
 
 /// A step of the running lanes, in order.

@@ -8,6 +8,7 @@
 #![forbid(unsafe_code)]
 
 pub mod ast;
+pub mod budget;
 pub mod check;
 mod compile;
 pub mod diagnostics;

@@ -319,6 +319,13 @@ impl Opcode {
         }
     }
 
+    /// Whether it is noise.
+    #[must_use]
+    pub const fn is_noise(self) -> bool {
+        let is_periodic = matches!(self, Self::Pnoise | Self::Psnoise);
+        is_periodic || matches!(self, Self::Noise | Self::Snoise | Self::Cellnoise | Self::Hashnoise)
+    }
+
     /// Whether it does nothing while a point is shaded.
     #[must_use]
     pub const fn is_nothing(self) -> bool {

@@ -28,6 +28,8 @@ const LAYERS: usize = 1000;
 const RESETS: usize = 1 << 14;
 /// Blocks may nest this deep.
 const DEPTH: usize = 200;
+/// Operations of an iteration that counts as more than one turn.
+const TURN: usize = 64;
 /// Operations of both blocks of a choice that take less time than a branch that is not foreseen.
 const CHEAP: u32 = 32;
 /// Operations of an iteration that is one region.
@@ -465,7 +467,7 @@ impl Lowerer<'_> {
         let outer = std::mem::take(&mut self.nodes);
         let base = std::mem::replace(&mut self.values.base, u32::MAX);
         let [entry, live] = [self.slot(), self.slot()];
-        let first = self.blocks;
+        let (first, size) = (self.blocks, self.size);
         if inner.body_first {
             self.skip_blocks(&inner.test);
         } else {
@@ -486,7 +488,7 @@ impl Lowerer<'_> {
         self.values.base = base;
         let say = self.call(Call::Stopped { layer: self.layer, at: inner.at });
         let body_first = inner.body_first;
-        let stopped = self.exit;
+        let (stopped, turns) = (self.exit, 1 + ((self.size - size) / TURN) as u32);
         self.nodes.push(Node::Tight(Box::new(Tight {
             body_first,
             before,
@@ -495,6 +497,7 @@ impl Lowerer<'_> {
             live,
             stopped,
             say,
+            turns,
         })));
         Ok(true)
     }
@@ -509,7 +512,7 @@ impl Lowerer<'_> {
             return Ok(());
         }
         let [entry, live, waiting] = [self.slot(), self.slot(), self.slot()];
-        let mut condition = None;
+        let (mut condition, before) = (None, self.size);
         let test = self.block(&inner.test, Some((&inner.condition, &inner.pulls, &mut condition)))?;
         let outer = self.waiting.replace(waiting);
         let body = self.block(&inner.body, None)?;
@@ -533,6 +536,7 @@ impl Lowerer<'_> {
             gone,
             stopped: self.exit,
             say,
+            turns: 1 + ((self.size - before) / TURN) as u32,
         })));
         Ok(())
     }
@@ -573,6 +577,7 @@ impl Lowerer<'_> {
 
     /// An operation as code, in the region.
     fn native(&mut self, step: &Step) -> Result<(), String> {
+        self.size += step.args.first().map_or(0, |out| out.cells());
         if self.size > SIZE {
             return Err(format!("its code has more than {SIZE} operations"));
         }

@@ -37,10 +37,10 @@ impl Known<'_> {
     pub(crate) fn is_native(&self, step: &Step) -> bool {
         let args = &*step.args;
         let is_index = |operand: usize, count: usize| self.index(&args[operand], count).is_some();
-        let is_closure = args.first().is_some_and(|out| out.ty == Type::CLOSURE);
+        let is_value = args.first().is_none_or(|out| out.ty != Type::CLOSURE);
         is_computed(step.code, args)
             && args.iter().all(|slot| slot.size <= MOST)
-            && !(is_closure && !matches!(step.code, Opcode::Assign | Opcode::Aref))
+            && (is_value || matches!(step.code, Opcode::Assign | Opcode::Aref))
             && match step.code {
                 Opcode::Aref => is_index(2, args[1].ty.elements()),
                 Opcode::Aassign => is_index(1, args[0].ty.elements()),
@@ -67,7 +67,7 @@ pub(crate) fn weight(step: &Step) -> u32 {
         O::Div => 6,
         O::Sqrt | O::InverseSqrt | O::Smoothstep | O::Length | O::Normalize | O::Distance => 10,
         O::Mix | O::Clamp | O::Select | O::Dot | O::Cross | O::Abs | O::Fabs | O::Sign => 4,
-        O::Noise | O::Snoise | O::Pnoise | O::Psnoise | O::Cellnoise | O::Hashnoise => 600,
+        code if code.is_noise() => 600,
         O::Transform | O::Matrix | O::Transpose => 10,
         code if code.arity() == 0 || code.is_for_ints() => 2,
         O::Step | O::Floor | O::Ceil | O::Trunc => 2,

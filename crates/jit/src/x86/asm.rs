@@ -177,11 +177,11 @@ impl Asm {
         self.raw(&[0]);
     }
 
-    /// A word of memory, less one.
-    pub(crate) fn decrement_word(&mut self, at: u32) {
-        self.raw(&[0x83, 0xab]);
+    /// A word of memory, less some.
+    pub(crate) fn subtract_from_word(&mut self, at: u32, less: u32) {
+        self.raw(&[0x81, 0xab]);
         self.distance(at);
-        self.raw(&[1]);
+        self.raw(&less.to_le_bytes());
     }
 
     /// An instruction on lanes: `reg` is the result (or its number in the opcode), `v` the first source.

@@ -252,8 +252,13 @@ impl Emitter<'_> {
 
     /// Keeps the lanes that a region has let go on.
     fn go_on(&mut self, live: u32) {
-        self.load_exec();
-        self.asm.access(Access::And, Eax, Layout::slot(live));
+        if self.wide == Width::Sixteen {
+            // The region's test has left its bits in eax.
+            self.asm.access(Access::And, Eax, Layout::EXEC);
+        } else {
+            self.load_exec();
+            self.asm.access(Access::And, Eax, Layout::slot(live));
+        }
         self.store_exec();
         self.asm.test(Eax, Eax);
     }
@@ -268,7 +273,7 @@ impl Emitter<'_> {
             self.asm.jump_if(When::Zero, done);
         }
         self.asm.bind(top);
-        self.asm.decrement_word(Layout::FUEL);
+        self.asm.subtract_from_word(Layout::FUEL, inner.turns);
         self.asm.jump_if(When::NotNegative, fueled);
         // Stopped: all iterating lanes leave, and no more iterations are allowed.
         self.asm.set_bits(Layout::FUEL, 0);
@@ -312,7 +317,7 @@ impl Emitter<'_> {
         }
         self.asm.jump_if(When::Zero, done);
         self.asm.bind(body);
-        self.asm.decrement_word(Layout::FUEL);
+        self.asm.subtract_from_word(Layout::FUEL, inner.turns);
         self.asm.jump_if(When::NotNegative, fueled);
         // Stopped: all iterating lanes leave, and no more iterations are allowed.
         self.asm.set_bits(Layout::FUEL, 0);

@@ -69,12 +69,7 @@ pub fn is_computed(code: Opcode, args: &[Slot]) -> bool {
             Opcode::Hash => all_numeric(),
             // The quotient of a matrix takes the inverse, of doubles.
             Opcode::Div => rest.get(1).is_none_or(|by| by.ty != Type::MATRIX),
-            Opcode::Noise
-            | Opcode::Snoise
-            | Opcode::Pnoise
-            | Opcode::Psnoise
-            | Opcode::Cellnoise
-            | Opcode::Hashnoise => coordinates(code, args).is_some(),
+            code if code.is_noise() => coordinates(code, args).is_some(),
             // Whole numbers only.
             _ if code.arity() == 0 && code.is_for_ints() => args.iter().all(|a| a.ty == Type::INT),
             _ => true,
@@ -103,12 +98,7 @@ pub fn writes_all(step: &Step) -> bool {
         code if code.arity() > 0 => true,
         Opcode::Color | Opcode::Point | Opcode::Vector | Opcode::Normal => out.size <= 3,
         Opcode::Cross | Opcode::Normalize | Opcode::Transform | Opcode::TransformV => out.size <= 3,
-        Opcode::Noise
-        | Opcode::Snoise
-        | Opcode::Pnoise
-        | Opcode::Psnoise
-        | Opcode::Cellnoise
-        | Opcode::Hashnoise => matches!(out.size, 1 | 3),
+        code if code.is_noise() => matches!(out.size, 1 | 3),
         _ => out.size == 1,
     }
 }
@@ -359,12 +349,7 @@ fn numbers<V: Values, N: Number<Real = V::Real, Mask = V::Mask>>(v: &mut V, step
             set_triple(v, out, value);
         }
         Opcode::Hash => hash(v, out, rest),
-        Opcode::Noise
-        | Opcode::Snoise
-        | Opcode::Pnoise
-        | Opcode::Psnoise
-        | Opcode::Cellnoise
-        | Opcode::Hashnoise => {
+        code if code.is_noise() => {
             noise_of::<V, N>(v, step);
         }
         _ => {}

@@ -241,6 +241,8 @@ pub struct Machine<'a> {
     pub(super) pulled: Vec<Vec<bool>>,
     /// Steps left for this point.
     pub(super) fuel: u64,
+    /// Operations left for this point.
+    pub(super) work: u64,
     /// Output since the last call.
     pub events: Vec<Event>,
     /// Bytes that this point, or this batch, has reported.
@@ -304,6 +306,7 @@ impl<'a> Machine<'a> {
             done,
             pulled,
             fuel: 0,
+            work: 0,
             events: Vec::new(),
             reports: 0,
             nested: 0,

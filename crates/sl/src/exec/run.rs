@@ -7,7 +7,17 @@ use super::machine::{Event, Flow, Instruction, Loop, Machine, Source, Step};
 use super::nesting::{LAYER, MOST_NESTED};
 use super::scalar::connect;
 use crate::hir::Data;
+use crate::ir::SourcePosition;
 use crate::types::{Base, Type};
+
+/// Operations of a point, for each iteration that it may take.
+const STEPS: u64 = 4;
+/// Operations that it may take in any case.
+const LEAST: u64 = 4_000_000;
+/// Numbers of a result that count as an operation.
+const NUMBERS: u32 = 8;
+/// Operations that noise counts as.
+const NOISE: u64 = 8;
 
 impl Machine<'_> {
     /// Runs the group; outputs are then read with [`output`](Self::output).
@@ -62,6 +72,7 @@ impl Machine<'_> {
             list.fill(false);
         }
         self.fuel = self.plan.iterations;
+        self.work = self.plan.iterations.saturating_mul(STEPS).max(LEAST);
         self.point = point.clone();
         self.set_globals();
     }
@@ -165,7 +176,13 @@ impl Machine<'_> {
     pub(super) fn block(&mut self, list: &[Instruction]) -> Flow {
         for instruction in list {
             match instruction {
-                Instruction::Do(step) => self.step(step),
+                Instruction::Do(step) => {
+                    self.step(step);
+                    if self.work == 0 {
+                        self.fuel = 0;
+                        return self.stop(step.at, "the shader", "operations", STEPS);
+                    }
+                }
                 Instruction::If { condition, pulls, yes, no } => {
                     self.pull(pulls);
                     let flow = self.block(if self.cell_bits(condition, 0) != 0 { yes } else { no });
@@ -188,6 +205,14 @@ impl Machine<'_> {
         Flow::Next
     }
 
+    /// Reports that a point is stopped, once.
+    fn stop(&mut self, at: SourcePosition, what: &str, unit: &str, each: u64) -> Flow {
+        let source_position = self.source_position(at);
+        let count = self.plan.iterations.saturating_mul(each);
+        self.error(format!("stopped: {what} at {source_position} did not end after {count} {unit}"));
+        Flow::Exit
+    }
+
     fn iterations(&mut self, inner: &Loop) -> Flow {
         match self.block(&inner.init) {
             Flow::Next => {}
@@ -206,12 +231,7 @@ impl Machine<'_> {
                 }
             }
             if self.fuel == 0 {
-                let source_position = self.source_position(inner.at);
-                self.error(format!(
-                    "stopped: a loop at {source_position} did not end after {} turns",
-                    self.plan.iterations
-                ));
-                return Flow::Exit;
+                return self.stop(inner.at, "a loop", "turns", 1);
             }
             self.fuel -= 1;
             match self.block(&inner.body) {
@@ -227,6 +247,9 @@ impl Machine<'_> {
     }
 
     fn step(&mut self, step: &Step) {
+        let size = step.args.first().map_or(0, |out| out.size);
+        let each = if step.code.is_noise() { NOISE } else { 1 };
+        self.work = self.work.saturating_sub(each + u64::from(size / NUMBERS));
         self.pull(&step.pulls);
         self.perform(self.layer, step);
         if self.checks {
