@@ -331,3 +331,48 @@ pub(crate) fn mutated(text: &str, dice: &mut Dice) -> String {
     }
     lines.iter().map(|fields| fields.join("\t") + "\n").collect()
 }
+
+/// Small nodes as materials are made of, without messages.
+const NODES: &[&str] = &[
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 1) { o = 0.25; f = 3; }",
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 1) { o = in0; f = in1; }",
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 1) { o = in0 * in1; f = in1 + 1; }",
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 1) { o = in0 + u; f = noise (in1 * P); }",
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 1) { if (in1 > 2) o = in0; else o = P; f = in0[1]; }",
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0.125, output float f = 7) { }",
+    "shader n (color in0 = P, float in1 = v * 2, output color o = in0, output float f = in1) { if (isconnected (in0)) f += 1; }",
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 1) { o = mix (in0, color (u, v, 1), in1); f = Dx (in1) + sin (in1); }",
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 1) { f = 2; if (u > 0.3) return; o = 4; }",
+    "shader n (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 1) { o = pow (in0, 2); for (int i = 0; i < in1; ++i) f *= 1.5; Ci = 0; }",
+    "shader n (float in1 = 2, int in2 = 3, color in0 = 1, output color o = 0, output float f = 1) { o = color (\"hsv\", 0.5, 1, in1); f = in2; }",
+];
+
+#[test]
+fn random_networks_mean_the_same() {
+    let nodes: Vec<_> = NODES.iter().map(|text| shader(text)).collect();
+    let last = shader(
+        "shader last (color in0 = 0.5, float in1 = 2, output color o = 0, output float f = 0) { o = in0; f = in1 + Dy (in0[2]); }",
+    );
+    for seed in 0..300 {
+        let mut dice = Dice::new(seed + 77);
+        (0..6).for_each(|_| _ = dice.roll(2));
+        let (mut group, mut text) = (Group::default(), format!("network {seed}\n"));
+        let count = 2 + dice.roll(12);
+        for number in 0..=count {
+            let node = dice.roll(nodes.len());
+            let made = if number == count { &last } else { &nodes[node] };
+            group.add(made.clone(), Some(&format!("n{number}")), &[], &mut Vec::new());
+            text += &format!("n{number}: {}\n", if number == count { "last" } else { NODES[node] });
+            for to in ["in0", "in1"] {
+                if number == 0 || dice.roll(4) == 0 {
+                    continue;
+                }
+                let (above, from) = (dice.roll(number), dice.of(&["o", "f", "o[2]"]));
+                if group.connect(&format!("n{above}"), from, &format!("n{number}"), to).is_ok() {
+                    text += &format!("n{above}.{from} to n{number}.{to}\n");
+                }
+            }
+        }
+        compare(&group, &text);
+    }
+}

@@ -441,8 +441,10 @@ impl Script {
 
     fn plan(&self, group: &Group, outputs: &[&str]) -> Result<Arc<Plan>, String> {
         let outputs = outputs.iter().map(ToString::to_string).collect();
-        let plan =
-            Plan::new(group, &PlanOptions { outputs, iterations: ITERATIONS, ..PlanOptions::default() });
+        let plan = Plan::new(
+            group,
+            &PlanOptions { outputs, iterations: ITERATIONS, drops_outputs: true, ..PlanOptions::default() },
+        );
         plan.map(Arc::new).map_err(|why| format!("{}: {why}", self.name))
     }
 

@@ -7,11 +7,11 @@ use super::nesting;
 use super::slot::{RetainedOutput, Slot};
 use super::strings::Strings;
 use super::table::action;
-use crate::group::{Group, Part};
+use crate::group::{Group, Layer, Part};
 use crate::hir::Data;
 use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
 use crate::opcode::Opcode;
-use crate::passes::{fold, mark_derivatives};
+use crate::passes::{fixed, fold, mark_derivatives, optimise};
 use crate::types::{Base, Type};
 use std::collections::{HashMap, HashSet};
 use std::sync::atomic::AtomicU32;
@@ -42,6 +42,8 @@ pub struct PlanOptions {
     pub iterations: u64,
     /// Evaluates known values beforehand, and leaves out unused operations.
     pub optimise: bool,
+    /// Leaves out outputs that are neither requested nor connected.
+    pub drops_outputs: bool,
 }
 
 impl Default for PlanOptions {
@@ -58,6 +60,7 @@ impl Default for PlanOptions {
             entries: Vec::new(),
             iterations: 20_000_000,
             optimise: true,
+            drops_outputs: false,
         }
     }
 }
@@ -117,9 +120,17 @@ impl Plan {
             let slot = plan.allocate(ty, ty.base != Base::Closure)?;
             plan.globals.insert(name.into(), slot);
         }
-        let shaders = prepared(group, options);
+        let is_wanted = |number: usize, id: SymId| {
+            let layer = &group.layers[number];
+            is_requested(layer, &layer.shader.symbol(id).name, options)
+        };
+        // Layers that are started or shown by themselves stay as they are.
+        let is_closed = options.optimise && options.entries.is_empty() && !options.debug_layers;
+        let best = is_closed.then(|| optimise(group, &is_wanted, options.drops_outputs));
+        let best = best.as_ref().unwrap_or(group);
+        let shaders = prepared(best, options.optimise && !is_closed);
         for (number, shader) in shaders.into_iter().enumerate() {
-            plan.layer(group, number, shader, options)?;
+            plan.layer(group, best, number, shader, options)?;
         }
         nesting::bound(&mut plan.layers);
         let mut row = 0;
@@ -181,6 +192,7 @@ impl Plan {
 
     fn layer(
         &mut self,
+        original: &Group,
         group: &Group,
         number: usize,
         shader: Arc<Shader>,
@@ -213,12 +225,18 @@ impl Plan {
         // Parameters whose values connections give all of.
         let mut is_whole = vec![false; shader.symbols.len()];
         let mut copies = Vec::new();
-        for c in &group.connections {
+        for c in &original.connections {
             if c.from_layer == number {
                 mark(&shader, &mut connected, c.from.symbol, 2);
             }
             if c.to_layer == number {
                 mark(&shader, &mut connected, c.to.symbol, 1);
+            }
+        }
+        let mut reads = vec![false; shader.symbols.len()];
+        for c in &group.connections {
+            if c.to_layer == number {
+                reads[c.to.symbol as usize] = true;
                 is_whole[c.to.symbol as usize] |= c.to.element.is_none() && c.to.component.is_none();
                 let (from, from_derivs) = self.part(c.from_layer, &c.from);
                 let (to, to_derivs) = cut(slots[c.to.symbol as usize], &c.to);
@@ -243,7 +261,6 @@ impl Plan {
                 connected[id as usize] |= 2;
             }
         }
-        let reads: Vec<bool> = connected.iter().map(|c| c & 1 != 0).collect();
         if options.userdata_isconnected {
             shader
                 .params()
@@ -319,6 +336,13 @@ fn cut(slot: Slot, part: &Part) -> (Slot, u32) {
     (inner, stride)
 }
 
+/// Whether an output is requested, by its name or with its layer's.
+fn is_requested(layer: &Layer, name: &str, options: &PlanOptions) -> bool {
+    options.outputs.iter().any(|output| {
+        output == name || output.split_once('.').is_some_and(|(l, n)| *l == *layer.name && n == name)
+    })
+}
+
 fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -> bool {
     let layer = &group.layers[number];
     let has = |code: Opcode| {
@@ -331,10 +355,9 @@ fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -
         writes_globals |= usage == Use::Write && shader.symbol(id).kind == SymbolKind::Global;
     });
     let outgoing = group.connections.iter().any(|c| c.from_layer == number);
-    let expected = shader.params().any(|(_, s)| {
-        s.kind == SymbolKind::OutputParam
-            && options.outputs.iter().any(|o| **o == *s.name || *o == format!("{}.{}", layer.name, s.name))
-    });
+    let expected = shader
+        .params()
+        .any(|(_, s)| s.kind == SymbolKind::OutputParam && is_requested(layer, &s.name, options));
     options.lazy_layers
         && (options.lazy_globals || !writes_globals)
         && !expected
@@ -348,33 +371,11 @@ fn fed(group: &Group, number: usize) -> HashSet<SymId> {
     group.connections.iter().filter(|c| c.to_layer == number).map(|c| c.to.symbol).collect()
 }
 
-/// Values of parameters that nothing changes while the group runs.
-fn fixed(group: &Group, number: usize) -> HashMap<SymId, Data> {
-    let layer = &group.layers[number];
-    let mut out = HashMap::new();
-    let connected = fed(group, number);
-    for (id, symbol) in layer.shader.params() {
-        let plain = symbol.kind == SymbolKind::Param
-            && !connected.contains(&id)
-            && !layer.interpolated(id)
-            && !layer.interactive(id);
-        let value = match layer.values.get(&id) {
-            Some(data) => Some(data),
-            None if symbol.init.is_empty() => symbol.value.as_ref(),
-            None => None,
-        };
-        if let (true, Some(data)) = (plain, value) {
-            out.insert(id, data.clone());
-        }
-    }
-    out
-}
-
 /// The shaders without the parts that their parameters disable, with derivatives of outputs where their
 /// connections need them.
-fn prepared(group: &Group, options: &PlanOptions) -> Vec<Arc<Shader>> {
+fn prepared(group: &Group, folds: bool) -> Vec<Arc<Shader>> {
     let mut shaders: Vec<Arc<Shader>> = group.layers.iter().map(|l| l.shader.clone()).collect();
-    for (number, shader) in shaders.iter_mut().enumerate().filter(|_| options.optimise) {
+    for (number, shader) in shaders.iter_mut().enumerate().filter(|_| folds) {
         fold(Arc::make_mut(shader), &fixed(group, number));
     }
     for number in (0..shaders.len()).rev() {

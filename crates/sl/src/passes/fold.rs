@@ -31,7 +31,7 @@ pub fn fold(shader: &mut Shader, known: &HashMap<SymId, Data>) {
             symbol.value = Some(data);
         }
         shader.code = code;
-        changed |= remove_dead(shader);
+        changed |= remove_dead(shader, &[]);
         if !changed {
             return;
         }
@@ -159,7 +159,7 @@ impl Folder<'_> {
 }
 
 /// Whether an operation has no effect but its results, and reports no unknown names.
-fn is_plain(shader: &Shader, op: &Op) -> bool {
+pub(super) fn is_plain(shader: &Shader, op: &Op) -> bool {
     let by_name =
         !matches!(op.code, Opcode::Eq | Opcode::Neq | Opcode::Assign | Opcode::ArrayCopy | Opcode::Hash)
             && op.args.iter().any(|&id| shader.symbol(id).ty.base == Base::String);
@@ -168,10 +168,16 @@ fn is_plain(shader: &Shader, op: &Op) -> bool {
 
 /// Removes operations whose results are unused, and the operations that only feed those; returns whether
 /// there were any.
-fn remove_dead(shader: &mut Shader) -> bool {
+fn remove_dead(shader: &mut Shader, unused: &[bool]) -> bool {
     let mut reads = vec![0_u32; shader.symbols.len()];
     uses(&shader.code, &mut |id, usage| reads[id as usize] += u32::from(usage == Use::Read));
-    let is_own = |id: SymId| matches!(shader.symbol(id).kind, SymbolKind::Temp | SymbolKind::Local);
+    for symbol in &shader.symbols {
+        uses(&symbol.init, &mut |id, usage| reads[id as usize] += u32::from(usage == Use::Read));
+    }
+    let is_own = |id: SymId| {
+        matches!(shader.symbol(id).kind, SymbolKind::Temp | SymbolKind::Local)
+            || unused.get(id as usize) == Some(&true)
+    };
     let writes = |op: &'_ Op| -> Vec<SymId> {
         op.args.iter().enumerate().filter(|(i, _)| op.is_written(*i)).map(|(_, &id)| id).collect()
     };
@@ -216,6 +222,15 @@ fn remove_dead(shader: &mut Shader) -> bool {
         shader.code = code;
     }
     removed
+}
+
+/// Removes the operations that only make outputs that are unused, by number.
+pub(super) fn remove_unused(shader: &mut Shader, unused: &[bool]) {
+    for _ in 0..PASSES {
+        if !remove_dead(shader, unused) {
+            return;
+        }
+    }
 }
 
 /// Calls `dead` for operations in the order of the text.
