@@ -240,6 +240,10 @@ impl UInts for Bits {
         Self(binary(Binary::IntModulo, self.0, period.0))
     }
 
+    fn rotated(self, by: u32) -> Self {
+        Self(push(Op::Shift(Shift::Around, self.0, by as u8)))
+    }
+
     fn signed_max(self, other: Self) -> Self {
         Self(binary(Binary::IntMax, self.0, other.0))
     }

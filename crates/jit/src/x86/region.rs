@@ -437,10 +437,28 @@ impl Emitter<'_> {
             }
             Op::Shift(what, a, by) => {
                 let a_at = Rm::Reg(self.ensure(a));
+                let number = match what {
+                    Shift::Up => 6,
+                    Shift::Down => 2,
+                    Shift::Around => 1,
+                };
+                let code = Code(1, 1, 0x72);
+                if what == Shift::Around && width != Width::Sixteen {
+                    // Both ways, for want of an instruction.
+                    let high = self.take();
+                    self.asm.lanes(width, code, 6, high, a_at);
+                    self.asm.raw(&[by]);
+                    self.used(a);
+                    let to = self.result(&[a_at]);
+                    self.asm.lanes(width, code, 2, to, a_at);
+                    self.asm.raw(&[32 - by]);
+                    self.asm.lanes(width, OR, to, to, Rm::Reg(high));
+                    self.hold(id, to);
+                    return;
+                }
                 self.used(a);
                 let to = self.result(&[a_at]);
-                let number = if what == Shift::Up { 6 } else { 2 };
-                self.asm.lanes(width, Code(1, 1, 0x72), number, to, a_at);
+                self.asm.lanes(width, code, number, to, a_at);
                 self.asm.raw(&[by]);
                 self.hold(id, to);
             }
@@ -586,6 +604,7 @@ impl Emitter<'_> {
 }
 
 const AND: Code = Code(1, 1, 0xdb);
+const OR: Code = Code(1, 1, 0xeb);
 const XOR: Code = Code(1, 1, 0xef);
 
 /// A comparison, and the order that follows it for floats.
@@ -606,7 +625,7 @@ fn code(what: Binary) -> Code {
         Binary::Mul => Code(0, 1, 0x59),
         Binary::Div => Code(0, 1, 0x5e),
         Binary::And => AND,
-        Binary::Or => Code(1, 1, 0xeb),
+        Binary::Or => OR,
         Binary::Xor => XOR,
         Binary::IntAdd => Code(1, 1, 0xfe),
         Binary::IntSub => Code(1, 1, 0xfa),
