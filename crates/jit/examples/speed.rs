@@ -96,6 +96,11 @@ fn kernels() -> Vec<(String, String)> {
         "loop with a continue".into(),
         "for (int i = 0; i < 30; ++i) { if (fmod(u * i, 0.3) < 0.1) continue; f += v; }".into(),
     ));
+    list.push((
+        "unknown index".into(),
+        "float a[4] = {u, v, 1, 2}; for (int i = 0; i < 32; ++i) f += a[i & 3];".into(),
+    ));
+    list.push(("varying index".into(), "color c = color (u, v, 1); f = c[(int) (v * 2.9)];".into()));
     list.push(("design, 1 channel".into(), divergent(1)));
     list.push(("design, 3 channels".into(), divergent(3)));
     list

@@ -250,9 +250,22 @@ fn compare_with(group: &Group, plain: &Arc<Plan>, plan: &Arc<Plan>, first: usize
                         };
                         assert!(same(value, &data), "{how}: {name} is {data:?}, not {value:?}\n{text}");
                     }
-                    let heard: Vec<&Event> =
-                        events.iter().filter(|(l, _)| *l == lane).map(|(_, e)| e).collect();
-                    assert_eq!(heard, messages.iter().collect::<Vec<_>>(), "{how}: what is said\n{text}");
+                    let text_of = |event: &Event| format!("{event:?}");
+                    let heard = events.iter().filter(|(l, _)| *l == lane).map(|(_, e)| text_of(e));
+                    let (mut heard, mut told): (Vec<_>, Vec<_>) =
+                        (heard.collect(), messages.iter().map(text_of).collect());
+                    if first > 0 {
+                        // Optimised layers may run in another order, and those that are not needed do not.
+                        heard.sort();
+                        told.sort();
+                        let mut rest = told.iter();
+                        told = heard
+                            .iter()
+                            .filter_map(|one| rest.find(|other| *other == one))
+                            .cloned()
+                            .collect();
+                    }
+                    assert_eq!(heard, told, "{how}: what is said\n{text}");
                 }
             }
         }

@@ -254,7 +254,7 @@ impl Vary<'_> {
 
     fn step(&mut self, step: &Step, split: bool, known: &Known<'_>) {
         let native = known.is_native(step);
-        let mut varies = split || !native;
+        let mut varies = split || !(native || known.checked(step).is_some());
         touches(step, native, |i, touch| varies |= touch == Touch::Read && self.varies(&step.args[i]));
         if varies {
             touches(step, native, |i, touch| {

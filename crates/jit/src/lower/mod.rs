@@ -547,25 +547,24 @@ impl Lowerer<'_> {
         }
         self.fetch(&step.pulls);
         if !self.values.known.is_native(step) {
-            touches(step, false, |i, touch| {
-                let state = self.program.touched.entry(step.args[i].at).or_default();
-                *state |= touch != Touch::Read;
-            });
+            let checked = self.values.known.checked(step);
+            if let Some((index, count)) = checked {
+                // For the other lanes the interpreter reports it, and moves the index.
+                let bad = self.slot();
+                if self.values.is_long() {
+                    self.flush();
+                }
+                self.values.out_of_range(index, count, bad);
+                compute(&mut self.values, step);
+                self.flush();
+                let call = self.left(step);
+                let [other, done] = [self.slot(), self.slot()];
+                let yes = vec![Node::Call(call)];
+                self.nodes.push(Node::If { test: Test::Lanes(bad), yes, no: Vec::new(), other, done });
+                return Ok(());
+            }
             self.flush();
-            let constant = |slot: &&Slot| slot.size > 0 && !self.values.known.cells[slot.at as usize];
-            let ins: Vec<Slot> = step.args.iter().filter(constant).copied().collect();
-            let written = |i: &usize| *i < 64 && step.writes & 1 << *i != 0;
-            let outs = (0..step.args.len()).filter(written).map(|i| step.args[i]).collect();
-            let (layer, step) = (self.layer, Arc::new(step.clone()));
-            let call = if makes_closures(&step) {
-                let is_named = ins.iter().all(|slot| slot.ty.base != Base::String);
-                Call::Closure(Box::new(Making { layer, step, ins, outs, is_named, bound: OnceLock::new() }))
-            } else if queries_in_batches(&step) {
-                Call::Together { layer, step, ins, outs }
-            } else {
-                Call::Step { layer, step, ins, outs }
-            };
-            let call = self.call(call);
+            let call = self.left(step);
             self.nodes.push(Node::Call(call));
             return Ok(());
         }
@@ -573,6 +572,28 @@ impl Lowerer<'_> {
             self.flush();
         }
         self.native(step)
+    }
+
+    /// The call of an operation that is left to the interpreter.
+    fn left(&mut self, step: &Step) -> u32 {
+        touches(step, false, |i, touch| {
+            let state = self.program.touched.entry(step.args[i].at).or_default();
+            *state |= touch != Touch::Read;
+        });
+        let constant = |slot: &&Slot| slot.size > 0 && !self.values.known.cells[slot.at as usize];
+        let ins: Vec<Slot> = step.args.iter().filter(constant).copied().collect();
+        let written = |i: &usize| *i < 64 && step.writes & 1 << *i != 0;
+        let outs = (0..step.args.len()).filter(written).map(|i| step.args[i]).collect();
+        let (layer, step) = (self.layer, Arc::new(step.clone()));
+        let call = if makes_closures(&step) {
+            let is_named = ins.iter().all(|slot| slot.ty.base != Base::String);
+            Call::Closure(Box::new(Making { layer, step, ins, outs, is_named, bound: OnceLock::new() }))
+        } else if queries_in_batches(&step) {
+            Call::Together { layer, step, ins, outs }
+        } else {
+            Call::Step { layer, step, ins, outs }
+        };
+        self.call(call)
     }
 
     /// An operation as code, in the region.

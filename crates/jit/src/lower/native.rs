@@ -2,7 +2,7 @@
 //! Which operations become code; the others are done by the interpreter, lane by lane.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
-use gnurt_sl::exec::{Plan, Slot, Step, is_computed, writes_all};
+use gnurt_sl::exec::{Plan, Slot, Step, chooses, is_computed, writes_all};
 use gnurt_sl::opcode::Opcode;
 use gnurt_sl::types::Type;
 use gnurt_sl_lib::noise::NoiseKind;
@@ -53,6 +53,15 @@ impl Known<'_> {
                 }
                 _ => true,
             }
+    }
+}
+
+impl Known<'_> {
+    /// The index of an operation that becomes code for the lanes where that is in range, and how many parts it
+    /// chooses among.
+    pub(crate) fn checked<'s>(&self, step: &'s Step) -> Option<(&'s Slot, usize)> {
+        let is_open = !self.is_native(step) && is_computed(step.code, &step.args);
+        chooses(step).filter(|_| is_open && is_honest(step))
     }
 }
 

@@ -4,6 +4,7 @@
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 use gnurt_sl::exec::{self, Plan, Slot, Step};
+use gnurt_sl_lib::UInts as _;
 use gnurt_sl_lib::noise::NoiseKind;
 
 use super::analyse::Analysis;
@@ -113,6 +114,13 @@ impl<'p> Values<'p> {
             (Some(a), Some(b)) => Some(a & !b),
             (a, b) => a.or(b.map(|b| !b)),
         }
+    }
+
+    /// Notes the lanes whose index is out of range.
+    pub(crate) fn out_of_range(&mut self, index: &Slot, count: usize, slot: u32) {
+        let value = self.bits(index.at);
+        let mask = !Bits(value).below(count as u32);
+        self.tests.push((slot, mask.0));
     }
 
     /// The lanes that an int sends on, as a value.
@@ -230,8 +238,8 @@ impl exec::Values for Values<'_> {
         bits
     }
 
-    fn index(&mut self, step: &Step, operand: usize, _: usize, count: usize) -> usize {
-        self.known.index(&step.args[operand], count).unwrap_or(0)
+    fn index(&mut self, step: &Step, operand: usize, _: usize, count: usize) -> Option<usize> {
+        self.known.index(&step.args[operand], count)
     }
 
     fn noise_kind(&mut self, step: &Step) -> NoiseKind {

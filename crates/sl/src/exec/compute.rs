@@ -33,8 +33,8 @@ pub trait Values {
     fn truth(&mut self, word: Self::Word) -> Self::Mask;
     /// 0 or 1.
     fn int_of(&mut self, mask: Self::Mask) -> Self::Word;
-    /// The index in an operand, moved into range; with a report if it was not.
-    fn index(&mut self, step: &Step, operand: usize, of: usize, count: usize) -> usize;
+    /// The index in an operand, moved into range, with a report if it was not; none if it is not known.
+    fn index(&mut self, step: &Step, operand: usize, of: usize, count: usize) -> Option<usize>;
     /// The kind of a noise that an operand names.
     fn noise_kind(&mut self, step: &Step) -> NoiseKind;
     /// Gabor noise.
@@ -507,8 +507,94 @@ fn copy_part<V: Values, N: Number<Real = V::Real>>(
     }
 }
 
+/// An operation on a part of a value, and its parts: the operands of the index, of the array and of a value
+/// that is written, if one is; how many parts there are, and numbers of one.
+struct Parts<'s> {
+    index: usize,
+    array: &'s Slot,
+    other: &'s Slot,
+    writes: bool,
+    count: usize,
+    one: usize,
+}
+
+impl<'s> Parts<'s> {
+    fn of(step: &'s Step) -> Option<Self> {
+        let [a, b, c, ..] = &*step.args else { return None };
+        let elements = |array: &Slot| (array.ty.elements(), array.one as usize);
+        Some(match step.code {
+            Opcode::Aref => {
+                let (count, one) = elements(b);
+                Self { index: 2, array: b, other: a, writes: false, count, one }
+            }
+            Opcode::Aassign => {
+                let (count, one) = elements(a);
+                Self { index: 1, array: a, other: c, writes: true, count, one }
+            }
+            Opcode::Compref => Self { index: 2, array: b, other: a, writes: false, count: 3, one: 1 },
+            Opcode::Compassign => Self { index: 1, array: a, other: c, writes: true, count: 3, one: 1 },
+            _ => return None,
+        })
+    }
+}
+
+/// The operand with the index of an operation that can choose among all parts of a value, and how many there
+/// are.
+#[must_use]
+pub fn chooses(step: &Step) -> Option<(&Slot, usize)> {
+    let parts = Parts::of(step)?;
+    let is_whole = parts.count > 0 && parts.count * parts.one <= parts.array.size as usize;
+    let alike = |a: &Slot, b: &Slot| a.ty.base == b.ty.base || is_float(a) && is_float(b);
+    let is_short = parts.count * parts.one <= CHOSEN && parts.other.size as usize >= parts.one;
+    let index = &step.args[parts.index];
+    let is_right = index.ty == Type::INT && (alike(parts.array, parts.other) || parts.array.ty.is_triple());
+    (is_whole && is_short && is_right && is_numeric(parts.array)).then_some((index, parts.count))
+}
+
+fn is_float(slot: &Slot) -> bool {
+    slot.ty.base.is_float_based()
+}
+
+/// Numbers of a value that an unknown index chooses among.
+const CHOSEN: usize = 48;
+
+/// Reads or writes the part of an index that is not known, and in range.
+fn choose<V: Values, N: Number<Real = V::Real, Mask = V::Mask>>(v: &mut V, step: &Step) {
+    let Some(parts) = Parts::of(step) else { return };
+    let index = int(v, &step.args[parts.index]);
+    for i in 0..parts.one {
+        if parts.writes {
+            let value: N = get(v, parts.other, i);
+            for k in 0..parts.count {
+                let at = k * parts.one + i;
+                if parts.array.ty.base == Base::Int {
+                    let (old, new) = (bits(v, parts.array, at), int(v, parts.other));
+                    set_bits(v, parts.array, at, V::Word::pick(index.equal(k as u32), new, old));
+                } else {
+                    let old: N = get(v, parts.array, at);
+                    put(v, parts.array, at, N::pick(index.equal(k as u32), value, old));
+                }
+            }
+        } else if parts.array.ty.base == Base::Int && parts.other.ty.base == Base::Int {
+            let mut word = bits(v, parts.array, i);
+            for k in 1..parts.count {
+                let other = bits(v, parts.array, k * parts.one + i);
+                word = V::Word::pick(index.equal(k as u32), other, word);
+            }
+            set_bits(v, parts.other, i, word);
+        } else {
+            let mut value: N = get(v, parts.array, i);
+            for k in 1..parts.count {
+                let other = get(v, parts.array, k * parts.one + i);
+                value = N::pick(index.equal(k as u32), other, value);
+            }
+            put(v, parts.other, i, value);
+        }
+    }
+}
+
 /// Elements of arrays, components of triples and matrices.
-fn element<V: Values, N: Number<Real = V::Real>>(v: &mut V, step: &Step) {
+fn element<V: Values, N: Number<Real = V::Real, Mask = V::Mask>>(v: &mut V, step: &Step) {
     let (out, rest) = (&step.args[0], &step.args[1..]);
     match step.code {
         Opcode::Aref => {
@@ -517,7 +603,7 @@ fn element<V: Values, N: Number<Real = V::Real>>(v: &mut V, step: &Step) {
             if count == 0 {
                 return;
             }
-            let index = v.index(step, 2, 1, count);
+            let Some(index) = v.index(step, 2, 1, count) else { return choose::<V, N>(v, step) };
             let start = if array.size == 1 { 0 } else { index * array.one as usize };
             copy_part::<V, N>(v, (out, 0), (array, start), array.one.min(out.size) as usize);
         }
@@ -526,7 +612,7 @@ fn element<V: Values, N: Number<Real = V::Real>>(v: &mut V, step: &Step) {
             if count == 0 {
                 return;
             }
-            let index = v.index(step, 1, 0, count);
+            let Some(index) = v.index(step, 1, 0, count) else { return choose::<V, N>(v, step) };
             let value = &rest[1];
             if out.ty.base == Base::Closure && value.ty.base != Base::Closure {
                 let zero = v.constant(0);
@@ -540,22 +626,24 @@ fn element<V: Values, N: Number<Real = V::Real>>(v: &mut V, step: &Step) {
             }
         }
         Opcode::Compref => {
-            let index = v.index(step, 2, 1, 3);
+            let Some(index) = v.index(step, 2, 1, 3) else { return choose::<V, N>(v, step) };
             let value: N = get(v, &rest[0], index);
             put(v, out, 0, value);
         }
         Opcode::Compassign => {
-            let index = v.index(step, 1, 0, 3);
+            let Some(index) = v.index(step, 1, 0, 3) else { return choose::<V, N>(v, step) };
             let value: N = get(v, &rest[1], 0);
             put(v, out, index, value);
         }
         Opcode::Mxcompref => {
-            let at = v.index(step, 2, 1, 4) * 4 + v.index(step, 3, 1, 4);
+            let (row, column) = (v.index(step, 2, 1, 4), v.index(step, 3, 1, 4));
+            let at = row.unwrap_or(0) * 4 + column.unwrap_or(0);
             let value = float(v, &rest[0], at);
             put(v, out, 0, N::lift(value));
         }
         _ => {
-            let at = v.index(step, 1, 0, 4) * 4 + v.index(step, 2, 0, 4);
+            let (row, column) = (v.index(step, 1, 0, 4), v.index(step, 2, 0, 4));
+            let at = row.unwrap_or(0) * 4 + column.unwrap_or(0);
             let value = float(v, &rest[2], 0);
             put(v, out, at, N::lift(value));
         }

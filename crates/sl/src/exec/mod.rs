@@ -43,7 +43,7 @@ pub use batch_ops::queries_in_batches;
 pub use cells::{Batch, Cells, DualRow, LANES, Row, lanes_of};
 pub use closure::{Bound, makes_closures};
 pub use components::{Closure, ClosureDecl, ClosureParam, Closures, Component, Part};
-pub use compute::{Values, compute, is_computed, transfer, writes_all};
+pub use compute::{Values, chooses, compute, is_computed, transfer, writes_all};
 pub use host::{Arriving, Given, Host, Point, Subimage, TextureOptions, TraceOptions, longitude_latitude};
 pub(crate) use known::result as known_result;
 pub use layout::PlanOptions;

@@ -86,16 +86,16 @@ impl Values for Scalar<'_> {
         UInt(mask.into())
     }
 
-    fn index(&mut self, step: &Step, operand: usize, of: usize, count: usize) -> usize {
+    fn index(&mut self, step: &Step, operand: usize, of: usize, count: usize) -> Option<usize> {
         let slot = &step.args[operand];
         let word = if slot.size > 0 { self.cells[slot.at as usize] } else { 0 };
         let is_int = slot.ty.base == Type::INT.base;
         let index = if is_int { word } else { f32::from_bits(word).to_int().0 } as i32;
         if index >= 0 && (index as usize) < count {
-            return index as usize;
+            return Some(index as usize);
         }
         self.faults.push(Fault::Index(index, of, count));
-        if index < 0 { 0 } else { count.saturating_sub(1) }
+        Some(if index < 0 { 0 } else { count.saturating_sub(1) })
     }
 
     fn noise_kind(&mut self, step: &Step) -> NoiseKind {
