@@ -365,12 +365,14 @@ impl UInts for UInt {
 
     #[inline(always)]
     fn quotient(self, other: Self) -> Self {
-        Self(crate::math::div_int(self.0 as i32, other.0 as i32) as u32)
+        let (a, b) = (self.0 as i32, other.0 as i32);
+        Self(if b == 0 { 0 } else { a.wrapping_div(b) as u32 })
     }
 
     #[inline(always)]
     fn remainder(self, other: Self) -> Self {
-        Self(crate::math::rem_int(self.0 as i32, other.0 as i32) as u32)
+        let (a, b) = (self.0 as i32, other.0 as i32);
+        Self(if b == 0 { 0 } else { a.wrapping_rem(b) as u32 })
     }
 
     #[inline(always)]

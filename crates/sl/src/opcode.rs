@@ -47,7 +47,7 @@ macro_rules! opcodes {
                 }
             }
 
-            /// A function of numbers, of as many as its [`arity`](Self::arity).
+            /// A function of numbers; their count is its [`arity`](Self::arity).
             pub fn apply<N: Number>(self, [$a, $b, $c]: [N; 3]) -> N {
                 match self {
                     $(Self::$map => $body,)*
@@ -62,10 +62,10 @@ fn flat<N: Number>(f: impl FnOnce(N::Real) -> N::Real, x: N) -> N {
     N::lift(f(x.value()))
 }
 
-// Marks: `e` the library declares it for every type of number; `i` it has a meaning for ints of its own;
-// `p` pure: it makes its results of its operands, and reports nothing; `x` it may report a wrong index, and
-// is pure otherwise; `c` computed by the evaluator of numbers, if its operands are such; `q` it depends on
-// more than its operands; `l` it is about its operands, not of their values; `o` no result is its first operand.
+// Marks: `e` is declared by the library for every type of number. `i` has another meaning for ints. `p` is pure:
+// results depend on operands only, and nothing is reported. `x` is pure but for reports of a wrong index. `c` is
+// computed by the evaluator of numbers. `q` depends on more than operands. `l` is about its operands, without
+// their values. `o` has no result in its first operand.
 opcodes! {
     |a, b, c| {
         Add "add" 2 "ip" a + b;

@@ -56,7 +56,7 @@ fn coordinates(code: Opcode, args: &[Slot]) -> Option<(&[Slot], bool)> {
     fits.then_some((numbers, periodic))
 }
 
-/// Whether [`compute`] does an operation of these operands. They are as many as the operation takes.
+/// Whether [`compute`] does an operation of these operands, none of which is missing.
 #[must_use]
 pub fn is_computed(code: Opcode, args: &[Slot]) -> bool {
     let Some((out, rest)) = args.split_first() else { return code.is_nothing() };

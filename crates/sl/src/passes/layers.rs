@@ -145,7 +145,7 @@ fn all_blocks(shader: &Shader) -> impl Iterator<Item = &crate::ir::Block> {
     shader.symbols.iter().map(|symbol| &symbol.init).chain([&shader.code])
 }
 
-/// What an output always is.
+/// The constant source of an output.
 enum Source {
     Value(Data),
     /// A parameter's value.
@@ -199,7 +199,7 @@ fn is_whole(part: &Part) -> bool {
     part.element.is_none() && part.component.is_none()
 }
 
-/// Hands on what outputs of a layer always are.
+/// Connects readers of constant outputs and copies to their sources.
 fn forward(group: &mut Group, number: usize, known: &HashMap<SymId, Data>) {
     let sources: Vec<(usize, Connection)> =
         group.connections.iter().copied().enumerate().filter(|(_, c)| c.from_layer == number).collect();
