@@ -85,6 +85,22 @@ fn kernels() -> Vec<(String, String)> {
     ] {
         list.push((name.into(), turned(body)));
     }
+    list.push(("nothing".into(), "f = u;".into()));
+    list.push(("nothing, all".into(), "f = dot(N, I) * v + P[0] + u;".into()));
+    list.push((
+        "masked loop, long".into(),
+        "int n = (int) (u * 300); for (int i = 0; i < n; ++i) { f = f * 0.99 + v; if (f > 90) break; }"
+            .into(),
+    ));
+    list.push((
+        "loop with a continue".into(),
+        "for (int i = 0; i < 30; ++i) { if (fmod(u * i, 0.3) < 0.1) continue; f += v; }".into(),
+    ));
+    list.push((
+        "unknown index".into(),
+        "float a[4] = {u, v, 1, 2}; for (int i = 0; i < 32; ++i) f += a[i & 3];".into(),
+    ));
+    list.push(("varying index".into(), "color c = color (u, v, 1); f = c[(int) (v * 2.9)];".into()));
     list.push(("design, 1 channel".into(), divergent(1)));
     list.push(("design, 3 channels".into(), divergent(3)));
     list

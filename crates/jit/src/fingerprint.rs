@@ -62,7 +62,7 @@ fn block(list: &[Instruction], h: &mut Both) {
     for instruction in list {
         match instruction {
             Instruction::Do(step) => {
-                (0_u8, &step.name, &step.symbols, step.at.file, step.at.line).hash(h);
+                (0_u8, step.code, step.answer, &step.symbols, step.at.file, step.at.line).hash(h);
                 (&step.pulls, step.reads, step.writes).hash(h);
                 step.args.iter().for_each(|arg| slot(arg, h));
             }

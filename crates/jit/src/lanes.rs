@@ -9,6 +9,7 @@ use gnurt_sl::exec::{
     Points, Program, Results, RetainedOutput, Row, Slot, Step, lanes_of,
 };
 use gnurt_sl::hir::Data;
+use gnurt_sl::opcode::Opcode;
 use gnurt_sl::types::{Base, Type};
 
 use crate::compiled::Compiled;
@@ -498,9 +499,9 @@ impl Work<'_> {
 
     /// The array that an operation takes one element of, and that element's cells, if the index is in range.
     fn element(&self, memory: &[u32], lane: usize, step: &Step) -> Option<(Slot, Slot)> {
-        let (array, index) = match (&*step.name, &*step.args) {
-            ("aref", [_, array, index]) => (array, index),
-            ("aassign", [array, index, _]) => (array, index),
+        let (array, index) = match (step.code, &*step.args) {
+            (Opcode::Aref, [_, array, index]) => (array, index),
+            (Opcode::Aassign, [array, index, _]) => (array, index),
             _ => return None,
         };
         if index.ty != Type::INT || array.size <= 1 {

@@ -78,6 +78,8 @@ pub(crate) enum Binary {
 pub(crate) enum Shift {
     Up,
     Down,
+    /// Up, with the bits that leave at the top coming in below.
+    Around,
 }
 
 const fn mask(x: bool) -> u32 {
@@ -167,6 +169,7 @@ impl Shift {
         match self {
             Self::Up => a << (by & 31),
             Self::Down => a >> (by & 31),
+            Self::Around => a.rotate_left(by as u32),
         }
     }
 }

@@ -38,6 +38,28 @@ pub(crate) struct Loop {
     pub(crate) stopped: u32,
     /// The call that reports it.
     pub(crate) say: u32,
+    /// Turns that an iteration counts as.
+    pub(crate) turns: u32,
+}
+
+/// A loop whose iteration is one region, which ends with the lanes that go on.
+#[derive(Clone, Debug)]
+pub(crate) struct Tight {
+    pub(crate) body_first: bool,
+    /// The first test, if it precedes the body.
+    pub(crate) before: Vec<Node>,
+    /// Body, step and test.
+    pub(crate) iteration: Vec<Node>,
+    /// Lanes that came here.
+    pub(crate) entry: u32,
+    /// Lanes that both regions let go on.
+    pub(crate) live: u32,
+    /// Where lanes are noted that are stopped.
+    pub(crate) stopped: u32,
+    /// The call that reports it.
+    pub(crate) say: u32,
+    /// Turns that an iteration counts as.
+    pub(crate) turns: u32,
 }
 
 /// A step of the running lanes, in order.
@@ -51,6 +73,8 @@ pub(crate) enum Node {
     If { test: Test, yes: Vec<Node>, no: Vec<Node>, other: u32, done: u32 },
     /// A loop.
     Loop(Box<Loop>),
+    /// A loop without branches in it.
+    Tight(Box<Tight>),
     /// A block that lanes leave by a note in `left`; those in `gone` stay away afterwards as well.
     Frame { body: Vec<Node>, entry: u32, left: u32, gone: Option<u32> },
     /// A block for the lanes that were not here since `flag` was cleared.
@@ -59,13 +83,15 @@ pub(crate) enum Node {
     Layer(u32),
     /// The lanes that run leave, with a note.
     Leave(Option<u32>),
+    /// Those of them leave that are set in a slot.
+    LeaveSome { lanes: u32, note: Option<u32> },
 }
 
 impl Node {
     /// Whether fewer lanes may run after it than before.
     pub(crate) fn leaves(&self) -> bool {
         match self {
-            Self::Leave(_) => true,
+            Self::Leave(_) | Self::LeaveSome { .. } | Self::Tight(_) => true,
             Self::If { yes, no, .. } => yes.iter().chain(no).any(Self::leaves),
             Self::Loop(inner) => {
                 !inner.gone.is_empty()
@@ -78,7 +104,7 @@ impl Node {
 
     fn leaves_for_good(&self) -> bool {
         match self {
-            Self::Leave(note) => note.is_some(),
+            Self::Leave(note) | Self::LeaveSome { note, .. } => note.is_some(),
             _ => self.leaves(),
         }
     }

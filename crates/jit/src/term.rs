@@ -132,12 +132,6 @@ pub(crate) fn binary(what: Binary, a: Id, b: Id) -> Id {
     push(Op::Binary(what, a, b))
 }
 
-impl Term {
-    pub(crate) fn constant(x: f32) -> Self {
-        Self(constant(x.to_bits()))
-    }
-}
-
 macro_rules! operators {
     ($ty:ident, $plain:ty, $bits:expr; $($trait:ident $method:ident $what:ident;)*) => {$(
         impl $trait for $ty {
@@ -246,8 +240,44 @@ impl UInts for Bits {
         Self(binary(Binary::IntModulo, self.0, period.0))
     }
 
+    fn rotated(self, by: u32) -> Self {
+        Self(push(Op::Shift(Shift::Around, self.0, by as u8)))
+    }
+
     fn signed_max(self, other: Self) -> Self {
         Self(binary(Binary::IntMax, self.0, other.0))
+    }
+
+    fn signed_min(self, other: Self) -> Self {
+        Self(binary(Binary::IntMin, self.0, other.0))
+    }
+
+    fn above(self, other: Self) -> Which {
+        Which(binary(Binary::IntGreater, self.0, other.0))
+    }
+
+    fn same(self, other: Self) -> Which {
+        Which(binary(Binary::IntEqual, self.0, other.0))
+    }
+
+    fn product(self, other: Self) -> Self {
+        Self(binary(Binary::IntMul, self.0, other.0))
+    }
+
+    fn quotient(self, other: Self) -> Self {
+        Self(binary(Binary::IntDiv, self.0, other.0))
+    }
+
+    fn remainder(self, other: Self) -> Self {
+        Self(binary(Binary::IntRem, self.0, other.0))
+    }
+
+    fn moved_up(self, by: Self) -> Self {
+        Self(binary(Binary::Up, self.0, (by & 31).0))
+    }
+
+    fn moved_down(self, by: Self) -> Self {
+        Self(binary(Binary::SignedDown, self.0, (by & 31).0))
     }
 }
 
@@ -256,7 +286,7 @@ impl Real for Term {
     type Mask = Which;
 
     fn of(self, x: f32) -> Self {
-        Self::constant(x)
+        Self(constant(x.to_bits()))
     }
 
     fn less(self, other: Self) -> Which {

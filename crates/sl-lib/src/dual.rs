@@ -191,4 +191,20 @@ impl<R: Real> Number for Dual<R> {
     fn with_value(self, value: R) -> Self {
         Self { value, ..self }
     }
+
+    #[inline(always)]
+    fn slopes(self) -> Option<[R; 2]> {
+        Some([self.dx, self.dy])
+    }
+
+    #[inline(always)]
+    fn from_parts(value: R, slopes: impl FnOnce() -> [R; 2]) -> Self {
+        let [dx, dy] = slopes();
+        Self { value, dx, dy }
+    }
+
+    #[inline(always)]
+    fn scaled(self, by: R) -> Self {
+        Self { value: self.value * by, dx: self.dx * by, dy: self.dy * by }
+    }
 }

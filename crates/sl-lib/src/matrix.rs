@@ -5,7 +5,7 @@
 //! Tests: `tests/vectors.rs`.
 
 use crate::math::div;
-use crate::number::Number;
+use crate::number::{Number, Real};
 
 /// A matrix, by rows.
 pub type Matrix = [[f32; 4]; 4];
@@ -21,15 +21,15 @@ pub const fn diagonal(x: f32) -> Matrix {
 
 /// a b: first a, then b.
 #[must_use]
-pub fn multiply(a: &Matrix, b: &Matrix) -> Matrix {
+pub fn multiply<R: Real>(a: &[[R; 4]; 4], b: &[[R; 4]; 4]) -> [[R; 4]; 4] {
     a.map(|row| {
-        std::array::from_fn(|k| row[0] * b[0][k] + row[1] * b[1][k] + row[2] * b[2][k] + row[3] * b[3][k])
+        [0, 1, 2, 3].map(|k: usize| row[0] * b[0][k] + row[1] * b[1][k] + row[2] * b[2][k] + row[3] * b[3][k])
     })
 }
 
 /// Each number times another.
 #[must_use]
-pub fn scale(m: &Matrix, by: f32) -> Matrix {
+pub fn scale<R: Real>(m: &[[R; 4]; 4], by: R) -> [[R; 4]; 4] {
     m.map(|row| row.map(|x| x * by))
 }
 
@@ -41,8 +41,8 @@ pub fn divide(a: &Matrix, b: &Matrix) -> Matrix {
 
 /// Rows as columns.
 #[must_use]
-pub fn transpose(m: &Matrix) -> Matrix {
-    std::array::from_fn(|i| std::array::from_fn(|k| m[k][i]))
+pub fn transpose<R: Real>(m: &[[R; 4]; 4]) -> [[R; 4]; 4] {
+    [0, 1, 2, 3].map(|i: usize| [0, 1, 2, 3].map(|k: usize| m[k][i]))
 }
 
 /// The determinants of 2 x 2 parts of two rows: of columns 01, 02, 03, 12, 13, 23.
@@ -99,26 +99,29 @@ pub fn inverse(m: &Matrix) -> Matrix {
 
 /// The product of a point with column `k`, without the last row.
 #[inline(always)]
-fn column<N: Number>(m: &Matrix, v: [N; 3], k: usize) -> N {
-    v[0] * m[0][k] + v[1] * m[1][k] + v[2] * m[2][k]
+fn column<N: Number>(m: &[[N::Real; 4]; 4], v: [N; 3], k: usize) -> N {
+    v[0].scaled(m[0][k]) + v[1].scaled(m[1][k]) + v[2].scaled(m[2][k])
 }
 
 /// A point in the space that the matrix leads to; zero where that is at infinity.
 #[inline(always)]
-pub fn transform_point<N: Number>(m: &Matrix, p: [N; 3]) -> [N; 3] {
-    let [x, y, z, w] = [0, 1, 2, 3].map(|k| column(m, p, k) + m[3][k]);
+pub fn transform_point<N: Number>(m: &[[N::Real; 4]; 4], p: [N; 3]) -> [N; 3] {
+    let [x, y, z, w] = [0, 1, 2, 3].map(|k| {
+        let sum = column(m, p, k);
+        sum.with_value(sum.value() + m[3][k])
+    });
     [div(x, w), div(y, w), div(z, w)]
 }
 
 /// A direction or a distance there.
 #[inline(always)]
-pub fn transform_vector<N: Number>(m: &Matrix, v: [N; 3]) -> [N; 3] {
+pub fn transform_vector<N: Number>(m: &[[N::Real; 4]; 4], v: [N; 3]) -> [N; 3] {
     [column(m, v, 0), column(m, v, 1), column(m, v, 2)]
 }
 
 /// A normal there, not normalised. For many normals invert and transpose once and use [`transform_vector`].
 #[inline(always)]
-pub fn transform_normal<N: Number>(m: &Matrix, n: [N; 3]) -> [N; 3] {
+pub fn transform_normal<N: Number<Real = f32>>(m: &Matrix, n: [N; 3]) -> [N; 3] {
     transform_vector(&transpose(&inverse(m)), n)
 }
 

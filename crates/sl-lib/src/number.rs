@@ -67,6 +67,22 @@ pub trait UInts:
     fn wrapped(self, period: Self) -> Self;
     /// The larger of each pair, with signs.
     fn signed_max(self, other: Self) -> Self;
+    /// The smaller of each pair, with signs.
+    fn signed_min(self, other: Self) -> Self;
+    /// Which are greater than the other's, with signs.
+    fn above(self, other: Self) -> Self::Mask;
+    /// Which are the other's.
+    fn same(self, other: Self) -> Self::Mask;
+    /// Products, which wrap.
+    fn product(self, other: Self) -> Self;
+    /// Quotients with signs; 0 where the divisor is 0.
+    fn quotient(self, other: Self) -> Self;
+    /// Remainders with the signs of the dividends; 0 where the divisor is 0.
+    fn remainder(self, other: Self) -> Self;
+    /// Bits moved up by the lowest five bits of another.
+    fn moved_up(self, by: Self) -> Self;
+    /// Bits moved down, the sign following.
+    fn moved_down(self, by: Self) -> Self;
 
     /// The bits rotated to the left.
     #[inline(always)]
@@ -178,6 +194,12 @@ pub trait Number: Arithmetic {
     fn negated_where(self, bit: <Self::Real as Real>::UInts) -> Self;
     /// This value with another value and the same derivatives, as after the subtraction of a whole number.
     fn with_value(self, value: Self::Real) -> Self;
+    /// Its derivatives, if it has some.
+    fn slopes(self) -> Option<[Self::Real; 2]>;
+    /// From a value and, where there are derivatives, both of them.
+    fn from_parts(value: Self::Real, slopes: impl FnOnce() -> [Self::Real; 2]) -> Self;
+    /// Times a number without derivatives.
+    fn scaled(self, by: Self::Real) -> Self;
 
     /// `x`, as one of these.
     #[inline(always)]
@@ -229,6 +251,21 @@ impl<R: Real> Number for R {
     #[inline(always)]
     fn with_value(self, value: R) -> R {
         value
+    }
+
+    #[inline(always)]
+    fn slopes(self) -> Option<[R; 2]> {
+        None
+    }
+
+    #[inline(always)]
+    fn from_parts(value: R, _slopes: impl FnOnce() -> [R; 2]) -> R {
+        value
+    }
+
+    #[inline(always)]
+    fn scaled(self, by: R) -> R {
+        self * by
     }
 }
 
@@ -304,6 +341,48 @@ impl UInts for UInt {
     #[inline(always)]
     fn signed_max(self, other: Self) -> Self {
         Self((self.0 as i32).max(other.0 as i32) as u32)
+    }
+
+    #[inline(always)]
+    fn signed_min(self, other: Self) -> Self {
+        Self((self.0 as i32).min(other.0 as i32) as u32)
+    }
+
+    #[inline(always)]
+    fn above(self, other: Self) -> bool {
+        self.0 as i32 > other.0 as i32
+    }
+
+    #[inline(always)]
+    fn same(self, other: Self) -> bool {
+        self == other
+    }
+
+    #[inline(always)]
+    fn product(self, other: Self) -> Self {
+        Self(self.0.wrapping_mul(other.0))
+    }
+
+    #[inline(always)]
+    fn quotient(self, other: Self) -> Self {
+        let (a, b) = (self.0 as i32, other.0 as i32);
+        Self(if b == 0 { 0 } else { a.wrapping_div(b) as u32 })
+    }
+
+    #[inline(always)]
+    fn remainder(self, other: Self) -> Self {
+        let (a, b) = (self.0 as i32, other.0 as i32);
+        Self(if b == 0 { 0 } else { a.wrapping_rem(b) as u32 })
+    }
+
+    #[inline(always)]
+    fn moved_up(self, by: Self) -> Self {
+        Self(self.0.wrapping_shl(by.0))
+    }
+
+    #[inline(always)]
+    fn moved_down(self, by: Self) -> Self {
+        Self((self.0 as i32).wrapping_shr(by.0) as u32)
     }
 
     #[inline(always)]

@@ -14,10 +14,9 @@ use gnurt_shading::SurfaceBatch;
 use gnurt_shading::batch::FacingRows;
 use gnurt_shading::bsdf::{ClosureBatch, Lists, Lobes};
 use gnurt_simd::Level;
-use gnurt_sl::exec::{
-    Action, Instruction, LANES, Plan, Points, Program as _, Results, Slot, Source, Step, lanes_of,
-};
+use gnurt_sl::exec::{Instruction, LANES, Plan, Points, Program as _, Results, Slot, Source, Step, lanes_of};
 use gnurt_sl::ir::SymbolKind;
+use gnurt_sl::opcode::Opcode;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl_lib::color::ColorSystem;
 
@@ -131,72 +130,6 @@ impl Fixed {
     }
 }
 
-/// Pure operations, without queries; those on components are of this kind, too.
-const PURE: [&str; 60] = [
-    "add",
-    "sub",
-    "mul",
-    "div",
-    "mod",
-    "fmod",
-    "neg",
-    "compl",
-    "abs",
-    "fabs",
-    "min",
-    "max",
-    "and",
-    "or",
-    "xor",
-    "bitand",
-    "bitor",
-    "shl",
-    "shr",
-    "eq",
-    "neq",
-    "lt",
-    "gt",
-    "le",
-    "ge",
-    "isnan",
-    "isinf",
-    "isfinite",
-    "assign",
-    "arraycopy",
-    "int",
-    "float",
-    "color",
-    "point",
-    "vector",
-    "normal",
-    "matrix",
-    "transformc",
-    "luminance",
-    "blackbody",
-    "wavelength_color",
-    "determinant",
-    "transpose",
-    "dot",
-    "cross",
-    "length",
-    "distance",
-    "normalize",
-    "sincos",
-    "Dx",
-    "Dy",
-    "Dz",
-    "filterwidth",
-    "noise",
-    "snoise",
-    "cellnoise",
-    "hashnoise",
-    "hash",
-    "spline",
-    "arraylength",
-];
-/// The same, but operations that report a wrong index: it must be constant.
-const INDEXED: [&str; 6] = ["aref", "aassign", "compref", "compassign", "mxcompref", "mxcompassign"];
-
 /// Goes through a group until nothing is added.
 struct Walk<'p> {
     plan: &'p Plan,
@@ -289,20 +222,20 @@ impl<'p> Walk<'p> {
             self.fits = false;
             return;
         }
-        let name = &*step.name;
         let varies = args.iter().enumerate().any(|(i, slot)| bit(step.reads, i) && self.reads(slot));
         let is_closure = args.first().is_some_and(|out| out.ty == Type::CLOSURE);
-        match name {
-            "useparam" | "nop" | "end" => {}
-            "closure" => self.closure(layer, step),
-            "add" | "mul" if is_closure => self.fits &= !varies,
-            _ if INDEXED.contains(&name) => self.fits &= !varies,
-            _ => {
+        match step.code {
+            Opcode::UseParam | Opcode::Nop | Opcode::End => {}
+            Opcode::Closure => self.closure(layer, step),
+            Opcode::Add | Opcode::Mul if is_closure => self.fits &= !varies,
+            // A wrong index is reported: it must be constant.
+            code if code.is_indexed() => self.fits &= !varies,
+            code => {
                 // Named spaces are the renderer's.
                 let has_text = args.iter().any(|slot| slot.ty.base == Base::String);
-                let is_placed = has_text && matches!(name, "point" | "vector" | "normal" | "matrix");
-                let is_pure = !matches!(step.action, Action::Whole(_)) || PURE.contains(&name);
-                self.fits &= is_pure && !is_placed;
+                let is_placed = has_text
+                    && matches!(code, Opcode::Point | Opcode::Vector | Opcode::Normal | Opcode::Matrix);
+                self.fits &= code.is_pure() && !is_placed;
                 if varies {
                     written().for_each(|(_, slot)| self.mark(slot));
                 }

@@ -7,6 +7,7 @@ use std::collections::HashSet;
 
 use gnurt_sl::exec::{ClosureDecl, Host, Instruction, Machine, Plan, Step};
 use gnurt_sl::ir::SymbolKind;
+use gnurt_sl::opcode::Opcode;
 use gnurt_sl::types::Base;
 use gnurt_sl_lib::color::ColorSystem;
 
@@ -88,9 +89,9 @@ impl Reader<'_> {
     }
 
     fn step(&mut self, number: usize, step: &Step, is_inner: bool) {
-        match &*step.name {
-            "trace" | "lightcount" | "illuminate" => self.properties.is_radiance = true,
-            "closure" => self.closure(number, step),
+        match step.code {
+            Opcode::Trace | Opcode::LightCount | Opcode::Illuminate => self.properties.is_radiance = true,
+            Opcode::Closure => self.closure(number, step),
             _ => {
                 let layer = &self.plan.layers[number];
                 // A value written once, before all reads in every run: in inner blocks only temporaries are

@@ -18,6 +18,7 @@ use gnurt_sl::exec::{Plan, PlanOptions, Program, unknown_operation};
 use gnurt_sl::group::{Group, Hint, read_group};
 use gnurt_sl::hir::Data;
 use gnurt_sl::ir::{Op, Shader, Symbol, SymbolKind, ops, read as read_oso};
+use gnurt_sl::opcode::Opcode;
 use gnurt_sl::source::Sources;
 use gnurt_sl::types::{Base, Type};
 use gnurt_sl::{Options, compile};
@@ -401,7 +402,7 @@ impl Script {
         self.group
             .layers
             .iter()
-            .for_each(|layer| each_op(&layer.shader, &mut |op| queries |= &*op.name == "raytype"));
+            .for_each(|layer| each_op(&layer.shader, &mut |op| queries |= op.code == Opcode::RayType));
         queries
     }
 
@@ -440,8 +441,10 @@ impl Script {
 
     fn plan(&self, group: &Group, outputs: &[&str]) -> Result<Arc<Plan>, String> {
         let outputs = outputs.iter().map(ToString::to_string).collect();
-        let plan =
-            Plan::new(group, &PlanOptions { outputs, iterations: ITERATIONS, ..PlanOptions::default() });
+        let plan = Plan::new(
+            group,
+            &PlanOptions { outputs, iterations: ITERATIONS, drops_outputs: true, ..PlanOptions::default() },
+        );
         plan.map(Arc::new).map_err(|why| format!("{}: {why}", self.name))
     }
 
@@ -500,21 +503,27 @@ impl Script {
                     (SymbolKind::Const, Some(Data::Str(list))) => list.first().map(|text| &**text),
                     _ => None,
                 };
-                match &*op.name {
-                    "getattribute" => {
+                match op.code {
+                    Opcode::GetAttribute => {
                         let value = op.args.last().map(|&id| shader.symbol(id).ty);
                         if let (3, Some(name), Some(ty)) = (op.args.len(), text(op.args[1]), value) {
                             query(name, ty.size());
                         }
                     }
-                    "point" | "vector" | "normal" | "matrix" | "getmatrix" | "transform" | "transformv"
-                    | "transformn" => {
+                    Opcode::Point
+                    | Opcode::Vector
+                    | Opcode::Normal
+                    | Opcode::Matrix
+                    | Opcode::GetMatrix
+                    | Opcode::Transform
+                    | Opcode::TransformV
+                    | Opcode::TransformN => {
                         let names = op.args.iter().filter(|&&id| shader.symbol(id).ty == Type::STRING);
                         for &id in names {
                             spaces |= !matches!(text(id), Some("common" | "world" | "camera"));
                         }
                     }
-                    "surfacearea" => area = true,
+                    Opcode::SurfaceArea => area = true,
                     _ => {}
                 }
             });

@@ -25,10 +25,7 @@
 #define TRIPLES(line) SPATIAL(line) line(color)
 #define FLOATS(line) TRIPLES(line) line(float)
 
-// Angles, powers, roots and rounding
-#define ONE(T) T cos(T x) LIB; T sin(T x) LIB; T tan(T x) LIB; T acos(T x) LIB; T asin(T x) LIB; T atan(T x) LIB; T cosh(T x) LIB; T sinh(T x) LIB; T tanh(T x) LIB; T exp(T x) LIB; T exp2(T x) LIB; T expm1(T x) LIB; T log(T x) LIB; T log2(T x) LIB; T log10(T x) LIB; T logb(T x) LIB; T sqrt(T x) LIB; T inversesqrt(T x) LIB; T cbrt(T x) LIB; T fabs(T x) LIB; T sign(T x) LIB; T floor(T x) LIB; T ceil(T x) LIB; T round(T x) LIB; T trunc(T x) LIB;
-FLOATS(ONE)
-#undef ONE
+// Angles, powers, minima and maxima. The compiler declares functions of one number by itself.
 #define TWO(T) T atan2(T x, T y) LIB; T pow(T x, T y) LIB; T fmod(T x, T y) LIB; T min(T x, T y) LIB; T max(T x, T y) LIB;
 FLOATS(TWO)
 #undef TWO

@@ -4,10 +4,11 @@
 //!
 //! Stages of a shader: `preprocess` (files to tokens), `parse` (to a tree, `ast`), `check` (names, types and
 //! overloads, to `hir`), `lower` (to the intermediate form, `ir`, whose text form is `.oso`), `passes`
-//! (analyses and optimisations). [`compile()`] does all of it.
+//! (analyses and optimisations). [`compile()`] does all of it. `opcode` is the table of operations.
 #![forbid(unsafe_code)]
 
 pub mod ast;
+pub mod budget;
 pub mod check;
 mod compile;
 pub mod diagnostics;
@@ -18,6 +19,7 @@ pub mod hir;
 pub mod ir;
 pub mod lexer;
 pub mod lower;
+pub mod opcode;
 pub mod parse;
 pub mod passes;
 pub mod preprocess;

@@ -564,3 +564,69 @@ fn mistakes_in_loops_are_not_all_kept() {
         super::common::diagnostics_of(&group).iter().map(|event| format!("{event:?}").len()).sum();
     assert!((1 << 20..20 << 20).contains(&bytes), "{bytes} bytes are kept");
 }
+
+fn first_message(text: &str) -> String {
+    compiled(text).diagnostics.list.first().map_or_else(String::new, |d| d.message.clone())
+}
+
+/// Calls with many candidates: they are not all compared, nor listed in each message.
+#[test]
+fn overloads_times_calls_have_an_end() {
+    let functions: String =
+        (1..10_000).map(|i| format!("float g (float a[{i}]) {{ return 1; }}\n")).collect();
+    let [wrong, right] = ["f = g (u, v);\n", "f = g (b);\n"].map(|call| call.repeat(20_000));
+    let made =
+        soon("wrong calls", || compiled(&format!("{functions} shader t (output float f = 0) {{ {wrong} }}")));
+    let bytes: usize = made.diagnostics.list.iter().map(|d| d.message.len()).sum();
+    assert!(bytes < 4 << 20, "{bytes} bytes of messages");
+    let text = format!("{functions} shader t (output float f = 0) {{ float b[3]; {right} }}");
+    let message = soon("right calls", || first_message(&text));
+    assert!(message.contains("compared with calls more than"), "{message}");
+}
+
+#[test]
+fn fields_are_not_compared_with_each_other() {
+    let fields: String = (0..50_000).map(|i| format!("float a{i}; ")).collect();
+    let text = format!("struct S {{ {fields} }}; shader t () {{ S s; s.a1 = 1; }}");
+    soon("fields", || assert!(compiled(&text).shader.is_some()));
+}
+
+/// What one use of a macro makes is counted before it is made.
+#[test]
+fn single_macros_have_an_end() {
+    let argument = "u ".repeat(100_000);
+    for (definition, used) in [
+        (format!("A {}", "a ## ".repeat(100_000)), "A".into()),
+        (format!("A(x) {}", "x ".repeat(100_000)), format!("A({argument})")),
+        (format!("A(x) {}", "#x ".repeat(100_000)), format!("A({argument})")),
+        (format!("A(x) {} y", "x ## ".repeat(100_000)), format!("A({argument})")),
+    ] {
+        let text = format!("#define {definition}\nshader t () {{ {used}; }}");
+        let message = soon("a macro", || first_message(&text));
+        assert!(message.contains("macros make more than"), "{}: {message}", &definition[..20]);
+    }
+}
+
+/// Work of a point is bounded without loops, and within an iteration.
+#[test]
+fn work_of_a_point_has_an_end() {
+    let copies = "a = b; b = a; ".repeat(100_000);
+    let noises = "f += noise (P * f, u);\n".repeat(1000);
+    for (what, body) in [
+        ("copies", format!("float a[4000]; float b[4000]; {copies}")),
+        ("noises", format!("for (int i = 0; i < 10000000; ++i) {{ {noises} }}")),
+    ] {
+        let mut group = Group::default();
+        let shader = compiled(&format!("shader t (output float f = 0) {{ {body} }}")).shader;
+        group.add(Arc::new(shader.expect("a shader")), None, &[], &mut Vec::new());
+        let options = PlanOptions { iterations: 1_000_000, ..PlanOptions::default() };
+        let plan = Plan::new(&group, &options).expect("a plan");
+        let world = Empty::default();
+        let events = soon(what, || {
+            let mut machine = Machine::new(&plan, &world);
+            machine.run(&Point::default());
+            machine.events
+        });
+        assert!(matches!(&*events, [Event::Error(text)] if text.contains("stopped")), "{what}: {events:?}");
+    }
+}

@@ -7,6 +7,7 @@ mod common;
 mod diagnostics;
 mod format;
 mod hostile;
+mod layers;
 mod meaning;
 mod passes;
 mod shader_library;

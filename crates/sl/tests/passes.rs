@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 fn names(shader: &Shader) -> Vec<String> {
     let mut out = Vec::new();
-    ops(&shader.code, &mut |op| out.push(op.name.to_string()));
+    ops(&shader.code, &mut |op| out.push(op.code.name().to_string()));
     out
 }
 

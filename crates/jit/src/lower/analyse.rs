@@ -11,7 +11,7 @@ use std::collections::HashSet;
 use gnurt_sl::exec::{Flow, Instruction, Loop, Plan, Slot, Source, Step};
 use gnurt_sl::ir::SymbolKind;
 
-use super::native::{Known, Touch, is_native, touches};
+use super::native::{Known, Touch, touches};
 use crate::term::QuickMap;
 
 /// A variable of a shader.
@@ -35,10 +35,10 @@ pub(crate) struct Analysis {
 }
 
 /// Analyses a group. With one lane nothing varies.
-pub(crate) fn analysis(plan: &Plan, known: &[&dyn Known], lanes: usize) -> Analysis {
+pub(crate) fn analysis(plan: &Plan, known: &Known<'_>, lanes: usize) -> Analysis {
     let mut analysis = Analysis { varying: vec![false; plan.memory.len()], ..Analysis::default() };
     let mut uses = Uses { analysis: &mut analysis, open: Vec::new(), stack: Vec::new() };
-    for (number, layer) in plan.layers.iter().enumerate() {
+    for layer in &plan.layers {
         for (id, symbol) in layer.shader.symbols.iter().enumerate() {
             if matches!(symbol.kind, SymbolKind::Local | SymbolKind::Temp) {
                 let fresh = Variable { block: u32::MAX, clean: false, uses: 0 };
@@ -46,9 +46,9 @@ pub(crate) fn analysis(plan: &Plan, known: &[&dyn Known], lanes: usize) -> Analy
             }
         }
         for param in &layer.params {
-            uses.block(&param.init, known[number]);
+            uses.block(&param.init, known);
         }
-        uses.block(&layer.code, known[number]);
+        uses.block(&layer.code, known);
     }
     if lanes > 1 {
         vary(plan, known, &mut analysis);
@@ -76,17 +76,17 @@ impl Uses<'_> {
     }
 
     /// Blocks are numbered in this order, here and where code is made.
-    fn block(&mut self, list: &[Instruction], known: &dyn Known) {
+    fn block(&mut self, list: &[Instruction], known: &Known<'_>) {
         self.block_then(list, known, None);
     }
 
-    fn block_then(&mut self, list: &[Instruction], known: &dyn Known, condition: Option<&Slot>) {
+    fn block_then(&mut self, list: &[Instruction], known: &Known<'_>, condition: Option<&Slot>) {
         self.stack.push(self.open.len() as u32);
         self.open.push(true);
         for instruction in list {
             match instruction {
                 Instruction::Do(step) => {
-                    let native = is_native(step, known);
+                    let native = known.is_native(step);
                     touches(step, native, |i, touch| self.touch(step.args[i].at, touch));
                 }
                 Instruction::If { condition, yes, no, .. } => {
@@ -115,7 +115,7 @@ impl Uses<'_> {
 }
 
 /// Marks varying variables, until nothing is added.
-fn vary(plan: &Plan, known: &[&dyn Known], analysis: &mut Analysis) {
+fn vary(plan: &Plan, known: &Known<'_>, analysis: &mut Analysis) {
     let mark = |varying: &mut [bool], slot: &Slot| {
         let cells = &mut varying[slot.at as usize..][..slot.cells()];
         let new = cells.iter().any(|v| !v);
@@ -141,12 +141,12 @@ fn vary(plan: &Plan, known: &[&dyn Known], analysis: &mut Analysis) {
     let mut split_loops = HashSet::new();
     for _ in 0..PASSES {
         let mut walk = Vary { varying: &mut analysis.varying, split_loops: &mut split_loops, changed: false };
-        for (number, layer) in plan.layers.iter().enumerate() {
+        for layer in &plan.layers {
             for param in &layer.params {
                 let split = param.source == Source::Geometry;
-                walk.block(&param.init, split, known[number]);
+                walk.block(&param.init, split, known);
             }
-            walk.block(&layer.code, false, known[number]);
+            walk.block(&layer.code, false, known);
         }
         if !walk.changed {
             return;
@@ -199,7 +199,7 @@ impl Vary<'_> {
     }
 
     /// Goes through a block that lanes come to at different times if `split`.
-    fn block(&mut self, list: &[Instruction], mut split: bool, known: &dyn Known) -> Ways {
+    fn block(&mut self, list: &[Instruction], mut split: bool, known: &Known<'_>) -> Ways {
         let mut jumps = 0;
         for instruction in list {
             match instruction {
@@ -252,9 +252,9 @@ impl Vary<'_> {
         Ways { split, jumps }
     }
 
-    fn step(&mut self, step: &Step, split: bool, known: &dyn Known) {
-        let native = is_native(step, known);
-        let mut varies = split || !native;
+    fn step(&mut self, step: &Step, split: bool, known: &Known<'_>) {
+        let native = known.is_native(step);
+        let mut varies = split || !(native || known.checked(step).is_some());
         touches(step, native, |i, touch| varies |= touch == Touch::Read && self.varies(&step.args[i]));
         if varies {
             touches(step, native, |i, touch| {

@@ -1,28 +1,26 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group that is ready to run, as a program for lanes: control on masks, computing in regions.
-//! `analyse` finds varying and overwritable variables, `native` chooses the operations with code, `steps` and
-//! `functions` record them, `values` tracks the contents of cells.
+//! `analyse` finds varying and overwritable variables, `native` chooses the operations with code, `values` tracks
+//! the contents of cells. The evaluator of `gnurt_sl::exec` records the operations.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
 mod analyse;
-mod functions;
 mod native;
-mod steps;
 mod values;
 
 use gnurt_sl::exec::{
-    Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, makes_closures, queries_in_batches,
+    Copy, Flow, Instruction, Loop, Plan, Slot, Source, Step, compute, makes_closures, queries_in_batches,
+    transfer,
 };
 use gnurt_sl::ir::SymbolKind;
 use gnurt_sl::types::Base;
-use gnurt_sl_lib::Dual;
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-use crate::program::{Call, Layer, Loop as Turns, Making, Node, Program, Test};
-use crate::term::{Term, constant, take};
-use native::{Known, Touch, is_honest, is_native, touches};
-use values::{Held, Values};
+use crate::program::{Call, Layer, Loop as Turns, Making, Node, Program, Test, Tight};
+use crate::term::{constant, take};
+use native::{Known, Touch, is_honest, touches};
+use values::Values;
 
 /// Layers that a group may have: their functions call each other.
 const LAYERS: usize = 1000;
@@ -30,26 +28,14 @@ const LAYERS: usize = 1000;
 const RESETS: usize = 1 << 14;
 /// Blocks may nest this deep.
 const DEPTH: usize = 200;
+/// Operations of an iteration that counts as more than one turn.
+const TURN: usize = 64;
+/// Operations of both blocks of a choice that take less time than a branch that is not foreseen.
+const CHEAP: u32 = 32;
+/// Operations of an iteration that is one region.
+const LONG: u32 = 2000;
 /// Operations of code; each has some ten bytes, and as much again while it is made.
 const SIZE: usize = 2_000_000;
-
-/// Constants, for the analysis and for operations whose meaning depends on them.
-struct Constants<'p> {
-    plan: &'p Plan,
-    cells: Vec<bool>,
-}
-
-impl Known for Constants<'_> {
-    fn constant_int(&self, slot: &Slot) -> Option<i32> {
-        let known = slot.size == 1 && slot.ty.base == Base::Int && self.cells[slot.at as usize];
-        known.then(|| self.plan.memory[slot.at as usize] as i32)
-    }
-
-    fn constant_text(&self, slot: &Slot) -> Option<&str> {
-        let known = slot.size == 1 && slot.ty.base == Base::String && self.cells[slot.at as usize];
-        known.then(|| &**self.plan.strings.text(self.plan.memory[slot.at as usize]))
-    }
-}
 
 /// The program of a group, for this many lanes: 16, or 1.
 ///
@@ -80,12 +66,10 @@ pub(crate) fn program(plan: &Plan, lanes: usize) -> Result<Program, String> {
             }
         }
     }
-    let constants = Constants { plan, cells };
-    let known: Vec<&dyn Known> = plan.layers.iter().map(|_| &constants as &dyn Known).collect();
+    let known = Known { plan, cells };
     let analysis = analyse::analysis(plan, &known, lanes);
     let mut lowerer = Lowerer {
-        known: &constants,
-        values: Values::new(plan, analysis, constants.cells.clone()),
+        values: Values::new(plan, analysis, &known),
         program: Program::default(),
         nodes: Vec::new(),
         layer: 0,
@@ -127,7 +111,6 @@ fn note_written(list: &[Instruction], written: &mut HashSet<u32>) {
 }
 
 struct Lowerer<'p> {
-    known: &'p Constants<'p>,
     values: Values<'p>,
     program: Program,
     /// Of the block that is lowered.
@@ -322,6 +305,7 @@ impl Lowerer<'_> {
         let above = self.values.block;
         let pulled = self.pulled.len();
         self.values.block = self.blocks;
+        let base = std::mem::replace(&mut self.values.base, self.blocks);
         self.blocks += 1;
         for (i, instruction) in list.iter().enumerate() {
             self.instruction(instruction)?;
@@ -344,7 +328,7 @@ impl Lowerer<'_> {
         }
         self.flush();
         self.pulled.truncate(pulled);
-        self.values.block = above;
+        (self.values.block, self.values.base) = (above, base);
         self.depth -= 1;
         Ok(std::mem::replace(&mut self.nodes, outer))
     }
@@ -354,6 +338,24 @@ impl Lowerer<'_> {
             Instruction::Do(step) => self.step(step)?,
             Instruction::If { condition, pulls, yes, no } => {
                 self.fetch(pulls);
+                if self.values.analysis.varying[condition.at as usize] {
+                    if let (Some(a), Some(b)) = (self.weight(yes, false), self.weight(no, false))
+                        && a + b <= CHEAP
+                        && !self.values.is_long()
+                    {
+                        return self.choice(condition, yes, no);
+                    }
+                    if let ([Instruction::Leave(flow)], []) = (&**yes, &**no) {
+                        let lanes = self.slot();
+                        self.values.test(condition, || lanes);
+                        self.flush();
+                        self.blocks += 2;
+                        if let Some(note) = self.note(*flow) {
+                            self.nodes.push(Node::LeaveSome { lanes, note });
+                        }
+                        return Ok(());
+                    }
+                }
                 let Self { values, program, .. } = self;
                 let test = values.test(condition, || {
                     program.slots += 1;
@@ -373,17 +375,131 @@ impl Lowerer<'_> {
             }
             Instruction::Leave(flow) => {
                 self.flush();
-                let note = match flow {
-                    Flow::Break => None,
-                    Flow::Continue => self.waiting,
-                    Flow::Return => Some(self.frame),
-                    Flow::Exit => Some(self.exit),
-                    Flow::Next => return Ok(()),
-                };
-                self.nodes.push(Node::Leave(note));
+                self.nodes.extend(self.note(*flow).map(Node::Leave));
             }
         }
         Ok(())
+    }
+
+    /// Where lanes are noted that leave in some way; none if they do not.
+    fn note(&self, flow: Flow) -> Option<Option<u32>> {
+        match flow {
+            Flow::Break => Some(None),
+            Flow::Continue => Some(self.waiting),
+            Flow::Return => Some(Some(self.frame)),
+            Flow::Exit => Some(Some(self.exit)),
+            Flow::Next => None,
+        }
+    }
+
+    /// About as many operations as a block takes, if it may be done for all lanes under a mask. Of jumps, it may
+    /// have those of a loop's body, at the ends of its inner blocks.
+    fn weight(&self, list: &[Instruction], in_body: bool) -> Option<u32> {
+        let is_pulled = |pulls: &[u32]| pulls.iter().all(|symbol| self.pulled.contains(symbol));
+        let mut sum = 0_u32;
+        for instruction in list {
+            sum += match instruction {
+                Instruction::Do(step) => {
+                    let is_plain = self.values.known.is_native(step) && is_pulled(&step.pulls);
+                    (is_plain && is_honest(step)).then(|| native::weight(step))?
+                }
+                Instruction::If { condition: _, pulls, yes, no } if is_pulled(pulls) => {
+                    let jumps = |list: &[Instruction]| {
+                        let is_jump = |last: &Instruction| {
+                            matches!(last, Instruction::Leave(Flow::Break | Flow::Continue))
+                        };
+                        usize::from(in_body && list.last().is_some_and(is_jump))
+                    };
+                    let (a, b) = (yes.len() - jumps(yes), no.len() - jumps(no));
+                    let inner = self.weight(&yes[..a], in_body)? + self.weight(&no[..b], in_body)?;
+                    if in_body && inner > CHEAP {
+                        return None;
+                    }
+                    2 + inner
+                }
+                _ => return None,
+            };
+            if sum > LONG {
+                return None;
+            }
+        }
+        Some(sum)
+    }
+
+    /// Both blocks of a choice, under masks.
+    fn choice(&mut self, condition: &Slot, yes: &[Instruction], no: &[Instruction]) -> Result<(), String> {
+        let mask = self.values.mask(condition);
+        for (mask, list) in [(mask, yes), (!mask, no)] {
+            let outer = self.values.open(mask);
+            self.straight(list)?;
+            self.values.close(outer);
+        }
+        Ok(())
+    }
+
+    /// A block as a part of the region.
+    fn straight(&mut self, list: &[Instruction]) -> Result<(), String> {
+        let above = std::mem::replace(&mut self.values.block, self.blocks);
+        self.blocks += 1;
+        for instruction in list {
+            match instruction {
+                Instruction::Do(step) => self.native(step)?,
+                Instruction::If { condition, yes, no, .. } => self.choice(condition, yes, no)?,
+                Instruction::Leave(flow) => self.values.leave(*flow == Flow::Break),
+                Instruction::Loop(_) | Instruction::Call(_) => return Err("a block that branches".into()),
+            }
+        }
+        self.values.block = above;
+        Ok(())
+    }
+
+    /// A loop whose iteration is one region, if it can be that. Its first block has been lowered.
+    fn tight(&mut self, inner: &Loop) -> Result<bool, String> {
+        let parts = [(&inner.test, false), (&inner.body, true), (&inner.step, false)];
+        let weights = parts.map(|(part, in_body)| self.weight(part, in_body));
+        let is_pulled = inner.pulls.iter().all(|symbol| self.pulled.contains(symbol));
+        let is_short = weights.iter().try_fold(0, |sum, weight| Some(sum + (*weight)?));
+        let varies = self.values.analysis.varying[inner.condition.at as usize];
+        if !varies || !is_pulled || is_short.is_none_or(|sum| sum > LONG) {
+            return Ok(false);
+        }
+        self.flush();
+        let outer = std::mem::take(&mut self.nodes);
+        let base = std::mem::replace(&mut self.values.base, u32::MAX);
+        let [entry, live] = [self.slot(), self.slot()];
+        let (first, size) = (self.blocks, self.size);
+        if inner.body_first {
+            self.skip_blocks(&inner.test);
+        } else {
+            self.straight(&inner.test)?;
+            self.values.end_iteration(&inner.condition, live);
+            self.flush();
+        }
+        let before = std::mem::take(&mut self.nodes);
+        self.straight(&inner.body)?;
+        self.values.end_body();
+        self.straight(&inner.step)?;
+        let next = std::mem::replace(&mut self.blocks, first);
+        self.straight(&inner.test)?;
+        self.blocks = next;
+        self.values.end_iteration(&inner.condition, live);
+        self.flush();
+        let iteration = std::mem::replace(&mut self.nodes, outer);
+        self.values.base = base;
+        let say = self.call(Call::Stopped { layer: self.layer, at: inner.at });
+        let body_first = inner.body_first;
+        let (stopped, turns) = (self.exit, 1 + ((self.size - size) / TURN) as u32);
+        self.nodes.push(Node::Tight(Box::new(Tight {
+            body_first,
+            before,
+            iteration,
+            entry,
+            live,
+            stopped,
+            say,
+            turns,
+        })));
+        Ok(true)
     }
 
     fn iterations(&mut self, inner: &Loop) -> Result<(), String> {
@@ -392,8 +508,11 @@ impl Lowerer<'_> {
         }
         let init = self.block(&inner.init, None)?;
         self.nodes.extend(init);
+        if self.tight(inner)? {
+            return Ok(());
+        }
         let [entry, live, waiting] = [self.slot(), self.slot(), self.slot()];
-        let mut condition = None;
+        let (mut condition, before) = (None, self.size);
         let test = self.block(&inner.test, Some((&inner.condition, &inner.pulls, &mut condition)))?;
         let outer = self.waiting.replace(waiting);
         let body = self.block(&inner.body, None)?;
@@ -417,51 +536,82 @@ impl Lowerer<'_> {
             gone,
             stopped: self.exit,
             say,
+            turns: 1 + ((self.size - before) / TURN) as u32,
         })));
         Ok(())
     }
 
     fn step(&mut self, step: &Step) -> Result<(), String> {
         if !is_honest(step) {
-            return Err(format!("'{}' has undeclared writes", step.name));
+            return Err(format!("'{}' has undeclared writes", step.code.name()));
         }
         self.fetch(&step.pulls);
-        let native = is_native(step, self.known);
-        touches(step, native, |i, touch| {
-            let state = self.program.touched.entry(step.args[i].at).or_default();
-            *state |= touch != Touch::Read;
-        });
-        if !native {
+        if !self.values.known.is_native(step) {
+            let checked = self.values.known.checked(step);
+            if let Some((index, count)) = checked {
+                // For the other lanes the interpreter reports it, and moves the index.
+                let bad = self.slot();
+                if self.values.is_long() {
+                    self.flush();
+                }
+                self.values.out_of_range(index, count, bad);
+                compute(&mut self.values, step);
+                self.flush();
+                let call = self.left(step);
+                let [other, done] = [self.slot(), self.slot()];
+                let yes = vec![Node::Call(call)];
+                self.nodes.push(Node::If { test: Test::Lanes(bad), yes, no: Vec::new(), other, done });
+                return Ok(());
+            }
             self.flush();
-            let constant = |slot: &&Slot| slot.size > 0 && !self.known.cells[slot.at as usize];
-            let ins: Vec<Slot> = step.args.iter().filter(constant).copied().collect();
-            let written = |i: &usize| *i < 64 && step.writes & 1 << *i != 0;
-            let outs = (0..step.args.len()).filter(written).map(|i| step.args[i]).collect();
-            let (layer, step) = (self.layer, Arc::new(step.clone()));
-            let call = if makes_closures(&step) {
-                let is_named = ins.iter().all(|slot| slot.ty.base != Base::String);
-                Call::Closure(Box::new(Making { layer, step, ins, outs, is_named, bound: OnceLock::new() }))
-            } else if queries_in_batches(&step) {
-                Call::Together { layer, step, ins, outs }
-            } else {
-                Call::Step { layer, step, ins, outs }
-            };
-            let call = self.call(call);
+            let call = self.left(step);
             self.nodes.push(Node::Call(call));
             return Ok(());
         }
         if self.values.is_long() {
             self.flush();
         }
+        self.native(step)
+    }
+
+    /// The call of an operation that is left to the interpreter.
+    fn left(&mut self, step: &Step) -> u32 {
+        touches(step, false, |i, touch| {
+            let state = self.program.touched.entry(step.args[i].at).or_default();
+            *state |= touch != Touch::Read;
+        });
+        let constant = |slot: &&Slot| slot.size > 0 && !self.values.known.cells[slot.at as usize];
+        let ins: Vec<Slot> = step.args.iter().filter(constant).copied().collect();
+        let written = |i: &usize| *i < 64 && step.writes & 1 << *i != 0;
+        let outs = (0..step.args.len()).filter(written).map(|i| step.args[i]).collect();
+        let (layer, step) = (self.layer, Arc::new(step.clone()));
+        let call = if makes_closures(&step) {
+            let is_named = ins.iter().all(|slot| slot.ty.base != Base::String);
+            Call::Closure(Box::new(Making { layer, step, ins, outs, is_named, bound: OnceLock::new() }))
+        } else if queries_in_batches(&step) {
+            Call::Together { layer, step, ins, outs }
+        } else {
+            Call::Step { layer, step, ins, outs }
+        };
+        self.call(call)
+    }
+
+    /// An operation as code, in the region.
+    fn native(&mut self, step: &Step) -> Result<(), String> {
+        self.size += step.args.first().map_or(0, |out| out.cells());
         if self.size > SIZE {
             return Err(format!("its code has more than {SIZE} operations"));
         }
+        touches(step, true, |i, touch| {
+            let state = self.program.touched.entry(step.args[i].at).or_default();
+            *state |= touch != Touch::Read;
+        });
         let mut used: Vec<u32> = Vec::with_capacity(step.args.len());
         touches(step, true, |i, _: Touch| used.push(step.args[i].at));
         for at in used {
             self.values.touch(at);
         }
-        steps::step(&mut self.values, self.layer, step, self.known);
+        compute(&mut self.values, step);
         Ok(())
     }
 
@@ -496,38 +646,8 @@ impl Lowerer<'_> {
     }
 
     fn connection(&mut self, copy: &Copy) {
-        let (from, to) = (&copy.from, &copy.to);
         let whole = self.values.plan.layers[self.layer].slots[copy.to_symbol as usize];
         self.program.touched.insert(whole.at, true);
-        let v = &mut self.values;
-        if from.ty.base == Base::Closure
-            || from.ty.base == Base::String
-            || from.ty.base == Base::Int && to.ty.base == Base::Int
-        {
-            for i in 0..from.size.min(to.size) {
-                let bits_id = v.bits(from.at + i);
-                v.set_bits(to, i, bits_id);
-            }
-            return;
-        }
-        for i in 0..to.size {
-            if from.size > 1 && i >= from.size {
-                break;
-            }
-            let value = if copy.from_derivs > 0 {
-                let i = if from.size == 1 { 0 } else { i };
-                let [x, dx, dy] = [0, 1, 2].map(|k| Term(v.bits(from.at + i + k * copy.from_derivs)));
-                Dual::new(x, dx, dy)
-            } else {
-                v.dual(from, i as usize)
-            };
-            if copy.to_derivs > 0 {
-                for (k, x) in [value.value, value.dx, value.dy].into_iter().enumerate() {
-                    v.set_bits(to, i + k as u32 * copy.to_derivs, x.0);
-                }
-            } else {
-                Dual::put(v, to, i as usize, value);
-            }
-        }
+        transfer(&mut self.values, copy);
     }
 }

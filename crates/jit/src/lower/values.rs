@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Values of symbols while a region is recorded: the current contents of cells, and the stores at the
-//! region's end. Conversions are those of `gnurt_sl::exec`'s values.
+//! region's end.
 //! Tests: `tests/agreement.rs`, `tests/chance.rs`.
 
-use gnurt_sl::exec::{Plan, Slot};
-use gnurt_sl::types::Base;
-use gnurt_sl_lib::{Dual, Number, Real};
+use gnurt_sl::exec::{self, Plan, Slot, Step};
+use gnurt_sl_lib::UInts as _;
+use gnurt_sl_lib::noise::NoiseKind;
 
 use super::analyse::Analysis;
+use super::native::Known;
 use crate::op::{Binary, Id, Op, Region};
 use crate::program::Test;
 use crate::term::{Bits, QuickMap, Term, Which, binary, constant, count, op_of, push, take};
@@ -26,10 +27,17 @@ struct Cell {
 pub(crate) struct Values<'p> {
     pub(crate) plan: &'p Plan,
     pub(crate) analysis: Analysis,
-    /// By cell, whether it never changes.
-    pub(crate) constant: Vec<bool>,
+    pub(crate) known: &'p Known<'p>,
     /// The block that is lowered.
     pub(crate) block: u32,
+    /// The innermost one that lanes enter by a branch: inner ones are done by masks within a region. None in
+    /// loops, whose lanes leave at different times.
+    pub(crate) base: u32,
+    /// Lanes of the inner blocks, if there are some.
+    conditions: Option<Which>,
+    /// Lanes that have left the iteration of a loop, for good or up to its end.
+    pub(crate) broken: Option<Which>,
+    waiting: Option<Which>,
     cells: QuickMap<u32, Cell>,
     /// Uses of variables in this region.
     seen: QuickMap<u32, u32>,
@@ -42,13 +50,17 @@ pub(crate) struct Values<'p> {
 const LONGEST: usize = 6000;
 
 impl<'p> Values<'p> {
-    pub(crate) fn new(plan: &'p Plan, analysis: Analysis, constant: Vec<bool>) -> Self {
+    pub(crate) fn new(plan: &'p Plan, analysis: Analysis, known: &'p Known<'p>) -> Self {
         take();
         Self {
             plan,
             analysis,
-            constant,
+            known,
             block: 0,
+            base: 0,
+            conditions: None,
+            broken: None,
+            waiting: None,
             cells: QuickMap::default(),
             seen: QuickMap::default(),
             masks: QuickMap::default(),
@@ -67,7 +79,7 @@ impl<'p> Values<'p> {
 
     /// The contents of a cell.
     pub(crate) fn bits(&mut self, cell: u32) -> Id {
-        if self.constant[cell as usize] {
+        if self.known.cells[cell as usize] {
             return constant(self.plan.memory[cell as usize]);
         }
         if let Some(found) = self.cells.get(&cell) {
@@ -82,9 +94,73 @@ impl<'p> Values<'p> {
     pub(crate) fn set_bits(&mut self, slot: &Slot, i: u32, value: Id) {
         let cell = slot.at + i;
         let variable = self.analysis.variables.get(&slot.at);
-        let own = variable.is_some_and(|v| v.clean && v.block == self.block);
-        let keep = self.analysis.varying[cell as usize] && !own;
+        let is_of = |block: u32| variable.is_some_and(|v| v.clean && v.block == block);
+        let (own, of_base) = (is_of(self.block), is_of(self.base));
+        let value = match self.guard() {
+            Some(guard) if !own => push(Op::Choose(guard.0, value, self.bits(cell))),
+            _ => value,
+        };
+        let keep = self.analysis.varying[cell as usize] && !(own || of_base);
         self.cells.insert(cell, Cell { value, changed: true, keep, owner: slot.at });
+    }
+
+    /// Lanes that run in inner blocks of a region; none if all do.
+    fn guard(&self) -> Option<Which> {
+        let left = match (self.broken, self.waiting) {
+            (Some(a), Some(b)) => Some(a | b),
+            (a, b) => a.or(b),
+        };
+        match (self.conditions, left) {
+            (Some(a), Some(b)) => Some(a & !b),
+            (a, b) => a.or(b.map(|b| !b)),
+        }
+    }
+
+    /// Notes the lanes whose index is out of range.
+    pub(crate) fn out_of_range(&mut self, index: &Slot, count: usize, slot: u32) {
+        let value = self.bits(index.at);
+        let mask = !Bits(value).below(count as u32);
+        self.tests.push((slot, mask.0));
+    }
+
+    /// The lanes that an int sends on, as a value.
+    pub(crate) fn mask(&mut self, condition: &Slot) -> Which {
+        self.touch(condition.at);
+        let value = self.bits(condition.at);
+        exec::Values::truth(self, Bits(value))
+    }
+
+    /// Enters an inner block for some of the lanes; returns what leaving it takes.
+    pub(crate) fn open(&mut self, mask: Which) -> Option<Which> {
+        let outer = self.conditions;
+        self.conditions = Some(outer.map_or(mask, |outer| outer & mask));
+        outer
+    }
+
+    /// Leaves it.
+    pub(crate) fn close(&mut self, outer: Option<Which>) {
+        self.conditions = outer;
+    }
+
+    /// The lanes that run now leave the iteration, for good or up to its end.
+    pub(crate) fn leave(&mut self, for_good: bool) {
+        let Some(guard) = self.guard() else { return };
+        let list = if for_good { &mut self.broken } else { &mut self.waiting };
+        *list = Some(list.map_or(guard, |list| list | guard));
+    }
+
+    /// The body of an iteration ends.
+    pub(crate) fn end_body(&mut self) {
+        self.waiting = None;
+    }
+
+    /// A region's test ends it: the lanes that an int sends on, and that have not left.
+    pub(crate) fn end_iteration(&mut self, condition: &Slot, live: u32) {
+        let mut mask = self.mask(condition);
+        if let Some(broken) = self.broken.take() {
+            mask = mask & !broken;
+        }
+        self.tests.push((live, mask.0));
     }
 
     /// Ends the region; none if it does nothing.
@@ -93,9 +169,11 @@ impl<'p> Values<'p> {
         let mut changed: Vec<(u32, Cell)> = self.cells.drain().filter(|(_, c)| c.changed).collect();
         changed.sort_unstable_by_key(|(cell, _)| *cell);
         for (cell, state) in changed {
-            let nowhere_else = self.analysis.variables.get(&state.owner).is_some_and(|v| {
-                v.clean && v.block == self.block && self.seen.get(&state.owner) == Some(&v.uses)
-            });
+            let nowhere_else = self
+                .analysis
+                .variables
+                .get(&state.owner)
+                .is_some_and(|v| v.clean && self.seen.get(&state.owner) == Some(&v.uses));
             if nowhere_else {
                 continue;
             }
@@ -122,91 +200,52 @@ impl<'p> Values<'p> {
             // The branch reads the cell, so that this use is not one of the region.
             return Test::Cell(condition.at);
         }
-        self.touch(condition.at);
-        let value = self.bits(condition.at);
-        let mask = self.truth(value);
+        let mask = self.mask(condition);
         let slot = slot();
         self.tests.push((slot, mask.0));
         Test::Lanes(slot)
     }
+}
 
-    /// Whether words are not 0.
-    pub(crate) fn truth(&mut self, bits: Id) -> Which {
-        match self.masks.get(&bits) {
+impl exec::Values for Values<'_> {
+    type Real = Term;
+    type Word = Bits;
+    type Mask = Which;
+    type Plain = Term;
+
+    fn constant(&mut self, bits: u32) -> Bits {
+        Bits(constant(bits))
+    }
+
+    fn cell(&mut self, slot: &Slot, i: u32) -> Bits {
+        Bits(self.bits(slot.at + i))
+    }
+
+    fn set_cell(&mut self, slot: &Slot, i: u32, word: Bits) {
+        self.set_bits(slot, i, word.0);
+    }
+
+    fn truth(&mut self, word: Bits) -> Which {
+        match self.masks.get(&word.0) {
             Some(&mask) => Which(mask),
-            None => !Which(binary(Binary::IntEqual, bits, constant(0))),
+            None => !Which(binary(Binary::IntEqual, word.0, constant(0))),
         }
     }
 
-    /// 0 or 1.
-    pub(crate) fn int_of(&mut self, mask: Which) -> Bits {
+    fn int_of(&mut self, mask: Which) -> Bits {
         let bits = Bits(mask.0) & 1;
         self.masks.insert(bits.0, mask.0);
         bits
     }
 
-    /// Number `i` of a slot. Single numbers serve for all components.
-    pub(crate) fn float(&mut self, slot: &Slot, i: usize) -> Term {
-        let i = if slot.size == 1 { 0 } else { i as u32 };
-        let bits = self.bits(slot.at + i);
-        if slot.ty.base == Base::Int { Term::from_int(Bits(bits)) } else { Term(bits) }
+    fn index(&mut self, step: &Step, operand: usize, _: usize, count: usize) -> Option<usize> {
+        self.known.index(&step.args[operand], count)
     }
 
-    /// An int.
-    pub(crate) fn int(&mut self, slot: &Slot) -> Bits {
-        let bits = self.bits(slot.at);
-        if slot.ty.base == Base::Int { Bits(bits) } else { Term(bits).to_int() }
+    fn noise_kind(&mut self, step: &Step) -> NoiseKind {
+        self.known.noise(&step.args[1]).unwrap_or(NoiseKind::Null)
     }
 
-    pub(crate) fn set_int(&mut self, slot: &Slot, value: Bits) {
-        if slot.ty.base == Base::Int {
-            self.set_bits(slot, 0, value.0);
-        } else {
-            Dual::put(self, slot, 0, Dual::lift(Term::from_int(value)));
-        }
-    }
-
-    /// A number and its derivatives.
-    pub(crate) fn dual(&mut self, slot: &Slot, i: usize) -> Dual<Term> {
-        let value = self.float(slot, i);
-        if !slot.derivs {
-            return Dual::lift(value);
-        }
-        let i = if slot.size == 1 { 0 } else { i as u32 };
-        let dx = Term(self.bits(slot.at + slot.size + i));
-        let dy = Term(self.bits(slot.at + 2 * slot.size + i));
-        Dual::new(value, dx, dy)
-    }
-}
-
-/// Numbers that symbols hold, with derivatives or without.
-pub(crate) trait Held: Number<Real = Term, Mask = Which> {
-    fn get(values: &mut Values<'_>, slot: &Slot, i: usize) -> Self;
-    fn put(values: &mut Values<'_>, slot: &Slot, i: usize, value: Self);
-}
-
-impl Held for Term {
-    fn get(values: &mut Values<'_>, slot: &Slot, i: usize) -> Self {
-        values.float(slot, i)
-    }
-
-    /// Only where the slot has no derivatives.
-    fn put(values: &mut Values<'_>, slot: &Slot, i: usize, value: Self) {
-        let bits = if slot.ty.base == Base::Int { value.to_int().0 } else { value.0 };
-        values.set_bits(slot, i as u32, bits);
-    }
-}
-
-impl Held for Dual<Term> {
-    fn get(values: &mut Values<'_>, slot: &Slot, i: usize) -> Self {
-        values.dual(slot, i)
-    }
-
-    fn put(values: &mut Values<'_>, slot: &Slot, i: usize, value: Self) {
-        Term::put(values, slot, i, value.value);
-        if slot.derivs && slot.ty.base != Base::Int {
-            values.set_bits(slot, slot.size + i as u32, value.dx.0);
-            values.set_bits(slot, 2 * slot.size + i as u32, value.dy.0);
-        }
-    }
+    /// The interpreter does it.
+    fn gabor(&mut self, _: &Step) {}
 }

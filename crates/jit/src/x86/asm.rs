@@ -177,23 +177,17 @@ impl Asm {
         self.raw(&[0]);
     }
 
-    /// A word of memory, less one.
-    pub(crate) fn decrement_word(&mut self, at: u32) {
-        self.raw(&[0x83, 0xab]);
+    /// A word of memory, less some.
+    pub(crate) fn subtract_from_word(&mut self, at: u32, less: u32) {
+        self.raw(&[0x81, 0xab]);
         self.distance(at);
-        self.raw(&[1]);
-    }
-
-    /// A register's lowest byte to memory.
-    pub(crate) fn store_byte(&mut self, reg: Gpr, at: u32) {
-        self.raw(&[0x88, 0x83 | (reg as u8) << 3]);
-        self.distance(at);
+        self.raw(&less.to_le_bytes());
     }
 
     /// An instruction on lanes: `reg` is the result (or its number in the opcode), `v` the first source.
     pub(crate) fn lanes(&mut self, width: Width, code: Code, reg: u8, v: u8, rm: Rm) {
         match width {
-            Width::Sixteen => self.evex(code, reg, v, rm),
+            Width::Sixteen => self.evex(code, reg, v, rm, 0),
             _ => self.vex(width == Width::Eight, code, reg, v, rm),
         }
     }
@@ -212,7 +206,8 @@ impl Asm {
         self.mod_rm(reg, rm);
     }
 
-    fn evex(&mut self, Code(prefix, map, number): Code, reg: u8, v: u8, rm: Rm) {
+    /// With mask `k`; 0 for none.
+    fn evex(&mut self, Code(prefix, map, number): Code, reg: u8, v: u8, rm: Rm, k: u8) {
         let (r, r2) = (reg >> 3 & 1, reg >> 4 & 1);
         let (b, x, each) = match rm {
             Rm::Reg(n) => (n >> 3 & 1, n >> 4 & 1, 0),
@@ -223,7 +218,7 @@ impl Asm {
             0x62,
             (r ^ 1) << 7 | (x ^ 1) << 6 | (b ^ 1) << 5 | (r2 ^ 1) << 4 | map,
             (!v & 15) << 3 | 4 | prefix,
-            2 << 5 | each << 4 | (v >> 4 & 1 ^ 1) << 3,
+            2 << 5 | each << 4 | (v >> 4 & 1 ^ 1) << 3 | k,
             number,
         ]);
         self.mod_rm(reg, rm);
@@ -268,7 +263,7 @@ impl Asm {
     /// The first lane to memory.
     pub(crate) fn store_one(&mut self, width: Width, reg: u8, at: u32) {
         match width {
-            Width::Sixteen => self.evex(Code(2, 1, 0x11), reg, 0, Rm::Mem(at)),
+            Width::Sixteen => self.evex(Code(2, 1, 0x11), reg, 0, Rm::Mem(at), 0),
             _ => self.vex(false, Code(2, 1, 0x11), reg, 0, Rm::Mem(at)),
         }
     }
@@ -277,23 +272,45 @@ impl Asm {
     pub(crate) fn signs(&mut self, width: Width, reg: u8) {
         match width {
             Width::Sixteen => {
-                // vpmovd2m k1, zmm; kmovw eax, k1
-                self.evex(Code(2, 2, 0x39), 1, 0, Rm::Reg(reg));
-                self.raw(&[0xc5, 0xf8, 0x93, 0xc1]);
+                self.gather_mask(1, reg);
+                self.mask_to_eax(1);
             }
             _ => self.vex(width == Width::Eight, Code(0, 1, 0x50), 0, 0, Rm::Reg(reg)),
         }
     }
 
-    /// A mask of lanes, in `k1`, as ones and zeros; sixteen lanes.
-    pub(crate) fn spread_k1(&mut self, reg: u8) {
-        self.evex(Code(2, 2, 0x38), reg, 0, Rm::Reg(1));
+    /// A mask register as ones and zeros in lanes; sixteen lanes, here and below.
+    pub(crate) fn spread_mask(&mut self, reg: u8, k: u8) {
+        self.evex(Code(2, 2, 0x38), reg, 0, Rm::Reg(k), 0);
     }
 
-    /// The lowest sixteen bits of memory to `k1`.
-    pub(crate) fn load_k1(&mut self, at: u32) {
-        self.raw(&[0xc5, 0xf8, 0x90, 0x8b]);
-        self.distance(at);
+    /// The inverse.
+    pub(crate) fn gather_mask(&mut self, k: u8, reg: u8) {
+        self.evex(Code(2, 2, 0x39), k, 0, Rm::Reg(reg), 0);
+    }
+
+    /// The lowest sixteen bits of memory to a mask register.
+    pub(crate) fn load_mask(&mut self, k: u8, at: u32) {
+        self.vex(false, Code(0, 1, 0x90), k, 0, Rm::Mem(at));
+    }
+
+    /// A mask register to `eax`.
+    pub(crate) fn mask_to_eax(&mut self, k: u8) {
+        self.vex(false, Code(0, 1, 0x93), 0, 0, Rm::Reg(k));
+    }
+
+    /// One of `kandw`, `korw` and `kxorw` by its number.
+    pub(crate) fn masks(&mut self, number: u8, to: u8, a: u8, b: u8) {
+        self.vex(true, Code(0, 1, number), to, a, Rm::Reg(b));
+    }
+
+    pub(crate) fn not_mask(&mut self, to: u8, k: u8) {
+        self.vex(false, Code(0, 1, 0x44), to, 0, Rm::Reg(k));
+    }
+
+    /// `yes` where the mask is set, else `no`.
+    pub(crate) fn blend(&mut self, to: u8, k: u8, yes: Rm, no: u8) {
+        self.evex(Code(1, 2, 0x65), to, no, yes, k);
     }
 }
 
@@ -326,6 +343,13 @@ mod tests {
         );
         // vmovups [rbx+64], zmm20
         assert_eq!(bytes(|a| a.store(wide, 20, 64)), [0x62, 0xe1, 0x7c, 0x48, 0x11, 0xa3, 0x40, 0, 0, 0]);
+        // kandw k1, k2, k3; knotw k4, k5; kmovw k2, [rbx+8]; kmovw eax, k3
+        assert_eq!(bytes(|a| a.masks(0x41, 1, 2, 3)), [0xc5, 0xec, 0x41, 0xcb]);
+        assert_eq!(bytes(|a| a.not_mask(4, 5)), [0xc5, 0xf8, 0x44, 0xe5]);
+        assert_eq!(bytes(|a| a.load_mask(2, 8)), [0xc5, 0xf8, 0x90, 0x93, 8, 0, 0, 0]);
+        assert_eq!(bytes(|a| a.mask_to_eax(3)), [0xc5, 0xf8, 0x93, 0xc3]);
+        // vblendmps zmm1{k2}, zmm3, zmm4
+        assert_eq!(bytes(|a| a.blend(1, 2, Rm::Reg(4), 3)), [0x62, 0xf2, 0x65, 0x4a, 0x65, 0xcc]);
         // mov ecx, [rbx+8]
         assert_eq!(bytes(|a| a.access(Access::Load, Gpr::Ecx, 8)), [0x8b, 0x8b, 8, 0, 0, 0]);
         // jmp over nothing

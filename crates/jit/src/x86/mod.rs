@@ -12,7 +12,7 @@ use gnurt_simd::Level;
 
 use crate::layout::{CellAddress, Layout, SPILLS};
 use crate::op::Region;
-use crate::program::{Loop, Node, Program, Test};
+use crate::program::{Loop, Node, Program, Test, Tight};
 use asm::{Access, Asm, Gpr, Label, When, Width};
 use region::Areas;
 
@@ -131,6 +131,7 @@ impl Emitter<'_> {
             Node::Call(number) => self.call(*number),
             Node::If { test, yes, no, other, done } => self.choice(*test, yes, no, *other, *done),
             Node::Loop(inner) => self.iterations(inner),
+            Node::Tight(inner) => self.tight(inner),
             Node::Frame { body, entry, left, gone } => {
                 self.asm.set_bits(Layout::slot(*left), 0);
                 self.load_exec();
@@ -166,6 +167,16 @@ impl Emitter<'_> {
                     self.asm.access(Access::OrInto, Eax, Layout::slot(*note));
                 }
                 self.asm.set_bits(Layout::EXEC, 0);
+            }
+            Node::LeaveSome { lanes, note } => {
+                self.load_exec();
+                self.load(Ecx, *lanes);
+                self.asm.and(Ecx, Eax);
+                if let Some(note) = note {
+                    self.asm.access(Access::OrInto, Ecx, Layout::slot(*note));
+                }
+                self.asm.raw(&[0x31, 0xc8]); // xor eax, ecx
+                self.store_exec();
             }
         }
     }
@@ -239,6 +250,47 @@ impl Emitter<'_> {
         self.store_exec();
     }
 
+    /// Keeps the lanes that a region has let go on.
+    fn go_on(&mut self, live: u32) {
+        if self.wide == Width::Sixteen {
+            // The region's test has left its bits in eax.
+            self.asm.access(Access::And, Eax, Layout::EXEC);
+        } else {
+            self.load_exec();
+            self.asm.access(Access::And, Eax, Layout::slot(live));
+        }
+        self.store_exec();
+        self.asm.test(Eax, Eax);
+    }
+
+    fn tight(&mut self, inner: &Tight) {
+        let [top, fueled, done] = [self.asm.label(), self.asm.label(), self.asm.label()];
+        self.load_exec();
+        self.store(Eax, inner.entry);
+        if !inner.body_first {
+            self.block(&inner.before);
+            self.go_on(inner.live);
+            self.asm.jump_if(When::Zero, done);
+        }
+        self.asm.bind(top);
+        self.asm.subtract_from_word(Layout::FUEL, inner.turns);
+        self.asm.jump_if(When::NotNegative, fueled);
+        // Stopped: all iterating lanes leave, and no more iterations are allowed.
+        self.asm.set_bits(Layout::FUEL, 0);
+        self.call(inner.say);
+        self.load_exec();
+        self.asm.access(Access::OrInto, Eax, Layout::slot(inner.stopped));
+        self.asm.jump(done);
+        self.asm.bind(fueled);
+        self.block(&inner.iteration);
+        self.go_on(inner.live);
+        self.asm.jump_if(When::NotZero, top);
+        self.asm.bind(done);
+        self.load(Eax, inner.entry);
+        self.without(inner.stopped);
+        self.store_exec();
+    }
+
     fn iterations(&mut self, inner: &Loop) {
         let (top, body, done) = (self.asm.label(), self.asm.label(), self.asm.label());
         let fueled = self.asm.label();
@@ -265,7 +317,7 @@ impl Emitter<'_> {
         }
         self.asm.jump_if(When::Zero, done);
         self.asm.bind(body);
-        self.asm.decrement_word(Layout::FUEL);
+        self.asm.subtract_from_word(Layout::FUEL, inner.turns);
         self.asm.jump_if(When::NotNegative, fueled);
         // Stopped: all iterating lanes leave, and no more iterations are allowed.
         self.asm.set_bits(Layout::FUEL, 0);

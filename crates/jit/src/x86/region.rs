@@ -45,6 +45,27 @@ struct Emitter<'a> {
     spills: u32,
     free: Vec<u32>,
     locked: u32,
+    /// Values that are masks, of AVX-512; their mask registers, 0 for none.
+    masks: &'a [bool],
+    home: Vec<u8>,
+    kept: [Option<Id>; 8],
+    kept_locked: u8,
+}
+
+/// Which values of a region are masks, and only made of such.
+fn masks(region: &Region, width: Width) -> Vec<bool> {
+    let mut masks = vec![false; region.ops.len()];
+    for (i, op) in region.ops.iter().enumerate().filter(|_| width == Width::Sixteen) {
+        let is = |id: Id| masks[id as usize];
+        masks[i] = match *op {
+            Op::Exec => true,
+            Op::Binary(Binary::Xor, a, b) if region.ops[b as usize] == Op::Const(!0) => is(a),
+            Op::Binary(Binary::And | Binary::Or | Binary::Xor, a, b) => is(a) && is(b),
+            Op::Binary(what, ..) => what.compares(),
+            _ => false,
+        };
+    }
+    masks
 }
 
 /// Writes the instructions of a region. Returns how many spill slots it needs.
@@ -81,6 +102,7 @@ pub(crate) fn region(asm: &mut Asm, layout: &mut Layout, region: &Region, width:
     let changed: Vec<u32> = region.stores.iter().map(|s| s.0).collect();
     let pinned: Vec<bool> =
         region.ops.iter().map(|op| matches!(op, Op::Cell(cell) if changed.contains(cell))).collect();
+    let masks = masks(region, width);
     let mut most = 0;
     let lanes = if width == Width::One { 1 } else { layout.lanes };
     for lane in (0..lanes).step_by(width.lanes()) {
@@ -101,6 +123,10 @@ pub(crate) fn region(asm: &mut Asm, layout: &mut Layout, region: &Region, width:
             spills: 0,
             free: Vec::new(),
             locked: 0,
+            masks: &masks,
+            home: vec![0; count],
+            kept: [None; 8],
+            kept_locked: 0,
         };
         emitter.emit(&live, lane + width.lanes() >= lanes);
         most = most.max(emitter.spills);
@@ -120,7 +146,7 @@ impl Emitter<'_> {
         for (i, &needed) in live.iter().enumerate() {
             if needed && !matches!(self.region.ops[i], Op::Cell(_) | Op::Const(_) | Op::Exec) {
                 self.operation(i as Id);
-                self.locked = 0;
+                (self.locked, self.kept_locked) = (0, 0);
             }
         }
         for k in 0..self.region.stores.len() {
@@ -137,16 +163,23 @@ impl Emitter<'_> {
         }
         for k in 0..self.region.tests.len() {
             let (slot, id) = self.region.tests[k];
-            let reg = self.ensure(id);
-            self.asm.signs(self.width, reg);
+            if self.masks[id as usize] {
+                let k = self.ensure_mask(id);
+                self.asm.mask_to_eax(k);
+            } else {
+                let reg = self.ensure(id);
+                self.asm.signs(self.width, reg);
+            }
             let at = Layout::slot(slot);
-            if self.width == Width::Eight {
-                self.asm.store_byte(Gpr::Eax, at + self.lane / 8);
+            if self.lane > 0 {
+                // A word that is stored in bytes is read late.
+                self.asm.raw(&[0xc1, 0xe0, 0x08]); // shl eax, 8
+                self.asm.access(Access::OrInto, Gpr::Eax, at);
             } else {
                 self.asm.access(Access::Store, Gpr::Eax, at);
             }
             self.used(id);
-            self.locked = 0;
+            (self.locked, self.kept_locked) = (0, 0);
         }
     }
 
@@ -167,6 +200,10 @@ impl Emitter<'_> {
             let area = self.spilled[id as usize];
             if area != NONE {
                 self.free.push(area);
+            }
+            let k = std::mem::take(&mut self.home[id as usize]);
+            if k != 0 {
+                self.kept[k as usize] = None;
             }
         }
     }
@@ -199,7 +236,8 @@ impl Emitter<'_> {
         }
         if let Some(id) = self.holds[best].take() {
             self.register[id as usize] = NONE;
-            if !self.can_reload(id) && self.spilled[id as usize] == NONE {
+            let is_kept = self.home[id as usize] != 0;
+            if !is_kept && !self.can_reload(id) && self.spilled[id as usize] == NONE {
                 let area = self.free.pop().unwrap_or_else(|| {
                     self.spills += 1;
                     self.spills - 1
@@ -231,7 +269,9 @@ impl Emitter<'_> {
             return reg as u8;
         }
         let reg = self.take();
-        if self.spilled[id as usize] != NONE {
+        if self.home[id as usize] != 0 {
+            self.asm.spread_mask(reg, self.home[id as usize]);
+        } else if self.spilled[id as usize] != NONE {
             let at = self.areas.spills + 64 * self.spilled[id as usize];
             self.asm.lanes(self.width, Code(0, 1, 0x10), reg, 0, Rm::Mem(at));
         } else {
@@ -256,11 +296,82 @@ impl Emitter<'_> {
         reg
     }
 
+    /// A mask register: a free one, or the one whose mask is needed last. The first is for work.
+    fn take_mask(&mut self) -> u8 {
+        let is_open = |e: &Self, k: usize| e.kept_locked & 1 << k == 0;
+        let free = (2..8).find(|&k| self.kept[k].is_none() && is_open(self, k));
+        let k = free.unwrap_or_else(|| {
+            let next = |k: usize| self.kept[k].map_or(0, |id| self.next_use(id));
+            (2..8).filter(|&k| is_open(self, k)).max_by_key(|&k| next(k)).unwrap_or(2)
+        });
+        if let Some(id) = self.kept[k].take() {
+            let is_elsewhere = self.register[id as usize] != NONE || self.spilled[id as usize] != NONE;
+            if !is_elsewhere && self.region.ops[id as usize] != Op::Exec {
+                let reg = self.take();
+                self.asm.spread_mask(reg, k as u8);
+                self.hold(id, reg);
+            }
+            self.home[id as usize] = 0;
+        }
+        self.kept_locked |= 1 << k;
+        k as u8
+    }
+
+    fn keep(&mut self, id: Id, k: u8) {
+        self.home[id as usize] = k;
+        self.kept[k as usize] = Some(id);
+        self.kept_locked |= 1 << k;
+    }
+
+    /// The mask register of a mask, which stays there while the operation is made.
+    fn ensure_mask(&mut self, id: Id) -> u8 {
+        let home = self.home[id as usize];
+        if home != 0 {
+            self.kept_locked |= 1 << home;
+            return home;
+        }
+        let k = self.take_mask();
+        let is_elsewhere = self.register[id as usize] != NONE || self.spilled[id as usize] != NONE;
+        if self.region.ops[id as usize] == Op::Exec && !is_elsewhere {
+            self.asm.load_mask(k, Layout::EXEC);
+        } else {
+            let reg = self.ensure(id);
+            self.asm.gather_mask(k, reg);
+        }
+        self.keep(id, k);
+        k
+    }
+
+    /// Masks of masks.
+    fn combine(&mut self, id: Id, what: Binary, a: Id, b: Id) {
+        let first = self.ensure_mask(a);
+        if self.masks[b as usize] {
+            let second = self.ensure_mask(b);
+            self.used(a);
+            self.used(b);
+            let number = match what {
+                Binary::And => 0x41,
+                Binary::Or => 0x45,
+                _ => 0x47,
+            };
+            let k = self.take_mask();
+            self.asm.masks(number, k, first, second);
+            self.keep(id, k);
+        } else {
+            // The other has all bits set.
+            self.used(a);
+            self.used(b);
+            let k = self.take_mask();
+            self.asm.not_mask(k, first);
+            self.keep(id, k);
+        }
+    }
+
     fn exec(&mut self, reg: u8) {
         let at = Layout::EXEC;
         if self.width == Width::Sixteen {
-            self.asm.load_k1(at);
-            self.asm.spread_k1(reg);
+            self.asm.load_mask(1, at);
+            self.asm.spread_mask(reg, 1);
             return;
         }
         let bits = self.areas.lane_bits + 4 * self.lane;
@@ -326,15 +437,36 @@ impl Emitter<'_> {
             }
             Op::Shift(what, a, by) => {
                 let a_at = Rm::Reg(self.ensure(a));
+                let number = match what {
+                    Shift::Up => 6,
+                    Shift::Down => 2,
+                    Shift::Around => 1,
+                };
+                let code = Code(1, 1, 0x72);
+                if what == Shift::Around && width != Width::Sixteen {
+                    // Both ways, for want of an instruction.
+                    let high = self.take();
+                    self.asm.lanes(width, code, 6, high, a_at);
+                    self.asm.raw(&[by]);
+                    self.used(a);
+                    let to = self.result(&[a_at]);
+                    self.asm.lanes(width, code, 2, to, a_at);
+                    self.asm.raw(&[32 - by]);
+                    self.asm.lanes(width, OR, to, to, Rm::Reg(high));
+                    self.hold(id, to);
+                    return;
+                }
                 self.used(a);
                 let to = self.result(&[a_at]);
-                let number = if what == Shift::Up { 6 } else { 2 };
-                self.asm.lanes(width, Code(1, 1, 0x72), number, to, a_at);
+                self.asm.lanes(width, code, number, to, a_at);
                 self.asm.raw(&[by]);
                 self.hold(id, to);
             }
             Op::Binary(what @ (Binary::IntDiv | Binary::IntRem | Binary::IntModulo), a, b) => {
                 self.divide(id, what, a, b);
+            }
+            Op::Binary(what, a, b) if self.masks[id as usize] && !what.compares() => {
+                self.combine(id, what, a, b);
             }
             Op::Binary(what, a, b) => self.binary(id, what, a, b),
             Op::Choose(m, a, b) => self.choose(id, m, a, b),
@@ -362,27 +494,19 @@ impl Emitter<'_> {
         let second = self.source(b);
         self.used(a);
         self.used(b);
+        if what.compares() && self.masks[id as usize] {
+            let k = self.take_mask();
+            let (code, order) = comparison(what);
+            self.asm.lanes(width, code, k, first, second);
+            self.asm.raw(order.as_slice());
+            self.keep(id, k);
+            return;
+        }
         let to = self.result(&[Rm::Reg(first), second]);
         if what.compares() {
-            let float = matches!(what, Binary::Less | Binary::AtMost | Binary::Equal);
-            let order = match what {
-                Binary::Equal => 0,
-                Binary::Less => 1,
-                _ => 2,
-            };
-            let code = match what {
-                Binary::IntEqual => Code(1, 1, 0x76),
-                Binary::IntGreater => Code(1, 1, 0x66),
-                _ => Code(0, 1, 0xc2),
-            };
-            let into = if width == Width::Sixteen { 1 } else { to };
-            self.asm.lanes(width, code, into, first, second);
-            if float {
-                self.asm.raw(&[order]);
-            }
-            if width == Width::Sixteen {
-                self.asm.spread_k1(to);
-            }
+            let (code, order) = comparison(what);
+            self.asm.lanes(width, code, to, first, second);
+            self.asm.raw(order.as_slice());
         } else {
             self.asm.lanes(width, code(what), to, first, second);
         }
@@ -390,6 +514,17 @@ impl Emitter<'_> {
     }
 
     fn choose(&mut self, id: Id, m: Id, a: Id, b: Id) {
+        if self.masks[m as usize] {
+            let k = self.ensure_mask(m);
+            let (no, yes) = (self.ensure(b), self.source(a));
+            for x in [m, a, b] {
+                self.used(x);
+            }
+            let to = self.result(&[Rm::Reg(no), yes]);
+            self.asm.blend(to, k, yes, no);
+            self.hold(id, to);
+            return;
+        }
         let mask = self.ensure(m);
         if self.width == Width::Sixteen {
             let (yes, no) = (self.ensure(a), self.source(b));
@@ -469,7 +604,19 @@ impl Emitter<'_> {
 }
 
 const AND: Code = Code(1, 1, 0xdb);
+const OR: Code = Code(1, 1, 0xeb);
 const XOR: Code = Code(1, 1, 0xef);
+
+/// A comparison, and the order that follows it for floats.
+fn comparison(what: Binary) -> (Code, Option<u8>) {
+    match what {
+        Binary::IntEqual => (Code(1, 1, 0x76), None),
+        Binary::IntGreater => (Code(1, 1, 0x66), None),
+        Binary::Equal => (Code(0, 1, 0xc2), Some(0)),
+        Binary::Less => (Code(0, 1, 0xc2), Some(1)),
+        _ => (Code(0, 1, 0xc2), Some(2)),
+    }
+}
 
 fn code(what: Binary) -> Code {
     match what {
@@ -478,7 +625,7 @@ fn code(what: Binary) -> Code {
         Binary::Mul => Code(0, 1, 0x59),
         Binary::Div => Code(0, 1, 0x5e),
         Binary::And => AND,
-        Binary::Or => Code(1, 1, 0xeb),
+        Binary::Or => OR,
         Binary::Xor => XOR,
         Binary::IntAdd => Code(1, 1, 0xfe),
         Binary::IntSub => Code(1, 1, 0xfa),

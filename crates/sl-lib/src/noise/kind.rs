@@ -6,6 +6,7 @@
 use super::gabor::{GaborOptions, gabor, gabor3};
 use super::{cell, perlin, simplex};
 use crate::dual::Dual;
+use crate::number::{Number, Real};
 
 type D = Dual<f32>;
 
@@ -62,12 +63,9 @@ impl NoiseKind {
     /// If there are no coordinates, or more than four.
     #[must_use]
     pub fn noise(self, p: &[D], period: Option<&[f32]>, options: &GaborOptions) -> D {
-        match *p {
-            [x] => self.one([x], fixed(period), options),
-            [x, y] => self.one([x, y], fixed(period), options),
-            [x, y, z] => self.one([x, y, z], fixed(period), options),
-            [x, y, z, t] => self.one([x, y, z, t], fixed(period), options),
-            _ => panic!("noise has 1 to 4 coordinates, not {}", p.len()),
+        match self {
+            Self::Gabor => gabor(in_space(p, 0.0.into()), period.map(|p| in_space(p, 0.0)), options),
+            _ => self.plain(p, period, false)[0],
         }
     }
 
@@ -77,64 +75,61 @@ impl NoiseKind {
     /// As there.
     #[must_use]
     pub fn noise3(self, p: &[D], period: Option<&[f32]>, options: &GaborOptions) -> [D; 3] {
+        match self {
+            Self::Gabor => gabor3(in_space(p, 0.0.into()), period.map(|p| in_space(p, 0.0)), options),
+            _ => self.plain(p, period, true),
+        }
+    }
+
+    /// One noise, repeated, or three, for any numbers. Gabor noise, which has options, is 0 here.
+    ///
+    /// # Panics
+    /// As [`noise`](Self::noise).
+    pub fn plain<N: Number>(self, p: &[N], period: Option<&[N::Real]>, three: bool) -> [N; 3] {
         match *p {
-            [x] => self.three([x], fixed(period), options),
-            [x, y] => self.three([x, y], fixed(period), options),
-            [x, y, z] => self.three([x, y, z], fixed(period), options),
-            [x, y, z, t] => self.three([x, y, z, t], fixed(period), options),
+            [x] => self.of([x], period, three),
+            [x, y] => self.of([x, y], period, three),
+            [x, y, z] => self.of([x, y, z], period, three),
+            [x, y, z, t] => self.of([x, y, z, t], period, three),
             _ => panic!("noise has 1 to 4 coordinates, not {}", p.len()),
         }
     }
 
-    fn one<const N: usize>(self, p: [D; N], period: Option<[f32; N]>, options: &GaborOptions) -> D {
-        let values = p.map(|x| x.value);
-        match (self, period) {
-            (Self::UPerlin, None) => perlin::noise(p),
-            (Self::UPerlin, Some(period)) => perlin::pnoise(p, period),
-            (Self::Perlin, None) => perlin::snoise(p),
-            (Self::Perlin, Some(period)) => perlin::psnoise(p, period),
-            (Self::Simplex, _) => simplex::simplex(p),
-            (Self::USimplex, _) => simplex::usimplex(p),
-            (Self::Cell, None) => cell::cellnoise(values).into(),
-            (Self::Cell, Some(period)) => cell::pcellnoise(values, period).into(),
-            (Self::Hash, None) => cell::hashnoise(values).into(),
-            (Self::Hash, Some(period)) => cell::phashnoise(values, period).into(),
-            (Self::Gabor, period) => {
-                gabor(in_space(p, 0.0.into()), period.map(|p| in_space(p, 0.0)), options)
-            }
-            (Self::Null, _) => 0.0.into(),
-            (Self::UNull, _) => 0.5.into(),
+    fn of<N: Number, const D: usize>(self, p: [N; D], period: Option<&[N::Real]>, three: bool) -> [N; 3] {
+        let v = p.map(N::value);
+        // 1 is the least period.
+        let one = v[0].of(1.0);
+        let period: Option<[N::Real; D]> =
+            period.map(|q| std::array::from_fn(|i| q.get(i).copied().unwrap_or(one)));
+        let all = |x: N| [x; 3];
+        match (self, period, three) {
+            (Self::UPerlin, None, false) => all(perlin::noise(p)),
+            (Self::UPerlin, None, true) => perlin::noise3(p),
+            (Self::UPerlin, Some(q), false) => all(perlin::pnoise(p, q)),
+            (Self::UPerlin, Some(q), true) => perlin::pnoise3(p, q),
+            (Self::Perlin, None, false) => all(perlin::snoise(p)),
+            (Self::Perlin, None, true) => perlin::snoise3(p),
+            (Self::Perlin, Some(q), false) => all(perlin::psnoise(p, q)),
+            (Self::Perlin, Some(q), true) => perlin::psnoise3(p, q),
+            (Self::Simplex, _, false) => all(simplex::simplex(p)),
+            (Self::Simplex, _, true) => simplex::simplex3(p),
+            (Self::USimplex, _, false) => all(simplex::usimplex(p)),
+            (Self::USimplex, _, true) => simplex::usimplex3(p),
+            (Self::Cell, None, false) => all(N::lift(cell::cellnoise(v))),
+            (Self::Cell, None, true) => cell::cellnoise3(v).map(N::lift),
+            (Self::Cell, Some(q), false) => all(N::lift(cell::pcellnoise(v, q))),
+            (Self::Cell, Some(q), true) => cell::pcellnoise3(v, q).map(N::lift),
+            (Self::Hash, None, false) => all(N::lift(cell::hashnoise(v))),
+            (Self::Hash, None, true) => cell::hashnoise3(v).map(N::lift),
+            (Self::Hash, Some(q), false) => all(N::lift(cell::phashnoise(v, q))),
+            (Self::Hash, Some(q), true) => cell::phashnoise3(v, q).map(N::lift),
+            (Self::Null | Self::Gabor, ..) => all(N::lift(one.of(0.0))),
+            (Self::UNull, ..) => all(N::lift(one.of(0.5))),
         }
     }
-
-    fn three<const N: usize>(self, p: [D; N], period: Option<[f32; N]>, options: &GaborOptions) -> [D; 3] {
-        let values = p.map(|x| x.value);
-        match (self, period) {
-            (Self::UPerlin, None) => perlin::noise3(p),
-            (Self::UPerlin, Some(period)) => perlin::pnoise3(p, period),
-            (Self::Perlin, None) => perlin::snoise3(p),
-            (Self::Perlin, Some(period)) => perlin::psnoise3(p, period),
-            (Self::Simplex, _) => simplex::simplex3(p),
-            (Self::USimplex, _) => simplex::usimplex3(p),
-            (Self::Cell, None) => cell::cellnoise3(values).map(D::from),
-            (Self::Cell, Some(period)) => cell::pcellnoise3(values, period).map(D::from),
-            (Self::Hash, None) => cell::hashnoise3(values).map(D::from),
-            (Self::Hash, Some(period)) => cell::phashnoise3(values, period).map(D::from),
-            (Self::Gabor, period) => {
-                gabor3(in_space(p, 0.0.into()), period.map(|p| in_space(p, 0.0)), options)
-            }
-            (Self::Null, _) => [0.0; 3].map(D::from),
-            (Self::UNull, _) => [0.5; 3].map(D::from),
-        }
-    }
-}
-
-/// A period of as many numbers as there are coordinates; 1, the least one, where some are missing.
-fn fixed<const N: usize>(period: Option<&[f32]>) -> Option<[f32; N]> {
-    period.map(|period| std::array::from_fn(|i| period.get(i).copied().unwrap_or(1.0)))
 }
 
 /// The first three coordinates; zeros where there are fewer.
-fn in_space<T: Copy, const N: usize>(p: [T; N], zero: T) -> [T; 3] {
+fn in_space<T: Copy>(p: &[T], zero: T) -> [T; 3] {
     std::array::from_fn(|i| p.get(i).copied().unwrap_or(zero))
 }

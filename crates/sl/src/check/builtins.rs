@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Functions of the library whose arguments the language itself cannot describe. All others are in
+//! Functions of one number, and those whose arguments the language itself cannot describe. All others are in
 //! `include/stdosl.h`.
 //! Source: the OSL specification, chapter 7; the arguments are OSL's.
 
 use super::signature::Signature;
+use crate::opcode::Opcode;
 
 /// Marks behind the codes: `p` has a format string, `t` takes texture options.
 const TABLE: &[(&str, &[&str], &str)] = &[
@@ -85,12 +86,15 @@ fn is_more(name: &str, code: &str) -> bool {
 
 /// All of them, or all that OSL has if `strict`; of each name the first is tried first.
 pub(super) fn signatures(strict: bool) -> impl Iterator<Item = Signature> {
-    TABLE.iter().flat_map(move |(name, codes, marks)| {
+    let each = Opcode::of_every_number()
+        .flat_map(|name| ["ff", "cc", "pp", "vv", "nn"].map(|code| Signature::from_codes(name, code)));
+    let rest = TABLE.iter().flat_map(move |(name, codes, marks)| {
         let codes = codes.iter().filter(move |code| !strict || !is_more(name, code));
         codes.map(move |code| Signature {
             printf: marks.contains('p'),
             texture: marks.contains('t'),
             ..Signature::from_codes(name, code)
         })
-    })
+    });
+    each.chain(rest)
 }

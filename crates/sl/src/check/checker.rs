@@ -7,6 +7,7 @@
 use super::builtins::signatures;
 use super::scope::{Named, Scopes};
 use super::signature::Signature;
+use crate::budget::Budget;
 use crate::diagnostics::{Diagnostic, Diagnostics, Severity};
 use crate::hir::{Expr, ExprKind, Program, Var, VarKind};
 use crate::source::{Loc, Sources};
@@ -25,6 +26,8 @@ pub struct Options {
 
 /// Wrong names for which the nearest known one is searched.
 const GUESSES: usize = 20;
+/// Overloads times calls.
+const COMPARISONS: u64 = 3_000_000;
 /// Initialiser lists are tried against every overload; this many tries are enough for any program.
 const TRIES: usize = 100_000;
 
@@ -56,6 +59,8 @@ pub(super) struct Checker<'a> {
     pub(super) all_early: usize,
     tries: usize,
     guesses: usize,
+    /// Comparisons of calls with functions of their names.
+    pub(super) comparisons: Budget,
     pub(super) done: Diagnostics,
 }
 
@@ -128,6 +133,10 @@ impl<'a> Checker<'a> {
             all_early: 0,
             tries: 0,
             guesses: 0,
+            comparisons: Budget::new(
+                COMPARISONS,
+                ["functions of a name are compared with calls more than", "times"],
+            ),
             done: Diagnostics::default(),
         }
     }

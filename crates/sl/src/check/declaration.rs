@@ -12,6 +12,7 @@ use crate::hir::{Func, Meta, Program, VarId, VarKind};
 use crate::parse::Parsed;
 use crate::source::{Loc, Sources};
 use crate::types::{Base, Field, Struct, Type};
+use std::collections::HashSet;
 use std::path::Path;
 
 /// Structs of one program.
@@ -140,6 +141,7 @@ impl Checker<'_> {
             fields: Vec::new(),
         });
         let mut size = 0_usize;
+        let mut names = HashSet::new();
         for (ty, field) in &s.fields {
             let mut ty = self.type_of(ty);
             if ty.struct_id() == Some(id as u16) {
@@ -153,8 +155,7 @@ impl Checker<'_> {
                 ty = ty.array_of(length.max(1));
             }
             size = size.saturating_add(self.leaves(ty).saturating_mul(ty.elements().max(1)));
-            let fields = &self.program.structs.0[id].fields;
-            if fields.iter().any(|f| f.name == *field.name) {
+            if !names.insert(field.name.clone()) {
                 let message = format!("Field \"{}\" already exists in struct \"{}\"", field.name, s.name);
                 self.early_error(field.loc, message);
             } else if size > STRUCT_SIZE {

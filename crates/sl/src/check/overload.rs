@@ -42,6 +42,9 @@ const fn rank(ty: Type) -> u8 {
     }
 }
 
+/// Functions that a message lists.
+const CANDIDATES: usize = 100;
+
 impl Checker<'_> {
     fn points(&self, expected: Type, given: Type) -> i32 {
         if expected == given {
@@ -147,6 +150,13 @@ impl Checker<'_> {
         let all = self.overloads(name);
         let mut scores_seen = HashSet::new();
         let mut best: Vec<Candidate> = Vec::new();
+        if self.comparisons.is_spent() {
+            return None;
+        }
+        if self.comparisons.spend(all.len()).is_none() {
+            self.error(loc, self.comparisons.to_string());
+            return None;
+        }
         for &number in &all {
             let signature = self.signatures[number as usize].clone();
             if !scores_seen.insert((signature.returns, signature.formals.clone())) {
@@ -175,8 +185,11 @@ impl Checker<'_> {
             0 => {
                 let known = !all.is_empty();
                 let mut message = self.call_text("No matching function call to", name, args, known);
-                for number in all {
+                for &number in all.iter().take(CANDIDATES) {
                     message.push_str(&self.describe(number));
+                }
+                if all.len() > CANDIDATES {
+                    message.push_str(&format!("    and {} more\n", all.len() - CANDIDATES));
                 }
                 self.error(loc, message);
                 None

@@ -11,6 +11,7 @@ use super::machine::{Machine, Step};
 use super::rows;
 use super::slot::Slot;
 use super::texture;
+use crate::opcode::Opcode;
 use crate::types::{Base, Type};
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::math::vectors;
@@ -20,18 +21,19 @@ use gnurt_sl_lib::matrix as mx;
 #[must_use]
 pub fn queries_in_batches(step: &Step) -> bool {
     let out = step.args.first().map_or(Type::VOID, |out| out.ty);
-    match (&*step.name, step.args.len()) {
-        ("raytype", 2) | ("backfacing" | "surfacearea", 1) => {
+    match (step.code, step.args.len()) {
+        (Opcode::RayType, 2) | (Opcode::Backfacing | Opcode::SurfaceArea, 1) => {
             matches!(out, Type::INT | Type::FLOAT) && step.writes == 1
         }
-        ("calculatenormal", 2) | ("transform" | "transformv" | "transformn", 3 | 4) => {
+        (Opcode::CalculateNormal, 2)
+        | (Opcode::Transform | Opcode::TransformV | Opcode::TransformN, 3 | 4) => {
             let (middle, value) = (&step.args[1..step.args.len() - 1], step.args[step.args.len() - 1]);
             let has_three =
                 |slot: &Slot| slot.ty.base.is_float_based() && !slot.ty.is_array() && slot.size == 3;
             let are_names = middle.iter().all(|name| name.ty == Type::STRING);
             has_three(&step.args[0]) && has_three(&value) && are_names && step.writes == 1
         }
-        ("texture", 4..) => out.base.is_float_based() && !out.is_array(),
+        (Opcode::Texture, 4..) => out.base.is_float_based() && !out.is_array(),
         _ => false,
     }
 }
@@ -40,37 +42,40 @@ impl Machine<'_> {
     /// Does an operation for the points of a batch that `lanes` names. False if it must be done one point after the other; nothing is done
     /// then.
     pub fn run_batched(&mut self, step: &Step, lanes: u32, points: &Points, batch: &mut dyn Batch) -> bool {
-        match (&*step.name, &*step.args) {
-            ("raytype", [out, name]) => {
+        match (step.code, &*step.args) {
+            (Opcode::RayType, [out, name]) => {
                 let Cells::One(text) = batch.get(name.at) else { return false };
                 let bit =
                     if name.ty == Type::STRING { self.host.ray_kind(self.strings.text(text)) } else { 0 };
                 put_bits(batch, out, lanes, points.ray_kinds.map(|kinds| kinds & bit != 0));
             }
-            ("backfacing", [out]) => {
+            (Opcode::Backfacing, [out]) => {
                 put_bits(batch, out, lanes, std::array::from_fn(|lane| points.backfacing >> lane & 1 != 0));
             }
-            ("surfacearea", [out]) => {
+            (Opcode::SurfaceArea, [out]) => {
                 let area = points.surface_area;
                 let is_int = out.ty.base == Base::Int;
                 put(batch, out, lanes, &area.map(|x| if is_int { x as i32 as u32 } else { x.to_bits() }));
             }
-            ("calculatenormal", [out, value]) => {
+            (Opcode::CalculateNormal, [out, value]) => {
                 each_triple(batch, lanes, (out, value), |lane, v| {
                     let [dx, dy] = [v.each_ref().map(|x| x.dx), v.each_ref().map(|x| x.dy)];
                     let normal = vectors::calculatenormal(dx, dy, points.flipped >> lane & 1 != 0);
                     Dual::from(normal).components()
                 });
             }
-            (name, [out, spaces @ .., value]) if name.starts_with("transform") => {
+            (
+                code @ (Opcode::Transform | Opcode::TransformV | Opcode::TransformN),
+                [out, spaces @ .., value],
+            ) => {
                 let Some(matrix) = self.same_matrix(spaces, lanes, points, batch) else { return false };
-                each_triple(batch, lanes, (out, value), |_, v| match name {
-                    "transformv" => mx::transform_vector(&matrix, v),
-                    "transformn" => mx::transform_normal(&matrix, v),
+                each_triple(batch, lanes, (out, value), |_, v| match code {
+                    Opcode::TransformV => mx::transform_vector(&matrix, v),
+                    Opcode::TransformN => mx::transform_normal(&matrix, v),
                     _ => mx::transform_point(&matrix, v),
                 });
             }
-            ("texture", _) => return texture::textures(self, step, lanes, batch).is_some(),
+            (Opcode::Texture, _) => return texture::textures(self, step, lanes, batch).is_some(),
             _ => return false,
         }
         true

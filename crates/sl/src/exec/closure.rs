@@ -10,6 +10,7 @@ use super::slot::Slot;
 use super::strings::Strings;
 use crate::format::general;
 use crate::hir::Data;
+use crate::opcode::Opcode;
 use crate::types::{Base, Type};
 use std::sync::Arc;
 
@@ -24,7 +25,7 @@ const CUT: &str = "...";
 #[must_use]
 pub fn makes_closures(step: &Step) -> bool {
     let out = step.args.first().map_or(Type::VOID, |out| out.ty);
-    out == Type::CLOSURE && matches!(&*step.name, "closure" | "add" | "mul")
+    out == Type::CLOSURE && matches!(step.code, Opcode::Closure | Opcode::Add | Opcode::Mul)
 }
 
 /// Does it for one point. A component is none, and there is a message, if the program does not support it.
@@ -55,7 +56,7 @@ fn made<'c>(
     read: impl Fn(u32) -> Cells<'c>,
 ) -> Option<[u32; LANES]> {
     let [_, a, rest @ ..] = &*s.args else { return Some([0; LANES]) };
-    if &*s.name == "closure" {
+    if s.code == Opcode::Closure {
         return Bound::of(known, (a, rest), &read).map(|bound| [bound.make(closures, &read); LANES]);
     }
     let [b, ..] = rest else { return Some([0; LANES]) };
@@ -231,7 +232,7 @@ impl Machine<'_> {
     pub fn bind_component<'c>(&self, step: &Step, read: impl Fn(u32) -> Cells<'c>) -> Option<Bound> {
         let [_, name, rest @ ..] = &*step.args else { return None };
         let known = (self.host, &self.strings);
-        (&*step.name == "closure").then(|| Bound::of(known, (name, rest), &read)).flatten()
+        (step.code == Opcode::Closure).then(|| Bound::of(known, (name, rest), &read)).flatten()
     }
 
     /// Makes a resolved component, for all points; none if it was resolved for another program.

@@ -55,11 +55,12 @@ impl Program for Plan {
                 lines.push(format!("{} is not asked for", layer.name));
                 continue;
             }
-            // Symbols removed by a pass have no value.
+            // Symbols removed by a pass, and outputs that are not needed, have no value.
             let mut is_used = vec![false; layer.shader.symbols.len()];
             uses(&layer.shader.code, &mut |id, _| is_used[id as usize] = true);
             for (symbol, is_used) in layer.shader.symbols.iter().zip(is_used) {
-                let is_named = symbol.kind.is_param() || is_used && symbol.kind == SymbolKind::Local;
+                let is_made = matches!(symbol.kind, SymbolKind::OutputParam | SymbolKind::Local);
+                let is_named = symbol.kind == SymbolKind::Param || is_used && is_made;
                 if !is_named || symbol.ty.struct_id().is_some() {
                     continue;
                 }

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A group laid out in memory, its operations bound to functions. The lazy evaluation of layers follows OSL.
 
+use super::known::fill;
 use super::machine::{Copy, Flow, Instruction, LayerPlan, Loop, Param, Plan, Source, Step};
 use super::nesting;
 use super::slot::{RetainedOutput, Slot};
 use super::strings::Strings;
 use super::table::action;
-use crate::group::{Group, Part};
+use crate::group::{Group, Layer, Part};
 use crate::hir::Data;
 use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
-use crate::passes::{fold, mark_derivatives};
+use crate::opcode::Opcode;
+use crate::passes::{fixed, fold, mark_derivatives, optimise};
 use crate::types::{Base, Type};
 use std::collections::{HashMap, HashSet};
 use std::sync::atomic::AtomicU32;
@@ -38,6 +40,10 @@ pub struct PlanOptions {
     pub entries: Vec<usize>,
     /// Iterations of loops that a point may take before it is stopped.
     pub iterations: u64,
+    /// Evaluates known values beforehand, and leaves out unused operations.
+    pub optimise: bool,
+    /// Leaves out outputs that are neither requested nor connected.
+    pub drops_outputs: bool,
 }
 
 impl Default for PlanOptions {
@@ -53,6 +59,8 @@ impl Default for PlanOptions {
             debug_layers: false,
             entries: Vec::new(),
             iterations: 20_000_000,
+            optimise: true,
+            drops_outputs: false,
         }
     }
 }
@@ -112,9 +120,17 @@ impl Plan {
             let slot = plan.allocate(ty, ty.base != Base::Closure)?;
             plan.globals.insert(name.into(), slot);
         }
-        let shaders = prepared(group);
+        let is_wanted = |number: usize, id: SymId| {
+            let layer = &group.layers[number];
+            is_requested(layer, &layer.shader.symbol(id).name, options)
+        };
+        // Layers that are started or shown by themselves stay as they are.
+        let is_closed = options.optimise && options.entries.is_empty() && !options.debug_layers;
+        let best = is_closed.then(|| optimise(group, &is_wanted, options.drops_outputs));
+        let best = best.as_ref().unwrap_or(group);
+        let shaders = prepared(best, options.optimise && !is_closed);
         for (number, shader) in shaders.into_iter().enumerate() {
-            plan.layer(group, number, shader, options)?;
+            plan.layer(group, best, number, shader, options)?;
         }
         nesting::bound(&mut plan.layers);
         let mut row = 0;
@@ -169,39 +185,14 @@ impl Plan {
             return Ok(None);
         };
         let slot = self.allocate(*ty, true)?;
-        self.fill(&slot, &Data::Float(vec![*start; ty.size()]));
+        fill(&mut self.memory, &slot, &Data::Float(vec![*start; ty.size()]), &mut self.strings);
         self.globals.insert((*name).into(), slot);
         Ok(Some(slot))
     }
 
-    fn fill(&mut self, slot: &Slot, data: &Data) {
-        let at = slot.at as usize;
-        let size = slot.size as usize;
-        match data {
-            Data::Int(list) => {
-                for (i, &v) in list.iter().take(size).enumerate() {
-                    self.memory[at + i] =
-                        if slot.ty.base == Base::Int { v as u32 } else { (v as f32).to_bits() };
-                }
-                if slot.ty.base == Base::Closure {
-                    self.memory[at..at + size].fill(0);
-                }
-            }
-            Data::Float(list) => {
-                for (i, &v) in list.iter().take(size).enumerate() {
-                    self.memory[at + i] = v.to_bits();
-                }
-            }
-            Data::Str(list) => {
-                for (i, v) in list.iter().take(size).enumerate() {
-                    self.memory[at + i] = self.strings.number(v);
-                }
-            }
-        }
-    }
-
     fn layer(
         &mut self,
+        original: &Group,
         group: &Group,
         number: usize,
         shader: Arc<Shader>,
@@ -222,11 +213,11 @@ impl Plan {
                 let count = given.map_or(0, Data::count) / ty.base.components().max(1);
                 ty = ty.array_of(i32::try_from(count.max(1)).unwrap_or(1));
             }
-            let slot = self.allocate(ty, symbol.derivs);
+            let slot = self.allocate(ty, symbol.derivs && ty.base.is_float_based());
             let slot =
                 slot.map_err(|why| format!("shader {}: '{}' ({ty}): {why}", shader.name, symbol.name))?;
             if let Some(data) = given {
-                self.fill(&slot, data);
+                fill(&mut self.memory, &slot, data, &mut self.strings);
             }
             slots.push(slot);
         }
@@ -234,12 +225,18 @@ impl Plan {
         // Parameters whose values connections give all of.
         let mut is_whole = vec![false; shader.symbols.len()];
         let mut copies = Vec::new();
-        for c in &group.connections {
+        for c in &original.connections {
             if c.from_layer == number {
                 mark(&shader, &mut connected, c.from.symbol, 2);
             }
             if c.to_layer == number {
                 mark(&shader, &mut connected, c.to.symbol, 1);
+            }
+        }
+        let mut reads = vec![false; shader.symbols.len()];
+        for c in &group.connections {
+            if c.to_layer == number {
+                reads[c.to.symbol as usize] = true;
                 is_whole[c.to.symbol as usize] |= c.to.element.is_none() && c.to.component.is_none();
                 let (from, from_derivs) = self.part(c.from_layer, &c.from);
                 let (to, to_derivs) = cut(slots[c.to.symbol as usize], &c.to);
@@ -264,8 +261,20 @@ impl Plan {
                 connected[id as usize] |= 2;
             }
         }
-        let reads: Vec<bool> = connected.iter().map(|c| c & 1 != 0).collect();
-        let binder = Binder { shader: &shader, slots: &slots, connected: &reads };
+        if options.userdata_isconnected {
+            shader
+                .params()
+                .filter(|(id, symbol)| symbol.ty.struct_id().is_none() && layer.interpolated(*id))
+                .for_each(|(id, _)| connected[id as usize] |= 1);
+        }
+        let constant = constants(group, number, &shader);
+        let binder = Binder {
+            shader: &shader,
+            slots: &slots,
+            reads: &reads,
+            connected: &connected,
+            constant: &constant,
+        };
         let code = binder.block(&shader.code)?;
         let mut params = Vec::new();
         for (id, symbol) in shader.params() {
@@ -273,9 +282,6 @@ impl Plan {
                 continue;
             }
             let interpolated = layer.interpolated(id);
-            if interpolated && options.userdata_isconnected {
-                connected[id as usize] |= 1;
-            }
             let whole = is_whole[id as usize];
             let source = match (reads[id as usize], interpolated) {
                 (true, _) => Source::Connected,
@@ -289,7 +295,6 @@ impl Plan {
             }
         }
         let lazy = number + 1 != group.layers.len() && waits(group, number, &shader, options);
-        let constant = constants(group, number, &shader);
         self.layers.push(LayerPlan {
             name: layer.name.clone(),
             shader,
@@ -331,11 +336,18 @@ fn cut(slot: Slot, part: &Part) -> (Slot, u32) {
     (inner, stride)
 }
 
+/// Whether an output is requested, by its name or with its layer's.
+fn is_requested(layer: &Layer, name: &str, options: &PlanOptions) -> bool {
+    options.outputs.iter().any(|output| {
+        output == name || output.split_once('.').is_some_and(|(l, n)| *l == *layer.name && n == name)
+    })
+}
+
 fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -> bool {
     let layer = &group.layers[number];
-    let has = |name: &str| {
+    let has = |code: Opcode| {
         let mut found = false;
-        ops(&shader.code, &mut |op| found |= &*op.name == name);
+        ops(&shader.code, &mut |op| found |= op.code == code);
         found
     };
     let mut writes_globals = false;
@@ -343,16 +355,15 @@ fn waits(group: &Group, number: usize, shader: &Shader, options: &PlanOptions) -
         writes_globals |= usage == Use::Write && shader.symbol(id).kind == SymbolKind::Global;
     });
     let outgoing = group.connections.iter().any(|c| c.from_layer == number);
-    let expected = shader.params().any(|(_, s)| {
-        s.kind == SymbolKind::OutputParam
-            && options.outputs.iter().any(|o| **o == *s.name || *o == format!("{}.{}", layer.name, s.name))
-    });
+    let expected = shader
+        .params()
+        .any(|(_, s)| s.kind == SymbolKind::OutputParam && is_requested(layer, &s.name, options));
     options.lazy_layers
         && (options.lazy_globals || !writes_globals)
         && !expected
         && (outgoing || options.lazy_unconnected)
-        && (options.lazy_error || !has("error"))
-        && (options.lazy_trace || !has("trace"))
+        && (options.lazy_error || !has(Opcode::Error))
+        && (options.lazy_trace || !has(Opcode::Trace))
 }
 
 /// Symbols of a layer that connections lead to.
@@ -360,33 +371,11 @@ fn fed(group: &Group, number: usize) -> HashSet<SymId> {
     group.connections.iter().filter(|c| c.to_layer == number).map(|c| c.to.symbol).collect()
 }
 
-/// Values of parameters that nothing changes while the group runs.
-fn fixed(group: &Group, number: usize) -> HashMap<SymId, Data> {
-    let layer = &group.layers[number];
-    let mut out = HashMap::new();
-    let connected = fed(group, number);
-    for (id, symbol) in layer.shader.params() {
-        let plain = symbol.kind == SymbolKind::Param
-            && !connected.contains(&id)
-            && !layer.interpolated(id)
-            && !layer.interactive(id);
-        let value = match layer.values.get(&id) {
-            Some(data) => Some(data),
-            None if symbol.init.is_empty() => symbol.value.as_ref(),
-            None => None,
-        };
-        if let (true, Some(data)) = (plain, value) {
-            out.insert(id, data.clone());
-        }
-    }
-    out
-}
-
 /// The shaders without the parts that their parameters disable, with derivatives of outputs where their
 /// connections need them.
-fn prepared(group: &Group) -> Vec<Arc<Shader>> {
+fn prepared(group: &Group, folds: bool) -> Vec<Arc<Shader>> {
     let mut shaders: Vec<Arc<Shader>> = group.layers.iter().map(|l| l.shader.clone()).collect();
-    for (number, shader) in shaders.iter_mut().enumerate() {
+    for (number, shader) in shaders.iter_mut().enumerate().filter(|_| folds) {
         fold(Arc::make_mut(shader), &fixed(group, number));
     }
     for number in (0..shaders.len()).rev() {
@@ -412,12 +401,15 @@ fn prepared(group: &Group) -> Vec<Arc<Shader>> {
 struct Binder<'a> {
     shader: &'a Shader,
     slots: &'a [Slot],
-    connected: &'a [bool],
+    /// By symbol, whether connections lead to it.
+    reads: &'a [bool],
+    connected: &'a [u8],
+    constant: &'a [bool],
 }
 
 impl Binder<'_> {
     fn pulls(&self, symbols: impl Iterator<Item = SymId>) -> Box<[u32]> {
-        symbols.filter(|&id| self.connected[id as usize]).collect()
+        symbols.filter(|&id| self.reads[id as usize]).collect()
     }
 
     fn block(&self, block: &Block) -> Result<Vec<Instruction>, String> {
@@ -451,32 +443,48 @@ impl Binder<'_> {
         })
     }
 
+    /// The answer of an operation about its operands.
+    fn answer(&self, op: &Op) -> i32 {
+        let Some(id) = op.args.get(1).map(|&id| id as usize) else { return 0 };
+        match op.code {
+            Opcode::ArrayLength => self.slots[id].ty.array,
+            Opcode::IsConnected => self.connected[id].into(),
+            Opcode::IsConstant => self.constant[id].into(),
+            _ => 0,
+        }
+    }
+
     fn operation(&self, op: &Op) -> Result<Instruction, String> {
-        let flow = match &*op.name {
-            "break" => Some(Flow::Break),
-            "continue" => Some(Flow::Continue),
-            "return" => Some(Flow::Return),
-            "exit" => Some(Flow::Exit),
+        let flow = match op.code {
+            Opcode::Break => Some(Flow::Break),
+            Opcode::Continue => Some(Flow::Continue),
+            Opcode::Return => Some(Flow::Return),
+            Opcode::Exit => Some(Flow::Exit),
             _ => None,
         };
         if let Some(flow) = flow {
             return Ok(Instruction::Leave(flow));
         }
         let args: Box<[Slot]> = op.args.iter().map(|&id| self.slots[id as usize]).collect();
-        let Some(action) = action(&op.name, &args) else {
+        let Some(action) = action(op.code, &args) else {
             let file = self.shader.files.get(usize::from(op.at.file)).map_or("", |f| f);
+            let name = match op.code {
+                Opcode::Unknown => self.shader.unknown.as_deref().unwrap_or_default(),
+                code => code.name(),
+            };
             return Err(format!(
                 "Parsing shader \"{}\": unknown instruction \"{}\" at {file}:{}",
-                self.shader.name, op.name, op.at.line
+                self.shader.name, name, op.at.line
             ));
         };
         // An operation about the parameter itself does not evaluate it.
-        let reads = !matches!(&*op.name, "isconnected" | "isconstant" | "arraylength");
-        let pulls = if reads { self.pulls(op.args.iter().copied()) } else { [].into() };
+        let pulls =
+            if !op.code.is_about_operands() { self.pulls(op.args.iter().copied()) } else { [].into() };
         let symbols = op.args.clone().into();
         Ok(Instruction::Do(Step {
-            name: op.name.clone(),
+            code: op.code,
             action,
+            answer: self.answer(op),
             args,
             symbols,
             at: op.at,
@@ -515,36 +523,10 @@ fn constants(group: &Group, number: usize, shader: &Shader) -> Vec<bool> {
             known[id] = writes[id] == 1;
         }
     }
-    let requests = |name: &str| {
-        matches!(
-            name,
-            "getattribute"
-                | "getmessage"
-                | "raytype"
-                | "trace"
-                | "backfacing"
-                | "surfacearea"
-                | "random"
-                | "texture"
-                | "texture3d"
-                | "environment"
-                | "gettextureinfo"
-                | "dict_find"
-                | "dict_next"
-                | "dict_value"
-                | "pointcloud_search"
-                | "pointcloud_get"
-                | "pointcloud_write"
-                | "transform"
-                | "transformv"
-                | "transformn"
-                | "getmatrix"
-        )
-    };
     let mut changed = true;
     while std::mem::take(&mut changed) {
         ops(&shader.code, &mut |op| {
-            let unknown = requests(&op.name)
+            let unknown = op.code.asks()
                 || op
                     .args
                     .iter()

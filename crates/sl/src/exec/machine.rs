@@ -7,6 +7,7 @@ use super::host::{Host, Point};
 use super::slot::{RetainedOutput, Slot};
 use super::strings::Strings;
 use crate::ir::{Shader, SourcePosition, SymId};
+use crate::opcode::Opcode;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::dictionary::Dictionaries;
@@ -18,25 +19,17 @@ use std::sync::{Arc, Mutex};
 pub(super) type D = Dual<f32>;
 
 /// The function of an operation.
-#[derive(Clone, Copy)]
-pub enum Action {
-    /// To each component by itself.
-    Map1(fn(D) -> D),
-    /// To each pair of components.
-    Map2(fn(D, D) -> D),
-    /// To each three components.
-    Map3(fn(D, D, D) -> D),
-    /// To all of it.
-    Whole(fn(&mut Machine<'_>, &Step)),
-}
+pub(super) type Action = fn(&mut Machine<'_>, &Step);
 
 /// An operation with its arguments.
 #[derive(Clone)]
 pub struct Step {
-    /// Its name.
-    pub name: Arc<str>,
+    /// The operation.
+    pub code: Opcode,
     /// How the interpreter does it.
-    pub action: Action,
+    pub(super) action: Action,
+    /// The answer of operations about their operands: a length, whether they are connected or constant.
+    pub answer: i32,
     /// The arguments; a result is the first.
     pub args: Box<[Slot]>,
     /// The arguments' symbols.
@@ -49,6 +42,15 @@ pub struct Step {
     pub reads: u64,
     /// Arguments that are written.
     pub writes: u64,
+}
+
+impl Step {
+    /// An operation on numbers by itself.
+    pub(super) fn of_numbers(code: Opcode, args: Box<[Slot]>) -> Self {
+        let (symbols, pulls) = ([].into(), [].into());
+        let at = SourcePosition::default();
+        Self { code, action: |_, _| {}, answer: 0, args, symbols, at, pulls, reads: !1, writes: 1 }
+    }
 }
 
 /// A step or a block of them.
@@ -239,6 +241,8 @@ pub struct Machine<'a> {
     pub(super) pulled: Vec<Vec<bool>>,
     /// Steps left for this point.
     pub(super) fuel: u64,
+    /// Operations left for this point.
+    pub(super) work: u64,
     /// Output since the last call.
     pub events: Vec<Event>,
     /// Bytes that this point, or this batch, has reported.
@@ -302,6 +306,7 @@ impl<'a> Machine<'a> {
             done,
             pulled,
             fuel: 0,
+            work: 0,
             events: Vec::new(),
             reports: 0,
             nested: 0,

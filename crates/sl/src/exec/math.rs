@@ -1,88 +1,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Vectors, derivatives and splines: arguments to the library and back.
+//! Inverses, normals and splines: arguments to the library and back.
 
 use super::machine::{D, Machine, Step};
 use super::slot::Slot;
-use gnurt_sl_lib::math::{self, vectors};
+use crate::types::Type;
+use gnurt_sl_lib::math::vectors;
 use gnurt_sl_lib::spline as curve;
 use gnurt_sl_lib::{Dual, matrix as mx};
+
+/// A matrix or a number over a matrix.
+pub(super) fn divide(m: &mut Machine<'_>, s: &Step) {
+    let [out, a, b, ..] = &*s.args else { return };
+    let inverse = mx::inverse(&m.matrix(b));
+    let value = if a.ty == Type::MATRIX {
+        mx::multiply(&m.matrix(a), &inverse)
+    } else {
+        mx::scale(&inverse, m.float(a, 0))
+    };
+    m.set_matrix(out, &value);
+}
 
 pub(super) fn determinant(m: &mut Machine<'_>, s: &Step) {
     let value = mx::determinant(&m.matrix(&s.args[1]));
     m.set(&s.args[0], 0, value.into());
 }
 
-pub(super) fn transpose(m: &mut Machine<'_>, s: &Step) {
-    let value = mx::transpose(&m.matrix(&s.args[1]));
-    m.set_matrix(&s.args[0], &value);
-}
-
-pub(super) fn dot(m: &mut Machine<'_>, s: &Step) {
-    let value = vectors::dot(m.triple(&s.args[1]), m.triple(&s.args[2]));
-    m.set(&s.args[0], 0, value);
-}
-
-pub(super) fn cross(m: &mut Machine<'_>, s: &Step) {
-    let value = vectors::cross(m.triple(&s.args[1]), m.triple(&s.args[2]));
-    m.set_triple(&s.args[0], value);
-}
-
-pub(super) fn length(m: &mut Machine<'_>, s: &Step) {
-    let value = vectors::length(m.triple(&s.args[1]));
-    m.set(&s.args[0], 0, value);
-}
-
-pub(super) fn distance(m: &mut Machine<'_>, s: &Step) {
-    let value = vectors::distance(m.triple(&s.args[1]), m.triple(&s.args[2]));
-    m.set(&s.args[0], 0, value);
-}
-
-pub(super) fn normalize(m: &mut Machine<'_>, s: &Step) {
-    let value = vectors::normalize(m.triple(&s.args[1]));
-    m.set_triple(&s.args[0], value);
-}
-
-pub(super) fn sincos(m: &mut Machine<'_>, s: &Step) {
-    let [angle, sine, cosine] = &*s.args else { return };
-    for i in 0..sine.size as usize {
-        let (a, b) = math::sincos(m.dual(angle, i));
-        m.set(sine, i, a);
-        m.set(cosine, i, b);
-    }
-}
-
-pub(super) fn derivative(m: &mut Machine<'_>, s: &Step) {
-    let [out, a] = &*s.args else { return };
-    for i in 0..out.size as usize {
-        let value = m.dual(a, i);
-        let change = match &*s.name {
-            "Dx" => value.dx,
-            "Dy" => value.dy,
-            _ => 0.0,
-        };
-        m.set(out, i, change.into());
-    }
-}
-
-pub(super) fn filterwidth(m: &mut Machine<'_>, s: &Step) {
-    let [out, a] = &*s.args else { return };
-    for i in 0..out.size as usize {
-        let value = m.dual(a, i);
-        m.set(out, i, math::filterwidth(value.dx, value.dy).into());
-    }
-}
-
-fn changes(value: [D; 3]) -> ([f32; 3], [f32; 3]) {
-    (value.map(|d| d.dx), value.map(|d| d.dy))
-}
-
-pub(super) fn area(m: &mut Machine<'_>, s: &Step) {
-    let (dx, dy) = changes(m.triple(&s.args[1]));
-    m.set(&s.args[0], 0, vectors::area(dx, dy).into());
-}
-
 pub(super) fn calculatenormal(m: &mut Machine<'_>, s: &Step) {
-    let (dx, dy) = changes(m.triple(&s.args[1]));
+    let value = m.triple(&s.args[1]);
+    let (dx, dy) = (value.map(|d| d.dx), value.map(|d| d.dy));
     let value = vectors::calculatenormal(dx, dy, m.point.flipped);
     m.set_triple(&s.args[0], Dual::from(value).components());
 }

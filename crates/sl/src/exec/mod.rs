@@ -2,20 +2,19 @@
 //! The interpreter, which defines the meaning of a shader, one point at a time.
 //!
 //! A group of shaders is laid out in one memory of 32-bit cells (`layout`); a [`Machine`] runs it for a point
-//! and queries a [`Host`] for the renderer's data; a [`Program`] runs sixteen points. `table` lists the
-//! operations; `arithmetic`, `assign`, `element`, `math`, `noise`, `space`, `texts`, `print`, `message`,
-//! `closure` and `state` implement them.
+//! and queries a [`Host`] for the renderer's data; a [`Program`] runs sixteen points. `compute` does operations on
+//! numbers; `table` lists the others, which `math`, `noise`, `space`, `texts`, `print`, `message`, `closure` and
+//! `state` implement.
 
-mod arithmetic;
-mod assign;
 mod batch;
 mod batch_ops;
 mod cells;
 mod closure;
 mod components;
+mod compute;
 mod dictionary;
-mod element;
 mod host;
+mod known;
 mod lanes;
 mod layout;
 mod light;
@@ -28,6 +27,7 @@ mod points;
 mod print;
 mod rows;
 mod run;
+mod scalar;
 mod single_op;
 mod slot;
 mod space;
@@ -43,11 +43,12 @@ pub use batch_ops::queries_in_batches;
 pub use cells::{Batch, Cells, DualRow, LANES, Row, lanes_of};
 pub use closure::{Bound, makes_closures};
 pub use components::{Closure, ClosureDecl, ClosureParam, Closures, Component, Part};
+pub use compute::{Values, chooses, compute, is_computed, transfer, writes_all};
 pub use host::{Arriving, Given, Host, Point, Subimage, TextureOptions, TraceOptions, longitude_latitude};
+pub(crate) use known::result as known_result;
 pub use layout::PlanOptions;
 pub use machine::{
-    Action, Copy, Event, Flow, Instruction, LayerPlan, Loop, Machine, Memory, Message, Param, Plan, Source,
-    Step,
+    Copy, Event, Flow, Instruction, LayerPlan, Loop, Machine, Memory, Message, Param, Plan, Source, Step,
 };
 pub use slot::{RetainedOutput, Slot};
 pub use strings::{Strings, WELL_KNOWN};

@@ -21,7 +21,7 @@ fn cloud(m: &mut Machine<'_>, s: &Step, file: &str) -> Option<Arc<PointCloud>> {
         Ok(cloud) => Some(cloud),
         Err(why) => {
             if !why.is_empty() {
-                m.error(format!("{}: {why}", s.name));
+                m.error(format!("{}: {why}", s.code.name()));
             }
             None
         }
@@ -170,7 +170,7 @@ pub(super) fn write(m: &mut Machine<'_>, s: &Step) {
             Err(why) => {
                 fits = false;
                 if !why.is_empty() {
-                    m.error(format!("{}: {why}", s.name));
+                    m.error(format!("{}: {why}", s.code.name()));
                 }
             }
         }

@@ -5,6 +5,7 @@
 use super::machine::{Event, Machine, Step};
 use super::slot::Slot;
 use crate::hir::Data;
+use crate::opcode::Opcode;
 use crate::types::Base;
 use gnurt_sl_lib::text::{Argument, Format};
 
@@ -56,10 +57,7 @@ fn filled(m: &Machine<'_>, format: &str, args: &[Slot]) -> Result<String, String
 }
 
 pub(super) fn print(m: &mut Machine<'_>, s: &Step) {
-    let head = match &*s.name {
-        "format" | "fprintf" => 1,
-        _ => 0,
-    };
+    let head = usize::from(matches!(s.code, Opcode::Format | Opcode::Fprintf));
     let (Some(format), Some(args)) = (s.args.get(head), s.args.get(head + 1..)) else { return };
     let format = m.text(format);
     let text = match filled(m, &format, args) {
@@ -70,15 +68,15 @@ pub(super) fn print(m: &mut Machine<'_>, s: &Step) {
             return;
         }
     };
-    if &*s.name == "format" {
+    if s.code == Opcode::Format {
         m.set_text(&s.args[0], 0, &text);
         return;
     }
     let (_, shader) = m.layer_names();
-    let event = match &*s.name {
-        "error" => Event::Error(format!("Shader error [{shader}]: {text}")),
-        "warning" => Event::Warning(format!("Shader warning [{shader}]: {text}")),
-        "fprintf" => Event::File(m.text(&s.args[0]).to_string(), text),
+    let event = match s.code {
+        Opcode::Error => Event::Error(format!("Shader error [{shader}]: {text}")),
+        Opcode::Warning => Event::Warning(format!("Shader warning [{shader}]: {text}")),
+        Opcode::Fprintf => Event::File(m.text(&s.args[0]).to_string(), text),
         _ => Event::Print(text),
     };
     m.report(event);

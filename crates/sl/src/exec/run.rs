@@ -3,11 +3,21 @@
 //! The order is OSL's.
 
 use super::host::Point;
-use super::machine::{Copy, Event, Flow, Instruction, Loop, Machine, Source, Step};
+use super::machine::{Event, Flow, Instruction, Loop, Machine, Source, Step};
 use super::nesting::{LAYER, MOST_NESTED};
-use super::slot::Slot;
+use super::scalar::connect;
 use crate::hir::Data;
+use crate::ir::SourcePosition;
 use crate::types::{Base, Type};
+
+/// Operations of a point, for each iteration that it may take.
+const STEPS: u64 = 4;
+/// Operations that it may take in any case.
+const LEAST: u64 = 4_000_000;
+/// Numbers of a result that count as an operation.
+const NUMBERS: u32 = 8;
+/// Operations that noise counts as.
+const NOISE: u64 = 8;
 
 impl Machine<'_> {
     /// Runs the group; outputs are then read with [`output`](Self::output).
@@ -62,6 +72,7 @@ impl Machine<'_> {
             list.fill(false);
         }
         self.fuel = self.plan.iterations;
+        self.work = self.plan.iterations.saturating_mul(STEPS).max(LEAST);
         self.point = point.clone();
         self.set_globals();
     }
@@ -157,54 +168,21 @@ impl Machine<'_> {
                 if !self.done[copy.layer] {
                     self.run_layer(copy.layer);
                 }
-                self.copy_connection(copy);
+                connect(self, copy);
             }
-        }
-    }
-
-    fn copy_connection(&mut self, copy: &Copy) {
-        let (from, to) = (&copy.from, &copy.to);
-        if from.ty.base == Base::Closure
-            || from.ty.base == Base::String
-            || from.ty.base == Base::Int && to.ty.base == Base::Int
-        {
-            for i in 0..from.size.min(to.size) as usize {
-                let cell_bits = self.cell_bits(from, i);
-                self.set_bits(to, i, cell_bits);
-            }
-            return;
-        }
-        for i in 0..to.size as usize {
-            if from.size > 1 && i >= from.size as usize {
-                break;
-            }
-            let value =
-                if copy.from_derivs > 0 { self.part(from, i, copy.from_derivs) } else { self.dual(from, i) };
-            if copy.to_derivs > 0 {
-                self.set_part(to, i, value, copy.to_derivs)
-            } else {
-                self.set(to, i, value)
-            }
-        }
-    }
-
-    /// A component of a larger value, whose derivatives are `stride` cells away.
-    fn part(&self, slot: &Slot, i: usize, stride: u32) -> super::machine::D {
-        let i = if slot.size == 1 { 0 } else { i };
-        let at = |k: usize| f32::from_bits(self.cell_bits(slot, i + k * stride as usize));
-        gnurt_sl_lib::Dual::new(at(0), at(1), at(2))
-    }
-
-    fn set_part(&mut self, slot: &Slot, i: usize, value: super::machine::D, stride: u32) {
-        for (k, v) in [value.value, value.dx, value.dy].into_iter().enumerate() {
-            self.set_bits(slot, i + k * stride as usize, v.to_bits());
         }
     }
 
     pub(super) fn block(&mut self, list: &[Instruction]) -> Flow {
         for instruction in list {
             match instruction {
-                Instruction::Do(step) => self.step(step),
+                Instruction::Do(step) => {
+                    self.step(step);
+                    if self.work == 0 {
+                        self.fuel = 0;
+                        return self.stop(step.at, "the shader", "operations", STEPS);
+                    }
+                }
                 Instruction::If { condition, pulls, yes, no } => {
                     self.pull(pulls);
                     let flow = self.block(if self.cell_bits(condition, 0) != 0 { yes } else { no });
@@ -227,6 +205,14 @@ impl Machine<'_> {
         Flow::Next
     }
 
+    /// Reports that a point is stopped, once.
+    fn stop(&mut self, at: SourcePosition, what: &str, unit: &str, each: u64) -> Flow {
+        let source_position = self.source_position(at);
+        let count = self.plan.iterations.saturating_mul(each);
+        self.error(format!("stopped: {what} at {source_position} did not end after {count} {unit}"));
+        Flow::Exit
+    }
+
     fn iterations(&mut self, inner: &Loop) -> Flow {
         match self.block(&inner.init) {
             Flow::Next => {}
@@ -245,12 +231,7 @@ impl Machine<'_> {
                 }
             }
             if self.fuel == 0 {
-                let source_position = self.source_position(inner.at);
-                self.error(format!(
-                    "stopped: a loop at {source_position} did not end after {} turns",
-                    self.plan.iterations
-                ));
-                return Flow::Exit;
+                return self.stop(inner.at, "a loop", "turns", 1);
             }
             self.fuel -= 1;
             match self.block(&inner.body) {
@@ -266,6 +247,9 @@ impl Machine<'_> {
     }
 
     fn step(&mut self, step: &Step) {
+        let size = step.args.first().map_or(0, |out| out.size);
+        let each = if step.code.is_noise() { NOISE } else { 1 };
+        self.work = self.work.saturating_sub(each + u64::from(size / NUMBERS));
         self.pull(&step.pulls);
         self.perform(self.layer, step);
         if self.checks {
@@ -287,7 +271,7 @@ impl Machine<'_> {
                 let source_position = self.source_position(step.at);
                 self.error(format!(
                     "Detected {what} value in {name} at {source_position} (op {})",
-                    step.name
+                    step.code.name()
                 ));
             }
         }

@@ -5,7 +5,7 @@
 
 use super::components::Closures;
 use super::host::Point;
-use super::machine::{Action, Event, Machine, Memory, Message, Param, Plan, Step};
+use super::machine::{Event, Machine, Memory, Message, Param, Plan, Step};
 use super::slot::Slot;
 use super::strings::Strings;
 use crate::ir::SourcePosition;
@@ -32,33 +32,7 @@ impl Machine<'_> {
     /// Executes an operation of a layer, on the contents of the memory.
     pub fn perform(&mut self, layer: usize, step: &Step) {
         self.layer = layer;
-        match step.action {
-            Action::Whole(run) => run(self, step),
-            Action::Map1(f) => {
-                if let [out, a, ..] = &*step.args {
-                    for i in 0..out.size as usize {
-                        let value = f(self.dual(a, i));
-                        self.set(out, i, value);
-                    }
-                }
-            }
-            Action::Map2(f) => {
-                if let [out, a, b, ..] = &*step.args {
-                    for i in 0..out.size as usize {
-                        let value = f(self.dual(a, i), self.dual(b, i));
-                        self.set(out, i, value);
-                    }
-                }
-            }
-            Action::Map3(f) => {
-                if let [out, a, b, c, ..] = &*step.args {
-                    for i in 0..out.size as usize {
-                        let value = f(self.dual(a, i), self.dual(b, i), self.dual(c, i));
-                        self.set(out, i, value);
-                    }
-                }
-            }
-        }
+        (step.action)(self, step);
     }
 
     /// Takes a parameter's value from the geometry; whether that has one.

@@ -4,6 +4,7 @@
 
 use super::host::Point;
 use super::machine::{Machine, Step};
+use crate::opcode::Opcode;
 use crate::types::Type;
 use gnurt_sl_lib::Dual;
 use gnurt_sl_lib::matrix::{self as mx, Spaces};
@@ -49,18 +50,14 @@ impl Machine<'_> {
 const IDENTITY: Matrix =
     [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
 
-/// `point(x, y, z)`, `point("space", x, y, z)`
+/// `point("space", x, y, z)`
 pub(super) fn triple(m: &mut Machine<'_>, s: &Step) {
     let (out, rest) = (s.args[0], &s.args[1..]);
-    let named = rest.first().is_some_and(|a| a.ty == Type::STRING);
-    let numbers = &rest[usize::from(named)..];
-    let Some(last) = numbers.len().checked_sub(1) else { return };
-    let value = [0, 1, 2].map(|i| m.dual(&numbers[i.min(last)], 0));
-    if !named {
-        m.set_triple(&out, value);
+    let Some((space, numbers)) = rest.split_first().filter(|(_, numbers)| !numbers.is_empty()) else {
         return;
-    }
-    let space = m.text(&rest[0]);
+    };
+    let value = [0, 1, 2].map(|i: usize| m.dual(&numbers[i.min(numbers.len() - 1)], 0));
+    let space = m.text(space);
     let matrix = m.transform_between(&space, "common").unwrap_or(IDENTITY);
     let value = match out.ty {
         Type::POINT => mx::transform_point(&matrix, value),
@@ -70,10 +67,9 @@ pub(super) fn triple(m: &mut Machine<'_>, s: &Step) {
     m.set_triple(&out, value);
 }
 
-/// `color(r, g, b)`, `color("space", a, b, c)`
+/// `color("space", a, b, c)`
 pub(super) fn color(m: &mut Machine<'_>, s: &Step) {
-    if s.args.get(1).is_none_or(|a| a.ty != Type::STRING) || s.args.len() < 5 {
-        triple(m, s);
+    if s.args.len() < 5 {
         return;
     }
     let value = [2, 3, 4].map(|i| m.dual(&s.args[i], 0));
@@ -101,29 +97,21 @@ fn convert(m: &mut Machine<'_>, s: &Step, from: &str, to: &str, value: [Dual<f32
 
 pub(super) fn matrix(m: &mut Machine<'_>, s: &Step) {
     let (out, rest) = (s.args[0], &s.args[1..]);
-    let names = rest.iter().take_while(|a| a.ty == Type::STRING).count();
-    let value = match names {
-        2 => {
-            let (from, to) = (m.text(&rest[0]), m.text(&rest[1]));
+    let value = match rest {
+        [from, to] if to.ty == Type::STRING => {
+            let (from, to) = (m.text(from), m.text(to));
             m.transform_between(&from, &to).unwrap_or(IDENTITY)
         }
-        _ => {
-            let numbers = &rest[names..];
+        [space, numbers @ ..] if !numbers.is_empty() => {
             let given: Matrix = if numbers.len() >= 16 {
                 std::array::from_fn(|r| std::array::from_fn(|c| m.float(&numbers[r * 4 + c], 0)))
-            } else if let Some(number) = numbers.first() {
-                m.matrix(number)
             } else {
-                return;
+                m.matrix(&numbers[0])
             };
-            if names == 1 {
-                let space = m.text(&rest[0]);
-                let to_common = m.transform_between(&space, "common").unwrap_or(IDENTITY);
-                mx::multiply(&to_common, &given)
-            } else {
-                given
-            }
+            let space = m.text(space);
+            mx::multiply(&m.transform_between(&space, "common").unwrap_or(IDENTITY), &given)
         }
+        _ => return,
     };
     m.set_matrix(&out, &value);
 }
@@ -151,9 +139,9 @@ pub(super) fn transform(m: &mut Machine<'_>, s: &Step) {
         }
         _ => return,
     };
-    let value = match &*s.name {
-        "transformv" => mx::transform_vector(&matrix, value),
-        "transformn" => mx::transform_normal(&matrix, value),
+    let value = match s.code {
+        Opcode::TransformV => mx::transform_vector(&matrix, value),
+        Opcode::TransformN => mx::transform_normal(&matrix, value),
         _ => mx::transform_point(&matrix, value),
     };
     m.set_triple(&out, value);

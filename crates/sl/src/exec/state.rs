@@ -57,19 +57,5 @@ pub(super) fn surface_area(m: &mut Machine<'_>, s: &Step) {
     m.set(&s.args[0], 0, value.into());
 }
 
-pub(super) fn is_connected(m: &mut Machine<'_>, s: &Step) {
-    let value = m.plan.layers[m.layer].connected[s.symbols[1] as usize];
-    m.set_int(&s.args[0], i32::from(value));
-}
-
-/// Whether the value is a constant of the text.
-pub(super) fn is_constant(m: &mut Machine<'_>, s: &Step) {
-    let layer = &m.plan.layers[m.layer];
-    let id = s.symbols[1];
-    let constant = layer.shader.symbol(id).kind == SymbolKind::Const
-        || layer.constant.get(id as usize).is_some_and(|&c| c);
-    m.set_int(&s.args[0], i32::from(constant));
-}
-
 /// Displacement is not done while a point is shaded.
 pub(super) fn nothing(_: &mut Machine<'_>, _: &Step) {}

@@ -2,6 +2,7 @@
 //! Texts: arguments to the library and back.
 
 use super::machine::{Machine, Step};
+use crate::opcode::Opcode;
 use gnurt_sl_lib::regex::Regex;
 use gnurt_sl_lib::text as lib;
 
@@ -91,7 +92,7 @@ pub(super) fn regex(m: &mut Machine<'_>, s: &Step) {
         m.regexes.insert(pattern.clone(), read.ok());
     }
     let mut match_positions = vec![0_i32; results.map_or(0, |r| r.ty.elements())];
-    let whole = &*s.name == "regex_match";
+    let whole = s.code == Opcode::RegexMatch;
     let found = match m.regexes.get(&pattern) {
         Some(Some(regex)) => regex.search(&subject, whole, &mut match_positions),
         _ => Ok(0),

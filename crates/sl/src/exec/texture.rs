@@ -194,7 +194,7 @@ fn read(
         Err(why) => {
             // A reason is given once.
             if !why.is_empty() && options.missing.is_none() && missing_alpha.is_none() && message.is_none() {
-                let reports = m.host.texture_fault(&s.name, &why, &m.source_position(s.at));
+                let reports = m.host.texture_fault(s.code.name(), &why, &m.source_position(s.at));
                 m.error(reports);
             }
             let mut texel = [options.missing.map_or(options.fill, |_| 1.0); 4];

@@ -2,6 +2,7 @@
 //! How values are read and written.
 
 use super::host::Given;
+use super::known::data;
 use super::machine::{D, Event, Machine};
 use super::slot::Slot;
 use crate::hir::Data;
@@ -130,12 +131,7 @@ impl Machine<'_> {
 
     /// The value of a slot by itself.
     pub(super) fn data(&self, slot: &Slot) -> Data {
-        let cells_bits = &self.memory[slot.at as usize..][..slot.size as usize];
-        match slot.ty.base {
-            Base::String => Data::Str(cells_bits.iter().map(|&w| self.strings.text(w).clone()).collect()),
-            Base::Int | Base::Closure => Data::Int(cells_bits.iter().map(|&w| w as i32).collect()),
-            _ => Data::Float(cells_bits.iter().map(|&w| f32::from_bits(w)).collect()),
-        }
+        data(&self.memory, slot, &self.strings)
     }
 
     /// Stores a value from outside, as much of it as fits.

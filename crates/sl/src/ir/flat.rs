@@ -3,7 +3,7 @@
 //! The order of blocks is OSL's.
 
 use super::shader::{Block, Node, Op, SourcePosition, SymId};
-use std::sync::Arc;
+use crate::opcode::Opcode;
 
 /// One operation of the row.
 #[derive(Clone, Debug)]
@@ -14,9 +14,8 @@ pub struct Flat {
     pub jumps: Vec<usize>,
 }
 
-fn control(keyword: &str, symbol: SymId, at: SourcePosition) -> Flat {
-    let name: Arc<str> = keyword.into();
-    Flat { op: Op { name, args: vec![symbol], reads: 1, writes: 0, derivs: 0, at }, jumps: Vec::new() }
+fn control(code: Opcode, symbol: SymId, at: SourcePosition) -> Flat {
+    Flat { op: Op { code, args: vec![symbol], reads: 1, writes: 0, derivs: 0, at }, jumps: Vec::new() }
 }
 
 impl Flat {
@@ -27,14 +26,14 @@ impl Flat {
             match node {
                 Node::Op(op) => row.push(Self { op: op.clone(), jumps: Vec::new() }),
                 Node::If { condition, yes, no, at } => {
-                    row.push(control("if", *condition, *at));
+                    row.push(control(Opcode::If, *condition, *at));
                     Self::append(yes, row);
                     let otherwise = row.len();
                     Self::append(no, row);
                     row[start].jumps = vec![otherwise, row.len()];
                 }
                 Node::Loop { keyword, init, test, condition, body, step, at } => {
-                    row.push(control(keyword, *condition, *at));
+                    row.push(control(Opcode::named(keyword), *condition, *at));
                     let mut jumps = Vec::new();
                     for part in [init, test, body, step] {
                         Self::append(part, row);
@@ -43,7 +42,7 @@ impl Flat {
                     row[start].jumps = jumps;
                 }
                 Node::Call { name, body, at } => {
-                    row.push(control("functioncall", *name, *at));
+                    row.push(control(Opcode::FunctionCall, *name, *at));
                     Self::append(body, row);
                     row[start].jumps = vec![row.len()];
                 }
@@ -70,7 +69,7 @@ impl Flat {
                     if jump < last || jump > to {
                         return Err(format!(
                             "operation {i} ({}): jump to {jump} is not in {last}..={to}",
-                            flat.op.name
+                            flat.op.code.name()
                         ));
                     }
                     last = jump;
@@ -78,7 +77,7 @@ impl Flat {
                 if flat.jumps.len() != count || flat.op.args.len() != 1 {
                     return Err(format!(
                         "operation {i} ({}) has a wrong number of jumps or arguments",
-                        flat.op.name
+                        flat.op.code.name()
                     ));
                 }
                 Ok(flat.jumps.clone())
@@ -86,8 +85,8 @@ impl Flat {
             let symbol = flat.op.args.first().copied().unwrap_or(0);
             let inner = |a: usize, b: usize| Self::nest(row, a, b, depth + 1);
             let next;
-            block.push(match &*flat.op.name {
-                "if" => {
+            block.push(match flat.op.code {
+                Opcode::If => {
                     let jumps = bounds(2)?;
                     next = jumps[1];
                     Node::If {
@@ -97,14 +96,11 @@ impl Flat {
                         at,
                     }
                 }
-                keyword @ ("for" | "while" | "dowhile") => {
+                code @ (Opcode::For | Opcode::While | Opcode::DoWhile) => {
                     let j = bounds(4)?;
                     next = j[3];
                     Node::Loop {
-                        keyword: ["for", "while", "dowhile"]
-                            .into_iter()
-                            .find(|w| *w == keyword)
-                            .unwrap_or("for"),
+                        keyword: code.name(),
                         init: inner(i + 1, j[0])?,
                         test: inner(j[0], j[1])?,
                         condition: symbol,
@@ -113,7 +109,7 @@ impl Flat {
                         at,
                     }
                 }
-                "functioncall" | "functioncall_nr" => {
+                Opcode::FunctionCall | Opcode::FunctionCallNr => {
                     let jumps = bounds(1)?;
                     next = jumps[0];
                     Node::Call { name: symbol, body: inner(i + 1, jumps[0])?, at }

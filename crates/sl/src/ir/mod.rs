@@ -8,7 +8,6 @@
 //! the text form, `flat` numbers operations as the text does.
 
 mod flat;
-mod operands;
 mod read;
 mod shader;
 mod tokens;

@@ -5,11 +5,11 @@
 //! [`verify`].
 
 use super::flat::Flat;
-use super::operands::least_operands;
 use super::shader::{Op, Shader, SourcePosition, SymId, Symbol, SymbolKind};
 use super::tokens::{TextToken, line_tokens, parts};
 use super::verify::verify;
 use crate::hir::{Data, Meta};
+use crate::opcode::Opcode;
 use crate::parse::unescape;
 use crate::types::{Base, Field, Struct, Type};
 use std::collections::HashMap;
@@ -230,7 +230,11 @@ impl Reader {
     }
 
     fn operation(&mut self, list: &[TextToken]) -> Result<(), String> {
-        let name: Arc<str> = plain(list, 0)?.into();
+        let name = plain(list, 0)?;
+        let code = Opcode::named(name);
+        if code == Opcode::Unknown {
+            self.shader.unknown.get_or_insert_with(|| name.into());
+        }
         let (mut args, mut jumps) = (Vec::new(), Vec::new());
         for keyword in &list[1..] {
             let TextToken::Plain(keyword) = keyword else { continue };
@@ -242,11 +246,7 @@ impl Reader {
                 },
             }
         }
-        let (count, least) = (args.len(), least_operands(&name));
-        if count < least {
-            return Err(format!("{name} has {count} operands, expected {least} or more"));
-        }
-        let mut op = Op { name, args, reads: !1, writes: 1, derivs: 0, at: self.source_position };
+        let mut op = Op { code, args, reads: !1, writes: 1, derivs: 0, at: self.source_position };
         for keyword in list {
             let TextToken::Hint(hint, inner) = keyword else { continue };
             match hint.as_str() {

@@ -2,6 +2,7 @@
 //! A compiled shader.
 
 use crate::hir::{Data, Meta};
+use crate::opcode::Opcode;
 use crate::types::{Base, Structs, Type};
 use std::sync::Arc;
 
@@ -116,8 +117,8 @@ pub struct SourcePosition {
 /// An operation. If it has a result, that is its first argument.
 #[derive(Clone, Debug)]
 pub struct Op {
-    /// The name of the operation.
-    pub name: Arc<str>,
+    /// Which.
+    pub code: Opcode,
     /// Its operands.
     pub args: Vec<SymId>,
     /// Arguments that are read, by bits; from the 65th on all are.
@@ -191,6 +192,8 @@ pub struct Shader {
     pub code: Block,
     /// Names of source files.
     pub files: Vec<Arc<str>>,
+    /// The name of the first operation that is unknown.
+    pub unknown: Option<Arc<str>>,
 }
 
 impl Shader {

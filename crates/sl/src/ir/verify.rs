@@ -3,6 +3,7 @@
 
 use super::shader::{Block, Node, Op, Shader, SymId, SymbolKind};
 use crate::hir::Data;
+use crate::opcode::Opcode;
 use crate::types::{Base, Type};
 
 /// Blocks may nest this deep.
@@ -87,17 +88,22 @@ fn block(shader: &Shader, nodes: &Block, in_loop: bool, depth: usize) -> Result<
 }
 
 fn operation(shader: &Shader, op: &Op, in_loop: bool) -> Result<(), String> {
-    if matches!(&*op.name, "break" | "continue") && !in_loop {
-        return Err(format!("{} outside a loop", op.name));
+    let name = op.code.name();
+    if matches!(op.code, Opcode::Break | Opcode::Continue) && !in_loop {
+        return Err(format!("{name} outside a loop"));
+    }
+    let (count, least) = (op.args.len(), op.code.least_operands());
+    if count < least {
+        return Err(format!("{name} has {count} operands, expected {least} or more"));
     }
     for (i, &arg) in op.args.iter().enumerate() {
         known(shader, arg)?;
         let symbol = shader.symbol(arg);
         if op.is_written(i) && symbol.kind == SymbolKind::Const {
-            return Err(format!("{} writes the constant {}", op.name, symbol.name));
+            return Err(format!("{name} writes the constant {}", symbol.name));
         }
         if symbol.ty.struct_id().is_some() {
-            return Err(format!("{} takes the whole struct {}", op.name, symbol.name));
+            return Err(format!("{name} takes the whole struct {}", symbol.name));
         }
     }
     Ok(())

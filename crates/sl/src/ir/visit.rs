@@ -13,7 +13,7 @@ pub enum Use {
 }
 
 /// Calls `visit` for every operation, inner ones too, in the order of the text.
-pub fn ops<'b>(block: &'b Block, visit: &mut dyn FnMut(&'b Op)) {
+pub fn ops<'b>(block: &'b [Node], visit: &mut dyn FnMut(&'b Op)) {
     for node in block {
         match node {
             Node::Op(op) => visit(op),

@@ -7,6 +7,7 @@ use super::shader::{Op, Shader, Symbol};
 use super::visit::Use;
 use crate::format::{escape, general};
 use crate::hir::{Data, Meta};
+use crate::opcode::Opcode;
 use crate::types::{Base, Structs, Type};
 use std::fmt::Write as _;
 
@@ -165,9 +166,13 @@ fn line(out: &mut String, shader: &Shader, symbol: &Symbol, life: Life) {
 }
 
 fn operation(out: &mut String, shader: &Shader, op: &Op) {
-    let _ = write!(out, "\t{}", op.name);
+    let name = match op.code {
+        Opcode::Unknown => shader.unknown.as_deref().unwrap_or_default(),
+        code => code.name(),
+    };
+    let _ = write!(out, "\t{name}");
     if !op.args.is_empty() {
-        out.push_str(if op.name.len() < 8 { "\t\t" } else { "\t" });
+        out.push_str(if name.len() < 8 { "\t\t" } else { "\t" });
     }
     for &arg in &op.args {
         let _ = write!(out, "{} ", shader.symbol(arg).name);

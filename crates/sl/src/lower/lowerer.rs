@@ -5,6 +5,7 @@ use super::effects::Effects;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::hir::{Data, Expr, FuncId, Program, VarId, VarKind};
 use crate::ir::{Block, Node, Op, Shader, SourcePosition as At, SymId, Symbol, SymbolKind};
+use crate::opcode::Opcode;
 use crate::source::{Loc, Sources};
 use crate::types::{Base, Type};
 use std::collections::HashMap;
@@ -253,7 +254,11 @@ impl<'a> Lowerer<'a> {
         loc: Loc,
     ) {
         let at = self.at(loc);
-        self.push(Node::Op(Op { name: name.into(), args, reads, writes, derivs, at }));
+        let code = Opcode::named(name);
+        if code == Opcode::Unknown {
+            self.shader.unknown.get_or_insert_with(|| name.into());
+        }
+        self.push(Node::Op(Op { code, args, reads, writes, derivs, at }));
     }
 
     /// The code that `inner` emits, as a block of its own.

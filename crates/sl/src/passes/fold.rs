@@ -5,8 +5,10 @@
 //! Invariant: the output of a shader is the same with and without it.
 //! Tests: `tests/passes.rs`, and OSL's test suite, which runs through it.
 
+use crate::exec::known_result;
 use crate::hir::Data;
 use crate::ir::{Block, Node, Op, Shader, SymId, SymbolKind, Use, ops, uses};
+use crate::opcode::Opcode;
 use crate::types::{Base, Type};
 use std::collections::HashMap;
 
@@ -29,7 +31,7 @@ pub fn fold(shader: &mut Shader, known: &HashMap<SymId, Data>) {
             symbol.value = Some(data);
         }
         shader.code = code;
-        changed |= remove_dead(shader);
+        changed |= remove_dead(shader, &[]);
         if !changed {
             return;
         }
@@ -45,12 +47,6 @@ struct Folder<'a> {
     /// The current contents of the compiler's own variables, also of those that are written more than once.
     now: HashMap<SymId, Data>,
     changed: bool,
-}
-
-#[derive(Clone, Copy)]
-enum Number {
-    Int(i32),
-    Float(f32),
 }
 
 impl Folder<'_> {
@@ -80,10 +76,10 @@ impl Folder<'_> {
         block
     }
 
-    fn number(&self, id: SymId) -> Option<Number> {
-        match (self.value(id)?, self.shader.symbol(id).ty) {
-            (Data::Int(list), Type::INT) => list.first().map(|&v| Number::Int(v)),
-            (Data::Float(list), Type::FLOAT) => list.first().map(|&v| Number::Float(v)),
+    /// A condition.
+    fn truth(&self, id: SymId) -> Option<bool> {
+        match self.value(id)? {
+            Data::Int(list) => list.first().map(|&v| v != 0),
             _ => None,
         }
     }
@@ -107,9 +103,8 @@ impl Folder<'_> {
                         out.push(node);
                     }
                 },
-                Node::If { condition, yes, no, at } => match self.number(condition) {
-                    Some(number) => {
-                        let taken = matches!(number, Number::Int(v) if v != 0);
+                Node::If { condition, yes, no, at } => match self.truth(condition) {
+                    Some(taken) => {
                         self.changed = true;
                         out.extend(self.block(if taken { yes } else { no }));
                     }
@@ -126,9 +121,7 @@ impl Folder<'_> {
                         self.forget(part);
                     }
                     let test = self.block(test);
-                    let never =
-                        keyword != "dowhile" && matches!(self.number(condition), Some(Number::Int(0)));
-                    if never {
+                    if keyword != "dowhile" && self.truth(condition) == Some(false) {
                         self.changed = true;
                         out.extend(init);
                         out.extend(test);
@@ -156,142 +149,35 @@ impl Folder<'_> {
         let (&out, args) = op.args.split_first()?;
         let symbol = self.shader.symbol(out);
         // A declared variable may be read before it is written, in a loop: only temporaries are safe.
-        if symbol.kind != SymbolKind::Temp || symbol.derivs && symbol.ty != Type::INT {
+        if symbol.kind != SymbolKind::Temp || symbol.derivs && symbol.ty != Type::INT || op.writes != 1 {
             return None;
         }
-        if (&*op.name == "neq" || &*op.name == "eq")
-            && let (Some(Data::Str(a)), Some(Data::Str(b))) = (self.value(args[0]), self.value(*args.get(1)?))
-        {
-            return Some((out, Data::Int(vec![i32::from((a.first() == b.first()) == (&*op.name == "eq"))])));
-        }
-        let a = self.number(*args.first()?)?;
-        let result = match args.get(1) {
-            None => one(&op.name, a)?,
-            Some(&b) => two(&op.name, a, self.number(b)?)?,
-        };
-        match (result, symbol.ty.base) {
-            (Number::Int(v), Base::Int) if !symbol.ty.is_array() => Some((out, Data::Int(vec![v]))),
-            (Number::Int(v), Base::Float) if !symbol.ty.is_array() => {
-                Some((out, Data::Float(vec![v as f32])))
-            }
-            (Number::Float(v), Base::Float) if !symbol.ty.is_array() => Some((out, Data::Float(vec![v]))),
-            _ => None,
-        }
+        let operand = |&id: &SymId| Some((self.shader.symbol(id).ty, self.value(id)?));
+        let operands: Vec<(Type, &Data)> = args.iter().map(operand).collect::<Option<_>>()?;
+        Some((out, known_result(op.code, symbol.ty, &operands)?))
     }
 }
 
-fn one(name: &str, a: Number) -> Option<Number> {
-    Some(match (name, a) {
-        ("assign", a) => a,
-        ("neg", Number::Int(v)) => Number::Int(v.wrapping_neg()),
-        ("neg", Number::Float(v)) => Number::Float(-v),
-        ("compl", Number::Int(v)) => Number::Int(!v),
-        _ => return None,
-    })
-}
-
-fn two(name: &str, a: Number, b: Number) -> Option<Number> {
-    use Number::{Float, Int};
-    let (x, y) = match (a, b) {
-        (Int(a), Int(b)) => {
-            let truth = |t: bool| Int(i32::from(t));
-            return Some(match name {
-                "add" => Int(a.wrapping_add(b)),
-                "sub" => Int(a.wrapping_sub(b)),
-                "mul" => Int(a.wrapping_mul(b)),
-                "div" => Int(gnurt_sl_lib::math::div_int(a, b)),
-                "mod" => Int(gnurt_sl_lib::math::rem_int(a, b)),
-                "bitand" => Int(a & b),
-                "bitor" => Int(a | b),
-                "xor" => Int(a ^ b),
-                "eq" => truth(a == b),
-                "neq" => truth(a != b),
-                "lt" => truth(a < b),
-                "gt" => truth(a > b),
-                "le" => truth(a <= b),
-                "ge" => truth(a >= b),
-                _ => return None,
-            });
-        }
-        (Int(a), Float(b)) => (a as f32, b),
-        (Float(a), Int(b)) => (a, b as f32),
-        (Float(a), Float(b)) => (a, b),
-    };
-    let truth = |t: bool| Int(i32::from(t));
-    Some(match name {
-        "add" => Float(x + y),
-        "sub" => Float(x - y),
-        "mul" => Float(x * y),
-        "div" => Float(gnurt_sl_lib::math::div(x, y)),
-        "eq" => truth(x == y),
-        "neq" => truth(x != y),
-        "lt" => truth(x < y),
-        "gt" => truth(x > y),
-        "le" => truth(x <= y),
-        "ge" => truth(x >= y),
-        _ => return None,
-    })
-}
-
-/// Whether an operation only makes its result, and reports no wrong indices or names.
-fn is_pure(name: &str) -> bool {
-    matches!(
-        name,
-        "assign"
-            | "arraycopy"
-            | "add"
-            | "sub"
-            | "mul"
-            | "div"
-            | "mod"
-            | "neg"
-            | "eq"
-            | "neq"
-            | "lt"
-            | "gt"
-            | "le"
-            | "ge"
-            | "and"
-            | "or"
-            | "bitand"
-            | "bitor"
-            | "xor"
-            | "compl"
-            | "shl"
-            | "shr"
-            | "sin"
-            | "cos"
-            | "tan"
-            | "sqrt"
-            | "pow"
-            | "exp"
-            | "log"
-            | "abs"
-            | "fabs"
-            | "floor"
-            | "ceil"
-            | "min"
-            | "max"
-            | "mix"
-            | "dot"
-            | "cross"
-            | "length"
-            | "normalize"
-            | "snoise"
-            | "cellnoise"
-            | "Dx"
-            | "Dy"
-            | "Dz"
-            | "filterwidth"
-    )
+/// Whether an operation has no effect but its results, and reports no unknown names.
+pub(super) fn is_plain(shader: &Shader, op: &Op) -> bool {
+    let by_name =
+        !matches!(op.code, Opcode::Eq | Opcode::Neq | Opcode::Assign | Opcode::ArrayCopy | Opcode::Hash)
+            && op.args.iter().any(|&id| shader.symbol(id).ty.base == Base::String);
+    op.code.is_pure() && !by_name
 }
 
 /// Removes operations whose results are unused, and the operations that only feed those; returns whether
 /// there were any.
-fn remove_dead(shader: &mut Shader) -> bool {
+fn remove_dead(shader: &mut Shader, unused: &[bool]) -> bool {
     let mut reads = vec![0_u32; shader.symbols.len()];
     uses(&shader.code, &mut |id, usage| reads[id as usize] += u32::from(usage == Use::Read));
-    let is_own = |id: SymId| matches!(shader.symbol(id).kind, SymbolKind::Temp | SymbolKind::Local);
+    for symbol in &shader.symbols {
+        uses(&symbol.init, &mut |id, usage| reads[id as usize] += u32::from(usage == Use::Read));
+    }
+    let is_own = |id: SymId| {
+        matches!(shader.symbol(id).kind, SymbolKind::Temp | SymbolKind::Local)
+            || unused.get(id as usize) == Some(&true)
+    };
     let writes = |op: &'_ Op| -> Vec<SymId> {
         op.args.iter().enumerate().filter(|(i, _)| op.is_written(*i)).map(|(_, &id)| id).collect()
     };
@@ -299,7 +185,7 @@ fn remove_dead(shader: &mut Shader) -> bool {
     let mut all: Vec<&Op> = Vec::new();
     let mut makers: Vec<Vec<usize>> = vec![Vec::new(); shader.symbols.len()];
     ops(&shader.code, &mut |op| {
-        if is_pure(&op.name) {
+        if is_plain(shader, op) {
             writes(op).into_iter().for_each(|id| makers[id as usize].push(all.len()));
         }
         all.push(op);
@@ -308,7 +194,8 @@ fn remove_dead(shader: &mut Shader) -> bool {
     let mut open: Vec<SymId> = (0..reads.len() as SymId).filter(|&id| reads[id as usize] == 0).collect();
     let mut visit = |number: usize, reads: &mut [u32], open: &mut Vec<SymId>| {
         let op = all[number];
-        let is_dead = is_pure(&op.name) && writes(op).iter().all(|&id| is_own(id) && reads[id as usize] == 0);
+        let is_dead =
+            is_plain(shader, op) && writes(op).iter().all(|&id| is_own(id) && reads[id as usize] == 0);
         if !is_dead || std::mem::replace(&mut dead[number], true) {
             return;
         }
@@ -335,6 +222,15 @@ fn remove_dead(shader: &mut Shader) -> bool {
         shader.code = code;
     }
     removed
+}
+
+/// Removes the operations that only make outputs that are unused, by number.
+pub(super) fn remove_unused(shader: &mut Shader, unused: &[bool]) {
+    for _ in 0..PASSES {
+        if !remove_dead(shader, unused) {
+            return;
+        }
+    }
 }
 
 /// Calls `dead` for operations in the order of the text.

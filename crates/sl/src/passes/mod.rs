@@ -3,6 +3,8 @@
 
 mod derivatives;
 mod fold;
+mod layers;
 
 pub use derivatives::mark_derivatives;
 pub use fold::fold;
+pub use layers::{fixed, optimise};

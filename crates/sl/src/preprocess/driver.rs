@@ -7,6 +7,7 @@
 
 use super::condition::evaluate;
 use super::macros::{Argument, Macro, Marked};
+use crate::budget::Budget;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::lexer::Lexer;
 use crate::source::{Loc, Sources};
@@ -22,7 +23,7 @@ pub type Loader<'a> = dyn Fn(&Path) -> Option<String> + 'a;
 pub type Macros = HashMap<Arc<str>, Arc<Macro>>;
 
 /// Tokens that macros may make in one compilation.
-const TOKENS: usize = 4_000_000;
+const TOKENS: u64 = 4_000_000;
 /// Bytes of all files of one compilation, each counted as often as it is included.
 const BYTES: usize = 32 << 20;
 /// Files that may include each other.
@@ -61,7 +62,7 @@ pub struct Preprocessor<'a> {
     files: Vec<(Lexer, usize, u16)>,
     conditions: Vec<Condition>,
     once: HashSet<Arc<str>>,
-    made: usize,
+    budget: Budget,
     nesting: usize,
     /// Bytes that were read.
     bytes: usize,
@@ -82,7 +83,7 @@ impl<'a> Preprocessor<'a> {
             files: Vec::new(),
             conditions: Vec::new(),
             once: HashSet::new(),
-            made: 0,
+            budget: Budget::new(TOKENS, ["macros make more than", "tokens"]),
             nesting: 0,
             bytes: 0,
         }
@@ -220,14 +221,12 @@ impl<'a> Preprocessor<'a> {
                     }
                 }
             };
-            let tokens = found.substitute(&arguments, &token);
-            self.made += tokens.len() + 1;
-            if self.made > TOKENS {
-                self.error(token.loc, format!("macros make more than {TOKENS} tokens"));
+            let Some(tokens) = found.substitute(&arguments, &token, &mut self.budget) else {
+                self.error(token.loc, self.budget.to_string());
                 self.pending.clear();
                 self.files.clear();
                 return (Token { tok: Tok::End, ..token }, true);
-            }
+            };
             self.active.insert(name.clone());
             self.pending.push(Item::Done(name.clone()));
             self.pending.extend(tokens.into_iter().rev().map(Item::Token));

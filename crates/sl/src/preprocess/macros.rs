@@ -2,6 +2,7 @@
 //! Macros: their definition and the tokens that a use of one becomes.
 //! Source: C99, section 6.10.3; original code.
 
+use crate::budget::Budget;
 use crate::lexer::{Lexer, tokens_of};
 use crate::source::Loc;
 use crate::token::{Tok, Token};
@@ -94,9 +95,9 @@ impl Macro {
         self.parameters.as_ref()?.iter().position(|p| p == name)
     }
 
-    /// The tokens that a use becomes, all at the position of the use.
+    /// The tokens that a use becomes, all at the position of the use; none if they are more than the budget.
     #[must_use]
-    pub fn substitute(&self, arguments: &[Argument], at: &Token) -> Vec<Marked> {
+    pub fn substitute(&self, arguments: &[Argument], at: &Token, budget: &mut Budget) -> Option<Vec<Marked>> {
         let empty = Argument::default();
         let argument = |i: usize| arguments.get(i).unwrap_or(&empty);
         let mut out: Vec<Marked> = Vec::new();
@@ -107,15 +108,21 @@ impl Macro {
                 && self.parameters.is_some()
                 && let Some(p) = self.body.get(i + 1).and_then(|t| self.parameter(t))
             {
+                budget.spend(argument(p).raw.len())?;
                 let text = quote(&argument(p).raw);
+                budget.spend(text.len() / TOKEN)?;
                 out.push((Token { tok: Tok::Str(text.into()), ..token.clone() }, false));
                 i += 2;
                 continue;
             }
+            budget.spend(1)?;
             if token.is("##") && i + 1 < self.body.len() && !out.is_empty() {
                 let right = &self.body[i + 1];
                 let tokens = match self.parameter(right) {
-                    Some(p) => argument(p).raw.clone(),
+                    Some(p) => {
+                        budget.spend(argument(p).raw.len())?;
+                        argument(p).raw.clone()
+                    }
                     None => vec![(right.clone(), false)],
                 };
                 let swallow = self.variadic && out.last().is_some_and(|(t, _)| t.is(","));
@@ -124,6 +131,8 @@ impl Macro {
                 } else if swallow {
                     out.extend(tokens);
                 } else {
+                    let length = out.last().map_or(0, |(left, _)| left.spelling().len());
+                    budget.spend(length / TOKEN)?;
                     paste(&mut out, tokens);
                 }
                 i += 2;
@@ -138,6 +147,7 @@ impl Macro {
                         let blank = Token { tok: Tok::Str("".into()), ..token.clone() };
                         out.push((blank, true));
                     }
+                    budget.spend(source.len())?;
                     let from = out.len();
                     out.extend(source.iter().cloned());
                     if let Some((first, _)) = out.get_mut(from) {
@@ -153,9 +163,12 @@ impl Macro {
             token.loc = Loc { line: at.loc.line, ..at.loc };
             token.first = false;
         }
-        out
+        Some(out)
     }
 }
+
+/// Bytes of a text that count as a token.
+const TOKEN: usize = 16;
 
 fn quote(tokens: &[Marked]) -> String {
     let mut text = String::from("\"");

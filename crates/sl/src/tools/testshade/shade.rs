@@ -10,6 +10,7 @@ use crate::format::general;
 use crate::group::Group;
 use crate::hir::Data;
 use crate::ir::{SymId, SymbolKind, ops, uses};
+use crate::opcode::Opcode;
 use crate::tools::console::Console;
 use crate::tools::engine::Batch;
 use crate::tools::picture::Picture;
@@ -346,10 +347,10 @@ fn globals(group: &Group, console: &mut Console<'_>) {
                 add(&symbol.name);
             }
         });
-        ops(&layer.shader.code, &mut |op| match &*op.name {
-            "backfacing" => add("backfacing"),
-            "surfacearea" => add("surfacearea"),
-            "calculatenormal" => add("flipHandedness"),
+        ops(&layer.shader.code, &mut |op| match op.code {
+            Opcode::Backfacing => add("backfacing"),
+            Opcode::SurfaceArea => add("surfacearea"),
+            Opcode::CalculateNormal => add("flipHandedness"),
             _ => {}
         });
     }
@@ -367,16 +368,24 @@ fn warn(plan: &Plan, options: &Options, console: &mut Console<'_>) {
             })
         };
         ops(&shader.code, &mut |op| {
-            let issue = match &*op.name {
-                "error" if !waits => "call present in optimized shader.",
-                "texture" | "texture3d" | "environment" | "gettextureinfo" if !constant(op.args.get(1)) => {
+            let issue = match op.code {
+                Opcode::Error if !waits => "call present in optimized shader.",
+                Opcode::Texture | Opcode::Texture3d | Opcode::Environment | Opcode::GetTextureInfo
+                    if !constant(op.args.get(1)) =>
+                {
                     "texture name cannot be converted to a handle."
                 }
-                "format" | "concat" | "substr" if !constant(op.args.first()) => {
+                Opcode::Format | Opcode::Concat | Opcode::Substr if !constant(op.args.first()) => {
                     "new string creation couldn't be optimized to a constant."
                 }
-                "strlen" | "getchar" | "startswith" | "endswith" | "stoi" | "stof" | "regex_search"
-                | "regex_match"
+                Opcode::Strlen
+                | Opcode::Getchar
+                | Opcode::Startswith
+                | Opcode::Endswith
+                | Opcode::Stoi
+                | Opcode::Stof
+                | Opcode::RegexSearch
+                | Opcode::RegexMatch
                     if !constant(op.args.first()) =>
                 {
                     "need for string characters couldn't be optimized away."
@@ -384,10 +393,10 @@ fn warn(plan: &Plan, options: &Options, console: &mut Console<'_>) {
                 _ => return,
             };
             let file = shader.files.get(usize::from(op.at.file)).map_or("", |f| f);
-            let colon = if &*op.name == "error" { "" } else { ":" };
+            let colon = if op.code == Opcode::Error { "" } else { ":" };
             console.complain(&format!(
                 "WARNING: Optimization warning:\n  group:  {}\n  layer:  {}\n  source: {file}:{}\n  issue:  {}(){colon} {issue}\n",
-                plan.name, layer.name, op.at.line, op.name
+                plan.name, layer.name, op.at.line, op.code.name()
             ));
         });
     }
