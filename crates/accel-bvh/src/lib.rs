@@ -12,6 +12,7 @@
 )]
 
 mod blocked;
+mod blocks;
 mod boxes;
 mod build;
 mod compact;
@@ -44,12 +45,12 @@ mod triangles;
 mod user;
 mod walk;
 
+pub use blocked::Inputs;
+pub use blocks::{BlockIndex, BlockSort};
 pub use boxes::{BoxEdit, BoxIndex, EnterMembers, Member, MetBlock};
 pub use index::BvhIndex;
 pub use kernels::Kernels;
 pub use motion::MotionIndex;
 pub use refit::Refitted;
 pub use screen::Screen;
-pub use spheres::SphereIndex;
 pub use treelet::BoxesAt;
-pub use user::UserIndex;
