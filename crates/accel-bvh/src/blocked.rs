@@ -56,9 +56,11 @@ pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
     /// Fills a lane.
     fn set(&mut self, lane: usize, item: &Self::Item, number: u32);
 
-    /// Which piece of its primitive a lane holds.
-    fn piece(&self, _lane: usize) -> usize {
-        0
+    /// The piece of a lane where its primitive is now; `None` where that cannot be traced.
+    fn moved(&self, _lane: usize, kind: &GeometryKind, prim_id: u32) -> Option<Self::Item> {
+        let mut found = None;
+        Self::items(kind, prim_id, &mut BadPrimitives::default(), &mut |item| found = Some(item));
+        found
     }
 
     /// Numbers in the object.
@@ -127,6 +129,12 @@ impl<B: BlockKind> Shared<B> {
         let at = self.0.partition_point(|(start, _)| *start <= number) - 1;
         let (start, data) = &self.0[at];
         (data, number - start)
+    }
+
+    /// The same where a file may have any number.
+    pub(crate) fn get(&self, number: u32) -> Option<(&B::Data, u32)> {
+        let at = self.0.partition_point(|(start, _)| *start <= number).checked_sub(1)?;
+        self.0.get(at).map(|(start, data)| (data, number - start))
     }
 }
 

@@ -109,6 +109,10 @@ macro_rules! kinds {
 kinds! {
     /// Spheres.
     Spheres(crate::spheres::SphereBlock),
+    /// Discs.
+    Discs(crate::discs::DiscBlock),
+    /// Curves.
+    Curves(crate::curves::CurveBlock),
     /// Geometry of the caller's own.
     User(crate::user::UserBlock),
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Wide bounding volume hierarchies: eight children per node, leaves of blocks of eight primitives.
-//! Triangles, spheres, user geometry, and boxes that the caller supplies.
+//! Triangles, spheres, discs, curves, user geometry, and boxes that the caller supplies.
 //! Source: [WBB08]. The builder is in `build`, nodes in `node` and `compact`, the code compiled for each
 //! level in [`Kernels`].
 //!
@@ -17,6 +17,8 @@ mod boxes;
 mod build;
 mod compact;
 mod corners;
+mod curves;
+mod discs;
 mod gather;
 mod incoherent;
 mod index;

@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use crate::curve::Curves;
 use crate::user::UserGeometry;
 
 /// Coordinates beyond this are dropped: squares of their differences still fit a float.
@@ -16,7 +17,7 @@ pub const LARGEST_COORDINATE: f32 = 1.8e18;
 pub const FARTHEST_PLANE: f32 = 4e18;
 
 /// Most triangles of one object: the limit of an event's number in the builder. Quads count twice, spheres
-/// and primitives of user geometries once.
+/// discs, curves and primitives of user geometries once.
 pub const MOST_TRIANGLES: usize = (1 << 30) - 1;
 
 /// One mesh: borrowed arrays. Its `geom_id` is its index in the list of the build.
@@ -53,6 +54,19 @@ pub struct Spheres<'a> {
     pub radii: &'a [f32],
 }
 
+/// Discs: borrowed arrays of the same length; excess elements are ignored. A disc's index is its `prim_id`.
+///
+/// Radii are positive and normals not zero; other discs are dropped and counted among the primitives of zero area.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Discs<'a> {
+    /// Centres, object space.
+    pub centers: &'a [[f32; 3]],
+    /// Radii.
+    pub radii: &'a [f32],
+    /// Normals of any length; `None` for discs that face each ray.
+    pub normals: Option<&'a [[f32; 3]]>,
+}
+
 /// One mesh that moves during an open shutter: borrowed arrays.
 ///
 /// Vertices move in straight lines from key to key. Rays of [`Ray::time`](crate::Ray::time) 0 see the first
@@ -83,6 +97,10 @@ pub enum GeometryKind<'a> {
     Quads(Quads<'a>),
     /// Spheres.
     Spheres(Spheres<'a>),
+    /// Discs.
+    Discs(Discs<'a>),
+    /// Curves with a width.
+    Curves(Curves<'a>),
     /// A triangle mesh that moves while the shutter is open.
     Moving(MovingTriangles<'a>),
     /// Primitives defined by the caller; stored in the tree.
@@ -125,6 +143,11 @@ impl<'a> Geometry<'a> {
             GeometryKind::Triangles(mesh) => mesh.indices.len(),
             GeometryKind::Quads(mesh) => 2 * mesh.indices.len(),
             GeometryKind::Spheres(spheres) => spheres.centers.len().min(spheres.radii.len()),
+            GeometryKind::Discs(discs) => {
+                let count = discs.centers.len().min(discs.radii.len());
+                discs.normals.map_or(count, |normals| count.min(normals.len()))
+            }
+            GeometryKind::Curves(curves) => curves.indices.len(),
             GeometryKind::Moving(mesh) if mesh.keys.is_empty() => 0,
             GeometryKind::Moving(mesh) => mesh.indices.len(),
             GeometryKind::User(user) => user.count() as usize,
@@ -156,6 +179,18 @@ impl<'a> From<Spheres<'a>> for Geometry<'a> {
     }
 }
 
+impl<'a> From<Discs<'a>> for Geometry<'a> {
+    fn from(discs: Discs<'a>) -> Self {
+        Self::new(GeometryKind::Discs(discs))
+    }
+}
+
+impl<'a> From<Curves<'a>> for Geometry<'a> {
+    fn from(curves: Curves<'a>) -> Self {
+        Self::new(GeometryKind::Curves(curves))
+    }
+}
+
 /// Primitives that were left out of a tree, by the first fault found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct BadPrimitives {
@@ -167,7 +202,7 @@ pub struct BadPrimitives {
     pub infinite: u64,
     /// A coordinate beyond [`LARGEST_COORDINATE`].
     pub too_large: u64,
-    /// Corners on one line or in one point; spheres without a radius.
+    /// Corners on one line or in one point; spheres, discs and curves without a radius.
     pub zero_area: u64,
     /// More than [`MOST_TRIANGLES`] in one object.
     pub too_many: u64,
@@ -206,7 +241,7 @@ impl std::ops::AddAssign for BadPrimitives {
     }
 }
 
-/// Numbers of all primitives of an object: triangles, halves of quads, spheres, user primitives.
+/// Numbers of all primitives of an object: triangles, halves of quads, and all others.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Numbering {
     /// First number of each geometry, and one past the last.

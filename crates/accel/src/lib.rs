@@ -217,11 +217,11 @@ mod target;
 pub use crowd::Crowd;
 pub use facing::Face;
 pub use gnurt_accel_core::{
-    Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,
-    GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES,
-    Memory, MovingTriangles, PointHit, PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record,
-    RefitError, SharedList, Spheres, Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry,
-    UserHit,
+    Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, CurveBasis,
+    CurveForm, Curves, Discs, Geometry, GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval,
+    LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, MovingTriangles, PointHit, PrimitiveId, Quads,
+    Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres, Structure, Threads,
+    TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
 pub use inside::Side;

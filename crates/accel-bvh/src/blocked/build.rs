@@ -104,30 +104,21 @@ impl<B: BlockKind> Blocked<B> {
             return Err(RefitError::OtherPrimitives);
         }
         self.shared = inputs.shared();
-        let fit =
-            |block: &mut B| {
-                let mut all = Aabb::EMPTY;
-                for (lane, number) in lanes(block) {
-                    let geometry = geometry_of(&inputs.numbering.starts, number);
-                    let kind = &inputs.geometries[geometry].kind;
-                    if !B::is_kind_of(kind) {
-                        return Err(RefitError::OtherGeometry);
-                    }
-                    let (mut piece, mut found) = (block.piece(lane), None);
-                    let prim_id = number - inputs.numbering.starts[geometry];
-                    B::items(kind, prim_id, &mut BadPrimitives::default(), &mut |item| match piece
-                        .checked_sub(1)
-                    {
-                        Some(left) => piece = left,
-                        None if found.is_none() => found = Some(item),
-                        None => {}
-                    });
-                    let item = found.ok_or(RefitError::OtherPrimitives)?;
-                    block.set(lane, &item, number);
-                    all = all.union(&B::bounds(&item));
+        let fit = |block: &mut B| {
+            let mut all = Aabb::EMPTY;
+            for (lane, number) in lanes(block) {
+                let geometry = geometry_of(&inputs.numbering.starts, number);
+                let kind = &inputs.geometries[geometry].kind;
+                if !B::is_kind_of(kind) {
+                    return Err(RefitError::OtherGeometry);
                 }
-                Ok(all)
-            };
+                let item = block.moved(lane, kind, number - inputs.numbering.starts[geometry]);
+                let item = item.ok_or(RefitError::OtherPrimitives)?;
+                block.set(lane, &item, number);
+                all = all.union(&B::bounds(&item));
+            }
+            Ok(all)
+        };
         let Self { tree, blocks, .. } = self;
         let cost = threads.run(|parallel| {
             let boxes: Result<Vec<Aabb>, RefitError> = match parallel {

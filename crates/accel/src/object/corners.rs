@@ -90,6 +90,8 @@ impl ObjectTree {
                 Some([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
             }
             Primitive::Sphere(center, _) => at.map(|at| [0, 1, 2].map(|k| at[k] - f64::from(center[k]))),
+            Primitive::Disc(_, _, normal) => normal.map(|normal| normal.map(f64::from)),
+            Primitive::Curve(segment, _) => segment.normal(f64::from(hit.u), f64::from(hit.v), at),
             Primitive::User(..) => None,
         }
     }
