@@ -37,7 +37,7 @@ pub(super) fn meet_flat(cubic: &Cubic, ray: &RayFrame, part: [f64; 2], hit: &mut
         let (point, slope) = (seen.at(t), seen.slope(t));
         point[0] * slope[0] + point[1] * slope[1]
     };
-    for_roots(&seen, part, nears, |u| {
+    for_roots(&seen, part, 1.0, nears, |u| {
         let ([x, y, z, radius], slope) = (seen.at(u), seen.slope(u));
         let distance = x * x + y * y;
         if distance <= radius * radius && radius > 0.0 {
@@ -62,7 +62,8 @@ pub(super) fn meet_oriented(
         let (point, side) = (seen.at(t), across(&seen, &normals, t));
         point[0] * side[1] - point[1] * side[0]
     };
-    for_roots(&seen, part, off, |u| {
+    // Normals turn, too.
+    for_roots(&seen, part, 8.0, off, |u| {
         let ([x, y, z, radius], side) = (seen.at(u), across(&seen, &normals, u));
         let (length, seen_square) = (dot(side, side).sqrt(), side[0] * side[0] + side[1] * side[1]);
         // Not so where it is seen from its edge.
@@ -76,15 +77,22 @@ pub(super) fn meet_oriented(
     });
 }
 
-/// Calls `root` for each zero of `f` within a part of a curve, as it is seen along the ray.
+/// Calls `root` for each zero of `f` within a part of a curve, as it is seen along the ray; a whole curve has
+/// `fewest` brackets or more.
 #[inline(always)]
-fn for_roots(seen: &Cubic, [from, to]: [f64; 2], f: impl Fn(f64) -> f64, mut root: impl FnMut(f64)) {
+fn for_roots(
+    seen: &Cubic,
+    [from, to]: [f64; 2],
+    fewest: f64,
+    f: impl Fn(f64) -> f64,
+    mut root: impl FnMut(f64),
+) {
     let flat = |[x, y, ..]: [f64; 4]| (x * x + y * y).sqrt();
     // More brackets the more the curve turns where it is seen: all of them if it is seen along itself.
     let least = flat(seen.slope(from)).min(flat(seen.slope(0.5 * (from + to)))).min(flat(seen.slope(to)));
     let bend = flat(seen.bend(from)).max(flat(seen.bend(to)));
     let mut brackets = MOST_BRACKETS * (to - from);
-    let mut fewer = 1.0;
+    let mut fewer = (fewest * (to - from)).max(1.0);
     while fewer < brackets && bend * (to - from) > 0.5 * fewer * least {
         fewer *= 2.0;
     }
