@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Curves in leaf blocks of eight pieces: lanes compare the ray with a capsule around each piece, and pieces that it may meet
+//! Curves in leaf blocks of eight pieces. Lanes compare the ray with a capsule around each piece. Pieces that it may meet
 //! are tested one by one, in double precision, from the vertices that all curves of a geometry share.
-//! Source: pieces in place of oriented boxes, which [WWB*14] has in nodes. Space: object.
+//! Source: pieces in place of oriented boxes, which [WBW*14] has in nodes. Space: object.
 //! Invariant: a capsule holds all hits of its piece. In lanes it is larger by twice the slack of boxes (`slab.rs`): the
-//! rounding of both its ends, seen along the ray, is below half of that. Tests: `tests/curves` of `gnurt-accel`.
+//! rounding of both its ends, seen along the ray, is below half of that. Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use std::io::{self, Read, Write};
 use std::sync::Arc;

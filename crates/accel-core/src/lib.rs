@@ -24,6 +24,7 @@
 
 pub mod aabb;
 pub mod affine;
+pub mod bad_primitives;
 pub mod beam;
 pub mod bits;
 pub mod blocks;

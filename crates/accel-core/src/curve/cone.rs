@@ -2,9 +2,9 @@
 //! A ray and the surface of all spheres between two: a cone with spheres at its ends. Source: [HWU*19], whose cone of
 //! spheres this is; the surface is where the least of `|p - c(u)|^2 - r(u)^2` over the axis is zero.
 //! Space: object. Invariant: without joints the surface is closed, and met an even number of times from outside.
-//! Tests: `tests/curves` of `gnurt-accel`.
+//! Tests: `tests/curves.rs` of `gnurt-accel`.
 
-use super::segment::{CurveHit, RayFrame};
+use super::ray::{CurveHit, RayFrame};
 use super::{Vector, along, dot, minus, place};
 
 /// Spheres between two.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Curves as programs give them: vertices, the first vertex of each curve, a basis and a form.
-//! Invariant: a curve that [`Curves::check`] accepts has a [`Segment`]. Tests: `tests/curves` of `gnurt-accel`.
+//! Invariant: a curve that [`Curves::check`] accepts has a [`Segment`]. Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::cubic::Cubic;
 use super::segment::Segment;
 use super::{Vector, place};
-use crate::geometry::{BadPrimitives, LARGEST_COORDINATE};
+use crate::bad_primitives::{BadPrimitives, LARGEST_COORDINATE};
 
 /// How the vertices of a curve make its points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -93,6 +93,13 @@ impl<'a> Curves<'a> {
     #[must_use]
     pub fn tangent(&self, prim_id: u32, u: f64) -> Option<[f64; 3]> {
         Some(place(self.cubic(prim_id)?.slope(u)))
+    }
+
+    /// The normal of a hit at `point`, of any length: outwards, or on the side of the normals of oriented curves. `None` for
+    /// ribbons that face each ray.
+    #[must_use]
+    pub fn normal(&self, prim_id: u32, [u, v]: [f64; 2], point: [f64; 3]) -> Option<[f64; 3]> {
+        self.segment(prim_id)?.normal(u, v, Some(point))
     }
 
     /// How many vertices a curve has.

@@ -2,18 +2,20 @@
 //! Curves with a width: hair, grass, wires. The bases, the three forms and their parameters are Embree's.
 //! Space: object. All arithmetic is in double precision and compiled once: every level and every structure gives the
 //! same bits. Floats only skip pieces that a ray surely misses (`accel-bvh/src/curves.rs`).
-//! Tests: `tests/curves` of `gnurt-accel`.
+//! Tests: `tests/curves.rs` of `gnurt-accel`.
 
 mod cone;
 mod cubic;
 mod input;
 mod near;
+mod ray;
 mod ribbon;
 mod segment;
 mod tube;
 
 pub use input::{CurveBasis, CurveForm, Curves, OwnedCurves};
-pub use segment::{CurveHit, RayFrame, Segment};
+pub use ray::{CurveHit, RayFrame};
+pub use segment::Segment;
 
 type Vector = [f64; 3];
 

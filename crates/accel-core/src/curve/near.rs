@@ -4,7 +4,7 @@
 //! Source: golden section [PTVF07], section 10.2, in the brackets of a coarse search. Space: the searched one; lengths count
 //! where the probe's axes lead. Where these stretch space unevenly, a surface's point is that of the nearest point of the
 //! curve, although another may be nearer.
-//! Tests: `tests/curves` of `gnurt-accel`.
+//! Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::segment::Segment;
 use super::{Vector, along, dot, minus, place, scaled};

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A ray and a ribbon. Seen along the ray a ribbon is met where a function of one parameter is zero: for one that faces
-//! the ray where the curve's point is nearest to the ray, for another where the ray is on the line across the curve.
-//! Source: the reduction to two dimensions is that of [WWB*14] (Embree's hair); roots are bracketed at fixed parameters, which
+//! A ray and a ribbon. Seen along the ray a ribbon is met where a function of one parameter is zero. One that faces
+//! the ray is met where the curve is nearest to the ray, another where the ray is on the line across the curve.
+//! Source: the reduction to two dimensions is that of [WBW*14] (Embree's hair); roots are bracketed at fixed parameters, which
 //! neighbouring parts share, and refined by a safeguarded secant [PTVF07], section 9.2.
 //! Space: by the axes of the ray. Invariant: a root between two fixed parameters is found once, in one part.
-//! Tests: `tests/curves` of `gnurt-accel`.
+//! Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::cubic::Cubic;
-use super::segment::{CurveHit, RayFrame, across};
-use super::{Vector, dot, minus, place};
+use super::ray::{CurveHit, RayFrame};
+use super::{Vector, cross, dot, minus, place};
 
 /// Most brackets of one curve.
 const MOST_BRACKETS: f64 = 32.0;
@@ -134,4 +134,18 @@ fn refined([mut a, mut b]: [f64; 2], [mut at_a, mut at_b]: [f64; 2], f: &impl Fn
         }
     }
     b
+}
+
+/// The direction across an oriented ribbon, of any length.
+#[inline(always)]
+pub(super) fn across(cubic: &Cubic, normals: &[Vector; 4], t: f64) -> Vector {
+    let s = 1.0 - t;
+    let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
+    let normal = [0, 1, 2].map(|k: usize| {
+        weights[0] * normals[0][k]
+            + weights[1] * normals[1][k]
+            + weights[2] * normals[2][k]
+            + weights[3] * normals[3][k]
+    });
+    cross(normal, place(cubic.slope(t)))
 }

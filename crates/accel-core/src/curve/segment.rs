@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! One curve made ready for tests: the form of its test, bounds of its parts, and its normals.
 //! Space: object. Invariant: a hit lies within the radius of the curve's point at its parameter, so that bounds of a part
-//! hold all of its hits. Tests: `tests/curves` of `gnurt-accel`.
+//! hold all of its hits. Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::cubic::Cubic;
-use super::{Vector, along, cross, dot, minus, place, scaled};
+use super::ray::{CurveHit, RayFrame};
+use super::ribbon::across;
+use super::{Vector, along, cone, cross, dot, minus, place, ribbon, scaled, tube};
 use crate::aabb::Aabb;
 
 /// A curve in one of the forms that have tests of their own.
@@ -25,46 +27,6 @@ pub enum Segment {
     Round(Cubic),
     /// A ribbon across normals, which are Bezier's control points.
     Oriented(Cubic, [Vector; 4]),
-}
-
-/// A hit of a ray with a curve.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurveHit {
-    pub t: f64,
-    pub u: f64,
-    pub v: f64,
-}
-
-/// A ray, and axes across it.
-#[derive(Clone, Copy, Debug)]
-pub struct RayFrame {
-    pub org: Vector,
-    pub dir: Vector,
-    /// Two across, and the direction, all of length 1.
-    pub axes: [Vector; 3],
-    /// That of the direction.
-    pub length: f64,
-}
-
-impl RayFrame {
-    /// That of a ray whose direction is not zero.
-    #[inline]
-    pub fn new(org: Vector, dir: Vector) -> Self {
-        let length = dot(dir, dir).sqrt();
-        let [x, y, z] = scaled(dir, 1.0 / length);
-        // Without a branch at any direction: [DBC*17].
-        let sign = 1.0f64.copysign(z);
-        let (a, b) = (-1.0 / (sign + z), -x * y / (sign + z));
-        let first = [1.0 + sign * x * x * a, sign * b, -sign * x];
-        let second = [b, sign + y * y * a, -y];
-        Self { org, dir, axes: [first, second, [x, y, z]], length }
-    }
-
-    /// A vector by the axes.
-    #[inline(always)]
-    pub(super) fn by_axes(&self, v: Vector) -> Vector {
-        self.axes.map(|axis| dot(axis, v))
-    }
 }
 
 impl Segment {
@@ -142,13 +104,13 @@ impl Segment {
     #[inline]
     pub fn meet(&self, ray: &RayFrame, part: [f64; 2], hit: &mut dyn FnMut(CurveHit)) {
         match self {
-            Self::FlatLine(ends) => super::ribbon::meet_line(ends, ray, hit),
+            Self::FlatLine(ends) => ribbon::meet_line(ends, ray, hit),
             Self::Cone { ends, before, after, is_seen_from_outside } => {
-                super::cone::meet(ends, [before, after], *is_seen_from_outside, ray, hit);
+                cone::meet(ends, [before, after], *is_seen_from_outside, ray, hit);
             }
-            Self::Flat(cubic) => super::ribbon::meet_flat(cubic, ray, part, hit),
-            Self::Oriented(cubic, normals) => super::ribbon::meet_oriented(cubic, normals, ray, part, hit),
-            Self::Round(cubic) => super::tube::meet(cubic, ray, part, hit),
+            Self::Flat(cubic) => ribbon::meet_flat(cubic, ray, part, hit),
+            Self::Oriented(cubic, normals) => ribbon::meet_oriented(cubic, normals, ray, part, hit),
+            Self::Round(cubic) => tube::meet(cubic, ray, part, hit),
         }
     }
 
@@ -178,18 +140,4 @@ impl Segment {
             }
         }
     }
-}
-
-/// The direction across an oriented ribbon, of any length.
-#[inline(always)]
-pub(super) fn across(cubic: &Cubic, normals: &[Vector; 4], t: f64) -> Vector {
-    let s = 1.0 - t;
-    let weights = [s * s * s, 3.0 * s * s * t, 3.0 * s * t * t, t * t * t];
-    let normal = [0, 1, 2].map(|k: usize| {
-        weights[0] * normals[0][k]
-            + weights[1] * normals[1][k]
-            + weights[2] * normals[2][k]
-            + weights[3] * normals[3][k]
-    });
-    cross(normal, place(cubic.slope(t)))
 }

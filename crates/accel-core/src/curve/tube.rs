@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! A ray and a tube: circles around a cubic and across it. A stretch between two parameters is nearly a cone, whose hits
 //! are the starts of Newton's method for the distance along the ray and the parameter of the curve together.
-//! Source: cones as steps to the curve are [RL18]; the pair of equations is that of sweeps in [VW85]. Space: object.
+//! Source: cones as steps to the curve are [RL18]; the pair of equations is that of sweeps in [Wij84]. Space: object.
 //! Invariant: fixed parameters are shared by neighbouring parts, and a root belongs to the part that holds its parameter.
-//! Tests: `tests/curves` of `gnurt-accel`.
+//! Tests: `tests/curves.rs` of `gnurt-accel`.
 
 use super::cubic::Cubic;
-use super::segment::{CurveHit, RayFrame};
+use super::ray::{CurveHit, RayFrame};
 use super::{along, dot, minus, place};
 
 /// How far a stretch may be from its chord, by the radius.
