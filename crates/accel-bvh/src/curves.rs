@@ -68,7 +68,7 @@ impl CurveBlock {
     fn segment(&self, lane: usize, shared: &Shared<Self>) -> Option<(Segment, [f64; 2])> {
         let (curves, prim_id) = shared.get(self.numbers[lane])?;
         let [count, index] = [self.pieces[lane] >> 16, self.pieces[lane] & 0xffff];
-        Some((curves.view().segment(prim_id)?, part(index, count)))
+        Some((curves.segment(prim_id)?, part(index, count)))
     }
 
     /// Lanes whose capsules the ray may meet within `[near, far]`, as bits.
@@ -206,8 +206,8 @@ impl BlockKind for CurveBlock {
     }
 
     fn primitive<'a>(&'a self, lane: usize, shared: &'a Shared<Self>) -> Primitive<'a> {
-        let (segment, part) = self.segment(lane, shared).expect("a curve of a tree is sound");
-        Primitive::Curve(segment, part)
+        let (curves, prim_id) = shared.of(self.numbers[lane]);
+        Primitive::Curve(curves, prim_id, part(self.pieces[lane] & 0xffff, self.pieces[lane] >> 16))
     }
 
     fn is_sound(&self, lane: usize, shared: &Shared<Self>, count: u32) -> bool {

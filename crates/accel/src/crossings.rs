@@ -44,9 +44,9 @@ impl Crossed {
                 let count = surface.line().and_then(|line| through_disc_of(line, *center, *radius, *normal));
                 self.others.push((surface.slot, u32::from(count.is_some())));
             }
-            Primitive::Curve(segment, part) => {
+            Primitive::Curve(curves, prim_id, part) => {
                 let mut count = 0;
-                through_curve(surface, segment, *part, &mut |_| count += 1);
+                through_curve(surface, curves.segment(*prim_id), *part, &mut |_| count += 1);
                 self.others.push((surface.slot, count));
             }
             Primitive::User(user, prim_id) => {
@@ -103,7 +103,8 @@ pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut V
                 let t = line.and_then(|line| through_disc_of(line, *center, *radius, *normal));
                 others.extend(t.map(|t| at(t, 0.0, 0.0)));
             }
-            Primitive::Curve(segment, part) => {
+            Primitive::Curve(curves, prim_id, part) => {
+                let segment = curves.segment(*prim_id);
                 through_curve(surface, segment, *part, &mut |hit| others.push(at(hit.t, hit.u, hit.v)));
             }
             Primitive::User(user, prim_id) => through_user(surface, *user, *prim_id, &mut |hit| {
@@ -152,11 +153,11 @@ fn through_disc_of(
 /// Visits the hits of a line with a piece of a curve between its ends.
 fn through_curve(
     surface: &SurfaceInRegion,
-    segment: &Segment,
+    segment: Option<Segment>,
     part: [f64; 2],
     visit: &mut dyn FnMut(CurveHit),
 ) {
-    let Some(line) = surface.line() else { return };
+    let (Some(line), Some(segment)) = (surface.line(), segment) else { return };
     segment.meet(&RayFrame::new(line.org, line.dir), part, &mut |hit| {
         if hit.t >= line.near && hit.t <= line.far {
             visit(hit);

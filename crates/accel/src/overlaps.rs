@@ -45,7 +45,9 @@ fn touching(target: Target, mask: u32, min: [f64; 3], max: [f64; 3], found: &mut
             Primitive::Disc(center, radius, normal) => {
                 disc_touches(*center, *radius, *normal, surface.path, low, high)
             }
-            Primitive::Curve(segment, part) => curve_touches(segment, *part, surface.path, low, high),
+            Primitive::Curve(curves, prim_id, part) => curves
+                .segment(*prim_id)
+                .is_some_and(|segment| curve_touches(&segment, *part, surface.path, low, high)),
             Primitive::User(user, prim_id) => {
                 let bounds = user.bounds(*prim_id);
                 box_touches([bounds.min, bounds.max].map(|side| side.map(f64::from)), surface.path, low, high)

@@ -288,6 +288,12 @@ impl OwnedCurves {
         }
     }
 
+    /// See [`Curves::segment`].
+    #[must_use]
+    pub fn segment(&self, prim_id: u32) -> Option<Segment> {
+        self.view().segment(prim_id)
+    }
+
     /// Bytes of the arrays.
     #[must_use]
     pub fn memory_bytes(&self) -> usize {

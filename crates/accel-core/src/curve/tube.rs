@@ -46,7 +46,8 @@ pub(super) fn meet(cubic: &Cubic, ray: &RayFrame, [from, to]: [f64; 2], hit: &mu
             let Some((s, u)) = newton(&near, dir, s, u, ends) else { continue };
             let is_here = u >= ends[0] && (u < ends[1] || is_last && u <= 1.0);
             // Both starts may lead to one hit.
-            if is_here && (s - before).abs() > 1e-9 * radius || is_here && before.is_nan() {
+            let is_other = before.is_nan() || (s - before).abs() > 1e-9 * radius;
+            if is_here && is_other {
                 before = s;
                 hit(CurveHit { t: (start + s) / ray.length, u, v: 0.0 });
             }
@@ -111,8 +112,8 @@ fn newton(near: &Cubic, dir: [f64; 3], mut s: f64, u: f64, ends: [f64; 2]) -> Op
         let (g_s, g_u) = (dot(out, dir), -f - radius * grows);
         let det = f_s * g_u - f_u * g_s;
         let (ds, du) = ((f * g_u - g * f_u) / det, (g * f_s - f * g_s) / det);
-        // Not so of NaN: no root is near.
-        if !(du.abs() <= 4.0 * width) {
+        // No root is near.
+        if du.is_nan() || du.abs() > 4.0 * width {
             return None;
         }
         (s, u) = (s - ds, u - du);

@@ -91,7 +91,9 @@ impl ObjectTree {
             }
             Primitive::Sphere(center, _) => at.map(|at| [0, 1, 2].map(|k| at[k] - f64::from(center[k]))),
             Primitive::Disc(_, _, normal) => normal.map(|normal| normal.map(f64::from)),
-            Primitive::Curve(segment, _) => segment.normal(f64::from(hit.u), f64::from(hit.v), at),
+            Primitive::Curve(curves, prim_id, _) => {
+                curves.segment(prim_id)?.normal(f64::from(hit.u), f64::from(hit.v), at)
+            }
             Primitive::User(..) => None,
         }
     }
