@@ -10,8 +10,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
 
 use gnurt_accel::{
-    BuildControl, BuildError, BuildOptions, GeometryKind, Instance, Memory, Motion, MovingTree, ObjectTree,
-    Quads, Quality, Query, SceneError, SceneTree, Shape, Spheres, Triangles,
+    BuildControl, BuildError, BuildOptions, CurveBasis, CurveForm, Curves, Discs, GeometryKind, Instance,
+    Memory, Motion, MovingTree, ObjectTree, Quads, Quality, Query, SceneError, SceneTree, Shape, Spheres,
+    Triangles,
 };
 
 use crate::device::Problem;
@@ -20,7 +21,6 @@ use crate::ffi_callbacks::{Callback, ProgressFunction};
 use crate::ffi_catch::Thrown;
 use crate::ffi_memory::View;
 use crate::ffi_user::UserPrimitives;
-use crate::lines::Lines;
 use crate::objects::{
     Committed, Geometry, Kind, Moving, Plan, Scene, SceneSettings, Settings, Shown, ShownInstance, Surface,
     Tree,
@@ -38,8 +38,39 @@ enum Arrays<'a> {
     Triangles(Cow<'a, [[f32; 3]]>, Cow<'a, [[u32; 3]]>),
     Quads(Cow<'a, [[f32; 3]]>, Cow<'a, [[u32; 4]]>),
     Spheres(Vec<[f32; 3]>, Vec<f32>),
-    Lines(Arc<Lines>),
+    Discs(Vec<[f32; 3]>, Vec<f32>, Option<Cow<'a, [[f32; 3]]>>),
+    Curves(CurveArrays<'a>),
     User(Arc<UserPrimitives>),
+}
+
+/// The arrays of curves.
+struct CurveArrays<'a> {
+    basis: CurveBasis,
+    form: CurveForm,
+    vertices: Cow<'a, [[f32; 4]]>,
+    indices: Cow<'a, [[u32; 1]]>,
+    tangents: Cow<'a, [[f32; 4]]>,
+    normals: Cow<'a, [[f32; 3]]>,
+    normal_tangents: Cow<'a, [[f32; 3]]>,
+    joints: Cow<'a, [[u8; 1]]>,
+}
+
+impl CurveArrays<'_> {
+    fn curves(&self) -> Curves<'_> {
+        Curves {
+            tangents: &self.tangents,
+            normals: &self.normals,
+            normal_tangents: &self.normal_tangents,
+            joints: self.joints.as_flattened(),
+            is_seen_from_outside: true,
+            ..Curves::new(self.basis, self.form, &self.vertices, self.indices.as_flattened())
+        }
+    }
+}
+
+/// Centres and radii.
+fn balls(vertices: &View) -> (Vec<[f32; 3]>, Vec<f32>) {
+    vertices.rows::<f32, 4>().iter().map(|&[x, y, z, radius]| ([x, y, z], radius)).unzip()
 }
 
 impl Prepared<'_> {
@@ -50,7 +81,10 @@ impl Prepared<'_> {
             }
             Arrays::Quads(positions, indices) => GeometryKind::Quads(Quads { positions, indices }),
             Arrays::Spheres(centers, radii) => GeometryKind::Spheres(Spheres { centers, radii }),
-            Arrays::Lines(lines) => GeometryKind::User(Arc::<Lines>::clone(lines)),
+            Arrays::Discs(centers, radii, normals) => {
+                GeometryKind::Discs(Discs { centers, radii, normals: normals.as_deref() })
+            }
+            Arrays::Curves(arrays) => GeometryKind::Curves(arrays.curves()),
             Arrays::User(user) => GeometryKind::User(Arc::<UserPrimitives>::clone(user)),
         };
         gnurt_accel::Geometry::new(kind).with_mask(self.mask)
@@ -61,7 +95,8 @@ impl Prepared<'_> {
             Arrays::Triangles(_, indices) => indices.len(),
             Arrays::Quads(_, indices) => indices.len(),
             Arrays::Spheres(_, radii) => radii.len(),
-            Arrays::Lines(lines) => gnurt_accel::UserGeometry::count(&**lines) as usize,
+            Arrays::Discs(_, radii, _) => radii.len(),
+            Arrays::Curves(arrays) => arrays.indices.len(),
             Arrays::User(user) => gnurt_accel::UserGeometry::count(&**user) as usize,
         }
     }
@@ -160,16 +195,24 @@ fn build(scene: &Scene, plan: Plan, moving: &mut Option<Moving>) -> Result<Commi
                 Arrays::User(Arc::new(user))
             }
             (Kind::Quads, None) => Arrays::Quads(surface.vertices.rows(), surface.indices.rows()),
-            (Kind::Lines, None) => {
-                Arrays::Lines(Arc::new(Lines::new(&surface.vertices.rows(), &surface.indices.rows())))
-            }
             (Kind::Spheres, None) => {
-                let rows = surface.vertices.rows::<f32, 4>();
-                Arrays::Spheres(
-                    rows.iter().map(|&[x, y, z, _]| [x, y, z]).collect(),
-                    rows.iter().map(|row| row[3]).collect(),
-                )
+                let (centers, radii) = balls(&surface.vertices);
+                Arrays::Spheres(centers, radii)
             }
+            (Kind::Discs(has_normals), None) => {
+                let (centers, radii) = balls(&surface.vertices);
+                Arrays::Discs(centers, radii, has_normals.then(|| surface.normals.rows()))
+            }
+            (Kind::Curves(basis, form), None) => Arrays::Curves(CurveArrays {
+                basis,
+                form,
+                vertices: surface.vertices.rows(),
+                indices: surface.indices.rows(),
+                tangents: surface.tangents.rows(),
+                normals: surface.normals.rows(),
+                normal_tangents: surface.normal_tangents.rows(),
+                joints: surface.joints.rows(),
+            }),
             _ => Arrays::Triangles(surface.vertices.rows(), surface.indices.rows()),
         };
         prepared.push(Prepared { surface, arrays, mask });
@@ -255,14 +298,27 @@ fn surface(geom_id: u32, geometry: &Arc<Geometry>, settings: &Settings) -> Resul
     let (vertices, indices) = match kind {
         // No setting means no primitives, which is no error with Embree either.
         _ if settings.arrays.is_empty() => (View::empty(), View::empty()),
-        Kind::Triangles | Kind::Quads | Kind::Lines => {
+        Kind::Triangles | Kind::Quads | Kind::Curves(..) => {
             (array(buffer::VERTEX, "vertex")?, array(buffer::INDEX, "index")?)
         }
-        Kind::Spheres => (array(buffer::VERTEX, "vertex")?, View::empty()),
+        Kind::Spheres | Kind::Discs(_) => (array(buffer::VERTEX, "vertex")?, View::empty()),
         Kind::User | Kind::Instance | Kind::Instances => (View::empty(), View::empty()),
     };
     let Settings { filters, point, .. } = *settings;
-    Ok(Surface { geom_id, geometry: Arc::clone(geometry), kind, vertices, indices, filters, point })
+    let other = |of: u32| settings.arrays.get(&(of, 0)).map_or_else(View::empty, |array| array.view.clone());
+    Ok(Surface {
+        geom_id,
+        geometry: Arc::clone(geometry),
+        kind,
+        vertices,
+        indices,
+        normals: other(buffer::NORMAL),
+        tangents: other(buffer::TANGENT),
+        normal_tangents: other(buffer::NORMAL_DERIVATIVE),
+        joints: other(buffer::FLAGS),
+        filters,
+        point,
+    })
 }
 
 /// Instances of a geometry's scene or scenes.

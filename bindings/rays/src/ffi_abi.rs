@@ -250,8 +250,23 @@ pub(crate) enum Code {
 pub(crate) mod kind {
     pub(crate) const TRIANGLE: u32 = 0;
     pub(crate) const QUAD: u32 = 1;
+    pub(crate) const ROUND_LINEAR_CURVE: u32 = 16;
     pub(crate) const FLAT_LINEAR_CURVE: u32 = 17;
+    pub(crate) const ROUND_BEZIER_CURVE: u32 = 24;
+    pub(crate) const FLAT_BEZIER_CURVE: u32 = 25;
+    pub(crate) const NORMAL_ORIENTED_BEZIER_CURVE: u32 = 26;
+    pub(crate) const ROUND_BSPLINE_CURVE: u32 = 32;
+    pub(crate) const FLAT_BSPLINE_CURVE: u32 = 33;
+    pub(crate) const NORMAL_ORIENTED_BSPLINE_CURVE: u32 = 34;
+    pub(crate) const ROUND_HERMITE_CURVE: u32 = 40;
+    pub(crate) const FLAT_HERMITE_CURVE: u32 = 41;
+    pub(crate) const NORMAL_ORIENTED_HERMITE_CURVE: u32 = 42;
     pub(crate) const SPHERE_POINT: u32 = 50;
+    pub(crate) const DISC_POINT: u32 = 51;
+    pub(crate) const ORIENTED_DISC_POINT: u32 = 52;
+    pub(crate) const ROUND_CATMULL_ROM_CURVE: u32 = 58;
+    pub(crate) const FLAT_CATMULL_ROM_CURVE: u32 = 59;
+    pub(crate) const NORMAL_ORIENTED_CATMULL_ROM_CURVE: u32 = 60;
     pub(crate) const USER: u32 = 120;
     pub(crate) const INSTANCE: u32 = 121;
     pub(crate) const INSTANCE_ARRAY: u32 = 122;
@@ -262,11 +277,16 @@ pub(crate) mod buffer {
     pub(crate) const INDEX: u32 = 0;
     pub(crate) const VERTEX: u32 = 1;
     pub(crate) const VERTEX_ATTRIBUTE: u32 = 2;
+    pub(crate) const NORMAL: u32 = 3;
+    pub(crate) const TANGENT: u32 = 4;
+    pub(crate) const NORMAL_DERIVATIVE: u32 = 5;
     pub(crate) const TRANSFORM: u32 = 23;
+    pub(crate) const FLAGS: u32 = 32;
 }
 
 /// The supported values of `RTCFormat`.
 pub(crate) mod format {
+    pub(crate) const UCHAR: u32 = 0x1001;
     pub(crate) const UINT: u32 = 0x5001;
     pub(crate) const UINT3: u32 = 0x5003;
     pub(crate) const UINT4: u32 = 0x5004;

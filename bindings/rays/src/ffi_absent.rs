@@ -42,7 +42,7 @@ macro_rules! of_geometry {
 }
 
 of_geometry! {
-    rtcSetGeometryDisplacementFunction rtcSetGeometrySubdivisionMode rtcSetGeometryTessellationRate
+    rtcSetGeometryDisplacementFunction rtcSetGeometrySubdivisionMode
     rtcSetGeometryTopologyCount rtcSetGeometryVertexAttributeTopology
     rtcGetGeometryFace rtcGetGeometryFirstHalfEdge rtcGetGeometryNextHalfEdge rtcGetGeometryOppositeHalfEdge
     rtcGetGeometryPreviousHalfEdge

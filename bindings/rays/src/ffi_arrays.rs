@@ -6,6 +6,8 @@ use std::ffi::{c_uint, c_void};
 use std::ptr::null_mut;
 use std::sync::Arc;
 
+use gnurt_accel::{CurveBasis, CurveForm};
+
 use crate::device::{Device, Problem};
 use crate::ffi_abi::{Code, buffer, format};
 use crate::ffi_handle::{Handle, lend, release, retain, shared, with, with_device};
@@ -135,11 +137,16 @@ fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
         (Kind::Triangles, buffer::INDEX) => format == format::UINT3,
         (Kind::Quads, buffer::INDEX) => format == format::UINT4,
         (Kind::Triangles | Kind::Quads, buffer::VERTEX) => format == format::FLOAT3,
-        (Kind::Spheres | Kind::Lines, buffer::VERTEX) => format == format::FLOAT4,
-        (Kind::Triangles | Kind::Quads | Kind::Spheres | Kind::Lines, buffer::VERTEX_ATTRIBUTE) => {
-            (format::FLOAT..=format::FLOAT16).contains(&format)
+        (Kind::Spheres | Kind::Discs(_) | Kind::Curves(..), buffer::VERTEX)
+        | (Kind::Curves(CurveBasis::Hermite, _), buffer::TANGENT) => format == format::FLOAT4,
+        (Kind::Discs(true) | Kind::Curves(_, CurveForm::Oriented), buffer::NORMAL)
+        | (Kind::Curves(CurveBasis::Hermite, CurveForm::Oriented), buffer::NORMAL_DERIVATIVE) => {
+            format == format::FLOAT3
         }
-        (Kind::Lines | Kind::Instances, buffer::INDEX) => format == format::UINT,
+        (Kind::Curves(..), buffer::FLAGS) => format == format::UCHAR,
+        (Kind::User | Kind::Instance | Kind::Instances, buffer::VERTEX_ATTRIBUTE) => false,
+        (_, buffer::VERTEX_ATTRIBUTE) => (format::FLOAT..=format::FLOAT16).contains(&format),
+        (Kind::Curves(..) | Kind::Instances, buffer::INDEX) => format == format::UINT,
         (Kind::Instances, buffer::TRANSFORM) => transform::size(format).is_some(),
         _ => false,
     };
@@ -147,7 +154,7 @@ fn width(kind: Kind, of: u32, format: u32) -> Option<usize> {
         _ if transform::size(format).is_some() => transform::size(format)?,
         _ => (format & 0xff) as usize,
     };
-    fits.then_some(4 * numbers)
+    fits.then_some(if format == format::UCHAR { 1 } else { 4 * numbers })
 }
 
 /// A new array of a geometry.
@@ -176,7 +183,7 @@ impl Given {
             )));
         }
         // Rows may overlap, as with Embree.
-        if !stride.is_multiple_of(4) {
+        if !stride.is_multiple_of(4) && width != 1 {
             return Err(Problem::operation(format!(
                 "a stride of {stride} bytes: a multiple of 4 is expected"
             )));
@@ -193,7 +200,7 @@ impl Given {
         keep: Option<Arc<Block>>,
     ) -> Result<(), Problem> {
         let width = self.width(geometry)?;
-        if !(start as usize).is_multiple_of(4) {
+        if !(start as usize).is_multiple_of(4) && width != 1 {
             return Err(Problem::operation("the buffer does not start at a multiple of 4 bytes"));
         }
         if start.is_null() && self.count > 0 {

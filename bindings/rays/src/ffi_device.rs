@@ -61,10 +61,10 @@ pub(crate) unsafe extern "C-unwind" fn rtcGetDeviceProperty(device: Handle, prop
             3 => VERSION[2],
             // Packets of 4, 8 and 16 keep their size and order in callbacks, on all machines.
             32..=34 => 1,
-            // Masks, filters, rays that are unsound, triangles, quads, user geometry, points.
-            64 | 66 | 67 | 96 | 97 | 100 | 101 => 1,
-            // Back faces, compact polygons, subdivision surfaces, curves.
-            62 | 63 | 65 | 68 | 98 | 99 => 0,
+            // Masks, filters, rays that are unsound, triangles, quads, curves, user geometry, points.
+            64 | 66 | 67 | 96 | 97 | 99..=101 => 1,
+            // Back faces, of curves and spheres too, compact polygons, subdivision surfaces.
+            62 | 63 | 65 | 68 | 98 => 0,
             // Threads of our own; commits may be joined; several scenes at once; processors, not SYCL.
             128 => 0,
             129 | 130 | 140 => 1,

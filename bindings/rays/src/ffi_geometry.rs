@@ -7,6 +7,8 @@ use std::ptr::null_mut;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use gnurt_accel::{CurveBasis, CurveForm};
+
 use crate::device::{Device, Problem};
 use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction, format, kind};
 use crate::ffi_handle::{Handle, lend, release, retain, shared, with, with_device};
@@ -24,15 +26,32 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
         let kind = match of {
             kind::TRIANGLE => Kind::Triangles,
             kind::QUAD => Kind::Quads,
-            kind::FLAT_LINEAR_CURVE => Kind::Lines,
             kind::SPHERE_POINT => Kind::Spheres,
+            kind::DISC_POINT => Kind::Discs(false),
+            kind::ORIENTED_DISC_POINT => Kind::Discs(true),
+            kind::ROUND_LINEAR_CURVE => Kind::Curves(CurveBasis::Linear, CurveForm::Round),
+            kind::FLAT_LINEAR_CURVE => Kind::Curves(CurveBasis::Linear, CurveForm::Flat),
+            kind::ROUND_BEZIER_CURVE => Kind::Curves(CurveBasis::Bezier, CurveForm::Round),
+            kind::FLAT_BEZIER_CURVE => Kind::Curves(CurveBasis::Bezier, CurveForm::Flat),
+            kind::NORMAL_ORIENTED_BEZIER_CURVE => Kind::Curves(CurveBasis::Bezier, CurveForm::Oriented),
+            kind::ROUND_BSPLINE_CURVE => Kind::Curves(CurveBasis::BSpline, CurveForm::Round),
+            kind::FLAT_BSPLINE_CURVE => Kind::Curves(CurveBasis::BSpline, CurveForm::Flat),
+            kind::NORMAL_ORIENTED_BSPLINE_CURVE => Kind::Curves(CurveBasis::BSpline, CurveForm::Oriented),
+            kind::ROUND_HERMITE_CURVE => Kind::Curves(CurveBasis::Hermite, CurveForm::Round),
+            kind::FLAT_HERMITE_CURVE => Kind::Curves(CurveBasis::Hermite, CurveForm::Flat),
+            kind::NORMAL_ORIENTED_HERMITE_CURVE => Kind::Curves(CurveBasis::Hermite, CurveForm::Oriented),
+            kind::ROUND_CATMULL_ROM_CURVE => Kind::Curves(CurveBasis::CatmullRom, CurveForm::Round),
+            kind::FLAT_CATMULL_ROM_CURVE => Kind::Curves(CurveBasis::CatmullRom, CurveForm::Flat),
+            kind::NORMAL_ORIENTED_CATMULL_ROM_CURVE => {
+                Kind::Curves(CurveBasis::CatmullRom, CurveForm::Oriented)
+            }
             kind::USER => Kind::User,
             kind::INSTANCE => Kind::Instance,
             kind::INSTANCE_ARRAY => Kind::Instances,
             _ => {
                 return Err(Problem::argument(format!(
-                    "geometry type {of} is not supported: triangles, quads, flat linear curves, sphere points, user \
-                     geometry, instances and arrays of them are (0, 1, 17, 50, 120, 121, 122)"
+                    "geometry type {of} is not supported: triangles, quads, curves, points, user geometry, instances and \
+                     arrays of them are (0, 1, 16 to 60, 120, 121, 122; no cones, grids and subdivision surfaces)"
                 )));
             }
         };
@@ -43,6 +62,22 @@ pub(crate) unsafe extern "C-unwind" fn rtcNewGeometry(device: Handle, of: c_uint
     };
     // SAFETY: passed on.
     unsafe { with_device(device, new) }.map_or(null_mut(), lend)
+}
+
+/// Takes the rate at which Embree divides flat curves; they are not divided here, and look as with a high one.
+///
+/// # Safety
+/// A geometry.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn rtcSetGeometryTessellationRate(geometry: Handle, _rate: f32) {
+    let check = |geometry: &Arc<Geometry>| match geometry.kind {
+        Kind::Curves(..) => Ok(()),
+        kind => {
+            Err(Problem::operation(format!("rtcSetGeometryTessellationRate: not for {kind:?}, but curves")))
+        }
+    };
+    // SAFETY: passed on.
+    unsafe { with::<Geometry, _>(geometry, check) }
 }
 
 /// Counts a geometry once more.

@@ -67,6 +67,7 @@ impl fmt::Debug for Block {
 
 /// Numbers of which all bits are values.
 pub(crate) trait Number: Copy {}
+impl Number for u8 {}
 impl Number for f32 {}
 impl Number for f64 {}
 impl Number for u32 {}

@@ -107,7 +107,7 @@ unsafe fn visit(committed: &Committed, visit: &mut Visit) {
     let mut show = |hit: &gnurt_accel::PointHit| {
         let located = committed.locate(hit.geom_id, hit.inst_id, hit.leaf_id);
         // Embree shows neither: programs do not expect them.
-        if matches!(located.surface.kind, Kind::Spheres | Kind::Lines) {
+        if matches!(located.surface.kind, Kind::Spheres | Kind::Discs(_) | Kind::Curves(..)) {
             // SAFETY: passed on.
             return growth * f64::from(unsafe { (*visit.query).radius });
         }

@@ -55,7 +55,6 @@ mod ffi_trace;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_user;
 mod free_ids;
-mod lines;
 mod located;
 mod objects;
 mod pools;

@@ -4,8 +4,9 @@
 //! length.
 //! Tests: `tests/c/embree.c`.
 
-use gnurt_accel::Hit;
+use gnurt_accel::{CurveBasis, CurveForm, Curves, Hit};
 
+use crate::ffi_memory::View;
 use crate::ffi_present::present;
 use crate::objects::{Committed, Kind, Shown, ShownInstance, Surface, Tree};
 use crate::transform::{self, Columns, IDENTITY};
@@ -83,11 +84,51 @@ impl Located<'_> {
             .fold(outer, |all, shown_instance| transform::after(&all, &shown_instance.world_from_instance))
     }
 
+    /// The point of a hit, in the geometry's space.
+    fn point(&self, hit: &Hit, org: [f32; 3], dir: [f32; 3]) -> [f64; 3] {
+        let at = [0, 1, 2].map(|k| f64::from(org[k]) + f64::from(hit.t) * f64::from(dir[k]));
+        match self.shown_instance {
+            None => at,
+            Some(_) => transform::point(&transform::inverse(&self.world_from_object()), at),
+        }
+    }
+
+    /// The normal of a curve's hit; of ribbons that face rays the derivative along the curve, as by Embree.
+    fn normal_of_curve(
+        &self,
+        basis: CurveBasis,
+        form: CurveForm,
+        hit: &Hit,
+        org: [f32; 3],
+        dir: [f32; 3],
+    ) -> Option<[f32; 3]> {
+        let surface = self.arrays?;
+        let [first] = surface.indices.get::<u32, 1>(hit.prim_id as usize)?;
+        fn some<const N: usize>(view: &View, first: u32) -> Vec<[f32; N]> {
+            (0..4).map_while(|i| view.get::<f32, N>(first as usize + i)).collect()
+        }
+        let vertices = some::<4>(&surface.vertices, first);
+        let (tangents, normals) = (some(&surface.tangents, first), some(&surface.normals, first));
+        let normal_tangents = some(&surface.normal_tangents, first);
+        let curves = Curves {
+            tangents: &tangents,
+            normals: &normals,
+            normal_tangents: &normal_tangents,
+            ..Curves::new(basis, form, &vertices, &[0])
+        };
+        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+        let normal = match form {
+            CurveForm::Flat => curves.tangent(0, u),
+            _ => curves.normal(0, [u, v], self.point(hit, org, dir)),
+        };
+        Some(normal?.map(|x| x as f32))
+    }
+
     /// The normal at a ray's hit, in the geometry's space; zeros for user geometry, which returns its own,
     /// and for removed geometry.
     #[inline]
     pub(crate) fn normal(&self, hit: &Hit, org: [f32; 3], dir: [f32; 3]) -> [f32; 3] {
-        let Some(Surface { kind, vertices, indices, .. }) = self.arrays else { return [0.0; 3] };
+        let Some(Surface { kind, vertices, indices, normals, .. }) = self.arrays else { return [0.0; 3] };
         let prim_id = hit.prim_id as usize;
         let corner = |i: u32| vertices.get::<f32, 3>(i as usize).unwrap_or_default();
         match kind {
@@ -104,17 +145,17 @@ impl Located<'_> {
             }
             Kind::Spheres => {
                 let [x, y, z, _] = vertices.get::<f32, 4>(prim_id).unwrap_or_default();
-                let at = [0, 1, 2].map(|k| f64::from(org[k]) + f64::from(hit.t) * f64::from(dir[k]));
-                let at = match self.shown_instance {
-                    None => at,
-                    Some(_) => transform::point(&transform::inverse(&self.world_from_object()), at),
-                };
+                let at = self.point(hit, org, dir);
                 [0, 1, 2].map(|k| (at[k] - f64::from([x, y, z][k])) as f32)
             }
-            Kind::Lines => {
-                let [first] = indices.get::<u32, 1>(prim_id).unwrap_or_default();
-                let [a, b] = [first, first.wrapping_add(1)].map(corner);
-                [0, 1, 2].map(|k| b[k] - a[k])
+            Kind::Discs(true) => normals.get::<f32, 3>(prim_id).unwrap_or_default(),
+            Kind::Discs(false) => {
+                let rows = transform::inverse(&self.world_from_object());
+                let [from, to] = [[0.0; 3], dir.map(f64::from)].map(|p| transform::point(&rows, p));
+                [0, 1, 2].map(|k| (from[k] - to[k]) as f32)
+            }
+            Kind::Curves(basis, form) => {
+                self.normal_of_curve(*basis, *form, hit, org, dir).unwrap_or_default()
             }
             Kind::User | Kind::Instance | Kind::Instances => [0.0; 3],
         }

@@ -8,7 +8,7 @@ use std::ffi::c_void;
 use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-use gnurt_accel::{MovingTree, ObjectTree, Query, SceneTree};
+use gnurt_accel::{CurveBasis, CurveForm, MovingTree, ObjectTree, Query, SceneTree};
 
 use crate::device::Device;
 use crate::ffi_abi::{BoundsFunction, FilterFunction, PointFunction, UserFunction};
@@ -23,7 +23,9 @@ pub(crate) enum Kind {
     Triangles,
     Quads,
     Spheres,
-    Lines,
+    /// Whether they have normals.
+    Discs(bool),
+    Curves(CurveBasis, CurveForm),
     User,
     Instance,
     Instances,
@@ -406,6 +408,12 @@ pub(crate) struct Surface {
     /// Vertices, or centres and radii.
     pub(crate) vertices: View,
     pub(crate) indices: View,
+    /// By vertex, where curves and discs have them.
+    pub(crate) normals: View,
+    pub(crate) tangents: View,
+    pub(crate) normal_tangents: View,
+    /// By curve.
+    pub(crate) joints: View,
     pub(crate) filters: Filters,
     pub(crate) point: PointFunction,
 }

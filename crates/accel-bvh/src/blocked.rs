@@ -1,58 +1,155 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! A wide BVH with leaf blocks of eight primitives: the common part of spheres, user geometry and instances.
-//! Space: that of the primitives. Tests: `tests/mixed.rs` of `gnurt-accel`, `boxes::tests`.
+//! Everything that is not a triangle under a wide BVH: leaf blocks of eight primitives of one kind.
+//! A kind is a type that implements [`BlockKind`], in a file of its own, and a line in `blocks.rs`;
+//! docs/how-to/add-a-primitive.md leads through it. Space: object.
+//! Invariant: a lane whose number is `INVALID_ID` is empty, and nothing meets it. Tests: `tests/mixed.rs` and
+//! `tests/saved.rs` of `gnurt-accel`.
 
-use gnurt_accel_core::{Aabb, BuildError, Memory, Quality, Threads, TreeStats};
+mod build;
+mod store;
 
-use crate::build::build;
-use crate::node::WIDTH;
-use crate::primitives::Primitives;
+use std::fmt;
+use std::io::{self, Read, Write};
+
+use gnurt_accel_core::geometry::GeometryKind;
+use gnurt_accel_core::point::{NearestPoint, Probe};
+use gnurt_accel_core::primitive::Primitive;
+use gnurt_accel_core::region::RegionFilter;
+use gnurt_accel_core::store::{LoadError, Reader, StoredRecord, Writer};
+use gnurt_accel_core::traversal::RayTraversal;
+use gnurt_accel_core::{Aabb, BadPrimitives, INVALID_ID, Ray, TreeStats};
+use gnurt_simd::Simd;
+
+pub use build::Inputs;
+
+use crate::node::{Child, WIDTH};
+use crate::node_ray::NodeRay;
 use crate::tree::Tree;
+use crate::walk::walk;
 
-/// Tree and blocks.
+/// A kind of primitives: a block of eight of them.
+pub trait BlockKind: StoredRecord + Clone + fmt::Debug + Send + Sync {
+    /// The kind in files, with nodes of either form; or the reason why it cannot be saved.
+    const IN_FILES: Result<[u64; 2], &'static str>;
+    /// One primitive, or a piece of one, on its way into a lane.
+    type Item: Send + Sync;
+    /// Data of one geometry that its primitives share; `()` for none.
+    type Data: BlockData;
+    /// A ray made ready for blocks.
+    type Ready<S: Simd>: Copy;
+
+    /// Whether a geometry is of this kind.
+    fn is_kind_of(kind: &GeometryKind) -> bool;
+
+    /// Shared data of a geometry of this kind.
+    fn data(kind: &GeometryKind) -> Self::Data;
+
+    /// Calls `each` with all pieces of a primitive, most often one. None of one that cannot be traced, whose fault is counted.
+    fn items(kind: &GeometryKind, prim_id: u32, bad: &mut BadPrimitives, each: &mut dyn FnMut(Self::Item));
+
+    /// The box around a piece.
+    fn bounds(item: &Self::Item) -> Aabb;
+
+    /// A block of empty lanes.
+    fn empty() -> Self;
+
+    /// Fills a lane.
+    fn set(&mut self, lane: usize, item: &Self::Item, number: u32);
+
+    /// The piece of a lane where its primitive is now; `None` where that cannot be traced.
+    fn moved(&self, _lane: usize, kind: &GeometryKind, prim_id: u32) -> Option<Self::Item> {
+        let mut found = None;
+        Self::items(kind, prim_id, &mut BadPrimitives::default(), &mut |item| found = Some(item));
+        found
+    }
+
+    /// Numbers in the object.
+    fn numbers(&self) -> &[u32; WIDTH];
+
+    /// Makes a valid and regular ray ready for a tree whose greatest coordinate is `greatest`.
+    fn ready<S: Simd>(simd: S, ray: &Ray, greatest: f32) -> Self::Ready<S>;
+
+    /// Offers all hits within the ray's extent. Returns how many primitives were tested.
+    fn meet<S: Simd>(
+        &self,
+        simd: S,
+        ready: &Self::Ready<S>,
+        shared: &Shared<Self>,
+        traversal: &mut RayTraversal,
+    ) -> u64;
+
+    /// Offers the nearest point of a lane, which is not empty.
+    fn near(
+        &self,
+        lane: usize,
+        shared: &Shared<Self>,
+        probe: &Probe,
+        slot: u32,
+        nearest: &mut dyn NearestPoint,
+    );
+
+    /// The primitive in a lane, which is not empty.
+    fn primitive<'a>(&'a self, lane: usize, shared: &'a Shared<Self>) -> Primitive<'a>;
+
+    /// Whether a lane of a file holds a primitive that could have been built, or nothing; there are `count` in all.
+    fn is_sound(&self, lane: usize, shared: &Shared<Self>, count: u32) -> bool;
+}
+
+/// Data that primitives of one geometry share.
+pub trait BlockData: Clone + fmt::Debug + Send + Sync {
+    /// Bytes of it.
+    fn memory_bytes(&self) -> usize {
+        0
+    }
+
+    /// Writes it.
+    fn save(&self, writer: &mut Writer<'_, impl Write>) -> io::Result<()>;
+
+    /// Reads it.
+    fn load(reader: &mut Reader<'_, impl Read>) -> Result<Self, LoadError>;
+}
+
+impl BlockData for () {
+    fn save(&self, _: &mut Writer<'_, impl Write>) -> io::Result<()> {
+        Ok(())
+    }
+
+    fn load(_: &mut Reader<'_, impl Read>) -> Result<Self, LoadError> {
+        Ok(())
+    }
+}
+
+/// Shared data of all geometries, with their first numbers, ascending.
 #[derive(Clone, Debug)]
-pub(crate) struct Blocked<B> {
-    pub(crate) tree: Tree,
-    pub(crate) blocks: Vec<B>,
+pub struct Shared<B: BlockKind>(Vec<(u32, B::Data)>);
+
+impl<B: BlockKind> Shared<B> {
+    /// The data of a number's geometry, and its index there.
+    pub(crate) fn of(&self, number: u32) -> (&B::Data, u32) {
+        let at = self.0.partition_point(|(start, _)| *start <= number) - 1;
+        let (start, data) = &self.0[at];
+        (data, number - start)
+    }
+
+    /// The same where a file may have any number.
+    pub(crate) fn get(&self, number: u32) -> Option<(&B::Data, u32)> {
+        let at = self.0.partition_point(|(start, _)| *start <= number).checked_sub(1)?;
+        self.0.get(at).map(|(start, data)| (data, number - start))
+    }
+}
+
+/// Tree and blocks of one kind.
+#[derive(Clone, Debug)]
+pub struct Blocked<B: BlockKind> {
+    tree: Tree,
+    blocks: Vec<B>,
+    shared: Shared<B>,
     /// The greatest coordinate of any plane.
-    pub(crate) greatest: f32,
+    greatest: f32,
     stats: TreeStats,
 }
 
-impl<B> Blocked<B> {
-    /// Over all primitives; `block` makes a block of the numbers of up to eight, padded with `INVALID_ID`.
-    ///
-    /// # Errors
-    /// That there are too many.
-    pub(crate) fn build(
-        primitives: &impl Primitives,
-        quality: Quality,
-        memory: Memory,
-        threads: Threads,
-        block: impl Fn(&[u32; WIDTH]) -> B,
-    ) -> Result<Self, BuildError> {
-        let mut tree = build(primitives, quality, threads)?;
-        tree.settle(memory);
-        let stats = tree.measure();
-        let blocks = std::mem::take(&mut tree.blocks).iter().map(block).collect();
-        Ok(Self { blocks, greatest: tree.greatest(), tree, stats })
-    }
-
-    /// From saved parts; the tree is measured after it was checked.
-    pub(crate) fn of_parts(tree: Tree, blocks: Vec<B>) -> Self {
-        Self { greatest: tree.greatest(), tree, blocks, stats: TreeStats::default() }
-    }
-
-    /// Measures a valid tree, whose blocks hold this number of references.
-    pub(crate) fn measure_again(&mut self, references: u64) {
-        self.stats = TreeStats { references, ..self.tree.measure() };
-    }
-
-    /// Its nodes have other boxes, of this cost.
-    pub(crate) fn refitted(&mut self, cost: f64) {
-        (self.greatest, self.stats.sah_cost) = (self.tree.greatest(), cost);
-    }
-
+impl<B: BlockKind> Blocked<B> {
     /// Box around everything.
     pub(crate) fn bounds(&self) -> Aabb {
         self.tree.bounds
@@ -60,16 +157,74 @@ impl<B> Blocked<B> {
 
     /// Size and shape.
     pub(crate) fn stats(&self) -> TreeStats {
+        let shared: usize = self.shared.0.iter().map(|(_, data)| data.memory_bytes()).sum();
         TreeStats {
-            primitives: self.stats.references,
             tree_bytes: self.tree.node_bytes() as u64,
-            primitive_bytes: size_of_val(&self.blocks[..]) as u64,
+            primitive_bytes: (size_of_val(&self.blocks[..]) + shared) as u64,
             ..self.stats
         }
     }
 
-    /// Whether nodes are the small ones.
-    pub(crate) fn is_compact(&self) -> bool {
-        self.tree.is_compact()
+    /// Numbers of all leaf blocks, and how many there are.
+    pub(crate) fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
+        self.blocks.iter().enumerate().for_each(|(i, block)| visit(i, block.numbers()));
+        self.blocks.len()
     }
+
+    /// The primitive in a lane.
+    pub(crate) fn primitive(&self, block: usize, lane: usize) -> Primitive<'_> {
+        self.blocks[block].primitive(lane, &self.shared)
+    }
+
+    /// Offers the ray's hits; it is valid and regular, the tree not empty.
+    #[inline(always)]
+    pub(crate) fn search<S: Simd>(&self, simd: S, traversal: &mut RayTraversal) {
+        let Self { tree, blocks, shared, greatest, .. } = self;
+        let for_nodes = NodeRay::new(simd, traversal.ray, *greatest);
+        let ready = B::ready(simd, traversal.ray, *greatest);
+        let mut tested = 0;
+        let visited = walk(
+            tree,
+            simd,
+            Child::node(0),
+            &for_nodes,
+            traversal.reach(),
+            #[inline(always)]
+            |range| {
+                for block in &blocks[range] {
+                    tested += block.meet(simd, &ready, shared, traversal);
+                }
+                traversal.reach()
+            },
+        );
+        traversal.counters.nodes += u64::from(visited);
+        traversal.counters.triangles += tested;
+    }
+
+    /// Improves `nearest` by the primitives.
+    #[inline(always)]
+    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
+        let Self { tree, blocks, shared, .. } = self;
+        tree.near(simd, &probe.point, probe.radius_for(nearest.distance()), |range| {
+            for block in &blocks[range] {
+                lanes(block).for_each(|(lane, _)| block.near(lane, shared, probe, slot, nearest));
+            }
+            probe.radius_for(nearest.distance())
+        });
+    }
+
+    /// Shows the primitives that may meet a region.
+    pub(crate) fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
+        self.tree.filter_region(region_filter, &mut |range| {
+            for block in &self.blocks[range] {
+                lanes(block).for_each(|(lane, number)| visit(number, block.primitive(lane, &self.shared)));
+            }
+        });
+    }
+}
+
+/// Lanes that are not empty, with their numbers.
+pub(crate) fn lanes<B: BlockKind>(block: &B) -> impl Iterator<Item = (usize, u32)> + use<B> {
+    let numbers = *block.numbers();
+    (0..WIDTH).map(move |lane| (lane, numbers[lane])).filter(|&(_, number)| number != INVALID_ID)
 }

@@ -4,8 +4,6 @@
 use crate::index::BvhIndex;
 use crate::node::WIDTH;
 use crate::pose::PosedLeaves;
-use crate::spheres::SphereIndex;
-use crate::user::UserIndex;
 
 impl BvhIndex {
     /// Numbers of all leaf blocks, and how many there are.
@@ -27,28 +25,5 @@ impl BvhIndex {
             (None, Some(posed)) => posed.triangle(block, lane),
             (None, None) => leaves.pools.triangle(block, lane),
         }
-    }
-}
-
-impl SphereIndex {
-    /// Numbers of all leaf blocks, and how many there are.
-    pub fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
-        self.0.blocks.iter().enumerate().for_each(|(i, block)| visit(i, &block.numbers));
-        self.0.blocks.len()
-    }
-
-    /// Centre and radius of one sphere.
-    #[must_use]
-    pub fn sphere_at(&self, block: usize, lane: usize) -> ([f32; 3], f32) {
-        let block = &self.0.blocks[block];
-        ([0, 1, 2].map(|k: usize| block.center[k][lane]), block.radius[lane])
-    }
-}
-
-impl UserIndex {
-    /// Numbers of all leaf blocks, and how many there are.
-    pub fn numbers(&self, visit: &mut dyn FnMut(usize, &[u32; WIDTH])) -> usize {
-        self.over.blocks.iter().enumerate().for_each(|(i, numbers)| visit(i, numbers));
-        self.over.blocks.len()
     }
 }

@@ -15,15 +15,14 @@ use gnurt_accel_core::direction_class::{DirectionClass, DirectionClasses};
 use gnurt_accel_core::nearest::{AnyHit, Closest, Mode};
 use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_accel_core::traversal::{RayKind, RayTraversal, TileTraversal};
-use gnurt_simd::{Simd, Token, by_level};
+use gnurt_simd::{Simd, Token, by_level, kernel, tile_kernel};
 
+use crate::blocks::BlockIndex;
 use crate::boxes::{BoxIndex, EnterMembers, MetBlock};
 use crate::incoherent::walk_incoherent;
 use crate::index::BvhIndex;
 use crate::motion::MotionIndex;
-use crate::spheres::SphereIndex;
 use crate::tiles::walk_tile;
-use crate::user::UserIndex;
 
 /// The kernels of one level. Rays are valid and regular, trees not empty.
 #[derive(Clone, Copy)]
@@ -49,10 +48,8 @@ struct Table {
     incoherent: Option<fn(Token, &BvhIndex, &DirectionClasses, &mut TileTraversal)>,
     point: OnPoint<BvhIndex>,
     moving: [OnRay<MotionIndex>; 3],
-    spheres: OnRay<SphereIndex>,
-    spheres_point: OnPoint<SphereIndex>,
-    user: OnRay<UserIndex>,
-    user_point: OnPoint<UserIndex>,
+    blocks: OnRay<BlockIndex>,
+    blocks_point: OnPoint<BlockIndex>,
     boxes: fn(Token, &BoxIndex, &Ray, f32, EnterRay) -> u32,
     boxes_tile: Option<OnBoxesTile>,
     boxes_point: fn(Token, &BoxIndex, &[f64; 3], f64, EnterPoint),
@@ -65,59 +62,19 @@ impl<S: Simd> For<S> {
         closest: search::<S, Closest>,
         any: search::<S, AnyHit>,
         each: search_each::<S>,
-        tile: if S::HAS_TILES { Some(tile::<S>) } else { None },
-        incoherent: if S::HAS_TILES { Some(incoherent::<S>) } else { None },
-        point: |token, index, probe, slot, nearest| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || index.nearest(simd, probe, slot, nearest),
-            );
-        },
+        tile: tile_kernel!(S, |simd, index, class, traversal| walk_tile(simd, index, class, traversal)),
+        incoherent: tile_kernel!(S, |simd, index, classes, traversal| walk_incoherent(
+            simd, index, classes, traversal
+        )),
+        point: kernel!(S, |simd, index, probe, slot, nearest| index.nearest(simd, probe, slot, nearest)),
         moving: [moving::<S, Closest>, moving::<S, AnyHit>, moving_each::<S>],
-        spheres: |token, index, traversal| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || index.search(simd, traversal),
-            );
-        },
-        spheres_point: |token, index, probe, slot, nearest| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || index.nearest(simd, probe, slot, nearest),
-            );
-        },
-        user: |token, index, traversal| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || index.search(simd, traversal),
-            );
-        },
-        user_point: |token, index, probe, slot, nearest| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || index.nearest(simd, probe, slot, nearest),
-            );
-        },
-        boxes: |token, index, ray, reach, enter| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || index.search(simd, ray, reach, enter),
-            )
-        },
-        boxes_tile: if S::HAS_TILES { Some(boxes_tile::<S>) } else { None },
-        boxes_point: |token, index, point, radius, enter| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || index.near(simd, point, radius, enter),
-            );
-        },
+        blocks: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
+        blocks_point: kernel!(S, |simd, index, probe, slot, nearest| index
+            .nearest(simd, probe, slot, nearest)),
+        boxes: kernel!(S, |simd, index, ray, reach, enter| index.search(simd, ray, reach, enter)),
+        boxes_tile: tile_kernel!(S, |simd, index, class, traversal, enter| index
+            .search_tile(simd, class, traversal, enter)),
+        boxes_point: kernel!(S, |simd, index, point, radius, enter| index.near(simd, point, radius, enter)),
     };
 }
 
@@ -185,46 +142,6 @@ fn moving_each<S: Simd>(token: Token, index: &MotionIndex, traversal: &mut RayTr
             index.search(simd, ray, slot, traversal, &mut counters);
             *traversal.counters = counters;
         },
-    );
-}
-
-fn tile<S: Simd>(
-    token: Token,
-    index: &BvhIndex,
-    direction_class: DirectionClass,
-    traversal: &mut TileTraversal,
-) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || walk_tile(simd, index, direction_class, traversal),
-    );
-}
-
-fn incoherent<S: Simd>(
-    token: Token,
-    index: &BvhIndex,
-    direction_classes: &DirectionClasses,
-    traversal: &mut TileTraversal,
-) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || walk_incoherent(simd, index, direction_classes, traversal),
-    );
-}
-
-fn boxes_tile<S: Simd>(
-    token: Token,
-    index: &BoxIndex,
-    direction_class: DirectionClass,
-    traversal: &mut TileTraversal,
-    enter: &mut dyn EnterMembers,
-) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || index.search_tile(simd, direction_class, traversal, enter),
     );
 }
 
@@ -297,30 +214,14 @@ impl Kernels {
         (self.table.point)(self.token, index, probe, slot, nearest);
     }
 
-    /// One ray through spheres.
-    pub fn spheres(&self, index: &SphereIndex, traversal: &mut RayTraversal) {
-        (self.table.spheres)(self.token, index, traversal);
+    /// One ray through primitives that are not triangles.
+    pub fn blocks(&self, index: &BlockIndex, traversal: &mut RayTraversal) {
+        (self.table.blocks)(self.token, index, traversal);
     }
 
-    /// The nearest point of spheres.
-    pub fn spheres_point(
-        &self,
-        index: &SphereIndex,
-        probe: &Probe,
-        slot: u32,
-        nearest: &mut dyn NearestPoint,
-    ) {
-        (self.table.spheres_point)(self.token, index, probe, slot, nearest);
-    }
-
-    /// One ray through user geometry.
-    pub fn user(&self, index: &UserIndex, traversal: &mut RayTraversal) {
-        (self.table.user)(self.token, index, traversal);
-    }
-
-    /// The nearest point of user geometry.
-    pub fn user_point(&self, index: &UserIndex, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
-        (self.table.user_point)(self.token, index, probe, slot, nearest);
+    /// Their nearest point.
+    pub fn blocks_point(&self, index: &BlockIndex, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
+        (self.table.blocks_point)(self.token, index, probe, slot, nearest);
     }
 
     /// Calls `enter` with the blocks of boxes that `ray`, which is relative to their origin, meets before `reach`; it

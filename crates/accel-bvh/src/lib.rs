@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Wide bounding volume hierarchies: eight children per node, leaves of blocks of eight primitives.
-//! Triangles, spheres, user geometry, and boxes that the caller supplies.
+//! Triangles, spheres, discs, curves, user geometry, and boxes that the caller supplies.
 //! Source: [WBB08]. The builder is in `build`, nodes in `node` and `compact`, the code compiled for each
 //! level in [`Kernels`].
 //!
@@ -12,10 +12,13 @@
 )]
 
 mod blocked;
+mod blocks;
 mod boxes;
 mod build;
 mod compact;
 mod corners;
+mod curves;
+mod discs;
 mod gather;
 mod incoherent;
 mod index;
@@ -44,12 +47,12 @@ mod triangles;
 mod user;
 mod walk;
 
+pub use blocked::Inputs;
+pub use blocks::{BlockIndex, BlockSort};
 pub use boxes::{BoxEdit, BoxIndex, EnterMembers, Member, MetBlock};
 pub use index::BvhIndex;
 pub use kernels::Kernels;
 pub use motion::MotionIndex;
 pub use refit::Refitted;
 pub use screen::Screen;
-pub use spheres::SphereIndex;
 pub use treelet::BoxesAt;
-pub use user::UserIndex;

@@ -6,16 +6,12 @@
 
 use std::ops::Range;
 
-use gnurt_accel_core::INVALID_ID;
-use gnurt_accel_core::point::{NearestPoint, Probe, on_sphere};
+use gnurt_accel_core::point::{NearestPoint, Probe};
 use gnurt_simd::{Simd, StackBuffer, f32x8, prelude::*};
 
-use crate::blocked::Blocked;
 use crate::index::BvhIndex;
 use crate::node::{Boxes, Child, WIDTH};
-use crate::spheres::SphereIndex;
 use crate::tree::{DEEPEST, Tree};
-use crate::user::UserIndex;
 
 /// A point in lanes: least and greatest floats around each coordinate.
 #[derive(Clone, Copy)]
@@ -121,42 +117,6 @@ impl BvhIndex {
         tree.near(simd, &probe.point, probe.radius_for(nearest.distance()), |range| {
             for index in range {
                 leaves.block(simd, index, &mut None).nearest(probe, slot, nearest);
-            }
-            probe.radius_for(nearest.distance())
-        });
-    }
-}
-
-impl SphereIndex {
-    /// Improves `nearest` by the spheres' surfaces.
-    #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
-        let Blocked { tree, blocks, .. } = &self.0;
-        tree.near(simd, &probe.point, probe.radius_for(nearest.distance()), |range| {
-            for block in &blocks[range] {
-                for lane in (0..WIDTH).filter(|&lane| block.numbers[lane] != INVALID_ID) {
-                    let center = [0, 1, 2].map(|k| f64::from(block.center[k][lane]));
-                    let offset = on_sphere(probe, center, f64::from(block.radius[lane]));
-                    nearest.offer(offset, [0.0; 2], block.numbers[lane], slot);
-                }
-            }
-            probe.radius_for(nearest.distance())
-        });
-    }
-}
-
-impl UserIndex {
-    /// Improves `nearest` by the primitives' answers.
-    #[inline(always)]
-    pub(crate) fn nearest<S: Simd>(&self, simd: S, probe: &Probe, slot: u32, nearest: &mut dyn NearestPoint) {
-        let point = probe.point.map(|x| x as f32);
-        let Blocked { tree, blocks, .. } = &self.over;
-        tree.near(simd, &probe.point, probe.radius_for(nearest.distance()), |range| {
-            for &number in blocks[range].iter().flatten().filter(|&&number| number != INVALID_ID) {
-                let (user, prim_id) = self.primitive(number);
-                if let Some(found) = user.closest_point(prim_id, point) {
-                    nearest.offer(probe.offset(found.map(f64::from)), [0.0; 2], number, slot);
-                }
             }
             probe.radius_for(nearest.distance())
         });

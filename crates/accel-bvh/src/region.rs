@@ -5,22 +5,18 @@
 
 use std::ops::Range;
 
-use gnurt_accel_core::INVALID_ID;
 use gnurt_accel_core::bits::each;
 use gnurt_accel_core::filter_region::{NOTHING, filter_triangles};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::{Region, RegionFilter, Rows};
 use gnurt_simd::StackBuffer;
 
-use crate::blocked::Blocked;
 use crate::boxes::BoxIndex;
 use crate::index::BvhIndex;
 use crate::node::{Child, Node8, WIDTH};
 use crate::pools::Pools;
-use crate::spheres::SphereIndex;
 use crate::tree::{DEEPEST, Tree};
 use crate::treelet::Treelet;
-use crate::user::UserIndex;
 
 impl Tree {
     /// Shows `leaf` the blocks of leaves that may meet it.
@@ -101,34 +97,6 @@ impl BvhIndex {
                     (None, Some(posed)) => posed.filter_region(index, region_filter, visit),
                     (None, None) => leaves.pools.filter_region(index, region_filter, visit),
                 }
-            }
-        });
-    }
-}
-
-impl SphereIndex {
-    /// Shows the spheres that may meet it.
-    pub fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
-        let Blocked { tree, blocks, .. } = &self.0;
-        tree.filter_region(region_filter, &mut |range| {
-            for block in &blocks[range] {
-                for i in (0..WIDTH).filter(|&i| block.numbers[i] != INVALID_ID) {
-                    let center = [0, 1, 2].map(|k| block.center[k][i]);
-                    visit(block.numbers[i], Primitive::Sphere(center, block.radius[i]));
-                }
-            }
-        });
-    }
-}
-
-impl UserIndex {
-    /// Shows the primitives that may meet it.
-    pub fn filter_region(&self, region_filter: &RegionFilter, visit: &mut dyn FnMut(u32, Primitive)) {
-        let Blocked { tree, blocks, .. } = &self.over;
-        tree.filter_region(region_filter, &mut |range| {
-            for &number in blocks[range].iter().flatten().filter(|&&number| number != INVALID_ID) {
-                let (user, prim_id) = self.primitive(number);
-                visit(number, Primitive::User(user, prim_id));
             }
         });
     }

@@ -6,18 +6,13 @@
 
 use std::sync::Arc;
 
+pub use crate::bad_primitives::{BadPrimitives, LARGEST_COORDINATE, MOST_TRIANGLES};
+use crate::curve::Curves;
 use crate::user::UserGeometry;
-
-/// Coordinates beyond this are dropped: squares of their differences still fit a float.
-pub const LARGEST_COORDINATE: f32 = 1.8e18;
 
 /// No plane of a box lies beyond this: the box of a sphere reaches to twice [`LARGEST_COORDINATE`], and those of compact
 /// nodes a sixteenth farther. Times the inverse of a regular ray's flattest direction, 2^50, that is far from an overflow.
 pub const FARTHEST_PLANE: f32 = 4e18;
-
-/// Most triangles of one object: the limit of an event's number in the builder. Quads count twice, spheres
-/// and primitives of user geometries once.
-pub const MOST_TRIANGLES: usize = (1 << 30) - 1;
 
 /// One mesh: borrowed arrays. Its `geom_id` is its index in the list of the build.
 #[derive(Clone, Copy, Debug, Default)]
@@ -53,6 +48,19 @@ pub struct Spheres<'a> {
     pub radii: &'a [f32],
 }
 
+/// Discs: borrowed arrays of the same length; excess elements are ignored. A disc's index is its `prim_id`.
+///
+/// Radii are positive and normals not zero; other discs are dropped and counted among the primitives of zero area.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Discs<'a> {
+    /// Centres, object space.
+    pub centers: &'a [[f32; 3]],
+    /// Radii.
+    pub radii: &'a [f32],
+    /// Normals of any length; `None` for discs that face each ray.
+    pub normals: Option<&'a [[f32; 3]]>,
+}
+
 /// One mesh that moves during an open shutter: borrowed arrays.
 ///
 /// Vertices move in straight lines from key to key. Rays of [`Ray::time`](crate::Ray::time) 0 see the first
@@ -83,6 +91,10 @@ pub enum GeometryKind<'a> {
     Quads(Quads<'a>),
     /// Spheres.
     Spheres(Spheres<'a>),
+    /// Discs.
+    Discs(Discs<'a>),
+    /// Curves with a width.
+    Curves(Curves<'a>),
     /// A triangle mesh that moves while the shutter is open.
     Moving(MovingTriangles<'a>),
     /// Primitives defined by the caller; stored in the tree.
@@ -125,6 +137,11 @@ impl<'a> Geometry<'a> {
             GeometryKind::Triangles(mesh) => mesh.indices.len(),
             GeometryKind::Quads(mesh) => 2 * mesh.indices.len(),
             GeometryKind::Spheres(spheres) => spheres.centers.len().min(spheres.radii.len()),
+            GeometryKind::Discs(discs) => {
+                let count = discs.centers.len().min(discs.radii.len());
+                discs.normals.map_or(count, |normals| count.min(normals.len()))
+            }
+            GeometryKind::Curves(curves) => curves.indices.len(),
             GeometryKind::Moving(mesh) if mesh.keys.is_empty() => 0,
             GeometryKind::Moving(mesh) => mesh.indices.len(),
             GeometryKind::User(user) => user.count() as usize,
@@ -156,57 +173,19 @@ impl<'a> From<Spheres<'a>> for Geometry<'a> {
     }
 }
 
-/// Primitives that were left out of a tree, by the first fault found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BadPrimitives {
-    /// An index that is not below the number of positions.
-    pub bad_index: u64,
-    /// A coordinate that is not a number.
-    pub nan: u64,
-    /// An infinite coordinate.
-    pub infinite: u64,
-    /// A coordinate beyond [`LARGEST_COORDINATE`].
-    pub too_large: u64,
-    /// Corners on one line or in one point; spheres without a radius.
-    pub zero_area: u64,
-    /// More than [`MOST_TRIANGLES`] in one object.
-    pub too_many: u64,
-}
-
-impl BadPrimitives {
-    /// All of them.
-    #[must_use]
-    pub fn total(&self) -> u64 {
-        self.bad_index + self.nan + self.infinite + self.too_large + self.zero_area + self.too_many
-    }
-
-    /// Where to count a primitive with these coordinates, if they have a fault.
-    pub fn fault(&mut self, coordinates: impl Iterator<Item = f32> + Clone) -> Option<&mut u64> {
-        let any = |test: fn(f32) -> bool| coordinates.clone().any(test);
-        if any(f32::is_nan) {
-            Some(&mut self.nan)
-        } else if any(f32::is_infinite) {
-            Some(&mut self.infinite)
-        } else if any(|x| x.abs() > LARGEST_COORDINATE) {
-            Some(&mut self.too_large)
-        } else {
-            None
-        }
+impl<'a> From<Discs<'a>> for Geometry<'a> {
+    fn from(discs: Discs<'a>) -> Self {
+        Self::new(GeometryKind::Discs(discs))
     }
 }
 
-impl std::ops::AddAssign for BadPrimitives {
-    fn add_assign(&mut self, other: Self) {
-        self.bad_index += other.bad_index;
-        self.nan += other.nan;
-        self.infinite += other.infinite;
-        self.too_large += other.too_large;
-        self.zero_area += other.zero_area;
-        self.too_many += other.too_many;
+impl<'a> From<Curves<'a>> for Geometry<'a> {
+    fn from(curves: Curves<'a>) -> Self {
+        Self::new(GeometryKind::Curves(curves))
     }
 }
 
-/// Numbers of all primitives of an object: triangles, halves of quads, spheres, user primitives.
+/// Numbers of all primitives of an object: triangles, halves of quads, and all others.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Numbering {
     /// First number of each geometry, and one past the last.

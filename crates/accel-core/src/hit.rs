@@ -15,6 +15,8 @@ pub const INVALID_ID: u32 = u32::MAX;
 /// | triangle | weight of the second vertex, in `[0, 1]` | weight of the third; the first one's is `1 - u - v` |
 /// | quad | from 0 on the edge of vertices 0 and 3 to 1 on that of 1 and 2 | from 0 on the edge of 0 and 1 to 1 on that of 3 and 2 |
 /// | sphere | 0 | 0; the normal is the point minus the centre |
+/// | disc | 0 | 0 |
+/// | curve | along it, from 0 to 1 | across it: of flat ones from -1 on the left, seen along ray and curve, to 1; of oriented ones from 0 to 1; 0 on round ones |
 /// | user geometry | as its test returns | as its test returns |
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {

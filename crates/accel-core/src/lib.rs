@@ -8,7 +8,7 @@
 //! planes and triangles. `tile`, `beam`, `edge_planes`, `chunks`, `tile_test`: up to 64 rays of one [`direction_class`] against boxes and
 //! triangles. [`traversal`]: the state that a query passes to the kernels of a tree. `geometry`,
 //! `valid_triangles`, `threads`, `control`: the input of builds, their threads and their control. `store`:
-//! trees in files.
+//! trees in files. `curve`: curves and their tests.
 //!
 //! Only [`tile_kernels`] is compiled for each level here: the rest is `#[inline(always)]` for the kernels of
 //! the crates above.
@@ -24,6 +24,7 @@
 
 pub mod aabb;
 pub mod affine;
+pub mod bad_primitives;
 pub mod beam;
 pub mod bits;
 pub mod blocks;
@@ -31,6 +32,7 @@ pub mod chunks;
 pub mod clip;
 pub mod collect;
 pub mod control;
+pub mod curve;
 pub mod direction_class;
 pub mod edge_planes;
 pub mod exact;
@@ -64,8 +66,9 @@ pub mod valid_triangles;
 
 pub use aabb::Aabb;
 pub use control::{BuildControl, BuildError};
+pub use curve::{CurveBasis, CurveForm, Curves};
 pub use geometry::{
-    BadPrimitives, FARTHEST_PLANE, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES,
+    BadPrimitives, Discs, FARTHEST_PLANE, Geometry, GeometryKind, LARGEST_COORDINATE, MOST_TRIANGLES,
     MovingTriangles, Quads, Spheres, Triangles,
 };
 pub use hit::{Hit, HitBatch, INVALID_ID, PrimitiveId};

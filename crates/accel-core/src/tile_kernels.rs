@@ -7,7 +7,7 @@
 
 use std::marker::PhantomData;
 
-use gnurt_simd::{Simd, Token, by_level, f32x16, mask32x16, prelude::*, u32x16};
+use gnurt_simd::{Simd, Token, by_level, f32x16, kernel, mask32x16, prelude::*, u32x16};
 
 use crate::affine::ObjectFromWorld;
 use crate::bits::TILE;
@@ -38,55 +38,13 @@ struct For<S>(PhantomData<S>);
 
 impl<S: Simd> For<S> {
     const TABLE: Table = Table {
-        sound: |token, rays, nearest| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || sound(simd, rays, nearest),
-            )
-        },
-        direction_classes: |token, rays| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || direction_classes(simd, rays),
-            )
-        },
-        codes: |token, direction_classes, sound| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || codes(simd, direction_classes, sound),
-            )
-        },
-        hit: |token, nearest| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || hit(simd, nearest),
-            )
-        },
-        fill: |token, rays, org, nearest| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || fill(simd, rays, org, nearest),
-            )
-        },
-        carry: |token, map, rays, inside| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || carry(simd, map, rays, inside),
-            );
-        },
-        store: |token, nearest, ids, hits, first| {
-            let simd = S::from_token(token);
-            simd.vectorize(
-                #[inline(always)]
-                || store(simd, nearest, ids, hits, first),
-            );
-        },
+        sound: kernel!(S, |simd, rays, nearest| sound(simd, rays, nearest)),
+        direction_classes: kernel!(S, |simd, rays| direction_classes(simd, rays)),
+        codes: kernel!(S, |simd, direction_classes, sound| codes(simd, direction_classes, sound)),
+        hit: kernel!(S, |simd, nearest| hit(simd, nearest)),
+        fill: kernel!(S, |simd, rays, org, nearest| fill(simd, rays, org, nearest)),
+        carry: kernel!(S, |simd, map, rays, inside| carry(simd, map, rays, inside)),
+        store: kernel!(S, |simd, nearest, ids, hits, first| store(simd, nearest, ids, hits, first)),
     };
 }
 

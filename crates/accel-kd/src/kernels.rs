@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 
 use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::traversal::{RayTraversal, TileTraversal};
-use gnurt_simd::{Simd, Token, by_level};
+use gnurt_simd::{Simd, Token, by_level, kernel, tile_kernel};
 
 use crate::any::ResearchIndex;
 use crate::grid::GridIndex;
@@ -37,76 +37,14 @@ struct For<S>(PhantomData<S>);
 
 impl<S: Simd> For<S> {
     const TABLE: Table = Table {
-        ray: ray::<S>,
-        tile: if S::HAS_TILES { Some(tile::<S>) } else { None },
-        interval: interval::<S>,
-        interval_tile: if S::HAS_TILES { Some(interval_tile::<S>) } else { None },
-        grid: grid::<S>,
-        grid_tile: if S::HAS_TILES { Some(grid_tile::<S>) } else { None },
+        ray: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
+        tile: tile_kernel!(S, |simd, index, class, traversal| index.search_tile(simd, class, traversal)),
+        interval: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
+        interval_tile: tile_kernel!(S, |simd, index, class, traversal| index
+            .search_tile(simd, class, traversal)),
+        grid: kernel!(S, |simd, index, traversal| index.search(simd, traversal)),
+        grid_tile: tile_kernel!(S, |simd, index, class, traversal| index.search_tile(simd, class, traversal)),
     };
-}
-
-fn ray<S: Simd>(token: Token, index: &KdIndex, traversal: &mut RayTraversal) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || index.search(simd, traversal),
-    );
-}
-
-fn tile<S: Simd>(
-    token: Token,
-    index: &KdIndex,
-    direction_class: DirectionClass,
-    traversal: &mut TileTraversal,
-) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || index.search_tile(simd, direction_class, traversal),
-    );
-}
-
-fn interval<S: Simd>(token: Token, index: &IntervalIndex, traversal: &mut RayTraversal) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || index.search(simd, traversal),
-    );
-}
-
-fn interval_tile<S: Simd>(
-    token: Token,
-    index: &IntervalIndex,
-    direction_class: DirectionClass,
-    traversal: &mut TileTraversal,
-) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || index.search_tile(simd, direction_class, traversal),
-    );
-}
-
-fn grid<S: Simd>(token: Token, index: &GridIndex, traversal: &mut RayTraversal) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || index.search(simd, traversal),
-    );
-}
-
-fn grid_tile<S: Simd>(
-    token: Token,
-    index: &GridIndex,
-    direction_class: DirectionClass,
-    traversal: &mut TileTraversal,
-) {
-    let simd = S::from_token(token);
-    simd.vectorize(
-        #[inline(always)]
-        || index.search_tile(simd, direction_class, traversal),
-    );
 }
 
 impl Kernels {

@@ -6,8 +6,10 @@
 use crate::surfaces::SurfaceInRegion;
 use crate::target::Target;
 use crate::{AnyRay, Hit, Query, Ray, UserGeometry, UserHit};
+use gnurt_accel_core::curve::{CurveHit, RayFrame, Segment};
 use gnurt_accel_core::exact::{Line, Triangle};
 use gnurt_accel_core::nearest::Nearest;
+use gnurt_accel_core::point::through_disc;
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::{LineRegion, Region};
 
@@ -37,6 +39,15 @@ impl Crossed {
             Primitive::Sphere(center, radius) => {
                 let count = surface.line().map_or(0, |line| through_sphere(line, *center, *radius).count());
                 self.others.push((surface.slot, count as u32));
+            }
+            Primitive::Disc(center, radius, normal) => {
+                let count = surface.line().and_then(|line| through_disc_of(line, *center, *radius, *normal));
+                self.others.push((surface.slot, u32::from(count.is_some())));
+            }
+            Primitive::Curve(curves, prim_id, part) => {
+                let mut count = 0;
+                through_curve(surface, curves.segment(*prim_id), *part, &mut |_| count += 1);
+                self.others.push((surface.slot, count));
             }
             Primitive::User(user, prim_id) => {
                 let mut count = 0;
@@ -87,6 +98,15 @@ pub(crate) fn list(target: Target, query: &Query, ray: &dyn AnyRay, hits: &mut V
                     surface.line().into_iter().flat_map(|line| through_sphere(line, *center, *radius));
                 others.extend(through.map(|t| at(t, 0.0, 0.0)));
             }
+            Primitive::Disc(center, radius, normal) => {
+                let line = surface.line();
+                let t = line.and_then(|line| through_disc_of(line, *center, *radius, *normal));
+                others.extend(t.map(|t| at(t, 0.0, 0.0)));
+            }
+            Primitive::Curve(curves, prim_id, part) => {
+                let segment = curves.segment(*prim_id);
+                through_curve(surface, segment, *part, &mut |hit| others.push(at(hit.t, hit.u, hit.v)));
+            }
             Primitive::User(user, prim_id) => through_user(surface, *user, *prim_id, &mut |hit| {
                 others.push(at(f64::from(hit.t), f64::from(hit.u), f64::from(hit.v)));
             }),
@@ -118,6 +138,31 @@ fn show(target: Target, query: &Query, ray: &dyn AnyRay, visit: &mut dyn FnMut(&
 fn ray_of(line: &LineRegion) -> Ray {
     let LineRegion { org, dir, near, far, .. } = line;
     Ray::new(org.map(|x| x as f32), dir.map(|x| x as f32)).within(*near as f32, *far as f32)
+}
+
+/// Where a line goes through a disc between its ends.
+fn through_disc_of(
+    line: &LineRegion,
+    center: [f32; 3],
+    radius: f32,
+    normal: Option<[f32; 3]>,
+) -> Option<f64> {
+    through_disc([line.org, line.dir], center, radius, normal).filter(|&t| t >= line.near && t <= line.far)
+}
+
+/// Visits the hits of a line with a piece of a curve between its ends.
+fn through_curve(
+    surface: &SurfaceInRegion,
+    segment: Option<Segment>,
+    part: [f64; 2],
+    visit: &mut dyn FnMut(CurveHit),
+) {
+    let (Some(line), Some(segment)) = (surface.line(), segment) else { return };
+    segment.meet(&RayFrame::new(line.org, line.dir), part, &mut |hit| {
+        if hit.t >= line.near && hit.t <= line.far {
+            visit(hit);
+        }
+    });
 }
 
 /// Visits the hits of a line with user geometry between its ends.

@@ -57,7 +57,9 @@ pub(crate) fn side(target: Target, mask: u32, point: [f64; 3], crossed: &mut Cro
                 on.push(surface.slot);
             }
         }
-        Primitive::User(..) => crossed.take(&line, surface),
+        Primitive::Curve(..) | Primitive::User(..) => crossed.take(&line, surface),
+        // They enclose nothing.
+        Primitive::Disc(..) => {}
     });
     crossed.finish();
     match (is_in_ball || is_in_an_object(crossed, &on), on.is_empty()) {

@@ -19,7 +19,7 @@
 //!
 //! # Kinds of geometry
 //!
-//! Triangles, quads, spheres and implementations of [`UserGeometry`], mixed in one object:
+//! Triangles, quads, spheres, discs, curves and implementations of [`UserGeometry`], mixed in one object:
 //!
 //! ```
 //! # use gnurt_accel::*;
@@ -31,6 +31,18 @@
 //! let object = ObjectTree::build_from(&[quad.into(), balls.into()], &BuildOptions::default(), Threads::Single);
 //! let hit = object.intersect(&Ray::new([3.0, 2.0, 0.0], [0.0, -1.0, 0.0])).expect("a ball is above the quad");
 //! assert_eq!((hit.t, hit.geom_id, hit.prim_id), (1.5, 1, 1));
+//! ```
+//!
+//! Curves have a radius at each vertex, a basis and a form; a hit has `u` along and `v` across:
+//!
+//! ```
+//! # use gnurt_accel::*;
+//! let vertices = [[0., 0., 0., 0.2], [1., 0., 0., 0.2], [2., 0., 0., 0.2], [3., 0., 0., 0.1]];
+//! let hair = Curves::new(CurveBasis::Bezier, CurveForm::Flat, &vertices, &[0]);
+//! let object = ObjectTree::build_from(&[hair.into()], &BuildOptions::default(), Threads::Single);
+//! let hit = object.intersect(&Ray::new([1.5, 0.0, 4.0], [0.0, 0.0, -1.0])).expect("it aims at the middle");
+//! assert_eq!((hit.t, hit.u, hit.v), (4.0, 0.5, 0.0));
+//! assert_eq!(object.closest_point([1.5, 2.0, 0.0], 9.0).map(|hit| hit.distance), Some(2.0));
 //! ```
 //!
 //! # Any hit, all hits, some hits
@@ -182,7 +194,7 @@
 //!
 //! Within an object triangles can move, other primitives cannot; queries without a time (nearest points,
 //! boxes, balls, insides, normals of single hits) refer to time 0: [`ObjectTree::at`] and [`SceneTree::at`]
-//! give a static copy at another one. No curves, no subdivision. An object has at most [`MOST_TRIANGLES`]
+//! give a static copy at another one. No subdivision. An object has at most [`MOST_TRIANGLES`]
 //! triangles.
 #![forbid(unsafe_code)]
 
@@ -217,11 +229,11 @@ mod target;
 pub use crowd::Crowd;
 pub use facing::Face;
 pub use gnurt_accel_core::{
-    Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, Geometry,
-    GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval, LARGEST_COORDINATE, LoadError, MOST_TRIANGLES,
-    Memory, MovingTriangles, PointHit, PrimitiveId, Quads, Quality, Query, Ray, Ray64, RayBatch, Record,
-    RefitError, SharedList, Spheres, Structure, Threads, TreeStats, TriangleTest, Triangles, UserGeometry,
-    UserHit,
+    Aabb, AnyRay, BadPrimitives, BuildControl, BuildError, BuildOptions, Coherence, Counters, CurveBasis,
+    CurveForm, Curves, Discs, Geometry, GeometryKind, Hit, HitBatch, INVALID_ID, KeyInterval,
+    LARGEST_COORDINATE, LoadError, MOST_TRIANGLES, Memory, MovingTriangles, PointHit, PrimitiveId, Quads,
+    Quality, Query, Ray, Ray64, RayBatch, Record, RefitError, SharedList, Spheres, Structure, Threads,
+    TreeStats, TriangleTest, Triangles, UserGeometry, UserHit,
 };
 pub use gnurt_simd::Level;
 pub use inside::Side;

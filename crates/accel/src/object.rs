@@ -18,7 +18,7 @@ mod store;
 
 use std::sync::OnceLock;
 
-use gnurt_accel_bvh::{BvhIndex, MotionIndex, SphereIndex, UserIndex};
+use gnurt_accel_bvh::{BlockIndex, BvhIndex, MotionIndex};
 use gnurt_accel_core::direction_class::DirectionClass;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::nearest::Nearest;
@@ -54,15 +54,27 @@ struct Part {
     index: Index,
 }
 
-/// The kind of tree. To add a structure is to add a line here and in the matches below.
+/// The kind of tree. To add a structure is to add a line here and in the matches below; a primitive needs none.
 #[derive(Clone, Debug)]
 enum Index {
     Research(ResearchIndex),
     Bvh(BvhIndex),
     /// Triangles that move while the shutter is open.
     Moving(MotionIndex),
-    Spheres(SphereIndex),
-    User(UserIndex),
+    /// All that is not a triangle: the list of its kinds is `blocks.rs` of `gnurt-accel-bvh`.
+    Blocks(BlockIndex),
+}
+
+/// Runs an expression for the tree of any kind, where all have a method of the same name.
+macro_rules! each {
+    ($index:expr, $tree:ident => $body:expr) => {
+        match $index {
+            Index::Research($tree) => $body,
+            Index::Bvh($tree) => $body,
+            Index::Moving($tree) => $body,
+            Index::Blocks($tree) => $body,
+        }
+    };
 }
 
 impl ObjectTree {
@@ -93,8 +105,7 @@ impl ObjectTree {
                     (Index::Research(a), Index::Research(b)) => a == b,
                     (Index::Bvh(a), Index::Bvh(b)) => a == b,
                     (Index::Moving(a), Index::Moving(b)) => a == b,
-                    (Index::Spheres(a), Index::Spheres(b)) => a == b,
-                    (Index::User(a), Index::User(b)) => a.same_tree(b),
+                    (Index::Blocks(a), Index::Blocks(b)) => a.same_tree(b),
                     _ => false,
                 }
         };
@@ -169,7 +180,7 @@ impl ObjectTree {
             let has_kernel = match &part.index {
                 Index::Research(index) => engine.research.tile(index, direction_class, traversal),
                 Index::Bvh(index) => engine.bvh.tile(index, direction_class, traversal),
-                Index::Moving(_) | Index::Spheres(_) | Index::User(_) => false,
+                Index::Moving(_) | Index::Blocks(_) => false,
             };
             if !has_kernel {
                 traversal.one_by_one(|traversal| part.index.ray(engine, traversal));
@@ -184,8 +195,7 @@ impl ObjectTree {
                 Index::Research(index) => index.nearest(probe, slot, nearest),
                 Index::Bvh(index) => engine.bvh.point(index, probe, slot, nearest),
                 Index::Moving(index) => engine.bvh.point(index.first(), probe, slot, nearest),
-                Index::Spheres(index) => engine.bvh.spheres_point(index, probe, slot, nearest),
-                Index::User(index) => engine.bvh.user_point(index, probe, slot, nearest),
+                Index::Blocks(index) => engine.bvh.blocks_point(index, probe, slot, nearest),
             }
         }
     }
@@ -220,11 +230,10 @@ impl ObjectTree {
 impl Part {
     /// Its geometry.
     fn group(&self) -> Group {
-        let kind = match self.index {
+        let kind = match &self.index {
             Index::Research(_) | Index::Bvh(_) => Kind::Surfaces,
-            Index::Moving(ref index) => Kind::Moving(index.keys()),
-            Index::Spheres(_) => Kind::Spheres,
-            Index::User(_) => Kind::User,
+            Index::Moving(index) => Kind::Moving(index.keys()),
+            Index::Blocks(index) => Kind::Blocks(index.sort()),
         };
         (kind, self.mask)
     }
@@ -232,23 +241,11 @@ impl Part {
 
 impl Index {
     fn bounds(&self) -> Aabb {
-        match self {
-            Self::Research(index) => index.bounds(),
-            Self::Bvh(index) => index.bounds(),
-            Self::Moving(index) => index.bounds(),
-            Self::Spheres(index) => index.bounds(),
-            Self::User(index) => index.bounds(),
-        }
+        each!(self, index => index.bounds())
     }
 
     fn stats(&self) -> TreeStats {
-        match self {
-            Self::Research(index) => index.stats(),
-            Self::Bvh(index) => index.stats(),
-            Self::Moving(index) => index.stats(),
-            Self::Spheres(index) => index.stats(),
-            Self::User(index) => index.stats(),
-        }
+        each!(self, index => index.stats())
     }
 
     /// Improves the ray's result; the ray is valid and regular.
@@ -258,8 +255,7 @@ impl Index {
             Self::Research(index) => engine.research.ray(index, traversal),
             Self::Bvh(index) => engine.bvh.ray(index, traversal),
             Self::Moving(index) => engine.bvh.moving(index, traversal),
-            Self::Spheres(index) => engine.bvh.spheres(index, traversal),
-            Self::User(index) => engine.bvh.user(index, traversal),
+            Self::Blocks(index) => engine.bvh.blocks(index, traversal),
         }
     }
 }

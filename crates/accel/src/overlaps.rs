@@ -8,6 +8,7 @@
 use crate::near::name_all;
 use crate::target::Target;
 use crate::{PrimitiveId, Query};
+use gnurt_accel_core::curve::Segment;
 use gnurt_accel_core::exact::{InstancePath, Triangle};
 use gnurt_accel_core::primitive::Primitive;
 use gnurt_accel_core::region::Region;
@@ -41,6 +42,12 @@ fn touching(target: Target, mask: u32, min: [f64; 3], max: [f64; 3], found: &mut
                     box_touches([side(-1.0), side(1.0)], surface.path, low, high)
                 }
             },
+            Primitive::Disc(center, radius, normal) => {
+                disc_touches(*center, *radius, *normal, surface.path, low, high)
+            }
+            Primitive::Curve(curves, prim_id, part) => curves
+                .segment(*prim_id)
+                .is_some_and(|segment| curve_touches(&segment, *part, surface.path, low, high)),
             Primitive::User(user, prim_id) => {
                 let bounds = user.bounds(*prim_id);
                 box_touches([bounds.min, bounds.max].map(|side| side.map(f64::from)), surface.path, low, high)
@@ -100,6 +107,41 @@ fn sphere_touches(center: [f64; 3], radius: f64, min: [f64; 3], max: [f64; 3]) -
     }
     let square = radius * radius;
     nearest <= square * (1.0 + 1e-14) && farthest >= square * (1.0 - 1e-14)
+}
+
+/// Whether a disc and a box may have a point in common: a sphere's box where it faces rays.
+fn disc_touches(
+    center: [f32; 3],
+    radius: f32,
+    normal: Option<[f32; 3]>,
+    path: Option<&InstancePath>,
+    low: [f64; 3],
+    high: [f64; 3],
+) -> bool {
+    let normal = normal.map_or([0.0; 3], |normal| normal.map(f64::from));
+    let square = normal.iter().map(|x| x * x).sum::<f64>();
+    let half = [0, 1, 2].map(|k: usize| {
+        let share = if square > 0.0 { 1.0 - normal[k] * normal[k] / square } else { 1.0 };
+        f64::from(radius) * share.max(0.0).sqrt() * (1.0 + 1e-14)
+    });
+    let side = |sign: f64| [0, 1, 2].map(|k: usize| (f64::from(center[k]) + sign * half[k]) as f32);
+    let [min, max] = [side(-1.0).map(f32::next_down), side(1.0).map(f32::next_up)];
+    box_touches([min, max].map(|side| side.map(f64::from)), path, low, high)
+}
+
+/// Whether a piece of a curve and a box may have a point in common, by the boxes of short parts of it.
+fn curve_touches(
+    segment: &Segment,
+    [from, to]: [f64; 2],
+    path: Option<&InstancePath>,
+    low: [f64; 3],
+    high: [f64; 3],
+) -> bool {
+    (0..16).map(f64::from).any(|i| {
+        let at = |i: f64| from + (to - from) * i / 16.0;
+        let bounds = segment.bounds(at(i), at(i + 1.0));
+        box_touches([bounds.min, bounds.max].map(|side| side.map(f64::from)), path, low, high)
+    })
 }
 
 /// Whether a box of an object, as large as it is where the object is placed, touches a box.

@@ -11,6 +11,8 @@ mod common;
 mod compact;
 mod control;
 mod counters;
+mod curves;
+mod discs;
 mod far_away;
 mod filters;
 mod grids;

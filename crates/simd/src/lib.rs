@@ -124,6 +124,30 @@ macro_rules! by_level {
     };
 }
 
+/// A function of a table for the level `S`, called with that level's [`Token`] first: `kernel!(S, |simd, index, ray|
+/// index.search(simd, ray))`.
+#[macro_export]
+macro_rules! kernel {
+    ($S:ident, |$simd:ident $(, $argument:ident)*| $body:expr) => {
+        |token, $($argument),*| {
+            let $simd = <$S as $crate::Simd>::from_token(token);
+            $crate::__Base::vectorize(
+                $simd,
+                #[inline(always)]
+                || $body,
+            )
+        }
+    };
+}
+
+/// As [`kernel!`], where the level has kernels for tiles; `None` elsewhere.
+#[macro_export]
+macro_rules! tile_kernel {
+    ($S:ident, |$($argument:ident),*| $body:expr) => {
+        if <$S as $crate::Simd>::HAS_TILES { Some($crate::kernel!($S, |$($argument),*| $body)) } else { None }
+    };
+}
+
 /// The body, compiled with the instructions of `token`.
 #[doc(hidden)]
 #[macro_export]

@@ -556,6 +556,56 @@ static void quads_and_values(void)
     rtcReleaseScene(scene);
 }
 
+/* Curves of each form and discs: values measured with Embree 4.4. */
+static void curves_and_discs(void)
+{
+    static const float along[4][4] = { { 0, 0, 0, .2f }, { 1, 0, 0, .2f }, { 2, 0, 0, .2f }, { 3, 0, 0, .2f } };
+    static const float up[4][3] = { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 } };
+    static const unsigned first[1] = { 0 };
+    static const struct {
+        enum RTCGeometryType type;
+        float t, u, v, ng[3];
+    } expected[] = {
+        { RTC_GEOMETRY_TYPE_FLAT_BEZIER_CURVE, 5, .5f, .5f, { 1, 0, 0 } },
+        { RTC_GEOMETRY_TYPE_ROUND_BEZIER_CURVE, 4.8268f, .5f, 0, { 0, .5f, -.866f } },
+        { RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BEZIER_CURVE, 5, .5f, .75f, { 0, 0, 1 } },
+        { RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE, 4.8268f, .5f, 0, { 0, .5f, -.866f } },
+    };
+    for (int i = 0; i < 4; i++) {
+        int is_line = expected[i].type == RTC_GEOMETRY_TYPE_ROUND_LINEAR_CURVE;
+        RTCGeometry curve = rtcNewGeometry(device, expected[i].type);
+        /* A line takes the first vertex and the last one. */
+        size_t stride = is_line ? 48 : 16;
+        rtcSetSharedGeometryBuffer(curve, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, along, 0, stride, is_line ? 2 : 4);
+        rtcSetSharedGeometryBuffer(curve, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, first, 0, 4, 1);
+        if (expected[i].type == RTC_GEOMETRY_TYPE_NORMAL_ORIENTED_BEZIER_CURVE)
+            rtcSetSharedGeometryBuffer(curve, RTC_BUFFER_TYPE_NORMAL, 0, RTC_FORMAT_FLOAT3, up, 0, 12, 4);
+        RTCScene scene = committed(curve);
+        struct RTCRayHit r = ray(1.5f, .1f, -5, 0, 0, 1);
+        rtcIntersect1(scene, &r, NULL);
+        float n = sqrtf(r.hit.Ng_x * r.hit.Ng_x + r.hit.Ng_y * r.hit.Ng_y + r.hit.Ng_z * r.hit.Ng_z);
+        CHECK(fabsf(r.ray.tfar - expected[i].t) < 1e-4f, "curve %d is met at %g", i, r.ray.tfar);
+        CHECK(fabsf(r.hit.u - expected[i].u) < 1e-4f && fabsf(r.hit.v - expected[i].v) < 1e-4f, "curve %d: u, v are %g, %g", i,
+              r.hit.u, r.hit.v);
+        CHECK(fabsf(r.hit.Ng_x / n - expected[i].ng[0]) < 1e-3f && fabsf(r.hit.Ng_y / n - expected[i].ng[1]) < 1e-3f,
+              "curve %d: the normal is %g, %g, %g", i, r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z);
+        r = ray(1.5f, 0, 0, 0, 0, 1);
+        rtcIntersect1(scene, &r, NULL);
+        CHECK((r.hit.geomID == RTC_INVALID_GEOMETRY_ID) != (i == 1 || i == 2 || i == 0), "from inside of curve %d", i);
+        rtcReleaseScene(scene);
+    }
+    RTCGeometry disc = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT);
+    static const float center[1][4] = { { 0, 0, 0, 1 } }, leaning[1][3] = { { 0, .6f, .8f } };
+    rtcSetSharedGeometryBuffer(disc, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, center, 0, 16, 1);
+    rtcSetSharedGeometryBuffer(disc, RTC_BUFFER_TYPE_NORMAL, 0, RTC_FORMAT_FLOAT3, leaning, 0, 12, 1);
+    RTCScene scene = committed(disc);
+    struct RTCRayHit r = ray(.5f, .2f, -3, 0, 0, 2);
+    rtcIntersect1(scene, &r, NULL);
+    CHECK(fabsf(r.ray.tfar - 1.425f) < 1e-5f && r.hit.Ng_z == .8f, "the disc is met at %g", r.ray.tfar);
+    rtcReleaseScene(scene);
+    expect(RTC_ERROR_NONE, "curves and discs are supported");
+}
+
 /* Vertices that move, geometries that come and go. */
 static void edits(void)
 {
@@ -720,6 +770,7 @@ int main(int count, char **arguments)
     points();
     odd_arrays();
     quads_and_values();
+    curves_and_discs();
     edits();
     monitors();
     expect(RTC_ERROR_NONE, "all that went before");

@@ -4,7 +4,6 @@
 //! Invariant: hits are those of a new tree, for any boxes. Tests: `tests/refit.rs` of `gnurt-accel`.
 
 mod nodes;
-mod others;
 mod state;
 mod triangles;
 

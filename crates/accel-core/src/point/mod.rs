@@ -7,9 +7,11 @@
 //! Invariant: all decisive arithmetic is in double precision; floats only skip primitives that are surely
 //! farther. So every level and structure gives the same answer. Tests: `tests/closest_point.rs`.
 
+mod disc;
 mod probe;
 mod shapes;
 
+pub use disc::{on_disc, through_disc};
 pub use probe::Probe;
 pub use shapes::{on_sphere, on_triangle};
 

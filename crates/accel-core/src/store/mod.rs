@@ -9,6 +9,9 @@
 //!     kind 0, 3: nodes, blocks of triangles, or of spheres                        lists
 //!     kind 4: compact nodes, blocks in pools, corners of pools                    lists
 //!     kind 5: compact nodes, blocks of spheres                                    lists
+//!     kind 6, 7: nodes, or compact nodes; blocks of discs                         lists
+//!     kind 8, 9: nodes, or compact nodes; blocks of curves;                       lists
+//!         geometries; first number, flags, and 6 arrays of each                   number, 2 numbers, lists
 //!     kind 1: nodes, no items, starts of leaves, blocks of triangles              lists
 //!     kind 2: nodes, items, projected triangles                                   lists
 //! checksum                                                                        a number

@@ -4,7 +4,7 @@
 
 use std::sync::OnceLock;
 
-use gnurt_accel_bvh::{BvhIndex, MotionIndex, Screen, SphereIndex, UserIndex};
+use gnurt_accel_bvh::{BvhIndex, Inputs, MotionIndex, Screen};
 use gnurt_accel_core::control::Watch;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::surfaces::Surfaces;
@@ -135,12 +135,10 @@ impl ObjectTree {
                         None => continue,
                     }
                 }
-                Kind::Spheres => Index::Spheres(SphereIndex::build(
-                    geometries, &numbering, in_group, &mut bad, quality, memory, threads,
-                )?),
-                Kind::User => Index::User(UserIndex::build(
-                    geometries, &numbering, in_group, &mut bad, quality, memory, threads,
-                )?),
+                Kind::Blocks(sort) => {
+                    let inputs = Inputs { geometries, numbering: &numbering, accept: &in_group };
+                    Index::Blocks(sort.build(&inputs, &mut bad, quality, memory, threads)?)
+                }
             };
             if !index.bounds().is_empty() {
                 let measured = index.stats();

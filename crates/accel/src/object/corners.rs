@@ -18,22 +18,17 @@ impl Index {
             Self::Research(index) => index.numbers(visit),
             Self::Bvh(index) => index.numbers(visit),
             Self::Moving(index) => index.first().numbers(visit),
-            Self::Spheres(index) => index.numbers(visit),
-            Self::User(index) => index.numbers(visit),
+            Self::Blocks(index) => index.numbers(visit),
         }
     }
 
-    fn primitive(&self, number: u32, block: usize, lane: usize, time: f32) -> Option<Primitive<'_>> {
-        Some(match self {
+    fn primitive(&self, number: u32, block: usize, lane: usize, time: f32) -> Primitive<'_> {
+        match self {
             Self::Research(index) => Primitive::Triangle(index.corners_at(number, block, lane)),
             Self::Bvh(index) => Primitive::Triangle(index.corners_at(block, lane)),
             Self::Moving(index) => Primitive::Triangle(index.corners_at(block, lane, time)),
-            Self::Spheres(index) => {
-                let (center, radius) = index.sphere_at(block, lane);
-                Primitive::Sphere(center, radius)
-            }
-            Self::User(_) => return None,
-        })
+            Self::Blocks(index) => index.primitive(block, lane),
+        }
     }
 }
 
@@ -60,7 +55,7 @@ impl ObjectTree {
         })
     }
 
-    /// A triangle, half of a quad or sphere, at a time; `None` for user geometry, and for untraceable ones.
+    /// A primitive, or half of a quad, at a time; `None` for an untraceable one.
     fn primitive(&self, number: u32, time: f32) -> Option<Primitive<'_>> {
         let locations = self.locations();
         let location = *locations.of_number.get(number as usize)?;
@@ -69,7 +64,7 @@ impl ObjectTree {
         }
         let part = locations.starts.partition_point(|&start| start <= location) - 1;
         let within = (location - locations.starts[part]) as usize;
-        self.parts[part].index.primitive(number, within / WIDTH, within % WIDTH, time)
+        Some(self.parts[part].index.primitive(number, within / WIDTH, within % WIDTH, time))
     }
 
     /// The normal of a hit at a time, in the object's space and of any length: of triangles and quads on the
@@ -95,6 +90,10 @@ impl ObjectTree {
                 Some([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
             }
             Primitive::Sphere(center, _) => at.map(|at| [0, 1, 2].map(|k| at[k] - f64::from(center[k]))),
+            Primitive::Disc(_, _, normal) => normal.map(|normal| normal.map(f64::from)),
+            Primitive::Curve(curves, prim_id, _) => {
+                curves.segment(prim_id)?.normal(f64::from(hit.u), f64::from(hit.v), at)
+            }
             Primitive::User(..) => None,
         }
     }

@@ -4,6 +4,7 @@
 
 use std::sync::OnceLock;
 
+use gnurt_accel_bvh::Inputs;
 use gnurt_accel_core::geometry::Numbering;
 use gnurt_accel_core::surfaces::Surfaces;
 
@@ -73,8 +74,9 @@ impl ObjectTree {
                     same_slots &= refitted.same_slots;
                     primitives = Some(refitted.primitives);
                 }
-                Index::Spheres(index) => index.refit(geometries, &numbering, in_group, threads)?,
-                Index::User(index) => index.refit(geometries, &numbering, in_group, threads)?,
+                Index::Blocks(index) => {
+                    index.refit(&Inputs { geometries, numbering: &numbering, accept: &in_group }, threads)?
+                }
             }
             let measured = part.index.stats();
             let primitives = primitives.unwrap_or(measured.primitives);
@@ -93,7 +95,7 @@ impl ObjectTree {
         self.parts.iter().all(|part| match &part.index {
             Index::Research(index) => index.knows_refits(),
             Index::Moving(_) => false,
-            Index::Bvh(_) | Index::Spheres(_) | Index::User(_) => true,
+            Index::Bvh(_) | Index::Blocks(_) => true,
         })
     }
 
@@ -127,9 +129,7 @@ fn check_empty(
     let others = (0..geometries.len()).filter(|&i| group_of(&geometries[i]) == group);
     let is_empty = match group.0 {
         Kind::Surfaces => !surfaces.numbers().flatten().any(|number| surfaces.judge(number, bad)),
-        Kind::Moving(_) | Kind::Spheres | Kind::User => {
-            others.map(|i| numbering.range(i).len()).sum::<usize>() == 0
-        }
+        Kind::Moving(_) | Kind::Blocks(_) => others.map(|i| numbering.range(i).len()).sum::<usize>() == 0,
     };
     if is_empty { Ok(()) } else { Err(RefitError::OtherPrimitives) }
 }

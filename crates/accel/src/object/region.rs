@@ -27,8 +27,7 @@ impl ObjectTree {
                 Index::Research(index) => index.filter_region(&region_filter, visit),
                 Index::Bvh(index) => index.filter_region(&region_filter, visit),
                 Index::Moving(index) => index.first().filter_region(&region_filter, visit),
-                Index::Spheres(index) => index.filter_region(&region_filter, visit),
-                Index::User(index) => index.filter_region(&region_filter, visit),
+                Index::Blocks(index) => index.filter_region(&region_filter, visit),
             }
         }
     }

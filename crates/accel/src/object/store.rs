@@ -5,7 +5,7 @@
 use std::io::{self, Read, Write};
 use std::sync::OnceLock;
 
-use gnurt_accel_bvh::{BvhIndex, SphereIndex};
+use gnurt_accel_bvh::{BlockIndex, BvhIndex};
 use gnurt_accel_core::geometry::{Numbering, geometry_of};
 use gnurt_accel_core::store::{Reader, Writer};
 
@@ -17,9 +17,8 @@ use crate::{Aabb, BadPrimitives, LoadError, MOST_TRIANGLES, Memory, TreeStats, T
 const BVH: u64 = 0;
 const KD_WATERTIGHT: u64 = 1;
 const KD_PROJECTED: u64 = 2;
-const SPHERES: u64 = 3;
 const COMPACT_BVH: u64 = 4;
-const COMPACT_SPHERES: u64 = 5;
+// Those of all that is not a triangle are `BlockKind::IN_FILES` of each kind.
 
 impl ObjectTree {
     /// Writes the tree and its triangles, to be loaded instead of built; the same bytes on every machine.
@@ -60,16 +59,12 @@ impl ObjectTree {
                     TriangleTest::Watertight => KD_WATERTIGHT,
                     TriangleTest::Projected => KD_PROJECTED,
                 },
-                Index::Spheres(index) if index.is_compact() => COMPACT_SPHERES,
-                Index::Spheres(_) => SPHERES,
+                Index::Blocks(index) => index.in_files()?,
                 Index::Moving(_) => {
                     return Err(io::Error::new(
                         io::ErrorKind::Unsupported,
                         "meshes with several keys cannot be saved",
                     ));
-                }
-                Index::User(_) => {
-                    return Err(io::Error::new(io::ErrorKind::Unsupported, "user geometry cannot be saved"));
                 }
             })?;
             save_stats(&mut writer, &index.stats())?;
@@ -77,8 +72,8 @@ impl ObjectTree {
             match index {
                 Index::Research(index) => index.save(&mut writer)?,
                 Index::Bvh(index) => index.save(&mut writer)?,
-                Index::Spheres(index) => index.save(&mut writer)?,
-                Index::Moving(_) | Index::User(_) => {}
+                Index::Blocks(index) => index.save(&mut writer)?,
+                Index::Moving(_) => {}
             }
         }
         writer.end()
@@ -130,9 +125,10 @@ impl ObjectTree {
                     };
                     Index::Research(ResearchIndex::load(&mut reader, bounds, stats, test)?)
                 }
-                SPHERES => Index::Spheres(SphereIndex::load(&mut reader, Memory::Fast, bounds)?),
-                COMPACT_SPHERES => Index::Spheres(SphereIndex::load(&mut reader, Memory::Compact, bounds)?),
-                _ => return Err(LoadError::Damaged("a tree is of no kind")),
+                _ => match BlockIndex::load(kind, &mut reader, bounds) {
+                    Some(index) => Index::Blocks(index?),
+                    None => return Err(LoadError::Damaged("a tree is of no kind")),
+                },
             };
             parts.push(Part { mask, index });
         }
@@ -156,8 +152,8 @@ impl ObjectTree {
             match index {
                 Index::Research(index) => index.check(count)?,
                 Index::Bvh(index) => index.check(count)?,
-                Index::Spheres(index) => index.check(count)?,
-                Index::Moving(_) | Index::User(_) => {}
+                Index::Blocks(index) => index.check(count)?,
+                Index::Moving(_) => {}
             }
             bounds = bounds.union(&index.bounds());
             measured = both(measured, index.stats());

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Building trees over primitives of one kind, and fitting them to primitives that have moved. Source: [WBS06] section 4
+//! for the latter. Space: object.
+//! Invariant: a tree that left something out when it was built, or would now, is not refitted. Tests: `tests/mixed.rs`,
+//! `tests/refit.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::geometry::{Numbering, geometry_of};
+use gnurt_accel_core::{
+    Aabb, BadPrimitives, BuildError, Geometry, INVALID_ID, Memory, Quality, RefitError, Threads,
+};
+use rayon::prelude::*;
+
+use super::{BlockKind, Blocked, Shared, lanes};
+use crate::build::build;
+use crate::node::WIDTH;
+use crate::primitives::Primitives;
+
+/// The geometries of a tree, among all of an object.
+pub struct Inputs<'a> {
+    /// Those of the object.
+    pub geometries: &'a [Geometry<'a>],
+    /// Their numbers.
+    pub numbering: &'a Numbering,
+    /// Which of them are the tree's; all of them are of its kind.
+    pub accept: &'a (dyn Fn(&Geometry) -> bool + Sync),
+}
+
+impl<'a> Inputs<'a> {
+    /// The tree's geometries, and their indices.
+    fn own(&self) -> impl Iterator<Item = (usize, &'a Geometry<'a>)> {
+        self.geometries.iter().enumerate().filter(|(_, geometry)| (self.accept)(geometry))
+    }
+
+    /// How many primitives they have.
+    fn count(&self) -> u64 {
+        self.own().map(|(i, _)| self.numbering.range(i).len() as u64).sum()
+    }
+
+    fn shared<B: BlockKind>(&self) -> Shared<B> {
+        let own = self.own();
+        Shared(own.map(|(i, geometry)| (self.numbering.starts[i], B::data(&geometry.kind))).collect())
+    }
+}
+
+/// The pieces that can be traced, and the numbers of their primitives.
+struct Gathered<B: BlockKind> {
+    items: Vec<B::Item>,
+    numbers: Vec<u32>,
+}
+
+impl<B: BlockKind> Primitives for Gathered<B> {
+    fn count(&self) -> usize {
+        self.items.len()
+    }
+
+    fn bounds(&self, i: usize) -> Aabb {
+        B::bounds(&self.items[i])
+    }
+}
+
+impl<B: BlockKind> Blocked<B> {
+    /// Over all primitives; untraceable ones are counted.
+    ///
+    /// # Errors
+    /// There are too many.
+    pub(crate) fn build(
+        inputs: &Inputs,
+        bad: &mut BadPrimitives,
+        quality: Quality,
+        memory: Memory,
+        threads: Threads,
+    ) -> Result<Self, BuildError> {
+        let mut gathered = Gathered::<B> { items: Vec::new(), numbers: Vec::new() };
+        let mut primitives = 0;
+        for (i, geometry) in inputs.own() {
+            for (prim_id, number) in (0..).zip(inputs.numbering.range(i)) {
+                let before = gathered.items.len();
+                B::items(&geometry.kind, prim_id, bad, &mut |item| gathered.items.push(item));
+                gathered.numbers.resize(gathered.items.len(), number);
+                primitives += u64::from(gathered.items.len() > before);
+            }
+        }
+        let mut tree = build(&gathered, quality, threads)?;
+        tree.settle(memory);
+        let mut stats = tree.measure();
+        stats.primitives = primitives;
+        let block = |indices: &[u32; WIDTH]| {
+            let mut block = B::empty();
+            for (lane, &i) in indices.iter().enumerate().filter(|&(_, &i)| i != INVALID_ID) {
+                block.set(lane, &gathered.items[i as usize], gathered.numbers[i as usize]);
+            }
+            block
+        };
+        let blocks = std::mem::take(&mut tree.blocks).iter().map(block).collect();
+        Ok(Self { blocks, shared: inputs.shared(), greatest: tree.greatest(), tree, stats })
+    }
+
+    /// Fits the tree to primitives that have moved, or to others of the same number.
+    ///
+    /// # Errors
+    /// That it has to be built again. It is of no use then.
+    pub(crate) fn refit(&mut self, inputs: &Inputs, threads: Threads) -> Result<(), RefitError> {
+        if inputs.count() != self.stats.primitives {
+            return Err(RefitError::OtherPrimitives);
+        }
+        self.shared = inputs.shared();
+        let fit = |block: &mut B| {
+            let mut all = Aabb::EMPTY;
+            for (lane, number) in lanes(block) {
+                let geometry = geometry_of(&inputs.numbering.starts, number);
+                let kind = &inputs.geometries[geometry].kind;
+                if !B::is_kind_of(kind) {
+                    return Err(RefitError::OtherGeometry);
+                }
+                let item = block.moved(lane, kind, number - inputs.numbering.starts[geometry]);
+                let item = item.ok_or(RefitError::OtherPrimitives)?;
+                block.set(lane, &item, number);
+                all = all.union(&B::bounds(&item));
+            }
+            Ok(all)
+        };
+        let Self { tree, blocks, .. } = self;
+        let cost = threads.run(|parallel| {
+            let boxes: Result<Vec<Aabb>, RefitError> = match parallel {
+                true => blocks.par_iter_mut().with_min_len(64).map(fit).collect(),
+                false => blocks.iter_mut().map(fit).collect(),
+            };
+            Ok(tree.refit(&boxes?, parallel, &mut Vec::new()))
+        })?;
+        (self.greatest, self.stats.sah_cost) = (self.tree.greatest(), cost);
+        Ok(())
+    }
+}

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! One curve made ready for tests: the form of its test, bounds of its parts, and its normals.
+//! Space: object. Invariant: a hit lies within the radius of the curve's point at its parameter, so that bounds of a part
+//! hold all of its hits. Tests: `tests/curves.rs` of `gnurt-accel`.
+
+use super::cubic::Cubic;
+use super::ray::{CurveHit, RayFrame};
+use super::ribbon::across;
+use super::{Vector, along, cone, cross, dot, minus, place, ribbon, scaled, tube};
+use crate::aabb::Aabb;
+
+/// A curve in one of the forms that have tests of their own.
+#[derive(Clone, Copy, Debug)]
+pub enum Segment {
+    /// A straight ribbon that faces the ray.
+    FlatLine([[f64; 4]; 2]),
+    /// A cone with spheres at its ends, and the ends of cones that it is joined to.
+    Cone {
+        ends: [[f64; 4]; 2],
+        before: Option<[f64; 4]>,
+        after: Option<[f64; 4]>,
+        is_seen_from_outside: bool,
+    },
+    /// A ribbon that faces the ray.
+    Flat(Cubic),
+    /// A tube.
+    Round(Cubic),
+    /// A ribbon across normals, which are Bezier's control points.
+    Oriented(Cubic, [Vector; 4]),
+}
+
+impl Segment {
+    /// The cubic, where it is one.
+    fn cubic(&self) -> Option<&Cubic> {
+        match self {
+            Self::FlatLine(_) | Self::Cone { .. } => None,
+            Self::Flat(cubic) | Self::Round(cubic) | Self::Oriented(cubic, _) => Some(cubic),
+        }
+    }
+
+    /// The point of the curve at a parameter, and its radius.
+    #[inline]
+    pub(super) fn at(&self, t: f64) -> [f64; 4] {
+        match self {
+            Self::FlatLine([a, b]) | Self::Cone { ends: [a, b], .. } => {
+                [0, 1, 2, 3].map(|k| a[k] + t * (b[k] - a[k]))
+            }
+            Self::Flat(cubic) | Self::Round(cubic) | Self::Oriented(cubic, _) => cubic.at(t),
+        }
+    }
+
+    /// The number of equal parts, a power of two up to 8, that have boxes of their own: so many that one is nearly
+    /// straight, and no part of a long curve spans a large box.
+    #[must_use]
+    pub fn parts(&self) -> u32 {
+        let Some(cubic) = self.cubic() else { return 1 };
+        let chord = minus(place(cubic.at(1.0)), place(cubic.at(0.0)));
+        let length = dot(chord, chord).sqrt();
+        let bend = cubic.most_bend(0.0, 1.0);
+        // The deviation from the chord falls with the square of the number.
+        let widest = (0..=4).map(|i| cubic.at(f64::from(i) / 4.0)[3]).fold(0.0, f64::max);
+        let allowed = (0.02 * length).max(0.5 * widest);
+        let mut parts = 1;
+        while parts < 8 && bend / f64::from(8 * parts * parts) > allowed {
+            parts *= 2;
+        }
+        parts
+    }
+
+    /// The chord between two parameters, and the radius around it within which all hits of the part lie.
+    #[must_use]
+    pub fn capsule(&self, from: f64, to: f64) -> ([Vector; 2], f64) {
+        let (a, b) = (self.at(from), self.at(to));
+        let ends = [place(a), place(b)];
+        let Some(cubic) = self.cubic() else { return (ends, a[3].max(b[3])) };
+        let h = to - from;
+        let off = cubic.most_bend(from, to) * h * h / 8.0;
+        let radius = cubic.part(from, to).iter().fold(0.0f64, |most, point| most.max(point[3]));
+        (ends, radius + off)
+    }
+
+    /// A box around all hits of the part between two parameters.
+    #[must_use]
+    pub fn bounds(&self, from: f64, to: f64) -> Aabb {
+        let mut bounds = Aabb::EMPTY;
+        let mut add = |[x, y, z]: Vector, radius: f64| {
+            let side = |sign: f64| [x, y, z].map(|x| x + sign * radius);
+            let low = side(-1.0).map(|x| (x as f32).next_down());
+            let high = side(1.0).map(|x| (x as f32).next_up());
+            bounds = bounds.union(&Aabb { min: low, max: high });
+        };
+        match self.cubic() {
+            None => [self.at(from), self.at(to)].iter().for_each(|end| add(place(*end), end[3])),
+            Some(cubic) => {
+                let part = cubic.part(from, to);
+                let radius = part.iter().fold(0.0f64, |most, point| most.max(point[3]));
+                part.iter().for_each(|point| add(place(*point), radius));
+            }
+        }
+        bounds
+    }
+
+    /// Calls `hit` with the hits of a ray's line, in any order, on the part of the curve between two parameters.
+    #[inline]
+    pub fn meet(&self, ray: &RayFrame, part: [f64; 2], hit: &mut dyn FnMut(CurveHit)) {
+        match self {
+            Self::FlatLine(ends) => ribbon::meet_line(ends, ray, hit),
+            Self::Cone { ends, before, after, is_seen_from_outside } => {
+                cone::meet(ends, [before, after], *is_seen_from_outside, ray, hit);
+            }
+            Self::Flat(cubic) => ribbon::meet_flat(cubic, ray, part, hit),
+            Self::Oriented(cubic, normals) => ribbon::meet_oriented(cubic, normals, ray, part, hit),
+            Self::Round(cubic) => tube::meet(cubic, ray, part, hit),
+        }
+    }
+
+    /// The normal of a hit at `point`, of any length: outwards, or on the side of the normals that the curve came with. `None`
+    /// for ribbons that face each ray.
+    #[must_use]
+    pub fn normal(&self, u: f64, v: f64, point: Option<Vector>) -> Option<Vector> {
+        match self {
+            Self::FlatLine(_) | Self::Flat(_) => None,
+            Self::Cone { .. } => Some(minus(point?, place(self.at(u)))),
+            Self::Round(cubic) => {
+                let out = minus(point?, place(cubic.at(u)));
+                let (slope, bend) = (cubic.slope(u), place(cubic.bend(u)));
+                let (speed, radius) = (dot(place(slope), place(slope)).sqrt(), cubic.at(u)[3]);
+                // Across the derivative by u: the circle moves with the curve, turns with it and grows.
+                let grows = (speed - dot(out, bend) / speed) / radius;
+                Some(along(scaled(out, grows), -slope[3] / speed, place(slope)))
+            }
+            Self::Oriented(cubic, normals) => {
+                let edge = |t: f64| {
+                    let point = cubic.at(t);
+                    let side = across(cubic, normals, t);
+                    along(place(point), (2.0 * v - 1.0) * point[3] / dot(side, side).sqrt(), side)
+                };
+                let (from, to) = ((u - 1e-4).max(0.0), (u + 1e-4).min(1.0));
+                Some(cross(minus(edge(to), edge(from)), across(cubic, normals, u)))
+            }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! A ray and a tube: circles around a cubic and across it. A stretch between two parameters is nearly a cone, whose hits
+//! are the starts of Newton's method for the distance along the ray and the parameter of the curve together.
+//! Source: cones as steps to the curve are [RL18]; the pair of equations is that of sweeps in [Wij84]. Space: object.
+//! Invariant: fixed parameters are shared by neighbouring parts, and a root belongs to the part that holds its parameter.
+//! Tests: `tests/curves.rs` of `gnurt-accel`.
+
+use super::cubic::Cubic;
+use super::ray::{CurveHit, RayFrame};
+use super::{along, dot, minus, place};
+
+/// How far a stretch may be from its chord, by the radius.
+const STRAIGHT: f64 = 0.05;
+
+/// Most stretches of one curve.
+const MOST_STRETCHES: f64 = 32.0;
+
+/// Offers the hits of the part between two parameters; the last point of the curve belongs to its last part.
+pub(super) fn meet(cubic: &Cubic, ray: &RayFrame, [from, to]: [f64; 2], hit: &mut dyn FnMut(CurveHit)) {
+    let dir = ray.axes[2];
+    // From the point of the ray beside the part, so that nothing cancels.
+    let middle = place(cubic.at(0.5 * (from + to)));
+    let start = dot(minus(middle, ray.org), dir);
+    let near = cubic.mapped(|v| v, along(ray.org, start, dir));
+    let radius = near.at(from)[3].max(near.at(to)[3]).max(near.at(0.5 * (from + to))[3]);
+    let most = MOST_STRETCHES * (to - from);
+    let mut stretches = 1.0;
+    let bend = near.most_bend(from, to);
+    let off = |stretches: f64| {
+        let step = (to - from) / stretches;
+        bend * step * step / 8.0
+    };
+    while stretches < most && off(stretches) > STRAIGHT * radius {
+        stretches *= 2.0;
+    }
+    let step = (to - from) / stretches;
+    let off = off(stretches);
+    let mut a = near.at(from);
+    for i in 0..stretches as u32 {
+        let ends = [from + step * f64::from(i), from + step * f64::from(i + 1)];
+        let b = near.at(ends[1]);
+        let is_last = ends[1] >= 1.0;
+        let mut before = f64::NAN;
+        for (s, t) in starts([a, b], off, dir).into_iter().flatten() {
+            let u = ends[0] + t * (ends[1] - ends[0]);
+            let Some((s, u)) = newton(&near, dir, s, u, ends) else { continue };
+            let is_here = u >= ends[0] && (u < ends[1] || is_last && u <= 1.0);
+            // Both starts may lead to one hit.
+            let is_other = before.is_nan() || (s - before).abs() > 1e-9 * radius;
+            if is_here && is_other {
+                before = s;
+                hit(CurveHit { t: (start + s) / ray.length, u, v: 0.0 });
+            }
+        }
+        a = b;
+    }
+}
+
+/// Where a ray through the origin meets the cone between two circles, or comes nearest to it: distances along the ray, and
+/// parameters on the chord. None where it surely misses all that is within `off` of the cone.
+#[inline(always)]
+fn starts([a, b]: [[f64; 4]; 2], off: f64, dir: [f64; 3]) -> Option<[(f64, f64); 2]> {
+    let (from, chord) = (place(a), minus(place(b), place(a)));
+    let square = dot(chord, chord);
+    let e = dot(dir, chord);
+    let q = -dot(from, chord);
+    if square == 0.0 {
+        return None;
+    }
+    // |s dir - from - t chord|^2 = (ra + t (rb - ra))^2, with t = (q + s e) / square.
+    let growth = b[3] - a[3];
+    let [slope, at_start] = [growth * e / square, a[3] + growth * q / square];
+    let aa = 1.0 - e * e / square - slope * slope;
+    let bb = -dot(from, dir) - q * e / square - slope * at_start;
+    let cc = dot(from, from) - q * q / square - at_start * at_start;
+    let param = |s: f64| (q + s * e) / square;
+    let widest = a[3].max(b[3]) + 2.0 * off;
+    if aa.abs() < 1e-12 {
+        // Along it.
+        let s = if bb == 0.0 { 0.0 } else { -0.5 * cc / bb };
+        return Some([(s, param(s)); 2]);
+    }
+    let root = bb * bb - aa * cc;
+    let middle = -bb / aa;
+    if root < 0.0 {
+        // The distance from the axis there, beyond the widest circle.
+        let t = param(middle).clamp(0.0, 1.0);
+        let p = along(minus(along([0.0; 3], middle, dir), from), -t, chord);
+        return (dot(p, p) <= widest * widest).then_some([(middle, param(middle)); 2]);
+    }
+    let half = root.sqrt() / aa.abs();
+    let (near, far) = (middle - half, middle + half);
+    Some([(near, param(near)), (far, param(far))])
+}
+
+/// The hit that Newton's method leads to, and its parameter.
+#[inline(always)]
+fn newton(near: &Cubic, dir: [f64; 3], mut s: f64, u: f64, ends: [f64; 2]) -> Option<(f64, f64)> {
+    let width = ends[1] - ends[0];
+    // Starts outside of the stretch may still lead into it, but none from afar.
+    if u < ends[0] - 0.5 * width || u > ends[1] + 0.5 * width {
+        return None;
+    }
+    let mut u = u.clamp(ends[0], ends[1]);
+    for _ in 0..12 {
+        let (point, slope, bend) = (near.at(u), near.slope(u), place(near.bend(u)));
+        let (radius, grows, tangent) = (point[3], slope[3], place(slope));
+        let out = minus([s * dir[0], s * dir[1], s * dir[2]], place(point));
+        // Across the curve, and at the radius.
+        let (f, g) = (dot(out, tangent), 0.5 * (dot(out, out) - radius * radius));
+        let (f_s, f_u) = (dot(dir, tangent), dot(out, bend) - dot(tangent, tangent));
+        let (g_s, g_u) = (dot(out, dir), -f - radius * grows);
+        let det = f_s * g_u - f_u * g_s;
+        let (ds, du) = ((f * g_u - g * f_u) / det, (g * f_s - f * g_s) / det);
+        // No root is near.
+        if du.is_nan() || du.abs() > 4.0 * width {
+            return None;
+        }
+        (s, u) = (s - ds, u - du);
+        if u < ends[0] - width || u > ends[1] + width {
+            return None;
+        }
+        if ds.abs() <= 1e-13 * (s.abs() + radius) && du.abs() <= 1e-12 {
+            return (radius > 0.0).then_some((s, u));
+        }
+    }
+    None
+}
