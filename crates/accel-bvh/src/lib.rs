@@ -16,6 +16,7 @@ mod boxes;
 mod build;
 mod compact;
 mod corners;
+mod doubles;
 mod gather;
 mod incoherent;
 mod index;
@@ -45,6 +46,7 @@ mod user;
 mod walk;
 
 pub use boxes::{BoxEdit, BoxIndex, EnterMembers, Member, MetBlock};
+pub use doubles::{DoubleBoxes, DoubleIndex, DoubleLine};
 pub use index::BvhIndex;
 pub use kernels::Kernels;
 pub use motion::MotionIndex;

@@ -193,6 +193,7 @@ mod candidates;
 mod coherent;
 mod crossings;
 mod crowd;
+pub mod doubles;
 mod engine;
 mod facing;
 mod inside;

@@ -11,6 +11,7 @@ mod common;
 mod compact;
 mod control;
 mod counters;
+mod doubles;
 mod far_away;
 mod filters;
 mod grids;

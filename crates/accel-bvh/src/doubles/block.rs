@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Leaves of triangles in double precision: blocks of eight. The test is [WBW13], with a bound of its error.
+//! Space: object.
+//!
+//! Corners less the origin are off by `u * m`, where `m` is the greatest of them and `u` half a unit in the last place; sheared ones by
+//! `6 * u * m`; an edge, a difference of products of sheared corners of which the greatest is `s`, by less
+//! than `2 * 2 * s * 6 * u * m + 4 * u * s * s`. To that comes the error of the line: `4 * s * (2 * off + off_shear * m)`.
+//! Tests: `tests/doubles.rs` of `gnurt-accel`.
+
+use gnurt_accel_core::INVALID_ID;
+use gnurt_simd::{Simd, f64x8, prelude::*};
+
+use super::line::Lanes;
+use crate::node::WIDTH;
+
+/// Eight triangles.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct DoubleBlock {
+    /// By corner, then by axis.
+    corners: [[[f64; WIDTH]; 3]; 3],
+    pub(super) numbers: [u32; WIDTH],
+    /// Lanes in use, as bits.
+    used: u32,
+}
+
+impl DoubleBlock {
+    /// Of numbers of triangles and their corners; `INVALID_ID` where there is none.
+    pub(super) fn new(corners: impl Fn(u32) -> [[f64; 3]; 3], numbers: &[u32; WIDTH]) -> Self {
+        let mut block = Self { corners: [[[0.0; WIDTH]; 3]; 3], numbers: *numbers, used: 0 };
+        for (lane, &number) in numbers.iter().enumerate().filter(|(_, number)| **number != INVALID_ID) {
+            block.used |= 1 << lane;
+            for (rows, corner) in block.corners.iter_mut().zip(corners(number)) {
+                for (row, x) in rows.iter_mut().zip(corner) {
+                    row[lane] = x;
+                }
+            }
+        }
+        block
+    }
+
+    /// One triangle.
+    pub(super) fn corners(&self, lane: usize) -> [[f64; 3]; 3] {
+        self.corners.each_ref().map(|rows| rows.each_ref().map(|row| row[lane]))
+    }
+
+    /// Lanes in use.
+    pub(super) fn lanes(&self) -> impl Iterator<Item = usize> + use<> {
+        let used = self.used;
+        (0..WIDTH).filter(move |lane| used >> lane & 1 != 0)
+    }
+
+    /// Triangles that the line may touch before `depth`, as bits, and those of them that it passes inside for certain.
+    #[inline(always)]
+    pub(super) fn candidates<S: Simd>(&self, simd: S, line: &Lanes<S>, depth: f64) -> [u32; 2] {
+        let [a, b, c] = [0, 1, 2].map(
+            #[inline(always)]
+            |corner: usize| {
+                let row =
+                    |k: usize| f64x8::from_slice(simd, &self.corners[corner][line.axes[k]]) - line.org[k];
+                [row(0), row(1), row(2)]
+            },
+        );
+        let sheared = |p: &[f64x8<S>; 3]| [p[0] - line.shear[0] * p[2], p[1] - line.shear[1] * p[2]];
+        let (p, q, r) = (sheared(&a), sheared(&b), sheared(&c));
+        let edge = |p: &[f64x8<S>; 2], q: &[f64x8<S>; 2]| p[0] * q[1] - p[1] * q[0];
+        let edges = [edge(&q, &r), edge(&r, &p), edge(&p, &q)];
+        let size = |p: &[f64x8<S>; 2]| p[0].abs().max(p[1].abs());
+        let s = size(&p).max(size(&q)).max(size(&r));
+        let whole = |a: &[f64x8<S>; 3]| a[0].abs().max(a[1].abs()).max(a[2].abs());
+        let m = whole(&a).max(whole(&b)).max(whole(&c));
+        let at = |x: f64| f64x8::splat(simd, x);
+        let off = line.off + line.off_shear * m;
+        let error = s * (at(16.0 * f64::EPSILON) * m + at(4.0 * f64::EPSILON) * s + at(4.0) * off)
+            + at(f64::MIN_POSITIVE);
+        let least = edges[0].min(edges[1]).min(edges[2]);
+        let most = edges[0].max(edges[1]).max(edges[2]);
+        let zero = at(0.0) - error;
+        let outside = least.simd_lt(zero) & most.simd_gt(error);
+        let (x, y, z) = (a[2] * line.sign, b[2] * line.sign, c[2] * line.sign);
+        let beyond = x.min(y).min(z).simd_gt(at(depth)) | x.max(y).max(z).simd_lt(line.near);
+        let open = self.used & !((outside | beyond).to_bitmask() as u32);
+        if open == 0 {
+            return [0, 0];
+        }
+        let certain = least.simd_gt(error) | most.simd_lt(zero);
+        [open, certain.to_bitmask() as u32]
+    }
+}
