@@ -6,6 +6,7 @@ mod answers;
 mod arrays;
 mod described_mesh;
 mod describing;
+mod doubles;
 mod ffi_arrays;
 mod given;
 mod hits;

@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use gnurt_accel::doubles::DoubleScene;
 use gnurt_accel::{
     BuildOptions, Geometry, Hit, Instance, Motion, MovingTree, ObjectTree, SceneTree, Shape, Threads,
     Triangles,
@@ -15,6 +16,7 @@ use gnurt_accel::{
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::doubles::DoublePlan;
 use crate::meshes::{Mesh, carried};
 
 /// The trees for queries.
@@ -26,8 +28,10 @@ pub(crate) struct Trees {
     shown: BTreeMap<u32, Part>,
     /// `None` without instances.
     scene: Option<Arc<SceneTree>>,
+    /// Of a scene in double precision, which has no others.
+    pub(crate) doubles: Option<Arc<DoubleScene>>,
     /// Instances of the scene after the first.
-    placed_list: Vec<(u32, PlacedGeometry)>,
+    pub(crate) placed_list: Vec<(u32, PlacedGeometry)>,
 }
 
 /// The contents of an instance.
@@ -77,6 +81,7 @@ pub(crate) struct Plan {
     before: Option<Arc<Trees>>,
     all: BuildRequest,
     shown: BTreeMap<u32, BuildRequest>,
+    doubles: Option<DoublePlan>,
     placed_list: Vec<(u32, PlacedGeometry)>,
 }
 
@@ -105,7 +110,13 @@ impl Plan {
         meshes: &[Option<Mesh>],
         placed_list: Vec<(u32, PlacedGeometry)>,
         before: Option<Arc<Trees>>,
+        is_double: bool,
     ) -> PyResult<Self> {
+        if is_double {
+            let doubles = Some(DoublePlan::new(py, meshes, &placed_list)?);
+            let all = BuildRequest { states: Vec::new(), soups: None };
+            return Ok(Self { before: None, all, shown: BTreeMap::new(), doubles, placed_list });
+        }
         let at_place = |mesh: &Option<Mesh>| -> PyResult<Soup> {
             // A removed mesh keeps its number.
             let Some(mesh) = mesh else { return Ok(Soup::default()) };
@@ -129,20 +140,21 @@ impl Plan {
                 shown.insert(*geom_id, request);
             }
         }
-        Ok(Self { before, all, shown, placed_list })
+        Ok(Self { before, all, shown, doubles: None, placed_list })
     }
 
     /// Builds; without the interpreter.
     pub(crate) fn build(self, threads: Threads) -> PyResult<Trees> {
-        let Self { before, all, shown, placed_list } = self;
+        let Self { before, all, shown, doubles, placed_list } = self;
         let all = Part::new(all, before.as_ref().map(|trees| &trees.all), threads)?;
         let part = |(id, request): (u32, BuildRequest)| {
             let before = before.as_ref().and_then(|trees| trees.shown.get(&id));
             Ok((id, Part::new(request, before, threads)?))
         };
         let shown = shown.into_iter().map(part).collect::<PyResult<BTreeMap<u32, Part>>>()?;
-        let mut trees = Trees { all, shown, scene: None, placed_list };
-        if !trees.placed_list.is_empty() {
+        let doubles = doubles.map(|plan| plan.build(&placed_list, threads)).transpose()?;
+        let mut trees = Trees { all, shown, scene: None, doubles, placed_list };
+        if trees.doubles.is_none() && !trees.placed_list.is_empty() {
             trees.scene = Some(Arc::new(trees.top(before.as_deref(), threads)?));
         }
         Ok(trees)
@@ -240,6 +252,9 @@ impl Trees {
     /// The geometry, or -1, of a result with these numbers; calls `visit` with the instances that contain it,
     /// outermost first.
     fn instance_path(&self, [geom_id, inst_id, leaf_id]: [u32; 3], mut visit: impl FnMut(u32)) -> u32 {
+        if let Some(scene) = &self.doubles {
+            return self.double_path(scene, geom_id, leaf_id, visit);
+        }
         let (mut trees, mut inst_id, mut leaf) = (self, inst_id, leaf_id);
         loop {
             let Some(scene) = trees.scene.as_ref().filter(|_| inst_id != 0 && inst_id != u32::MAX) else {
@@ -284,6 +299,9 @@ impl Trees {
 
     /// The deepest nesting of instances, one at least; 16 at most.
     pub(crate) fn levels(&self) -> usize {
+        if let Some(scene) = &self.doubles {
+            return scene.levels().max(1) as usize;
+        }
         self.scene.as_ref().map_or(1, |scene| scene.depth() as usize)
     }
 

@@ -70,7 +70,7 @@ mod tests {
     fn boxes_hold_what_they_held() {
         let mut random = Random::new(5);
         for offset in [0.0, 1e8, -1e15] {
-            let mut point = || [0, 1, 2].map(|_| offset + f64::from(random.float()) * 3.0);
+            let mut point = || [0, 1, 2].map(|_| offset + f64::from(random.unit()) * 3.0);
             let points: Vec<[f64; 3]> = (0..100).map(|_| point()).collect();
             let bound = |pick: fn(f64, f64) -> f64, from| {
                 points.iter().fold([from; 3], |all, at| [0, 1, 2].map(|k| pick(all[k], at[k])))

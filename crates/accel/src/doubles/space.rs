@@ -108,7 +108,7 @@ mod tests {
     fn the_bound_holds() {
         let mut random = Random::new(8);
         for i in 0..2000 {
-            let mut number = || f64::from(random.float()) * 2.0 - 1.0;
+            let mut number = || f64::from(random.unit()) * 2.0 - 1.0;
             let mut columns = [[0.0; 3]; 4].map(|column| column.map(|_: f64| number()));
             columns[3] = columns[3].map(|x| x * 1e8);
             // Points whose images are exact: small integers times powers of two.
