@@ -4,7 +4,8 @@
 //!
 //! Corners less the origin are off by `u * m`, where `m` is the greatest of them and `u` half a unit in the last place; sheared ones by
 //! `6 * u * m`; an edge, a difference of products of sheared corners of which the greatest is `s`, by less
-//! than `2 * 2 * s * 6 * u * m + 4 * u * s * s`. To that comes the error of the line: `4 * s * (2 * off + off_shear * m)`.
+//! than `2 * 2 * s * 6 * u * m + 4 * u * s * s`. To that comes the error of the line: `4 * s * (2 * off + off_shear * m)`. No corner of
+//! the tree is farther from the origin than `m` of the line, so that all this is `s` times a constant of the line.
 //! Tests: `tests/doubles.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::INVALID_ID;
@@ -40,8 +41,15 @@ impl DoubleBlock {
     }
 
     /// One triangle.
+    #[inline]
     pub(super) fn corners(&self, lane: usize) -> [[f64; 3]; 3] {
-        self.corners.each_ref().map(|rows| rows.each_ref().map(|row| row[lane]))
+        let lane = lane & (WIDTH - 1);
+        let [a, b, c] = &self.corners;
+        [
+            [a[0][lane], a[1][lane], a[2][lane]],
+            [b[0][lane], b[1][lane], b[2][lane]],
+            [c[0][lane], c[1][lane], c[2][lane]],
+        ]
     }
 
     /// Lanes in use.
@@ -53,32 +61,18 @@ impl DoubleBlock {
     /// Triangles that the line may touch before `depth`, as bits, and those of them that it passes inside for certain.
     #[inline(always)]
     pub(super) fn candidates<S: Simd>(&self, simd: S, line: &Lanes<S>, depth: f64) -> [u32; 2] {
-        let [a, b, c] = [0, 1, 2].map(
-            #[inline(always)]
-            |corner: usize| {
-                let row =
-                    |k: usize| f64x8::from_slice(simd, &self.corners[corner][line.axes[k]]) - line.org[k];
-                [row(0), row(1), row(2)]
-            },
-        );
-        let sheared = |p: &[f64x8<S>; 3]| [p[0] - line.shear[0] * p[2], p[1] - line.shear[1] * p[2]];
-        let (p, q, r) = (sheared(&a), sheared(&b), sheared(&c));
-        let edge = |p: &[f64x8<S>; 2], q: &[f64x8<S>; 2]| p[0] * q[1] - p[1] * q[0];
+        let [a, b, c] =
+            [self.relative(simd, 0, line), self.relative(simd, 1, line), self.relative(simd, 2, line)];
+        let (x, y, z) = (a[2] * line.sign, b[2] * line.sign, c[2] * line.sign);
+        let beyond = x.min(y).min(z).simd_gt(f64x8::splat(simd, depth)) | x.max(y).max(z).simd_lt(line.near);
+        let (p, q, r) = (sheared(&a, line), sheared(&b, line), sheared(&c, line));
         let edges = [edge(&q, &r), edge(&r, &p), edge(&p, &q)];
-        let size = |p: &[f64x8<S>; 2]| p[0].abs().max(p[1].abs());
         let s = size(&p).max(size(&q)).max(size(&r));
-        let whole = |a: &[f64x8<S>; 3]| a[0].abs().max(a[1].abs()).max(a[2].abs());
-        let m = whole(&a).max(whole(&b)).max(whole(&c));
-        let at = |x: f64| f64x8::splat(simd, x);
-        let off = line.off + line.off_shear * m;
-        let error = s * (at(16.0 * f64::EPSILON) * m + at(4.0 * f64::EPSILON) * s + at(4.0) * off)
-            + at(f64::MIN_POSITIVE);
+        let error = s * line.error + f64x8::splat(simd, f64::MIN_POSITIVE);
         let least = edges[0].min(edges[1]).min(edges[2]);
         let most = edges[0].max(edges[1]).max(edges[2]);
-        let zero = at(0.0) - error;
+        let zero = f64x8::splat(simd, 0.0) - error;
         let outside = least.simd_lt(zero) & most.simd_gt(error);
-        let (x, y, z) = (a[2] * line.sign, b[2] * line.sign, c[2] * line.sign);
-        let beyond = x.min(y).min(z).simd_gt(at(depth)) | x.max(y).max(z).simd_lt(line.near);
         let open = self.used & !((outside | beyond).to_bitmask() as u32);
         if open == 0 {
             return [0, 0];
@@ -86,4 +80,30 @@ impl DoubleBlock {
         let certain = least.simd_gt(error) | most.simd_lt(zero);
         [open, certain.to_bitmask() as u32]
     }
+
+    /// A corner less the origin, along the line's axes. Written out: `map` would be a call.
+    #[inline(always)]
+    fn relative<S: Simd>(&self, simd: S, corner: usize, line: &Lanes<S>) -> [f64x8<S>; 3] {
+        let (rows, [x, y, z]) = (&self.corners[corner], line.axes);
+        [
+            f64x8::from_slice(simd, &rows[x]) - line.org[0],
+            f64x8::from_slice(simd, &rows[y]) - line.org[1],
+            f64x8::from_slice(simd, &rows[z]) - line.org[2],
+        ]
+    }
+}
+
+#[inline(always)]
+fn sheared<S: Simd>(p: &[f64x8<S>; 3], line: &Lanes<S>) -> [f64x8<S>; 2] {
+    [p[0] - line.shear[0] * p[2], p[1] - line.shear[1] * p[2]]
+}
+
+#[inline(always)]
+fn edge<S: Simd>(p: &[f64x8<S>; 2], q: &[f64x8<S>; 2]) -> f64x8<S> {
+    p[0] * q[1] - p[1] * q[0]
+}
+
+#[inline(always)]
+fn size<S: Simd>(p: &[f64x8<S>; 2]) -> f64x8<S> {
+    p[0].abs().max(p[1].abs())
 }

@@ -11,7 +11,7 @@ pub(super) struct Grid {
     pub(super) center: [f64; 3],
     pub(super) scale: f64,
     /// Half the diagonal of the box around all.
-    radius: f64,
+    pub(super) radius: f64,
 }
 
 /// A box: least and greatest coordinates.

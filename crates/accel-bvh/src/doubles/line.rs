@@ -33,9 +33,10 @@ pub(super) struct Prepared {
     pub(super) shear: [f64; 2],
     /// 1 or -1: along the longest axis.
     pub(super) sign: f64,
-    /// The error of the origin and of the shear.
-    pub(super) off: f64,
-    pub(super) off_shear: f64,
+    /// The error of the origin.
+    off: f64,
+    /// The error of an edge for the greatest of its corners: see `block.rs`.
+    pub(super) error: f64,
     start: f64,
     per_unit: f64,
     scale: f64,
@@ -46,6 +47,11 @@ pub(super) struct Prepared {
     pub(super) greatest: f32,
 }
 
+fn org_from(org: [f64; 3], center: [f64; 3]) -> [f64; 3] {
+    [org[0] - center[0], org[1] - center[1], org[2] - center[2]]
+}
+
+#[inline]
 fn largest(v: [f64; 3]) -> f64 {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }
@@ -62,6 +68,9 @@ impl Prepared {
         let rounding = if start == 0.0 { 0.0 } else { start * per_unit + largest(line.org) + largest(org) };
         let off = line.off_org + start * line.off_dir + f64::EPSILON * rounding;
         let off_shear = 2.0 * (line.off_dir / per_unit).min(1.0) + 2.0 * f64::EPSILON;
+        // The farthest corner, from what is left of rounding.
+        let far = 1.01 * (largest(org_from(org, grid.center)) + grid.radius)
+            + 4.0 * f64::EPSILON * (largest(org) + largest(grid.center));
         let dir = line.dir.map(|x| x / per_unit);
         let local = grid.local(org);
         let away = largest(local);
@@ -85,7 +94,8 @@ impl Prepared {
             shear: [dir[x] / dir[z], dir[y] / dir[z]],
             sign: dir[z].signum(),
             off,
-            off_shear,
+            // Sheared corners are at most twice as far as corners.
+            error: 32.0 * f64::EPSILON * far + 4.0 * (2.0 * off + off_shear * far),
             start,
             per_unit,
             scale: grid.scale,
@@ -122,24 +132,21 @@ pub(super) struct Lanes<S: Simd> {
     pub(super) org: [f64x8<S>; 3],
     pub(super) shear: [f64x8<S>; 2],
     pub(super) sign: f64x8<S>,
-    pub(super) off: f64x8<S>,
-    pub(super) off_shear: f64x8<S>,
+    pub(super) error: f64x8<S>,
     pub(super) near: f64x8<S>,
 }
 
 impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, line: &Prepared) -> Self {
-        let at = |x: f64| f64x8::splat(simd, x);
         let ([x, y, z], [u, v]) = (line.org, line.shear);
         Self {
             axes: line.axes,
-            org: [at(x), at(y), at(z)],
-            shear: [at(u), at(v)],
-            sign: at(line.sign),
-            off: at(2.0 * line.off),
-            off_shear: at(line.off_shear),
-            near: at(line.near),
+            org: [f64x8::splat(simd, x), f64x8::splat(simd, y), f64x8::splat(simd, z)],
+            shear: [f64x8::splat(simd, u), f64x8::splat(simd, v)],
+            sign: f64x8::splat(simd, line.sign),
+            error: f64x8::splat(simd, line.error),
+            near: f64x8::splat(simd, line.near),
         }
     }
 }

@@ -30,14 +30,17 @@ pub struct Line {
     pub(super) size: f64,
 }
 
+#[inline(always)]
 pub(super) fn largest(v: [f64; 3]) -> f64 {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }
 
+#[inline(always)]
 pub(super) fn away(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
+#[inline(always)]
 pub(super) fn cross_of(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
@@ -99,6 +102,7 @@ impl Line {
     }
 
     /// The value of an edge in doubles, and a bound of its error.
+    #[inline(always)]
     pub(super) fn edge_value(&self, triangle: &Triangle, i: usize, j: usize) -> (f64, f64) {
         let (p, q) = (triangle.near[i], triangle.near[j]);
         let (r, w) = (away(p, self.org), away(q, p));

@@ -23,7 +23,9 @@ impl Line {
     /// The parameter, and the weights of the second and the third corner, where the line meets the triangle between its ends.
     /// `is_certain`: the line is known to pass inside.
     pub fn meets(&self, triangle: &Triangle, is_certain: bool) -> Option<[f64; 3]> {
-        let values = EDGES.map(|(i, j)| self.edge_value(triangle, i, j));
+        // Written out, here and below: `map` would be calls.
+        let edge = |(i, j): (usize, usize)| self.edge_value(triangle, i, j);
+        let values = [edge(EDGES[0]), edge(EDGES[1]), edge(EDGES[2])];
         if !is_certain && !self.touches(triangle, &values) {
             return None;
         }
@@ -33,7 +35,8 @@ impl Line {
 
     /// Whether the line passes the edges on one side or through them.
     fn touches(&self, triangle: &Triangle, values: &[(f64, f64); 3]) -> bool {
-        let mut signs = values.map(|(value, error)| certain(value, error));
+        let of = |(value, error): (f64, f64)| certain(value, error);
+        let mut signs = [of(values[0]), of(values[1]), of(values[2])];
         if signs.contains(&1) && signs.contains(&-1) {
             return false;
         }
@@ -62,7 +65,8 @@ impl Line {
         if !(off_slope <= FINE * slope.abs() && off_depth <= FINE * depth.abs()) {
             return None;
         }
-        let weights = values.map(|(value, _)| if value * slope > 0.0 { value.abs() } else { 0.0 });
+        let weight = |(value, _): (f64, f64)| if value * slope > 0.0 { value.abs() } else { 0.0 };
+        let weights = [weight(values[0]), weight(values[1]), weight(values[2])];
         let whole = weights[0] + weights[1] + weights[2];
         (whole > 0.0).then(|| [depth / slope, weights[1] / whole, weights[2] / whole])
     }

@@ -69,6 +69,7 @@ impl<'a> Triangle<'a> {
     }
 
     /// The same of corners in double precision.
+    #[inline]
     pub fn of_doubles(corners: [[f64; 3]; 3], path: Option<&'a InstancePath<'a>>) -> Self {
         let (mut near, mut error) = (corners, 0.0f64);
         if let Some(path) = path {
