@@ -16,7 +16,7 @@ use gnurt_accel::{
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::doubles::DoublePlan;
+use crate::double_trees::{DoublePlan, Inner};
 use crate::meshes::{Mesh, carried};
 
 /// The trees for queries.
@@ -31,7 +31,7 @@ pub(crate) struct Trees {
     /// Of a scene in double precision, which has no others.
     pub(crate) doubles: Option<Arc<DoubleScene>>,
     /// Instances of the scene after the first.
-    pub(crate) placed_list: Vec<(u32, PlacedGeometry)>,
+    placed_list: Vec<(u32, PlacedGeometry)>,
 }
 
 /// The contents of an instance.
@@ -113,7 +113,8 @@ impl Plan {
         is_double: bool,
     ) -> PyResult<Self> {
         if is_double {
-            let doubles = Some(DoublePlan::new(py, meshes, &placed_list)?);
+            let doubles =
+                Some(DoublePlan::new(py, meshes, placed_list.iter().map(PlacedGeometry::double).collect())?);
             let all = BuildRequest { states: Vec::new(), soups: None };
             return Ok(Self { before: None, all, shown: BTreeMap::new(), doubles, placed_list });
         }
@@ -152,7 +153,7 @@ impl Plan {
             Ok((id, Part::new(request, before, threads)?))
         };
         let shown = shown.into_iter().map(part).collect::<PyResult<BTreeMap<u32, Part>>>()?;
-        let doubles = doubles.map(|plan| plan.build(&placed_list, threads)).transpose()?;
+        let doubles = doubles.map(|plan| plan.build(threads)).transpose()?;
         let mut trees = Trees { all, shown, scene: None, doubles, placed_list };
         if trees.doubles.is_none() && !trees.placed_list.is_empty() {
             trees.scene = Some(Arc::new(trees.top(before.as_deref(), threads)?));
@@ -187,6 +188,39 @@ impl Part {
         let tree = ObjectTree::try_build(&meshes, &options, threads, &())
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(Self { tree: MovingTree::of(Arc::new(tree), Motion::Auto), states })
+    }
+}
+
+impl Trees {
+    /// As `instance_path`, in double precision.
+    fn double_path(
+        &self,
+        scene: &DoubleScene,
+        geom_id: u32,
+        leaf_id: u32,
+        mut visit: impl FnMut(u32),
+    ) -> u32 {
+        let mut trees = self;
+        for at in scene.path(leaf_id) {
+            let Some((id, placed)) = trees.placed_list.get(at as usize) else { return u32::MAX };
+            visit(*id);
+            match &placed.shows {
+                Shows::Mesh(geom_id) => return *geom_id,
+                Shows::Scene(inner) => trees = inner,
+            }
+        }
+        geom_id
+    }
+}
+
+impl PlacedGeometry {
+    /// For a scene in double precision.
+    fn double((_, placed): &(u32, Self)) -> (Inner, [[f64; 3]; 4]) {
+        let inner = match &placed.shows {
+            Shows::Mesh(geom_id) => Inner::Mesh(*geom_id),
+            Shows::Scene(trees) => Inner::Scene(trees.doubles.clone()),
+        };
+        (inner, placed.placement)
     }
 }
 

@@ -299,7 +299,7 @@ impl RayScene {
         Ok(())
     }
 
-    /// The same in double precision: built anew.
+    /// The same in double precision, built again.
     fn commit_doubles(&mut self, threads: Threads) -> Result<(), String> {
         let (mut geometries, mut meshes) = (Vec::new(), Vec::new());
         let (mut instances, mut placed) = (vec![(u32::MAX, None)], Vec::new());

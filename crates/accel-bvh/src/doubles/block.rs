@@ -2,10 +2,10 @@
 //! Leaves of triangles in double precision: blocks of eight. The test is [WBW13], with a bound of its error.
 //! Space: object.
 //!
-//! Corners less the origin are off by `u * m`, where `m` is the greatest of them and `u` half a unit in the last place; sheared ones by
-//! `6 * u * m`; an edge, a difference of products of sheared corners of which the greatest is `s`, by less
-//! than `2 * 2 * s * 6 * u * m + 4 * u * s * s`. To that comes the error of the line: `4 * s * (2 * off + off_shear * m)`. No corner of
-//! the tree is farther from the origin than `m` of the line, so that all this is `s` times a constant of the line.
+//! Corners less the origin are off by `u * m`: `m` is the greatest of them, `u` half a unit in the last place. Sheared ones are off
+//! by `6 * u * m`. An edge is a difference of products of sheared corners, of which the greatest is `s`: it is off by less than
+//! `2 * 2 * s * 6 * u * m + 4 * u * s * s`. To that comes the error of the line: `4 * s * (2 * off + off_shear * m)`. No corner of
+//! the tree is farther from the origin than `m` of the line: all this is `s` times a constant of the line.
 //! Tests: `tests/doubles.rs` of `gnurt-accel`.
 
 use gnurt_accel_core::INVALID_ID;

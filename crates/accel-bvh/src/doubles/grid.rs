@@ -3,8 +3,6 @@
 
 use gnurt_accel_core::Aabb;
 
-use super::line::DoubleLine;
-
 /// Coordinates of nodes are `(x - center) * scale`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Grid {
@@ -51,10 +49,10 @@ impl Grid {
 
     /// The parameter from which on a line is followed: 0, or shortly before it comes to the box from afar, so that nothing is lost
     /// to the distance.
-    pub(super) fn start(&self, line: &DoubleLine) -> f64 {
-        let to = [0, 1, 2].map(|k| self.center[k] - line.org[k]);
+    pub(super) fn start(&self, org: &[f64; 3], dir: &[f64; 3]) -> f64 {
+        let to = [0, 1, 2].map(|k| self.center[k] - org[k]);
         let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-        let (along, square) = (dot(&to, &line.dir), dot(&line.dir, &line.dir));
+        let (along, square) = (dot(&to, dir), dot(dir, dir));
         let (middle, length) = (along / square, square.sqrt());
         let start = middle - 2.0 * self.radius / length;
         if start * length > 2.0 * self.radius && start.is_finite() { start } else { 0.0 }

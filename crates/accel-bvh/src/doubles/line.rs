@@ -63,18 +63,18 @@ impl Prepared {
         if !(per_unit > 0.0 && per_unit.is_finite() && line.org.iter().all(|x| x.is_finite())) {
             return None;
         }
-        let start = grid.start(line);
+        let start = grid.start(&line.org, &line.dir);
         let org = [0, 1, 2].map(|k| line.org[k] + start * line.dir[k]);
         let rounding = if start == 0.0 { 0.0 } else { start * per_unit + largest(line.org) + largest(org) };
         let off = line.off_org + start * line.off_dir + f64::EPSILON * rounding;
         let off_shear = 2.0 * (line.off_dir / per_unit).min(1.0) + 2.0 * f64::EPSILON;
-        // The farthest corner, from what is left of rounding.
+        // The farthest corner, rounding included.
         let far = 1.01 * (largest(org_from(org, grid.center)) + grid.radius)
             + 4.0 * f64::EPSILON * (largest(org) + largest(grid.center));
         let dir = line.dir.map(|x| x / per_unit);
         let local = grid.local(org);
         let away = largest(local);
-        // What the line is off from that of floats, as coordinates for which nodes allow.
+        // The line's difference from that of floats, as coordinates for which nodes allow.
         let off_local = off * grid.scale + off_shear * (away + 2.0 * f64::from(greatest));
         let slack = 1e-6 * (2.0 * f64::from(greatest) + away) + 4.0 * off_local;
         let lost = (off_local / f64::from(SLACK)).min(1e30) as f32;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The map of an instance in double precision, and bounds of what the way back loses. Tests: `tests::the_bound_holds`.
+//! The map of an instance in double precision, and bounds of the loss on the way back. Tests: `tests::the_bound_holds`.
 
 use gnurt_accel_bvh::DoubleLine;
 
@@ -51,7 +51,7 @@ impl Map {
         [0, 1, 2].map(|k| x[k] * p[0] + y[k] * p[1] + z[k] * p[2] + o[k])
     }
 
-    /// The box around what is in a box.
+    /// The box around the image of a box.
     pub(super) fn around(&self, [min, max]: &[[f64; 3]; 2]) -> [[f64; 3]; 2] {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         if min[0] > max[0] {
@@ -79,7 +79,7 @@ impl Map {
             rest[k] = x[k] * to[0] + y[k] * to[1] + z[k] * to[2] - from[k];
             worst = worst.max(4.0 * UNIT * (sizes + from[k].abs()));
         }
-        // What does not come back, carried inwards; the inverse itself is off by much less than a tenth.
+        // The part that does not come back, carried inwards; the inverse itself is off by much less than a tenth.
         (to, 1.1 * self.growth * (largest(rest) + worst + off))
     }
 

@@ -1,121 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Ray scenes in double precision: their trees, and queries with float64 answers. Structure as in `trees.rs`
-//! and `answers.rs`; trees are built anew after each change. Tests: `tests/test_doubles.py`.
+//! Queries of ray scenes in double precision, with float64 answers. Structure as in `answers.rs`.
+//! Tests: `tests/test_doubles.py`.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
-use gnurt_accel::doubles::{DoubleHit, DoubleInstance, DoubleMesh, DoublePoint, DoubleRay, DoubleScene};
-use gnurt_accel::{BuildOptions, Threads};
-use pyo3::exceptions::PyValueError;
+use gnurt_accel::Threads;
+use gnurt_accel::doubles::{DoubleHit, DoublePoint, DoubleRay, DoubleScene};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
 use crate::answers::{POINTS, RayQuery, Which};
 use crate::arrays::New;
 use crate::hits::{AllHits, Found, Hits};
-use crate::meshes::{Mesh, triples};
 use crate::rays::Rays;
-use crate::trees::{PlacedGeometry, Shows, Trees};
-
-/// Vertices, transformed if a mesh has a transform, and faces.
-type Soup = (Vec<[f64; 3]>, Vec<[u32; 3]>);
-
-/// The input of a scene, taken out of Python.
-pub(crate) struct DoublePlan {
-    all: Vec<Soup>,
-    /// Meshes that instances show, as they are.
-    shown: BTreeMap<u32, Soup>,
-}
-
-fn carried([x, y, z, w]: &[[f64; 3]; 4], [a, b, c]: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|k| x[k] * a + y[k] * b + z[k] * c + w[k])
-}
-
-fn scene(meshes: &[Soup], instances: &[DoubleInstance], threads: Threads) -> PyResult<Arc<DoubleScene>> {
-    let meshes: Vec<_> =
-        meshes.iter().map(|(positions, indices)| DoubleMesh::new(positions, indices)).collect();
-    DoubleScene::build(&meshes, instances, &BuildOptions::default(), threads)
-        .map(Arc::new)
-        .map_err(|error| PyValueError::new_err(error.to_string()))
-}
-
-impl DoublePlan {
-    pub(crate) fn new(
-        py: Python<'_>,
-        meshes: &[Option<Mesh>],
-        placed_list: &[(u32, PlacedGeometry)],
-    ) -> PyResult<Self> {
-        let soup = |mesh: &Mesh| Ok::<Soup, PyErr>((triples(mesh.vertices.bind(py))?, mesh.indices(py)?));
-        let mut all = Vec::with_capacity(meshes.len());
-        for mesh in meshes {
-            let Some(mesh) = mesh else {
-                all.push(Soup::default());
-                continue;
-            };
-            let (mut positions, indices) = soup(mesh)?;
-            if let Some(placement) = &mesh.placement {
-                positions.iter_mut().for_each(|at| *at = carried(placement, *at));
-            }
-            all.push((positions, indices));
-        }
-        let mut shown = BTreeMap::new();
-        for (_, placed) in placed_list {
-            if let Shows::Mesh(geom_id) = &placed.shows
-                && let Some(Some(mesh)) = meshes.get(*geom_id as usize)
-                && !shown.contains_key(geom_id)
-            {
-                shown.insert(*geom_id, soup(mesh)?);
-            }
-        }
-        Ok(Self { all, shown })
-    }
-
-    /// Builds; without the interpreter.
-    pub(crate) fn build(
-        self,
-        placed_list: &[(u32, PlacedGeometry)],
-        threads: Threads,
-    ) -> PyResult<Arc<DoubleScene>> {
-        let mut shown = BTreeMap::new();
-        for (id, soup) in self.shown {
-            shown.insert(id, scene(&[soup], &[], threads)?);
-        }
-        let mut instances = Vec::with_capacity(placed_list.len());
-        for (_, placed) in placed_list {
-            let inner = match &placed.shows {
-                Shows::Mesh(geom_id) => shown.get(geom_id),
-                Shows::Scene(trees) => trees.doubles.as_ref(),
-            };
-            let inner = inner.ok_or_else(|| PyValueError::new_err("an instance shows nothing"))?;
-            let (shown, placement) = (Arc::clone(inner), placed.placement);
-            instances.push(DoubleInstance { shown, placement, mask: u32::MAX });
-        }
-        scene(&self.all, &instances, threads)
-    }
-}
-
-impl Trees {
-    /// As `instance_path`, in double precision.
-    pub(crate) fn double_path(
-        &self,
-        scene: &DoubleScene,
-        geom_id: u32,
-        leaf_id: u32,
-        mut visit: impl FnMut(u32),
-    ) -> u32 {
-        let mut trees = self;
-        for at in scene.path(leaf_id) {
-            let Some((id, placed)) = trees.placed_list.get(at as usize) else { return u32::MAX };
-            visit(*id);
-            match &placed.shows {
-                Shows::Mesh(geom_id) => return *geom_id,
-                Shows::Scene(inner) => trees = inner,
-            }
-        }
-        geom_id
-    }
-}
 
 fn ids_of(hit: &DoubleHit) -> [u32; 3] {
     [hit.geom_id, hit.inst_id, hit.leaf_id]
