@@ -15,7 +15,7 @@ use crate::rays::Rays;
 use crate::trees::{Trees, run_query};
 
 /// Points of a query between two checks for Ctrl-C.
-const POINTS: usize = 1 << 16;
+pub(crate) const POINTS: usize = 1 << 16;
 
 /// Which hits of a ray are listed.
 #[derive(Clone, Copy)]
@@ -39,6 +39,9 @@ fn ids_of(hit: &Hit) -> [u32; 3] {
 
 impl RayQuery {
     pub(crate) fn intersect(self, py: Python<'_>, rays: &Rays) -> PyResult<Hits> {
+        if let Some(scene) = self.trees.doubles.clone() {
+            return self.double_intersect(py, rays, &scene);
+        }
         let n = rays.count();
         let [mut t, mut u, mut v] =
             [New::<f32>::empty(py, n, 1)?, New::empty(py, n, 1)?, New::empty(py, n, 1)?];
@@ -90,6 +93,9 @@ impl RayQuery {
     }
 
     pub(crate) fn occluded(self, py: Python<'_>, rays: &Rays) -> PyResult<Py<PyAny>> {
+        if let Some(scene) = self.trees.doubles.clone() {
+            return self.double_occluded(py, rays, &scene);
+        }
         let mut answers = New::<u8>::empty(py, rays.count(), 1)?;
         let all = answers.all();
         for range in rays.blocks() {
@@ -108,6 +114,9 @@ impl RayQuery {
     }
 
     pub(crate) fn all_hits(self, py: Python<'_>, rays: &Rays, which: Which) -> PyResult<AllHits> {
+        if let Some(scene) = self.trees.doubles.clone() {
+            return self.double_all_hits(py, rays, which, &scene);
+        }
         let mut splits = vec![0i64];
         let mut all: Vec<Hit> = Vec::new();
         for range in rays.blocks() {
@@ -175,6 +184,9 @@ impl RayQuery {
     }
 
     pub(crate) fn crossings(self, py: Python<'_>, rays: &Rays) -> PyResult<Py<PyAny>> {
+        if let Some(scene) = self.trees.doubles.clone() {
+            return self.double_crossings(py, rays, &scene);
+        }
         let mut answers = New::<u32>::empty(py, rays.count(), 1)?;
         let all = answers.all();
         for range in rays.blocks() {
@@ -191,6 +203,9 @@ impl RayQuery {
     }
 
     pub(crate) fn contains(self, py: Python<'_>, points: &[[f64; 3]]) -> PyResult<Py<PyAny>> {
+        if let Some(scene) = self.trees.doubles.clone() {
+            return self.double_contains(py, points, &scene);
+        }
         let mut answers = New::<u8>::empty(py, points.len(), 1)?;
         for (points, part) in points.chunks(POINTS).zip(answers.all().chunks_mut(POINTS)) {
             py.detach(|| {
@@ -205,6 +220,9 @@ impl RayQuery {
 
     /// Distances, those from inside of a closed surface negative if `signed`.
     pub(crate) fn distance(self, py: Python<'_>, points: &[[f64; 3]], signed: bool) -> PyResult<Py<PyAny>> {
+        if let Some(scene) = self.trees.doubles.clone() {
+            return self.double_distance(py, points, signed, &scene);
+        }
         let mut answers = New::<f64>::empty(py, points.len(), 1)?;
         for (points, part) in points.chunks(POINTS).zip(answers.all().chunks_mut(POINTS)) {
             py.detach(|| {
@@ -232,6 +250,9 @@ impl RayQuery {
         points: &[[f64; 3]],
         detailed: bool,
     ) -> PyResult<Vec<Py<PyAny>>> {
+        if let Some(scene) = self.trees.doubles.clone() {
+            return self.double_closest_point(py, points, detailed, &scene);
+        }
         let n = points.len();
         let [mut at, mut distance] = [New::<f64>::empty(py, n, 3)?, New::empty(py, n, 1)?];
         let [mut prim, mut geom] = [New::<u32>::empty(py, n, 1)?, New::empty(py, n, 1)?];

@@ -119,6 +119,17 @@ impl Numbers {
         }
     }
 
+    /// Up to three numbers of a row; zeros beyond its end.
+    pub(crate) fn row(&self, i: usize) -> [f64; 3] {
+        fn of<T: Copy + Into<f64>>(all: &[T], at: usize, width: usize) -> [f64; 3] {
+            [0, 1, 2].map(|k| if k < width { all[at + k].into() } else { 0.0 })
+        }
+        match self {
+            Self::Single(rows) => of(rows.all(), i * rows.step(), rows.width()),
+            Self::Double(rows) => of(rows.all(), i * rows.step(), rows.width()),
+        }
+    }
+
     /// Rows of `N` in single precision.
     pub(crate) fn singles<const N: usize>(&self) -> Vec<[f32; N]> {
         fn gather<T: Copy, const N: usize>(

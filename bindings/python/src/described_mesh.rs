@@ -151,7 +151,7 @@ impl DescribedMesh {
         let vertices = given.get("vertices")?.ok_or_else(|| needed("vertices"))?;
         let faces = given.get("faces")?.ok_or_else(|| needed("faces"))?;
         let placement = given.get("transform")?;
-        let mesh = Mesh::new(&vertices, &faces, placement.as_ref(), false)?;
+        let mesh = Mesh::new(&vertices, &faces, placement.as_ref(), false, "float32")?;
         let (positions, faces) = (mesh.positions(py)?, mesh.indices(py)?);
         let counts = [positions.len(), faces.len()];
         let mut known = Vec::new();

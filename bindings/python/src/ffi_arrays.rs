@@ -41,6 +41,11 @@ impl<T: Element> Rows<T> {
         self.count
     }
 
+    /// Elements of a row.
+    pub(crate) fn width(&self) -> usize {
+        self.width
+    }
+
     /// Elements from one row to the next.
     pub(crate) fn step(&self) -> usize {
         self.step

@@ -17,7 +17,7 @@ pub(crate) struct Found {
     pub(crate) ids: Vec<[u32; 4]>,
 }
 
-/// Where each ray hits first. `len(hits)` is the number of rays.
+/// Where each ray hits first. `len(hits)` is the number of rays. Of a scene of float64, `t`, `u`, `v` and `normal` are float64.
 #[pyclass(module = "gnurt", frozen)]
 pub(crate) struct Hits {
     /// float32 (n,): how many lengths of the direction away; inf where the ray missed.
@@ -47,6 +47,16 @@ impl Hits {
     /// float32 (n, 3): unit normals by the right hand rule; zeros where the ray missed.
     #[getter]
     fn normal(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        if let Some(scene) = &self.found.trees.doubles {
+            let mut normals = New::<f64>::empty(py, self.count, 3)?;
+            let all = normals.all();
+            py.detach(|| {
+                for (normal, [prim_id, geom_id, _, leaf_id]) in all.chunks_exact_mut(3).zip(&self.found.ids) {
+                    normal.copy_from_slice(&scene.normal(*leaf_id, *geom_id, *prim_id));
+                }
+            });
+            return Ok(normals.done());
+        }
         let mut normals = New::<f32>::empty(py, self.count, 3)?;
         let all = normals.all();
         let Found { trees, threads, ids } = &self.found;

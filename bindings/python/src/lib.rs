@@ -6,6 +6,8 @@ mod answers;
 mod arrays;
 mod described_mesh;
 mod describing;
+mod double_answers;
+mod double_trees;
 mod ffi_arrays;
 mod given;
 mod hits;

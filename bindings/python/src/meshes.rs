@@ -10,7 +10,7 @@ use crate::ffi_arrays::Rows;
 
 /// Triangles. The arrays are stored, so that they can be pickled and built again.
 pub(crate) struct Mesh {
-    /// float32, (n, 3), without gaps.
+    /// float32, or float64 in a scene of that; (n, 3), without gaps.
     pub(crate) vertices: Py<PyAny>,
     /// uint32, (m, 3), without gaps.
     pub(crate) faces: Py<PyAny>,
@@ -35,6 +35,7 @@ impl Mesh {
         faces: &Bound<'_, PyAny>,
         placement: Option<&Bound<'_, PyAny>>,
         copy: bool,
+        dtype: &str,
     ) -> PyResult<Self> {
         let count = Numbers::new("vertices", vertices, Some(3))?.count();
         let retained = |array: &Bound<'_, PyAny>, given: &Bound<'_, PyAny>| -> PyResult<Py<PyAny>> {
@@ -67,7 +68,7 @@ impl Mesh {
             )));
         }
         Ok(Self {
-            vertices: retained(&of_type(&given, "float32")?, &given)?,
+            vertices: retained(&of_type(&given, dtype)?, &given)?,
             faces: retained(&of_type(&found, "uint32")?, &found)?,
             placement: placement.map(|placement| transform("transform", placement)).transpose()?,
             shape: 0,
@@ -86,8 +87,9 @@ impl Mesh {
         py: Python<'_>,
         vertices: &Bound<'_, PyAny>,
         copy: bool,
+        dtype: &str,
     ) -> PyResult<Py<PyAny>> {
-        let new = Self::new(vertices, self.faces.bind(py), None, copy)?;
+        let new = Self::new(vertices, self.faces.bind(py), None, copy, dtype)?;
         let count = |mesh: &Self| mesh.vertices.bind(py).len();
         if count(&new)? != count(self)? {
             let (expected, found) = (count(self)?, count(&new)?);

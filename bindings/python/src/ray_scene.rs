@@ -12,7 +12,7 @@ use pyo3::sync::MutexExt;
 use pyo3::types::{PyDict, PyList, PyTuple};
 
 use crate::answers::{RayQuery, Which};
-use crate::arrays::{Numbers, transform};
+use crate::arrays::{Numbers, numpy, transform};
 use crate::hits::{AllHits, Hits};
 use crate::meshes::Mesh;
 use crate::pool::{ThreadCount, Workers};
@@ -51,6 +51,8 @@ type Instance = (Shown, [[f64; 3]; 4]);
 struct State {
     meshes: Vec<Option<Mesh>>,
     instances: Vec<Option<Instance>>,
+    /// Whether vertices and answers are in double precision.
+    is_double: bool,
     /// How often the above were changed.
     edits: u64,
     /// The last trees that were built, and after how many edits.
@@ -101,6 +103,7 @@ enum Found {
         meshes: Vec<Option<Mesh>>,
         placed_list: Vec<(u32, PlacedGeometry)>,
         before: Option<Arc<Trees>>,
+        is_double: bool,
     },
 }
 
@@ -114,6 +117,20 @@ pub(crate) struct RayScene {
 /// Held while a scene is added to another, from the check for a circle on: two threads could close one
 /// together.
 static NESTING: Mutex<()> = Mutex::new(());
+
+const SINGLE: &str = "float32";
+const DOUBLE: &str = "float64";
+
+/// Whether the argument `dtype` is the type of double precision.
+fn is_double(dtype: Object) -> PyResult<bool> {
+    let found = numpy(dtype.py())?.call_method1("dtype", (dtype,));
+    let name: Option<String> = found.ok().and_then(|found| found.getattr("name").ok()?.extract().ok());
+    match name.as_deref() {
+        Some(SINGLE) => Ok(false),
+        Some(DOUBLE) => Ok(true),
+        _ => Err(PyValueError::new_err(format!("dtype: float32 or float64, not {dtype}"))),
+    }
+}
 
 type Object<'a, 'py> = &'a Bound<'py, PyAny>;
 
@@ -176,6 +193,7 @@ impl RayScene {
                         meshes: state.meshes(py),
                         placed_list: state.placed_list(&inner),
                         before,
+                        is_double: state.is_double,
                     })
                 }
             });
@@ -183,8 +201,8 @@ impl RayScene {
                 // The scene was edited meanwhile.
                 None => {}
                 Some(Found::UpToDate(trees)) => return Ok(trees),
-                Some(Found::Dirty { meshes, placed_list, before }) => {
-                    let plan = Plan::new(py, &meshes, placed_list, before)?;
+                Some(Found::Dirty { meshes, placed_list, before, is_double }) => {
+                    let plan = Plan::new(py, &meshes, placed_list, before, is_double)?;
                     // Two threads that come at once both build; the answers are the same.
                     let trees = Arc::new(py.detach(|| plan.build(workers.threads()))?);
                     self.with(py, |state| {
@@ -251,6 +269,21 @@ impl RayScene {
         u32::try_from(id).map(Shown::Mesh).map_err(|_| Self::no_geometry(id))
     }
 
+    fn type_name(&self, py: Python<'_>) -> &'static str {
+        if self.with(py, |state| state.is_double) { DOUBLE } else { SINGLE }
+    }
+
+    /// Scenes of one precision show each other.
+    fn check_types(&self, py: Python<'_>, scenes: &[Py<Self>]) -> PyResult<()> {
+        let ours = self.type_name(py);
+        match scenes.iter().map(|scene| scene.get().type_name(py)).find(|theirs| *theirs != ours) {
+            None => Ok(()),
+            Some(theirs) => Err(PyValueError::new_err(format!(
+                "shown: a scene of {theirs} does not go into one of {ours}"
+            ))),
+        }
+    }
+
     fn too_deep() -> PyErr {
         PyValueError::new_err(format!("scenes are nested more than {DEEPEST_SCENE} levels deep"))
     }
@@ -262,9 +295,18 @@ impl RayScene {
 
 #[pymethods]
 impl RayScene {
+    /// `dtype`: float32, or float64 for vertices as they are given, exact hits and answers in float64.
     #[new]
-    fn new() -> Self {
-        Self::default()
+    #[pyo3(signature = (dtype=None))]
+    fn new(dtype: Option<Object>) -> PyResult<Self> {
+        let is_double = dtype.map_or(Ok(false), is_double)?;
+        Ok(Self { state: Mutex::new(State { is_double, ..State::default() }) })
+    }
+
+    /// The type of vertices and of answers: float32, or float64.
+    #[getter]
+    fn dtype(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        Ok(numpy(py)?.call_method1("dtype", (self.type_name(py),))?.unbind())
     }
 
     /// Adds a mesh and returns its number, geom_id. `vertices`: (n, 3) floats; `faces`: (m, 3) whole numbers, rows of `vertices`;
@@ -278,7 +320,7 @@ impl RayScene {
         transform: Option<Object>,
         copy: bool,
     ) -> PyResult<usize> {
-        let mesh = Mesh::new(vertices, faces, transform, copy)?;
+        let mesh = Mesh::new(vertices, faces, transform, copy, self.type_name(py))?;
         Ok(self.with(py, |state| {
             let edit = state.edit();
             state.meshes.push(Some(Mesh { shape: edit, state: edit, ..mesh }));
@@ -294,6 +336,7 @@ impl RayScene {
         let placement = self::transform("transform", transform)?;
         let shown = Self::shown(shown)?;
         let scenes = shown.scene(py).into_iter().collect::<Vec<_>>();
+        this.check_types(py, &scenes)?;
         this.unless_held(
             py,
             &scenes,
@@ -331,7 +374,12 @@ impl RayScene {
                 let mesh = self.with(py, |state| {
                     state.meshes.get(id).and_then(Option::as_ref).map(|mesh| mesh.shared(py))
                 });
-                Some(mesh.ok_or_else(|| Self::no_geometry(id))?.moved(py, vertices, copy)?)
+                Some(mesh.ok_or_else(|| Self::no_geometry(id))?.moved(
+                    py,
+                    vertices,
+                    copy,
+                    self.type_name(py),
+                )?)
             }
             _ => None,
         };
@@ -551,6 +599,10 @@ impl RayScene {
         let all = PyDict::new(py);
         all.set_item("meshes", meshes)?;
         all.set_item("instances", instances)?;
+        // States of earlier versions have none: they are of float32.
+        if self.with(py, |state| state.is_double) {
+            all.set_item("dtype", DOUBLE)?;
+        }
         Ok(all)
     }
 
@@ -559,13 +611,15 @@ impl RayScene {
             let list = retained.get_item(name)?.ok_or_else(|| PyValueError::new_err(format!("no {name}")))?;
             list.try_iter()?.collect()
         };
+        let is_double = retained.get_item("dtype")?.map_or(Ok(false), |dtype| is_double(&dtype))?;
+        let dtype = if is_double { DOUBLE } else { SINGLE };
         let (mut meshes, mut instances) = (Vec::new(), Vec::new());
         for mesh in part("meshes")? {
             meshes.push(
                 match mesh.extract::<Option<(Bound<PyAny>, Bound<PyAny>, Option<Bound<PyAny>>)>>()? {
                     None => None,
                     Some((vertices, faces, placement)) => {
-                        Some(Mesh::new(&vertices, &faces, placement.as_ref(), false)?)
+                        Some(Mesh::new(&vertices, &faces, placement.as_ref(), false, dtype)?)
                     }
                 },
             );
@@ -592,7 +646,7 @@ impl RayScene {
                 for mesh in meshes.iter_mut().flatten() {
                     (mesh.shape, mesh.state) = (edit, edit);
                 }
-                std::mem::replace(state, State { meshes, instances, edits: edit, trees: None })
+                std::mem::replace(state, State { meshes, instances, is_double, edits: edit, trees: None })
             }))
         })?;
         drop(before);

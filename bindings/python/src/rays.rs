@@ -4,6 +4,7 @@
 
 use std::ops::Range;
 
+use gnurt_accel::doubles::DoubleRay;
 use gnurt_accel::{Coherence, Column, Ray64, RaySlices, Vectors};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -38,6 +39,14 @@ impl Ends {
             n => Err(PyValueError::new_err(format!(
                 "{name}: expected {count} numbers, one for each ray, not {n}"
             ))),
+        }
+    }
+
+    /// That of one ray.
+    fn at(&self, i: usize) -> f64 {
+        match self {
+            Self::Same([number]) => *number,
+            Self::Each(numbers) => numbers.row(i)[0],
         }
     }
 
@@ -125,6 +134,19 @@ impl Rays {
         let step = (slices.len() - 1) / pairs;
         let count = (0..pairs).filter(|i| alike(i * step)).count();
         if 4 * count >= 3 * pairs { Coherence::Coherent } else { Coherence::Incoherent }
+    }
+
+    /// Some of the rays in double precision.
+    pub(crate) fn doubles(&self, range: &Range<usize>) -> Vec<DoubleRay> {
+        let vector = |numbers: &Numbers, i: usize| numbers.row(if numbers.count() == 1 { 0 } else { i });
+        let ray = |i| DoubleRay {
+            org: vector(&self.origins, i),
+            dir: vector(&self.directions, i),
+            t_near: self.t_near.at(i),
+            t_far: self.t_far.at(i),
+            mask: u32::MAX,
+        };
+        range.clone().map(ray).collect()
     }
 
     /// Some of the rays for queries one by one.

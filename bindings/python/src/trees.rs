@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use gnurt_accel::doubles::DoubleScene;
 use gnurt_accel::{
     BuildOptions, Geometry, Hit, Instance, Motion, MovingTree, ObjectTree, SceneTree, Shape, Threads,
     Triangles,
@@ -15,6 +16,7 @@ use gnurt_accel::{
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
+use crate::double_trees::{DoublePlan, Inner};
 use crate::meshes::{Mesh, carried};
 
 /// The trees for queries.
@@ -26,6 +28,8 @@ pub(crate) struct Trees {
     shown: BTreeMap<u32, Part>,
     /// `None` without instances.
     scene: Option<Arc<SceneTree>>,
+    /// Of a scene in double precision, which has no others.
+    pub(crate) doubles: Option<Arc<DoubleScene>>,
     /// Instances of the scene after the first.
     placed_list: Vec<(u32, PlacedGeometry)>,
 }
@@ -77,6 +81,7 @@ pub(crate) struct Plan {
     before: Option<Arc<Trees>>,
     all: BuildRequest,
     shown: BTreeMap<u32, BuildRequest>,
+    doubles: Option<DoublePlan>,
     placed_list: Vec<(u32, PlacedGeometry)>,
 }
 
@@ -105,7 +110,14 @@ impl Plan {
         meshes: &[Option<Mesh>],
         placed_list: Vec<(u32, PlacedGeometry)>,
         before: Option<Arc<Trees>>,
+        is_double: bool,
     ) -> PyResult<Self> {
+        if is_double {
+            let doubles =
+                Some(DoublePlan::new(py, meshes, placed_list.iter().map(PlacedGeometry::double).collect())?);
+            let all = BuildRequest { states: Vec::new(), soups: None };
+            return Ok(Self { before: None, all, shown: BTreeMap::new(), doubles, placed_list });
+        }
         let at_place = |mesh: &Option<Mesh>| -> PyResult<Soup> {
             // A removed mesh keeps its number.
             let Some(mesh) = mesh else { return Ok(Soup::default()) };
@@ -129,20 +141,21 @@ impl Plan {
                 shown.insert(*geom_id, request);
             }
         }
-        Ok(Self { before, all, shown, placed_list })
+        Ok(Self { before, all, shown, doubles: None, placed_list })
     }
 
     /// Builds; without the interpreter.
     pub(crate) fn build(self, threads: Threads) -> PyResult<Trees> {
-        let Self { before, all, shown, placed_list } = self;
+        let Self { before, all, shown, doubles, placed_list } = self;
         let all = Part::new(all, before.as_ref().map(|trees| &trees.all), threads)?;
         let part = |(id, request): (u32, BuildRequest)| {
             let before = before.as_ref().and_then(|trees| trees.shown.get(&id));
             Ok((id, Part::new(request, before, threads)?))
         };
         let shown = shown.into_iter().map(part).collect::<PyResult<BTreeMap<u32, Part>>>()?;
-        let mut trees = Trees { all, shown, scene: None, placed_list };
-        if !trees.placed_list.is_empty() {
+        let doubles = doubles.map(|plan| plan.build(threads)).transpose()?;
+        let mut trees = Trees { all, shown, scene: None, doubles, placed_list };
+        if trees.doubles.is_none() && !trees.placed_list.is_empty() {
             trees.scene = Some(Arc::new(trees.top(before.as_deref(), threads)?));
         }
         Ok(trees)
@@ -175,6 +188,39 @@ impl Part {
         let tree = ObjectTree::try_build(&meshes, &options, threads, &())
             .map_err(|error| PyValueError::new_err(error.to_string()))?;
         Ok(Self { tree: MovingTree::of(Arc::new(tree), Motion::Auto), states })
+    }
+}
+
+impl Trees {
+    /// As `instance_path`, in double precision.
+    fn double_path(
+        &self,
+        scene: &DoubleScene,
+        geom_id: u32,
+        leaf_id: u32,
+        mut visit: impl FnMut(u32),
+    ) -> u32 {
+        let mut trees = self;
+        for at in scene.path(leaf_id) {
+            let Some((id, placed)) = trees.placed_list.get(at as usize) else { return u32::MAX };
+            visit(*id);
+            match &placed.shows {
+                Shows::Mesh(geom_id) => return *geom_id,
+                Shows::Scene(inner) => trees = inner,
+            }
+        }
+        geom_id
+    }
+}
+
+impl PlacedGeometry {
+    /// For a scene in double precision.
+    fn double((_, placed): &(u32, Self)) -> (Inner, [[f64; 3]; 4]) {
+        let inner = match &placed.shows {
+            Shows::Mesh(geom_id) => Inner::Mesh(*geom_id),
+            Shows::Scene(trees) => Inner::Scene(trees.doubles.clone()),
+        };
+        (inner, placed.placement)
     }
 }
 
@@ -240,6 +286,9 @@ impl Trees {
     /// The geometry, or -1, of a result with these numbers; calls `visit` with the instances that contain it,
     /// outermost first.
     fn instance_path(&self, [geom_id, inst_id, leaf_id]: [u32; 3], mut visit: impl FnMut(u32)) -> u32 {
+        if let Some(scene) = &self.doubles {
+            return self.double_path(scene, geom_id, leaf_id, visit);
+        }
         let (mut trees, mut inst_id, mut leaf) = (self, inst_id, leaf_id);
         loop {
             let Some(scene) = trees.scene.as_ref().filter(|_| inst_id != 0 && inst_id != u32::MAX) else {
@@ -284,6 +333,9 @@ impl Trees {
 
     /// The deepest nesting of instances, one at least; 16 at most.
     pub(crate) fn levels(&self) -> usize {
+        if let Some(scene) = &self.doubles {
+            return scene.levels().max(1) as usize;
+        }
         self.scene.as_ref().map_or(1, |scene| scene.depth() as usize)
     }
 

@@ -115,6 +115,14 @@ impl Rows {
         }
     }
 
+    /// All rows as they are, or converted from floats.
+    pub(crate) fn doubles<const N: usize>(&self) -> Vec<[f64; N]> {
+        match self.of {
+            Type::F64 => self.view.rows::<f64, N>().into_owned(),
+            _ => (0..self.len()).map(|i| self.numbers(i)).collect(),
+        }
+    }
+
     /// All rows of indices; those beyond 32 bits are of no vertex.
     pub(crate) fn u32_rows<const N: usize>(&self) -> Vec<[u32; N]> {
         match self.of {
@@ -158,35 +166,42 @@ impl<T> Column<T> {
     }
 }
 
-/// `gnurt_hits`.
+/// `gnurt_hits`, and `gnurt_hits64`.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct HitArrays {
+pub(crate) struct Places<T> {
     stride: usize,
-    t: *mut f32,
-    u: *mut f32,
-    v: *mut f32,
+    t: *mut T,
+    u: *mut T,
+    v: *mut T,
     prim_id: *mut u32,
     geom_id: *mut u32,
     inst_id: *mut u32,
-    normal: *mut f32,
+    normal: *mut T,
+}
+
+/// Where hits are written, in which precision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum HitArrays {
+    Single(Places<f32>),
+    Double(Places<f64>),
 }
 
 /// The output for a hit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Written {
-    pub(crate) t: f32,
-    pub(crate) u: f32,
-    pub(crate) v: f32,
+    pub(crate) t: f64,
+    pub(crate) u: f64,
+    pub(crate) v: f64,
     pub(crate) prim_id: u32,
     pub(crate) geom_id: u32,
     pub(crate) inst_id: u32,
-    pub(crate) normal: [f32; 3],
+    pub(crate) normal: [f64; 3],
 }
 
 impl Written {
     pub(crate) const MISS: Self = Self {
-        t: f32::INFINITY,
+        t: f64::INFINITY,
         u: 0.0,
         v: 0.0,
         prim_id: u32::MAX,
@@ -198,7 +213,10 @@ impl Written {
 
 impl HitArrays {
     pub(crate) fn needs_normals(&self) -> bool {
-        !self.normal.is_null()
+        match self {
+            Self::Single(places) => !places.normal.is_null(),
+            Self::Double(places) => !places.normal.is_null(),
+        }
     }
 
     /// Writes element `i`.
@@ -206,6 +224,22 @@ impl HitArrays {
     /// # Safety
     /// There is such an element in each array that is not null.
     pub(crate) unsafe fn set(&self, i: usize, hit: &Written) {
+        // SAFETY: passed on.
+        unsafe {
+            match self {
+                Self::Single(places) => places.set(i, hit, |x| x as f32),
+                Self::Double(places) => places.set(i, hit, |x| x),
+            }
+        }
+    }
+}
+
+impl<T> Places<T> {
+    /// Writes element `i`.
+    ///
+    /// # Safety
+    /// There is such an element in each array that is not null.
+    unsafe fn set(&self, i: usize, hit: &Written, number: impl Fn(f64) -> T) {
         /// # Safety
         /// There is such an element, or the pointer is null.
         unsafe fn put<T>(start: *mut T, stride: usize, i: usize, value: T) {
@@ -218,13 +252,13 @@ impl HitArrays {
         let Self { stride, .. } = *self;
         // SAFETY: passed on.
         unsafe {
-            put(self.t, stride, i, hit.t);
-            put(self.u, stride, i, hit.u);
-            put(self.v, stride, i, hit.v);
+            put(self.t, stride, i, number(hit.t));
+            put(self.u, stride, i, number(hit.u));
+            put(self.v, stride, i, number(hit.v));
             put(self.prim_id, stride, i, hit.prim_id);
             put(self.geom_id, stride, i, hit.geom_id);
             put(self.inst_id, stride, i, hit.inst_id);
-            put(self.normal.cast::<[f32; 3]>(), stride, i, hit.normal);
+            put(self.normal.cast::<[T; 3]>(), stride, i, hit.normal.map(number));
         }
     }
 }

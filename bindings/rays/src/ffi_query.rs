@@ -5,12 +5,14 @@
 use std::cell::Cell;
 use std::ffi::{c_int, c_uint, c_void};
 
+use gnurt_accel::doubles::DoubleRay;
 use gnurt_accel::{Coherence, Hit, HitBatch, PointHit, Query, Ray, Ray64, Threads};
 use rayon::prelude::*;
 
 use crate::ffi_catch::{self, Thrown};
-use crate::ffi_columns::{Access, Array, HitArrays, Rows, Written};
+use crate::ffi_columns::{Access, Array, HitArrays, Places, Rows, Written};
 use crate::ffi_rays::{built, called, with_threads};
+use crate::found::{Found, normal};
 use crate::ray_scene::{Built, RayScene, query_tree};
 
 /// Rays that are gathered at a time.
@@ -102,6 +104,23 @@ impl Rays {
         }
     }
 
+    /// In double precision.
+    fn double(&self, i: usize) -> DoubleRay {
+        let number =
+            |rows: &Option<Rows>, none: f64| rows.as_ref().map_or(none, |rows| rows.numbers::<1>(i)[0]);
+        DoubleRay {
+            org: self.origins.numbers(i),
+            dir: self.directions.numbers(i),
+            t_near: number(&self.t_near, 0.0),
+            t_far: number(&self.t_far, f64::INFINITY),
+            mask: self.masks.as_ref().map_or(u32::MAX, |rows| rows.mask(i)),
+        }
+    }
+
+    fn doubles(&self, range: &std::ops::Range<usize>) -> Vec<DoubleRay> {
+        range.clone().map(|i| self.double(i)).collect()
+    }
+
     /// In parts of this many rays.
     fn parts(&self, size: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
         let count = self.count;
@@ -165,15 +184,16 @@ fn accepted(
     built: &Built,
     ray_query: &RayQuery,
     (filter, user): (Filter, *mut c_void),
-    hits: &[(usize, Hit)],
+    hits: &[(usize, Found)],
 ) -> Vec<bool> {
     if ray_query.thrown.get() {
         return vec![false; hits.len()];
     }
     let candidates: Vec<Candidate> = hits
         .iter()
-        .map(|&(ray, Hit { t, u, v, prim_id, geom_id, inst_id, leaf_id })| {
+        .map(|&(ray, Found { t, u, v, prim_id, geom_id, inst_id, leaf_id })| {
             let (geom_id, inst_id) = built.ids(geom_id, inst_id, leaf_id);
+            let [t, u, v] = [t, u, v].map(|x| x as f32);
             Candidate { ray, t, u, v, prim_id, geom_id, inst_id }
         })
         .collect();
@@ -196,10 +216,15 @@ fn lists(
     range: std::ops::Range<usize>,
     query: &Query,
     threads: Threads,
-) -> Vec<Vec<Hit>> {
+) -> Vec<Vec<Found>> {
     let all = |hits: &mut Vec<Hit>, i: usize| {
+        if let Some(scene) = &built.doubles {
+            let mut hits = Vec::new();
+            scene.first_hits(&rays.double(i), usize::MAX, &mut hits);
+            return hits.into_iter().map(Found::from).collect();
+        }
         query_tree!(built, tree => tree.all_hits(query, &rays.get(i), hits));
-        hits.clone()
+        hits.iter().map(|&hit| hit.into()).collect()
     };
     threads.run(|parallel| {
         if parallel {
@@ -219,7 +244,7 @@ fn filtered(
     ray_query: &RayQuery,
     filter: (Filter, *mut c_void),
     threads: Threads,
-) -> Vec<Option<Hit>> {
+) -> Vec<Option<Found>> {
     let lists = lists(built, rays, range.clone(), &ray_query.query, threads);
     let mut first = vec![None; range.len()];
     let mut open: Vec<usize> = (0..range.len()).collect();
@@ -228,7 +253,7 @@ fn filtered(
         if open.is_empty() {
             break;
         }
-        let hits: Vec<(usize, Hit)> = open.iter().map(|&i| (range.start + i, lists[i][round])).collect();
+        let hits: Vec<(usize, Found)> = open.iter().map(|&i| (range.start + i, lists[i][round])).collect();
         let accept = accepted(built, ray_query, filter, &hits);
         let mut decided = accept.into_iter();
         open.retain(|&i| {
@@ -243,14 +268,10 @@ fn filtered(
 }
 
 /// The output for a hit.
-fn written(built: &Built, hit_arrays: &HitArrays, hit: &Hit, at: impl FnOnce() -> [f64; 3]) -> Written {
-    let Hit { t, u, v, prim_id, .. } = *hit;
+fn written(built: &Built, hit_arrays: &HitArrays, hit: &Found, at: impl FnOnce() -> [f64; 3]) -> Written {
+    let Found { t, u, v, prim_id, .. } = *hit;
     let (geom_id, inst_id) = built.ids(hit.geom_id, hit.inst_id, hit.leaf_id);
-    let normal = if hit_arrays.needs_normals() {
-        query_tree!(built, tree => tree.normal_at(hit, at())).unwrap_or_default()
-    } else {
-        [0.0; 3]
-    };
+    let normal = if hit_arrays.needs_normals() { normal(built, hit, at) } else { [0.0; 3] };
     Written { t, u, v, prim_id, geom_id, inst_id, normal }
 }
 
@@ -260,13 +281,18 @@ fn trace(
     rays: &Rays,
     ray_query: &RayQuery,
     threads: Threads,
-    mut take: impl FnMut(usize, Option<Hit>),
+    mut take: impl FnMut(usize, Option<Found>),
 ) {
     let mut hits = HitBatch::default();
     for range in rays.parts(if ray_query.filter.is_some() { 4096 } else { SHARE }) {
         if let Some(filter) = ray_query.filter {
             let first = filtered(built, rays, range.clone(), ray_query, filter, threads);
             range.zip(first).for_each(|(i, hit)| take(i, hit));
+            continue;
+        }
+        if let Some(scene) = &built.doubles {
+            let hits = scene.intersect_batch(&rays.doubles(&range), threads);
+            range.zip(hits).for_each(|(i, hit)| take(i, hit.map(Found::from)));
             continue;
         }
         if rays.origins.is_double() {
@@ -276,7 +302,7 @@ fn trace(
             let part: Vec<Ray> = range.clone().map(|i| single(rays.get(i))).collect();
             query_tree!(built, tree => tree.intersect_rays(&ray_query.query, &part, threads, &mut hits));
         }
-        range.clone().for_each(|i| take(i, hits.get(i - range.start)));
+        range.clone().for_each(|i| take(i, hits.get(i - range.start).map(Found::from)));
     }
 }
 
@@ -289,7 +315,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_intersect(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
-    hits: *const HitArrays,
+    hits: *const Places<f32>,
 ) -> c_int {
     // SAFETY: passed on; nothing is written of paths without levels.
     unsafe { gnurt_intersect_paths(scene, rays, query, hits, 0, std::ptr::null_mut()) }
@@ -304,15 +330,49 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_intersect_paths(
     scene: *const RayScene,
     rays: *const RaysIn,
     query: *const QueryIn,
-    hits: *const HitArrays,
+    hits: *const Places<f32>,
+    levels: usize,
+    paths: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    let hits = unsafe { hits.as_ref() }.map(|places| HitArrays::Single(*places));
+    // SAFETY: passed on.
+    unsafe { intersect(scene, rays, query, hits, levels, paths) }
+}
+
+/// The same in double precision.
+///
+/// # Safety
+/// As [`gnurt_intersect_paths`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn gnurt_intersect64(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    hits: *const Places<f64>,
+    levels: usize,
+    paths: *mut u32,
+) -> c_int {
+    // SAFETY: passed on.
+    let hits = unsafe { hits.as_ref() }.map(|places| HitArrays::Double(*places));
+    // SAFETY: passed on.
+    unsafe { intersect(scene, rays, query, hits, levels, paths) }
+}
+
+/// # Safety
+/// As [`gnurt_intersect_paths`].
+unsafe fn intersect(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    hits: Option<HitArrays>,
     levels: usize,
     paths: *mut u32,
 ) -> c_int {
     let job = |built: &Built, ray_query: &RayQuery| {
         // SAFETY: passed on.
         let rays = unsafe { Rays::new(rays)? };
-        // SAFETY: passed on.
-        let hit_arrays = *unsafe { hits.as_ref() }.ok_or("hits: a null pointer")?;
+        let hit_arrays = hits.ok_or("hits: a null pointer")?;
         if levels > 0 && paths.is_null() {
             return Err(format!("paths: a null pointer for {levels} levels"));
         }
@@ -321,7 +381,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_intersect_paths(
                 let found = hit.map_or(Written::MISS, |hit| {
                     written(built, &hit_arrays, &hit, || {
                         let ray = rays.get(i);
-                        ray.at(hit.t)
+                        ray.at(hit.t as f32)
                     })
                 });
                 // SAFETY: there is a place for each ray.
@@ -365,6 +425,11 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_occluded(
             }
             let mut answers = Vec::new();
             for range in rays.parts(SHARE) {
+                if let Some(scene) = &built.doubles {
+                    let found = scene.occluded_batch(&rays.doubles(&range), threads);
+                    range.zip(found).for_each(|(i, is_hit)| set(i, is_hit));
+                    continue;
+                }
                 let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
                 query_tree!(built, tree => tree.occluded_rays(&ray_query.query, &part, threads, &mut answers));
                 range.zip(&answers).for_each(|(i, &is_hit)| set(i, is_hit));
@@ -388,7 +453,44 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
     most: usize,
     ends: *mut usize,
     capacity: usize,
-    hits: *const HitArrays,
+    hits: *const Places<f32>,
+) -> c_int {
+    // SAFETY: passed on.
+    let hits = unsafe { hits.as_ref() }.map(|places| HitArrays::Single(*places));
+    // SAFETY: passed on.
+    unsafe { all_hits(scene, rays, query, most, ends, capacity, hits) }
+}
+
+/// All hits, in double precision.
+///
+/// # Safety
+/// As [`gnurt_all_hits`].
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits64(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    most: usize,
+    ends: *mut usize,
+    capacity: usize,
+    hits: *const Places<f64>,
+) -> c_int {
+    // SAFETY: passed on.
+    let hits = unsafe { hits.as_ref() }.map(|places| HitArrays::Double(*places));
+    // SAFETY: passed on.
+    unsafe { all_hits(scene, rays, query, most, ends, capacity, hits) }
+}
+
+/// # Safety
+/// As [`gnurt_all_hits`].
+unsafe fn all_hits(
+    scene: *const RayScene,
+    rays: *const RaysIn,
+    query: *const QueryIn,
+    most: usize,
+    ends: *mut usize,
+    capacity: usize,
+    hits: Option<HitArrays>,
 ) -> c_int {
     let job = |built: &Built, ray_query: &RayQuery| {
         // SAFETY: passed on.
@@ -396,8 +498,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
         if ends.is_null() {
             return Err("ends: a null pointer".into());
         }
-        // SAFETY: passed on.
-        let hit_arrays = unsafe { hits.as_ref() };
+        let hit_arrays = hits.as_ref();
         if hit_arrays.is_none() && capacity > 0 {
             return Err(format!("hits: a null pointer for {capacity} hits"));
         }
@@ -406,7 +507,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
         with_threads(ray_query.threads, rays.count, |threads| {
             for range in rays.parts(4096) {
                 let lists = lists(built, &rays, range.clone(), &ray_query.query, threads);
-                let flat: Vec<(usize, Hit)> = range
+                let flat: Vec<(usize, Found)> = range
                     .clone()
                     .zip(&lists)
                     .flat_map(|(i, hits)| hits.iter().map(move |&hit| (i, hit)))
@@ -417,10 +518,10 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_all_hits(
                 };
                 let mut accept = accept.into_iter();
                 for (i, list) in range.zip(&lists) {
-                    let passed: Vec<&Hit> = list.iter().filter(|_| accept.next() == Some(true)).collect();
+                    let passed: Vec<&Found> = list.iter().filter(|_| accept.next() == Some(true)).collect();
                     for hit in passed.into_iter().take(most) {
                         if let Some(hit_arrays) = hit_arrays.filter(|_| end < capacity) {
-                            let found = written(built, hit_arrays, hit, || rays.get(i).at(hit.t));
+                            let found = written(built, hit_arrays, hit, || rays.get(i).at(hit.t as f32));
                             // SAFETY: there is room for this many.
                             unsafe { hit_arrays.set(end, &found) };
                         }
@@ -457,8 +558,12 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_crossings(
         with_threads(ray_query.threads, rays.count, |threads| {
             let mut answers = Vec::new();
             for range in rays.parts(SHARE) {
-                let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
-                query_tree!(built, tree => tree.crossings_batch(&ray_query.query, &part, threads, &mut answers));
+                if let Some(scene) = &built.doubles {
+                    answers = scene.crossings_batch(&rays.doubles(&range), threads);
+                } else {
+                    let part: Vec<Ray64> = range.clone().map(|i| rays.get(i)).collect();
+                    query_tree!(built, tree => tree.crossings_batch(&ray_query.query, &part, threads, &mut answers));
+                }
                 // SAFETY: passed on.
                 range.zip(&answers).for_each(|(i, &count)| unsafe { counts.add(i).write(count) });
             }
@@ -502,7 +607,11 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_contains(
         let mut answers = Vec::new();
         with_threads(ray_query.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
-                query_tree!(built, tree => tree.contains_batch(&ray_query.query, part, threads, &mut answers));
+                if let Some(scene) = &built.doubles {
+                    answers = scene.contains_batch(part, ray_query.query.mask, threads);
+                } else {
+                    query_tree!(built, tree => tree.contains_batch(&ray_query.query, part, threads, &mut answers));
+                }
                 for (i, &is_in) in answers.iter().enumerate() {
                     // SAFETY: passed on.
                     unsafe { contained.add(first + i).write(u8::from(is_in)) }
@@ -534,7 +643,11 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_signed_distances(
         let mut answers = Vec::new();
         with_threads(ray_query.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
-                query_tree!(built, tree => tree.signed_distance_batch(&ray_query.query, part, threads, &mut answers));
+                if let Some(scene) = &built.doubles {
+                    answers = scene.signed_distance_batch(part, ray_query.query.mask, threads);
+                } else {
+                    query_tree!(built, tree => tree.signed_distance_batch(&ray_query.query, part, threads, &mut answers));
+                }
                 for (i, &distance) in answers.iter().enumerate() {
                     // SAFETY: passed on.
                     unsafe { distances.add(first + i).write(distance) }
@@ -559,27 +672,56 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_closest_points(
     radius: f64,
     query: *const QueryIn,
     nearest: *mut [f64; 3],
-    hits: *const HitArrays,
+    hits: *const Places<f32>,
+) -> c_int {
+    // SAFETY: passed on.
+    let hits = unsafe { hits.as_ref() }.map(|places| HitArrays::Single(*places));
+    // SAFETY: passed on.
+    unsafe { closest_points(scene, points, radius, query, nearest, hits) }
+}
+
+/// Nearest points, with distances, weights and normals in double precision.
+///
+/// # Safety
+/// As include/gnurt/rays.h says.
+#[unsafe(no_mangle)]
+pub(crate) unsafe extern "C-unwind" fn gnurt_closest_points64(
+    scene: *const RayScene,
+    points: Array,
+    radius: f64,
+    query: *const QueryIn,
+    nearest: *mut [f64; 3],
+    hits: *const Places<f64>,
+) -> c_int {
+    // SAFETY: passed on.
+    let hits = unsafe { hits.as_ref() }.map(|places| HitArrays::Double(*places));
+    // SAFETY: passed on.
+    unsafe { closest_points(scene, points, radius, query, nearest, hits) }
+}
+
+/// # Safety
+/// As include/gnurt/rays.h says.
+unsafe fn closest_points(
+    scene: *const RayScene,
+    points: Array,
+    radius: f64,
+    query: *const QueryIn,
+    nearest: *mut [f64; 3],
+    hits: Option<HitArrays>,
 ) -> c_int {
     let job = |built: &Built, ray_query: &RayQuery| {
-        // SAFETY: passed on.
-        let hit_arrays = unsafe { hits.as_ref() };
-        let mut answers: Vec<Option<PointHit>> = Vec::new();
         with_threads(ray_query.threads, points.count, |threads| {
             let job = |first: usize, part: &[[f64; 3]]| {
-                query_tree!(built, tree => tree.closest_points(&ray_query.query, part, radius, threads, &mut answers));
+                let answers = nearest_points(built, &ray_query.query, part, radius, threads);
                 for (i, found) in answers.iter().enumerate() {
                     if !nearest.is_null() {
-                        let point = found.map_or([f64::NAN; 3], |found| found.point);
+                        let point = found.map_or([f64::NAN; 3], |(_, point)| point);
                         // SAFETY: passed on.
                         unsafe { nearest.add(first + i).write_unaligned(point) }
                     }
-                    let Some(hit_arrays) = hit_arrays else { continue };
-                    let shown = found.map_or(Written::MISS, |found| {
-                        let PointHit { distance, u, v, prim_id, geom_id, inst_id, leaf_id, .. } = found;
-                        let hit = Hit { t: distance as f32, u, v, prim_id, geom_id, inst_id, leaf_id };
-                        written(built, hit_arrays, &hit, || found.point)
-                    });
+                    let Some(hit_arrays) = &hits else { continue };
+                    let shown = found
+                        .map_or(Written::MISS, |(hit, point)| written(built, hit_arrays, &hit, || point));
                     // SAFETY: there is a place for each point.
                     unsafe { hit_arrays.set(first + i, &shown) };
                 }
@@ -590,4 +732,21 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_closest_points(
     };
     // SAFETY: passed on.
     unsafe { asking(scene, query, job) }
+}
+
+/// The nearest point of each, as a hit at its distance.
+fn nearest_points(
+    built: &Built,
+    query: &Query,
+    points: &[[f64; 3]],
+    radius: f64,
+    threads: Threads,
+) -> Vec<Option<(Found, [f64; 3])>> {
+    if let Some(scene) = &built.doubles {
+        let all = scene.closest_points(points, radius, query.mask, threads);
+        return all.into_iter().map(|near| near.map(|near| (near.into(), near.point))).collect();
+    }
+    let mut answers: Vec<Option<PointHit>> = Vec::new();
+    query_tree!(built, tree => tree.closest_points(query, points, radius, threads, &mut answers));
+    answers.into_iter().map(|near| near.map(|near| (near.into(), near.point))).collect()
 }

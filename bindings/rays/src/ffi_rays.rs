@@ -15,7 +15,7 @@ use crate::ffi_columns::{Access, Array, Column, Rows, aabb};
 use crate::ffi_memory::Pointer;
 use crate::pools::Workers;
 use crate::ray_scene::{Built, Part, Primitives, RayScene, What, query_tree};
-use crate::transform::Columns;
+use crate::transform::{Columns, IDENTITY};
 
 thread_local! {
     static LAST: RefCell<CString> = RefCell::default();
@@ -107,6 +107,7 @@ pub(crate) struct Build {
     kd: c_int,
     moves: c_int,
     threads: c_uint,
+    doubles: c_int,
 }
 
 /// How trees are built.
@@ -129,10 +130,12 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_scene_options(
         };
         let memory = if build.compact != 0 { Memory::Compact } else { Memory::Fast };
         let structure = if build.kd != 0 { Structure::Kd } else { Structure::Bvh };
-        scene.set_options(
-            BuildOptions { quality, memory, structure, ..BuildOptions::default() },
-            build.moves != 0,
-        );
+        let is_double = build.doubles != 0;
+        if is_double && (build.kd != 0 || build.moves != 0) {
+            return Err("doubles: there are no kd-trees of them, and none that are refitted".into());
+        }
+        let options = BuildOptions { quality, memory, structure, ..BuildOptions::default() };
+        scene.set_options(options, build.moves != 0, is_double)?;
         scene.threads = build.threads as usize;
         Ok(())
     };
@@ -155,7 +158,7 @@ unsafe fn add(
         let what = what()?;
         // SAFETY: passed on.
         let scene = unsafe { scene.as_mut() }.ok_or("scene: a null pointer")?;
-        let new = scene.add(Part { what, mask });
+        let new = scene.add(Part { what, mask })?;
         if !id.is_null() {
             // SAFETY: passed on.
             unsafe { id.write(new) }
@@ -179,9 +182,10 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_add_triangles(
     // SAFETY: passed on.
     unsafe {
         add(scene, id, mask, || {
-            let positions = Column::Given(Rows::new(&positions, 3, Access::Floats, "positions")?);
+            let rows = Rows::new(&positions, 3, Access::Floats, "positions")?;
+            let (positions, doubles) = (Column::Given(rows.clone()), Column::Given(rows));
             let indices = Column::Given(Rows::new(&indices, 3, Access::Indices, "indices")?);
-            Ok(What::Triangles { positions, indices })
+            Ok(What::Triangles { positions, doubles, indices })
         })
     }
 }
@@ -415,9 +419,13 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_positions(
 ) -> c_int {
     let change = |scene: &mut RayScene| {
         // SAFETY: passed on.
-        let new = Column::Given(unsafe { Rows::new(&array, 3, Access::Floats, "positions")? });
+        let rows = unsafe { Rows::new(&array, 3, Access::Floats, "positions")? };
+        let new = Column::Given(rows.clone());
         match &mut scene.part(id)?.what {
-            What::Triangles { positions, .. } | What::Quads { positions, .. } => *positions = new,
+            What::Triangles { positions, doubles, .. } => {
+                (*positions, *doubles) = (new, Column::Given(rows));
+            }
+            What::Quads { positions, .. } => *positions = new,
             What::Spheres { centers, radii } if radii.len() == new.len() => *centers = new,
             What::Spheres { radii, .. } => {
                 return Err(format!("positions: {} for {} radii", new.len(), radii.len()));
@@ -468,6 +476,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_set_shown(
     let new = unsafe { built(new) };
     let change = |scene: &mut RayScene| {
         let new = new.map_err(|error| error.replacen("scene", "shown", 1))?;
+        scene.fits(&What::Instance { shown: Arc::clone(&new), instance_matrix: IDENTITY })?;
         match &mut scene.part(id)?.what {
             What::Instance { shown, .. } => *shown = new,
             _ => return Err(format!("id: {id} is not an instance")),
@@ -538,6 +547,16 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_scene_facts(
         // SAFETY: passed on.
         let built = unsafe { built(scene)? };
         let (bounds, stats) = (query_tree!(built, tree => tree.bounds()), built.object.stats());
+        let (mut bounds, mut stats, mut left_out) = (bounds, stats, built.object.bad_primitives().total());
+        if let Some(doubles) = &built.doubles {
+            let [min, max] = doubles.bounds();
+            // Rounded outwards, unless there is nothing.
+            let is_empty = min[0] > max[0];
+            let low = |x: f64| if is_empty { x as f32 } else { (x as f32).next_down() };
+            let high = |x: f64| if is_empty { x as f32 } else { (x as f32).next_up() };
+            bounds = Aabb { min: min.map(low), max: max.map(high) };
+            (stats, left_out) = (doubles.stats(), doubles.bad().total());
+        }
         if properties.is_null() {
             return Err("facts: a null pointer".into());
         }
@@ -545,7 +564,7 @@ pub(crate) unsafe extern "C-unwind" fn gnurt_scene_facts(
             lower: bounds.min,
             upper: bounds.max,
             primitives: stats.primitives,
-            left_out: built.object.bad_primitives().total(),
+            left_out,
             bytes: stats.tree_bytes + stats.primitive_bytes,
         };
         // SAFETY: passed on.

@@ -54,6 +54,7 @@ mod ffi_scene;
 mod ffi_trace;
 #[expect(unsafe_code, reason = "functions of C programs")]
 mod ffi_user;
+mod found;
 mod free_ids;
 mod located;
 mod objects;

@@ -6,6 +6,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use gnurt_accel::doubles::{DoubleInstance, DoubleMesh, DoubleScene};
 use gnurt_accel::{
     BuildOptions, Geometry, GeometryKind, Instance, Motion, MovingTree, ObjectTree, Quads, SceneTree, Shape,
     Spheres, Threads, Triangles, UserGeometry,
@@ -17,19 +18,34 @@ use crate::transform::{Columns, IDENTITY};
 /// The kind and data of a part.
 #[derive(Clone, Debug)]
 pub(crate) enum What {
-    Triangles { positions: Column<[f32; 3]>, indices: Column<[u32; 3]> },
-    Quads { positions: Column<[f32; 3]>, indices: Column<[u32; 4]> },
-    Spheres { centers: Column<[f32; 3]>, radii: Column<f32> },
+    /// Positions are kept in one of both precisions.
+    Triangles {
+        positions: Column<[f32; 3]>,
+        doubles: Column<[f64; 3]>,
+        indices: Column<[u32; 3]>,
+    },
+    Quads {
+        positions: Column<[f32; 3]>,
+        indices: Column<[u32; 4]>,
+    },
+    Spheres {
+        centers: Column<[f32; 3]>,
+        radii: Column<f32>,
+    },
     User(Primitives),
-    Instance { shown: Arc<Built>, instance_matrix: Columns },
+    Instance {
+        shown: Arc<Built>,
+        instance_matrix: Columns,
+    },
 }
 
 impl What {
     /// Copies arrays of the program that were not copied yet.
-    fn keep(&mut self) {
+    fn keep(&mut self, is_double: bool) {
         match self {
-            Self::Triangles { positions, indices } => {
-                positions.keep(Rows::floats);
+            Self::Triangles { positions, doubles, indices } => {
+                positions.keep(|rows| if is_double { Vec::new() } else { rows.floats() });
+                doubles.keep(|rows| if is_double { rows.doubles() } else { Vec::new() });
                 indices.keep(Rows::u32_rows);
             }
             Self::Quads { positions, indices } => {
@@ -47,7 +63,7 @@ impl What {
     /// As trees are built from it, and how many primitives there are; nothing of an instance.
     fn geometry(&self) -> Option<(GeometryKind<'_>, usize)> {
         Some(match self {
-            Self::Triangles { positions, indices } => {
+            Self::Triangles { positions, indices, .. } => {
                 let (positions, indices) = (positions.retained(), indices.retained());
                 (GeometryKind::Triangles(Triangles { positions, indices }), indices.len())
             }
@@ -105,6 +121,8 @@ pub(crate) use query_tree;
 #[derive(Debug)]
 pub(crate) struct Built {
     pub(crate) tree: Tree,
+    /// Of a scene in double precision, whose tree is empty.
+    pub(crate) doubles: Option<Arc<DoubleScene>>,
     pub(crate) object: Arc<ObjectTree>,
     /// Ids of parts by the tree's numbers of geometries.
     geometries: Vec<u32>,
@@ -123,6 +141,10 @@ impl Built {
 
     /// The ids of a geometry, in the scene that has it, and of the outermost instance.
     pub(crate) fn ids(&self, geom_id: u32, inst_id: u32, leaf_id: u32) -> (u32, u32) {
+        if let Some(doubles) = &self.doubles {
+            let (path, scene) = self.double_path(doubles, leaf_id);
+            return (scene.geometries[geom_id as usize], path.first().copied().unwrap_or(u32::MAX));
+        }
         let Tree::Scene(tree) = &self.tree else { return (self.geometries[geom_id as usize], u32::MAX) };
         let (id, shown) = &self.instances[inst_id as usize];
         let Some(shown) = shown else { return (self.geometries[geom_id as usize], u32::MAX) };
@@ -134,8 +156,22 @@ impl Built {
         (scene.geometries[geom_id as usize], *id)
     }
 
+    /// The ids of the instances on the way to a leaf in double precision, and the scene there.
+    fn double_path(&self, doubles: &DoubleScene, leaf_id: u32) -> (Vec<u32>, &Self) {
+        let (mut scene, mut path) = (self, Vec::new());
+        for at in doubles.path(leaf_id) {
+            let Some((id, Some(inner))) = scene.instances.get(at as usize + 1) else { break };
+            path.push(*id);
+            scene = inner;
+        }
+        (path, scene)
+    }
+
     /// The ids of the instances along the path to the hit, outermost first, each in its own scene.
     pub(crate) fn path(&self, leaf_id: u32) -> Vec<u32> {
+        if let Some(doubles) = &self.doubles {
+            return self.double_path(doubles, leaf_id).0;
+        }
         let Tree::Scene(tree) = &self.tree else { return Vec::new() };
         let (mut scene, mut path) = (self, Vec::new());
         for inst_id in tree.instance_path(leaf_id).unwrap_or_default() {
@@ -154,6 +190,8 @@ pub(crate) struct RayScene {
     parts: Vec<Option<Part>>,
     options: BuildOptions,
     moves: bool,
+    /// Whether positions, instances and answers are in double precision.
+    is_double: bool,
     /// 0 for all processors.
     pub(crate) threads: usize,
     pub(crate) built: Option<Arc<Built>>,
@@ -164,10 +202,26 @@ pub(crate) struct RayScene {
 }
 
 impl RayScene {
-    pub(crate) fn add(&mut self, part: Part) -> u32 {
+    /// # Errors
+    /// That the scene is of another precision.
+    pub(crate) fn add(&mut self, part: Part) -> Result<u32, String> {
+        self.fits(&part.what)?;
         self.is_edited |= !matches!(part.what, What::Instance { .. });
         self.parts.push(Some(part));
-        self.parts.len() as u32 - 1
+        Ok(self.parts.len() as u32 - 1)
+    }
+
+    /// Whether a part is of the scene's precision.
+    pub(crate) fn fits(&self, what: &What) -> Result<(), String> {
+        match what {
+            What::Triangles { .. } => Ok(()),
+            What::Instance { shown, .. } if shown.doubles.is_some() != self.is_double => {
+                Err("shown: one scene is in double precision, and the other is not".into())
+            }
+            What::Instance { .. } => Ok(()),
+            _ if self.is_double => Err("scene: in double precision it takes triangles and instances".into()),
+            _ => Ok(()),
+        }
     }
 
     /// A part that is there, to be edited.
@@ -185,14 +239,27 @@ impl RayScene {
         Ok(())
     }
 
-    /// How trees are built, and whether they are to follow.
-    pub(crate) fn set_options(&mut self, options: BuildOptions, moves: bool) {
-        (self.options, self.moves, self.is_edited) = (options, moves, true);
+    /// How trees are built, whether they are to follow, and the precision.
+    pub(crate) fn set_options(
+        &mut self,
+        options: BuildOptions,
+        moves: bool,
+        is_double: bool,
+    ) -> Result<(), String> {
+        if is_double != self.is_double && !self.parts.is_empty() {
+            return Err("doubles: the scene has geometries or instances; set it before".into());
+        }
+        (self.options, self.moves, self.is_double, self.is_edited) = (options, moves, is_double, true);
+        Ok(())
     }
 
     /// Builds. Arrays of the program are not read again afterwards.
     pub(crate) fn commit(&mut self, threads: Threads) -> Result<(), String> {
-        self.parts.iter_mut().flatten().for_each(|part| part.what.keep());
+        let is_double = self.is_double;
+        self.parts.iter_mut().flatten().for_each(|part| part.what.keep(is_double));
+        if is_double {
+            return self.commit_doubles(threads);
+        }
         let (mut geometries, mut thrown) = (Vec::new(), Vec::new());
         let mut instances = vec![(u32::MAX, None)];
         let mut placed_instances = Vec::new();
@@ -227,7 +294,38 @@ impl RayScene {
             let built = SceneTree::try_build(&placed_instances, &self.options, threads, &());
             Tree::Scene(Arc::new(built.map_err(|error| error.to_string())?))
         };
-        self.built = Some(Arc::new(Built { tree, object, geometries, instances, thrown }));
+        self.built = Some(Arc::new(Built { tree, doubles: None, object, geometries, instances, thrown }));
+        self.is_edited = false;
+        Ok(())
+    }
+
+    /// The same in double precision, built again.
+    fn commit_doubles(&mut self, threads: Threads) -> Result<(), String> {
+        let (mut geometries, mut meshes) = (Vec::new(), Vec::new());
+        let (mut instances, mut placed) = (vec![(u32::MAX, None)], Vec::new());
+        for (id, part) in self.parts.iter().enumerate() {
+            let Some(Part { what, mask }) = part else { continue };
+            match what {
+                What::Triangles { doubles, indices, .. } => {
+                    let (positions, indices) = (doubles.retained(), indices.retained());
+                    meshes.push(DoubleMesh { positions, indices, mask: *mask });
+                    geometries.push(id as u32);
+                }
+                What::Instance { shown, instance_matrix } => {
+                    let Some(doubles) = &shown.doubles else { continue };
+                    let (shown, placement) = (Arc::clone(shown), *instance_matrix);
+                    placed.push(DoubleInstance { shown: Arc::clone(doubles), placement, mask: *mask });
+                    instances.push((id as u32, Some(shown)));
+                }
+                _ => {}
+            }
+        }
+        let scene = DoubleScene::build(&meshes, &placed, &self.options, threads);
+        let doubles = Some(Arc::new(scene.map_err(|error| error.to_string())?));
+        let object = Arc::new(ObjectTree::build(&[], &self.options, Threads::Single));
+        let tree = Tree::Object(Arc::clone(&object));
+        self.built =
+            Some(Arc::new(Built { tree, doubles, object, geometries, instances, thrown: Vec::new() }));
         self.is_edited = false;
         Ok(())
     }

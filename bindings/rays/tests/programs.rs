@@ -113,6 +113,12 @@ fn arrays_threads_and_processes() {
 }
 
 #[test]
+fn double_precision() {
+    let workshop = Workshop::new();
+    workshop.run(&workshop.build("cc", "c11", "tests/c/doubles.c"), &[]);
+}
+
+#[test]
 fn commits() {
     let workshop = Workshop::new();
     let binary = workshop.build("cc", "c11", "tests/c/joined.c");

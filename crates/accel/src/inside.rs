@@ -24,7 +24,7 @@ pub enum Side {
 }
 
 /// How far a ray leans from an axis, so that it seldom passes along faces, of which there are many along axes.
-const LEAN: [f64; 2] = [0.037_109_375, 0.019_287_109_375];
+pub(crate) const LEAN: [f64; 2] = [0.037_109_375, 0.019_287_109_375];
 
 /// The side of a point; NaN and infinite ones are outside.
 pub(crate) fn side(target: Target, mask: u32, point: [f64; 3], crossed: &mut Crossed) -> Side {

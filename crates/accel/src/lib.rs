@@ -205,6 +205,7 @@ mod candidates;
 mod coherent;
 mod crossings;
 mod crowd;
+pub mod doubles;
 mod engine;
 mod facing;
 mod inside;

@@ -13,6 +13,7 @@ mod control;
 mod counters;
 mod curves;
 mod discs;
+mod doubles;
 mod far_away;
 mod filters;
 mod grids;

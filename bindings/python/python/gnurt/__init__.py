@@ -14,7 +14,8 @@ class RayScene(_RayScene):
     """Triangle meshes to be asked with rays and points.
 
     Arrays are numpy arrays, or whatever numpy makes one of; float32 or float64, with gaps or not. `(1, 3)` goes with any
-    number of rays. `threads=0` is one for each core; answers do not depend on it.
+    number of rays. `threads=0` is one for each core; answers do not depend on it. `dtype="float64"` keeps vertices as they are
+    given and answers in float64: docs/reference/doubles.md.
     """
 
     __slots__ = ()
@@ -111,6 +112,8 @@ def _pack(state, prefix, arrays):
     """Puts a state into arrays for a file. Instances show geometries, or by numbers from -2 down scenes; -1 is none."""
     import numpy as np
 
+    if "dtype" in state:
+        arrays[prefix + "dtype"] = np.array(state["dtype"])
     arrays[prefix + "meshes"] = np.array([mesh is not None for mesh in state["meshes"]], bool)
     for i, mesh in enumerate(state["meshes"]):
         if mesh is not None:
@@ -134,7 +137,8 @@ def _unpacked(arrays, prefix, scenes):
     for i, place in zip(ids, places, strict=True):
         shown = int(i) if i >= 0 else None if i == -1 else scenes[-2 - i]
         instances.append(None if shown is None else (shown, place))
-    return {"meshes": meshes, "instances": instances}
+    state = {"meshes": meshes, "instances": instances}
+    return {**state, "dtype": str(arrays[prefix + "dtype"])} if prefix + "dtype" in arrays else state
 
 
 def _restored(cls, state):

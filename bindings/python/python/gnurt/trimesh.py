@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Rays for trimesh: `gnurt.trimesh.install()`, or `mesh.ray = gnurt.trimesh.RayMeshIntersector(mesh)`.
 
+Meshes whose vertices are not float32 numbers are asked in double precision.
+
 Hits of triangles that share a corner or an edge at one place are one hit of the surface, as `RayScene.crossings` counts.
 """
 
@@ -52,8 +54,12 @@ class RayMeshIntersector:
         # The key is what trimesh itself tells changes by.
         key, scene = self._built
         if scene is None or key != hash(self.mesh):
-            scene = RayScene()
-            scene.add_triangles(self.mesh.vertices, self.mesh.faces)
+            vertices = np.asanyarray(self.mesh.vertices)
+            # Rounded vertices would be those of another mesh, with folds that this one lacks.
+            with np.errstate(over="ignore"):
+                fits = (vertices.astype(np.float32) == vertices).all()
+            scene = RayScene(dtype="float32" if fits else "float64")
+            scene.add_triangles(vertices, self.mesh.faces)
             self._built = (hash(self.mesh), scene)
             self._planes = None
         return scene
@@ -86,7 +92,9 @@ class RayMeshIntersector:
     def _once(self, rays, faces, t):
         """False where a hit at the place of the one before is on a triangle that shares a corner with it."""
         keep = np.ones(len(rays), bool)
-        same = np.r_[False, (rays[1:] == rays[:-1]) & (t[1:] == t[:-1])]
+        # Parameters of float64 are off by 1e-13 of themselves.
+        off = 4e-13 * t[1:] if t.dtype == np.float64 else 0.0
+        same = np.r_[False, (rays[1:] == rays[:-1]) & (t[1:] - t[:-1] <= off)]
         if not same.any():
             return keep
         corners = self.mesh.triangles
@@ -128,6 +136,8 @@ class RayMeshIntersector:
         rays, faces = rays.astype(np.int64), faces.astype(np.int64)
         if not return_locations:
             return faces, rays
+        if t.dtype == np.float64:
+            return faces, rays, origins[rays] + directions[rays] * t[:, None]
         o, d, exact = self._locations(origins, directions, rays, faces)
         t = np.where(np.isfinite(exact), exact, t)
         return faces, rays, (o + d * t[:, None]).reshape(-1, 3)

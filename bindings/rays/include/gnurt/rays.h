@@ -51,10 +51,11 @@ typedef struct gnurt_build {
     int kd;           /* not 0: kd-trees */
     int moves;        /* not 0: trees are refitted while only positions change */
     unsigned threads; /* that build: 0 for all processors, 1 for the calling thread */
+    int doubles;      /* not 0: vertices, rays and answers in double precision; set it first. Triangles and instances only */
 } gnurt_build;
 int gnurt_scene_options(gnurt_scene *, const gnurt_build *);
 
-/* Geometries. Positions are rows of three F32 or F64 (rounded to floats), indices rows of three or four U32 or U64, radii single numbers.
+/* Geometries. Positions are rows of three F32 or F64 (rounded to floats, but in scenes with `doubles`), indices rows of three or four U32 or U64, radii single numbers.
  * Arrays are read by the next commit, and not needed after that: scenes keep copies. What is written into them later is seen after
  * gnurt_set_positions and another commit. Rays see what has a bit of `mask` in common with them.
  * `id` may be null. */
@@ -117,6 +118,14 @@ typedef struct gnurt_hits {
     float *normal;                           /* three, of unit length, by the right-hand rule; zeros where there is none */
 } gnurt_hits;
 
+/* The same in double precision, for the calls whose names end in 64. */
+typedef struct gnurt_hits64 {
+    size_t stride;
+    double *t, *u, *v;
+    uint32_t *prim_id, *geom_id, *inst_id;
+    double *normal;
+} gnurt_hits64;
+
 /* A hit that a filter decides on. */
 typedef struct gnurt_candidate {
     size_t ray;
@@ -139,12 +148,17 @@ int gnurt_intersect(const gnurt_scene *, const gnurt_rays *, const gnurt_query *
  * outermost first, each in the scene that has it. GNURT_NONE behind the last; what does not fit is left out. */
 int gnurt_intersect_paths(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, const gnurt_hits *, size_t levels,
                           uint32_t *paths);
+/* The same with answers in double precision. Of scenes with `doubles` t is off by less than 1e-13 of itself, and hits are exact. */
+int gnurt_intersect64(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, const gnurt_hits64 *, size_t levels,
+                      uint32_t *paths);
 /* Writes 1 where anything is hit, else 0. */
 int gnurt_occluded(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, uint8_t *occluded);
 /* All hits of all rays, in the order of rays and then of t. Writes where the hits of ray i end to ends[i], and as many hits as there is
  * room for; ends[count - 1] is how many there are. `most` is the most of a ray, 0 for all. */
 int gnurt_all_hits(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, size_t most, size_t *ends, size_t room,
                    const gnurt_hits *);
+int gnurt_all_hits64(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, size_t most, size_t *ends, size_t room,
+                     const gnurt_hits64 *);
 /* How often rays cross surfaces, exactly: even through closed meshes. Filters are not asked. */
 int gnurt_crossings(const gnurt_scene *, const gnurt_rays *, const gnurt_query *, uint32_t *counts);
 /* Points are rows of three. 1 where closed meshes contain them, else 0. */
@@ -154,6 +168,8 @@ int gnurt_signed_distances(const gnurt_scene *, gnurt_array points, const gnurt_
 /* Nearest points of surfaces no farther than `radius`: each point if `nearest` is not null, and of the hits t (the distance), u, v, ids and normal. */
 int gnurt_closest_points(const gnurt_scene *, gnurt_array points, double radius, const gnurt_query *, double (*nearest)[3],
                          const gnurt_hits *);
+int gnurt_closest_points64(const gnurt_scene *, gnurt_array points, double radius, const gnurt_query *, double (*nearest)[3],
+                           const gnurt_hits64 *);
 
 #ifdef __cplusplus
 }

@@ -67,7 +67,7 @@ static void spoil(struct square *old)
 static void arrays_go_after_a_commit(int moves)
 {
     gnurt_scene *scene = gnurt_scene_new();
-    gnurt_build build = { 0, 0, 0, moves, 1 };
+    gnurt_build build = { 0, 0, 0, moves, 1, 0 };
     OK(gnurt_scene_options(scene, &build));
     uint32_t first, second, balls;
     struct square far = square(5), near = square(3);

@@ -115,7 +115,7 @@ static void triangles(void)
         gnurt_query query = { pass == 1, pass == 1, NULL, NULL };
         gnurt_query *how = pass == 2 ? &filtered : &query;
         if (pass == 3) {
-            gnurt_build build = { 1, 1, 0, 0, 1 };
+            gnurt_build build = { 1, 1, 0, 0, 1, 0 };
             OK(gnurt_scene_options(scene, &build));
             OK(gnurt_commit(scene));
         }
@@ -283,7 +283,7 @@ static void solids(void)
         for (int k = 0; k < 3; k++)
             corners[i][k] = i >> k & 1;
     gnurt_scene *cube = gnurt_scene_new();
-    gnurt_build build = { 0, 0, 0, 1, 1 };
+    gnurt_build build = { 0, 0, 0, 1, 1, 0 };
     OK(gnurt_scene_options(cube, &build));
     OK(gnurt_add_triangles(cube, rows(corners, 8, 0, GNURT_F32), rows(faces, 12, 0, GNURT_U32), 1, NULL));
     for (int step = 0; step < 3; step++) {
@@ -356,7 +356,7 @@ static void errors(void)
     none.origins.count = 3;
     REFUSED(gnurt_intersect(scene, &none, NULL, &to), "origins: 3 rows for 2 rays");
     REFUSED(gnurt_set_place(scene, 7, identity), "7");
-    gnurt_build build = { 5, 0, 0, 0, 0 };
+    gnurt_build build = { 5, 0, 0, 0, 0, 0 };
     REFUSED(gnurt_scene_options(scene, &build), "quality: 5");
     /* A triangle without a vertex is left out. */
     uint32_t far[2][3] = { { 0, 1, 2 }, { 0, 1, 77 } };

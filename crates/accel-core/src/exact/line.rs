@@ -27,23 +27,26 @@ pub struct Line {
     /// The axis of the longest component of the direction comes last; the line is moved along the others.
     axes: [usize; 3],
     /// Sum of the components of the direction, without their signs.
-    size: f64,
+    pub(super) size: f64,
 }
 
-fn largest(v: [f64; 3]) -> f64 {
+#[inline(always)]
+pub(super) fn largest(v: [f64; 3]) -> f64 {
     v[0].abs().max(v[1].abs()).max(v[2].abs())
 }
 
-fn away(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+#[inline(always)]
+pub(super) fn away(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-fn cross_of(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+#[inline(always)]
+pub(super) fn cross_of(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The sign of a number that may be off by `error`; 0 where that leaves it open. Not finite is open, too.
-fn certain(value: f64, error: f64) -> i8 {
+pub(super) fn certain(value: f64, error: f64) -> i8 {
     i8::from(value > error) - i8::from(value < -error)
 }
 
@@ -94,6 +97,13 @@ impl Line {
 
     /// The sign of an edge, if doubles decide it.
     fn edge(&self, triangle: &Triangle, i: usize, j: usize) -> i8 {
+        let (value, error) = self.edge_value(triangle, i, j);
+        certain(value, error)
+    }
+
+    /// The value of an edge in doubles, and a bound of its error.
+    #[inline(always)]
+    pub(super) fn edge_value(&self, triangle: &Triangle, i: usize, j: usize) -> (f64, f64) {
         let (p, q) = (triangle.near[i], triangle.near[j]);
         let (r, w) = (away(p, self.org), away(q, p));
         let c = cross_of(r, w);
@@ -101,7 +111,7 @@ impl Line {
         let (r, w) = (largest(r), largest(w));
         let (off_r, off_w) = (triangle.error + UNIT * r, 2.0 * triangle.error + UNIT * w);
         let off = 2.0 * (r * off_w + w * off_r + off_r * off_w) + 8.0 * UNIT * r * w;
-        certain(value, self.size * off * 1.01 + f64::MIN_POSITIVE)
+        (value, self.size * off * 1.01 + f64::MIN_POSITIVE)
     }
 
     /// The same by exact numbers, never 0 except for an edge along the line.
@@ -160,7 +170,7 @@ impl Line {
 }
 
 /// How far a point is below a triangle's plane, times twice its area, and a bound of the error.
-fn height(triangle: &Triangle, [a, b, c]: [[f64; 3]; 3], at: [f64; 3], off_at: f64) -> (f64, f64) {
+pub(super) fn height(triangle: &Triangle, [a, b, c]: [[f64; 3]; 3], at: [f64; 3], off_at: f64) -> (f64, f64) {
     let (u, v, r) = (away(b, a), away(c, a), away(a, at));
     let n = cross_of(u, v);
     let value = n[0] * r[0] + n[1] * r[1] + n[2] * r[2];
@@ -173,11 +183,11 @@ fn height(triangle: &Triangle, [a, b, c]: [[f64; 3]; 3], at: [f64; 3], off_at: f
 }
 
 /// See the head of the file.
-struct Edge<'a> {
-    line: &'a Line,
-    triangle: &'a Triangle<'a>,
-    i: usize,
-    j: usize,
+pub(super) struct Edge<'a> {
+    pub(super) line: &'a Line,
+    pub(super) triangle: &'a Triangle<'a>,
+    pub(super) i: usize,
+    pub(super) j: usize,
 }
 
 impl Formula for Edge<'_> {

@@ -6,8 +6,10 @@ mod ball;
 mod dyadic;
 mod exact_hit;
 mod line;
+mod meeting;
 mod number;
 mod path;
+mod twice;
 
 pub use ball::side_of_sphere;
 pub(crate) use exact_hit::ExactHit;

@@ -54,7 +54,7 @@ impl InstancePath<'_> {
 /// A triangle in the space of the query.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle<'a> {
-    corners: &'a [[f32; 3]; 3],
+    corners: [[f64; 3]; 3],
     path: Option<&'a InstancePath<'a>>,
     /// The corners, rounded.
     pub near: [[f64; 3]; 3],
@@ -64,11 +64,16 @@ pub struct Triangle<'a> {
 
 impl<'a> Triangle<'a> {
     /// From corners in the space of an object at `path`, or in the space of the query.
-    pub fn new(corners: &'a [[f32; 3]; 3], path: Option<&'a InstancePath<'a>>) -> Self {
-        let plain = corners.map(|corner| corner.map(f64::from));
-        let (mut near, mut error) = (plain, 0.0f64);
+    pub fn new(corners: &[[f32; 3]; 3], path: Option<&'a InstancePath<'a>>) -> Self {
+        Self::of_doubles(corners.map(|corner| corner.map(f64::from)), path)
+    }
+
+    /// The same of corners in double precision.
+    #[inline]
+    pub fn of_doubles(corners: [[f64; 3]; 3], path: Option<&'a InstancePath<'a>>) -> Self {
+        let (mut near, mut error) = (corners, 0.0f64);
         if let Some(path) = path {
-            for (near, plain) in near.iter_mut().zip(plain) {
+            for (near, plain) in near.iter_mut().zip(corners) {
                 let (carried, off) = path.carry(plain, 0.0);
                 (*near, error) = (carried, error.max(off));
             }
@@ -78,7 +83,7 @@ impl<'a> Triangle<'a> {
 
     /// A corner exactly, where that is such a number.
     pub(super) fn corner<N: Number>(&self, i: usize) -> Option<V3<N>> {
-        let plain = of(self.corners[i].map(f64::from));
+        let plain = of(self.corners[i]);
         self.path.map_or(Some(plain.clone()), |path| path.carry_exactly(plain))
     }
 }

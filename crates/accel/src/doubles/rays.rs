@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Rays in double precision: the closest hit, any hit, all hits.
+//! Invariant: of hits at the same parameter the lowest leaf and number counts. Tests: `tests/doubles.rs`.
+
+use gnurt_accel_core::exact::Line;
+use gnurt_accel_core::{INVALID_ID, Threads};
+use rayon::prelude::*;
+
+use super::lines::{Candidate, search};
+use super::scene::DoubleScene;
+
+/// `org + t * dir` for `t` in `[t_near, t_far]`. A ray with a number that is not finite (but the far end), without a
+/// direction or with an empty interval hits nothing; `t_near` below 0 counts as 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubleRay {
+    /// Origin.
+    pub org: [f64; 3],
+    /// Direction, of any length but zero.
+    pub dir: [f64; 3],
+    /// The least parameter that counts.
+    pub t_near: f64,
+    /// The greatest one.
+    pub t_far: f64,
+    /// It sees meshes and instances with one of these bits.
+    pub mask: u32,
+}
+
+/// A hit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubleHit {
+    /// In multiples of the direction's length.
+    pub t: f64,
+    /// The weight of the second corner.
+    pub u: f64,
+    /// The weight of the third corner.
+    pub v: f64,
+    /// The triangle in its mesh.
+    pub prim_id: u32,
+    /// The mesh in its scene.
+    pub geom_id: u32,
+    /// The outermost instance; `INVALID_ID` of a mesh of the queried scene.
+    pub inst_id: u32,
+    /// For [`DoubleScene::path`].
+    pub leaf_id: u32,
+}
+
+impl DoubleRay {
+    /// From 0 to infinity, seeing all.
+    #[must_use]
+    pub fn new(org: [f64; 3], dir: [f64; 3]) -> Self {
+        Self { org, dir, t_near: 0.0, t_far: f64::INFINITY, mask: u32::MAX }
+    }
+
+    /// Between other ends.
+    #[must_use]
+    pub fn within(self, t_near: f64, t_far: f64) -> Self {
+        Self { t_near, t_far, ..self }
+    }
+
+    /// Its line, if it can hit anything.
+    pub(super) fn line(&self) -> Option<Line> {
+        let is_finite = self.org.iter().chain(&self.dir).all(|x| x.is_finite());
+        let near = self.t_near.max(0.0);
+        let is_valid = is_finite && self.dir != [0.0; 3] && near.is_finite() && near <= self.t_far;
+        (is_valid && !self.t_near.is_nan()).then(|| Line::new(self.org, self.dir, near, self.t_far))
+    }
+}
+
+/// A hit before it gets its ids.
+#[derive(Clone, Copy)]
+struct Found {
+    at: [f64; 3],
+    leaf: u32,
+    ids: [u32; 2],
+}
+
+impl Found {
+    fn order(&self, other: &Self) -> std::cmp::Ordering {
+        self.at[0].total_cmp(&other.at[0]).then((self.leaf, self.ids).cmp(&(other.leaf, other.ids)))
+    }
+
+    fn hit(&self, scene: &DoubleScene) -> DoubleHit {
+        let ([t, u, v], [geom_id, prim_id]) = (self.at, self.ids);
+        let inst_id = scene.outermost(self.leaf);
+        DoubleHit { t, u, v, prim_id, geom_id, inst_id, leaf_id: self.leaf }
+    }
+}
+
+impl DoubleScene {
+    /// The outermost instance on the way to a leaf.
+    pub(super) fn outermost(&self, leaf: u32) -> u32 {
+        if leaf == 0 {
+            return INVALID_ID;
+        }
+        (self.instances.partition_point(|placed| placed.first_leaf <= leaf) - 1) as u32
+    }
+
+    /// The closest hit.
+    #[must_use]
+    pub fn intersect(&self, ray: &DoubleRay) -> Option<DoubleHit> {
+        let line = ray.line()?;
+        let mut best: Option<Found> = None;
+        search(self, &line, ray.mask, &mut |Candidate { triangle, is_certain, leaf, ids }| {
+            let found = line.meets(triangle, is_certain).map(|at| Found { at, leaf, ids });
+            if let Some(found) = found
+                && best.is_none_or(|best| found.order(&best).is_lt())
+            {
+                best = Some(found);
+            }
+            best.map_or(line.far, |best| best.at[0])
+        });
+        best.map(|best| best.hit(self))
+    }
+
+    /// Whether there is a hit.
+    #[must_use]
+    pub fn occluded(&self, ray: &DoubleRay) -> bool {
+        let Some(line) = ray.line() else { return false };
+        let mut is_hit = false;
+        search(self, &line, ray.mask, &mut |Candidate { triangle, is_certain, .. }| {
+            is_hit = is_hit || line.meets(triangle, is_certain).is_some();
+            if is_hit { f64::NEG_INFINITY } else { line.far }
+        });
+        is_hit
+    }
+
+    /// The first hits in order, at most `most`; on each triangle that the ray touches.
+    pub fn first_hits(&self, ray: &DoubleRay, most: usize, hits: &mut Vec<DoubleHit>) {
+        self.list(ray, most, hits, |line, candidate| line.meets(candidate.triangle, candidate.is_certain));
+    }
+
+    /// The crossings that [`crossings`](Self::crossings) counts, in order.
+    pub fn crossing_hits(&self, ray: &DoubleRay, hits: &mut Vec<DoubleHit>) {
+        self.list(ray, usize::MAX, hits, |line, candidate| {
+            line.crosses(candidate.triangle)?;
+            // Where the line that was not moved passes beside it, the place is near an edge.
+            let at = line.meets(candidate.triangle, false);
+            Some(at.unwrap_or_else(|| line.intersection(candidate.triangle)))
+        });
+    }
+
+    fn list(
+        &self,
+        ray: &DoubleRay,
+        most: usize,
+        hits: &mut Vec<DoubleHit>,
+        judge: impl Fn(&Line, &Candidate) -> Option<[f64; 3]>,
+    ) {
+        hits.clear();
+        let Some(line) = ray.line().filter(|_| most > 0) else { return };
+        let mut found = Vec::new();
+        search(self, &line, ray.mask, &mut |candidate| {
+            let at = judge(&line, &candidate);
+            found.extend(at.map(|at| Found { at, leaf: candidate.leaf, ids: candidate.ids }));
+            line.far
+        });
+        found.sort_unstable_by(Found::order);
+        hits.extend(found.iter().take(most).map(|found| found.hit(self)));
+    }
+
+    /// How often a ray goes through surfaces, exactly: an even number of times through a closed mesh from outside, wherever it
+    /// meets edges and corners.
+    #[must_use]
+    pub fn crossings(&self, ray: &DoubleRay) -> u32 {
+        let Some(line) = ray.line() else { return 0 };
+        let mut count = 0;
+        search(self, &line, ray.mask, &mut |candidate| {
+            count += u32::from(line.crosses(candidate.triangle).is_some());
+            line.far
+        });
+        count
+    }
+
+    /// [`intersect`](Self::intersect) of many rays.
+    #[must_use]
+    pub fn intersect_batch(&self, rays: &[DoubleRay], threads: Threads) -> Vec<Option<DoubleHit>> {
+        each(rays, threads, |ray| self.intersect(ray))
+    }
+
+    /// [`occluded`](Self::occluded) of many rays.
+    #[must_use]
+    pub fn occluded_batch(&self, rays: &[DoubleRay], threads: Threads) -> Vec<bool> {
+        each(rays, threads, |ray| self.occluded(ray))
+    }
+
+    /// [`crossings`](Self::crossings) of many rays.
+    #[must_use]
+    pub fn crossings_batch(&self, rays: &[DoubleRay], threads: Threads) -> Vec<u32> {
+        each(rays, threads, |ray| self.crossings(ray))
+    }
+}
+
+/// An answer to each question, in order.
+pub(super) fn each<A: Sync, B: Send>(
+    all: &[A],
+    threads: Threads,
+    answer: impl Fn(&A) -> B + Sync + Send,
+) -> Vec<B> {
+    threads.run(|parallel| {
+        if parallel {
+            all.par_iter().with_min_len(256).map(answer).collect()
+        } else {
+            all.iter().map(answer).collect()
+        }
+    })
+}
