@@ -32,6 +32,9 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) heatmap: Option<PathBuf>,
+    /// Leave the background out of a PNG, which becomes transparent there; an EXR has it as a layer of its own anyway
+    #[arg(help_heading = "Picture", hide_short_help = true, long, conflicts_with = "piece")]
+    pub(crate) transparent: bool,
     /// Render only these pixels (origin at the upper left, x1 and y1 excluded); the others stay black
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,

@@ -180,11 +180,13 @@ fn finish(
     ready: &Ready,
     options: &RenderOptions,
 ) {
-    // On a screen the background is part of the picture: only pixels outside the crop stay transparent.
-    if !plan.targets.picture.has_layers() {
+    if arguments.transparent && !plan.targets.picture.has_layers() {
+        picture.drop_background();
+    } else if !plan.targets.picture.has_layers() {
+        // On a screen the background is part of the picture: only pixels outside the crop stay transparent.
         picture.make_opaque(options.crop);
     }
-    describe(picture, &arguments.frame);
+    describe(picture, options);
     if plan.targets.picture.has_layers() {
         let aspect = options.width as f32 / options.height as f32;
         describe_making(picture, &ready.chosen.camera, aspect, stats);
@@ -247,6 +249,12 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
                 )));
             }
         }
+    }
+    if arguments.transparent && !picture.has_opacity() {
+        return Err(Failure::usage(format_args!(
+            "--transparent: {} has no opacity; give a .png or .exr",
+            picture.path().display()
+        )));
     }
     if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {
         return Err(Failure::usage("--heatmap and --output are the same file; give two"));
@@ -384,7 +392,7 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
     RenderOptions {
         crop: arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution)),
         time_limit: arguments.time,
-        aovs: plan.targets.picture.has_layers() || plan.filter.is_some(),
+        aovs: plan.targets.picture.has_layers() || plan.filter.is_some() || arguments.transparent,
         heatmap: plan.targets.heatmap.is_some(),
         piece: arguments.piece,
         ..frame_options(&arguments.frame, level)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt render --at` and `--frames`: times of an animation, or files of a sequence. A frame depends only on
-//! the scene and its time, so that a sequence has the pictures, byte for byte, that `--at` gives. Default
-//! camera, lights and exposure come from data available to every call: the clip's first time and bounds, or
+//! the scene, its time and its number, which is added to the seed: noise that stays in place looks like a dirty
+//! window. So frame f has the pixels, bit for bit, that `--at` gives under that seed. Default camera, lights and exposure come from data available to every call: the clip's first time and bounds, or
 //! the first existing file of a sequence.
 //! Tests: `tests/program/animation.rs`.
 
@@ -287,6 +287,12 @@ impl Studio<'_> {
         }
     }
 
+    /// The seed of a frame of `--frames`; a moment of `--at` has the given one.
+    fn seed(&self, number: u32) -> u64 {
+        let added = self.arguments.times.frames.map_or(0, |_| u64::from(number));
+        self.options.seed.wrapping_add(added)
+    }
+
     /// Renders one frame of a scene that shows it.
     fn make(
         &self,
@@ -308,8 +314,9 @@ impl Studio<'_> {
         let closes = self.arguments.times.closes(frame.seconds);
         let keys = ready.motion.as_ref().map(|motion| &motion.keys);
         let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
-        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, self.options);
+        let options = RenderOptions { seed: self.seed(frame.number), ..self.options.clone() };
+        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, &options);
         plan.targets = frame.targets;
-        make(self.arguments, begin, plan, ready, self.options, pool, messages)
+        make(self.arguments, begin, plan, ready, &options, pool, messages)
     }
 }
