@@ -223,6 +223,9 @@ pub(super) fn appear(
     plan: &Plan,
     options: &RenderOptions,
 ) {
+    if let Some(layers) = arguments.layers.as_ref().filter(|_| plan.targets.picture.has_layers()) {
+        layers.apply(picture);
+    }
     if arguments.transparent && !plan.targets.picture.has_layers() {
         picture.drop_background();
     } else if !plan.targets.picture.has_layers() {
@@ -291,6 +294,12 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
     if arguments.transparent && !picture.has_opacity() {
         return Err(Failure::usage(format_args!(
             "--transparent: {} has no opacity; give a .png or .exr",
+            picture.path().display()
+        )));
+    }
+    if arguments.layers.is_some() && !picture.has_layers() {
+        return Err(Failure::usage(format_args!(
+            "--layers: {} has no layers; give an .exr",
             picture.path().display()
         )));
     }
