@@ -10,6 +10,7 @@
 //!
 //! # Limits today
 //! * Biased, as denoisers are: detail finer than the noise is blurred.
+//! * Films: points seen in mirrors and behind glass borrow no light from other frames where they move.
 //! * Reflections and refractions have no layers: their edges are preserved by colours only.
 #![deny(unsafe_code)]
 

@@ -2,7 +2,7 @@
 //! The layer of motion: where the points of a picture were in the frame before, and will be in the next one.
 //! Known: cameras, instances, and vertices of bent meshes. Not known: members that move within an object, and points
 //! seen in mirrors; they count as at rest there. Space: world; pixels to the right and down.
-//! Tests: crates/gnurt/tests/film.rs.
+//! Tests: the command line's `tests/program/film.rs`.
 
 use std::sync::Arc;
 
@@ -51,18 +51,17 @@ impl FramePose {
                 };
                 let ways = self.ways(other);
                 let size = [f64::from(picture.width), f64::from(picture.height)];
-                for p in 0..pixels {
-                    let here = hits.point(p).unwrap_or_else(|| eye.beyond(p, size));
-                    let there = match hits.point(p) {
-                        Some(point) => self.moved(other, &ways, &hits, p, point),
-                        None => eye.beyond(p, size),
+                let step = |p: usize| -> Option<[f32; 3]> {
+                    let (here, there) = match hits.point(p) {
+                        Some(point) => (point, self.moved(other, &ways, &hits, p, point)),
+                        None => (eye.beyond(p, size), eye.beyond(p, size)),
                     };
-                    let (Some(from), Some(to)) = (eye.project(here, size), lens.project(there, size)) else {
-                        continue;
-                    };
-                    planes[x][p] = (to[0] - from[0]) as f32;
-                    planes[y][p] = (to[1] - from[1]) as f32;
-                    planes[far][p] = distance(there, lens.at) as f32;
+                    let (from, to) = (eye.project(here, size)?, lens.project(there, size)?);
+                    Some([to[0] - from[0], to[1] - from[1], distance(there, lens.at)].map(|x| x as f32))
+                };
+                let steps: Vec<[f32; 3]> = (0..pixels).map(|p| step(p).unwrap_or_default()).collect();
+                for (k, plane) in [x, y, far].into_iter().enumerate() {
+                    planes[plane] = steps.iter().map(|step| step[k]).collect();
                 }
             }
         }

@@ -48,7 +48,9 @@ const SMALL: &str = "-r 24x16 --spp 2 -t 2";
 fn a_sequence_has_the_pictures_of_its_moments() {
     let folder = Folder::new();
     animated(&folder);
-    let run = folder.gnurt(&format!("render a.gltf --frames 0..4 --fps 3 --denoise-window 0 -o f.###.png {SMALL}")).success();
+    let run = folder
+        .gnurt(&format!("render a.gltf --frames 0..4 --fps 3 --denoise-window 0 -o f.###.png {SMALL}"))
+        .success();
     assert_eq!(run.stderr.matches("denoised").count(), 1, "said once: {}", run.stderr);
     let mut before = Vec::new();
     for frame in 0..=4_u32 {
@@ -59,7 +61,9 @@ fn a_sequence_has_the_pictures_of_its_moments() {
         assert!(one != before, "frame {frame}: something moved");
         before = one;
     }
-    folder.gnurt(&format!("render a.gltf --frames 0..4:2 --fps 3 --denoise-window 0 -o step.#.png {SMALL}")).success();
+    folder
+        .gnurt(&format!("render a.gltf --frames 0..4:2 --fps 3 --denoise-window 0 -o step.#.png {SMALL}"))
+        .success();
     for frame in 0..=4 {
         let (step, all) = (folder.at(&format!("step.{frame}.png")), format!("f.{frame:03}.png"));
         assert_eq!(step.exists(), frame % 2 == 0, "every second frame");
@@ -85,8 +89,9 @@ fn scenes_without_camera_and_light_keep_theirs() {
         .replace(r#""camera":0,"#, "")
         .replace(r#","extensions":{"KHR_lights_punctual":{"light":0}}"#, "");
     folder.write("b.gltf", bare);
-    let run =
-        folder.gnurt(&format!("render b.gltf --animation slide --frames 0..2 --fps 1 --denoise-window 0 {SMALL}")).success();
+    let run = folder
+        .gnurt(&format!("render b.gltf --animation slide --frames 0..2 --fps 1 --denoise-window 0 {SMALL}"))
+        .success();
     assert_eq!(run.stderr.matches("the scene has no camera").count(), 1, "told once: {}", run.stderr);
     for frame in 0..=2 {
         folder
@@ -203,7 +208,11 @@ fn an_open_shutter_blurs() {
         assert!(sharp != blurred, "{integrator} sees what moves");
     }
     // A sequence is, byte for byte, its moments, each under a seed of its own.
-    folder.gnurt(&format!("render a.gltf --frames 3..4 --fps 8 --shutter 1.5 --denoise-window 0 -o f.#.png {SMALL}")).success();
+    folder
+        .gnurt(&format!(
+            "render a.gltf --frames 3..4 --fps 8 --shutter 1.5 --denoise-window 0 -o f.#.png {SMALL}"
+        ))
+        .success();
     for (frame, seconds) in [(3, "0.375"), (4, "0.5")] {
         folder
             .gnurt(&format!(

@@ -10,7 +10,7 @@
 //! frame t+1 --+
 //! ```
 //! Invariants: memory is that of the window's frames; the same bits on any number of threads.
-//! Tests: crates/denoise/tests/film.rs, crates/gnurt/tests/film.rs.
+//! Tests: crates/denoise/tests/film.rs; bench/films/films.py judges it beside many samples.
 
 mod change;
 mod frame;
