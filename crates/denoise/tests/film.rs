@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! The filter over frames on made pictures: what stands still stands still, and what changes is followed.
+//! The filter over frames on made pictures: still light stands still, changes are followed, hidden points leave no ghosts.
 
 use gnurt_denoise::film::Film;
 use gnurt_denoise::{Method, Options};

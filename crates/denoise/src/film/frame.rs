@@ -8,8 +8,8 @@ use crate::error::Error;
 use crate::light::Light;
 use crate::noisy::{Noisy, Triple};
 
-/// The layer of motion: `X`, `Y` lead to where a point was in the frame before, `Z`, `W` to where it will be in
-/// the next one, in pixels to the right and down; `before` and `after` are its distances from the eye there.
+/// The layer of motion, in pixels to the right and down. `X` and `Y` lead to where a point was in the frame before,
+/// `Z` and `W` to where it will be in the next one. `before` and `after` are its distances from the eye there.
 pub const MOTION: &str = "motion";
 
 /// A frame of a film.
