@@ -63,6 +63,11 @@ impl Output {
         self.format.has_layers
     }
 
+    /// Whether its format stores opacity.
+    pub(crate) fn has_opacity(&self) -> bool {
+        self.format.has_opacity
+    }
+
     /// Whether it is for screens, so that curve and exposure show in it.
     pub(crate) fn is_for_screens(&self) -> bool {
         self.format.is_for_screens

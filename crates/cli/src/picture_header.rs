@@ -8,17 +8,16 @@ use std::ffi::OsString;
 use std::path::Path;
 
 use gnurt::image::Picture;
-use gnurt::render::{CameraMatrices, RenderStats};
+use gnurt::render::{CameraMatrices, RenderOptions, RenderStats};
 use gnurt::scene::Camera;
 
-use crate::arguments::FrameArguments;
 use crate::command_line::command_line;
 
 /// Sets the inputs of the picture.
-pub(crate) fn describe(picture: &mut Picture, frame: &FrameArguments) {
-    picture.set_metadata("seed", frame.seed.to_string());
-    picture.set_metadata("integrator", frame.integrator.to_string());
-    picture.set_metadata("filter", frame.filter.to_string());
+pub(crate) fn describe(picture: &mut Picture, options: &RenderOptions) {
+    picture.set_metadata("seed", options.seed.to_string());
+    picture.set_metadata("integrator", options.integrator.to_string());
+    picture.set_metadata("filter", options.filter.to_string());
 }
 
 /// Describes how it was made: for formats whose headers may differ from run to run.

@@ -10,6 +10,7 @@
 //!
 //! # Limits today
 //! * Biased, as denoisers are: detail finer than the noise is blurred.
+//! * Films: points seen in mirrors and behind glass borrow no light from other frames where they move.
 //! * Reflections and refractions have no layers: their edges are preserved by colours only.
 #![deny(unsafe_code)]
 
@@ -19,6 +20,7 @@ mod error;
 mod explain;
 #[allow(unsafe_code, reason = "the one door to the library of C")]
 mod ffi_oidn;
+pub mod film;
 mod light;
 mod method;
 mod noisy;
@@ -70,6 +72,12 @@ pub fn denoise(picture: &mut Picture, options: &Options, pool: &rayon::ThreadPoo
     Ok(used.unwrap_or(Used::BuiltIn { without_oidn: None }))
 }
 
+/// The colours before the filter, as a layer.
+fn noisy_layer(picture: &Picture) -> Layer {
+    let before = |k: usize| picture.color.iter().map(|pixel| pixel[k]).collect();
+    Layer::floats("noisy", [("R", before(0)), ("G", before(1)), ("B", before(2))])
+}
+
 /// As [`denoise`], but ends as soon as `stop` returns true, which is called from all threads: the picture has
 /// not changed then, and the result is `None`. The built-in filter calls it once for every few rows, OIDN
 /// does not.
@@ -94,9 +102,7 @@ pub fn denoise_unless(
         Method::Auto => oidn().map_or_else(|why| by_itself(Some(why.to_string())), Some),
     };
     let Some((clean, used)) = done else { return Ok(None) };
-    let before = |k: usize| picture.color.iter().map(|pixel| pixel[k]).collect();
-    let layer = Layer::floats("noisy", [("R", before(0)), ("G", before(1)), ("B", before(2))]);
-    picture.layers.push(layer);
+    picture.layers.push(noisy_layer(picture));
     let [x0, y0, x1, y1] = region.map(|x| x as usize);
     let rows = picture.color.chunks_exact_mut(picture.width as usize);
     for (row, clean) in rows.take(y1).skip(y0).zip(clean.chunks_exact(x1 - x0)) {

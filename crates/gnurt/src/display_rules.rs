@@ -49,6 +49,8 @@ pub fn meter(
         width: side(options.width),
         height: side(options.height),
         spp: METERED_SAMPLES,
+        // Frames under seeds of their own have one exposure.
+        seed: 0,
         crop: None,
         noise: None,
         interleave: 1,

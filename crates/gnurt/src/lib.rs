@@ -83,6 +83,7 @@ pub mod display_rules;
 mod error;
 #[expect(unsafe_code, reason = "a global allocator")]
 mod ffi_heap;
+mod film_motion;
 mod load;
 pub mod memory;
 mod named_shaders;
@@ -95,6 +96,7 @@ mod threads;
 
 pub use camera_rays::{camera_rays, camera_rays_along};
 pub use error::Error;
+pub use film_motion::FramePose;
 pub use gnurt_accel as accel;
 pub use gnurt_denoise as denoise;
 pub use gnurt_image as image;

@@ -125,6 +125,14 @@ impl Picture {
         }
     }
 
+    /// Leaves the foreground over nothing, and no layer of the background.
+    pub fn drop_background(&mut self) {
+        let front: Vec<[f32; 4]> =
+            self.in_front().map(|[r, g, b, a]| [r.max(0.0), g.max(0.0), b.max(0.0), a]).collect();
+        (self.color, self.opacity) = (front, Opacity::Associated);
+        self.layers.retain(|layer| layer.name != BACKGROUND);
+    }
+
     /// The channels R, G, B and A of the background, if it is known.
     pub(crate) fn background(&self) -> Option<[&[f32]; 4]> {
         let layer = self.layer(BACKGROUND)?;
@@ -297,6 +305,24 @@ mod tests {
         let straight = Picture { color: vec![[0.5, 0.5, 0.5, 0.5]], ..Picture::new(1, 1) };
         assert_eq!(straight.in_front().next().expect("a pixel"), [0.25, 0.25, 0.25, 0.5], "multiplied");
         assert_eq!(straight.on_screen().next().expect("a pixel"), [0.5; 4], "as it is");
+    }
+
+    #[test]
+    fn the_background_can_be_dropped() {
+        let mut picture = Picture::new(2, 1);
+        (picture.color, picture.opacity) =
+            (vec![[0.5, 0.5, 0.5, 0.5], [1.0, 1.0, 1.0, 0.0]], Opacity::Associated);
+        let channels = ["R", "G", "B", "A"]
+            .map(|name| (name, if name == "A" { vec![0.5, 1.0] } else { vec![0.25, 1.0] }));
+        picture.layers.push(Layer::floats(BACKGROUND, channels));
+        picture.drop_background();
+        let shown: Vec<_> = picture.on_screen().collect();
+        assert_eq!(
+            shown,
+            [[0.5, 0.5, 0.5, 0.5], [0.0; 4]],
+            "straight colours with opacity, nothing behind them"
+        );
+        assert!(picture.layers.is_empty(), "no background is left");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use clap::Args;
 use gnurt::render::Piece;
 use gnurt_view::TevAddress;
 
-use super::value::{self, Crop};
+use super::value::{self, Crop, LayerList};
 use super::{
     DenoiserArguments, FileArguments, FrameArguments, HelpArguments, LightArguments, MachineArguments,
     TimeArguments, TreeArguments, VerbosityArguments, ViewArguments,
@@ -32,6 +32,12 @@ pub(crate) struct RenderArguments {
         allow_hyphen_values = true
     )]
     pub(crate) heatmap: Option<PathBuf>,
+    /// Layers of an EXR: all, none, or some of albedo, background, depth, emission, ids, motion (of --frames), normal, position, variance between commas; denoise = all that a denoiser needs [default: all]
+    #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "LIST", value_parser = value::layers, allow_hyphen_values = true, conflicts_with = "piece")]
+    pub(crate) layers: Option<LayerList>,
+    /// Leave the background out of a PNG, which becomes transparent there; an EXR has it as a layer of its own anyway
+    #[arg(help_heading = "Picture", hide_short_help = true, long, conflicts_with = "piece")]
+    pub(crate) transparent: bool,
     /// Render only these pixels (origin at the upper left, x1 and y1 excluded); the others stay black
     #[arg(help_heading = "Picture", hide_short_help = true, long, value_name = "X0,Y0,X1,Y1", value_parser = value::crop, allow_hyphen_values = true)]
     pub(crate) crop: Option<Crop>,

@@ -29,6 +29,9 @@ pub(crate) struct TimeArguments {
     /// Shutter time in frames, for motion blur; 0 = none [default: 0]
     #[arg(hide_short_help = true, long, value_name = "X", value_parser = value::shutter, allow_hyphen_values = true)]
     shutter: Option<f64>,
+    /// Frames on each side that the denoiser of --frames borrows light from, where a point's light stays the same; 0 = each frame by itself [default: 3]
+    #[arg(hide_short_help = true, long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=16), allow_hyphen_values = true, requires = "frames")]
+    denoise_window: Option<u8>,
     /// Skip frames whose files exist
     #[arg(hide_short_help = true, long, requires = "frames")]
     pub(crate) skip_existing: bool,
@@ -58,6 +61,16 @@ impl TimeArguments {
     /// When the shutter closes that opens at a time.
     pub(crate) fn closes(&self, opens: f64) -> f64 {
         opens + self.shutter.unwrap_or(0.0) / self.fps()
+    }
+
+    /// Whether that is given.
+    pub(crate) fn is_window_given(&self) -> bool {
+        self.denoise_window.is_some()
+    }
+
+    /// Frames on each side that the denoiser borrows from.
+    pub(crate) fn reach(&self) -> usize {
+        self.denoise_window.map_or(gnurt::denoise::film::REACH, usize::from)
     }
 
     /// The frame nearest to a time: that of a sequence of files.

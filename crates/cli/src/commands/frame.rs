@@ -7,19 +7,19 @@ use std::fmt::Debug;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-use gnurt::ThreadPool;
 use gnurt::denoise::{self, denoise};
 use gnurt::display_rules::{FEW_SAMPLES, is_noisy};
 use gnurt::image::Picture;
 use gnurt::memory::{check_memory, format_bytes};
 use gnurt::render::{
-    Accumulation, CommitOptions, CommitReport, Frame, Piece, RenderOptions, ShaderTable, World, fingerprint,
-    render_on,
+    Accumulation, CommitOptions, CommitReport, Frame, Piece, RenderOptions, RenderStats, ShaderTable, World,
+    fingerprint, render_on,
 };
 use gnurt::scene::Scene;
 use gnurt::scene::animation::Exposure;
 use gnurt::shading::CameraShader;
 use gnurt::simd::Level;
+use gnurt::{FramePose, ThreadPool};
 use gnurt_view::TevImage;
 
 use super::pieces;
@@ -46,7 +46,7 @@ pub(super) struct Plan {
     /// The files written at the end.
     pub(super) targets: Targets,
     /// The denoiser: requested, or chosen because there are few samples.
-    filter: Option<Filter>,
+    pub(super) filter: Option<Filter>,
 }
 
 #[derive(Clone)]
@@ -65,8 +65,8 @@ impl Targets {
     }
 }
 
-struct Filter {
-    options: denoise::Options,
+pub(super) struct Filter {
+    pub(super) options: denoise::Options,
     /// Whether it was chosen by default: many samples need none then.
     is_default: bool,
     /// Whether it was reported: once is enough for all frames of a film.
@@ -80,6 +80,8 @@ pub(super) struct Ready {
     pub(super) chosen: Chosen,
     /// The camera's motion while the shutter is open, if it moves.
     pub(super) motion: Option<CameraMotion>,
+    /// The frame of a film, and its neighbours, for the layer of motion.
+    pub(super) poses: Option<Poses>,
     pub(super) shaders: Shaders,
     pub(super) checkpoint: Option<Checkpoint>,
     /// The fingerprint of the picture, if it is needed.
@@ -87,6 +89,13 @@ pub(super) struct Ready {
     pub(super) load_time: Duration,
     /// Curve and exposure of all frames; `None` = as given, or else chosen from the picture.
     pub(super) light: Option<LightArguments>,
+}
+
+/// A frame of a film, the one before and the one after, if there are any.
+pub(super) struct Poses {
+    pub(super) now: FramePose,
+    pub(super) before: Option<FramePose>,
+    pub(super) after: Option<FramePose>,
 }
 
 /// Renders a scene that is ready, and writes the picture.
@@ -100,10 +109,7 @@ pub(super) fn make(
     messages: Messages,
 ) -> Outcome {
     let mut frame = render_frame(arguments, plan, ready, options, pool, messages)?;
-    tell(&frame, arguments, messages);
-    ready.shaders.report_faults(messages);
-    let camera = ready.chosen.shader.iter();
-    camera.flat_map(|shader| shader.script.faults()).for_each(|fault| messages.warning(fault));
+    report_faults(&frame.stats, arguments, ready, messages);
     if signals::is_stopped() && arguments.times.frames.is_some() {
         // A file that is there counts as a frame that is done.
         return Ok(());
@@ -111,13 +117,27 @@ pub(super) fn make(
     if options.piece.is_none() {
         take_noise_out(&mut frame, plan, pool, messages)?;
     }
-    finish(&mut frame.picture, &frame.stats, arguments, plan, ready, options);
+    appear(&mut frame.picture, arguments, plan, options);
+    label(&mut frame.picture, &frame.stats, plan, ready, options);
     save(&frame, &plan.targets, ready, arguments, options, messages)?;
     report(arguments, begin, plan, ready, options, &frame, messages)
 }
 
+/// What went wrong in a frame.
+pub(super) fn report_faults(
+    stats: &RenderStats,
+    arguments: &RenderArguments,
+    ready: &Ready,
+    messages: Messages,
+) {
+    tell(stats, arguments, messages);
+    ready.shaders.report_faults(messages);
+    let camera = ready.chosen.shader.iter();
+    camera.flat_map(|shader| shader.script.faults()).for_each(|fault| messages.warning(fault));
+}
+
 /// Renders, shows and saves intermediate results.
-fn render_frame(
+pub(super) fn render_frame(
     arguments: &RenderArguments,
     plan: &Plan,
     ready: &Ready,
@@ -137,7 +157,7 @@ fn render_frame(
     let every = ready.checkpoint.as_ref().map(|checkpoint| checkpoint.every);
     let mut saved = Ok(());
     let rays: &dyn CameraShader = ready.motion.as_ref().map_or(&*ready.chosen.rays, |motion| &*motion.rays);
-    let frame = render_on(begun, &ready.world, rays, pool, &displayed, every, &mut |picture| {
+    let mut frame = render_on(begun, &ready.world, rays, pool, &displayed, every, &mut |picture| {
         if let Some(checkpoint) = &ready.checkpoint {
             saved = checkpoint.save(picture);
         }
@@ -148,6 +168,9 @@ fn render_frame(
         messages.warning(format_args!("the picture is no longer shown: {why}"));
     }
     saved?;
+    if let Some(Poses { now, before, after }) = ready.poses.as_ref().filter(|_| options.aovs) {
+        now.add_motion(&mut frame.picture, before.as_ref(), after.as_ref());
+    }
     Ok(frame)
 }
 
@@ -158,41 +181,61 @@ fn take_noise_out(frame: &mut Frame, plan: &Plan, pool: &ThreadPool, messages: M
     let is_needed = |filter: &&Filter| !filter.is_default || is_welcome;
     let Some(filter) = plan.filter.as_ref().filter(is_needed) else { return Ok(()) };
     let used = denoise(&mut frame.picture, &filter.options, pool).map_err(Failure::data)?;
-    if filter.is_reported.replace(true) {
-        messages.detail(&used);
-    } else if filter.is_default {
-        messages.note(format_args!(
-            "{used}, for there are fewer than {FEW_SAMPLES} samples; --denoise=none leaves it"
-        ));
-    } else {
-        messages.note(&used);
-    }
-    frame.picture.set_metadata("denoiser", used.name());
+    filter.report(&used, &mut frame.picture, messages);
     Ok(())
 }
 
-/// Metadata and appearance of its file.
-fn finish(
+impl Filter {
+    /// Says what has taken the noise out, once, and notes it in the picture.
+    pub(super) fn report(&self, used: &denoise::Used, picture: &mut Picture, messages: Messages) {
+        if self.is_reported.replace(true) {
+            messages.detail(used);
+        } else if self.is_default {
+            messages.note(format_args!(
+                "{used}, for there are fewer than {FEW_SAMPLES} samples; --denoise=none leaves it"
+            ));
+        } else {
+            messages.note(used);
+        }
+        picture.set_metadata("denoiser", used.name());
+    }
+}
+
+/// Metadata of its file.
+pub(super) fn label(
     picture: &mut Picture,
-    stats: &gnurt::render::RenderStats,
-    arguments: &RenderArguments,
+    stats: &RenderStats,
     plan: &Plan,
     ready: &Ready,
     options: &RenderOptions,
 ) {
-    // On a screen the background is part of the picture: only pixels outside the crop stay transparent.
-    if !plan.targets.picture.has_layers() {
-        picture.make_opaque(options.crop);
-    }
-    describe(picture, &arguments.frame);
+    describe(picture, options);
     if plan.targets.picture.has_layers() {
         let aspect = options.width as f32 / options.height as f32;
         describe_making(picture, &ready.chosen.camera, aspect, stats);
     }
 }
 
+/// Appearance of its file.
+pub(super) fn appear(
+    picture: &mut Picture,
+    arguments: &RenderArguments,
+    plan: &Plan,
+    options: &RenderOptions,
+) {
+    if let Some(layers) = arguments.layers.as_ref().filter(|_| plan.targets.picture.has_layers()) {
+        layers.apply(picture);
+    }
+    if arguments.transparent && !plan.targets.picture.has_layers() {
+        picture.drop_background();
+    } else if !plan.targets.picture.has_layers() {
+        // On a screen the background is part of the picture: only pixels outside the crop stay transparent.
+        picture.make_opaque(options.crop);
+    }
+}
+
 /// Prints statistics, if requested.
-fn report(
+pub(super) fn report(
     arguments: &RenderArguments,
     begin: Instant,
     plan: &Plan,
@@ -247,6 +290,18 @@ pub(super) fn check(arguments: &RenderArguments, environment: &Environment) -> R
                 )));
             }
         }
+    }
+    if arguments.transparent && !picture.has_opacity() {
+        return Err(Failure::usage(format_args!(
+            "--transparent: {} has no opacity; give a .png or .exr",
+            picture.path().display()
+        )));
+    }
+    if arguments.layers.is_some() && !picture.has_layers() {
+        return Err(Failure::usage(format_args!(
+            "--layers: {} has no layers; give an .exr",
+            picture.path().display()
+        )));
     }
     if heatmap.as_ref().is_some_and(|heatmap| is_same_file(heatmap.path(), picture.path())) {
         return Err(Failure::usage("--heatmap and --output are the same file; give two"));
@@ -384,7 +439,7 @@ pub(super) fn options(arguments: &RenderArguments, plan: &Plan, level: Level) ->
     RenderOptions {
         crop: arguments.crop.and_then(|crop| crop.within(arguments.frame.resolution)),
         time_limit: arguments.time,
-        aovs: plan.targets.picture.has_layers() || plan.filter.is_some(),
+        aovs: plan.targets.picture.has_layers() || plan.filter.is_some() || arguments.transparent,
         heatmap: plan.targets.heatmap.is_some(),
         piece: arguments.piece,
         ..frame_options(&arguments.frame, level)
@@ -411,8 +466,7 @@ pub(super) fn frame_options(frame: &FrameArguments, level: Level) -> RenderOptio
 }
 
 /// Warnings and notes about the picture.
-fn tell(frame: &Frame, arguments: &RenderArguments, messages: Messages) {
-    let stats = &frame.stats;
+fn tell(stats: &RenderStats, arguments: &RenderArguments, messages: Messages) {
     if stats.bad_samples > 0 {
         messages
             .warning(format_args!("{} samples that were NaN or infinite became black", stats.bad_samples));
@@ -437,7 +491,7 @@ fn tell(frame: &Frame, arguments: &RenderArguments, messages: Messages) {
     ));
 }
 
-fn save(
+pub(super) fn save(
     frame: &Frame,
     targets: &Targets,
     ready: &Ready,

@@ -7,6 +7,7 @@ mod bench_light;
 mod contents;
 pub(crate) mod convert;
 pub(crate) mod diff;
+mod film;
 mod frame;
 pub(crate) mod info;
 pub(crate) mod join;

@@ -58,5 +58,16 @@ fn prepare(
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;
     let (print, checkpoint) = identify(arguments, &scene, &chosen, &(), options);
-    Ok(Ready { world, report, chosen, motion: None, shaders, checkpoint, print, load_time, light: None })
+    Ok(Ready {
+        world,
+        report,
+        chosen,
+        motion: None,
+        poses: None,
+        shaders,
+        checkpoint,
+        print,
+        load_time,
+        light: None,
+    })
 }

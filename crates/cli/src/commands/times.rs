@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! `gnurt render --at` and `--frames`: times of an animation, or files of a sequence. A frame depends only on
-//! the scene and its time, so that a sequence has the pictures, byte for byte, that `--at` gives. Default
-//! camera, lights and exposure come from data available to every call: the clip's first time and bounds, or
+//! the scene, its time and its number, which is added to the seed: noise that stays in place looks like a dirty
+//! window. So frame f has the pixels, bit for bit, that `--at` gives under that seed. Default camera, lights and exposure come from data available to every call: the clip's first time and bounds, or
 //! the first existing file of a sequence.
 //! Tests: `tests/program/animation.rs`.
 
 use std::time::{Duration, Instant};
 
-use gnurt::ThreadPool;
 use gnurt::defaults::{Added, Bounds, Stock, bounds_over};
 use gnurt::display_rules::meter;
 use gnurt::render::{RenderOptions, World};
 use gnurt::scene::Scene;
 use gnurt::scene::animation::Exposure;
+use gnurt::{FramePose, ThreadPool};
 
-use super::frame::{Plan, Ready, Targets, commit_into, commit_options, identify, make};
+use super::film::{Filtered, Shared};
+use super::frame::{Plan, Poses, Ready, Targets, commit_into, commit_options, identify, make};
 use crate::arguments::value::FrameRange;
 use crate::arguments::{ExposureChoice, LightArguments, RenderArguments, TimeArguments};
 use crate::clips::clip;
@@ -30,6 +31,8 @@ struct Frame {
     number: u32,
     seconds: f64,
     targets: Targets,
+    /// Whether it is to be written: others are only borrowed from.
+    is_wanted: bool,
 }
 
 /// The first scene of a sequence, its view, and its defaults.
@@ -59,9 +62,7 @@ pub(super) fn run(
     messages: Messages,
 ) -> Outcome {
     let targets = plan.targets.clone();
-    let mut pending = frames(&arguments.times, &targets)
-        .filter(|frame| !arguments.times.skip_existing || !is_done(&frame.targets))
-        .peekable();
+    let mut pending = frames(&arguments.times, &targets).filter(|frame| frame.is_wanted).peekable();
     if pending.peek().is_none() {
         messages.note("all frames are there already");
         return Ok(());
@@ -75,24 +76,31 @@ pub(super) fn run(
             let first = all.at(numbered.first().ok().flatten().unwrap_or(0));
             studio.files(&mut plan, &first, &|number, _| all.at(number), pending)
         }
-        None => studio.clip(&mut plan, pending),
+        None => studio.clip(&mut plan, pending, &targets),
     }
 }
 
 /// The frames, each made when it is needed: there may be many.
 fn frames<'a>(times: &'a TimeArguments, targets: &'a Targets) -> impl Iterator<Item = Frame> + 'a {
     let range = times.frames.map(FrameRange::numbers);
-    let one =
-        times.at.map(|seconds| Frame { number: times.frame_at(seconds), seconds, targets: targets.clone() });
-    let all = range.into_iter().flatten().map(move |number| Frame {
-        number,
-        seconds: times.seconds(number),
-        targets: Targets {
-            picture: targets.picture.at(number),
-            heatmap: targets.heatmap.as_ref().map(|heatmap| heatmap.at(number)),
-        },
+    let one = times.at.map(|seconds| Frame {
+        number: times.frame_at(seconds),
+        seconds,
+        targets: targets.clone(),
+        is_wanted: true,
     });
+    let all = range.into_iter().flatten().map(move |number| frame_of(times, number, targets));
     one.into_iter().chain(all)
+}
+
+/// A frame of `--frames`.
+fn frame_of(times: &TimeArguments, number: u32, targets: &Targets) -> Frame {
+    let targets = Targets {
+        picture: targets.picture.at(number),
+        heatmap: targets.heatmap.as_ref().map(|heatmap| heatmap.at(number)),
+    };
+    let is_wanted = !times.skip_existing || !is_done(&targets);
+    Frame { number, seconds: times.seconds(number), targets, is_wanted }
 }
 
 fn is_done(targets: &Targets) -> bool {
@@ -102,7 +110,7 @@ fn is_done(targets: &Targets) -> bool {
 
 impl Studio<'_> {
     /// Times of a clip of one scene, which is read once.
-    fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>) -> Outcome {
+    fn clip(&self, plan: &mut Plan, frames: impl Iterator<Item = Frame>, all: &Targets) -> Outcome {
         let begin = Instant::now();
         let (mut scene, files) = plan.source.load_with_files(self.messages)?;
         if let (Some([first, _]), None) = (scene.labels().times, scene.animation()) {
@@ -123,18 +131,75 @@ impl Studio<'_> {
         let light = self.light(&scene, &chosen, &shaders, &mut world)?;
         let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());
         let mut is_reported = false;
+        let mut film = Filtered::new(self.arguments, plan, self.options)?;
+        let frames: Box<dyn Iterator<Item = Frame>> = match (&film, self.arguments.times.frames) {
+            (Some(_), Some(range)) => {
+                let times = &self.arguments.times;
+                Box::new((0..range.count()).map(move |i| frame_of(times, range.number(i), all)))
+            }
+            _ => Box::new(frames),
+        };
         for frame in frames {
+            if !self.is_needed(film.as_ref(), &frame, all) {
+                continue;
+            }
             frame.targets.spare(files.clone(), self.arguments)?;
             let begin = Instant::now();
+            let around = self.around(&mut scene, clip, &frame, &ready)?;
             let closes = self.arguments.times.closes(frame.seconds);
             let exposure = scene.expose(clip, frame.seconds, closes);
+            ready.poses = match around {
+                Some([before, after]) => Some(Poses { now: self.pose(&scene, &ready)?, before, after }),
+                None => None,
+            };
             self.warn_held(&exposure, &mut is_reported);
-            self.make(plan, &mut ready, (&scene, &exposure), frame, begin)?;
+            self.make(plan, &mut ready, (&scene, &exposure), frame, begin, film.as_mut())?;
             if signals::is_stopped() {
-                break;
+                return Ok(());
             }
         }
-        Ok(())
+        match &mut film {
+            Some(film) => film.finish(plan, &ready, &self.shared()),
+            None => Ok(()),
+        }
+    }
+
+    fn shared(&self) -> Shared<'_> {
+        Shared { arguments: self.arguments, pool: self.pool, messages: self.messages }
+    }
+
+    /// Whether a frame is to be written, or one is that borrows from it.
+    fn is_needed(&self, film: Option<&Filtered>, frame: &Frame, all: &Targets) -> bool {
+        let (Some(film), Some(range)) = (film, self.arguments.times.frames) else { return frame.is_wanted };
+        let is_wanted = |i: usize| frame_of(&self.arguments.times, range.number(i), all).is_wanted;
+        film.is_needed(range.index(frame.number), &is_wanted)
+    }
+
+    /// The frames before and after one of a film with layers, if there are any; leaves the scene at one of them.
+    fn around(
+        &self,
+        scene: &mut Scene,
+        clip: usize,
+        frame: &Frame,
+        ready: &Ready,
+    ) -> Result<Option<[Option<FramePose>; 2]>, Failure> {
+        let Some(range) = self.arguments.times.frames else { return Ok(None) };
+        if !self.options.aovs || self.options.piece.is_some() {
+            return Ok(None);
+        }
+        let i = range.index(frame.number);
+        let mut at = |i: Option<usize>| {
+            let Some(i) = i.filter(|&i| i < range.count()) else { return Ok(None) };
+            scene.pose(clip, self.arguments.times.seconds(range.number(i)));
+            self.pose(scene, ready).map(Some)
+        };
+        Ok(Some([at(i.checked_sub(1))?, at(Some(i + 1))?]))
+    }
+
+    fn pose(&self, scene: &Scene, ready: &Ready) -> Result<FramePose, Failure> {
+        let (view, resolution) = (&self.arguments.view, self.arguments.frame.resolution);
+        let (camera, _) = view::aim(scene, view, ready.chosen.shader.as_ref(), resolution)?;
+        Ok(FramePose::of(scene, &camera))
     }
 
     /// Files of a sequence, each of which may have a clip of its own, or moments that a file is read at. `at`: the source of a number and a
@@ -166,7 +231,7 @@ impl Studio<'_> {
             let mut ready = self.ready(World::new(), chosen.clone(), shaders, light, begin.elapsed());
             let exposure = self.exposure(&next, at, &frame, &added)?;
             plan.source = source;
-            self.make(plan, &mut ready, (&next, &exposure), frame, begin)?;
+            self.make(plan, &mut ready, (&next, &exposure), frame, begin, None)?;
             if signals::is_stopped() {
                 break;
             }
@@ -269,6 +334,7 @@ impl Studio<'_> {
             report,
             chosen,
             motion: None,
+            poses: None,
             shaders,
             checkpoint: None,
             print: 0,
@@ -287,6 +353,12 @@ impl Studio<'_> {
         }
     }
 
+    /// The seed of a frame of `--frames`; a moment of `--at` has the given one.
+    fn seed(&self, number: u32) -> u64 {
+        let added = self.arguments.times.frames.map_or(0, |_| u64::from(number));
+        self.options.seed.wrapping_add(added)
+    }
+
     /// Renders one frame of a scene that shows it.
     fn make(
         &self,
@@ -295,6 +367,7 @@ impl Studio<'_> {
         (scene, exposure): (&Scene, &Exposure),
         frame: Frame,
         begin: Instant,
+        film: Option<&mut Filtered>,
     ) -> Outcome {
         let how = commit_options(&self.arguments.frame, &self.arguments.trees, self.options.level);
         let (pool, messages) = (self.pool, self.messages);
@@ -308,8 +381,15 @@ impl Studio<'_> {
         let closes = self.arguments.times.closes(frame.seconds);
         let keys = ready.motion.as_ref().map(|motion| &motion.keys);
         let open = (keys, &exposure.instances, &exposure.lights, exposure.meshes.len(), closes);
-        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, self.options);
+        let options = RenderOptions { seed: self.seed(frame.number), ..self.options.clone() };
+        (ready.print, ready.checkpoint) = identify(self.arguments, scene, &ready.chosen, &open, &options);
         plan.targets = frame.targets;
-        make(self.arguments, begin, plan, ready, self.options, pool, messages)
+        match (film, self.arguments.times.frames) {
+            (Some(film), Some(range)) => {
+                let which = (range.index(frame.number), frame.is_wanted, begin);
+                film.add(which, plan, ready, &options, &self.shared())
+            }
+            _ => make(self.arguments, begin, plan, ready, &options, pool, messages),
+        }
     }
 }

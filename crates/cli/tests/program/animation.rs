@@ -48,18 +48,22 @@ const SMALL: &str = "-r 24x16 --spp 2 -t 2";
 fn a_sequence_has_the_pictures_of_its_moments() {
     let folder = Folder::new();
     animated(&folder);
-    let run = folder.gnurt(&format!("render a.gltf --frames 0..4 --fps 3 -o f.###.png {SMALL}")).success();
+    let run = folder
+        .gnurt(&format!("render a.gltf --frames 0..4 --fps 3 --denoise-window 0 -o f.###.png {SMALL}"))
+        .success();
     assert_eq!(run.stderr.matches("denoised").count(), 1, "said once: {}", run.stderr);
     let mut before = Vec::new();
     for frame in 0..=4_u32 {
         let seconds = f64::from(frame) / 3.0;
-        folder.gnurt(&format!("render a.gltf --at {seconds} -o one.png {SMALL}")).success();
+        folder.gnurt(&format!("render a.gltf --at {seconds} --seed {frame} -o one.png {SMALL}")).success();
         let one = folder.read("one.png");
         assert!(one == folder.read(&format!("f.{frame:03}.png")), "frame {frame}: the same bytes");
         assert!(one != before, "frame {frame}: something moved");
         before = one;
     }
-    folder.gnurt(&format!("render a.gltf --frames 0..4:2 --fps 3 -o step.#.png {SMALL}")).success();
+    folder
+        .gnurt(&format!("render a.gltf --frames 0..4:2 --fps 3 --denoise-window 0 -o step.#.png {SMALL}"))
+        .success();
     for frame in 0..=4 {
         let (step, all) = (folder.at(&format!("step.{frame}.png")), format!("f.{frame:03}.png"));
         assert_eq!(step.exists(), frame % 2 == 0, "every second frame");
@@ -85,11 +89,14 @@ fn scenes_without_camera_and_light_keep_theirs() {
         .replace(r#""camera":0,"#, "")
         .replace(r#","extensions":{"KHR_lights_punctual":{"light":0}}"#, "");
     folder.write("b.gltf", bare);
-    let run =
-        folder.gnurt(&format!("render b.gltf --animation slide --frames 0..2 --fps 1 {SMALL}")).success();
+    let run = folder
+        .gnurt(&format!("render b.gltf --animation slide --frames 0..2 --fps 1 --denoise-window 0 {SMALL}"))
+        .success();
     assert_eq!(run.stderr.matches("the scene has no camera").count(), 1, "told once: {}", run.stderr);
     for frame in 0..=2 {
-        folder.gnurt(&format!("render b.gltf --animation slide --at {frame} -o one.png {SMALL}")).success();
+        folder
+            .gnurt(&format!("render b.gltf --animation slide --at {frame} --seed {frame} -o one.png {SMALL}"))
+            .success();
         let name = format!("b.{frame:04}.png");
         assert!(folder.read("one.png") == folder.read(&name), "frame {frame} by its default name");
     }
@@ -123,7 +130,7 @@ fn files_with_numbers_are_a_sequence() {
     folder.gnurt(&format!("render m.##.obj --frames 0..4:3 {SMALL}")).success();
     let [zero, three] = [0, 3].map(|frame| folder.read(&format!("m.{frame:02}.png")));
     assert!(zero != three, "the files differ");
-    folder.gnurt(&format!("render m.##.obj --at 0.125 -o one.png {SMALL}")).success();
+    folder.gnurt(&format!("render m.##.obj --at 0.125 --seed 3 -o one.png {SMALL}")).success();
     assert!(folder.read("one.png") == three, "the third file is that of 3 / 24 s");
     folder.gnurt(&format!("render m.00.obj -o still.png {SMALL}")).success();
     assert!(folder.read("still.png") == zero, "the first one as it is by itself");
@@ -200,11 +207,17 @@ fn an_open_shutter_blurs() {
         let blurred = picture(&format!("--at 0.25 --shutter 12 --integrator {integrator}"), "blurred.png");
         assert!(sharp != blurred, "{integrator} sees what moves");
     }
-    // A sequence is, byte for byte, its moments.
-    folder.gnurt(&format!("render a.gltf --frames 3..4 --fps 8 --shutter 1.5 -o f.#.png {SMALL}")).success();
+    // A sequence is, byte for byte, its moments, each under a seed of its own.
+    folder
+        .gnurt(&format!(
+            "render a.gltf --frames 3..4 --fps 8 --shutter 1.5 --denoise-window 0 -o f.#.png {SMALL}"
+        ))
+        .success();
     for (frame, seconds) in [(3, "0.375"), (4, "0.5")] {
         folder
-            .gnurt(&format!("render a.gltf --at {seconds} --fps 8 --shutter 1.5 -o one.png {SMALL}"))
+            .gnurt(&format!(
+                "render a.gltf --at {seconds} --fps 8 --shutter 1.5 --seed {frame} -o one.png {SMALL}"
+            ))
             .success();
         assert!(folder.read("one.png") == folder.read(&format!("f.{frame}.png")), "frame {frame}");
     }

@@ -17,10 +17,12 @@ mod denoising;
 mod determinism;
 mod differences;
 mod display;
+mod film;
 mod harness;
 mod info;
 mod interface;
 mod interrupts;
+mod layers;
 mod manuals;
 #[cfg(target_os = "linux")]
 mod out_of_core;

@@ -139,3 +139,32 @@ fn what_a_scene_is_read_from_is_not_lost() {
         assert_eq!(folder.contents(), before, "all is as it was");
     }
 }
+
+#[test]
+fn a_transparent_png_has_the_opacity_of_the_exr() {
+    let folder = Folder::new();
+    folder.write("t.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
+    let picture = |options: &str, file: &str| {
+        let line = format!(
+            "render t.obj -r 24x16 --spp 4 --environment 1,0.5,0.25 --denoise=none -o {file} {options}"
+        );
+        folder.gnurt(&line).success();
+        gnurt::image::read(&folder.at(file)).expect("a picture")
+    };
+    let (png, exr) = (picture("--transparent", "t.png"), picture("", "t.exr"));
+    let opacity =
+        |picture: &gnurt::image::Picture| picture.color.iter().map(|pixel| pixel[3]).collect::<Vec<_>>();
+    let (found, expected) = (opacity(&png), opacity(&exr));
+    assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 0.003), "{found:?} {expected:?}");
+    assert!(
+        found.contains(&0.0) && found.contains(&1.0) && found.iter().any(|a| *a > 0.0 && *a < 1.0),
+        "{found:?}"
+    );
+    assert!(
+        png.color.iter().all(|pixel| pixel[3] > 0.0 || pixel[..3] == [0.0; 3]),
+        "no sky where nothing is in front"
+    );
+    assert!(opacity(&picture("", "o.png")).iter().all(|a| *a == 1.0), "opaque without it");
+    let line = "render t.obj --transparent -o t.hdr";
+    folder.gnurt(line).fails(2, "t.hdr has no opacity");
+}

@@ -18,6 +18,8 @@ pub struct PictureFormat {
     pub notes: &'static str,
     /// Whether its pictures are for screens: written after exposure and tone curve.
     pub is_for_screens: bool,
+    /// Whether it is written with opacity.
+    pub has_opacity: bool,
     /// Whether it has layers in addition to the colours.
     pub has_layers: bool,
     /// Whether all files of the format are read.

@@ -26,6 +26,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     extensions: &["hdr"],
     notes: "RGBE; linear radiance",
     is_for_screens: false,
+    has_opacity: false,
     has_layers: false,
     is_whole: true,
     signature: Signature::Head(|head| head.starts_with(b"#?R")),

@@ -17,6 +17,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     extensions: &["pfm"],
     notes: "linear radiance, 32 bits; grey files are read",
     is_for_screens: false,
+    has_opacity: false,
     has_layers: false,
     is_whole: true,
     signature: Signature::Head(

@@ -14,6 +14,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     extensions: &["png"],
     notes: "written with 8 bits, sRGB; read with 8 or 16",
     is_for_screens: true,
+    has_opacity: true,
     has_layers: false,
     is_whole: true,
     signature: Signature::Head(|head| head.starts_with(b"\x89PNG\r\n\x1a\n")),

@@ -69,6 +69,7 @@ const READ_ONLY: PictureFormat = PictureFormat {
     extensions: &[],
     notes: "colour profiles and orientation are ignored",
     is_for_screens: false,
+    has_opacity: false,
     has_layers: false,
     is_whole: true,
     signature: Signature::Head(|_| false),

@@ -33,6 +33,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     extensions: &["tif", "tiff"],
     notes: "grey and RGB of 8 bits and more; no palettes, CMYK, separate planes",
     is_for_screens: false,
+    has_opacity: false,
     has_layers: false,
     is_whole: false,
     signature: Signature::Head(|head| {

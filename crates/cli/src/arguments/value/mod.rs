@@ -7,6 +7,7 @@ mod bench;
 mod display_values;
 mod eye;
 mod frame;
+mod layers;
 mod moment;
 mod plain;
 mod sampling;
@@ -17,6 +18,7 @@ pub(crate) use bench::{batch, characters, columns, engine, instances, motion_cas
 pub(crate) use display_values::{DenoiserChoice, ExposureChoice, denoiser, display, exposure, filter, tone};
 pub(crate) use eye::{angle_of_view, aperture, direction, length, point, projection, turn};
 pub(crate) use frame::{Crop, Pixel, Resolution, crop, piece, pixel, resolution};
+pub(crate) use layers::{LayerList, layers};
 pub(crate) use moment::{FrameRange, frames, frames_per_second, seconds, shutter, time};
 pub(crate) use sampling::{
     clamp, depth, integrator, interleave, isa, mebibytes, memory, noise, samples, seed, threads, tolerance,

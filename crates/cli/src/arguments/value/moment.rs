@@ -16,6 +16,21 @@ impl FrameRange {
     pub(crate) fn numbers(self) -> impl Iterator<Item = u32> {
         (self.first..=self.last).step_by(self.step as usize)
     }
+
+    /// How many there are.
+    pub(crate) fn count(self) -> usize {
+        ((self.last - self.first) / self.step) as usize + 1
+    }
+
+    /// The index of a number.
+    pub(crate) fn index(self, number: u32) -> usize {
+        (number.saturating_sub(self.first) / self.step) as usize
+    }
+
+    /// Number `i` of them.
+    pub(crate) fn number(self, i: usize) -> u32 {
+        self.first.saturating_add((i as u32).saturating_mul(self.step))
+    }
 }
 
 /// `90`, `90s`, `1.5m`, `2h`, `500ms`.

@@ -13,6 +13,7 @@ pub(super) const FORMAT: PictureFormat = PictureFormat {
     extensions: &["exr"],
     notes: "linear radiance and layers, 16 or 32 bits; deep data is rejected",
     is_for_screens: false,
+    has_opacity: true,
     has_layers: true,
     is_whole: true,
     signature: Signature::Head(|head| head.starts_with(&[0x76, 0x2f, 0x31, 0x01])),
