@@ -98,6 +98,13 @@ def _program():
     return _settings().GetString("GnurtPath", "").strip("'\"") or shutil.which("gnurt")
 
 
+def _order(project, cameras):
+    """The place of a camera among the project's views, whose text comes in any order. The default camera is first."""
+    views = project.Proxy.all_views() if hasattr(project, "Proxy") else []
+    names = [stage.identifier(view.Source.FullName) for view in views]
+    return lambda name: (names.index(name) if name in names else -1, cameras.index(name))
+
+
 def render(project, prefix, batch, input_file, output_file, width, height, spp, denoise):
     """Completes the stage and returns the command and the path of its picture.
 
@@ -120,7 +127,10 @@ def render(project, prefix, batch, input_file, output_file, width, height, spp, 
     shaders_folder = os.path.splitext(os.path.basename(input_file))[0] + "_shaders"
     words += stage.shader_options(folder, shaders_folder, shaders)
     if cameras := stage.cameras(text):
-        words += ["--camera", "/" + cameras[-1]]
+        words += ["--camera", "/" + max(cameras, key=_order(project, cameras))]
+    if not stage.has_surroundings(text):
+        # Without it a scene whose materials alone shine gets lights of the program's.
+        words += ["--environment", "0,0,0"]
     words += ["--resolution", f"{width}x{height}"]
     if not views:
         words += ["--spp", str(spp or SAMPLES), "--denoise=auto" if denoise else "--denoise=none"]

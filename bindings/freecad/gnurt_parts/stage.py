@@ -118,6 +118,11 @@ def cameras(text):
     return re.findall(r'(?m)^def Camera "(\w+)"', text)
 
 
+def has_surroundings(text):
+    """Whether there is a dome or a sky."""
+    return "\ndef DomeLight " in text or "'''// environment " in text
+
+
 def complete(text):
     """Makes a stage of an instantiated template. Returns it and its shaders: (place, name, text).
 
@@ -128,7 +133,10 @@ def complete(text):
     for prim in prims:
         name = re.match(r'def \w+ "(\w+)"', prim)[1]
         seen[name] = seen.get(name, 0) + 1
-        kept.append(re.sub(rf"\b{name}(?=_look|\b)", f"{name}_{seen[name]}", prim) if seen[name] > 1 else prim)
+        if seen[name] > 1:
+            # Not the file of the triangles: both have the same.
+            prim = re.sub(rf'(?<=[</"\s]){name}(?=_look\b|["/>])', f"{name}_{seen[name]}", prim)
+        kept.append(prim)
     around = [i for i, prim in enumerate(kept) if prim.startswith("def DomeLight") or "'''// environment" in prim]
     kept = [prim for i, prim in enumerate(kept) if i not in around[:-1]]
     text = head + "".join(kept)

@@ -17,6 +17,8 @@ mod denoising;
 mod determinism;
 mod differences;
 mod display;
+#[cfg(all(feature = "usd", target_os = "linux"))]
+mod freecad;
 mod harness;
 mod info;
 mod interface;
