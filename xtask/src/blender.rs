@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 
 use crate::command;
 use crate::failure::Failure;
+use crate::publish::build_wheel;
 use crate::workspace::Workspace;
 
 /// The version of Blender that the judge compares with, and its Python.
@@ -85,20 +86,6 @@ fn filled(text: &str, version: &str, wheel: &str) -> Result<String, Failure> {
         None => Ok(made),
         Some(key) => Err(format!("blender_manifest.toml: missing '{key} = ...'")),
     }
-}
-
-/// The wheel of the Python package, made by pip.
-fn build_wheel(folder: &Path) -> Result<PathBuf, Failure> {
-    let _ = std::fs::remove_dir_all(folder);
-    command::run(
-        Command::new("python3")
-            .current_dir(command::root())
-            .args(["-m", "pip", "wheel", "--no-deps", "--disable-pip-version-check", "-w"])
-            .arg(folder)
-            .arg("./bindings/python"),
-    )?;
-    let found = std::fs::read_dir(folder).ok().and_then(|mut all| all.find_map(Result::ok));
-    found.map(|entry| entry.path()).ok_or_else(|| format!("{}: pip left no wheel", folder.display()))
 }
 
 /// Copies a folder without what interpreters leave behind.

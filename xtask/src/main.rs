@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | blender | notices | dist | miri | sanitize | results`.
+//! Chores of the workspace: `cargo xtask tidy | ci | install | installed | python | blender | notices | crates | wheel | dist | miri | sanitize | results`.
 //! Errors go to stderr, one line each, with exit status 1.
 #![forbid(unsafe_code)]
 
@@ -11,6 +11,7 @@ mod failure;
 mod install;
 mod installed;
 mod notices;
+mod publish;
 mod python;
 mod readme;
 mod results;
@@ -28,7 +29,7 @@ struct Chore {
     run: fn(&[String]) -> Result<(), Failure>,
 }
 
-const CHORES: [Chore; 11] = [
+const CHORES: [Chore; 13] = [
     Chore {
         name: "tidy",
         about: "check arrows, file heads, sizes, words and where unsafe code lives",
@@ -64,6 +65,12 @@ const CHORES: [Chore; 11] = [
         about: "write the notices of all parts by others that are given away: [--check]",
         run: notices::run,
     },
+    Chore {
+        name: "crates",
+        about: "pack all crates for crates.io: [--verify] compiles each, [--publish] sends them",
+        run: publish::crates,
+    },
+    Chore { name: "wheel", about: "the Python package's wheel, in target/wheels", run: publish::wheel },
     Chore { name: "dist", about: "tarballs and Debian packages, in target/dist", run: dist::run },
     Chore {
         name: "miri",

@@ -14,6 +14,7 @@ mod hits;
 mod lights;
 mod meshes;
 mod picture;
+mod pixels;
 mod pool;
 mod program;
 mod ray_scene;

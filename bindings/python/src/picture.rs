@@ -5,13 +5,23 @@ use std::path::PathBuf;
 
 use gnurt::denoise::{self, Method, Options};
 use gnurt::display_rules::TONE;
-use gnurt::image::{self, ChannelData, ExrPixels, PictureFormat, ToneCurve, WriteOptions, exposure_for};
+use gnurt::image::{
+    self, ChannelData, ExrPixels, Opacity, PictureFormat, ToneCurve, WriteOptions, exposure_for,
+};
 use pyo3::exceptions::{PyKeyError, PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
 use crate::arrays::New;
+use crate::pixels::texels;
 use crate::pool::ThreadCount;
+
+/// Names of layers and of their channels, in order.
+type Names = Vec<(String, Vec<String>)>;
+
+/// The parts of a pickled picture: an EXR file, the colours and whether they are associated, exposure, rendered part,
+/// names.
+type Kept<'py> = (Bound<'py, PyBytes>, Bound<'py, PyBytes>, bool, Option<f32>, Option<[u32; 4]>, Names);
 
 /// Linear light with opacity, and its layers.
 #[pyclass(module = "gnurt", frozen)]
@@ -65,6 +75,73 @@ impl Picture {
 
 #[pymethods]
 impl Picture {
+    /// A picture of a file with its layers, or of an array as textures take it: bytes are sRGB, floats linear light.
+    #[new]
+    fn new(py: Python<'_>, source: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let picture = match source.extract::<PathBuf>() {
+            Ok(path) => py.detach(|| image::read(&path)).map_err(|error| image_error(&error))?,
+            Err(_) => {
+                let texels = texels(source, true)?;
+                let mut picture = image::Picture::new(texels.width, texels.height);
+                let width = texels.width as usize;
+                for (i, pixel) in picture.color.iter_mut().enumerate() {
+                    *pixel = texels.texel(i % width, i / width);
+                }
+                picture
+            }
+        };
+        Ok(Self { picture, exposure: None, crop: None })
+    }
+
+    /// For pickle. A file has the colour without its background, so the colour is kept beside it.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Kept<'py>)> {
+        let (py, this) = (slf.py(), slf.get());
+        let exact = WriteOptions { exr_pixels: ExrPixels::Float, ..WriteOptions::default() };
+        let bytes = py
+            .detach(|| image::encode(&this.picture, PictureFormat::EXR, &exact))
+            .map_err(|error| image_error(&error))?;
+        let color: Vec<u8> =
+            this.picture.color.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+        let is_associated = this.picture.opacity == Opacity::Associated;
+        let restore = slf.get_type().getattr("_restored")?;
+        let (bytes, color) = (PyBytes::new(py, &bytes), PyBytes::new(py, &color));
+        let names = |layer: &image::Layer| {
+            (layer.name.clone(), layer.channels.iter().map(|channel| channel.name.clone()).collect())
+        };
+        let names = this.picture.layers.iter().map(names).collect();
+        Ok((restore, (bytes, color, is_associated, this.exposure, this.crop, names)))
+    }
+
+    #[staticmethod]
+    fn _restored(
+        py: Python<'_>,
+        exr: &[u8],
+        color: &[u8],
+        is_associated: bool,
+        exposure: Option<f32>,
+        crop: Option<[u32; 4]>,
+        names: Names,
+    ) -> PyResult<Self> {
+        let mut picture =
+            py.detach(|| image::decode(exr, "pickled picture")).map_err(|error| image_error(&error))?;
+        let (texels, rest) = color.as_chunks::<16>();
+        if texels.len() != picture.color.len() || !rest.is_empty() {
+            return Err(PyValueError::new_err("pickled picture: its colours do not fit its size"));
+        }
+        // A file sorts them by name.
+        picture.layers.sort_by_key(|layer| names.iter().position(|(name, _)| *name == layer.name));
+        for (layer, (_, channels)) in picture.layers.iter_mut().zip(&names) {
+            layer.channels.sort_by_key(|channel| channels.iter().position(|name| *name == channel.name));
+        }
+        let texel = |bytes: &[u8; 16]| {
+            let mut numbers = bytes.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+            std::array::from_fn(|_| numbers.next().unwrap_or(0.0))
+        };
+        let color = texels.iter().map(texel).collect();
+        let opacity = if is_associated { Opacity::Associated } else { Opacity::Straight };
+        Ok(Self { picture: image::Picture { color, opacity, ..picture }, exposure, crop })
+    }
+
     #[getter]
     fn width(&self) -> u32 {
         self.picture.width

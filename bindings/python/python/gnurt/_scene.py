@@ -2,13 +2,19 @@
 """Scenes and their pictures."""
 
 import errno
+import logging
 import os
 import sys
+import time
 import warnings
 
 from ._gnurt import Scene as _Scene
 
 __all__ = ["Camera", "Scene", "load"]
+
+#: Reading and rendering, at the level INFO. Warnings are Python's: `logging.captureWarnings(True)` logs them, too.
+_log = logging.getLogger("gnurt")
+_log.addHandler(logging.NullHandler())
 
 
 class Camera:
@@ -211,8 +217,10 @@ class Scene(_Scene):
         camera stands; pixel_shader and pixel_parameters compute pixels.
         motion={"instances": {number: matrices}, "cameras": [Camera, ...]} moves them while the shutter is open, at times evenly spaced.
         `progress` is True, or called with the share that is done."""
+        begun = time.monotonic()
         with _told(progress) as tell:
             picture = self._render({"width": width, "height": height, **options}, tell)
+        _log.info("rendered %d x %d in %.3f s", picture.width, picture.height, time.monotonic() - begun)
         _warn(self._progress())
         return picture
 
@@ -232,6 +240,7 @@ class Scene(_Scene):
 
 def load(source):
     """A scene of a file (.glb, .gltf, .obj, .ply) or "builtin:NAME". What is odd about the file is warned of."""
+    begun = time.monotonic()
     try:
         found, told = _Scene._load(os.fspath(source))
     except OSError:
@@ -240,6 +249,7 @@ def load(source):
         raise
     for warning in told:
         warnings.warn(warning, stacklevel=2)
+    _log.info("read %s in %.3f s", os.fspath(source), time.monotonic() - begun)
     scene = Scene()
     scene._take(found)
     _warn(scene._progress())

@@ -18,6 +18,8 @@ mod determinism;
 mod differences;
 mod display;
 mod film;
+#[cfg(all(feature = "usd", target_os = "linux"))]
+mod freecad;
 mod harness;
 mod info;
 mod interface;
