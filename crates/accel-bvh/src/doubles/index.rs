@@ -9,9 +9,10 @@ use gnurt_simd::{Level, Simd, dispatch};
 use super::block::DoubleBlock;
 use super::grid::{Box64, Grid};
 use super::line::{DoubleLine, Lanes, Prepared};
-use crate::blocked::Blocked;
+use crate::build::build;
 use crate::node::{Child, WIDTH};
 use crate::node_ray::NodeRay;
+use crate::tree::Tree;
 use crate::walk::walk;
 
 /// Triangles as they were given, under a tree of floats.
@@ -33,7 +34,11 @@ type Candidate<'a> = (u32, &'a [[f64; 3]; 3], bool);
 
 #[derive(Clone, Debug)]
 struct Over<B> {
-    tree: Blocked<B>,
+    tree: Tree,
+    blocks: Vec<B>,
+    /// The greatest coordinate of any plane.
+    greatest: f32,
+    stats: TreeStats,
     grid: Grid,
     bounds: Box64,
 }
@@ -56,8 +61,11 @@ impl<B> Over<B> {
         let bounds = (0..count).fold(NOWHERE, |all, i| each(i).iter().fold(all, grown));
         let grid = Grid::around(&bounds);
         let boxes: Vec<Aabb> = (0..count).map(|i| grid.outwards(&each(i))).collect();
-        let tree = Blocked::build(&&boxes[..], options.quality, options.memory, threads, block)?;
-        Ok(Self { tree, grid, bounds })
+        let mut tree = build(&&boxes[..], options.quality, threads)?;
+        tree.settle(options.memory);
+        let stats = tree.measure();
+        let blocks = std::mem::take(&mut tree.blocks).iter().map(block).collect();
+        Ok(Self { blocks, greatest: tree.greatest(), tree, stats, grid, bounds })
     }
 
     /// Calls `leaf` with blocks that the line may meet, and with a parameter as its depth; it answers with the new reach.
@@ -71,7 +79,7 @@ impl<B> Over<B> {
     ) -> u32 {
         let for_nodes = NodeRay::new(simd, &line.for_nodes, line.greatest);
         walk(
-            &self.tree.tree,
+            &self.tree,
             simd,
             Child::node(0),
             &for_nodes,
@@ -82,7 +90,16 @@ impl<B> Over<B> {
     }
 
     fn is_empty(&self) -> bool {
-        self.tree.blocks.is_empty()
+        self.blocks.is_empty()
+    }
+
+    fn stats(&self) -> TreeStats {
+        TreeStats {
+            primitives: self.stats.references,
+            tree_bytes: self.tree.node_bytes() as u64,
+            primitive_bytes: size_of_val(&self.blocks[..]) as u64,
+            ..self.stats
+        }
     }
 }
 
@@ -103,7 +120,7 @@ impl DoubleIndex {
         let over = Over::build(numbers.len(), around, options, threads, block)?;
         let count = numbers.iter().max().map_or(0, |&most| most as usize + 1);
         let mut places = vec![INVALID_ID; count];
-        for (i, block) in over.tree.blocks.iter().enumerate() {
+        for (i, block) in over.blocks.iter().enumerate() {
             for lane in block.lanes() {
                 places[block.numbers[lane] as usize] = (WIDTH * i + lane) as u32;
             }
@@ -121,7 +138,7 @@ impl DoubleIndex {
     #[must_use]
     pub fn stats(&self) -> TreeStats {
         let places = size_of_val(&self.places[..]) as u64;
-        let stats = self.over.tree.stats();
+        let stats = self.over.stats();
         TreeStats { primitive_bytes: stats.primitive_bytes + places, ..stats }
     }
 
@@ -129,7 +146,7 @@ impl DoubleIndex {
     #[must_use]
     pub fn corners(&self, number: u32) -> Option<[[f64; 3]; 3]> {
         let place = *self.places.get(number as usize).filter(|place| **place != INVALID_ID)? as usize;
-        Some(self.over.tree.blocks[place / WIDTH].corners(place % WIDTH))
+        Some(self.over.blocks[place / WIDTH].corners(place % WIDTH))
     }
 
     /// Calls `meet` with the number and the corners of each triangle that the line may touch before `reach`, and whether it
@@ -144,7 +161,7 @@ impl DoubleIndex {
         if self.over.is_empty() {
             return;
         }
-        if let Some(line) = Prepared::new(line, &self.over.grid, self.over.tree.greatest) {
+        if let Some(line) = Prepared::new(line, &self.over.grid, self.over.greatest) {
             dispatch!(level, simd => self.search_with(simd, &line, reach, meet));
         }
     }
@@ -158,7 +175,7 @@ impl DoubleIndex {
         meet: &mut dyn FnMut(Candidate) -> f64,
     ) {
         let lanes = Lanes::new(simd, line);
-        let blocks = &self.over.tree.blocks;
+        let blocks = &self.over.blocks;
         self.over.walk(
             simd,
             line,
@@ -189,7 +206,7 @@ impl DoubleIndex {
         if self.over.is_empty() {
             return;
         }
-        let blocks = &self.over.tree.blocks;
+        let blocks = &self.over.blocks;
         self.over.near(level, point, reach, &mut |range| {
             let mut reach = f64::INFINITY;
             for block in &blocks[range] {
@@ -208,7 +225,7 @@ impl<B> Over<B> {
         // Floats have no greater ones; farther points are at least as far.
         let at = at.map(|x| x.clamp(-1e18, 1e18));
         let local = |reach: f64| if reach < 0.0 { 0.0 } else { reach * scale * (1.0 + 1e-6) + 1e-30 };
-        dispatch!(level, simd => self.tree.tree.near(simd, &at, local(reach), |range| local(leaf(range))));
+        dispatch!(level, simd => self.tree.near(simd, &at, local(reach), |range| local(leaf(range))));
     }
 }
 
@@ -235,7 +252,7 @@ impl DoubleBoxes {
     /// Size and shape.
     #[must_use]
     pub fn stats(&self) -> TreeStats {
-        self.over.tree.stats()
+        self.over.stats()
     }
 
     /// Calls `enter` with the numbers of boxes that the line may meet before `reach`; it answers with the new reach.
@@ -243,8 +260,8 @@ impl DoubleBoxes {
         if self.over.is_empty() {
             return;
         }
-        let Some(line) = Prepared::new(line, &self.over.grid, self.over.tree.greatest) else { return };
-        let blocks = &self.over.tree.blocks;
+        let Some(line) = Prepared::new(line, &self.over.grid, self.over.greatest) else { return };
+        let blocks = &self.over.blocks;
         let mut leaf = |range: Range<usize>| {
             let mut reach = f64::INFINITY;
             for &number in blocks[range].iter().flatten().filter(|number| **number != INVALID_ID) {
@@ -261,7 +278,7 @@ impl DoubleBoxes {
         if self.over.is_empty() {
             return;
         }
-        let blocks = &self.over.tree.blocks;
+        let blocks = &self.over.blocks;
         self.over.near(level, point, reach, &mut |range| {
             let mut reach = f64::INFINITY;
             for &number in blocks[range].iter().flatten().filter(|number| **number != INVALID_ID) {
