@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Which material a prim is bound to: by its own binding, its ancestors' or collections, by purpose and strength.
-//! Source: UsdShadeMaterialBindingAPI (material resolution). The purpose is `full`, then that of all. Tests: `tests/materials.rs`.
+//! Source: UsdShadeMaterialBindingAPI (material resolution). The purpose is `full`, then that of all.
+//! Prims without that schema bind nothing, as by default in OpenUSD. Tests: `tests/materials.rs`.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -67,7 +68,14 @@ impl Bindings {
 
 fn read(reader: &Reader, prim: &Path) -> Own {
     let mut own = Own::default();
-    for name in reader.properties(prim).iter().filter(|name| name.starts_with("material:binding")) {
+    let names = reader.properties(prim);
+    let mut names = names.iter().filter(|name| name.starts_with("material:binding")).peekable();
+    if let (Some(name), false) = (names.peek(), reader.has_schema(prim, "MaterialBindingAPI")) {
+        let what = format_args!("{name} without MaterialBindingAPI among apiSchemas, ignored as by OpenUSD");
+        reader.unsupported(prim, what);
+        return own;
+    }
+    for name in names {
         let rest = &name["material:binding".len()..];
         let parts: Vec<&str> = rest.split(':').skip(1).collect();
         let targets = reader.targets(prim, name);
@@ -78,13 +86,18 @@ fn read(reader: &Reader, prim: &Path) -> Own {
         match parts[..] {
             [] | [_] if parts.first() != Some(&"collection") => {
                 let Some(purpose) = purpose(parts.first().copied().unwrap_or("")) else { continue };
-                if let Some(material) = targets.into_iter().next() {
+                if let Some(material) =
+                    targets.into_iter().next().filter(|target| is_material(reader, prim, target))
+                {
                     own.direct[purpose] = Some(Bound { material, is_strong });
                 }
             }
             ["collection", .., _] => {
                 let Some(purpose) = purpose(if parts.len() > 2 { parts[1] } else { "" }) else { continue };
                 let [collection, material] = &targets[..] else { continue };
+                if !is_material(reader, prim, material) {
+                    continue;
+                }
                 let Some((owner, property)) = collection.split_property() else { continue };
                 let Some(collection) = property.strip_prefix("collection:") else { continue };
                 let query = Collection::new(owner, collection).compute_membership_query(&reader.stage);
@@ -97,4 +110,13 @@ fn read(reader: &Reader, prim: &Path) -> Own {
         }
     }
     own
+}
+
+/// Whether a target is a material, or a warning.
+fn is_material(reader: &Reader, prim: &Path, target: &Path) -> bool {
+    let is_one = reader.kind(target) == "Material";
+    if !is_one {
+        reader.unsupported(prim, format_args!("bound to {target}, which is no Material"));
+    }
+    is_one
 }

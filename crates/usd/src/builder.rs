@@ -25,6 +25,8 @@ pub(crate) struct Builder<'a> {
     pub(crate) cutter: Cutter,
     /// Objects of meshes in prototypes, by their path there and their materials.
     pub(crate) objects: HashMap<SharedKey, ObjectId>,
+    /// Objects of other meshes, by the sum of their contents.
+    pub(crate) equal: HashMap<[u64; 2], ObjectId>,
     /// Objects of prototypes of point instancers.
     pub(crate) prototypes: HashMap<Path, Option<ObjectId>>,
     /// The place of prims that reset the transforms above them.

@@ -10,6 +10,7 @@ mod binding;
 mod builder;
 mod bytes;
 mod cameras;
+mod contents;
 mod crate_check;
 mod crate_values;
 mod files;

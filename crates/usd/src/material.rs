@@ -30,6 +30,8 @@ pub(crate) struct Materials<'a> {
     pub(crate) pictures: Pictures<'a>,
     textures: Textures,
     known: HashMap<String, Use>,
+    /// Those of one name, for files that many prims refer to.
+    by_name: HashMap<String, Vec<(Material, Use)>>,
 }
 
 /// The colour of meshes without material and display colour.
@@ -37,7 +39,7 @@ const GREY: [f32; 3] = [0.18; 3];
 
 impl<'a> Materials<'a> {
     pub(crate) fn new(pictures: Pictures<'a>) -> Self {
-        Self { pictures, textures: Textures::default(), known: HashMap::new() }
+        Self { pictures, textures: Textures::default(), known: HashMap::new(), by_name: HashMap::new() }
     }
 
     /// The material of meshes that are bound to none.
@@ -66,6 +68,7 @@ impl<'a> Materials<'a> {
 
     fn made(&mut self, reader: &Reader, scene: &mut Scene, prim: &Path) -> Use {
         let name = prim.name().unwrap_or_default().to_owned();
+        let varying = reader.varying();
         let outputs = ["outputs:surface", "outputs:mtlx:surface"];
         let surface = outputs.into_iter().find_map(|output| match reader.source(prim, output) {
             Some(Source::Shader { prim, .. }) => Some(prim),
@@ -93,7 +96,19 @@ impl<'a> Materials<'a> {
             }
         }
         let (texcoords, has_colors) = (made.texcoords, made.has_colors);
-        Use { id: scene.add_material(material), texcoords, has_colors }
+        if reader.varying() != varying {
+            return Use { id: scene.add_material(material), texcoords, has_colors };
+        }
+        let same = self.by_name.entry(material.name.clone()).or_default();
+        let equal = same.iter().find(|(known, user)| {
+            *known == material && user.texcoords == texcoords && user.has_colors == has_colors
+        });
+        if let Some((_, known)) = equal {
+            return known.clone();
+        }
+        let made = Use { id: scene.add_material(material.clone()), texcoords, has_colors };
+        same.push((material, made.clone()));
+        made
     }
 }
 

@@ -15,9 +15,13 @@ use openusd::sdf::Path;
 use crate::attributes::{Attribute, Spread};
 use crate::bent::Bent;
 use crate::builder::Builder;
+use crate::contents::Contents;
 use crate::material::Use;
 use crate::value;
 use crate::weld::Corners;
+
+/// Triangles beyond which a surface is refined less often, unless `--subdivision` says how often.
+const DENSE: u64 = 250_000;
 
 /// The polygons of a mesh as they are read.
 pub(crate) struct Polygons {
@@ -41,12 +45,13 @@ impl Builder<'_> {
     ///
     /// `bent`: its points where something moves them, and the turns of its normals.
     pub(crate) fn mesh(&mut self, prim: &Path, bent: Option<Bent>) -> Option<ObjectId> {
+        let varying = self.reader.varying();
         let mut polygons = self.polygons(prim)?;
         if let Some(bent) = &bent {
             polygons.points.clone_from(&bent.points);
         }
         let bound = self.bound(prim);
-        self.polygon_object(prim, polygons, bound, bent)
+        self.polygon_object(prim, polygons, bound, bent, varying)
     }
 
     /// Points and faces, or a warning.
@@ -75,6 +80,7 @@ impl Builder<'_> {
         polygons: Polygons,
         bound: Option<Path>,
         bent: Option<Bent>,
+        varying: u64,
     ) -> Option<ObjectId> {
         let reader = self.reader;
         let Polygons { mut points, mut faces } = polygons;
@@ -100,13 +106,30 @@ impl Builder<'_> {
                 *hole = true;
             }
         }
+        let is_left_handed = reader.word(prim, "orientation").as_deref() == Some("leftHanded");
+        let surface = self.surface(prim, &faces);
+        let linear = reader.word(prim, "faceVaryingLinearInterpolation");
         let mut attributes: Vec<Option<Attribute>> = looks.into_iter().chain(texcoords).collect();
+        let mut contents = Contents::new();
+        contents.add(&(prim.name(), &materials, bound.as_ref().and_then(Path::name)));
+        contents.add(&(&is_hole, is_left_handed, &linear));
+        contents.add_floats(points.as_flattened());
+        contents.add_faces(&faces);
+        attributes.iter().for_each(|attribute| contents.add_attribute(attribute.as_ref()));
+        parts.iter().for_each(|part| contents.add(&(&part.takes, part.material.has_colors)));
+        contents.add_surface(surface.as_ref());
+        // Equal now is not equal later: motion asks for the same objects at all moments.
+        let contents = (!is_bent && reader.varying() == varying).then(|| contents.sum());
+        if let Some(&known) = contents.as_ref().and_then(|contents| self.equal.get(contents)) {
+            return Some(known);
+        }
         let mut parents: Option<Vec<u32>> = None;
         let control_triangles = faces.iter().map(|corners| corners.len() as u64 - 2).sum();
         let mut control = None;
-        if let Some(surface) = self.surface(prim, &faces) {
-            let level = reader.files.access.subdivision.unwrap_or(LEVEL);
-            let most = MOST_TRIANGLES.min(reader.files.access.budget.left() / 256);
+        if let Some(surface) = surface {
+            let requested = reader.files.access.subdivision;
+            let (level, most) = requested.map_or((LEVEL, DENSE), |level| (level, MOST_TRIANGLES));
+            let most = most.min(reader.files.access.budget.left() / 256);
             let level = affordable_level(&faces, level, most);
             let mut channels = vec![Channel {
                 width: 3,
@@ -117,7 +140,6 @@ impl Builder<'_> {
             let of_attributes: Vec<Option<Channel>> =
                 attributes.iter().map(|attribute| attribute.as_ref()?.channel()).collect();
             channels.extend(of_attributes.iter().flatten().cloned());
-            let linear = reader.word(prim, "faceVaryingLinearInterpolation");
             if linear.as_deref() == Some("all") {
                 channels.iter_mut().filter(|c| c.corners.is_some()).for_each(|c| c.is_linear = true);
             }
@@ -142,7 +164,6 @@ impl Builder<'_> {
             control = Some(ControlMesh { scheme, level, triangles: control_triangles });
             (faces, parents) = (refined.faces, Some(refined.parents));
         }
-        let is_left_handed = reader.word(prim, "orientation").as_deref() == Some("leftHanded");
         if is_left_handed && control.is_some() {
             // Normals of faces that run the other way.
             let normals = attributes[0].iter_mut().flat_map(|attribute| &mut attribute.values);
@@ -187,6 +208,9 @@ impl Builder<'_> {
         }
         if let Some(key) = key {
             self.objects.insert(key, object);
+        }
+        if let Some(contents) = contents {
+            self.equal.insert(contents, object);
         }
         Some(object)
     }

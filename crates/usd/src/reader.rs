@@ -22,17 +22,20 @@ pub(crate) struct Reader {
     pub(crate) stage: Stage,
     pub(crate) path: PathBuf,
     pub(crate) files: Rc<Files>,
-    /// In the stage's time codes; `None` = at rest.
+    /// In the stage's time codes; `None` = default values, or else first samples.
     time: Option<f64>,
     warnings: RefCell<Warnings>,
     prims: Cell<u64>,
+    /// Values that were read and are others at other moments.
+    varying: Cell<u64>,
 }
 
 impl Reader {
     pub(crate) fn new(stage: Stage, seconds: Option<f64>, path: PathBuf, files: Rc<Files>) -> Self {
-        let (warnings, prims) = (RefCell::default(), Cell::new(0));
-        let mut reader = Self { stage, path, files, time: None, warnings, prims };
-        reader.time = seconds.map(|seconds| seconds * reader.rate());
+        let (warnings, prims, varying) = (RefCell::default(), Cell::new(0), Cell::new(0));
+        let mut reader = Self { stage, path, files, time: None, warnings, prims, varying };
+        reader.time =
+            seconds.map(|seconds| seconds * reader.rate()).or_else(|| reader.stage_number("startTimeCode"));
         reader
     }
 
@@ -95,6 +98,8 @@ impl Reader {
         let attribute = self.stage.attribute(path.clone());
         let value = match self.time {
             Some(time) => {
+                let samples = attribute.bracketing_time_samples(TimeCode::new(time));
+                self.varying.set(self.varying.get() + u64::from(samples.is_ok_and(|found| found.is_some())));
                 let value = self.checked(&path, attribute.get_at::<Value>(TimeCode::new(time)));
                 // Text layers keep samples without a point as whole numbers, which the library does not blend.
                 match value {
@@ -108,6 +113,11 @@ impl Reader {
                 .or_else(|| self.checked(&path, attribute.get_at::<Value>(TimeCode::EARLIEST))),
         };
         value.filter(is_value)
+    }
+
+    /// How many values with time samples were read so far: what is made of them may differ at another moment.
+    pub(crate) fn varying(&self) -> u64 {
+        self.varying.get()
     }
 
     /// Whole numbers of an attribute of broken ones, between two samples.

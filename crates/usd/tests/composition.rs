@@ -82,3 +82,48 @@ class Cube "Class" {}
     let names: Vec<&str> = loaded.scene.instances().iter().map(|instance| &instance.name[..]).collect();
     assert_eq!(names, ["/Default", "/Render"], "{}", warnings(&loaded));
 }
+
+#[test]
+fn equal_references_share_their_mesh() {
+    let asset = r#"#usda 1.0
+( defaultPrim = "Asset" )
+def Xform "Asset" {
+    def Mesh "Leaf" ( prepend apiSchemas = ["MaterialBindingAPI"] ) {
+        uniform token subdivisionScheme = "none"
+        int[] faceVertexCounts = [3]
+        int[] faceVertexIndices = [0, 1, 2]
+        point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+        rel material:binding = </Asset/Green>
+    }
+    def Material "Green" {
+        token outputs:surface.connect = </Asset/Green/S.outputs:surface>
+        def Shader "S" {
+            uniform token info:id = "UsdPreviewSurface"
+            color3f inputs:diffuseColor = (0.1, 0.8, 0.1)
+            token outputs:surface
+        }
+    }
+}
+"#;
+    let scene = r#"#usda 1.0
+def "A" ( prepend references = @./asset.usda@ ) {}
+def "B" ( prepend references = @./asset.usda@ ) {}
+def "C" ( prepend references = @./asset.usda@ ) {
+    over "Leaf" { point3f[] points = [(0, 0, 0), (2, 0, 0), (0, 1, 0)] }
+}
+def "D" ( prepend references = @./asset.usda@ ) {
+    over "Green" { over "S" { color3f inputs:diffuseColor = (0.8, 0.1, 0.1) } }
+}
+"#;
+    let folder = Folder::with(&[("asset.usda", asset), ("scene.usda", scene)]);
+    let loaded = folder.load("scene.usda", &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(warnings(&loaded), "");
+    let objects: Vec<_> = loaded.scene.instances().iter().map(|instance| instance.object).collect();
+    assert_eq!(objects.len(), 4, "each is shown");
+    assert_eq!(objects[0], objects[1], "nothing differs");
+    assert!(
+        objects[0] != objects[2] && objects[0] != objects[3],
+        "other points, another colour: {objects:?}"
+    );
+    assert_eq!(loaded.scene.materials().len(), 2, "green and red");
+}

@@ -120,3 +120,19 @@ def Material "M" {{
     let without = folder.load("a.usda", &LoadOptions::default()).expect("a scene without it");
     assert!(warnings(&without).contains("a.png"), "{}", warnings(&without));
 }
+
+#[test]
+fn bindings_without_schema_or_material_bind_nothing() {
+    let loaded = load(&format!(
+        r#"
+def Mesh "Q" {{ {QUAD} rel material:binding = </M> }}
+def Material "M" {{}}
+def Mesh "R" ( prepend apiSchemas = ["MaterialBindingAPI"] ) {{ {QUAD} rel material:binding = </Missing> }}
+"#
+    ));
+    let told = warnings(&loaded);
+    assert!(told.contains("/Q: material:binding without MaterialBindingAPI"), "{told}");
+    assert!(told.contains("/R: bound to /Missing, which is no Material"), "{told}");
+    let is_unbound = |mesh: &gnurt_scene::Mesh| loaded.scene.material(mesh.material).name.is_empty();
+    assert!(loaded.scene.meshes().iter().all(|mesh| is_unbound(mesh)), "as if they were unbound");
+}
