@@ -224,7 +224,7 @@ fn points_are_as_far_as_by_hand() {
 #[test]
 fn folds_that_floats_make_are_not_there() {
     // A box a thousandth of a float's step thick: in floats both sides fall together or cross.
-    let (base, thin) = (1234.567_8, 3e-8);
+    let (base, thin) = (1_234.567_8, 3e-8);
     let at =
         |i: usize| [base + (i & 1) as f64, base + (i >> 1 & 1) as f64, base + thin * (i >> 2 & 1) as f64];
     let positions: Vec<[f64; 3]> = (0..8).map(at).collect();

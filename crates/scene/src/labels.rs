@@ -21,7 +21,7 @@ pub struct Labels {
     pub resolution: Option<[u32; 2]>,
     /// Objects with a refined mesh, and the control mesh of each.
     pub control_meshes: BTreeMap<ObjectId, ControlMesh>,
-    /// Objects whose file names one material for the whole, whatever parts of it are made of.
+    /// Objects whose file names one material for the whole, or none (""), whatever parts of it are made of.
     pub bound_materials: BTreeMap<ObjectId, String>,
 }
 

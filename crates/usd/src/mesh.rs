@@ -124,7 +124,8 @@ impl Builder<'_> {
             return Some(known);
         }
         let mut parents: Option<Vec<u32>> = None;
-        let control_triangles = faces.iter().map(|corners| corners.len() as u64 - 2).sum();
+        let shown = faces.iter().zip(&is_hole).filter(|(_, is_hole)| !**is_hole);
+        let control_triangles = shown.map(|(corners, _)| corners.len() as u64 - 2).sum();
         let mut control = None;
         if let Some(surface) = surface {
             let requested = reader.files.access.subdivision;
@@ -202,8 +203,8 @@ impl Builder<'_> {
             self.scene.labels_mut().control_meshes.insert(object, control);
         }
         let has_subsets = parts.len() > 1 || parts.iter().any(|part| part.is_subset);
-        if let (Some(material), true) = (bound, has_subsets) {
-            let name = material.name().unwrap_or_default().to_owned();
+        if has_subsets {
+            let name = bound.as_ref().and_then(Path::name).unwrap_or_default().to_owned();
             self.scene.labels_mut().bound_materials.insert(object, name);
         }
         if let Some(key) = key {

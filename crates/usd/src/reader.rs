@@ -22,8 +22,8 @@ pub(crate) struct Reader {
     pub(crate) stage: Stage,
     pub(crate) path: PathBuf,
     pub(crate) files: Rc<Files>,
-    /// In the stage's time codes; `None` = default values, or else first samples.
-    time: Option<f64>,
+    /// In the stage's time codes.
+    time: f64,
     warnings: RefCell<Warnings>,
     prims: Cell<u64>,
     /// Values that were read and are others at other moments.
@@ -33,9 +33,9 @@ pub(crate) struct Reader {
 impl Reader {
     pub(crate) fn new(stage: Stage, seconds: Option<f64>, path: PathBuf, files: Rc<Files>) -> Self {
         let (warnings, prims, varying) = (RefCell::default(), Cell::new(0), Cell::new(0));
-        let mut reader = Self { stage, path, files, time: None, warnings, prims, varying };
-        reader.time =
-            seconds.map(|seconds| seconds * reader.rate()).or_else(|| reader.stage_number("startTimeCode"));
+        let mut reader = Self { stage, path, files, time: 0.0, warnings, prims, varying };
+        let start = || reader.stage_number("startTimeCode").unwrap_or(0.0);
+        reader.time = seconds.map_or_else(start, |seconds| seconds * reader.rate());
         reader
     }
 
@@ -96,21 +96,15 @@ impl Reader {
     pub(crate) fn value(&self, prim: &Path, name: &str) -> Option<Value> {
         let path = prim.append_property(name).ok()?;
         let attribute = self.stage.attribute(path.clone());
-        let value = match self.time {
-            Some(time) => {
-                let samples = attribute.bracketing_time_samples(TimeCode::new(time));
-                self.varying.set(self.varying.get() + u64::from(samples.is_ok_and(|found| found.is_some())));
-                let value = self.checked(&path, attribute.get_at::<Value>(TimeCode::new(time)));
-                // Text layers keep samples without a point as whole numbers, which the library does not blend.
-                match value {
-                    Some(Value::Int(_) | Value::Int64(_)) => self.blended(&attribute, time).or(value),
-                    value => value,
-                }
+        let time = TimeCode::new(self.time);
+        let samples = attribute.bracketing_time_samples(time);
+        self.varying.set(self.varying.get() + u64::from(samples.is_ok_and(|found| found.is_some())));
+        let value = match self.checked(&path, attribute.get_at::<Value>(time)) {
+            // Text layers keep samples without a point as whole numbers, which the library does not blend.
+            Some(whole @ (Value::Int(_) | Value::Int64(_))) => {
+                self.blended(&attribute, self.time).or(Some(whole))
             }
-            None => self
-                .checked(&path, attribute.get::<Value>())
-                .filter(is_value)
-                .or_else(|| self.checked(&path, attribute.get_at::<Value>(TimeCode::EARLIEST))),
+            value => value,
         };
         value.filter(is_value)
     }

@@ -106,7 +106,7 @@ fn occurrence(scene: &Scene, found: &Occurrence<'_>) -> Value {
         "area": whole.area,
         "bounds": [whole.min, whole.max],
         "centroid": whole.centroid(),
-        "material": bound.or(largest),
+        "material": bound.map_or(largest, |name| Some(name).filter(|name| !name.is_empty())),
     });
     let Value::Object(fields) = &mut value else { return value };
     if parts.len() > 1 {
