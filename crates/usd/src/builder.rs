@@ -25,6 +25,8 @@ pub(crate) struct Builder<'a> {
     pub(crate) cutter: Cutter,
     /// Objects of meshes in prototypes, by their path there and their materials.
     pub(crate) objects: HashMap<SharedKey, ObjectId>,
+    /// Whether a prototype of a point instancer is read: its objects have their paths, which nothing else would name.
+    pub(crate) is_prototype: bool,
     /// Objects of other meshes, by the sum of their contents.
     pub(crate) equal: HashMap<[u64; 2], ObjectId>,
     /// Objects of prototypes of point instancers.

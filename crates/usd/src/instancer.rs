@@ -91,8 +91,9 @@ impl Builder<'_> {
         let state = State { world_from_parent: Affine::IDENTITY, ..state.clone() };
         let mut placed = Vec::new();
         let outer = std::mem::replace(&mut self.root, Affine::IDENTITY);
+        let outer_is_prototype = std::mem::replace(&mut self.is_prototype, true);
         let walked = self.prim(prim, &state, &mut placed);
-        self.root = outer;
+        (self.root, self.is_prototype) = (outer, outer_is_prototype);
         walked?;
         let object = match &placed[..] {
             [] => None,

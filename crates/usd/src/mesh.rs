@@ -93,7 +93,7 @@ impl Builder<'_> {
         let has = (colors.is_some(), opacities.is_some());
         let parts = self.parts(prim, &faces, bound.as_ref(), has);
         let materials: Vec<_> = parts.iter().map(|part| part.material.id).collect();
-        let key = if is_bent { None } else { self.shared_key(prim, &materials) };
+        let key = if is_bent || self.is_prototype { None } else { self.shared_key(prim, &materials) };
         if let Some(&known) = key.as_ref().and_then(|key| self.objects.get(key)) {
             return Some(known);
         }
@@ -119,7 +119,8 @@ impl Builder<'_> {
         parts.iter().for_each(|part| contents.add(&(&part.takes, part.material.has_colors)));
         contents.add_surface(surface.as_ref());
         // Equal now is not equal later: motion asks for the same objects at all moments.
-        let contents = (!is_bent && reader.varying() == varying).then(|| contents.sum());
+        let contents =
+            (!is_bent && !self.is_prototype && reader.varying() == varying).then(|| contents.sum());
         if let Some(&known) = contents.as_ref().and_then(|contents| self.equal.get(contents)) {
             return Some(known);
         }

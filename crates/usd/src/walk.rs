@@ -28,6 +28,7 @@ pub(crate) fn scene(reader: &Reader) -> Result<Scene, Error> {
         materials: Materials::new(Pictures::new(&reader.files.access)),
         cutter: Cutter::for_file(reader.files.length()),
         objects: HashMap::new(),
+        is_prototype: false,
         equal: HashMap::new(),
         prototypes: HashMap::new(),
         root: world_from_stage(reader),
