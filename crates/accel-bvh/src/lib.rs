@@ -29,6 +29,7 @@ mod kernels;
 mod leaves;
 mod measure;
 mod motion;
+mod moving;
 mod node;
 mod node_ray;
 mod planes;

@@ -26,6 +26,7 @@ mod masks;
 mod mixed;
 mod moving;
 mod moving_instances;
+mod moving_shapes;
 mod nested;
 mod packets;
 mod parameters;
