@@ -171,6 +171,12 @@ impl Scene {
         &mut self.labels
     }
 
+    /// Whether light is scattered or absorbed by media that integrators may leave out.
+    #[must_use]
+    pub fn has_media(&self) -> bool {
+        !self.media.is_empty() || self.materials.iter().any(Material::scatters_within)
+    }
+
     /// An empty scene.
     #[must_use]
     pub fn new() -> Self {
