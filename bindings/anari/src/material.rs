@@ -283,7 +283,7 @@ fn attenuation(now: &Snapshot) -> Vec3 {
     let interior = gnurt::scene::detail::Interior {
         attenuation_color: now.vec3("attenuationColor").unwrap_or([1.0; 3]),
         attenuation_distance: now.f32("attenuationDistance").unwrap_or(f32::INFINITY),
-        dispersion: 0.0,
+        ..Default::default()
     };
     Vec3::from(interior.absorption())
 }

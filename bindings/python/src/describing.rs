@@ -143,6 +143,8 @@ fn interior(given: &mut Given) -> PyResult<Interior> {
             .number("attenuation_distance", 1e-30, MOST)?
             .map_or(f32::INFINITY, |distance| distance as f32),
         dispersion: given.number("dispersion", 0.0, 1000.0)?.unwrap_or(0.0) as f32,
+        scatter_color: given.color("scatter_color")?.unwrap_or([0.0; 3]),
+        scatter_anisotropy: given.number("scatter_anisotropy", -0.99, 0.99)?.unwrap_or(0.0) as f32,
     })
 }
 

@@ -29,6 +29,12 @@ pub(crate) fn check(view: &ViewArguments) -> Result<(), Failure> {
             system_reason(&error)
         )));
     }
+    for volume in &view.surroundings.volumes {
+        if let Err(error) = std::fs::metadata(volume.path()) {
+            let (path, reason) = (volume.path().display(), system_reason(&error));
+            return Err(Failure::data(format_args!("--volume {path}: {reason}")));
+        }
+    }
     if let Some(choice) = view.camera_shader() {
         let of_lenses = [
             ("--fov", view.fov.is_some()),
@@ -135,6 +141,12 @@ pub(crate) fn choose_around(
         let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
         environment.put_around(scene, up, view.surroundings.environment_turn).map_err(Failure::data)?;
     }
+    for volume in &view.surroundings.volumes {
+        volume.add_to(scene).map_err(Failure::data)?;
+    }
+    if let Some(fog) = &view.surroundings.fog {
+        fog.put_around(scene, camera.eye);
+    }
     let added = match stage {
         Stage::Studio(purpose) => {
             let up = view.up.unwrap_or([0.0, 1.0, 0.0]);
@@ -149,6 +161,15 @@ pub(crate) fn choose_around(
         messages.note(note);
     }
     Ok(Chosen { camera, rays, shader, exposure: added.and_then(defaults::Note::exposure) })
+}
+
+/// Says what an integrator leaves out of a scene.
+pub(crate) fn tell_left_out(scene: &Scene, integrator: Integrator, messages: Messages) {
+    if scene.has_media() && integrator != Integrator::Path {
+        messages.warning(format_args!(
+            "--integrator {integrator} leaves out media that scatter or give off light; path shows them"
+        ));
+    }
 }
 
 /// The requested camera, posed as in the scene now, and its rays.

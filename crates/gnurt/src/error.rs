@@ -23,6 +23,9 @@ pub enum Error {
     /// A sky in the shading language could not be read or compiled.
     #[error("{0}")]
     Surroundings(String),
+    /// A volume could not be shown.
+    #[error("{0}")]
+    Volume(String),
     /// The picture needs more memory than the machine has free.
     #[error(
         "the picture takes {} of memory and {} are free; use a smaller one than {}x{}",

@@ -93,6 +93,7 @@ mod script_sky;
 mod size;
 mod surroundings;
 mod threads;
+mod volumes;
 
 pub use camera_rays::{camera_rays, camera_rays_along};
 pub use error::Error;
@@ -114,3 +115,4 @@ pub use overrides::Override;
 pub use rayon::ThreadPool;
 pub use surroundings::Surroundings;
 pub use threads::{JoinedPool, cores, thread_pool};
+pub use volumes::{Fog, VolumeFile};

@@ -11,14 +11,15 @@ use gnurt_scene::io::reader::{Access, Meaning, Pictures};
 use gnurt_scene::io::{Error, Oddity, Warnings};
 use gnurt_scene::texture::{Filter, Texels, Wrap};
 use gnurt_scene::{
-    Affine, InstanceId, Light, Material as Made, MaterialId, Member, Mesh, MeshId, Object, ObjectId, Scene,
-    Texture as SceneTexture, TextureId,
+    Affine, InstanceId, Light, Material as Made, MaterialId, MediumId, Member, Mesh, MeshId, Object,
+    ObjectId, Scene, Texture as SceneTexture, TextureId,
 };
 
 use crate::infinite;
 use crate::lights::{AreaLight, Infinite};
 use crate::location::Location;
 use crate::material::{Material, Model};
+use crate::media::Media;
 use crate::motion::Motion;
 use crate::osl::Library;
 use crate::surface::{self, Coverage};
@@ -40,6 +41,7 @@ struct Slot {
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct Key {
     material: u32,
+    medium: Option<MediumId>,
     emission: Option<([u32; 3], bool)>,
     picture: Option<PathBuf>,
     /// A number's bits, or a texture's place in memory.
@@ -50,6 +52,7 @@ struct Key {
 struct Pending {
     id: MaterialId,
     number: u32,
+    medium: Option<MediumId>,
     light: Option<(Arc<AreaLight>, [f32; 3])>,
     alpha: Option<Input>,
 }
@@ -81,6 +84,7 @@ pub(crate) struct Builder<'a> {
     pub(crate) objects: HashMap<String, ObjectId>,
     infinite: Vec<(Infinite, Affine)>,
     pub(crate) motion: Motion,
+    pub(crate) media: Media,
     /// Members that move, of the object that is being defined.
     moving_members: Vec<(u32, [Affine; 2], Location)>,
     /// From the file's world to the renderer's.
@@ -96,6 +100,8 @@ pub(crate) struct Shown {
     /// From its space to the file's world, or that of the object, when the shutter opens and when it closes.
     pub(crate) transforms: [Affine; 2],
     pub(crate) material: u32,
+    /// The medium within.
+    pub(crate) medium: Option<MediumId>,
     pub(crate) area_light: Option<Arc<AreaLight>>,
     pub(crate) alpha: Option<Input>,
     pub(crate) location: Location,
@@ -139,6 +145,7 @@ impl<'a> Builder<'a> {
             objects: HashMap::new(),
             infinite: Vec::new(),
             motion: Motion::default(),
+            media: Media::default(),
             moving_members: Vec::new(),
             world_from_file: Affine::IDENTITY,
         }
@@ -182,7 +189,8 @@ impl<'a> Builder<'a> {
 
     /// Shows a shape.
     pub(crate) fn show(&mut self, shown: Shown) -> Result<(), Error> {
-        let Shown { mut mesh, class, signature, transforms, material, area_light, alpha, location } = shown;
+        let Shown { mut mesh, class, signature, transforms, material, medium, area_light, alpha, location } =
+            shown;
         if mesh.indices.is_empty() {
             return Ok(());
         }
@@ -198,6 +206,7 @@ impl<'a> Builder<'a> {
         };
         let key = Key {
             material,
+            medium,
             emission: light.as_ref().map(|(light, rgb)| (rgb.map(f32::to_bits), light.both_sides)),
             picture: light.as_ref().and_then(|(light, _)| light.picture.clone()),
             alpha: alpha.as_ref().map(picks),
@@ -207,7 +216,7 @@ impl<'a> Builder<'a> {
             None => {
                 let id = self.scene.add_material(Made::matte("", [0.5; 3]));
                 self.keys.insert(key, self.pending.len());
-                self.pending.push(Pending { id, number: material, light, alpha });
+                self.pending.push(Pending { id, number: material, medium, light, alpha });
                 id
             }
         };
@@ -372,9 +381,15 @@ impl<'a> Builder<'a> {
     }
 
     fn make(&mut self, pending: Pending) {
-        let Pending { id, number, light, alpha } = pending;
+        let Pending { id, number, medium, light, alpha } = pending;
         let slot = &self.slots[number as usize];
         let name = slot.name.clone().unwrap_or_else(|| format!("material of line {}", slot.location.line));
+        let inside = slot.material.as_ref().and_then(|material| material.inside.as_deref());
+        let medium = inside.map(|inside| self.scene.add_medium(inside.clone())).or(medium);
+        if let Some(medium) = medium.filter(|_| self.is_interface(number) && light.is_none()) {
+            *self.scene.edit_material(id) = Made::boundary(name, medium);
+            return;
+        }
         let mut coverage = Coverage { alpha, ..Coverage::default() };
         if let Some((light, radiance)) = light {
             coverage.emission = Some((radiance, light.both_sides));
@@ -388,6 +403,7 @@ impl<'a> Builder<'a> {
         }
         let (mut made, shader) = surface::make(number, &name, &coverage, self);
         made.name = name;
+        made.medium = medium;
         *self.scene.edit_material(id) = made;
         if let Some(mut file) = shader {
             file.confined_to = self.access.confined_to();

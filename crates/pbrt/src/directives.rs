@@ -17,6 +17,7 @@ use crate::film::Film;
 use crate::lights::{self, Found};
 use crate::location::Location;
 use crate::material::{self, Material, Model};
+use crate::medium;
 use crate::parameter::{Kind, Parameters};
 use crate::shapes;
 use crate::sources::Sources;
@@ -89,8 +90,13 @@ impl<'a> Reader<'a> {
         let mut builder = Builder::new(access);
         let location = Location { path: path.into(), line: 1 };
         let diffuse = Model::Diffuse(Input::number(0.5));
-        let material =
-            builder.add_material(Material { model: diffuse, normal_map: None, bump: None, location });
+        let material = builder.add_material(Material {
+            model: diffuse,
+            inside: None,
+            normal_map: None,
+            bump: None,
+            location,
+        });
         Self {
             sources: Sources::new(access),
             builder,
@@ -397,6 +403,7 @@ impl<'a> Reader<'a> {
             "Camera" => {
                 let (class, parameters) = self.named(word, &location, None)?;
                 let transforms = self.state.transforms;
+                self.builder.media.of_camera = self.state.media[1];
                 self.camera = Some((class, parameters, transforms));
                 let inverses = transforms.map(|transform| transform.inverse());
                 if let [Some(start), Some(end)] = inverses {
@@ -447,9 +454,16 @@ impl<'a> Reader<'a> {
                 self.state.material = self.builder.named_material(&name, &location);
             }
             "MakeNamedMedium" => {
-                let (_, parameters) = self.named(word, &location, Some(3))?;
-                parameters.ignore();
-                self.warn(&location, Oddity::NotShown, "media");
+                let (name, parameters) = self.named(word, &location, Some(3))?;
+                let (access, place) = (self.access(), self.state.transforms[0]);
+                let warnings = &mut self.builder.warnings;
+                let medium = medium::read(&parameters, &place, access, warnings)?;
+                parameters.warn_unused(word, warnings);
+                parameters.release(&access.budget);
+                if !self.builder.media.define(&mut self.builder.scene, &name, medium, &location) {
+                    let problem = format!("medium {} is defined twice", quoted(&name));
+                    return Err(location.error(problem, "give each its own name"));
+                }
             }
             "MediumInterface" => {
                 let first = self.text(word, &location)?;
@@ -457,9 +471,8 @@ impl<'a> Reader<'a> {
                     Some(b'"') => self.text(word, &location)?,
                     _ => first.clone(),
                 };
-                if !(first.is_empty() && second.is_empty()) {
-                    self.warn(&location, Oddity::NotShown, "media");
-                }
+                let Builder { media, scene, .. } = &mut self.builder;
+                self.state.media = [first, second].map(|name| media.named(scene, &name, &location));
             }
             "LightSource" => {
                 let (class, parameters) = self.named(word, &location, Some(1))?;
@@ -691,7 +704,9 @@ impl<'a> Reader<'a> {
         if transforms.iter().any(|transform| transform.inverse().is_none()) {
             return Err(location.error("the transform of a shape flattens space", "it must have an inverse"));
         }
-        if self.builder.is_interface(self.state.material) && area_light.is_none() {
+        let Builder { media, scene, .. } = &mut self.builder;
+        let medium = media.within(scene, self.state.media);
+        if medium.is_none() && self.builder.is_interface(self.state.material) && area_light.is_none() {
             // Nothing of it is seen but its medium.
             access.budget.release(mesh.memory_bytes());
             return Ok(());
@@ -702,6 +717,7 @@ impl<'a> Reader<'a> {
             signature,
             transforms,
             material: self.state.material,
+            medium,
             area_light,
             alpha,
             location: location.clone(),
@@ -724,6 +740,8 @@ impl<'a> Reader<'a> {
                 format!("size and samples of the picture: give {options}"),
             );
         }
+        let Builder { media, scene, world_from_file, .. } = &mut self.builder;
+        media.finish(scene, world_from_file)?;
         self.builder.finish(path)?;
         let mut files = std::mem::take(&mut self.sources.files);
         files.extend(self.builder.picture_files());

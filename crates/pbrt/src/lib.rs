@@ -17,6 +17,8 @@ mod infinite;
 mod lights;
 mod location;
 mod material;
+mod media;
+mod medium;
 mod microfacets;
 mod motion;
 mod octahedral;

@@ -5,10 +5,12 @@
 
 use std::path::PathBuf;
 
+use gnurt_scene::Medium;
 use gnurt_scene::io::reader::{Access, quoted, resolve};
 use gnurt_scene::io::{Error, Oddity, Warnings};
 
 use crate::location::Location;
+use crate::medium;
 use crate::parameter::{Kind, Parameters};
 use crate::spectrum::{Spectrum, metal};
 use crate::tables::METALS;
@@ -19,6 +21,8 @@ use crate::texture_parameters::Textures;
 #[derive(Clone, Debug)]
 pub(crate) struct Material {
     pub(crate) model: Model,
+    /// The medium within, of `subsurface`.
+    pub(crate) inside: Option<Box<Medium>>,
     /// A picture of normals.
     pub(crate) normal_map: Option<PathBuf>,
     /// Heights that turn normals, in the renderer's units.
@@ -213,6 +217,7 @@ impl Reading<'_> {
         let location = parameters.location.clone();
         let stand_in =
             |warnings: &mut Warnings, detail: &str| location.warn(warnings, Oddity::StandIn, detail);
+        let mut inside = None;
         let model = match class {
             "interface" | "none" | "" => Model::Interface,
             "diffuse" => Model::Diffuse(self.color(parameters, "reflectance", 0.5)?),
@@ -265,14 +270,12 @@ impl Reading<'_> {
                 Model::Diffuse(Input::number(0.5))
             }
             "subsurface" => {
-                stand_in(warnings, "material \"subsurface\", shown as a coated diffuse surface");
-                let reflectance = self.color(parameters, "reflectance", 0.8)?;
-                let coat = Coat {
-                    microfacets: self.microfacets(parameters, "", 0.0)?,
-                    index: self.index(parameters, "eta")?.0,
+                inside = Some(Box::new(medium::subsurface(parameters, self.access, warnings)?));
+                let index = match parameters.find("eta", &[Kind::Float, Kind::Spectrum, Kind::Rgb]) {
+                    Some(_) => self.index(parameters, "eta")?.0,
+                    None => 1.33,
                 };
-                parameters.ignore();
-                Model::CoatedDiffuse { reflectance, coat }
+                Model::Dielectric { index, abbe: None, microfacets: self.microfacets(parameters, "", 0.0)? }
             }
             other => {
                 let known = "coatedconductor, coateddiffuse, conductor, dielectric, diffuse, diffusetransmission, hair, \
@@ -283,6 +286,6 @@ impl Reading<'_> {
         };
         let normal_map = parameters.text("normalmap")?.map(|name| resolve(&location.path, name));
         let bump = self.textures.float(parameters, "displacement")?;
-        Ok(Material { model, normal_map, bump, location })
+        Ok(Material { model, inside, normal_map, bump, location })
     }
 }

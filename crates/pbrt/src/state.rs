@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use gnurt_scene::Affine;
+use gnurt_scene::{Affine, MediumId};
 
 use crate::color_space::ColorSpace;
 use crate::lights::AreaLight;
@@ -25,6 +25,8 @@ pub(crate) struct State {
     /// The number of the material.
     pub(crate) material: u32,
     pub(crate) area_light: Option<Arc<AreaLight>>,
+    /// Media within the shapes that follow, and around them.
+    pub(crate) media: [Option<MediumId>; 2],
     pub(crate) space: ColorSpace,
     /// Parameters by targets.
     pub(crate) attributes: [Arc<Vec<Parameter>>; 5],
@@ -38,6 +40,7 @@ impl State {
             reversed: false,
             material,
             area_light: None,
+            media: [None; 2],
             space: ColorSpace::default(),
             attributes: Default::default(),
         }

@@ -5,6 +5,7 @@ mod broken;
 mod common;
 mod lights;
 mod materials;
+mod media;
 mod motion;
 mod shapes;
 mod textures;

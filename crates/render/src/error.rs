@@ -30,6 +30,14 @@ pub enum CommitError {
         /// How many there are.
         known: usize,
     },
+    /// A medium whose numbers make no sense.
+    #[error("medium {medium}: {problem}")]
+    BadMedium {
+        /// The medium.
+        medium: usize,
+        /// What is wrong with it.
+        problem: &'static str,
+    },
     /// Objects whose nesting is invalid.
     #[error(transparent)]
     Nesting(#[from] NestingError),

@@ -36,6 +36,14 @@ pub fn fingerprint(scene: &Scene, force_diffuse: bool, camera: &dyn Debug, optio
         mesh.indices.as_flattened().iter().for_each(|&i| hash.mix_number(u64::from(i)));
         hash.debug(&mesh.attributes);
     }
+    for medium in scene.media() {
+        hash.debug(&gnurt_scene::Medium { grid: None, name: String::new(), ..medium.clone() });
+        if let Some(grid) = &medium.grid {
+            hash.debug(&(grid.size, grid.world_from_unit));
+            hash.floats(&grid.density);
+            hash.floats(grid.emission.as_flattened());
+        }
+    }
     for texture in scene.textures() {
         hash.debug(&(texture.wrap, texture.filter, texture.texels.width, texture.texels.height));
         // Texels in tiles count as those in memory.

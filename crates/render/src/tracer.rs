@@ -25,7 +25,7 @@ use crate::cost::TileCosts;
 use crate::log::Log;
 use crate::options::{Integrator, RenderOptions};
 use crate::stats::RenderStats;
-use crate::transport::{Wavefront, opacity};
+use crate::transport::{Through, Wavefront};
 use crate::world::{HitLanes, World};
 
 /// Albedo of surfaces that do not return theirs.
@@ -359,6 +359,34 @@ impl<'w> BatchTracer<'w> {
         self.world.tree().occluded_pencil(&query, rays, &mut self.record)
     }
 
+    /// The transmittance of each ray; `through`: the media that it passes, if there are any.
+    pub(crate) fn passed(
+        &mut self,
+        request: &RayRequest,
+        through: Option<Through>,
+        transmittance: &mut Vec3s,
+    ) {
+        transmittance.reset(request.rays.len(), Vec3::ONE);
+        if request.rays.is_empty() {
+            return;
+        }
+        self.stats.shadow_rays += request.rays.len() as u64;
+        let materials = self.world.materials();
+        let scatters = self.scatters();
+        let all_stop = if scatters { materials.all_solid() } else { materials.all_opaque() };
+        if all_stop {
+            self.occluded_by_opaque(request, transmittance);
+            if let Some(through) = through {
+                self.pass_media(request, through, transmittance);
+            }
+        } else {
+            self.pass_layers(request, scatters, through, transmittance);
+        }
+        if let Some(log) = &mut self.log {
+            log.shadows(&request.rays, transmittance);
+        }
+    }
+
     fn occluded_by_opaque(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
         // Rays of one batch start side by side and aim at one light.
         let mut blocked = std::mem::take(&mut self.blocked);
@@ -367,48 +395,6 @@ impl<'w> BatchTracer<'w> {
             transmittance.set(i, Vec3::ZERO);
         }
         self.blocked = blocked;
-    }
-
-    /// Steps from surface to surface and multiplies their transmittances, until no light or no distance
-    /// remains.
-    fn occluded_by_layers(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
-        let no_width = Cones::default();
-        let (mut rays, mut keys) = (request.rays.clone(), request.key.clone());
-        // Which ray of the request each lane still serves.
-        let mut serves: Vec<u32> = (0..rays.len() as u32).collect();
-        for layer in 0.. {
-            let hits = self.intersect(RayMask::SHADOW, &rays, &keys, Coherence::Coherent);
-            // Opacity textures are read without filtering.
-            let cones = Some(&no_width);
-            let from = HitLanes { rays: &rays, keys: &keys, hits: &hits, cones, depth: 0 };
-            let (mut next_rays, mut next_keys, mut next_serves) =
-                (RayBatch::default(), Vec::new(), Vec::new());
-            self.for_each_surface(from, AttributeRequests::Light, |tracer, shader, lanes, points| {
-                let mut through = Vec3s::splat(lanes.len(), Vec3::ZERO);
-                if layer >= opacity::MOST_LAYERS {
-                } else if tracer.scatters() {
-                    if !shader.is_solid() {
-                        shader.gaps(tracer, points, &mut through);
-                    }
-                } else if !shader.is_opaque() {
-                    shader.transmit(tracer, points, &mut through);
-                }
-                for (k, &lane) in lanes.iter().enumerate() {
-                    let ray = serves[lane as usize] as usize;
-                    transmittance.set(ray, transmittance.get(ray) * through.get(k));
-                    if transmittance.get(ray) != Vec3::ZERO {
-                        let onward = points.spawn(k, points.ray_dir.get(k), f32::INFINITY);
-                        next_rays.push(opacity::rest(&rays.get(lane as usize), onward));
-                        next_keys.push(keys[lane as usize]);
-                        next_serves.push(ray as u32);
-                    }
-                }
-            });
-            (rays, keys, serves) = (next_rays, next_keys, next_serves);
-            if rays.is_empty() {
-                return;
-            }
-        }
     }
 
     /// Whether the integrator finds light through glass by scattered rays.
@@ -469,21 +455,7 @@ impl Tracer for BatchTracer<'_> {
     }
 
     fn occluded(&mut self, request: &RayRequest, transmittance: &mut Vec3s) {
-        transmittance.reset(request.rays.len(), Vec3::ONE);
-        if request.rays.is_empty() {
-            return;
-        }
-        self.stats.shadow_rays += request.rays.len() as u64;
-        let materials = self.world.materials();
-        let all_stop = if self.scatters() { materials.all_solid() } else { materials.all_opaque() };
-        if all_stop {
-            self.occluded_by_opaque(request, transmittance);
-        } else {
-            self.occluded_by_layers(request, transmittance);
-        }
-        if let Some(log) = &mut self.log {
-            log.shadows(&request.rays, transmittance);
-        }
+        self.passed(request, None, transmittance);
     }
 
     fn distances(&mut self, request: &RayRequest, out: &mut Vec<f32>) {

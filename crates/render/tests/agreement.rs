@@ -119,7 +119,8 @@ fn material(scene: &mut Scene, name: &str) -> MaterialId {
         }
         "tea that bends colours" => {
             let (attenuation_color, attenuation_distance) = ([0.8, 0.5, 0.2], 1.0);
-            let interior = Interior { attenuation_color, attenuation_distance, dispersion: 2.0 };
+            let interior =
+                Interior { attenuation_color, attenuation_distance, dispersion: 2.0, ..Interior::default() };
             let (reflectance, transmittance) = ([1.0; 3], [0.9; 3]);
             Surface::RoughDielectric {
                 ior: 1.5,

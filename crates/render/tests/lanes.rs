@@ -95,8 +95,12 @@ fn scratch(lit: Lit) -> (World, SceneCamera) {
         diffuse_transmission: DiffuseTransmission { factor: 0.5, color: tint },
         ..plastic.clone()
     };
-    let interior =
-        Interior { attenuation_color: [0.8, 0.5, 0.3], attenuation_distance: 0.5, dispersion: 2.0 };
+    let interior = Interior {
+        attenuation_color: [0.8, 0.5, 0.3],
+        attenuation_distance: 0.5,
+        dispersion: 2.0,
+        ..Interior::default()
+    };
     let surfaces = [
         Surface::Dielectric {
             ior: 1.5,

@@ -17,6 +17,7 @@ mod interleave;
 mod lanes;
 mod lights;
 mod many_lights;
+mod media;
 mod mirrors;
 mod motion;
 mod nested;

@@ -69,7 +69,7 @@ fn the_sun_shines_through_windows() {
         let interior = Interior {
             attenuation_color: [color; 3],
             attenuation_distance: distance as f32,
-            dispersion: 0.0,
+            ..Interior::default()
         };
         let glass = glass(&mut scene, ior as f32, interior);
         for k in 0..panes {

@@ -3,6 +3,7 @@
 //! Source: KHR_materials_{anisotropy, diffuse_transmission, dispersion, iridescence, volume}, which define
 //! the numbers. Units: world units, nanometres, radians. Tests: `tests` here and `tests/gltf.rs`.
 
+use crate::medium::single_albedo;
 use crate::texture::TextureRef;
 
 /// The interior of solid glass. Glass that is thin has no inside.
@@ -14,17 +15,45 @@ pub struct Interior {
     pub attenuation_distance: f32,
     /// 20 over Abbe's number: the dispersion; 0 = none.
     pub dispersion: f32,
+    /// KHR_materials_volume_scatter: the colour of a thick body by light that is scattered many times, in `[0, 1]`;
+    /// black = light is only absorbed.
+    pub scatter_color: [f32; 3],
+    /// The same: mean cosine of scattered light, in (-1, 1).
+    pub scatter_anisotropy: f32,
 }
 
 impl Default for Interior {
     /// Clear.
     fn default() -> Self {
-        Self { attenuation_color: [1.0; 3], attenuation_distance: f32::INFINITY, dispersion: 0.0 }
+        Self {
+            attenuation_color: [1.0; 3],
+            attenuation_distance: f32::INFINITY,
+            dispersion: 0.0,
+            scatter_color: [0.0; 3],
+            scatter_anisotropy: 0.0,
+        }
     }
 }
 
 impl Interior {
-    /// Absorption coefficient, 1 over world units, by colour: Beer's law has the exponential of minus it
+    /// Scattering coefficient, 1 over world units, by colour: a part of what the attenuation takes.
+    #[must_use]
+    pub fn scattering(&self) -> [f32; 3] {
+        let extinction = self.absorption();
+        std::array::from_fn(|c| {
+            let color = self.scatter_color[c];
+            if color > 0.0 { extinction[c] * single_albedo(color, self.anisotropy()) } else { 0.0 }
+        })
+    }
+
+    /// The mean cosine of scattered light, as a number that a phase function can have.
+    #[must_use]
+    pub fn anisotropy(&self) -> f32 {
+        let g = self.scatter_anisotropy;
+        if g.is_finite() { g.clamp(-0.99, 0.99) } else { 0.0 }
+    }
+
+    /// Absorption coefficient (extinction, if it scatters), 1 over world units, by colour: Beer's law has the exponential of minus it
     /// times the distance.
     #[must_use]
     pub fn absorption(&self) -> [f32; 3] {
@@ -97,7 +126,8 @@ mod tests {
 
     #[test]
     fn what_is_left_after_the_distance_is_the_colour() {
-        let tea = Interior { attenuation_color: [0.8, 0.4, 0.0], attenuation_distance: 2.5, dispersion: 0.0 };
+        let tea =
+            Interior { attenuation_color: [0.8, 0.4, 0.0], attenuation_distance: 2.5, ..Interior::default() };
         let [r, g, b] = tea.absorption().map(|a| (-a * 2.5).exp());
         assert!((r - 0.8).abs() < 1e-6 && (g - 0.4).abs() < 1e-6 && b < 1e-5, "{r} {g} {b}");
         assert_eq!(Interior::default().absorption(), [0.0; 3], "clear");

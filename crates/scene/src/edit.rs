@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
+use crate::id::{CameraId, InstanceId, LightId, MaterialId, MediumId, MeshId, ObjectId, TextureId};
 
 /// An added or replaced element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -26,6 +26,8 @@ pub enum Edit {
     Light(LightId),
     /// A camera.
     Camera(CameraId),
+    /// A medium.
+    Medium(MediumId),
 }
 
 impl Edit {
@@ -39,12 +41,13 @@ impl Edit {
             Self::Texture(id) => (4, id.index()),
             Self::Light(id) => (5, id.index()),
             Self::Camera(id) => (6, id.index()),
+            Self::Medium(id) => (7, id.index()),
         }
     }
 }
 
 /// Kinds of elements.
-const KINDS: usize = 7;
+const KINDS: usize = 8;
 
 /// A position in the edit log of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

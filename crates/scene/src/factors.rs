@@ -65,6 +65,10 @@ pub struct Factors {
     pub attenuation_distance: f32,
     /// KHR_materials_dispersion.
     pub dispersion: f32,
+    /// KHR_materials_volume_scatter.
+    pub scatter_color: [f32; 3],
+    /// KHR_materials_volume_scatter.
+    pub scatter_anisotropy: f32,
     /// KHR_materials_anisotropy.
     pub anisotropy: f32,
     /// KHR_materials_anisotropy: radians.
@@ -155,6 +159,8 @@ impl Default for Factors {
             attenuation_color: [1.0; 3],
             attenuation_distance: f32::INFINITY,
             dispersion: 0.0,
+            scatter_color: [0.0; 3],
+            scatter_anisotropy: 0.0,
             anisotropy: 0.0,
             anisotropy_rotation: 0.0,
             iridescence: 0.0,
@@ -202,10 +208,12 @@ impl Factors {
 
     /// Whether all glass of the material is thin.
     fn is_thin(&self) -> bool {
-        unit(self.transmission) == 0.0 || unit(self.thickness) == 0.0
+        // Light enters a body that scatters within by diffuse transmission, too.
+        let is_waxy = unit(self.diffuse_transmission) > 0.0 && self.scatter_color.iter().any(|&c| c > 0.0);
+        unit(self.transmission) == 0.0 && !is_waxy || positive(self.thickness) == 0.0
     }
 
-    /// The interior of the glass; the default for materials without glass.
+    /// The interior of the body; the default for materials that light does not enter.
     fn interior(&self) -> Interior {
         if self.is_thin() {
             return Interior::default();
@@ -215,6 +223,8 @@ impl Factors {
             attenuation_color: self.attenuation_color.map(unit),
             attenuation_distance: if distance > 0.0 { distance } else { f32::INFINITY },
             dispersion: positive(self.dispersion),
+            scatter_color: self.scatter_color.map(unit),
+            scatter_anisotropy: self.scatter_anisotropy,
         }
     }
 

@@ -32,6 +32,8 @@ ids! {
     TextureId,
     /// A [`Light`](crate::Light).
     LightId,
+    /// A [`Medium`](crate::Medium).
+    MediumId,
     /// A [`Camera`](crate::Camera).
     CameraId,
 }

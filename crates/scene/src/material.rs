@@ -4,6 +4,8 @@
 //! Conventions: surfaces scatter on both sides; emission leaves the side of the geometric normal only; colours are linear.
 
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
+use crate::id::MediumId;
+use crate::medium::{Medium, Phase};
 pub use crate::texture::TextureRef;
 
 /// The appearance of a surface: scattering, emission, opacity.
@@ -25,6 +27,8 @@ pub struct Material {
     pub alpha: Alpha,
     /// Heights that bend its normals.
     pub bump: Option<BumpMap>,
+    /// The medium behind it, if the surface closes a body; else the interior of its glass, if it has any.
+    pub medium: Option<MediumId>,
 }
 
 /// A linear colour, multiplied by a texture where there is one.
@@ -309,6 +313,7 @@ impl Material {
             emission_texture: None,
             alpha: Alpha::Opaque,
             bump: None,
+            medium: None,
         }
     }
 
@@ -352,6 +357,50 @@ impl Material {
             (self.bump.map(|bump| bump.texture), Data),
         ];
         all.into_iter().filter_map(|(texture, role)| Some((texture?, role)))
+    }
+
+    /// The interior of its glass, or of its translucent body; `None` if it is thin or opaque.
+    #[must_use]
+    pub fn interior(&self) -> Option<&Interior> {
+        match &self.surface {
+            Surface::Dielectric { interior, .. } | Surface::RoughDielectric { interior, thin: false, .. } => {
+                Some(interior)
+            }
+            Surface::Principled(p)
+                if !p.thin && (p.transmission > 0.0 || p.diffuse_transmission.factor > 0.0) =>
+            {
+                Some(&p.interior)
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether light is scattered behind it by its interior.
+    #[must_use]
+    pub fn scatters_within(&self) -> bool {
+        self.interior().is_some_and(|interior| interior.scattering() != [0.0; 3])
+    }
+
+    /// The medium of its interior; `None` if that is clear.
+    #[must_use]
+    pub fn interior_medium(&self) -> Option<Medium> {
+        let interior = self.interior()?;
+        let (extinction, scattering) = (interior.absorption(), interior.scattering());
+        (extinction != [0.0; 3]).then(|| Medium {
+            name: self.name.clone(),
+            absorption: std::array::from_fn(|c| extinction[c] - scattering[c]),
+            scattering,
+            phase: Phase { anisotropy: interior.anisotropy(), ..Phase::default() },
+            ..Medium::default()
+        })
+    }
+
+    /// An invisible boundary of a medium: light goes straight through.
+    #[must_use]
+    pub fn boundary(name: impl Into<String>, medium: MediumId) -> Self {
+        let nothing = Opacity { factor: 0.0, texture: None, channel: OpacityChannel::Alpha };
+        let alpha = Alpha::Blend { opacity: nothing };
+        Self { alpha, medium: Some(medium), ..Self::matte(name, [0.0; 3]) }
     }
 
     /// Whether it gives off light anywhere.

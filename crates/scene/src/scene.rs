@@ -12,10 +12,11 @@ use crate::affine::Affine;
 use crate::animation::{Animation, Playback};
 use crate::camera::Camera;
 use crate::edit::{Cursor, Edit, EditLog, SceneIdentity};
-use crate::id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, TextureId};
+use crate::id::{CameraId, InstanceId, LightId, MaterialId, MediumId, MeshId, ObjectId, TextureId};
 use crate::labels::Labels;
 use crate::light::Light;
 use crate::material::Material;
+use crate::medium::Medium;
 use crate::mesh::Mesh;
 use crate::motion::Motion;
 use crate::ray_mask::RayMask;
@@ -83,6 +84,7 @@ pub struct Scene {
     camera_files: BTreeMap<CameraId, ShaderFile>,
     textures: Vec<Texture>,
     lights: Vec<Light>,
+    media: Vec<Medium>,
     cameras: Vec<Camera>,
     animation: Option<Arc<Animation>>,
     playback: Playback,
@@ -129,6 +131,7 @@ arrays! {
     materials, Material, MaterialId, Material, add_material, material, edit_material;
     textures, Texture, TextureId, Texture, add_texture, texture, edit_texture;
     lights, Light, LightId, Light, add_light, light, edit_light;
+    media, Medium, MediumId, Medium, add_medium, medium, edit_medium;
     cameras, Camera, CameraId, Camera, add_camera, camera, edit_camera;
 }
 
@@ -166,6 +169,12 @@ impl Scene {
     /// The same, to be changed.
     pub fn labels_mut(&mut self) -> &mut Labels {
         &mut self.labels
+    }
+
+    /// Whether light is scattered or absorbed by media that integrators may leave out.
+    #[must_use]
+    pub fn has_media(&self) -> bool {
+        !self.media.is_empty() || self.materials.iter().any(Material::scatters_within)
     }
 
     /// An empty scene.

@@ -133,7 +133,12 @@ fn materials_become_ours() {
 #[test]
 fn rare_extensions_become_ours() {
     let volume = r#""KHR_materials_volume":{"thicknessFactor":2,"attenuationColor":[0.5,0.25,1],"attenuationDistance":0.75},"KHR_materials_dispersion":{"dispersion":0.5}"#;
-    let exact = Interior { attenuation_color: [0.5, 0.25, 1.0], attenuation_distance: 0.75, dispersion: 0.5 };
+    let exact = Interior {
+        attenuation_color: [0.5, 0.25, 1.0],
+        attenuation_distance: 0.75,
+        dispersion: 0.5,
+        ..Interior::default()
+    };
     for roughness in [0.0, 0.5] {
         let glass = material(&format!(
             r#""pbrMetallicRoughness":{{"roughnessFactor":{roughness},"metallicFactor":0}},"extensions":{{"KHR_materials_transmission":{{"transmissionFactor":1}},{volume}}}"#

@@ -217,6 +217,8 @@ fn layers_come_back() {
             attenuation_color: [0.5, 0.75, 1.0],
             attenuation_distance: 0.25,
             dispersion: 0.125,
+            scatter_color: [0.5, 0.25, 0.75],
+            scatter_anisotropy: 0.25,
         },
         anisotropy: Anisotropy { strength: 0.5, rotation: 0.75, texture: None },
         iridescence: Iridescence { factor: 0.5, ior: 1.25, thickness: 320.0 },

@@ -10,6 +10,7 @@ pub mod lanes;
 pub mod lights;
 pub mod materials;
 pub mod mipmap;
+pub mod phase;
 mod point;
 mod projective_camera;
 pub mod real;

@@ -12,7 +12,7 @@ use gnurt::image::{Picture, ToneCurve, exposure_for};
 use gnurt::render::{Integrator, ReconstructionFilter};
 use gnurt::scene::Projection;
 use gnurt::simd::Level;
-use gnurt::{Override, Surroundings};
+use gnurt::{Fog, Override, Surroundings, VolumeFile};
 
 use super::value::{self, CameraChoice, ExposureChoice, Resolution, ShaderChoice};
 
@@ -161,6 +161,14 @@ pub(crate) struct SurroundingsArguments {
     /// Rotation of the environment around up, in degrees
     #[arg(hide_short_help = true, long, value_name = "DEGREES", value_parser = value::turn, allow_hyphen_values = true, default_value = "0", requires = "environment")]
     pub(crate) environment_turn: f64,
+    /// Fog around scene and camera: the mean distance that light goes through it, in world units, one or R,G,B. Values: albedo,
+    /// anisotropy, emission
+    #[arg(hide_short_help = true, long, value_name = "DISTANCE[:NAME=VALUE...]", value_parser = Fog::parse, allow_hyphen_values = true)]
+    pub(crate) fog: Option<Fog>,
+    /// Smoke or a cloud from a file of OpenVDB, at its place. Values: density (multiplied to the grid's numbers: extinction per
+    /// world unit), albedo, anisotropy, emission, grid=NAME, glow=NAME (grid multiplied to the emission); repeatable
+    #[arg(hide_short_help = true, long = "volume", value_name = "FILE.vdb[:NAME=VALUE...]", value_parser = VolumeFile::parse, allow_hyphen_values = true, action = clap::ArgAction::Append)]
+    pub(crate) volumes: Vec<VolumeFile>,
 }
 
 impl ViewArguments {
@@ -182,9 +190,15 @@ impl ViewArguments {
 }
 
 impl SurroundingsArguments {
-    /// The file that they are read from.
+    /// The file that the environment is read from.
     pub(crate) fn file(&self) -> Option<&Path> {
         self.environment.as_ref().and_then(Surroundings::file)
+    }
+
+    /// All files.
+    pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        let volumes = self.volumes.iter().map(VolumeFile::path);
+        self.file().into_iter().chain(volumes).map(PathBuf::from)
     }
 }
 

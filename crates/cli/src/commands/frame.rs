@@ -58,7 +58,7 @@ pub(super) struct Targets {
 impl Targets {
     /// Rejects output over input: files of the scene, and those that arguments name.
     pub(super) fn spare(&self, mut read: Vec<PathBuf>, arguments: &RenderArguments) -> Outcome {
-        read.extend(arguments.view.surroundings.file().map(PathBuf::from));
+        read.extend(arguments.view.surroundings.files());
         read.extend(shaders::other_files(&arguments.frame, &arguments.view));
         let mut all = std::iter::once(&self.picture).chain(&self.heatmap);
         all.try_for_each(|output| output.spare(&read))

@@ -54,6 +54,7 @@ fn prepare(
     let shaders = Shaders::put_into(&mut scene, frame, messages)?;
     let chosen =
         view::choose(&mut scene, &shaders.table, &arguments.view, frame.resolution, stage, messages)?;
+    view::tell_left_out(&scene, frame.integrator, messages);
     let load_time = begin.elapsed();
     let how = commit_options(frame, &arguments.trees, options.level);
     let (world, report) = commit(&scene, &shaders.table, how, pool, messages)?;

@@ -127,6 +127,7 @@ impl Studio<'_> {
         let bounds = bounds_over(&mut scene, clip);
         let shaders = Shaders::put_into(&mut scene, &self.arguments.frame, self.messages)?;
         let chosen = self.choose(&mut scene, &shaders, bounds)?;
+        view::tell_left_out(&scene, self.options.integrator, self.messages);
         let mut world = World::new();
         let light = self.light(&scene, &chosen, &shaders, &mut world)?;
         let mut ready = self.ready(world, chosen, shaders, light, begin.elapsed());

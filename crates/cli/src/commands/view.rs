@@ -108,7 +108,7 @@ fn prepare(
 ) -> Result<(Stage, Chosen), Failure> {
     let (mut scene, mut files) = source.load_with_files(messages)?;
     let clip = clip(&scene, arguments.animation.as_deref())?;
-    files.extend(arguments.view.surroundings.file().map(PathBuf::from));
+    files.extend(arguments.view.surroundings.files());
     let shaders = Shaders::put_into(&mut scene, &arguments.frame, messages)?;
     let chosen = view::choose(
         &mut scene,
@@ -118,6 +118,7 @@ fn prepare(
         view::Stage::of(arguments.frame.integrator, true),
         messages,
     )?;
+    view::tell_left_out(&scene, arguments.frame.integrator, messages);
     files.extend(shaders::other_files(&arguments.frame, &arguments.view));
     let how = commit_options(&arguments.frame, &arguments.trees, level);
     let (world, _) = commit(&scene, &shaders.table, how, pool, messages)?;

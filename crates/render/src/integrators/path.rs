@@ -11,10 +11,10 @@
 //! Tests: crates/render/tests/{path,agreement,references,lanes}.rs.
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, INVALID_ID};
+use gnurt_accel::{Coherence, HitBatch, INVALID_ID, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::left_after;
-use gnurt_shading::{Tracer, Vec3s};
+use gnurt_shading::{SampleKey, Vec3s};
 use gnurt_simd::dispatch_wide;
 
 use crate::tracer::{AttributeRequests, BatchTracer};
@@ -22,19 +22,30 @@ use crate::transport::absorption::absorb;
 use crate::transport::step::{self, Met, Onward};
 use crate::transport::width::{One, Sixteen};
 use crate::transport::{
-    Known, LightQuery, Offer, Wavefront, add, panes, power_heuristic, query_plugin_lights, shadow_ray,
+    Known, LightQuery, Offer, Path, Wavefront, add, media, panes, power_heuristic, query_plugin_lights,
+    shadow_ray,
 };
 use crate::world::HitLanes;
 
 pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mut Vec3s) {
     radiance.reset(camera.rays.len(), Vec3::ZERO);
     let mut wavefront = std::mem::take(&mut tracer.wavefront);
-    let has_media = tracer.world.materials().has_media();
-    wavefront.paths.set_media(has_media);
-    wavefront.next.set_media(has_media);
+    let media = tracer.world.media();
+    let has_media = media.is_empty() && tracer.world.materials().has_media();
+    for paths in [&mut wavefront.paths, &mut wavefront.next] {
+        paths.set_media(has_media);
+        paths.set_bodies(media.has_bodies());
+    }
     wavefront.paths.start(camera.rays);
-    step(tracer, camera, &mut wavefront, radiance);
     let mut hits = std::mem::take(&mut wavefront.hits);
+    if media.is_empty() {
+        step(tracer, camera, &mut wavefront, radiance);
+    } else {
+        wavefront.paths.begin_inside(media::inside_at(tracer, camera.rays, camera.keys));
+        hits.clone_from(camera.hits);
+        fly(tracer, (camera.rays, camera.keys), &mut hits, &mut wavefront, radiance);
+        step(tracer, HitLanes { hits: &hits, ..camera }, &mut wavefront, radiance);
+    }
     for round in 1.. {
         std::mem::swap(&mut wavefront.paths, &mut wavefront.next);
         if wavefront.paths.is_empty() {
@@ -47,12 +58,27 @@ pub(super) fn radiance(tracer: &mut BatchTracer, camera: HitLanes, radiance: &mu
         if let Some(log) = &mut tracer.log {
             log.rays(round, &rays, &hits);
         }
+        if !tracer.world.media().is_empty() {
+            fly(tracer, (&rays, &keys), &mut hits, &mut wavefront, radiance);
+        }
         let from = HitLanes { rays: &rays, keys: &keys, hits: &hits, cones: Some(&cones), depth: round };
         step(tracer, from, &mut wavefront, radiance);
         wavefront.paths.take_back((rays, keys, cones));
     }
     wavefront.hits = hits;
     tracer.wavefront = wavefront;
+}
+
+/// Flies along rays up to their hits.
+fn fly(
+    tracer: &BatchTracer,
+    (rays, keys): (&RayBatch, &[SampleKey]),
+    hits: &mut HitBatch,
+    wavefront: &mut Wavefront,
+    radiance: &mut Vec3s,
+) {
+    let Wavefront { paths, in_media, .. } = wavefront;
+    media::fly((tracer.world, tracer.options), (rays, keys), paths, hits, in_media, radiance);
 }
 
 /// Takes the light at the ends of the paths' rays, then scatters them.
@@ -66,14 +92,25 @@ fn step(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront, rad
     wavefront.next.begin();
     wavefront.unshadowed.begin();
     surfaces(tracer, from, wavefront, radiance);
+    if !tracer.world.media().is_empty() {
+        let Wavefront { paths, next, unshadowed, in_media, .. } = &mut *wavefront;
+        let mut onward = Onward { next, unshadowed, radiance };
+        let (of, from) = ((tracer.world, options), (&*paths, from.keys));
+        dispatch_wide!(
+            options.level,
+            simd => media::scatter(Sixteen(simd), of, from, in_media, &mut onward),
+            else media::scatter(One, of, from, in_media, &mut onward)
+        );
+    }
     wavefront.next.end();
     wavefront.unshadowed.end();
     if options.aovs && from.depth == 0 {
         note_direct(tracer, &wavefront.radiance_only, radiance);
     }
     let Wavefront { unshadowed, through, .. } = wavefront;
-    tracer.occluded(&unshadowed.request, through);
-    panes::trace_through(tracer, &unshadowed.request, unshadowed.delta_requests(), through);
+    tracer.passed(&unshadowed.request, unshadowed.through(tracer.world.media()), through);
+    let media = Some(tracer.world.media()).filter(|media| !media.is_empty());
+    panes::trace_through(tracer, &unshadowed.request, media, unshadowed.delta_requests(), through);
     for k in 0..through.len() {
         let share = through.get(k);
         if share != Vec3::ZERO {
@@ -100,7 +137,8 @@ fn surfaces(tracer: &mut BatchTracer, from: HitLanes, wavefront: &mut Wavefront,
         if is_final || backdrop.is_some() {
             radiance_only.extend(numbers.iter().map(|&number| paths.lane[number as usize]));
         }
-        let met = Met { world, options, from, paths, numbers, points, closures, backdrop, is_final };
+        let medium = world.media().of_points(world, points);
+        let met = Met { world, options, from, paths, numbers, points, closures, backdrop, is_final, medium };
         let mut onward = Onward { next, unshadowed, radiance };
         dispatch_wide!(
             options.level,
@@ -127,14 +165,18 @@ fn query_plugins(met: &Met, onward: &mut Onward) {
     query_plugin_lights(met.world, met.options.seed, &queries, |i, Offer { dir, dist, arriving }| {
         let (k, point, bsdf) = &vertices[i];
         let wo = -met.points.ray_dir.get(*k);
-        let absorption = bsdf.absorption(dir);
+        let absorption = if met.absorbs() { bsdf.absorption(dir) } else { Vec3::ZERO };
         let left = left_after(dist, [absorption, Vec3::ZERO]);
         let value = paths[*k].throughput * bsdf.eval(wo, dir) * arriving * left;
         if value != Vec3::ZERO
             && let Some(ray) = shadow_ray(point, bsdf, dir, dist)
         {
             onward.unshadowed.reserve(1);
-            onward.unshadowed.push(&paths[*k], ray, value, absorption == Vec3::ZERO);
+            let mut path = Path { ..paths[*k] };
+            if met.medium != 0 && bsdf.is_transmitted(dir) {
+                path.inside = path.inside.crossing(met.medium, met.points.front(*k));
+            }
+            onward.unshadowed.push(&path, ray, value, absorption == Vec3::ZERO);
         }
     });
 }

@@ -9,6 +9,7 @@ use gnurt_shading::{RayRequest, Tracer, Vec3s};
 use super::walk::Walk;
 use crate::tracer::BatchTracer;
 use crate::transport::panes;
+use crate::world::Inside;
 
 /// Shadow rays and their unoccluded light.
 #[derive(Default)]
@@ -51,7 +52,9 @@ impl Offers {
     pub(super) fn settle(self, tracer: &mut BatchTracer, radiance: &mut Vec3s) {
         let mut through = Vec3s::default();
         tracer.occluded(&self.request, &mut through);
-        panes::trace_through(tracer, &self.request, self.delta_requests.into_iter(), &mut through);
+        let emitters = self.delta_requests.into_iter();
+        let emitters = emitters.map(|(ray, edges)| (ray, edges, Inside::default()));
+        panes::trace_through(tracer, &self.request, None, emitters, &mut through);
         for (i, (lane, offer)) in self.offers.into_iter().enumerate() {
             radiance.add(lane as usize, offer * through.get(i));
         }

@@ -10,15 +10,16 @@
 //! Tests: crates/render/tests/panes.rs.
 
 use glam::Vec3;
-use gnurt_accel::{Coherence, INVALID_ID, Ray, RayBatch};
+use gnurt_accel::{Coherence, HitBatch, INVALID_ID, Ray, RayBatch};
 use gnurt_scene::RayMask;
 use gnurt_shading::bsdf::{ClosureBatch, left_after};
 use gnurt_shading::{RayRequest, SampleKey, SurfaceBatch, Vec3s};
 
+use super::flight::{Parts, Random};
 use super::{Known, opacity};
 use crate::cone::Cones;
 use crate::tracer::{AttributeRequests, BatchTracer};
-use crate::world::HitLanes;
+use crate::world::{HitLanes, Inside, Media};
 
 /// Square of how far a unit direction may be off that still counts as unbent.
 const UNBENT: f32 = 1e-10;
@@ -39,6 +40,8 @@ struct StraightPath {
     /// Start of its last segment, and the absorption there.
     start: Vec3,
     absorption: Vec3,
+    /// The bodies with media that it is in.
+    inside: Inside,
     /// Whether it has passed glass yet; and the number of transparent parts.
     is_through: bool,
     layers: u32,
@@ -61,11 +64,14 @@ impl Ways {
 }
 
 /// Adds light through glass to the light that reaches the lights directly, by ray of the request. `emitters`
-/// are the rays to delta lights that begin outside of absorbing media, with the edges up to these lights.
+///
+/// are the rays to delta lights that begin outside of absorbing media, with the edges up to these lights, and
+/// the bodies with media that paths fly through in which they begin.
 pub(crate) fn trace_through(
     tracer: &mut BatchTracer,
     request: &RayRequest,
-    emitters: impl Iterator<Item = (usize, u32)>,
+    media: Option<&Media>,
+    emitters: impl Iterator<Item = (usize, u32, Inside)>,
     through: &mut Vec3s,
 ) {
     let world = tracer.world;
@@ -73,20 +79,33 @@ pub(crate) fn trace_through(
         return;
     }
     let mut these = Ways::default();
-    for (ray, edges) in emitters.filter(|&(ray, _)| through.get(ray) != Vec3::ONE) {
+    for (ray, edges, inside) in emitters.filter(|&(ray, ..)| through.get(ray) != Vec3::ONE) {
         let shadow = request.rays.get(ray);
         let towards = (!shadow.t_far.is_finite()).then_some(Vec3::from(shadow.dir));
         let (left, start, absorption) = (Vec3::ONE, shadow.org.into(), Vec3::ZERO);
-        let straight_path =
-            StraightPath { ray, edges, towards, left, start, absorption, is_through: false, layers: 0 };
+        let straight_path = StraightPath {
+            ray,
+            edges,
+            towards,
+            left,
+            start,
+            absorption,
+            inside,
+            is_through: false,
+            layers: 0,
+        };
         these.push(shadow, request.key[ray], straight_path);
     }
     let (mut hits, mut order, no_width) = Default::default();
     let mut closures = std::mem::take(&mut tracer.closures);
     while !these.straight_paths.is_empty() {
-        let Ways { rays, keys, straight_paths } = &these;
+        let Ways { rays, keys, .. } = &these;
         tracer.stats.shadow_rays += rays.len() as u64;
         tracer.intersect_into(RayMask::SHADOW, rays, keys, Coherence::Incoherent, &mut hits);
+        if let Some(media) = media {
+            these.dim((media, tracer.options.seed), &hits);
+        }
+        let Ways { rays, keys, straight_paths } = &these;
         for (i, straight_path) in straight_paths
             .iter()
             .enumerate()
@@ -115,7 +134,7 @@ pub(crate) fn trace_through(
                     let (straight_path, lane) = (&straight_paths[lane as usize], lane as usize);
                     let (ray, key) = (rays.get(lane), keys[lane]);
                     if let Some((ray, key, straight_path)) =
-                        ahead(tracer, (straight_path, &ray, key), (points, &closures, k))
+                        ahead((tracer, media), (straight_path, &ray, key), (points, &closures, k))
                     {
                         next.push(ray, key, straight_path);
                     }
@@ -125,6 +144,22 @@ pub(crate) fn trace_through(
         these = next;
     }
     tracer.closures = closures;
+}
+
+impl Ways {
+    /// Applies media up to the hits of paths.
+    fn dim(&mut self, (media, seed): (&Media, u64), hits: &HitBatch) {
+        let mut parts = Parts::default();
+        for (i, path) in self.straight_paths.iter_mut().enumerate() {
+            let ray = self.rays.get(i);
+            let length = if hits.prim_id[i] == INVALID_ID { ray.t_far } else { hits.t[i] };
+            media.parts(path.inside, ray.org.into(), ray.dir.into(), &mut parts);
+            // Apart from the numbers of shadow rays along the same edges.
+            let number = [path.edges, 0x8000_0000 | path.layers];
+            let mut random = Random::of_shadow(seed, self.keys[i], number);
+            path.left *= parts.transmittance(length, &mut random);
+        }
+    }
 }
 
 /// Whether a path through glass has no further hit; a path without glass is covered by the shadow ray.
@@ -142,16 +177,22 @@ fn beyond(straight_path: &StraightPath, ray: &Ray) -> Vec3 {
 
 /// The continuation from point `k`, if there is one.
 fn ahead(
-    tracer: &BatchTracer,
+    (tracer, media): (&BatchTracer, Option<&Media>),
     (straight_path, ray, key): (&StraightPath, &Ray, SampleKey),
     (points, closures, k): (&SurfaceBatch, &ClosureBatch, usize),
 ) -> Option<(Ray, SampleKey, StraightPath)> {
     let (p, dir) = (points.p.get(k), Vec3::from(ray.dir));
+    let medium = media.map_or(0, |media| media.of_points(tracer.world, points));
+    let behind = if medium == 0 {
+        straight_path.inside
+    } else {
+        straight_path.inside.crossing(medium, points.front(k))
+    };
     if closures.is_partly_transparent()
         && !opacity::is_met(tracer.options.seed, key, straight_path.edges, closures.coverage(k))
     {
         let onward = opacity::rest(ray, points.spawn(k, dir, f32::INFINITY));
-        let next = StraightPath { layers: straight_path.layers + 1, ..*straight_path };
+        let next = StraightPath { layers: straight_path.layers + 1, inside: behind, ..*straight_path };
         return (straight_path.layers < opacity::MOST_LAYERS).then_some((
             onward,
             opacity::key_beyond(key),
@@ -168,11 +209,13 @@ fn ahead(
     }
     let onward = points.point(k).scatter_ray(wi, true, f32::INFINITY)?;
     let onward = if straight_path.towards.is_none() { opacity::rest(ray, onward) } else { onward };
-    let gone = left_after(
-        (p - straight_path.start).length(),
-        [straight_path.absorption, closures.medium(k).on(true)],
-    );
-    let (left, absorption) = (straight_path.left * gone * share, bsdf.absorption(wi));
+    let (gone, absorption) = if media.is_none() {
+        let ends = [straight_path.absorption, closures.medium(k).on(true)];
+        (left_after((p - straight_path.start).length(), ends), bsdf.absorption(wi))
+    } else {
+        (Vec3::ONE, Vec3::ZERO)
+    };
+    let left = straight_path.left * gone * share;
     Some((
         onward,
         key,
@@ -181,6 +224,7 @@ fn ahead(
             left,
             start: p,
             absorption,
+            inside: behind,
             is_through: true,
             ..*straight_path
         },

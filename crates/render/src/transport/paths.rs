@@ -12,7 +12,10 @@ use gnurt_shading::lanes::{LANES, LanesOf};
 use gnurt_shading::real::{Real, Vector};
 use gnurt_shading::{RayKind, RayRequest, Rays, SampleKey, Vec3s};
 
+use super::media::MediumVertices;
+use super::way::Through;
 use crate::cone::{Cone, Cones};
+use crate::world::{Inside, Media};
 
 /// A continuing path.
 pub(crate) struct Path {
@@ -30,6 +33,8 @@ pub(crate) struct Path {
     /// Where it was scattered in any case, and how much is absorbed there along it: meant if paths have media.
     pub(crate) start: Vec3,
     pub(crate) absorption: Vec3,
+    /// The bodies that its ray is in.
+    pub(crate) inside: Inside,
 }
 
 /// Where a ray was scattered with a density.
@@ -62,6 +67,9 @@ pub(crate) struct Paths {
     /// How much is absorbed along the ray where it was scattered; empty if nothing is anywhere.
     absorption: Vec3s,
     has_media: bool,
+    /// The bodies that each ray is in; empty if no body has a medium that paths fly through.
+    inside: Vec<Inside>,
+    has_bodies: bool,
     /// The next ray of each.
     rays: RayBatch,
     cones: Cones,
@@ -81,6 +89,26 @@ pub(crate) struct Scattered<R> {
     pub(crate) cone: Option<[R; 2]>,
     /// The kinds of the rays, as bits: delta, transmitted, diffuse.
     pub(crate) how: [u64; 3],
+    /// The boundary that rays may go through.
+    pub(crate) boundary: Option<Boundary>,
+}
+
+/// The surface of a body with a medium, at some points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Boundary {
+    pub(crate) medium: u16,
+    /// Points that the path came to from outside, as bits.
+    pub(crate) fronts: u64,
+}
+
+impl Boundary {
+    /// The bodies that a ray is in behind point `i`, or before.
+    fn after(boundary: Option<Self>, inside: Inside, i: usize, transmitted: bool) -> Inside {
+        match boundary.filter(|_| transmitted) {
+            Some(Self { medium, fronts }) => inside.crossing(medium, fronts >> i & 1 != 0),
+            None => inside,
+        }
+    }
 }
 
 /// Which paths some points belong to.
@@ -108,7 +136,26 @@ impl Paths {
             layers: self.layers[i],
             start: self.from_p.get(i),
             absorption: if self.has_media { self.absorption.get(i) } else { Vec3::ZERO },
+            inside: self.inside_of(i),
             from: (pdf != NOWHERE).then(|| Origin { p: self.from_p.get(i), ns: self.from_ns.get(i), pdf }),
+        }
+    }
+
+    /// The bodies that path `i` is in.
+    fn inside_of(&self, i: usize) -> Inside {
+        if self.has_bodies { self.inside[i] } else { Inside::default() }
+    }
+
+    /// Sets whether paths note the bodies that they are in.
+    pub(crate) fn set_bodies(&mut self, has_bodies: bool) {
+        self.has_bodies = has_bodies;
+        self.capacity = 0;
+    }
+
+    /// Sets the bodies that camera rays begin in.
+    pub(crate) fn begin_inside(&mut self, inside: Vec<Inside>) {
+        if self.has_bodies {
+            self.inside = inside;
         }
     }
 
@@ -194,6 +241,9 @@ impl Paths {
         if self.has_media {
             self.absorption.resize(n);
         }
+        if self.has_bodies {
+            self.inside.resize(n, Inside::default());
+        }
         self.cones.resize(n);
         self.rays.org.iter_mut().chain(&mut self.rays.dir).for_each(|array| array.resize(n, 0.0));
     }
@@ -226,6 +276,11 @@ impl Paths {
             self.lane[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
             self.layers[self.count] = 0;
+            if self.has_bodies {
+                let inside = of.paths.inside_of(number);
+                let transmitted = next.how[1] >> i & 1 != 0;
+                self.inside[self.count] = Boundary::after(next.boundary, inside, i, transmitted);
+            }
             let [delta, transmitted, wide] = next.how.map(|bits| bits >> i & 1 != 0);
             self.cones.kind[self.count] = RayKind::of(delta, transmitted, wide);
             self.keys.push(of.keys[number]);
@@ -244,6 +299,9 @@ impl Paths {
         self.from_p.set(at, path.start);
         if self.has_media {
             self.absorption.set(at, path.absorption);
+        }
+        if self.has_bodies {
+            self.inside[at] = path.inside;
         }
         self.from_ns.set(at, from.ns);
         self.from_pdf[at] = from.pdf;
@@ -266,6 +324,8 @@ pub(crate) struct Unshadowed {
     /// Whether it is a delta light, and the ray begins outside of absorbing media: such lights are searched
     /// for through glass.
     is_delta: Vec<bool>,
+    /// The bodies that each ray begins in.
+    inside: Vec<Inside>,
     count: usize,
 }
 
@@ -291,16 +351,17 @@ impl Unshadowed {
     }
 
     fn resize(&mut self, n: usize) {
-        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, is_delta, .. } = self;
+        let Self { request: RayRequest { rays, parent, .. }, radiance, edges, is_delta, inside, .. } = self;
         [parent, edges].into_iter().for_each(|array| array.resize(n, 0));
         is_delta.resize(n, false);
+        inside.resize(n, Inside::default());
         radiance.resize(n);
         let floats = rays.org.iter_mut().chain(&mut rays.dir).chain([&mut rays.t_far]);
         floats.for_each(|array| array.resize(n, 0.0));
     }
 
     /// As [`Paths::push_all`]: light at the eye; `delta_requests` are those whose lights are searched for
-    /// through glass.
+    /// through glass; `through`: the boundary that some rays go through, and which do, as bits.
     #[inline(always)]
     pub(crate) fn push_all<R: Real>(
         &mut self,
@@ -308,6 +369,7 @@ impl Unshadowed {
         of: Of,
         ray: &Rays<R>,
         light: Vector<R>,
+        through: Option<(Boundary, u64)>,
     ) {
         let at = self.count;
         let RayRequest { rays, parent, key, .. } = &mut self.request;
@@ -323,13 +385,17 @@ impl Unshadowed {
             parent[self.count] = of.paths.lane[number];
             self.edges[self.count] = of.paths.edges[number] + 1;
             self.is_delta[self.count] = R::bits(delta_requests) >> i & 1 != 0;
+            let (boundary, transmitted) =
+                (through.map(|(boundary, _)| boundary), through.map_or(0, |(_, t)| t));
+            let inside = of.paths.inside_of(number);
+            self.inside[self.count] = Boundary::after(boundary, inside, i, transmitted >> i & 1 != 0);
             key.push(of.keys[number]);
             self.count += 1;
         }
     }
 
     /// Appends light to the vertex at the end of a path; there must be space. `is_delta`: whether its light
-    /// is searched for through glass.
+    /// is searched for through glass. The ray begins in the bodies of `path`.
     pub(crate) fn push(&mut self, path: &Path, ray: Ray, radiance: Vec3, is_delta: bool) {
         let at = self.count;
         self.count += 1;
@@ -341,11 +407,18 @@ impl Unshadowed {
         key.push(path.key);
         self.radiance.set(at, radiance);
         self.is_delta[at] = is_delta;
+        self.inside[at] = path.inside;
     }
 
-    /// Those whose lights are searched for through glass, and edges up to there.
-    pub(crate) fn delta_requests(&self) -> impl Iterator<Item = (usize, u32)> {
-        (0..self.count).filter(|&k| self.is_delta[k]).map(|k| (k, self.edges[k]))
+    /// Those whose lights are searched for through glass, edges up to there, and the bodies that rays begin in.
+    pub(crate) fn delta_requests(&self) -> impl Iterator<Item = (usize, u32, Inside)> {
+        (0..self.count).filter(|&k| self.is_delta[k]).map(|k| (k, self.edges[k], self.inside[k]))
+    }
+
+    /// The media along the rays; `None` if there are none.
+    pub(crate) fn through<'a>(&'a self, media: &'a Media) -> Option<Through<'a>> {
+        let (inside, edges) = (&self.inside[..], &self.edges[..]);
+        (!media.is_empty()).then_some(Through { media, inside, edges })
     }
 
     /// Light `k`: whose radiance it is, how much and over how many edges.
@@ -368,4 +441,5 @@ pub(crate) struct Wavefront {
     /// Lanes whose shader only returns radiance.
     pub(crate) radiance_only: Vec<u32>,
     pub(crate) closures: ClosureBatch,
+    pub(crate) in_media: MediumVertices,
 }

@@ -15,7 +15,7 @@ use gnurt_shading::sampling::purpose;
 use gnurt_shading::{Leaving, RayKind, SurfaceBatch, Vec3s};
 
 use super::mis::{power_heuristic, weigh};
-use super::paths::{NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
+use super::paths::{Boundary, NOWHERE, Of, Path, Paths, Scattered, Unshadowed};
 use super::width::Width;
 use super::{add, opacity, roulette};
 use crate::cone::{ConeHit, fineness};
@@ -39,6 +39,8 @@ pub(crate) struct Met<'a> {
     pub(crate) backdrop: Option<Vec3>,
     /// Whether its emission is all that is known of its radiance: paths end here.
     pub(crate) is_final: bool,
+    /// The medium behind the surface, or 0.
+    pub(crate) medium: u16,
 }
 
 /// Where the step leads.
@@ -67,6 +69,9 @@ impl Met<'_> {
             return false;
         }
         path.layers += 1;
+        if self.medium != 0 {
+            path.inside = path.inside.crossing(self.medium, self.points.front(k));
+        }
         path.key = opacity::key_beyond(path.key);
         if path.layers <= opacity::MOST_LAYERS {
             let ray = self.points.spawn(k, self.points.ray_dir.get(k), f32::INFINITY);
@@ -75,11 +80,25 @@ impl Met<'_> {
         true
     }
 
+    /// Whether light is absorbed between surfaces by the rule of the ends, not by media that paths fly through.
+    pub(crate) fn absorbs(&self) -> bool {
+        self.closures.has_media() && self.paths.has_media()
+    }
+
+    /// The boundary of a medium, if the surface is one, at the points from `first` on.
+    fn boundary(&self, first: usize, count: usize) -> Option<Boundary> {
+        (self.medium != 0).then(|| {
+            let front = |i: &usize| first + i < self.numbers.len() && self.points.front(first + i);
+            let fronts = (0..count).filter(front).fold(0, |bits, i| bits | 1 << i);
+            Boundary { medium: self.medium, fronts }
+        })
+    }
+
     /// How much is absorbed along rays that leave the points from `first` on that are in a mask, through the surface or not.
     #[inline(always)]
     fn absorption<R: Real>(&self, first: usize, leaving: R::Mask, through: R::Mask, zero: R) -> Vector<R> {
         let black = Vector::grey(zero);
-        if !self.closures.has_media() {
+        if !self.absorbs() {
             return black;
         }
         let through = R::bits(through);
@@ -99,7 +118,7 @@ impl Met<'_> {
         (light, through): (Vector<R>, R::Mask),
         dist: R,
     ) -> Vector<R> {
-        if !self.closures.has_media() {
+        if !self.absorbs() {
             return light;
         }
         let through = R::bits(through);
@@ -199,6 +218,7 @@ fn scatter<W: Width>(
     width.prepare(met.closures, first, (wo, throughput), &mut prepared);
     let draws = width.draws(options.seed, &points.key[first..], edges);
     let translucent = prepared.is_translucent();
+    let boundary = met.boundary(first, W::R::LANES);
     if !lights.is_empty() {
         let requests_light = there & prepared.is_smooth();
         if W::R::any(requests_light) {
@@ -226,7 +246,8 @@ fn scatter<W: Width>(
             }
             let begins = met.absorption(first, lit, transmitted, zero);
             let delta_requests = lit & light.delta & begins.is_zero();
-            onward.unshadowed.push_all([lit, delta_requests], of, &ray, here);
+            let through = boundary.map(|boundary| (boundary, W::R::bits(transmitted)));
+            onward.unshadowed.push_all([lit, delta_requests], of, &ray, here, through);
         }
     }
     let [x, y] = W::pair(draws, purpose::DIRECTION);
@@ -276,7 +297,8 @@ fn go_on<R: Real>(
     let ns = Vector::pick(prepared.is_translucent(), Vector::grey(zero), at.ns);
     let absorption = met.absorption(first, alive, chosen.transmitted, zero);
     let how = [chosen.delta, chosen.transmitted, chosen.wide].map(R::bits);
-    let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how };
+    let boundary = met.boundary(first, R::LANES);
+    let next = Scattered { ray, throughput, p: at.p, ns, pdf, absorption, cone, how, boundary };
     onward.next.push_all(alive & sends, of, &next);
 }
 

@@ -47,6 +47,17 @@ pub(super) fn check(scene: &Scene, shaders: &ShaderTable, dirty: &DirtyParts) ->
             return Err(CommitError::UnknownShader { material: index as usize, shader, known });
         }
     }
+    for &index in &dirty.materials {
+        let medium = scene.materials()[index as usize].medium;
+        if let Some(medium) = medium.filter(|medium| medium.index() >= scene.media().len()) {
+            return Err(dangling("material", index, "medium", medium.0));
+        }
+    }
+    for &index in &dirty.media {
+        if let Some(problem) = scene.media()[index as usize].problem() {
+            return Err(CommitError::BadMedium { medium: index as usize, problem });
+        }
+    }
     for &index in &dirty.lights {
         if let Some(texture) = scene.lights()[index as usize].texture()
             && texture.index() >= scene.textures().len()

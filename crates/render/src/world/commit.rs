@@ -17,6 +17,7 @@ use gnurt_scene::{Affine, Scene};
 use super::dirty::DirtyParts;
 use super::instance::InstanceSlot;
 use super::lights::ChangedLights;
+use super::media::Media;
 use super::open::{Open, Shutter};
 use super::table::{CommitOptions, CommitReport, ShaderTable};
 use super::{Dropped, Followed, World, check, members, object_build, top, users};
@@ -103,6 +104,13 @@ impl World {
             let materials = Arc::make_mut(&mut self.materials);
             let changed = materials.update(&dirty.materials, scene, shaders, options.force_diffuse);
             (report.made_shaders, emission_changed) = (changed.made, changed.emission);
+        }
+
+        if !dirty.materials.is_empty() || !dirty.media.is_empty() {
+            let media = Media::new(scene, &self.media);
+            if !(media.is_empty() && self.media.is_empty()) {
+                self.media = Arc::new(media);
+            }
         }
 
         let Geometry { changed, is_moved } =

@@ -22,6 +22,7 @@ pub(super) struct DirtyParts {
     pub(super) materials: Vec<u32>,
     pub(super) textures: Vec<u32>,
     pub(super) lights: Vec<u32>,
+    pub(super) media: Vec<u32>,
 }
 
 impl DirtyParts {
@@ -35,6 +36,7 @@ impl DirtyParts {
             materials: all(scene.materials().len()),
             textures: all(scene.textures().len()),
             lights: all(scene.lights().len()),
+            media: all(scene.media().len()),
         }
     }
 
@@ -58,6 +60,7 @@ impl DirtyParts {
                 Edit::Material(id) => dirty.materials.push(id.0),
                 Edit::Texture(id) => dirty.textures.push(id.0),
                 Edit::Light(id) => dirty.lights.push(id.0),
+                Edit::Medium(id) => dirty.media.push(id.0),
                 // A camera is passed to `render`.
                 Edit::Camera(_) => {}
             }

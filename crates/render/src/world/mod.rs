@@ -11,10 +11,12 @@ mod commit;
 mod crowds;
 mod dirty;
 mod emitters;
+mod grid;
 mod instance;
 mod lights;
 mod material_table;
 mod materials;
+mod media;
 mod members;
 mod normals;
 mod object;
@@ -43,9 +45,11 @@ use gnurt_shading::{PixelShader, SampleKey, SurfaceShader};
 use crate::many_lights::PluginEmitters;
 use crowds::Crowds;
 use emitters::Shown;
+pub(crate) use grid::GridRay;
 use instance::InstanceSlot;
 pub(crate) use lights::{Lights, LightsContent};
 pub(crate) use material_table::MaterialTable;
+pub(crate) use media::{Inside, Media, MediumEntry};
 use object::{ObjectSlot, WorldObject};
 use open::Open;
 pub(crate) use open::Shutter;
@@ -86,6 +90,7 @@ pub struct World {
     /// By material id.
     materials: Arc<MaterialTable>,
     lights: Arc<Lights>,
+    media: Arc<Media>,
     face_normals: bool,
     /// The pixel shader, if pixels show more than the radiance along their rays.
     pixel: Option<Arc<dyn PixelShader>>,
@@ -103,6 +108,7 @@ pub(crate) struct WorldMark {
     tree: Weak<SceneTree>,
     materials: Weak<MaterialTable>,
     lights: Weak<Lights>,
+    media: Weak<Media>,
     content: LightsContent,
 }
 
@@ -113,6 +119,7 @@ impl WorldMark {
             && self.tree.as_ptr() == Arc::as_ptr(&world.tree)
             && self.materials.as_ptr() == Arc::as_ptr(&world.materials)
             && self.lights.as_ptr() == Arc::as_ptr(&world.lights)
+            && self.media.as_ptr() == Arc::as_ptr(&world.media)
     }
 
     /// Whether the lights are unchanged; the lit geometry may differ.
@@ -317,6 +324,7 @@ impl World {
             tree: Arc::downgrade(&self.tree),
             materials: Arc::downgrade(&self.materials),
             lights: Arc::downgrade(&self.lights),
+            media: Arc::downgrade(&self.media),
             content: self.lights.content.clone(),
         }
     }
@@ -327,6 +335,11 @@ impl World {
 
     pub(crate) fn lights(&self) -> &Lights {
         &self.lights
+    }
+
+    /// The media that paths fly through.
+    pub(crate) fn media(&self) -> &Media {
+        &self.media
     }
 
     pub(crate) fn materials(&self) -> &MaterialTable {

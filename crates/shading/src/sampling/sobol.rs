@@ -27,6 +27,8 @@ pub mod purpose {
     pub const LENS: u32 = 6;
     /// Time within which the shutter is open.
     pub const TIME: u32 = 7;
+    /// Flight through a medium.
+    pub const FLIGHT: u32 = 8;
     /// First of those for shaders outside of this crate.
     pub const SHADER: u32 = 0x100;
     /// Point on light 0; light i has `LIGHT + i`.

@@ -427,6 +427,8 @@ pub(super) struct MaterialExtensions {
     pub(super) unlit: Option<IgnoredAny>,
     #[serde(rename = "KHR_materials_volume")]
     pub(super) volume: Option<Volume>,
+    #[serde(rename = "KHR_materials_volume_scatter")]
+    pub(super) volume_scatter: Option<VolumeScatter>,
 }
 
 /// Fields of a material extension, all with defaults.
@@ -497,6 +499,13 @@ extensions! {
         thickness_texture: Option<TextureInfo> = None,
         attenuation_color: [f32; 3] = [1.0; 3],
         attenuation_distance: f32 = f32::INFINITY,
+    }
+    /// KHR_materials_volume_scatter; drafts have no `Factor` in the name.
+    VolumeScatter {
+        multiscatter_color: [f32; 3] = [0.0; 3],
+        multiscatter_color_factor: Option<[f32; 3]> = None,
+        multiscatter_color_texture: Option<TextureInfo> = None,
+        scatter_anisotropy: f32 = 0.0,
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! glTF materials and their textures.
 //! Source: glTF 2.0 section 3.9; KHR_materials_{anisotropy, clearcoat, diffuse_transmission, dispersion, emissive_strength,
-//! ior, iridescence, sheen, specular, transmission, unlit, volume},
+//! ior, iridescence, sheen, specular, transmission, unlit, volume, volume_scatter},
 //! KHR_texture_transform.
 //!
 //! Textures of these extensions are not shown, except those of the anisotropy; a warning names them.
@@ -200,6 +200,13 @@ impl Converter<'_, '_> {
             to.attenuation_distance = volume.attenuation_distance;
             if volume.thickness_texture.is_some() {
                 textured.push("KHR_materials_volume");
+            }
+        }
+        if let Some(scatter) = &extensions.volume_scatter {
+            to.scatter_color = scatter.multiscatter_color_factor.unwrap_or(scatter.multiscatter_color);
+            to.scatter_anisotropy = scatter.scatter_anisotropy;
+            if scatter.multiscatter_color_texture.is_some() {
+                textured.push("KHR_materials_volume_scatter");
             }
         }
         if let Some(dispersion) = &extensions.dispersion {

@@ -132,9 +132,9 @@ fn layers(p: &Principled, extensions: &mut Value) {
     }
     if p.transmission > 0.0 {
         extensions["KHR_materials_transmission"] = json!({ "transmissionFactor": p.transmission });
-        if !p.thin {
-            inside(&p.interior, extensions);
-        }
+    }
+    if !p.thin && (p.transmission > 0.0 || p.diffuse_transmission.factor > 0.0) {
+        inside(&p.interior, extensions);
     }
     let Anisotropy { strength, rotation, texture } = p.anisotropy;
     if strength > 0.0 {
@@ -164,6 +164,11 @@ fn inside(interior: &Interior, extensions: &mut Value) {
         volume["attenuationDistance"] = json!(interior.attenuation_distance);
     }
     extensions["KHR_materials_volume"] = volume;
+    if interior.scatter_color != [0.0; 3] {
+        extensions["KHR_materials_volume_scatter"] = json!({
+            "multiscatterColor": interior.scatter_color, "scatterAnisotropy": interior.scatter_anisotropy,
+        });
+    }
     if interior.dispersion > 0.0 {
         extensions["KHR_materials_dispersion"] = json!({ "dispersion": interior.dispersion });
     }

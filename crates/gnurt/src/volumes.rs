@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Smoke from files of OpenVDB, and fog around a scene.
+//! Source: the grid's numbers times `density` are the extinction coefficient, as production renderers read
+//! them. Space: the file's world is the scene's. Cells that are not active hold nothing, and values below 0 count as 0.
+//! Tests: `tests`, and the command line's `tests/program/volumes.rs`.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use crate::defaults::bounds_of;
+use crate::error::Error;
+use crate::image::{Grid, Volume};
+use crate::scene::medium::{DensityGrid, Extent, Medium, Phase};
+use crate::scene::{Affine, MediumId, Scene};
+
+/// Most cells of a box around what is active in a grid: 2 GiB of numbers.
+const MOST_CELLS: u64 = 1 << 29;
+/// Most bytes of a file.
+const MOST_BYTES: usize = 4 << 30;
+
+/// How a medium of an option scatters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Look {
+    albedo: [f32; 3],
+    phase: Phase,
+    emission: [f32; 3],
+}
+
+impl Default for Look {
+    fn default() -> Self {
+        Self { albedo: [1.0; 3], phase: Phase::default(), emission: [0.0; 3] }
+    }
+}
+
+impl Look {
+    /// Takes a value; false if it has no such name.
+    fn take(&mut self, name: &str, value: &str) -> Result<bool, String> {
+        let one = |value: &str| Ok::<_, String>(numbers(value)?[0]);
+        match name {
+            "albedo" => self.albedo = numbers(value)?,
+            "anisotropy" => self.phase.anisotropy = one(value)?,
+            "second_anisotropy" => self.phase.second_anisotropy = one(value)?,
+            "second_share" => self.phase.second_share = one(value)?,
+            "emission" => self.emission = numbers(value)?,
+            _ => return Ok(false),
+        }
+        if self.albedo.iter().any(|&albedo| albedo > 1.0) {
+            return Err("an albedo is at most 1".into());
+        }
+        Ok(true)
+    }
+
+    fn medium(&self, extinction: [f32; 3]) -> Medium {
+        Medium {
+            scattering: std::array::from_fn(|c| extinction[c] * self.albedo[c]),
+            absorption: std::array::from_fn(|c| extinction[c] * (1.0 - self.albedo[c])),
+            emission: self.emission,
+            phase: self.phase,
+            ..Medium::default()
+        }
+    }
+}
+
+const NAMES: &str = "albedo, anisotropy, emission, second_anisotropy and second_share";
+
+/// One number, or three between commas.
+fn numbers(text: &str) -> Result<[f32; 3], String> {
+    let parts: Result<Vec<f32>, _> = text.split(',').map(|part| part.trim().parse()).collect();
+    match parts.as_deref() {
+        Ok(&[x]) if x.is_finite() => Ok([x; 3]),
+        Ok(&[x, y, z]) if [x, y, z].iter().all(|x| x.is_finite()) => Ok([x, y, z]),
+        _ => Err(format!("'{text}' is neither a number nor three between commas")),
+    }
+}
+
+/// The pieces behind the first, as names and values.
+fn values<'a>(pieces: impl Iterator<Item = &'a str>) -> Result<Vec<(&'a str, &'a str)>, String> {
+    pieces.map(|piece| piece.split_once('=').ok_or_else(|| format!("'{piece}' is no NAME=VALUE"))).collect()
+}
+
+/// A medium is sound, or why not.
+fn checked(medium: &Medium) -> Result<(), String> {
+    medium.problem().map_or(Ok(()), |problem| Err(problem.into()))
+}
+
+/// Fog around a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fog {
+    medium: Medium,
+}
+
+impl Fog {
+    /// From `DISTANCE[:NAME=VALUE...]`: the mean distance at which fog takes light out of a ray, world units, or one for each
+    /// colour; `albedo` is the scattered share.
+    ///
+    /// # Errors
+    /// A line for the user.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut pieces = text.split(':');
+        let distance = numbers(pieces.next().unwrap_or_default())?;
+        if distance.iter().any(|&distance| distance <= 0.0) {
+            return Err("the distance of fog is above 0".into());
+        }
+        let mut look = Look::default();
+        for (name, value) in values(pieces)? {
+            if !look.take(name, value)? {
+                return Err(format!("fog has no '{name}'; valid are {NAMES}"));
+            }
+        }
+        let medium = Medium { name: "fog".into(), ..look.medium(distance.map(|distance| 1.0 / distance)) };
+        checked(&medium)?;
+        Ok(Self { medium })
+    }
+
+    /// Fills a ball around the scene and `eye`: twice as wide as both, so that light from infinitely far away
+    /// comes through.
+    pub fn put_around(&self, scene: &mut Scene, eye: [f32; 3]) -> MediumId {
+        let eye = eye.map(f64::from);
+        let (centre, corners) = match bounds_of(scene) {
+            Some(bounds) => (bounds.center(), bounds.corners().to_vec()),
+            None => (eye, vec![]),
+        };
+        let away = |p: &[f64; 3]| (0..3).map(|k| (p[k] - centre[k]).powi(2)).sum::<f64>().sqrt();
+        let farthest = corners.iter().chain([&eye]).map(away).fold(0.0, f64::max);
+        let radius =
+            if farthest > 0.0 && farthest.is_finite() { 2.0 * farthest as f32 } else { f32::INFINITY };
+        let extent = Extent::Around { centre: centre.map(|x| x as f32), radius };
+        scene.add_medium(Medium { extent, ..self.medium.clone() })
+    }
+}
+
+/// A file of OpenVDB as smoke.
+#[derive(Clone, Debug, PartialEq)]
+pub struct VolumeFile {
+    path: PathBuf,
+    /// The grid's name.
+    grid: Option<String>,
+    /// The name of the grid of emission.
+    glow: Option<String>,
+    density: [f32; 3],
+    look: Look,
+}
+
+impl VolumeFile {
+    /// From `FILE[:NAME=VALUE...]`.
+    ///
+    /// # Errors
+    /// A line for the user.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut pieces = text.split(':').peekable();
+        let mut path = pieces.next().unwrap_or_default().to_owned();
+        // Names of files may hold colons.
+        while let Some(more) = pieces.next_if(|piece| !piece.contains('=')) {
+            path = format!("{path}:{more}");
+        }
+        if path.is_empty() {
+            return Err("give a file of OpenVDB".into());
+        }
+        let mut file =
+            Self { path: path.into(), grid: None, glow: None, density: [1.0; 3], look: Look::default() };
+        for (name, value) in values(pieces)? {
+            match name {
+                "grid" => file.grid = Some(value.to_owned()),
+                "glow" => file.glow = Some(value.to_owned()),
+                "density" => file.density = numbers(value)?,
+                _ if file.look.take(name, value)? => {}
+                _ => return Err(format!("a volume has no '{name}'; valid are density, glow, grid, {NAMES}")),
+            }
+        }
+        checked(&file.look.medium(file.density))?;
+        Ok(file)
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Reads it and adds it to a scene.
+    ///
+    /// # Errors
+    /// [`Error::Image`] or [`Error::Volume`] if there is no such grid; the scene stays as it was.
+    pub fn add_to(&self, scene: &mut Scene) -> Result<MediumId, Error> {
+        let volume = Volume::read(&self.path, MOST_BYTES)?;
+        let fault = |what: String| Error::Volume(format!("{}: {what}", self.path.display()));
+        let find = |name: &str| {
+            let names: Vec<&str> = volume.grids().iter().map(Grid::name).collect();
+            volume.grid(name).ok_or_else(|| fault(format!("no grid '{name}'; it has {}", names.join(", "))))
+        };
+        let grid = match &self.grid {
+            Some(name) => find(name)?,
+            None => volume
+                .grid("density")
+                .or_else(|| volume.grids().iter().find(|grid| grid.channels() == 1))
+                .ok_or_else(|| fault("it has no grid of one number".into()))?,
+        };
+        let glow = self.glow.as_deref().map(find).transpose()?;
+        let dense = dense(grid, glow).map_err(fault)?;
+        let name = self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let medium = Medium {
+            name,
+            grid: Some(Arc::new(dense)),
+            extent: Extent::Free,
+            ..self.look.medium(self.density)
+        };
+        checked(&medium).map_err(fault)?;
+        Ok(scene.add_medium(medium))
+    }
+}
+
+/// The cells of a box around what is active, with a rim of one cell.
+fn dense(grid: &Grid, glow: Option<&Grid>) -> Result<DensityGrid, String> {
+    let [first, last] = grid.active().ok_or("its grid has no active cell")?;
+    let low = first.map(|i| i64::from(i) - 1);
+    let size: [u64; 3] = std::array::from_fn(|k| (i64::from(last[k]) + 1 - low[k] + 1) as u64);
+    let cells = size.iter().try_fold(1_u64, |cells, &n| cells.checked_mul(n));
+    let cells = cells.filter(|&cells| cells <= MOST_CELLS).ok_or_else(|| {
+        format!("{} x {} x {} cells are too many; at most {MOST_CELLS} are shown", size[0], size[1], size[2])
+    })?;
+    let mut density = Vec::new();
+    density.try_reserve_exact(cells as usize).map_err(|_| "too little memory is free")?;
+    let mut emission = Vec::new();
+    if glow.is_some() {
+        emission.try_reserve_exact(cells as usize).map_err(|_| "too little memory is free")?;
+    }
+    let index_from_world = grid.index_from_world();
+    // Both grids may have cells of their own.
+    let other = glow.map(|glow| glow.index_from_world() * index_from_world.inverse());
+    for z in 0..size[2] {
+        for y in 0..size[1] {
+            for x in 0..size[0] {
+                let at: [i32; 3] = std::array::from_fn(|k| (low[k] + [x, y, z][k] as i64) as i32);
+                let value = grid.voxel(at)[0];
+                density.push(if value.is_finite() { value.max(0.0) } else { 0.0 });
+                if let (Some(glow), Some(other)) = (glow, other) {
+                    let there = other.transform_point3(at.map(f64::from).into());
+                    let value = glow.voxel(there.to_array().map(|x| x.round() as i32));
+                    let value = if glow.channels() == 1 { [value[0]; 3] } else { value };
+                    emission.push(value.map(|x| if x.is_finite() { x.max(0.0) } else { 0.0 }));
+                }
+            }
+        }
+    }
+    let world = index_from_world.inverse();
+    let column = |k: usize| world.matrix3.col(k).to_array();
+    let world_from_index =
+        Affine { columns: [column(0), column(1), column(2), world.translation.to_array()] };
+    let place = Affine::translation(low.map(|i| i as f64 - 0.5)) * Affine::scale(size.map(|n| n as f64));
+    let size = size.map(|n| n as u32);
+    Ok(DensityGrid { size, density, emission, world_from_unit: world_from_index * place })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_become_numbers() {
+        let fog = Fog::parse("4,8,16:albedo=0.5:anisotropy=0.25").expect("fog");
+        assert_eq!(fog.medium.scattering, [0.125, 0.0625, 0.03125]);
+        assert_eq!((fog.medium.absorption[0], fog.medium.phase.anisotropy), (0.125, 0.25));
+        let file = VolumeFile::parse("a:b.vdb:density=2:albedo=0.25,0.5,1:grid=smoke").expect("a volume");
+        assert_eq!((file.path().to_str(), file.density), (Some("a:b.vdb"), [2.0; 3]));
+        for (text, part) in [
+            ("0", "above 0"),
+            ("x", "neither"),
+            ("5:albedo=2", "at most 1"),
+            ("5:anisotropy=1", "below 1"),
+            ("5:colour=1", "no 'colour'"),
+            ("5:albedo", "NAME=VALUE"),
+        ] {
+            let why = Fog::parse(text).expect_err("nonsense");
+            assert!(why.contains(part), "{text}: {why}");
+        }
+        assert!(VolumeFile::parse("a.vdb:density=-1").is_err_and(|why| why.contains("below 0")));
+    }
+
+    #[test]
+    fn fog_holds_scene_and_camera() {
+        let mut scene = Scene::new();
+        let id = Fog::parse("3").expect("fog").put_around(&mut scene, [1.0, 2.0, 3.0]);
+        assert!(matches!(scene.medium(id).extent, Extent::Around { radius, .. } if radius == f32::INFINITY));
+    }
+}

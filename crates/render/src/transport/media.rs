@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Paths from the eye in media: where the camera is, free flight between surfaces, and vertices in media, as
+//! many at a time as the CPU's registers hold.
+//! Source: [PJH23] chapter 14, as `step` for surfaces: a light sample and a direction of the phase function,
+//! combined by the power heuristic. Space: world.
+//! Invariant: the result of a path depends on its ray and key only, independent of the other paths and of the
+//! number of lanes. Lights of shader plugins that only have `illuminate` do not light media.
+//! Tests: crates/render/tests/media.rs.
+
+use glam::Vec3;
+use gnurt_accel::{Coherence, HitBatch, INVALID_ID, Ray, RayBatch};
+use gnurt_scene::RayMask;
+use gnurt_shading::lanes::LANES;
+use gnurt_shading::phase::Phase;
+use gnurt_shading::real::{Real, Vector};
+use gnurt_shading::sampling::purpose;
+use gnurt_shading::{Leaving, Rays, SampleKey, SurfaceBatch, Vec3s};
+
+use super::flight::{Parts, Random};
+use super::mis::power_heuristic;
+use super::paths::{Of, Paths, Scattered};
+use super::step::Onward;
+use super::width::Width;
+use super::{add, roulette};
+use crate::options::RenderOptions;
+use crate::tracer::{AttributeRequests, BatchTracer};
+use crate::world::{HitLanes, Inside, Media, World};
+
+/// Rounding error of a point of a ray, as a multiple of its largest coordinate.
+const ERROR_SCALE: f32 = 4.0 * f32::EPSILON;
+/// How fast the cones of scattered rays widen.
+const SPREAD: f32 = 0.3;
+/// Surfaces between a camera and the outside that are counted.
+const MOST_BODIES: u32 = 64;
+
+impl Media {
+    /// The medium behind the surface of some points of one material, or 0.
+    pub(crate) fn of_points(&self, world: &World, points: &SurfaceBatch) -> u16 {
+        match (points.leaf_id.first(), points.geom_id.first()) {
+            (Some(&leaf), Some(&mesh)) if self.has_bodies() => {
+                self.of_material(world.material_of(leaf, mesh))
+            }
+            _ => 0,
+        }
+    }
+}
+
+/// Vertices in media.
+#[derive(Default)]
+pub(crate) struct MediumVertices {
+    /// Numbers of the paths, and their keys.
+    numbers: Vec<u32>,
+    keys: Vec<SampleKey>,
+    p: Vec3s,
+    /// Where light paths from the eye were heading.
+    along: Vec3s,
+    /// Numbers of the phase functions: two mean cosines, share of the second.
+    phase: [Vec<f32>; 3],
+}
+
+impl MediumVertices {
+    fn clear(&mut self) {
+        self.numbers.clear();
+        self.keys.clear();
+        self.p.resize(0);
+        self.along.resize(0);
+        self.phase.iter_mut().for_each(Vec::clear);
+    }
+}
+
+/// Which bodies with media the origins of rays are in.
+pub(crate) fn inside_at(tracer: &mut BatchTracer, rays: &RayBatch, keys: &[SampleKey]) -> Vec<Inside> {
+    let (world, count) = (tracer.world, rays.len());
+    let mut found = vec![Inside::default(); count];
+    if !world.media().has_bodies() || count == 0 {
+        return found;
+    }
+    let first = rays.get(0).org;
+    let is_pinhole = (0..count).all(|i| rays.get(i).org == first);
+    let asked = if is_pinhole { 1 } else { count };
+    // One direction for all, so that open surfaces answer all alike.
+    let dir = Vec3::new(0.267_3, 0.801_8, 0.534_5).normalize();
+    // Bodies that each ray has entered, and left without having entered them.
+    let mut bodies = vec![(Vec::new(), Vec::new()); asked];
+    let (mut these, mut theirs): (RayBatch, Vec<usize>) = (RayBatch::default(), (0..asked).collect());
+    (0..asked).for_each(|i| these.push(Ray::new(rays.get(i).org, dir.into())));
+    for _ in 0..MOST_BODIES {
+        if theirs.is_empty() {
+            break;
+        }
+        let keys: Vec<_> = theirs.iter().map(|&i| keys[i]).collect();
+        let hits = tracer.intersect(RayMask::OTHER, &these, &keys, Coherence::Incoherent);
+        tracer.stats.secondary_rays += these.len() as u64;
+        let from = HitLanes { rays: &these, keys: &keys, hits: &hits, cones: None, depth: 1 };
+        let (mut next, mut ours) = (RayBatch::default(), Vec::new());
+        tracer.for_each_surface(from, AttributeRequests::Light, |_, _, lanes, points| {
+            let medium = world.media().of_points(world, points);
+            for (k, &lane) in lanes.iter().enumerate() {
+                let i = theirs[lane as usize];
+                let (entered, left) = &mut bodies[i];
+                if medium != 0 && points.front(k) {
+                    entered.push(medium);
+                } else if medium != 0 {
+                    match entered.iter().rposition(|&body| body == medium) {
+                        Some(at) => _ = entered.remove(at),
+                        None => left.push(medium),
+                    }
+                }
+                next.push(points.spawn(k, dir, f32::INFINITY));
+                ours.push(i);
+            }
+        });
+        (these, theirs) = (next, ours);
+    }
+    for (inside, (_, left)) in found.iter_mut().zip(&bodies) {
+        *inside = left.iter().rev().fold(Inside::default(), |inside, &body| inside.crossing(body, true));
+    }
+    if is_pinhole {
+        let of_all = found[0];
+        found.fill(of_all);
+    }
+    found
+}
+
+/// Flies along the paths' rays up to their hits. Paths that are scattered before become vertices, and hit
+/// nothing.
+pub(crate) fn fly(
+    (world, options): (&World, &RenderOptions),
+    (rays, keys): (&RayBatch, &[SampleKey]),
+    paths: &mut Paths,
+    hits: &mut HitBatch,
+    vertices: &mut MediumVertices,
+    radiance: &mut Vec3s,
+) {
+    vertices.clear();
+    let (media, mut parts) = (world.media(), Parts::default());
+    for (i, &key) in keys.iter().enumerate().take(rays.len()) {
+        let ray = rays.get(i);
+        let (org, dir) = (Vec3::from(ray.org), Vec3::from(ray.dir));
+        if dir == Vec3::ZERO {
+            continue;
+        }
+        let path = paths.get(i, key);
+        media.parts(path.inside, org, dir, &mut parts);
+        if parts.is_empty() {
+            continue;
+        }
+        let length = if hits.prim_id[i] == INVALID_ID { f32::INFINITY } else { hits.t[i] };
+        let mut random = Random::of_edge(options.seed, key, path.edges);
+        let flight = parts.fly(length, path.throughput, &mut random);
+        if flight.emitted != Vec3::ZERO {
+            add(radiance, path.lane, flight.emitted, path.edges, options.clamp);
+        }
+        paths.throughput.set(i, flight.throughput);
+        let Some((t, number)) = flight.scattered else { continue };
+        hits.prim_id[i] = INVALID_ID;
+        let Phase { anisotropy: [first, second], second_share } = media.get(number).phase;
+        vertices.numbers.push(i as u32);
+        vertices.keys.push(key);
+        vertices.p.push(org + dir * t);
+        vertices.along.push(dir);
+        for (row, value) in vertices.phase.iter_mut().zip([first, second, second_share]) {
+            row.push(value);
+        }
+    }
+}
+
+/// Samples light for vertices in media, and scatters their paths.
+#[inline(always)]
+pub(crate) fn scatter<W: Width>(
+    width: W,
+    (world, options): (&World, &RenderOptions),
+    (paths, keys): (&Paths, &[SampleKey]),
+    vertices: &MediumVertices,
+    onward: &mut Onward,
+) {
+    let count = vertices.numbers.len();
+    onward.next.reserve(count);
+    onward.unshadowed.reserve(count);
+    for first in (0..count).step_by(W::R::LANES) {
+        let lanes = W::R::LANES.min(count - first);
+        scatter_lanes(width, (world, options), (paths, keys), vertices, (first, lanes), onward);
+    }
+}
+
+#[inline(always)]
+fn scatter_lanes<W: Width>(
+    width: W,
+    (world, options): (&World, &RenderOptions),
+    (paths, keys): (&Paths, &[SampleKey]),
+    vertices: &MediumVertices,
+    (first, lanes): (usize, usize),
+    onward: &mut Onward,
+) {
+    let (zero, one) = (width.zero(), width.zero().all(1.0));
+    let (lights, none) = (world.light_set(), zero.points(0));
+    let of = Of { paths, keys, numbers: &vertices.numbers[first..] };
+    let mut there = u64::MAX >> (64 - lanes);
+    let mut edges = [0; LANES];
+    for (i, edges) in edges.iter_mut().enumerate().take(lanes) {
+        *edges = paths.edges[vertices.numbers[first + i] as usize];
+        if *edges >= options.max_depth {
+            there &= !(1 << i);
+        }
+    }
+    if there == 0 {
+        return;
+    }
+    let there = zero.points(there);
+    let load = |v: &Vec3s| Vector::load(zero, [&v.x, &v.y, &v.z], first);
+    let (p, along) = (load(&vertices.p), load(&vertices.along));
+    let [a, b, second_share] = [0, 1, 2].map(|k| zero.load(&vertices.phase[k], first));
+    let phase = Phase { anisotropy: [a, b], second_share };
+    let [r, g, b] = zero.each_of(
+        #[inline(always)]
+        |i| {
+            let number = vertices.numbers.get(first + i);
+            number.map_or([0.0; 3], |&number| paths.throughput.get(number as usize).into())
+        },
+    );
+    let mut throughput = Vector::new(r, g, b);
+    let draws = width.draws(options.seed, &vertices.keys[first..], &edges);
+    let error = p.abs().max_element() * ERROR_SCALE;
+    if !lights.is_empty() {
+        let [x, y] = W::pair(draws, purpose::LIGHT_POSITION);
+        let [choice, _] = W::pair(draws, purpose::LIGHT_CHOICE);
+        // From all sides.
+        let light = width.lights(lights, [there, there], [p, along], [choice, x, y]);
+        let pdf = phase.value(along.dot(light.dir));
+        let lit = there & light.found & !light.radiance.is_zero();
+        let weight = W::R::pick(light.delta, one, power_heuristic(light.pdf, pdf));
+        let arriving = light.radiance * (pdf * weight / light.pdf);
+        let here = throughput * arriving;
+        let lit = lit & here.is_finite();
+        let at = Leaving { p, error, ng: light.dir, ns: light.dir, lift: Vector::grey(zero) };
+        let (ray, _) = at.shadow_rays(light.dir, light.dist, none);
+        onward.unshadowed.push_all([lit, lit & light.delta], of, &ray, here, None);
+    }
+    let [x, y] = W::pair(draws, purpose::DIRECTION);
+    let [choice, survival] = W::pair(draws, purpose::CHOICE);
+    let (dir, pdf) = phase.sample(along, [choice, x, y]);
+    let mut long = 0;
+    for (i, &edges) in edges.iter().enumerate().take(lanes) {
+        long |= u64::from(roulette::decides(edges)) << i;
+    }
+    let mut alive = there;
+    if long != 0 {
+        let long = zero.points(long);
+        let keep = roulette::survival_from_eye(throughput.max_element());
+        alive = alive & (keep.above(survival) | !long);
+        throughput = Vector::pick(long, throughput.over(keep), throughput);
+    }
+    alive = alive & throughput.is_finite() & !throughput.is_zero();
+    let far = zero.all(f32::INFINITY);
+    let ray = Rays { org: p, dir, t_far: far };
+    let cone = Some([zero, zero.all(SPREAD)]);
+    let how = [0, 0, u64::MAX];
+    let ns = Vector::grey(zero);
+    let absorption = ns;
+    let next = Scattered { ray, throughput, p, ns, pdf, absorption, cone, how, boundary: None };
+    onward.next.push_all(alive, of, &next);
+}

@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+//! Media between surfaces, against closed forms: Beer's law, single scattering, the furnace, emission, and
+//! grids against even media. Pictures are of one direction.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use crate::common::*;
+use gnurt_render::{Integrator, RenderOptions, Silent, World, render};
+use gnurt_scene::medium::{DensityGrid, Extent, Medium, Phase};
+use gnurt_scene::{Affine, Light, Material, MaterialId, Scene};
+
+const EVERYWHERE: Extent = Extent::Around { centre: [0.0; 3], radius: f32::INFINITY };
+
+fn path(spp: u32, max_depth: u32) -> RenderOptions {
+    RenderOptions { integrator: Integrator::Path, max_depth, ..options(4, 4, spp) }
+}
+
+/// Radiance from `eye` towards `target`.
+fn seen(world: &World, eye: [f32; 3], target: [f32; 3], options: &RenderOptions) -> [f64; 3] {
+    let view = camera(eye, target, 0.001);
+    mean(&render(world, &view, options, &pool(2), &Silent).expect("sound options").picture)
+}
+
+fn near(found: [f64; 3], expected: [f64; 3], relative: f64, what: &str) {
+    for (found, expected) in found.into_iter().zip(expected) {
+        let off = (found - expected).abs();
+        assert!(off <= relative * expected.abs().max(1e-6), "{what}: {found} instead of {expected}");
+    }
+}
+
+fn cube(low: [f32; 3], high: [f32; 3], material: MaterialId) -> Vec<gnurt_scene::Mesh> {
+    let edge: [f32; 3] = std::array::from_fn(|k| high[k] - low[k]);
+    let [x, y, z] = [[edge[0], 0.0, 0.0], [0.0, edge[1], 0.0], [0.0, 0.0, edge[2]]];
+    let at = |k: usize| {
+        let mut corner = low;
+        corner[k] = high[k];
+        corner
+    };
+    vec![
+        quad(low, y, x, material),
+        quad(at(2), x, y, material),
+        quad(low, z, y, material),
+        quad(at(0), y, z, material),
+        quad(low, x, z, material),
+        quad(at(1), z, x, material),
+    ]
+}
+
+/// A lamp in the plane z = 10 that shines down.
+fn lamp(scene: &mut Scene, radiance: [f32; 3]) {
+    let light = emitter(scene, radiance);
+    put_mesh(scene, quad([-50.0, -50.0, 10.0], [0.0, 100.0, 0.0], [100.0, 0.0, 0.0], light));
+}
+
+/// A grid of density 1 in the unit cube at `low`, of the size `edge`.
+fn even_grid(low: [f64; 3], edge: f64, size: [u32; 3]) -> Arc<DensityGrid> {
+    Arc::new(DensityGrid {
+        size,
+        density: vec![1.0; size.iter().product::<u32>() as usize],
+        emission: Vec::new(),
+        world_from_unit: Affine::translation(low) * Affine::scale([edge; 3]),
+    })
+}
+
+#[test]
+fn absorption_follows_beers_law() {
+    let absorption = [0.1, 0.3, 0.0];
+    let expected = |way: f64| absorption.map(|a| 2.0 * (-f64::from(a) * way).exp());
+    // Around everything; the camera inside a body; a body in between; the same with a grid.
+    let mut around = Scene::new();
+    lamp(&mut around, [2.0; 3]);
+    around.add_medium(Medium { absorption, extent: EVERYWHERE, ..Medium::default() });
+    let found = seen(&world_of(&around, false), [0.0; 3], [0.0, 0.0, 1.0], &path(1, 4));
+    near(found, expected(10.0), 1e-4, "around");
+
+    for (eye, way) in [([0.1, 0.2, -5.0], 4.0), ([0.1, 0.2, 1.0], 2.0)] {
+        for with_grid in [false, true] {
+            let mut scene = Scene::new();
+            lamp(&mut scene, [2.0; 3]);
+            let grid = with_grid.then(|| even_grid([-1.0, -1.0, -1.0], 4.0, [20, 9, 11]));
+            let body = scene.add_medium(Medium { absorption, grid, ..Medium::default() });
+            let boundary = scene.add_material(Material::boundary("air", body));
+            for mesh in cube([-1.0; 3], [3.0; 3], boundary) {
+                put_mesh(&mut scene, mesh);
+            }
+            let spp = if with_grid { 4096 } else { 1 };
+            let found = seen(&world_of(&scene, false), eye, [0.1, 0.2, 10.0], &path(spp, 4));
+            near(found, expected(way), if with_grid { 0.02 } else { 1e-4 }, "a body");
+        }
+    }
+}
+
+#[test]
+fn media_give_light_off() {
+    let (absorption, emission) = ([0.5, 0.1, 0.0], [3.0, 1.0, 7.0]);
+    for scattering in [0.0, 1e-4] {
+        let mut scene = Scene::new();
+        let medium = Medium {
+            absorption,
+            emission,
+            scattering: [scattering; 3],
+            extent: Extent::Around { centre: [0.0; 3], radius: 2.0 },
+            ..Medium::default()
+        };
+        scene.add_medium(medium);
+        let found = seen(&world_of(&scene, false), [0.0, 0.0, -9.0], [0.0; 3], &path(8192, 4));
+        let expected: [f64; 3] =
+            std::array::from_fn(|c| f64::from(emission[c]) * (1.0 - (-4.0 * f64::from(absorption[c])).exp()));
+        near(found, expected, 0.02, "emission");
+    }
+}
+
+/// Light of a point light of intensity 1 that a ray's medium scatters once: the integral along the ray.
+fn single(sigma: [f64; 3], albedo: f64, g: f64, light: [f64; 3], length: f64) -> [f64; 3] {
+    let steps = 20_000;
+    let mut sum = [0.0; 3];
+    for k in 0..steps {
+        let t = (f64::from(k) + 0.5) / f64::from(steps) * length;
+        let offset = [light[0], light[1], light[2] - t];
+        let d2: f64 = offset.iter().map(|x| x * x).sum();
+        // Light travels from the lamp to the ray, then against the ray.
+        let cos = offset[2] / d2.sqrt();
+        let phase = (1.0 - g * g) / (4.0 * PI * (1.0 + g * g - 2.0 * g * cos).powf(1.5));
+        for c in 0..3 {
+            let left = (-sigma[c] * (t + d2.sqrt())).exp();
+            sum[c] += albedo * sigma[c] * phase * left / d2 * length / f64::from(steps);
+        }
+    }
+    sum
+}
+
+#[test]
+fn light_scattered_once_is_the_integral_along_the_ray() {
+    let (sigma, albedo, light) = ([0.2, 0.5, 1.2], 0.7, [1.5, 0.0, 3.0]);
+    for (g, with_grid) in [(0.0, false), (0.6, false), (-0.4, false), (0.6, true)] {
+        let mut scene = Scene::new();
+        let wall = matte(&mut scene, [0.0; 3]);
+        put_mesh(&mut scene, quad([-50.0, -50.0, 6.0], [100.0, 0.0, 0.0], [0.0, 100.0, 0.0], wall));
+        let position = light.map(|x| x as f32);
+        scene.add_light(Light::Point { position, intensity: [1.0; 3] });
+        let grid = with_grid.then(|| even_grid([-8.0; 3], 16.0, [16; 3]));
+        scene.add_medium(Medium {
+            absorption: sigma.map(|s| (s * (1.0 - albedo)) as f32),
+            scattering: sigma.map(|s| (s * albedo) as f32),
+            phase: Phase { anisotropy: g as f32, ..Phase::default() },
+            extent: if with_grid { Extent::Free } else { EVERYWHERE },
+            grid,
+            ..Medium::default()
+        });
+        let found = seen(&world_of(&scene, false), [0.0; 3], [0.0, 0.0, 1.0], &path(1 << 14, 2));
+        near(found, single(sigma, albedo, g, light, 6.0), 0.02, &format!("g = {g}, grid: {with_grid}"));
+    }
+}
+
+/// A body of a medium that absorbs nothing, under the same light from everywhere, is not to be seen.
+#[test]
+fn furnaces_are_even() {
+    for (kind, scattering) in [(0, [1.0, 3.0, 0.2]), (1, [1.0, 3.0, 0.2]), (2, [2.0; 3])] {
+        let mut scene = Scene::new();
+        let room = emitter(&mut scene, [1.0; 3]);
+        let mut shell = sphere([0.0; 3], 20.0, 24, room);
+        shell.indices.iter_mut().for_each(|triangle| triangle.reverse());
+        shell.normals.iter_mut().flatten().for_each(|n| *n = -*n);
+        put_mesh(&mut scene, shell);
+        let grid = (kind == 1).then(|| {
+            let mut grid = even_grid([-1.0; 3], 2.0, [12; 3]).as_ref().clone();
+            grid.density.iter_mut().enumerate().for_each(|(i, d)| *d = (i % 7) as f32 / 3.0);
+            Arc::new(grid)
+        });
+        let phase = Phase { anisotropy: 0.8, second_anisotropy: -0.5, second_share: 0.3 };
+        let medium = scene.add_medium(Medium { scattering, phase, grid, ..Medium::default() });
+        let material = if kind == 2 {
+            let glass = gnurt_scene::Surface::Dielectric {
+                ior: 1.3,
+                reflectance: [1.0; 3],
+                transmittance: [1.0; 3],
+                interior: Default::default(),
+            };
+            scene.add_material(Material { medium: Some(medium), ..Material::of("glass", glass) })
+        } else {
+            scene.add_material(Material::boundary("air", medium))
+        };
+        if kind == 1 {
+            cube([-1.0; 3], [1.0; 3], material).into_iter().for_each(|mesh| put_mesh(&mut scene, mesh));
+        } else {
+            put_mesh(&mut scene, sphere([0.0; 3], 1.0, 32, material));
+        }
+        let world = world_of(&scene, false);
+        for eye in [[0.3, 0.2, -5.0], [0.1, 0.2, 0.0]] {
+            let found = seen(&world, eye, [0.3, 0.2, 5.0], &path(2048, 4000));
+            near(found, [1.0; 3], 0.02, &format!("kind {kind} from {eye:?}"));
+        }
+    }
+}
+
+/// A body in another replaces its medium; priorities choose where they overlap.
+#[test]
+fn bodies_nest_and_overlap() {
+    let (weak, strong) = ([0.1; 3], [1.0; 3]);
+    for (priorities, expected) in [([0, 0], 1.0 * 2.0 + 0.1 * 2.0), ([0, 1], 2.2), ([1, 0], 0.1 * 4.0)] {
+        let mut scene = Scene::new();
+        lamp(&mut scene, [1.0; 3]);
+        let boxes = [([-2.0; 3], [2.0; 3], weak), ([-1.0; 3], [1.0; 3], strong)];
+        for ((low, high, absorption), priority) in boxes.into_iter().zip(priorities) {
+            let medium = scene.add_medium(Medium { absorption, priority, ..Medium::default() });
+            let boundary = scene.add_material(Material::boundary("air", medium));
+            cube(low, high, boundary).into_iter().for_each(|mesh| put_mesh(&mut scene, mesh));
+        }
+        let world = world_of(&scene, false);
+        let outside = seen(&world, [0.1, 0.2, -5.0], [0.1, 0.2, 9.0], &path(1, 2));
+        near(outside, [f64::exp(-expected); 3], 1e-4, &format!("{priorities:?} from outside"));
+        let within = seen(&world, [0.1, 0.2, 0.0], [0.1, 0.2, 9.0], &path(1, 2));
+        near(within, [f64::exp(-expected / 2.0); 3], 1e-4, &format!("{priorities:?} from within"));
+    }
+}
+
+/// Shadow rays see media, and levels agree.
+#[test]
+fn lit_through_a_body_at_every_level() {
+    let mut scene = floor(0.5, 50.0);
+    scene.add_light(Light::Point { position: [0.0, 0.0, 6.0], intensity: [36.0; 3] });
+    let absorption = [0.2, 0.5, 0.0];
+    let medium = scene.add_medium(Medium { absorption, scattering: [1e-3; 3], ..Medium::default() });
+    let boundary = scene.add_material(Material::boundary("air", medium));
+    cube([-1.0, -1.0, 2.0], [1.0, 1.0, 4.0], boundary)
+        .into_iter()
+        .for_each(|mesh| put_mesh(&mut scene, mesh));
+    let world = world_of(&scene, false);
+    let mut all = Vec::new();
+    for level in gnurt_simd::Level::available() {
+        let options = RenderOptions { level, ..path(64, 3) };
+        let found = seen(&world, [9.0, 0.0, 1.0], [0.0; 3], &options);
+        let expected = absorption.map(|a| 0.5 / PI * (-2.0 * (f64::from(a) + 1e-3)).exp());
+        near(found, expected, 0.01, "through the body");
+        all.push(found);
+    }
+    assert!(all.iter().all(|found| *found == all[0]), "the same bits: {all:?}");
+}
