@@ -41,6 +41,7 @@ fn shining(texture: TextureSampler) -> Arc<dyn SurfaceShader> {
         emission: Some(shading::Emission { factor: Vec3::ONE, texture: Some(texture) }),
         coverage: None,
         bump: None,
+        attributes: Vec::new(),
     })
 }
 

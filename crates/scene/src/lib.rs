@@ -13,6 +13,7 @@ pub mod factors;
 pub mod id;
 pub mod io;
 pub mod labels;
+pub mod layer_textures;
 pub mod light;
 pub mod material;
 pub mod mesh;
@@ -34,7 +35,8 @@ pub use id::{CameraId, InstanceId, LightId, MaterialId, MeshId, ObjectId, Textur
 pub use labels::Labels;
 pub use light::Light;
 pub use material::{Material, Surface};
-pub use mesh::{Attribute, Mesh, Rate, TEXCOORD_RQ};
+pub use layer_textures::LayerTextures;
+pub use mesh::{Attribute, Mesh, Rate, TEXCOORD_1, TEXCOORD_RQ};
 pub use motion::Motion;
 pub use ray_mask::RayMask;
 pub use scene::{Instance, Member, Object, Scene};

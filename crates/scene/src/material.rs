@@ -4,6 +4,7 @@
 //! Conventions: surfaces scatter on both sides; emission leaves the side of the geometric normal only; colours are linear.
 
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
+use crate::layer_textures::LayerTextures;
 pub use crate::texture::TextureRef;
 
 /// The appearance of a surface: scattering, emission, opacity.
@@ -156,7 +157,7 @@ impl Surface {
     }
 }
 
-/// glTF's metal and plastic with its extensions. Of their textures only that of the anisotropy is supported.
+/// glTF's metal and plastic with its extensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Principled {
     /// Albedo of the dielectric part, tint of its glass, normal reflectance of the metal part.
@@ -195,6 +196,8 @@ pub struct Principled {
     pub iridescence: Iridescence,
     /// KHR_materials_diffuse_transmission, of the dielectric part's body.
     pub diffuse_transmission: DiffuseTransmission,
+    /// Textures of the layers.
+    pub layer_textures: LayerTextures<TextureRef>,
 }
 
 impl Default for Principled {
@@ -219,6 +222,7 @@ impl Default for Principled {
             anisotropy: Anisotropy::default(),
             iridescence: Iridescence::default(),
             diffuse_transmission: DiffuseTransmission::default(),
+            layer_textures: LayerTextures::default(),
         }
     }
 }
@@ -321,7 +325,7 @@ impl Material {
 
     /// All textures that it reads, with the meaning of their values. A texture that is read twice occurs
     /// twice.
-    pub fn textures(&self) -> impl Iterator<Item = (TextureRef, TextureRole)> {
+    pub fn textures(&self) -> impl Iterator<Item = (TextureRef, TextureRole)> + use<> {
         use TextureRole::{Color as Colors, Data};
         let base = self.surface.base_color().texture;
         let [clamped_roughness, normals, brushed] = match &self.surface {
@@ -351,7 +355,13 @@ impl Material {
             (brushed, Data),
             (self.bump.map(|bump| bump.texture), Data),
         ];
-        all.into_iter().filter_map(|(texture, role)| Some((texture?, role)))
+        let layers = match &self.surface {
+            Surface::Principled(p) => p.layer_textures,
+            _ => LayerTextures::default(),
+        };
+        let of_layers = layers.colors().map(|texture| (texture, Colors));
+        let of_layers = of_layers.chain(layers.data().map(|texture| (texture, Data)));
+        all.into_iter().filter_map(|(texture, role)| Some((texture?, role))).chain(of_layers)
     }
 
     /// Whether it gives off light anywhere.

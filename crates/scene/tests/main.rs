@@ -11,6 +11,7 @@ mod builtin;
 mod common;
 mod confine;
 mod gltf;
+mod gltf_extensions;
 mod mutations;
 mod obj;
 mod ply;

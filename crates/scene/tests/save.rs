@@ -219,7 +219,7 @@ fn layers_come_back() {
             dispersion: 0.125,
         },
         anisotropy: Anisotropy { strength: 0.5, rotation: 0.75, texture: None },
-        iridescence: Iridescence { factor: 0.5, ior: 1.25, thickness: 320.0 },
+        iridescence: Iridescence { factor: 0.5, ior: 1.25, thickness: 320.0, ..Iridescence::default() },
         diffuse_transmission: DiffuseTransmission { factor: 0.25, color: [1.0, 0.5, 0.25] },
         ..Principled::default()
     };
@@ -457,7 +457,7 @@ fn what_is_lost_is_told() {
     let surfaces = [metal, rough, glass, catcher, layered, bright, Surface::Shader(0)];
     let mut scene = scene_of(surfaces.map(of));
     let hdr = scene.add_texture(texture(TexelData::Float(vec![[4.0; 4]; 2])));
-    let turned = TextureRef { texture: hdr, uv_from_mesh: [0.0, 1.0, -1.0, 0.0, 0.0, 0.0] };
+    let turned = TextureRef { uv_from_mesh: [0.0, 1.0, -1.0, 0.0, 0.0, 0.0], ..TextureRef::new(hdr) };
     let bump = Some(gnurt_scene::material::BumpMap { texture: turned, height: 1.0 });
     let opacity = Opacity { factor: 0.5, texture: None, channel: OpacityChannel::Red };
     let mask = Alpha::Mask { cutoff: 0.5, opacity };

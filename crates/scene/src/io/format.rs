@@ -137,6 +137,9 @@ impl Formats {
         if loaded.scene.meshes().iter().all(|mesh| mesh.indices.is_empty()) {
             loaded.warnings.note(Oddity::EmptyScene, path, None, "");
         }
+        if let Some(first) = loaded.warnings.iter().next().filter(|_| options.strict) {
+            return Err(first.as_error(loaded.warnings.iter().count()));
+        }
         Ok(loaded)
     }
 

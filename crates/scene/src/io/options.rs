@@ -19,14 +19,16 @@ pub struct LoadOptions {
     pub variants: Vec<VariantChoice>,
     /// How often subdivision surfaces are refined; `None` = [`subdivision::LEVEL`](crate::subdivision::LEVEL).
     pub subdivision: Option<u32>,
+    /// Whether the first warning is an error.
+    pub strict: bool,
 }
 
 /// One variant of a set of variants, by names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VariantChoice {
-    /// The path of what has the set: `/World/Chair`.
+    /// The path of what has the set: `/World/Chair`; empty where the variants are the whole file's (glTF).
     pub prim: String,
-    /// The set.
+    /// The set; empty where the file has one.
     pub set: String,
     /// The variant.
     pub variant: String,

@@ -3,7 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use gnurt_scene::io::writer::{check_writable, encode_texture, leave_out, measures, write};
+use gnurt_scene::io::writer::{
+    check_writable, encode_texture, leave_out, measures, of_layer_textures, of_texcoords, write,
+};
 use gnurt_scene::io::{Error, SceneWriter, Warnings};
 use gnurt_scene::texture::TexelData;
 use gnurt_scene::{Light, Scene, TextureId};
@@ -52,6 +54,8 @@ fn leave_out_rest(scene: &Scene, path: &Path, warnings: &mut Warnings) {
     let backdrops = scene.lights().iter().filter(|light| matches!(light, Light::Backdrop { .. })).count();
     leave_out(backdrops, "backdrop", path, warnings);
     materials::leave_out_layers(scene, path, warnings);
+    of_layer_textures(scene, path, warnings);
+    of_texcoords(scene, path, warnings);
 }
 
 /// The files of textures.

@@ -23,12 +23,16 @@ mod instancing;
 mod json;
 mod material;
 mod mesh;
+mod meshopt;
+mod meshopt_filters;
 mod nodes;
 mod pointer;
 mod primitive;
 mod ranges;
 mod rig;
 mod skin;
+mod specular_glossiness;
+mod variants;
 
 use std::path::Path;
 

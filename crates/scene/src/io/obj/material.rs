@@ -365,6 +365,6 @@ impl Textures<'_> {
                 texture
             }
         };
-        Some(TextureRef { texture, uv_from_mesh: map.uv_from_mesh() })
+        Some(TextureRef { uv_from_mesh: map.uv_from_mesh(), ..TextureRef::new(texture) })
     }
 }

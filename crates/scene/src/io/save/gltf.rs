@@ -68,10 +68,10 @@ fn save(scene: &Scene, path: &Path, is_binary: bool, warnings: &mut Warnings) ->
                     lost += 1;
                     texture
                 }
-                BaseTexture::Merged(texture, uv_from_mesh) => {
+                BaseTexture::Merged(texture, like) => {
                     let id = TextureId((scene.textures().len() + merged.len()) as u32);
                     merged.push(texture);
-                    Some(TextureRef { texture: id, uv_from_mesh })
+                    Some(TextureRef { texture: id, ..like })
                 }
             })
         })
@@ -212,6 +212,10 @@ fn primitive(mesh: &Mesh, buffer: &mut Buffer) -> Value {
     if !mesh.texcoords.is_empty() {
         let down: Vec<_> = mesh.texcoords.iter().map(|[u, v]| [*u, 1.0 - v]).collect();
         attributes.insert("TEXCOORD_0".into(), buffer.add_floats("VEC2", &down).into());
+    }
+    let second: Vec<_> = mesh.second_texcoords().chunks_exact(2).map(|uv| [uv[0], 1.0 - uv[1]]).collect();
+    if !second.is_empty() {
+        attributes.insert("TEXCOORD_1".into(), buffer.add_floats("VEC2", &second).into());
     }
     if !mesh.tangents.is_empty() && !mesh.normals.is_empty() {
         let unit: Vec<_> = mesh.tangents.iter().map(unit_tangent).collect();
