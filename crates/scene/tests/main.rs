@@ -16,4 +16,5 @@ mod mutations;
 mod obj;
 mod ply;
 mod save;
+mod solids;
 mod subdivision;

@@ -30,6 +30,8 @@ pub struct Format {
     pub read: Option<ReadScene>,
     /// Whether all of the format is read: the list of formats calls it *partly* read otherwise.
     pub read_whole: bool,
+    /// Whether it defines, or its files say, which axis points upwards.
+    pub says_up: bool,
     /// Its writer, if there is one.
     pub write: Option<SceneWriter>,
 }
@@ -127,6 +129,10 @@ impl Formats {
         let access = Access::new(options)?;
         let read = self.of(path).and_then(|format| {
             let problem = || format!("{} files are written, not read", format.name);
+            if format.says_up && options.up.is_some() {
+                let problem = format!("{} says itself which axis points upwards", format.name);
+                return Err(Error::data(path, None, problem, "leave out the axis, `--up`"));
+            }
             format.read.ok_or_else(|| unknown(path, problem(), &self.read_extensions()))
         });
         let mut loaded = match read {
@@ -134,6 +140,9 @@ impl Formats {
             // The message that the file is missing is more helpful.
             Err(unknown) => Err(source::open(path).err().unwrap_or(unknown)),
         }?;
+        if let Some(up) = options.up {
+            up.turn(&mut loaded.scene);
+        }
         if loaded.scene.meshes().iter().all(|mesh| mesh.indices.is_empty()) {
             loaded.warnings.note(Oddity::EmptyScene, path, None, "");
         }

@@ -25,7 +25,7 @@ pub(crate) use sampling::{
     virtual_lights,
 };
 pub(crate) use shader::{CameraChoice, ShaderChoice, camera, pixel_shader, shader, surroundings};
-pub(crate) use usd::{subdivision, variant};
+pub(crate) use usd::{subdivision, up_axis, variant};
 
 #[cfg(test)]
 mod tests {

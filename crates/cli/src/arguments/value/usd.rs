@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //! Choices of what of a scene is loaded. Tests: `tests`.
 
-use gnurt::scene::io::VariantChoice;
+use gnurt::scene::io::{UpAxis, VariantChoice};
 
 /// `/World/Chair:fabric=red`, or the name of a variant of the whole file.
 pub(crate) fn variant(text: &str) -> Result<VariantChoice, String> {
@@ -18,6 +18,16 @@ pub(crate) fn variant(text: &str) -> Result<VariantChoice, String> {
         return Err(FORM.into());
     }
     Ok(VariantChoice { prim: prim.into(), set: set.into(), variant: variant.into() })
+}
+
+/// `x`, `y` or `z`.
+pub(crate) fn up_axis(text: &str) -> Result<UpAxis, String> {
+    match text.to_ascii_lowercase().as_str() {
+        "x" => Ok(UpAxis::X),
+        "y" => Ok(UpAxis::Y),
+        "z" => Ok(UpAxis::Z),
+        _ => Err("expected x, y or z".into()),
+    }
 }
 
 /// From 0 to 6.

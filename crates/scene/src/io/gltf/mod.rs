@@ -52,6 +52,7 @@ pub(super) const TEXT: Format = Format {
     notes: "written at rest, without animations",
     read: Some(|path, access| load(path, false, access)),
     read_whole: true,
+    says_up: true,
     write: Some(SceneWriter {
         save: save::save_text,
         companions: |_, path| vec![save::buffer_file(path)],
@@ -67,6 +68,7 @@ pub(super) const BINARY: Format = Format {
     notes: "one file, with its textures; written at rest",
     read: Some(|path, access| load(path, true, access)),
     read_whole: true,
+    says_up: true,
     write: Some(SceneWriter {
         save: save::save_binary,
         companions: |_, _| Vec::new(),

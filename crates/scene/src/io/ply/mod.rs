@@ -38,6 +38,7 @@ pub(super) const FORMAT: Format = Format {
     notes: "one mesh; colours, normals, texture coordinates",
     read: Some(load),
     read_whole: true,
+    says_up: false,
     write: Some(SceneWriter {
         save: save::save,
         companions: |_, _| Vec::new(),
