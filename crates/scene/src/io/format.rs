@@ -48,6 +48,8 @@ pub struct SceneWriter {
     pub companions: fn(&Scene, &Path) -> Vec<PathBuf>,
     /// Whether the format has materials.
     pub has_materials: bool,
+    /// Whether the format has animations.
+    pub has_animations: bool,
     /// Whether it has all of a scene: the list of formats calls it *partly* written otherwise.
     pub is_whole: bool,
 }
@@ -186,7 +188,7 @@ impl Formats {
             Error::data(path, None, e.to_string(), "the scene must be in order to be written")
         })?;
         let mut warnings = Warnings::default();
-        let clips = scene.animation().map_or(0, |animation| animation.clips.len());
+        let clips = scene.animation().filter(|_| !writer.has_animations).map_or(0, |all| all.clips.len());
         warnings.note_many(Oddity::NotShown, clips as u64, path, None, "animation, written as it is shown");
         losses::of_scene(scene, path, &mut warnings);
         if writer.has_materials {

@@ -40,6 +40,7 @@ pub(super) const FORMAT: Format = Format {
         save: save::save,
         companions: |_, _| Vec::new(),
         has_materials: false,
+        has_animations: false,
         is_whole: true,
     }),
 };

@@ -19,6 +19,7 @@ mod base64;
 mod camera;
 mod container;
 mod document;
+pub(super) mod factor_paths;
 mod instancing;
 mod json;
 mod material;
@@ -49,7 +50,7 @@ use crate::scene::Scene;
 pub(super) const TEXT: Format = Format {
     name: "glTF 2.0",
     extensions: &["gltf"],
-    notes: "written at rest, without animations",
+    notes: "written without the environment",
     read: Some(|path, access| load(path, false, access)),
     read_whole: true,
     says_up: true,
@@ -57,6 +58,7 @@ pub(super) const TEXT: Format = Format {
         save: save::save_text,
         companions: |_, path| vec![save::buffer_file(path)],
         has_materials: true,
+        has_animations: true,
         is_whole: false,
     }),
 };
@@ -65,7 +67,7 @@ pub(super) const TEXT: Format = Format {
 pub(super) const BINARY: Format = Format {
     name: "binary glTF 2.0",
     extensions: &["glb"],
-    notes: "one file, with its textures; written at rest",
+    notes: "one file, with its textures; written without the environment",
     read: Some(|path, access| load(path, true, access)),
     read_whole: true,
     says_up: true,
@@ -73,6 +75,7 @@ pub(super) const BINARY: Format = Format {
         save: save::save_binary,
         companions: |_, _| Vec::new(),
         has_materials: true,
+        has_animations: true,
         is_whole: false,
     }),
 };

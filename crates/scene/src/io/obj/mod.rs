@@ -42,6 +42,7 @@ pub(super) const FORMAT: Format = Format {
         save: save::save,
         companions: save::companion_files,
         has_materials: true,
+        has_animations: false,
         is_whole: true,
     }),
 };

@@ -17,7 +17,10 @@ pub(in crate::io) fn of_scene(scene: &Scene, path: &Path, warnings: &mut Warning
     let attributes =
         scene.meshes().iter().map(|mesh| mesh.attributes.iter().filter(is_named).count()).sum();
     leave_out(attributes, "attribute of a mesh", path, warnings);
-    let hidden = scene.instances().iter().filter(|instance| !instance.visible).count();
+    let moves = |id: usize| {
+        scene.animation().is_some_and(|a| a.instances.iter().any(|moving| moving.instance.index() == id))
+    };
+    let hidden = scene.instances().iter().enumerate().filter(|(id, it)| !it.visible && !moves(*id)).count();
     leave_out(hidden, "hidden instance", path, warnings);
 }
 

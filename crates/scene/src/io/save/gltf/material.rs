@@ -4,6 +4,7 @@
 
 use serde_json::{Value, json};
 
+use crate::animation::{Animation, MovingMaterial};
 use crate::detail::{Anisotropy, DiffuseTransmission, Interior, Iridescence};
 use crate::material::{Alpha, Color, Material, Principled, Surface, TextureRef};
 use crate::texture::{Filter, TexcoordSet, Texture, Wrap};
@@ -107,6 +108,23 @@ pub(super) fn material(
         to["extensions"] = extensions;
     }
     to
+}
+
+/// Writes the emission of driven materials as the channels see it: factor and strength apart.
+pub(super) fn set_driven(animation: &Animation, document: &mut Value) {
+    for MovingMaterial { material, factors } in &animation.materials {
+        let Some(to) = document["materials"].get_mut(material.index()) else { continue };
+        to["emissiveFactor"] = json!(factors.emission.map(|x| x.clamp(0.0, 1.0)));
+        if factors.emission_strength != 1.0 {
+            to["extensions"]["KHR_materials_emissive_strength"] =
+                json!({ "emissiveStrength": factors.emission_strength });
+        } else if let Some(extensions) = to["extensions"].as_object_mut() {
+            extensions.remove("KHR_materials_emissive_strength");
+        }
+        if to["extensions"].is_null() || to["extensions"].as_object().is_some_and(|all| all.is_empty()) {
+            to.as_object_mut().map(|map| map.remove("extensions"));
+        }
+    }
 }
 
 /// The index of refraction, unless it is glTF's default.
