@@ -170,7 +170,7 @@ fn png_bytes_are_exact() {
 }
 
 #[test]
-fn pngs_of_sixteen_bits_become_floats() {
+fn pngs_of_sixteen_bits_keep_them() {
     let values = image::ImageBuffer::<image::Rgba<u16>, _>::from_raw(1, 1, vec![65535, 0, 32768, 13107]);
     let mut file = std::io::Cursor::new(Vec::new());
     let written = values.expect("four values").write_to(&mut file, image::ImageFormat::Png);
