@@ -76,7 +76,9 @@ pub(super) fn material(
         "baseColorFactor": [r, g, b, alpha], "metallicFactor": metallic, "roughnessFactor": roughness,
     });
     set_texture(&mut pbr, "baseColorTexture", base_texture(base.texture));
-    let mut to = json!({ "name": material.name, "alphaMode": mode, "doubleSided": true });
+    // A volume has an inside and an outside.
+    let is_sheet = extensions.get("KHR_materials_volume").is_none();
+    let mut to = json!({ "name": material.name, "alphaMode": mode, "doubleSided": is_sheet });
     let details = match &material.surface {
         Surface::MetallicRoughness { metallic_roughness_texture, normal_texture, .. } => {
             Some((metallic_roughness_texture, normal_texture))

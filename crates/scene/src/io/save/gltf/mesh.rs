@@ -50,7 +50,7 @@ fn primitive(mesh: &Mesh, body: Option<&Body>, buffer: &mut Buffer) -> Value {
     let mut attributes = Map::new();
     attributes.insert("POSITION".into(), buffer.add_positions(&mesh.positions).into());
     if !mesh.normals.is_empty() {
-        attributes.insert("NORMAL".into(), buffer.add_floats("VEC3", &mesh.normals).into());
+        attributes.insert("NORMAL".into(), buffer.add_floats("VEC3", &unit_normals(mesh)).into());
     }
     if !mesh.texcoords.is_empty() {
         let down: Vec<_> = mesh.texcoords.iter().map(|[u, v]| [*u, 1.0 - v]).collect();
@@ -106,6 +106,22 @@ fn put_joints(mesh: &Mesh, body: &Body, attributes: &mut Map<String, Value>, buf
         attributes.insert(format!("JOINTS_{set}"), buffer.add_joints(&joints).into());
         attributes.insert(format!("WEIGHTS_{set}"), buffer.add_floats("VEC4", &weights).into());
     }
+}
+
+/// As glTF requires: unit. A vertex without one gets that of its first triangle.
+fn unit_normals(mesh: &Mesh) -> Vec<[f32; 3]> {
+    let unit = |v: glam::Vec3| v.try_normalize();
+    let mut normals: Vec<_> = mesh.normals.iter().map(|&normal| unit(normal.into())).collect();
+    if normals.iter().any(Option::is_none) {
+        for triangle in &mesh.indices {
+            let [a, b, c] = triangle.map(|i| glam::Vec3::from(mesh.positions[i as usize]));
+            for &vertex in triangle {
+                let normal = &mut normals[vertex as usize];
+                *normal = normal.or_else(|| unit((b - a).cross(c - a)));
+            }
+        }
+    }
+    normals.into_iter().map(|normal| normal.unwrap_or(glam::Vec3::Z).to_array()).collect()
 }
 
 /// As glTF requires: unit, and the fourth number 1 or -1. A zero tangent stays zero.
